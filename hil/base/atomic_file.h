@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace kerfbench::hil {
+
+/// Writes a file whole or not at all: a temporary beside it, fsync, rename, fsync of the folder.
+/// @throws std::system_error with the path.
+void writeFileAtomically(const std::filesystem::path& path, std::string_view content);
+
+}  // namespace kerfbench::hil

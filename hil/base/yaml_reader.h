@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace kerfbench::hil {
+
+/// A configuration file that cannot be used; what() has one line per fault: "file:line: key: what is wrong".
+class ConfigError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a YAML mapping strictly: every key must be asked for, every value checked, and all faults are collected so
+/// that the user sees them at once. Typical use:
+///
+///     auto file = YamlReader::openFile("machine.yaml");
+///     auto optics = file.section("optics");
+///     double throw_mm = optics.number("throw_mm", {.min = 1, .max = 5000});
+///     file.finish();  // throws ConfigError if anything was wrong or left over
+class YamlReader {
+ public:
+  /// @throws ConfigError if the file is missing or no YAML mapping.
+  static YamlReader openFile(const std::filesystem::path& path);
+
+  struct Range {
+    double min{-1e300};
+    double max{1e300};
+    std::optional<double> fallback{};  ///< Absent: the key is required.
+  };
+  double number(std::string_view key, const Range& range);
+  std::int64_t integer(std::string_view key, const Range& range);
+  bool boolean(std::string_view key, std::optional<bool> fallback = std::nullopt);
+  std::string text(std::string_view key, std::optional<std::string> fallback = std::nullopt);
+  /// One of `allowed`.
+  std::string choice(std::string_view key, const std::vector<std::string>& allowed,
+                     std::optional<std::string> fallback = std::nullopt);
+  std::vector<double> numbers(std::string_view key, std::size_t count,
+                              std::optional<std::vector<double>> fallback = std::nullopt);
+  /// A nested mapping; a missing one reads as empty (its required keys then complain).
+  YamlReader section(std::string_view key);
+  [[nodiscard]] bool has(std::string_view key) const;
+  /// Each element of a list of mappings.
+  std::vector<YamlReader> list(std::string_view key);
+  /// All keys and texts of a nested mapping of free keys (layer names, say).
+  std::vector<std::pair<std::string, std::string>> pairs(std::string_view key);
+
+  /// Adds a fault of the caller's own at a key.
+  void fault(std::string_view key, std::string message);
+  [[nodiscard]] const std::filesystem::path& path() const;
+  /// Checks for unknown keys in every section opened. @throws ConfigError listing all faults, by line.
+  void finish();
+
+ private:
+  struct Node;
+  struct File;
+  explicit YamlReader(std::shared_ptr<Node> node);
+  std::shared_ptr<Node> node_;
+};
+
+}  // namespace kerfbench::hil

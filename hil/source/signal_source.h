@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "twin/base/pin_event.h"
+
+namespace kerfbench::hil {
+
+struct SourceInfo {
+  TickRate rate;
+  std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; margins must exceed it.
+  bool deterministic{};
+  bool accepts_input{};             ///< False for a recording: drive() and uartWrite() are ignored.
+  std::string config_id;            ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
+};
+
+/// Why advance() came back.
+enum class Stop {
+  kReached,   ///< The asked-for tick.
+  kEnded,     ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
+  kCrashed,   ///< The firmware or its emulator crashed; see message().
+  kFlooded,   ///< More events than `max_events` in one quantum.
+  kHung,      ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
+};
+
+/// What happened in one quantum, in order of tick.
+struct Batch {
+  std::vector<PinEvent> events;
+  std::vector<std::uint8_t> uart;  ///< Bytes that the controller sent.
+  Tick watermark{};                ///< Nothing at or before this tick can follow.
+};
+
+/// Where pins come from: an emulated or native release, a recording, real pins. One interface for all.
+class SignalSource {
+ public:
+  virtual ~SignalSource() = default;
+  [[nodiscard]] virtual SourceInfo info() const = 0;
+  /// Runs to `until` (> the last watermark) and replaces `batch` by what happened in (last watermark, until].
+  virtual Stop advance(Tick until, Batch& batch) = 0;
+  /// Puts a level on an input pin at a tick after the last watermark; calls come in order of tick.
+  virtual void drive(PinId pin, bool level, Tick at) = 0;
+  /// Queues bytes to the controller's UART; they go out at its baud rate, honouring its flow control.
+  virtual void uartWrite(std::span<const std::uint8_t> bytes) = 0;
+  /// One sentence about the last stop other than kReached.
+  [[nodiscard]] virtual std::string message() const = 0;
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace kerfbench::hil {
+
+/// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P is the
+/// plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection table T of the
+/// kerf camera.
+struct CameraCalibration {
+  int width_px{};
+  int height_px{};
+  double fx_px{}, fy_px{}, cx_px{}, cy_px{};
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};  ///< Pose of the plane in the camera; lengths in mm.
+  double map_u_mm{};  ///< Standard uncertainty of a mapped point within the board area of the calibration.
+
+  /// Pixel to the point of the plane z = 0. @throws std::domain_error for a ray that misses the plane.
+  [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
+  /// Mean scale at the image centre, mm per pixel.
+  [[nodiscard]] double pitchMm() const;
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hil/camera/frame_source.h"
+#include "hil/vision/camera_calibration.h"
+#include "twin/base/print_layout.h"
+
+namespace kerfbench::hil {
+
+/// Where the web is, as the printed marks of one unit tell: p_W = R(angle) p_S + t, rigid.
+struct SheetPose {
+  int unit{};                    ///< Which unit's marks were seen.
+  Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
+  double angle_rad{};
+  double residual_mm{};          ///< RMS distance of the marks from their places; NaN with one mark.
+  int marks{};                   ///< How many marks.
+};
+
+/// What one frame of the spot camera showed.
+struct FrameMeasurement {
+  std::uint64_t sequence{};
+  double mid_s{};                            ///< Middle of the exposure.
+  std::optional<Eigen::Vector2d> spot_W_mm;  ///< Centre of the glowing spot; absent when the laser was dark.
+  double spot_sigma_mm{};                    ///< Estimated standard uncertainty per axis.
+  std::vector<SheetPose> sheet;              ///< One pose for each unit with marks in view.
+};
+
+struct SpotTrackOptions {
+  int threads{1};  ///< The result is the same at any number.
+  double nominal_speed_mm_s{};  ///< Of the belt, for telling the units apart between frames; from the scenario.
+};
+
+struct SpotTrack {
+  std::vector<FrameMeasurement> frames;
+  std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
+};
+
+/// Measures all frames: spot by a sub-pixel estimator anywhere in the frame, sheet pose from the printed marks.
+/// Unit 0 is the first that enters the view; later ones follow one pitch upstream.
+SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, const PrintLayout& print,
+                    const SpotTrackOptions& options);
+
+}  // namespace kerfbench::hil
