@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The controller's language on its UART (8N1, 250 000 baud), used by the firmware (C) and by its host half (C++).
+ *
+ * Frame:  SYNC  TYPE  SEQ  LEN  payload[LEN]  CRC16
+ *   SYNC  0xA5.   SEQ counts frames of the host, modulo 256; the answer repeats it.
+ *   CRC16 CCITT (poly 0x1021, start 0xFFFF), low byte first, over TYPE … payload.
+ * All integers little-endian. The host may have as many program bytes under way as the last answer's free bytes
+ * allow, and one frame at a time; a NAK or a silence of KB_REPLY_TIMEOUT_MS repeats the frame.
+ */
+#ifndef KERFBENCH_CONTROLLER_PROTOCOL_H
+#define KERFBENCH_CONTROLLER_PROTOCOL_H
+
+#define KB_BAUD 250000UL
+#define KB_SYNC 0xA5
+#define KB_PAYLOAD_MAX 128
+#define KB_REPLY_TIMEOUT_MS 50
+
+/* Time base: a step tick of 400 CPU cycles (25 us); an interpolation period of 32 ticks (0.8 ms). An axis makes at
+ * most one step in a tick and at most 31 in a period. */
+#define KB_CPU_HZ 16000000UL
+#define KB_TICK_CYCLES 400U
+#define KB_TICKS_PER_PERIOD 32U
+#define KB_MAX_STEPS_PER_PERIOD 31
+
+enum kb_axis { KB_GALVO_X, KB_GALVO_Y, KB_GANTRY_X, KB_GANTRY_Y, KB_FEED, KB_AXES };
+
+/* Host -> controller. Each is answered by KB_ACK or KB_NAK. */
+enum kb_request {
+  KB_HELLO = 0x01,   /* -                                        -> ACK, then INFO */
+  KB_CONFIG = 0x02,  /* struct kb_config, field by field */
+  KB_DATA = 0x03,    /* program bytes, whole operations only */
+  KB_START = 0x04,   /* run the queue */
+  KB_STOP = 0x05,    /* stop now, laser off, queue emptied */
+  KB_STATUS = 0x06   /* -                                        -> ACK, then STATE */
+};
+
+/* Controller -> host. */
+enum kb_reply {
+  KB_ACK = 0x81,   /* u16 free bytes of the queue */
+  KB_NAK = 0x82,   /* u8 reason */
+  KB_INFO = 0x83,  /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
+  KB_STATE = 0x84, /* u8 state, u8 fault, u16 free bytes, i32 belt counts, i32 position of each axis in steps */
+  KB_EVENT = 0x85  /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
+};
+
+enum kb_nak { KB_NAK_CRC = 1, KB_NAK_TYPE = 2, KB_NAK_LENGTH = 3, KB_NAK_FULL = 4, KB_NAK_STATE = 5, KB_NAK_VALUE = 6 };
+enum kb_state { KB_IDLE, KB_RUNNING, KB_DONE, KB_STOPPED };
+enum kb_fault { KB_OK, KB_FAULT_DRY, KB_FAULT_INTERLOCK, KB_FAULT_LIMIT, KB_FAULT_PROGRAM, KB_FAULT_OVERSPEED };
+
+/* Program: a stream of operations.
+ *
+ * KB_OP_MOVE | mask  one interpolation period. mask bits 0…4: an int8 count of steps follows for each axis named, in
+ *                    axis order. KB_OP_POWER: a u8 power follows and the laser gate is open for this period.
+ *                    KB_OP_GAIN: an i16 follow gain follows (it holds for later periods too).
+ *                    Order of the bytes after the op: steps, power, gain.
+ *
+ * Follow: at each period boundary the controller takes the tracked belt position b (counts since the reference) and
+ * the nominal one n (which advances by config.nominal_per_period), and moves the follow axis by the change of
+ * round((b - n) * gain / 4096) in addition to the program's own steps.
+ */
+#define KB_OP_MOVE 0x80
+#define KB_OP_POWER 0x20
+#define KB_OP_GAIN 0x40
+enum kb_op {
+  KB_OP_END = 0x00,       /* - : done */
+  KB_OP_WAIT_MARK = 0x01, /* i32 offset in belt counts: wait for the next print mark, then until the belt is that far
+                             beyond it; this instant is the belt reference n = 0 + offset of the periods that follow */
+  KB_OP_WAIT = 0x02,      /* u16 periods: stand still */
+  KB_OP_FOLLOW = 0x03     /* u8 axis + 1, or 0: follow off, the correction returns to zero */
+};
+
+/* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
+ * u8 gate_off_delay_ticks, u8 idle_power. Delays count from the period boundary and let the laser wait for the
+ * mirrors' tracking delay; power follows with the same delay as the gate. */
+#define KB_CONFIG_LEN 7
+
+/* Pins of the ATmega2560 release (the native release uses the same numbers):
+ * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7
+ * port C: feed PUL C0 DIR C1, laser gate C2
+ * laser PWM: B7 (OC0A, fast PWM, 62.5 kHz)
+ * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1, interlock L2
+ */
+#endif

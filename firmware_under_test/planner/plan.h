@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hil/dieline/geometry.h"
+
+namespace kerfbench::planner {
+
+/// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The twin has
+/// its own, and a difference between the two is a fault that the bench must see.
+struct MachineParameters {
+  enum class Head { kTwoMirror, kGantry };
+  Head head{Head::kTwoMirror};
+  // Two mirrors (Cheng et al. 2014, eq. 2)
+  double throw_mm{};              ///< L: Y mirror to sheet; > 0.
+  double mirror_spacing_mm{};     ///< d; >= 0.
+  double mirror_step_rad{};       ///< Mechanical angle of one PUL.
+  // Gantry
+  double gantry_step_mm{};
+  // Both
+  double field_min_mm[2]{};       ///< Reach of the beam in W, x and y.
+  double field_max_mm[2]{};
+  double tracking_delay_s{};      ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
+  double encoder_count_mm{};      ///< Belt travel of one quadrature count.
+  double print_mark_sensor_x_mm{};  ///< In W.
+  double feed_step_mm{};          ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
+  double full_power_w{};          ///< At PWM duty 255/255.
+};
+
+struct JobParameters {
+  double belt_speed_mm_s{};       ///< > 0 while the board moves, 0 for a resting sheet.
+  double mark_speed_mm_s{300};
+  double jump_speed_mm_s{450};
+  double acceleration_mm_s2{20000};
+  double cut_energy_j_per_mm{};   ///< Power over speed that cuts through: Z1 (S3's P_ua times the spot diameter).
+  double half_z{0.5};             ///< Z of half-cut and crease.
+  double perforation_cut_mm{3.0};
+  double perforation_gap_mm{1.0};
+  int units{1};
+  double pitch_mm{};              ///< Of the units on the web; unit k lies at x_S = -k * pitch.
+  double eye_mark_x_mm{};         ///< Leading edge of the eye mark in S of a unit.
+  bool alternate{false};          ///< Odd units are cut in reverse (S0: the next cut runs back).
+  bool feed_by_controller{false};
+};
+
+/// Deliberate mistakes, for releases that the bench must fail.
+struct PlannerFaults {
+  bool ignore_belt{false};        ///< x' = x, without v t.
+  bool no_pincushion{false};      ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
+  int skip_entity{-1};            ///< Never cut.
+  int repeat_entity{-1};          ///< Cut twice.
+};
+
+/// A job that cannot be done; what() lists every reason, and the highest belt speed if that is one.
+class PlanError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What goes down the UART.
+struct Program {
+  std::vector<std::uint8_t> config;              ///< KB_CONFIG payload.
+  std::vector<std::vector<std::uint8_t>> ops;    ///< Whole operations, in order.
+};
+
+struct Plan {
+  std::string gcode;             ///< One unit in S4's dialect.
+  Program program;               ///< All units.
+  double unit_time_s{};          ///< From the start of a unit to its last period.
+  double max_belt_speed_mm_s{};  ///< The highest at which this job fits field and pitch.
+  double cut_length_mm{};
+  double jump_length_mm{};
+};
+
+/// Dieline to G-code: G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE headings, Z as laser.
+std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
+                      const PlannerFaults& faults = {});
+/// G-code of one unit to the program of all of them. @throws PlanError with line numbers.
+Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
+                   const PlannerFaults& faults = {});
+/// Both. @throws PlanError.
+Plan plan(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
+          const PlannerFaults& faults = {});
+
+}  // namespace kerfbench::planner
