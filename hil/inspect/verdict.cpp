@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerfbench::hil {
+
+std::string_view verdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "PASS";
+    case Verdict::kFail:
+      return "FAIL";
+    case Verdict::kNotProven:
+      return "NOT PROVEN";
+    case Verdict::kInvalid:
+      break;
+  }
+  return "INVALID";
+}
+
+int exitCode(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return 0;
+    case Verdict::kFail:
+      return 1;
+    case Verdict::kNotProven:
+      return 4;
+    case Verdict::kInvalid:
+      break;
+  }
+  return 3;
+}
+
+Verdict decide(Check& check) {
+  const bool usable = std::isfinite(check.value) && std::isfinite(check.limit) && std::isfinite(check.guard) &&
+                      std::isfinite(check.u) && check.guard >= 0.0 && check.u >= 0.0;
+  if (!usable) return check.verdict = Verdict::kInvalid;
+  // How far the value lies beyond the limit, counted positive on the bad side.
+  const double excess = check.upper ? check.value - check.limit : check.limit - check.value;
+  if (excess > check.guard) return check.verdict = Verdict::kFail;
+  if (excess <= -check.guard) return check.verdict = Verdict::kPass;
+  return check.verdict = Verdict::kNotProven;
+}
+
+Verdict combine(const std::vector<Check>& checks, bool evidence_valid) {
+  const auto any = [&](Verdict verdict) {
+    return std::any_of(checks.begin(), checks.end(), [&](const Check& c) { return c.verdict == verdict; });
+  };
+  if (!evidence_valid || checks.empty() || any(Verdict::kInvalid)) return Verdict::kInvalid;
+  if (any(Verdict::kFail)) return Verdict::kFail;
+  if (any(Verdict::kNotProven)) return Verdict::kNotProven;
+  return Verdict::kPass;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/dieline/geometry.h"
+#include "hil/inspect/inspect.h"
+#include "hil/vision/kerf_scan.h"
+#include "hil/vision/spot_track.h"
+#include "twin/base/pulse_timing.h"
+
+namespace kerfbench::hil {
+
+/// Time that one stage of a run took on the wall clock. Never part of the digest.
+struct StageTime {
+  std::string stage;
+  double wall_s{};
+};
+
+/// A picture in the results folder that the report links to by name, and shows if it is small.
+struct ReportPicture {
+  std::string file;     ///< Name relative to the results folder.
+  std::string caption;  ///< One line.
+};
+
+/// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
+struct RunReport {
+  // What was run.
+  std::string scenario;        ///< Name of the scenario.
+  std::string scenario_path;   ///< As given on the command line.
+  std::string scenario_text;   ///< The file as read, shown in full.
+  std::string machine;         ///< Name of the machine.
+  std::string firmware;        ///< Which release: file name, target.
+  std::string source_id;       ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
+  std::string repeat_command;  ///< The command line that does it again.
+  std::uint64_t seed{};
+  double virtual_s{};          ///< Duration on the clock of the pins.
+  std::vector<std::pair<std::string, std::string>> versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
+  // What was measured.
+  Limits limits;
+  Dieline dieline;
+  PrintLayout print;
+  KerfScan kerf;
+  SpotTrack spot;
+  std::vector<PulseTiming> pulses;
+  InspectionResult result;
+  // What the wall clock and the host say.
+  std::string host;
+  std::string finished;  ///< Date and time of the end, for people.
+  std::vector<StageTime> timing;
+  std::vector<ReportPicture> pictures;
+};
+
+/// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order of the
+/// entities, the host, the paths and the time that the run took. Lengths enter rounded to 1 nm, the rest to 1e-6.
+std::string digestOf(const RunReport& report);
+
+/// verdict.json, schema_version 1.
+std::string verdictJson(const RunReport& report);
+/// junit.xml: one test case for each check; NOT PROVEN is a failure of type NotProven, INVALID an error.
+std::string junitXml(const RunReport& report);
+/// report.html: one file that needs nothing else, for the screen and for paper.
+std::string htmlReport(const RunReport& report);
+
+/// Writes verdict.json, junit.xml and report.html into the folder, each whole or not at all.
+/// @throws std::system_error with the path.
+void writeReports(const RunReport& report, const std::filesystem::path& folder);
+
+}  // namespace kerfbench::hil
