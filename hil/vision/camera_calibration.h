@@ -2,11 +2,19 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <span>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 namespace kerfbench::hil {
+
+/// First-order map of the plane around one of its points: pixel + pixel_per_mm * (p - p0).
+struct LocalPixelMap {
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d pixel_per_mm{Eigen::Matrix2d::Identity()};
+};
 
 /// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P is the
 /// plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection table T of the
@@ -21,7 +29,15 @@ struct CameraCalibration {
 
   /// Pixel to the point of the plane z = 0. @throws std::domain_error for a ray that misses the plane.
   [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;
+  /// Point of the plane to its pixel, in the image or not. @throws std::domain_error behind the camera.
   [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
+  /// The same with its Jacobian. @throws std::domain_error behind the camera.
+  [[nodiscard]] LocalPixelMap localMap(const Eigen::Vector2d& p_mm) const;
+  /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the lens
+  /// polynomial folds them back into the picture are not seen.
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixelIfSeen(const Eigen::Vector2d& p_mm, double border_px) const;
+  /// Many pixels at once, without repeating the set-up. @throws std::invalid_argument for unequal sizes.
+  void planeFromPixels(std::span<const Eigen::Vector2d> pixels, std::span<Eigen::Vector2d> p_mm) const;
   /// Mean scale at the image centre, mm per pixel.
   [[nodiscard]] double pitchMm() const;
 };

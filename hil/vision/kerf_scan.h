@@ -66,6 +66,7 @@ struct KerfScanOptions {
   double joint_clearance_mm{0.4};
   double stray_min_mm{0.5};      ///< Smaller blobs are dust.
   int patches{6};                ///< How many worst places to keep pictures of.
+  double open_gray{235.0};       ///< Back light through an open kerf, from the set-up of the light: brightness 1.
   int threads{1};                ///< The result is the same at any number.
 };
 

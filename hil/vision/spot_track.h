@@ -10,7 +10,8 @@
 
 namespace kerfbench::hil {
 
-/// Where the web is, as the printed marks of one unit tell: p_W = R(angle) p_S + t, rigid.
+/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's own frame
+/// S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of unit k.
 struct SheetPose {
   int unit{};                    ///< Which unit's marks were seen.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
