@@ -18,8 +18,8 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a YAML mapping strictly: every key must be asked for, every value checked, and all faults are collected so
-/// that the user sees them at once. Typical use:
+/// Reads a YAML mapping strictly: every key must be asked for, every value checked, and all faults are
+/// collected so that the user sees them at once. Typical use:
 ///
 ///     auto file = YamlReader::openFile("machine.yaml");
 ///     auto optics = file.section("optics");

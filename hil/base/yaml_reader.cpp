@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/base/yaml_reader.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <system_error>
+
+namespace kerfbench::hil {
+
+namespace {
+
+// The keys of one mapping and which of them the program asked for. Outlives the reader of its section, so
+// that finish() sees every section that was ever opened.
+struct KeyBook {
+  std::string prefix;
+  int line{1};
+  std::set<std::string, std::less<>> asked;
+  std::vector<std::pair<std::string, int>> keys;  // With their lines.
+
+  [[nodiscard]] int lineOf(std::string_view key) const {
+    const auto found = std::ranges::find(keys, key, &std::pair<std::string, int>::first);
+    return found == keys.end() ? line : found->second;
+  }
+};
+
+bool given(const YAML::Node& node) { return node.IsDefined() && !node.IsNull(); }
+
+}  // namespace
+
+struct YamlReader::File {
+  struct Fault {
+    int line;
+    std::string message;
+  };
+  std::filesystem::path path;
+  std::vector<Fault> faults;
+  std::vector<std::shared_ptr<KeyBook>> books;
+};
+
+struct YamlReader::Node {
+  Node(std::shared_ptr<File> the_file, YAML::Node the_yaml, std::string prefix, int line)
+      : file(std::move(the_file)), yaml(std::move(the_yaml)), book(std::make_shared<KeyBook>()) {
+    book->prefix = std::move(prefix);
+    book->line = line;
+    if (yaml.IsMap()) {
+      for (const auto& entry : yaml)
+        book->keys.emplace_back(entry.first.Scalar(), entry.first.Mark().line + 1);
+    }
+    file->books.push_back(book);
+  }
+
+  std::shared_ptr<File> file;
+  YAML::Node yaml;  // Null for a section that is missing.
+  std::shared_ptr<KeyBook> book;
+
+  void fault(std::string_view key, std::string_view message) const {
+    file->faults.push_back({book->lineOf(key), fmt::format("{}{}: {}", book->prefix, key, message)});
+  }
+  // The value at `key`, or an undefined node; notes that the key is known.
+  YAML::Node take(std::string_view key) {
+    book->asked.emplace(key);
+    if (!yaml.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    const YAML::Node constant = yaml;
+    return constant[std::string(key)];
+  }
+};
+
+YamlReader::YamlReader(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+
+YamlReader YamlReader::openFile(const std::filesystem::path& path) {
+  auto file = std::make_shared<File>();
+  file->path = path;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw ConfigError(fmt::format("{}: no such file", path.string()));
+  }
+  if (std::filesystem::file_size(path) > (1U << 20U)) {
+    throw ConfigError(fmt::format("{}: larger than 1 MiB, this is no configuration file", path.string()));
+  }
+  YAML::Node yaml;
+  try {
+    yaml = YAML::LoadFile(path.string());
+  } catch (const YAML::Exception& e) {
+    throw ConfigError(fmt::format("{}:{}: {}", path.string(), e.mark.line + 1, e.msg));
+  }
+  if (!yaml.IsMap()) throw ConfigError(fmt::format("{}:1: expected 'key: value' lines", path.string()));
+  return YamlReader(std::make_shared<Node>(std::move(file), std::move(yaml), "", 1));
+}
+
+double YamlReader::number(std::string_view key, const Range& range) {
+  const YAML::Node value = node_->take(key);
+  if (!given(value)) {
+    if (range.fallback) return *range.fallback;
+    node_->fault(key, "missing");
+    return range.min > -1e299 ? range.min : 0.0;
+  }
+  double number = 0.0;
+  if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) || !std::isfinite(number)) {
+    node_->fault(key, fmt::format("'{}' is not a number", value.IsScalar() ? value.Scalar() : "…"));
+    return 0.0;
+  }
+  if (number < range.min || number > range.max) {
+    node_->fault(key, fmt::format("{} is outside {} … {}", number, range.min, range.max));
+  }
+  return number;
+}
+
+std::int64_t YamlReader::integer(std::string_view key, const Range& range) {
+  const double value = number(key, range);
+  if (value != std::floor(value)) node_->fault(key, fmt::format("{} is not a whole number", value));
+  return static_cast<std::int64_t>(std::clamp(value, -9e15, 9e15));
+}
+
+bool YamlReader::boolean(std::string_view key, std::optional<bool> fallback) {
+  const YAML::Node value = node_->take(key);
+  bool result = false;
+  if (!given(value)) {
+    if (fallback) return *fallback;
+    node_->fault(key, "missing");
+  } else if (!value.IsScalar() || !YAML::convert<bool>::decode(value, result)) {
+    node_->fault(key, "is neither true nor false");
+  }
+  return result;
+}
+
+std::string YamlReader::text(std::string_view key, std::optional<std::string> fallback) {
+  const YAML::Node value = node_->take(key);
+  if (!given(value)) {
+    if (fallback) return *fallback;
+    node_->fault(key, "missing");
+    return {};
+  }
+  if (!value.IsScalar()) {
+    node_->fault(key, "is not a text");
+    return {};
+  }
+  return value.Scalar();
+}
+
+std::string YamlReader::choice(std::string_view key, const std::vector<std::string>& allowed,
+                               std::optional<std::string> fallback) {
+  const bool was_given = given(node_->take(key));
+  std::string value = text(key, std::move(fallback));
+  if (was_given && std::ranges::find(allowed, value) == allowed.end()) {
+    node_->fault(key, fmt::format("'{}' is none of: {}", value, fmt::join(allowed, ", ")));
+  }
+  return value;
+}
+
+std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count,
+                                        std::optional<std::vector<double>> fallback) {
+  const YAML::Node value = node_->take(key);
+  std::vector<double> result;
+  if (!given(value)) {
+    if (fallback) return *fallback;
+    node_->fault(key, "missing");
+  } else {
+    for (const YAML::Node& element : value) {
+      double number = 0.0;
+      if (element.IsScalar() && YAML::convert<double>::decode(element, number) && std::isfinite(number)) {
+        result.push_back(number);
+      }
+    }
+    if (!value.IsSequence() || value.size() != count || result.size() != count) {
+      node_->fault(key, fmt::format("expected a list of {} numbers", count));
+    }
+  }
+  result.resize(count, 0.0);
+  return result;
+}
+
+YamlReader YamlReader::section(std::string_view key) {
+  const YAML::Node value = node_->take(key);
+  const bool is_map = given(value) && value.IsMap();
+  if (given(value) && !is_map) node_->fault(key, "expected 'key: value' lines under it");
+  return YamlReader(std::make_shared<Node>(node_->file, is_map ? value : YAML::Node(),
+                                           fmt::format("{}{}.", node_->book->prefix, key),
+                                           node_->book->lineOf(key)));
+}
+
+bool YamlReader::has(std::string_view key) const { return given(node_->take(key)); }
+
+std::vector<YamlReader> YamlReader::list(std::string_view key) {
+  const YAML::Node value = node_->take(key);
+  std::vector<YamlReader> result;
+  if (!given(value)) return result;
+  if (!value.IsSequence()) {
+    node_->fault(key, "expected a list ('- …' lines)");
+    return result;
+  }
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const YAML::Node element = value[i];
+    if (!element.IsMap()) node_->fault(key, fmt::format("element {} is not 'key: value'", i));
+    result.push_back(YamlReader(std::make_shared<Node>(node_->file, element.IsMap() ? element : YAML::Node(),
+                                                       fmt::format("{}{}[{}].", node_->book->prefix, key, i),
+                                                       element.Mark().line + 1)));
+  }
+  return result;
+}
+
+std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_view key) {
+  const YAML::Node value = node_->take(key);
+  std::vector<std::pair<std::string, std::string>> result;
+  if (!given(value)) return result;
+  if (!value.IsMap()) {
+    node_->fault(key, "expected 'key: value' lines under it");
+    return result;
+  }
+  for (const auto& entry : value) {
+    if (entry.first.IsScalar() && entry.second.IsScalar()) {
+      result.emplace_back(entry.first.Scalar(), entry.second.Scalar());
+    } else {
+      node_->fault(key, "holds something that is not a text");
+    }
+  }
+  return result;
+}
+
+void YamlReader::fault(std::string_view key, std::string message) { node_->fault(key, message); }
+
+const std::filesystem::path& YamlReader::path() const { return node_->file->path; }
+
+void YamlReader::finish() {
+  File& file = *node_->file;
+  std::vector<File::Fault> faults = file.faults;
+  for (const auto& book : file.books) {
+    std::set<std::string, std::less<>> seen;
+    for (const auto& [key, line] : book->keys) {
+      if (!book->asked.contains(key)) {
+        faults.push_back({line, fmt::format("{}{}: unknown key (known here: {})", book->prefix, key,
+                                            fmt::join(book->asked, ", "))});
+      } else if (!seen.insert(key).second) {
+        faults.push_back({line, fmt::format("{}{}: given twice", book->prefix, key)});
+      }
+    }
+  }
+  if (faults.empty()) return;
+  std::ranges::stable_sort(faults, {}, &File::Fault::line);
+  std::string message;
+  for (const auto& fault : faults) {
+    message += fmt::format("{}{}:{}: {}", message.empty() ? "" : "\n", file.path.string(), fault.line,
+                           fault.message);
+  }
+  throw ConfigError(message);
+}
+
+}  // namespace kerfbench::hil

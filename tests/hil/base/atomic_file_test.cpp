@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/base/atomic_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace kerfbench::hil {
+namespace {
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class AtomicFileTest : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "kerfbench_atomic_file";
+};
+
+TEST_F(AtomicFileTest, ReplacesAFileAndLeavesNothingBeside) {
+  writeFileAtomically(folder_ / "a", "old");
+  writeFileAtomically(folder_ / "a", std::string("new\0content", 11));
+  EXPECT_EQ(contentOf(folder_ / "a"), std::string("new\0content", 11));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(AtomicFileTest, LeavesTheOldFileAndNoRestWhenItCannotReplace) {
+  std::filesystem::create_directories(folder_ / "a" / "occupied");
+  EXPECT_THROW(writeFileAtomically(folder_ / "a", "x"), std::system_error);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "a" / "occupied"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(AtomicFileTest, NamesThePathWhenTheFolderIsMissing) {
+  try {
+    writeFileAtomically(folder_ / "missing" / "a", "x");
+    FAIL() << "no exception";
+  } catch (const std::system_error& e) {
+    EXPECT_NE(std::string(e.what()).find("missing/a"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

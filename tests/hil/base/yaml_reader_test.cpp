@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/base/yaml_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace kerfbench::hil {
+namespace {
+
+using testing::HasSubstr;
+
+class YamlReaderTest : public testing::Test {
+ protected:
+  YamlReader open(const std::string& content) {
+    std::ofstream(path_) << content;
+    return YamlReader::openFile(path_);
+  }
+  static std::string faultsOf(YamlReader& reader) {
+    try {
+      reader.finish();
+    } catch (const ConfigError& e) {
+      return e.what();
+    }
+    return {};
+  }
+  std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) / "kerfbench_yaml_reader.yaml";
+};
+
+TEST_F(YamlReaderTest, ReadsWhatIsThereAndFallsBackWhereAllowed) {
+  auto file = open(
+      "a: 1.5\nb: [1, 2]\nc: {d: yes}\ne: left\nf:\n  - {x: 1}\n  - {x: 2}\ng: {CUT: cut, '*': ignore}\n");
+  EXPECT_EQ(file.number("a", {.min = 0, .max = 2}), 1.5);
+  EXPECT_EQ(file.numbers("b", 2), (std::vector<double>{1, 2}));
+  EXPECT_TRUE(file.section("c").boolean("d"));
+  EXPECT_EQ(file.choice("e", {"left", "right"}), "left");
+  EXPECT_EQ(file.number("missing", {.fallback = 7.0}), 7.0);
+  auto list = file.list("f");
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0].integer("x", {}), 1);
+  EXPECT_EQ(list[1].integer("x", {}), 2);
+  EXPECT_EQ(file.pairs("g").size(), 2U);
+  EXPECT_EQ(faultsOf(file), "");
+}
+
+TEST_F(YamlReaderTest, ListsEveryFaultWithItsLineAtOnce) {
+  auto file = open("a: 5\nb: text\nsection:\n  c: 1\n  typo: 2\nf:\n  - {x: 1, y: 3}\n");
+  file.number("a", {.min = 0, .max = 2});
+  file.number("b", {});
+  {
+    auto section = file.section("section");
+    section.number("c", {});
+    section.number("d", {});
+  }  // The reader of a section may go before finish().
+  file.list("f")[0].number("x", {});
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr(":1: a: 5 is outside 0 … 2"));
+  EXPECT_THAT(faults, HasSubstr(":2: b: 'text' is not a number"));
+  EXPECT_THAT(faults, HasSubstr(":3: section.d: missing"));
+  EXPECT_THAT(faults, HasSubstr(":5: section.typo: unknown key (known here: c, d)"));
+  EXPECT_THAT(faults, HasSubstr(":7: f[0].y: unknown key"));
+}
+
+TEST_F(YamlReaderTest, RefusesWhatIsNoMapping) {
+  EXPECT_THROW(open("- 1\n- 2\n"), ConfigError);
+  EXPECT_THROW(open("a: [1, 2\n"), ConfigError);
+  EXPECT_THROW(YamlReader::openFile("/nonexistent.yaml"), ConfigError);
+}
+
+TEST_F(YamlReaderTest, RefusesNotANumberAndInfinity) {
+  auto file = open("a: .nan\nb: .inf\n");
+  file.number("a", {});
+  file.number("b", {});
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr(":1: a"));
+  EXPECT_THAT(faults, HasSubstr(":2: b"));
+}
+
+TEST_F(YamlReaderTest, ComplainsOfAKeyGivenTwice) {
+  auto file = open("a: 1\na: 2\n");
+  file.number("a", {});
+  EXPECT_THAT(faultsOf(file), HasSubstr(":2: a: given twice"));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
