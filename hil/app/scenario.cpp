@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/scenario.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "hil/base/yaml_reader.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kHuge = 1e9;
+
+const std::map<std::string, Process> kProcesses{{"cut", Process::kCut},
+                                                {"half-cut", Process::kHalfCut},
+                                                {"crease", Process::kCrease},
+                                                {"perforation", Process::kPerforation},
+                                                {"ignore", Process::kIgnore}};
+
+fs::path fileOf(YamlReader& reader, std::string_view key, const fs::path& base,
+                const fs::path& second_base = {}) {
+  const std::string name = reader.text(key);
+  if (name.empty()) return {};
+  for (const fs::path& folder : {base, second_base}) {
+    const fs::path candidate = fs::absolute(folder / name).lexically_normal();
+    if (fs::is_regular_file(candidate)) return candidate;
+  }
+  reader.fault(key, fmt::format("no such file '{}'{}", name,
+                                second_base.empty()
+                                    ? ""
+                                    : " (looked beside the scenario and in " + second_base.string() + ")"));
+  return {};
+}
+
+LayerProfile readLayers(YamlReader& file) {
+  const auto rules = file.pairs("layers");
+  if (rules.empty()) return defaultLayerProfile();
+  LayerProfile profile{"scenario", {}};
+  for (const auto& [layer, process] : rules) {
+    const auto found = kProcesses.find(process);
+    if (found == kProcesses.end()) {
+      file.fault("layers", fmt::format("'{}: {}' is none of cut, half-cut, crease, perforation, ignore",
+                                       layer, process));
+    } else {
+      profile.rules[layer] = found->second;
+    }
+  }
+  return profile;
+}
+
+twin::BoardDescription readBoard(YamlReader board) {
+  twin::BoardDescription result;
+  result.thickness_mm =
+      board.number("thickness_mm", {.min = 0.05, .max = 5.0, .fallback = result.thickness_mm});
+  result.cut_fluence_j_mm2 =
+      board.number("cut_fluence_j_mm2", {.min = 0.001, .max = 100.0, .fallback = result.cut_fluence_j_mm2});
+  result.transmission =
+      board.number("transmission", {.min = 0.01, .max = 0.5, .fallback = result.transmission});
+  result.print_transmission =
+      board.number("print_transmission", {.min = 0.0, .max = 0.5, .fallback = result.print_transmission});
+  return result;
+}
+
+PrintLayout readPrint(YamlReader print) {
+  PrintLayout result;
+  result.units = static_cast<int>(print.integer("units", {.min = 1, .max = 10000, .fallback = 1.0}));
+  result.pitch_mm = print.number("pitch_mm", {.min = 1.0, .max = 10000.0});
+  result.eye_mark_x_mm = print.number("eye_mark_x_mm", {.min = -10000.0, .max = 10000.0, .fallback = 0.0});
+  result.eye_mark_length_mm = print.number("eye_mark_length_mm", {.min = 0.5, .max = 100.0, .fallback = 5.0});
+  for (YamlReader& mark : print.list("marks")) {
+    RegistrationMark m;
+    m.p_SM_mm = {mark.number("x_mm", {.min = -kHuge, .max = kHuge}),
+                 mark.number("y_mm", {.min = -kHuge, .max = kHuge})};
+    m.diameter_mm = mark.number("diameter_mm", {.min = 1.0, .max = 20.0, .fallback = 3.0});
+    result.marks.push_back(m);
+  }
+  if (result.marks.size() < 3)
+    print.fault("marks", "needs at least three registration marks: they define the sheet's frame");
+  return result;
+}
+
+FirmwareChoice readFirmware(YamlReader firmware, const fs::path& base, const ImagePath& images) {
+  FirmwareChoice result;
+  const std::string source = firmware.choice("source", {"avr", "native", "child"});
+  result.source = source == "native"  ? FirmwareChoice::Source::kNative
+                  : source == "child" ? FirmwareChoice::Source::kChild
+                                      : FirmwareChoice::Source::kAvr;
+  result.image = fileOf(firmware, "image", base, images.firmware_dir);
+  if (result.source == FirmwareChoice::Source::kChild)
+    result.child = fileOf(firmware, "child", base, images.firmware_dir);
+  result.mcu = firmware.text("mcu", result.mcu);
+  result.clock_hz =
+      static_cast<std::uint64_t>(firmware.integer("clock_hz", {.min = 1e5, .max = 1e9, .fallback = 16e6}));
+  result.baud =
+      static_cast<std::uint32_t>(firmware.integer("baud", {.min = 300, .max = 4e6, .fallback = 250e3}));
+  if (firmware.choice("dialog", {"kerfbench", "line-ok"}, "kerfbench") == "line-ok") {
+    result.dialog = FirmwareChoice::Dialog::kLineOk;
+    result.gcode = fileOf(firmware, "gcode", base);
+  }
+  return result;
+}
+
+planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
+  planner::JobParameters job;
+  job.belt_speed_mm_s = scenario.belt_speed_mm_s;
+  job.mark_speed_mm_s =
+      planner.number("mark_speed_mm_s", {.min = 1, .max = 5000, .fallback = job.mark_speed_mm_s});
+  job.jump_speed_mm_s =
+      planner.number("jump_speed_mm_s", {.min = 1, .max = 5000, .fallback = job.jump_speed_mm_s});
+  job.acceleration_mm_s2 =
+      planner.number("acceleration_mm_s2", {.min = 10, .max = 1e6, .fallback = job.acceleration_mm_s2});
+  job.cut_energy_j_per_mm = planner.number("cut_energy_j_per_mm", {1e-4, 10, std::nullopt});
+  job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
+  job.perforation_cut_mm =
+      planner.number("perforation_cut_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_cut_mm});
+  job.perforation_gap_mm =
+      planner.number("perforation_gap_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_gap_mm});
+  job.alternate = planner.boolean("alternate", false);
+  job.feed_by_controller = scenario.belt_by_controller;
+  job.units = scenario.print.units;
+  job.pitch_mm = scenario.print.pitch_mm;
+  job.eye_mark_x_mm = scenario.print.eye_mark_x_mm;
+  return job;
+}
+
+planner::PlannerFaults readPlannerFaults(YamlReader faults) {
+  planner::PlannerFaults result;
+  result.ignore_belt = faults.boolean("ignore_belt", false);
+  result.no_pincushion = faults.boolean("no_pincushion", false);
+  result.skip_entity =
+      static_cast<int>(faults.integer("skip_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
+  result.repeat_entity =
+      static_cast<int>(faults.integer("repeat_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
+  return result;
+}
+
+Limits readLimits(YamlReader checks) {
+  Limits limits;
+  limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
+  limits.stillness_mm =
+      checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});
+  limits.min_coverage =
+      checks.number("min_coverage", {.min = 0.5, .max = 1.0, .fallback = limits.min_coverage});
+  limits.kerf_width_mm =
+      checks.number("kerf_width_mm", {.min = 0.001, .max = 10, .fallback = limits.kerf_width_mm});
+  limits.stray_mm = checks.number("stray_mm", {.min = 0.05, .max = 100, .fallback = limits.stray_mm});
+  return limits;
+}
+
+}  // namespace
+
+Scenario readScenario(const fs::path& path, const ImagePath& images) {
+  auto file = YamlReader::openFile(path);
+  const fs::path base = fs::absolute(path).parent_path();
+  Scenario s;
+  s.path = fs::absolute(path).lexically_normal();
+  std::ifstream stream(path, std::ios::binary);
+  s.text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
+    file.fault("version", "this program reads version 1");
+  s.name = file.text("name");
+  if (s.name.empty() ||
+      s.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
+          std::string::npos ||
+      s.name.front() == '.') {
+    file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
+  }
+  s.title = file.text("title", "");
+  s.dieline = fileOf(file, "dieline", base);
+  s.machine = fileOf(file, "machine", base);
+  s.layers = readLayers(file);
+  s.board = readBoard(file.section("board"));
+  s.print = readPrint(file.section("print"));
+  auto belt = file.section("belt");
+  s.belt_speed_mm_s = belt.number("speed_mm_s", {.min = 0, .max = 5000});
+  belt.choice("profile", {"constant"}, "constant");
+  s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
+  s.belt_lead_s = belt.number("lead_s", {.min = 0.05, .max = 60, .fallback = 0.8});
+  s.firmware = readFirmware(file.section("firmware"), base, images);
+  auto planner = file.section("planner");
+  s.job = readJob(planner, s);
+  s.planner_faults = readPlannerFaults(planner.section("faults"));
+  s.limits = readLimits(file.section("checks"));
+  s.time_limit_s = file.number("time_limit_s", {.min = 0.01, .max = 3600, .fallback = 60.0});
+  s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
+  file.finish();
+  return s;
+}
+
+}  // namespace kerfbench::hil

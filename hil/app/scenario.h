@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "firmware_under_test/planner/plan.h"
+#include "hil/dieline/read.h"
+#include "hil/inspect/inspect.h"
+#include "twin/base/print_layout.h"
+#include "twin/sheet/sheet.h"
+
+namespace kerfbench::hil {
+
+/// Which release runs, and how it is talked to.
+struct FirmwareChoice {
+  enum class Source { kAvr, kNative, kChild };
+  enum class Dialog {
+    kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
+                 ///< program.
+    kLineOk,     ///< Send a line, wait for "ok" (Grbl and its kin); `gcode` is what is sent.
+  };
+  Source source{Source::kAvr};
+  Dialog dialog{Dialog::kKerfbench};
+  std::filesystem::path image;  ///< Absolute.
+  std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
+  std::filesystem::path gcode;  ///< For kLineOk.
+  std::string mcu{"atmega2560"};
+  std::uint64_t clock_hz{16'000'000};
+  std::uint32_t baud{250'000};
+};
+
+/// A scenario file, checked; all paths absolute.
+struct Scenario {
+  std::filesystem::path path;
+  std::string text;  ///< The file as it is, for the report.
+  std::string name;
+  std::string title;
+  std::filesystem::path dieline;
+  std::filesystem::path machine;
+  LayerProfile layers;
+  twin::BoardDescription board;
+  PrintLayout print;
+  double belt_speed_mm_s{};
+  bool belt_by_controller{};  ///< The controller's feed pulses move the belt, not the line.
+  double belt_lead_s{};       ///< Until the first eye mark reaches the sensor (line), or the unit its start
+                              ///< (controller).
+  FirmwareChoice firmware;
+  planner::JobParameters job;
+  planner::PlannerFaults planner_faults;
+  Limits limits;
+  double time_limit_s{};
+  std::uint64_t seed{1};
+};
+
+/// Where release images named without a folder are looked for: beside the scenario, then here.
+struct ImagePath {
+  std::filesystem::path firmware_dir;
+};
+
+/// @throws ConfigError with every fault, each with file and line.
+Scenario readScenario(const std::filesystem::path& path, const ImagePath& images);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// The include graph is the design: what may know what. A new rule belongs here, not in a review.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Include {
+  std::string file;    // From the root of the project.
+  std::string target;  // As written between the quotes or brackets.
+};
+
+const fs::path kRoot = KERFBENCH_SOURCE_DIR;
+
+std::vector<fs::path> sources() {
+  std::vector<fs::path> found;
+  for (const char* top : {"twin", "hil", "firmware_under_test", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".cpp" || extension == ".h" || extension == ".c") found.push_back(entry.path());
+    }
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+std::vector<Include> includes() {
+  static const std::regex kPattern(R"re(^\s*#\s*include\s*["<]([^">]+)[">])re");
+  std::vector<Include> found;
+  for (const fs::path& path : sources()) {
+    std::ifstream file(path);
+    std::string line;
+    while (std::getline(file, line)) {
+      std::smatch match;
+      if (std::regex_search(line, match, kPattern)) {
+        found.push_back({fs::relative(path, kRoot).string(), match[1].str()});
+      }
+    }
+  }
+  return found;
+}
+
+bool in(const std::string& path, const std::string& folder) { return path.starts_with(folder + "/"); }
+
+std::string offenders(const std::function<bool(const Include&)>& is_offence) {
+  std::string text;
+  for (const Include& include : includes()) {
+    if (is_offence(include)) text += include.file + " includes " + include.target + "\n";
+  }
+  return text;
+}
+
+TEST(IncludeRules, AreCheckedOnTheRealTree) { EXPECT_GT(includes().size(), 200U); }
+
+TEST(IncludeRules, TheTwinKnowsNothingOfTheBenchOrTheFirmware) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return in(i.file, "twin") && (in(i.target, "hil") || in(i.target, "firmware_under_test"));
+            }),
+            "");
+}
+
+TEST(IncludeRules, VisionAndInspectionKnowOnlyTheBaseOfTheTwin) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return (in(i.file, "hil/vision") || in(i.file, "hil/inspect") || in(i.file, "hil/dieline")) &&
+                     in(i.target, "twin") && !in(i.target, "twin/base");
+            }),
+            "");
+}
+
+TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return (in(i.file, "hil/vision") || in(i.file, "hil/inspect")) &&
+                     (in(i.target, "firmware_under_test") || in(i.target, "hil/app") ||
+                      in(i.target, "hil/source") || i.target == "hil/camera/twin_frames.h");
+            }),
+            "");
+}
+
+TEST(IncludeRules, TheFirmwareAndItsPlannerKnowNothingOfTheTwin) {
+  EXPECT_EQ(
+      offenders([](const Include& i) { return in(i.file, "firmware_under_test") && in(i.target, "twin"); }),
+      "");
+}
+
+TEST(IncludeRules, OfTheBenchThePlannerUsesTheDielineAlone) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return in(i.file, "firmware_under_test") && in(i.target, "hil") &&
+                     !in(i.target, "hil/dieline") && i.target != "hil/source/pin_stream.h";
+            }),
+            "");
+}
+
+struct Library {
+  const char* name;
+  const char* header;  // A regular expression of its includes.
+  std::vector<std::string> folders;
+};
+
+TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
+  const std::vector<Library> libraries{
+      {"Bullet", "^(Bullet|Linear[A-Z]|bt[A-Z]).*", {"twin/machine"}},
+      {"OpenCV", "^opencv2/.*", {"hil/camera", "hil/vision", "hil/report", "twin/camera"}},
+      {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
+      {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
+      {"dime", "^dime/.*", {"hil/dieline"}},
+      {"OpenSSL", "^openssl/.*", {"hil/base"}},
+      {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
+  };
+  for (const Library& library : libraries) {
+    const std::regex pattern(library.header);
+    EXPECT_EQ(offenders([&](const Include& i) {
+                if (in(i.file, "tests") || !std::regex_match(i.target, pattern)) return false;
+                const bool is_source = i.file.ends_with(".cpp") || i.file.ends_with(".c");
+                return !is_source ||
+                       std::ranges::none_of(library.folders, [&](const auto& f) { return in(i.file, f); });
+              }),
+              "")
+        << library.name;
+  }
+}
+
+TEST(IncludeRules, OnlyTheAvrChildIsUnderTheGpl) {
+  for (const fs::path& path : sources()) {
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    const std::string name = fs::relative(path, kRoot).string();
+    const bool gpl_allowed =
+        in(name, "hil/source/avr_child") || name.find("avr_harness") != std::string::npos;
+    const bool apache = line.find("SPDX-License-Identifier: Apache-2.0") != std::string::npos;
+    const bool gpl = line.find("SPDX-License-Identifier: GPL-3.0-or-later") != std::string::npos;
+    EXPECT_TRUE(apache || (gpl && gpl_allowed)) << name << ": " << line;
+  }
+}
+
+}  // namespace
