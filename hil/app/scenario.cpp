@@ -22,11 +22,10 @@ const std::map<std::string, Process> kProcesses{{"cut", Process::kCut},
                                                 {"perforation", Process::kPerforation},
                                                 {"ignore", Process::kIgnore}};
 
-fs::path fileOf(YamlReader& reader, std::string_view key, const fs::path& base,
-                const fs::path& second_base = {}) {
+fs::path fileOf(YamlReader& reader, std::string_view key, const fs::path& second_base = {}) {
   const std::string name = reader.text(key);
   if (name.empty()) return {};
-  for (const fs::path& folder : {base, second_base}) {
+  for (const fs::path& folder : {reader.folderOf(key), second_base}) {
     const fs::path candidate = fs::absolute(folder / name).lexically_normal();
     if (fs::is_regular_file(candidate)) return candidate;
   }
@@ -84,15 +83,15 @@ PrintLayout readPrint(YamlReader print) {
   return result;
 }
 
-FirmwareChoice readFirmware(YamlReader firmware, const fs::path& base, const ImagePath& images) {
+FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
   FirmwareChoice result;
   const std::string source = firmware.choice("source", {"avr", "native", "child"});
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
                   : source == "child" ? FirmwareChoice::Source::kChild
                                       : FirmwareChoice::Source::kAvr;
-  result.image = fileOf(firmware, "image", base, images.firmware_dir);
+  result.image = fileOf(firmware, "image", images.firmware_dir);
   if (result.source == FirmwareChoice::Source::kChild)
-    result.child = fileOf(firmware, "child", base, images.firmware_dir);
+    result.child = fileOf(firmware, "child", images.firmware_dir);
   result.mcu = firmware.text("mcu", result.mcu);
   result.clock_hz =
       static_cast<std::uint64_t>(firmware.integer("clock_hz", {.min = 1e5, .max = 1e9, .fallback = 16e6}));
@@ -100,7 +99,7 @@ FirmwareChoice readFirmware(YamlReader firmware, const fs::path& base, const Ima
       static_cast<std::uint32_t>(firmware.integer("baud", {.min = 300, .max = 4e6, .fallback = 250e3}));
   if (firmware.choice("dialog", {"kerfbench", "line-ok"}, "kerfbench") == "line-ok") {
     result.dialog = FirmwareChoice::Dialog::kLineOk;
-    result.gcode = fileOf(firmware, "gcode", base);
+    result.gcode = fileOf(firmware, "gcode");
   }
   return result;
 }
@@ -156,7 +155,6 @@ Limits readLimits(YamlReader checks) {
 
 Scenario readScenario(const fs::path& path, const ImagePath& images) {
   auto file = YamlReader::openFile(path);
-  const fs::path base = fs::absolute(path).parent_path();
   Scenario s;
   s.path = fs::absolute(path).lexically_normal();
   std::ifstream stream(path, std::ios::binary);
@@ -171,8 +169,8 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
     file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
   }
   s.title = file.text("title", "");
-  s.dieline = fileOf(file, "dieline", base);
-  s.machine = fileOf(file, "machine", base);
+  s.dieline = fileOf(file, "dieline");
+  s.machine = fileOf(file, "machine");
   s.layers = readLayers(file);
   s.board = readBoard(file.section("board"));
   s.print = readPrint(file.section("print"));
@@ -181,7 +179,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   belt.choice("profile", {"constant"}, "constant");
   s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
   s.belt_lead_s = belt.number("lead_s", {.min = 0.05, .max = 60, .fallback = 0.8});
-  s.firmware = readFirmware(file.section("firmware"), base, images);
+  s.firmware = readFirmware(file.section("firmware"), images);
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
   s.planner_faults = readPlannerFaults(planner.section("faults"));

@@ -16,11 +16,15 @@ namespace {
 // The keys of one mapping and which of them the program asked for. Outlives the reader of its section, so
 // that finish() sees every section that was ever opened.
 struct KeyBook {
+  std::filesystem::path path;
   std::string prefix;
   int line{1};
   std::set<std::string, std::less<>> asked;
   std::vector<std::pair<std::string, int>> keys;  // With their lines.
 
+  [[nodiscard]] bool has(std::string_view key) const {
+    return std::ranges::find(keys, key, &std::pair<std::string, int>::first) != keys.end();
+  }
   [[nodiscard]] int lineOf(std::string_view key) const {
     const auto found = std::ranges::find(keys, key, &std::pair<std::string, int>::first);
     return found == keys.end() ? line : found->second;
@@ -33,19 +37,23 @@ bool given(const YAML::Node& node) { return node.IsDefined() && !node.IsNull(); 
 
 struct YamlReader::File {
   struct Fault {
+    std::filesystem::path path;
     int line;
     std::string message;
   };
-  std::filesystem::path path;
+  std::filesystem::path
+      path;  // Of the file that was opened; a file that it extends has its own in its books.
   std::vector<Fault> faults;
   std::vector<std::shared_ptr<KeyBook>> books;
 };
 
+// One mapping, and below it the mapping that it extends, if any.
 struct YamlReader::Node {
-  Node(std::shared_ptr<File> the_file, YAML::Node the_yaml, std::string prefix, int line)
-      : file(std::move(the_file)), yaml(std::move(the_yaml)), book(std::make_shared<KeyBook>()) {
-    book->prefix = std::move(prefix);
-    book->line = line;
+  Node(std::shared_ptr<File> the_file, YAML::Node the_yaml, KeyBook the_book, std::shared_ptr<Node> the_base)
+      : file(std::move(the_file)),
+        yaml(std::move(the_yaml)),
+        book(std::make_shared<KeyBook>(std::move(the_book))),
+        base(std::move(the_base)) {
     if (yaml.IsMap()) {
       for (const auto& entry : yaml)
         book->keys.emplace_back(entry.first.Scalar(), entry.first.Mark().line + 1);
@@ -56,24 +64,32 @@ struct YamlReader::Node {
   std::shared_ptr<File> file;
   YAML::Node yaml;  // Null for a section that is missing.
   std::shared_ptr<KeyBook> book;
+  std::shared_ptr<Node> base;
 
+  // Whose the key is: the first of the chain that gives it, else this.
+  [[nodiscard]] const Node& ownerOf(std::string_view key) const {
+    for (const Node* node = this; node != nullptr; node = node->base.get()) {
+      if (node->book->has(key)) return *node;
+    }
+    return *this;
+  }
   void fault(std::string_view key, std::string_view message) const {
-    file->faults.push_back({book->lineOf(key), fmt::format("{}{}: {}", book->prefix, key, message)});
+    const KeyBook& owner = *ownerOf(key).book;
+    file->faults.push_back(
+        {owner.path, owner.lineOf(key), fmt::format("{}{}: {}", owner.prefix, key, message)});
   }
   // The value at `key`, or an undefined node; notes that the key is known.
   YAML::Node take(std::string_view key) {
-    book->asked.emplace(key);
-    if (!yaml.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
-    const YAML::Node constant = yaml;
+    for (Node* node = this; node != nullptr; node = node->base.get()) node->book->asked.emplace(key);
+    const YAML::Node constant = ownerOf(key).yaml;
+    if (!constant.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
     return constant[std::string(key)];
   }
 };
 
-YamlReader::YamlReader(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+namespace {
 
-YamlReader YamlReader::openFile(const std::filesystem::path& path) {
-  auto file = std::make_shared<File>();
-  file->path = path;
+YAML::Node loadMapping(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw ConfigError(fmt::format("{}: no such file", path.string()));
@@ -88,7 +104,35 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
     throw ConfigError(fmt::format("{}:{}: {}", path.string(), e.mark.line + 1, e.msg));
   }
   if (!yaml.IsMap()) throw ConfigError(fmt::format("{}:1: expected 'key: value' lines", path.string()));
-  return YamlReader(std::make_shared<Node>(std::move(file), std::move(yaml), "", 1));
+  return yaml;
+}
+
+}  // namespace
+
+YamlReader::YamlReader(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+
+YamlReader YamlReader::openFile(const std::filesystem::path& path) {
+  constexpr int kDeepest = 8;
+  auto file = std::make_shared<File>();
+  file->path = path;
+  // From the file asked for down to the one that extends nothing.
+  std::vector<std::pair<std::filesystem::path, YAML::Node>> chain;
+  for (std::filesystem::path next = path; !next.empty();) {
+    if (chain.size() == kDeepest) {
+      throw ConfigError(fmt::format("{}: extends more than {} files deep", path.string(), kDeepest));
+    }
+    chain.emplace_back(next, loadMapping(next));
+    const YAML::Node constant = chain.back().second;
+    const YAML::Node extends = constant["extends"];
+    next = given(extends) && extends.IsScalar() ? next.parent_path() / extends.Scalar()
+                                                : std::filesystem::path();
+  }
+  std::shared_ptr<Node> node;
+  for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
+    node =
+        std::make_shared<Node>(file, it->second, KeyBook{it->first, "", 1, {"extends"}, {}}, std::move(node));
+  }
+  return YamlReader(std::move(node));
 }
 
 double YamlReader::number(std::string_view key, const Range& range) {
@@ -174,12 +218,18 @@ std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count,
 }
 
 YamlReader YamlReader::section(std::string_view key) {
-  const YAML::Node value = node_->take(key);
-  const bool is_map = given(value) && value.IsMap();
-  if (given(value) && !is_map) node_->fault(key, "expected 'key: value' lines under it");
-  return YamlReader(std::make_shared<Node>(node_->file, is_map ? value : YAML::Node(),
-                                           fmt::format("{}{}.", node_->book->prefix, key),
-                                           node_->book->lineOf(key)));
+  // Sections of the files extended come below, key by key.
+  std::shared_ptr<Node> below = node_->base ? YamlReader(node_->base).section(key).node_ : nullptr;
+  node_->book->asked.emplace(key);
+  const YAML::Node constant = node_->yaml;
+  YAML::Node value;
+  if (constant.IsMap()) value.reset(constant[std::string(key)]);
+  const bool is_given = value.IsDefined() && !value.IsNull();
+  if (is_given && !value.IsMap()) node_->fault(key, "expected 'key: value' lines under it");
+  KeyBook book{
+      node_->book->path, fmt::format("{}{}.", node_->book->prefix, key), node_->book->lineOf(key), {}, {}};
+  return YamlReader(std::make_shared<Node>(node_->file, is_given && value.IsMap() ? value : YAML::Node(),
+                                           std::move(book), std::move(below)));
 }
 
 bool YamlReader::has(std::string_view key) const { return given(node_->take(key)); }
@@ -195,9 +245,10 @@ std::vector<YamlReader> YamlReader::list(std::string_view key) {
   for (std::size_t i = 0; i < value.size(); ++i) {
     const YAML::Node element = value[i];
     if (!element.IsMap()) node_->fault(key, fmt::format("element {} is not 'key: value'", i));
+    const KeyBook& owner = *node_->ownerOf(key).book;
+    KeyBook book{owner.path, fmt::format("{}{}[{}].", owner.prefix, key, i), element.Mark().line + 1, {}, {}};
     result.push_back(YamlReader(std::make_shared<Node>(node_->file, element.IsMap() ? element : YAML::Node(),
-                                                       fmt::format("{}{}[{}].", node_->book->prefix, key, i),
-                                                       element.Mark().line + 1)));
+                                                       std::move(book), nullptr)));
   }
   return result;
 }
@@ -224,25 +275,31 @@ void YamlReader::fault(std::string_view key, std::string message) { node_->fault
 
 const std::filesystem::path& YamlReader::path() const { return node_->file->path; }
 
+std::filesystem::path YamlReader::folderOf(std::string_view key) const {
+  return std::filesystem::absolute(node_->ownerOf(key).book->path).parent_path();
+}
+
 void YamlReader::finish() {
-  File& file = *node_->file;
-  std::vector<File::Fault> faults = file.faults;
-  for (const auto& book : file.books) {
+  std::vector<File::Fault> faults = node_->file->faults;
+  for (const auto& book : node_->file->books) {
     std::set<std::string, std::less<>> seen;
     for (const auto& [key, line] : book->keys) {
       if (!book->asked.contains(key)) {
-        faults.push_back({line, fmt::format("{}{}: unknown key (known here: {})", book->prefix, key,
-                                            fmt::join(book->asked, ", "))});
+        faults.push_back({book->path, line,
+                          fmt::format("{}{}: unknown key (known here: {})", book->prefix, key,
+                                      fmt::join(book->asked, ", "))});
       } else if (!seen.insert(key).second) {
-        faults.push_back({line, fmt::format("{}{}: given twice", book->prefix, key)});
+        faults.push_back({book->path, line, fmt::format("{}{}: given twice", book->prefix, key)});
       }
     }
   }
   if (faults.empty()) return;
-  std::ranges::stable_sort(faults, {}, &File::Fault::line);
+  std::ranges::stable_sort(faults, [](const File::Fault& a, const File::Fault& b) {
+    return a.path != b.path ? a.path < b.path : a.line < b.line;
+  });
   std::string message;
   for (const auto& fault : faults) {
-    message += fmt::format("{}{}:{}: {}", message.empty() ? "" : "\n", file.path.string(), fault.line,
+    message += fmt::format("{}{}:{}: {}", message.empty() ? "" : "\n", fault.path.string(), fault.line,
                            fault.message);
   }
   throw ConfigError(message);

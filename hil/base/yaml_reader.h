@@ -25,6 +25,10 @@ class ConfigError : public std::runtime_error {
 ///     auto optics = file.section("optics");
 ///     double throw_mm = optics.number("throw_mm", {.min = 1, .max = 5000});
 ///     file.finish();  // throws ConfigError if anything was wrong or left over
+///
+/// A file may begin with `extends: other.yaml`: what it does not say itself is taken from there, section by
+/// section, key by key (lists are taken whole). File names inside an extended file keep their meaning from
+/// its own folder: see folderOf().
 class YamlReader {
  public:
   /// @throws ConfigError if the file is missing or no YAML mapping.
@@ -55,6 +59,8 @@ class YamlReader {
   /// Adds a fault of the caller's own at a key.
   void fault(std::string_view key, std::string message);
   [[nodiscard]] const std::filesystem::path& path() const;
+  /// The folder of the file that gives `key`, for file names relative to it.
+  [[nodiscard]] std::filesystem::path folderOf(std::string_view key) const;
   /// Checks for unknown keys in every section opened. @throws ConfigError listing all faults, by line.
   void finish();
 

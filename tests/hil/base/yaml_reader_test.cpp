@@ -83,5 +83,23 @@ TEST_F(YamlReaderTest, ComplainsOfAKeyGivenTwice) {
   EXPECT_THAT(faultsOf(file), HasSubstr(":2: a: given twice"));
 }
 
+TEST_F(YamlReaderTest, ExtendsAnotherFileKeyByKeyAndNamesTheRightFileInFaults) {
+  const auto base = path_.parent_path() / "kerfbench_yaml_base.yaml";
+  std::ofstream(base) << "a: 1\nsection: {x: 1, y: 2}\nwrong: 1\n";
+  auto file = open("extends: kerfbench_yaml_base.yaml\nsection: {y: 3, other: 4}\n");
+  EXPECT_EQ(file.number("a", {}), 1.0);
+  auto section = file.section("section");
+  EXPECT_EQ(section.number("x", {}), 1.0);
+  EXPECT_EQ(section.number("y", {}), 3.0);
+  EXPECT_EQ(file.folderOf("a"), base.parent_path());
+  const std::string faults = faultsOf(file);
+  EXPECT_THAT(faults, HasSubstr("kerfbench_yaml_base.yaml:3: wrong: unknown key"));
+  EXPECT_THAT(faults, HasSubstr("kerfbench_yaml_reader.yaml:2: section.other: unknown key"));
+}
+
+TEST_F(YamlReaderTest, RefusesAFileThatExtendsItself) {
+  EXPECT_THROW(open("extends: kerfbench_yaml_reader.yaml\n"), ConfigError);
+}
+
 }  // namespace
 }  // namespace kerfbench::hil

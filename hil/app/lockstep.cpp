@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/lockstep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kerfbench::hil {
+namespace {
+
+void sendSensors(SignalSource& source, const std::vector<SensorEdge>& edges, const SignalMap& map,
+                 PinRecording& recording) {
+  for (const SensorEdge& edge : edges) {
+    const auto pin = map.pin(edge.signal);
+    if (!pin) continue;
+    source.drive(*pin, edge.level, edge.tick);
+    recording.sensors.push_back(edge);
+  }
+}
+
+std::string describe(Stop stop, const SignalSource& source, double now_s) {
+  const std::string where = fmt::format(" at {:.3f} s: {}", now_s, source.message());
+  switch (stop) {
+    case Stop::kCrashed:
+      return "the firmware or its emulator crashed" + where;
+    case Stop::kFlooded:
+      return "the firmware floods its pins" + where;
+    case Stop::kHung:
+      return "the emulator does not answer" + where;
+    case Stop::kEnded:
+      return "the firmware halted before the job was done" + where;
+    case Stop::kReached:
+      break;
+  }
+  return {};
+}
+
+bool hasGap(const std::vector<PinEvent>& events) {
+  return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
+}
+
+}  // namespace
+
+LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
+                           const LockstepOptions& options, const ProgressFn& progress) {
+  const SourceInfo info = source.info();
+  const Tick quantum = std::max<Tick>(1, info.rate.ticksAt(options.quantum_s));
+  const Tick limit = info.rate.ticksAt(options.time_limit_s);
+  LockstepResult result;
+  result.recording.rate = info.rate;
+  Tick now = 0;
+  Tick end = limit;
+  bool finishing = false;
+  Batch batch;
+  for (int round = 0; now < end; ++round) {
+    const Tick until = std::min(now + quantum, end);
+    if (info.accepts_input) sendSensors(source, twin.predictSensors(until), map, result.recording);
+    const Stop stop = source.advance(until, batch);
+    now = batch.watermark;
+    if (hasGap(batch.events)) {
+      result.problems.push_back(fmt::format("pin events were lost before {:.6f} s", info.rate.seconds(now)));
+    }
+    twin.advance(now, batch.events);
+    result.recording.outputs.insert(result.recording.outputs.end(), batch.events.begin(), batch.events.end());
+    if (stop == Stop::kEnded && dialog == nullptr) break;
+    if (stop != Stop::kReached) {
+      result.problems.push_back(describe(stop, source, info.rate.seconds(now)));
+      break;
+    }
+    const double now_s = info.rate.seconds(now);
+    if (dialog != nullptr && !finishing) {
+      const auto answer = dialog->step(batch.uart, now_s);
+      if (!answer.empty()) source.uartWrite(answer);
+      finishing = dialog->state() != Dialog::State::kBusy;
+      if (dialog->state() == Dialog::State::kFailed) {
+        result.problems.push_back(fmt::format("at {:.3f} s: {}", now_s, dialog->message()));
+      }
+      // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
+      if (finishing)
+        end = std::min(limit, now + quantum * (1 + info.rate.ticksAt(options.settle_s) / quantum));
+    }
+    if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
+  }
+  if (dialog != nullptr && !finishing && result.problems.empty()) {
+    result.problems.push_back(
+        fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
+  }
+  result.recording.end = now;
+  return result;
+}
+
+}  // namespace kerfbench::hil

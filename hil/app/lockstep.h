@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hil/app/dialog.h"
+#include "hil/source/signal_source.h"
+#include "hil/source/vcd.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::hil {
+
+struct LockstepOptions {
+  /// The twin predicts its sensor edges this far ahead; at a belt acceleration of 2 m/s² that misplaces an
+  /// edge by 0.25 um at most.
+  double quantum_s{0.5e-3};
+  double time_limit_s{60.0};
+  double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
+};
+
+struct LockstepResult {
+  PinRecording recording;
+  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
+};
+
+/// Called now and then with the virtual time and a word on what happens.
+using ProgressFn = std::function<void(double now_s, const std::string& what)>;
+
+/// Runs source and twin quantum by quantum: the twin's sensor edges of a quantum go to the source before it
+/// runs it, the source's pin events go to the twin after. `dialog` may be null (a recording).
+LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
+                           const LockstepOptions& options, const ProgressFn& progress);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "hil/app/commands.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace kerfbench::hil;
+
+std::string commandLine(int argc, char** argv) {
+  std::string line = "./bench";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
+}
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of all noise, instead of the scenario's");
+  command.add_option("--time-limit", options.time_limit_s, "Virtual seconds after which a run is INVALID")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--jobs,-j", options.jobs, "Threads; the results are the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
+  command.add_flag("--timing", options.timing, "Say where the time went");
+}
+
+int dispatch(int argc, char** argv) {
+  CommonOptions options;
+  options.bin_dir = fs::read_symlink("/proc/self/exe").parent_path();
+  options.command_line = commandLine(argc, argv);
+  options.jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
+
+  CLI::App app{
+      "Kerfbench: hardware-in-the-loop test bench and digital twin for laser die-cutters.\n"
+      "Takes a firmware release, lets it cut a dieline on a modelled machine, looks at the cut with a "
+      "camera\n"
+      "and says whether the release is good.",
+      "kerfbench"};
+  app.set_version_flag("--version", KERFBENCH_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
+      "guard band),\n"
+      "2 the bench itself broke, 64 wrong command line, 65 bad input file.\n"
+      "Several scenarios: INVALID outweighs FAIL, FAIL outweighs NOT PROVEN.");
+
+  std::vector<fs::path> scenarios;
+  CLI::App* run = app.add_subcommand("run", "Run scenarios: firmware, machine, camera, verdict, report");
+  run->add_option("SCENARIO", scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();
+  addCommonOptions(*run, options);
+
+  fs::path recording;
+  fs::path replay_scenario;
+  CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd) as if they were live");
+  replay->add_option("RECORDING", recording, "VCD file with 1-bit wires named like galvo_x_pul")->required();
+  replay->add_option("--scenario", replay_scenario, "The scenario that was recorded")->required();
+  addCommonOptions(*replay, options);
+
+  std::vector<fs::path> lint_files;
+  CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
+  lint->add_option("FILE", lint_files, "Files to check")->required();
+  lint->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = app.exit(e);  // Prints help, version or the fault.
+    return code == 0 ? 0 : kExitUsage;
+  }
+  if (run->parsed()) return runCommand(scenarios, options);
+  if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
+  return lintCommand(lint_files, options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return dispatch(argc, argv);
+  } catch (const std::exception& e) {
+    std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
+    return kExitBroken;
+  }
+}
