@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "twin/base/image.h"
+
+namespace kerfbench::hil {
+
+/// Board brightness over the picture on a coarse grid, and the noise of a pixel.
+class Background {
+ public:
+  static constexpr int kCellPx = 64;
+
+  explicit Background(const GrayImage& image);
+
+  /// Board gray around a pixel: the median of its cell, or of the cells around where something dark covers it.
+  [[nodiscard]] int at(int column, int row) const {
+    return level_[static_cast<std::size_t>(row / kCellPx) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column / kCellPx)];
+  }
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int rows() const { return rows_; }
+  /// Of the whole picture.
+  [[nodiscard]] int median() const { return median_; }
+  /// Standard deviation of one pixel of plain board.
+  [[nodiscard]] double noise() const { return noise_; }
+
+ private:
+  int columns_{};
+  int rows_{};
+  std::vector<int> level_;
+  int median_{};
+  double noise_{};
+};
+
+/// A place that stands out of the board.
+struct BrightPeak {
+  int column{};
+  int row{};
+  int height{};  ///< Mean of 2 x 2 pixels above the board.
+};
+
+/// The brightest places of the picture, at most `max`, brightest first and never two in touching cells. Each stands
+/// out of the noise of millions of pixels. One pass over the picture at about the speed of memory.
+std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background, std::size_t max);
+
+}  // namespace kerfbench::hil

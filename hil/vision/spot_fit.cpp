@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/spot_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kMaxHalfWindow = 96;
+constexpr int kSaturated = 254;
+constexpr double kEdgeSigmaPx = 0.7;
+
+// x, y, the inverse covariance a b c, height, board, ink.
+constexpr int kParameters = 8;
+using Vector = Eigen::Matrix<double, kParameters, 1>;
+using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+
+struct Window {
+  int left, top, right, bottom;  // inclusive
+  [[nodiscard]] int width() const { return right - left + 1; }
+  [[nodiscard]] int height() const { return bottom - top + 1; }
+};
+
+struct Start {
+  Window window;
+  Vector parameters;
+};
+
+/// The picture as if nothing were printed.
+double withoutPrint(const GrayImage& image, int c, int r, std::span<const DiscInPicture> discs) {
+  double value = image.at(c, r);
+  for (const DiscInPicture& disc : discs) value += disc.contrast_gray * coverOf(disc, Eigen::Vector2d(c, r));
+  return value;
+}
+
+/// The bright region around the peak tells size and direction to start from.
+std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, double board, double noise,
+                                std::span<const DiscInPicture> discs) {
+  const double floor_gray = board + std::max(3.0 * noise, 0.2 * static_cast<double>(peak.height));
+  const Window limit{std::max(0, peak.column - kMaxHalfWindow), std::max(0, peak.row - kMaxHalfWindow),
+                     std::min(image.width - 1, peak.column + kMaxHalfWindow),
+                     std::min(image.height - 1, peak.row + kMaxHalfWindow)};
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(limit.width() * limit.height()), 0);
+  std::vector<std::pair<int, int>> queue;
+  const auto visit = [&](int c, int r) {
+    if (c < limit.left || c > limit.right || r < limit.top || r > limit.bottom) return;
+    auto& mark = seen[static_cast<std::size_t>((r - limit.top) * limit.width() + c - limit.left)];
+    if (mark != 0) return;
+    mark = 1;
+    if (withoutPrint(image, c, r, discs) > floor_gray) queue.emplace_back(c, r);
+  };
+  for (int dr = 0; dr < 2; ++dr) {
+    for (int dc = 0; dc < 2; ++dc) visit(peak.column + dc, peak.row + dr);
+  }
+  double weight = 0.0;
+  Eigen::Vector2d first = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+  Window box{peak.column, peak.row, peak.column + 1, peak.row + 1};
+  double top_gray = board;
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    const auto [c, r] = queue[i];
+    const double value = withoutPrint(image, c, r, discs);
+    const double w = value - board;
+    const Eigen::Vector2d d(c - peak.column, r - peak.row);
+    weight += w;
+    first += w * d;
+    second += w * d * d.transpose();
+    box = {std::min(box.left, c), std::min(box.top, r), std::max(box.right, c), std::max(box.bottom, r)};
+    top_gray = std::max(top_gray, value);
+    visit(c - 1, r);
+    visit(c + 1, r);
+    visit(c, r - 1);
+    visit(c, r + 1);
+  }
+  if (queue.size() < 2 || !(weight > 0.0)) return std::nullopt;
+  const Eigen::Vector2d mean = first / weight;
+  Eigen::Matrix2d shape = second / weight - mean * mean.transpose();
+  shape += 0.4 * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d inverse = shape.inverse();
+  Start start;
+  const int margin = 5;
+  start.window = {std::max(0, box.left - margin), std::max(0, box.top - margin),
+                  std::min(image.width - 1, box.right + margin), std::min(image.height - 1, box.bottom + margin)};
+  const double ink = discs.empty() ? 0.0 : -discs.front().contrast_gray;
+  start.parameters << peak.column + mean.x(), peak.row + mean.y(), inverse(0, 0), inverse(0, 1), inverse(1, 1),
+      top_gray - board, board, ink;
+  return start;
+}
+
+struct Sums {
+  Matrix normal = Matrix::Zero();
+  Matrix scatter = Matrix::Zero();  ///< Sum of squared residual times outer product: noise that differs by pixel.
+  Vector gradient = Vector::Zero();
+  double cost{};
+  int pixels{};
+};
+
+Sums accumulate(const GrayImage& image, const Window& w, const std::vector<double>& cover, const Vector& q,
+                bool with_scatter) {
+  Sums sums;
+  for (int r = w.top; r <= w.bottom; ++r) {
+    for (int c = w.left; c <= w.right; ++c) {
+      const double m = cover.empty() ? 0.0 : cover[static_cast<std::size_t>((r - w.top) * w.width() + c - w.left)];
+      const double dx = c - q[0];
+      const double dy = r - q[1];
+      const double exponent = 0.5 * (q[2] * dx * dx + 2.0 * q[3] * dx * dy + q[4] * dy * dy);
+      const double bell = exponent < 30.0 ? std::exp(-exponent) : 0.0;
+      const double model = q[5] * bell + q[6] + q[7] * m;
+      const double value = image.at(c, r);
+      if (value >= kSaturated && model >= kSaturated) continue;
+      const double residual = value - model;
+      sums.cost += residual * residual;
+      ++sums.pixels;
+      if (bell < 1e-5) {  // Plain board or ink: most pixels.
+        sums.normal(6, 6) += 1.0;
+        sums.normal(6, 7) += m;
+        sums.normal(7, 6) += m;
+        sums.normal(7, 7) += m * m;
+        sums.gradient[6] += residual;
+        sums.gradient[7] += residual * m;
+        continue;
+      }
+      const double s = q[5] * bell;
+      Vector j;
+      j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy,
+          -0.5 * s * dy * dy, bell, 1.0, m;
+      sums.normal.noalias() += j * j.transpose();
+      if (with_scatter) sums.scatter.noalias() += (residual * residual) * (j * j.transpose());
+      sums.gradient += residual * j;
+    }
+  }
+  return sums;
+}
+
+bool plausible(const Vector& q) {
+  return q.allFinite() && q[2] > 0.0 && q[4] > 0.0 && q[2] * q[4] > q[3] * q[3] && q[5] > 0.0 && q[5] < 8000.0;
+}
+
+}  // namespace
+
+double coverOf(const DiscInPicture& disc, const Eigen::Vector2d& pixel) {
+  const double distance_mm = (disc.mm_per_pixel * (pixel - disc.pixel)).norm();
+  const double pitch_mm = std::sqrt(std::abs(disc.mm_per_pixel.determinant()));
+  return 0.5 * std::erfc((distance_mm - disc.radius_mm) / (std::sqrt(2.0) * kEdgeSigmaPx * pitch_mm));
+}
+
+std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray, double noise_gray,
+                               std::span<const DiscInPicture> discs) {
+  const std::optional<Start> start = growRegion(image, peak, board_gray, noise_gray, discs);
+  if (!start) return std::nullopt;
+  const Window& w = start->window;
+  std::vector<double> cover;
+  if (!discs.empty()) {
+    cover.reserve(static_cast<std::size_t>(w.width() * w.height()));
+    for (int r = w.top; r <= w.bottom; ++r) {
+      for (int c = w.left; c <= w.right; ++c) {
+        double covered = 0.0;
+        for (const DiscInPicture& disc : discs) covered = std::max(covered, coverOf(disc, Eigen::Vector2d(c, r)));
+        cover.push_back(covered);
+      }
+    }
+  }
+
+  Vector q = start->parameters;
+  double damping = 1e-3;
+  Sums sums = accumulate(image, w, cover, q, false);
+  for (int round = 0; round < 40; ++round) {
+    Matrix a = sums.normal;
+    if (cover.empty()) a(7, 7) = 1.0;
+    a.diagonal() += damping * a.diagonal();
+    a.diagonal().array() += 1e-12;
+    const Vector step = a.ldlt().solve(sums.gradient);
+    const Vector trial = q + step;
+    if (!plausible(trial)) {
+      damping = std::max(damping, 1e-3) * 10.0;
+      if (damping > 1e8) break;
+      continue;
+    }
+    const Sums next = accumulate(image, w, cover, trial, false);
+    // Pixels leave the sum as the model saturates them: compare the mean.
+    if (next.pixels <= kParameters || next.cost / next.pixels > sums.cost / sums.pixels * (1.0 + 1e-12)) {
+      damping = std::max(damping, 1e-3) * 10.0;
+      if (damping > 1e8) break;
+      continue;
+    }
+    const bool settled = std::abs(step[0]) < 1e-5 && std::abs(step[1]) < 1e-5;
+    q = trial;
+    sums = next;
+    damping *= 0.1;
+    if (settled) break;
+  }
+  if (!plausible(q) || sums.pixels <= kParameters) return std::nullopt;
+
+  Eigen::Matrix2d inverse_shape;
+  inverse_shape << q[2], q[3], q[3], q[4];
+  const Eigen::Vector2d inverse_variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(inverse_shape).eigenvalues();
+  SpotFit fit;
+  fit.pixel = q.head<2>();
+  fit.long_sigma_px = 1.0 / std::sqrt(inverse_variances.x());
+  fit.short_sigma_px = 1.0 / std::sqrt(inverse_variances.y());
+  fit.height_gray = q[5];
+  Matrix normal = sums.normal;
+  if (cover.empty()) normal(7, 7) = 1.0;
+  normal.diagonal().array() += 1e-12;
+  const Matrix inverse = normal.ldlt().solve(Matrix::Identity());
+  sums = accumulate(image, w, cover, q, true);
+  const Matrix spread = inverse * sums.scatter * inverse;
+  const Matrix white = inverse * (noise_gray * noise_gray);
+  const double scale = std::max(1.0, spread.topLeftCorner<2, 2>().trace() / white.topLeftCorner<2, 2>().trace());
+  fit.covariance_px2 = scale * white.topLeftCorner<2, 2>();
+  const double height_sigma = std::sqrt(scale * white(5, 5));
+
+  // A lens and a pixel blur everything to 0.4 px and more: sharper is a hot pixel. An edge or a patch of light has no
+  // end within the window.
+  const bool inside = fit.pixel.x() > w.left && fit.pixel.x() < w.right && fit.pixel.y() > w.top && fit.pixel.y() < w.bottom;
+  if (!inside || fit.short_sigma_px < 0.4 || fit.short_sigma_px > 20.0 || fit.long_sigma_px > 0.75 * kMaxHalfWindow) {
+    return std::nullopt;
+  }
+  if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) || fit.height_gray < 5.0 * height_sigma) return std::nullopt;
+  if (!fit.covariance_px2.allFinite() || fit.covariance_px2.trace() > 2.0) return std::nullopt;
+  return fit;
+}
+
+std::optional<BrightPeak> peakWithin(const GrayImage& image, const DiscInPicture& disc, double noise_gray) {
+  const double pitch_mm = std::sqrt(std::abs(disc.mm_per_pixel.determinant()));
+  const int reach = static_cast<int>(std::ceil(1.2 * disc.radius_mm / pitch_mm));
+  const int column = static_cast<int>(std::lround(disc.pixel.x()));
+  const int row = static_cast<int>(std::lround(disc.pixel.y()));
+  BrightPeak best;
+  int best_mean = -1;
+  std::vector<int> ink;
+  for (int r = std::max(0, row - reach); r <= std::min(image.height - 2, row + reach); ++r) {
+    for (int c = std::max(0, column - reach); c <= std::min(image.width - 2, column + reach); ++c) {
+      const double distance_mm = (disc.mm_per_pixel * (Eigen::Vector2d(c + 0.5, r + 0.5) - disc.pixel)).norm();
+      if (distance_mm > disc.radius_mm - 1.5 * pitch_mm) continue;
+      const int mean = (image.at(c, r) + image.at(c + 1, r) + image.at(c, r + 1) + image.at(c + 1, r + 1)) / 4;
+      ink.push_back(mean);
+      if (mean > best_mean) {
+        best_mean = mean;
+        best = {c, r, 0};
+      }
+    }
+  }
+  if (ink.size() < 9) return std::nullopt;
+  const auto middle = ink.begin() + static_cast<std::ptrdiff_t>(ink.size() / 2);
+  std::nth_element(ink.begin(), middle, ink.end());
+  best.height = best_mean - *middle;
+  if (best.height < std::max(6.0, 5.0 * noise_gray)) return std::nullopt;
+  return best;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "hil/vision/brightness_scan.h"
+#include "twin/base/image.h"
+
+namespace kerfbench::hil {
+
+/// A printed disc as the fit of a spot beside it must know it.
+struct DiscInPicture {
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d mm_per_pixel{Eigen::Matrix2d::Identity()};
+  double radius_mm{};
+  double contrast_gray{};  ///< Board minus ink, to start from.
+};
+
+/// A glowing spot in pixels: an elliptical Gaussian, long when the spot moved during the exposure.
+struct SpotFit {
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Of the estimated centre.
+  double long_sigma_px{};
+  double short_sigma_px{};
+  double height_gray{};  ///< Above the board; more than 255 for a saturated spot.
+};
+
+/// Fits the spot at a peak by least squares: centre, shape, height, board, and the contrast of the discs given.
+/// Saturated pixels only say "at least that bright". nullopt for what is not a spot: noise, a hot pixel, an edge.
+std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray, double noise_gray,
+                               std::span<const DiscInPicture> discs = {});
+
+/// The brightest place inside a printed disc, if it stands out of the ink.
+std::optional<BrightPeak> peakWithin(const GrayImage& image, const DiscInPicture& disc, double noise_gray);
+
+/// Share of a pixel that the disc covers, with an edge as soft as a usual lens makes it.
+double coverOf(const DiscInPicture& disc, const Eigen::Vector2d& pixel);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/spot_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/LU>
+
+#include "hil/vision/brightness_scan.h"
+#include "hil/vision/mark_finder.h"
+#include "hil/vision/parallel.h"
+#include "hil/vision/sheet_tracker.h"
+#include "hil/vision/spot_fit.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kBatch = 16;
+constexpr std::size_t kCandidates = 4;
+constexpr int kSearchEvery = 20;          // frames, at most
+constexpr double kSearchEveryMm = 5.0;    // of belt, at most
+
+/// What can be told from one frame alone.
+struct Glance {
+  std::optional<SpotFit> spot;
+  double board_gray{};
+  double noise_gray{};
+  bool searched{};
+  std::vector<FoundMark> marks;
+};
+
+Glance glanceAt(const Frame& frame, const CameraCalibration& calibration, std::span<const double> diameters_mm,
+                bool search) {
+  Glance glance;
+  const Background background(frame.image);
+  glance.board_gray = background.median();
+  glance.noise_gray = background.noise();
+  for (const BrightPeak& peak : findBrightPeaks(frame.image, background, kCandidates)) {
+    glance.spot = fitSpot(frame.image, peak, background.at(peak.column, peak.row), background.noise());
+    if (glance.spot) break;
+  }
+  if (search) {
+    glance.searched = true;
+    glance.marks = findMarks(frame.image, calibration, background, diameters_mm);
+  }
+  return glance;
+}
+
+/// Frames between full searches: often enough that a mark does not run through the view unnoticed.
+std::size_t searchStride(const std::vector<Frame>& frames, double speed_mm_s) {
+  if (frames.size() < 2) return 1;
+  const double per_frame_mm = std::abs(speed_mm_s * (frames[1].start_s - frames[0].start_s));
+  if (!(per_frame_mm > kSearchEveryMm / kSearchEvery)) return kSearchEvery;
+  return static_cast<std::size_t>(std::max(1.0, kSearchEveryMm / per_frame_mm));
+}
+
+void placeSpot(FrameMeasurement& out, const SpotFit& fit, const CameraCalibration& calibration) {
+  const Eigen::Vector2d p_mm = calibration.planeFromPixel(fit.pixel);
+  const Eigen::Matrix2d mm_per_pixel = calibration.localMap(p_mm).pixel_per_mm.inverse();
+  const Eigen::Matrix2d covariance_mm2 = mm_per_pixel * fit.covariance_px2 * mm_per_pixel.transpose();
+  out.spot_W_mm = p_mm;
+  out.spot_sigma_mm = std::sqrt(0.5 * covariance_mm2.trace());
+}
+
+/// The spot shines on a mark: fit both, or find it in the ink where it does not outshine the board.
+std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance, const SheetTracker& tracker,
+                                    const CameraCalibration& calibration, double pitch_mm) {
+  if (glance.spot) {
+    const Eigen::Vector2d p_mm = calibration.planeFromPixel(glance.spot->pixel);
+    const double reach_mm = (4.0 * glance.spot->long_sigma_px + 6.0) * pitch_mm;
+    const std::vector<DiscInPicture> discs = tracker.discs(p_mm, reach_mm);
+    if (discs.empty()) return std::nullopt;
+    const BrightPeak peak{static_cast<int>(glance.spot->pixel.x()), static_cast<int>(glance.spot->pixel.y()),
+                          static_cast<int>(std::min(255.0, glance.spot->height_gray))};
+    return fitSpot(image, peak, glance.board_gray, glance.noise_gray, discs);
+  }
+  for (const DiscInPicture& disc : tracker.missedDiscs()) {
+    const std::optional<BrightPeak> peak = peakWithin(image, disc, glance.noise_gray);
+    if (!peak) continue;
+    if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise_gray, {&disc, 1})) return fit;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, const PrintLayout& print,
+                    const SpotTrackOptions& options) {
+  SpotTrack track;
+  SheetTracker tracker(calibration, print, options.nominal_speed_mm_s);
+  const double pitch_mm = calibration.pitchMm();
+  std::vector<double> diameters_mm;
+  for (const RegistrationMark& mark : print.marks) {
+    if (std::find(diameters_mm.begin(), diameters_mm.end(), mark.diameter_mm) == diameters_mm.end()) {
+      diameters_mm.push_back(mark.diameter_mm);
+    }
+  }
+  std::size_t stride = 0;
+  std::size_t done = 0;
+  for (;;) {
+    const std::vector<Frame> batch = source.nextBatch(kBatch);
+    if (batch.empty()) break;
+    for (const Frame& frame : batch) {
+      if (frame.image.width != calibration.width_px || frame.image.height != calibration.height_px) {
+        throw std::invalid_argument("frame " + std::to_string(frame.sequence) + " is " +
+                                    std::to_string(frame.image.width) + " x " + std::to_string(frame.image.height) +
+                                    " px, the calibration is for " + std::to_string(calibration.width_px) + " x " +
+                                    std::to_string(calibration.height_px));
+      }
+    }
+    if (stride == 0) stride = searchStride(batch, options.nominal_speed_mm_s);
+
+    std::vector<Glance> glances(batch.size());
+    parallelFor(batch.size(), options.threads, [&](std::size_t i) {
+      glances[i] = glanceAt(batch[i], calibration, diameters_mm, (done + i) % stride == 0);
+    });
+
+    // In order, and cheap: the marks are where the frame before says.
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const Frame& frame = batch[i];
+      const Glance& glance = glances[i];
+      FrameMeasurement out;
+      out.sequence = frame.sequence;
+      out.mid_s = frame.start_s + 0.5 * frame.exposure_s;
+      if (!track.frames.empty()) {
+        const std::uint64_t last = track.frames.back().sequence;
+        // A repeated or backward number is as untrustworthy as a gap.
+        track.frames_lost += frame.sequence > last ? frame.sequence - last - 1 : 1;
+      }
+      std::optional<SheetTracker::KeepOut> keep_out;
+      if (glance.spot) {
+        placeSpot(out, *glance.spot, calibration);
+        keep_out = {*out.spot_W_mm, (4.0 * glance.spot->long_sigma_px + 2.0) * pitch_mm};
+      }
+      out.sheet = tracker.step(frame.image, out.mid_s, keep_out, glance.searched ? &glance.marks : nullptr);
+      if (const auto better = fitWithPrint(frame.image, glance, tracker, calibration, pitch_mm)) {
+        placeSpot(out, *better, calibration);
+      }
+      track.frames.push_back(std::move(out));
+    }
+    done += batch.size();
+  }
+  return track;
+}
+
+}  // namespace kerfbench::hil
