@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hil/vision/brightness_scan.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kSameMarkMm = 0.5;      // of one mark in two tiles
+constexpr double kTableShiftMm = 12.0;   // how far a unit may lie from its nominal place, lever arm of its angle included
+constexpr double kMaxTableAngleRad = 0.03;
+constexpr double kDisagreementMm = 0.1;
+
+struct TableMark {
+  Eigen::Vector2d p_T_mm;
+  double from_middle_mm;
+};
+
+/// One entry per mark of the table: from the tile with its middle nearest.
+std::vector<TableMark> uniqueMarks(const std::vector<TileView>& tiles) {
+  std::vector<TableMark> unique;
+  for (const TileView& view : tiles) {
+    for (const FoundMark& mark : view.marks) {
+      const Eigen::Vector2d p_T_mm = view.tile.p_TV_mm + mark.p_mm;
+      const TableMark here{p_T_mm, (p_T_mm - view.centre_T_mm).norm()};
+      const auto same = std::find_if(unique.begin(), unique.end(), [&](const TableMark& other) {
+        return (other.p_T_mm - p_T_mm).norm() < kSameMarkMm;
+      });
+      if (same == unique.end()) {
+        unique.push_back(here);
+      } else if (here.from_middle_mm < same->from_middle_mm) {
+        *same = here;
+      }
+    }
+  }
+  return unique;
+}
+
+}  // namespace
+
+TileView viewTile(KerfTile tile, const CameraCalibration& calibration, const std::vector<double>& diameters_mm) {
+  TileView view;
+  view.tile = std::move(tile);
+  const GrayImage& image = view.tile.image;
+  const Background background(image);
+  view.board_gray = background.median();
+  view.noise_gray = background.noise();
+  view.marks = findMarks(image, calibration, background, diameters_mm);
+  const Eigen::Vector2d middle(0.5 * (image.width - 1), 0.5 * (image.height - 1));
+  view.centre_T_mm = view.tile.p_TV_mm + calibration.planeFromPixel(middle);
+  for (const double x : {0.0, 1.0}) {
+    for (const double y : {0.0, 1.0}) {
+      const Eigen::Vector2d corner(x * (image.width - 1), y * (image.height - 1));
+      const Eigen::Vector2d p_T_mm = view.tile.p_TV_mm + calibration.planeFromPixel(corner);
+      view.half_diagonal_mm = std::max(view.half_diagonal_mm, (p_T_mm - view.centre_T_mm).norm());
+    }
+  }
+  return view;
+}
+
+std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, int unit, const PrintLayout& print,
+                                   const CameraCalibration& calibration, std::vector<std::string>& problems) {
+  const std::string name = "unit " + std::to_string(unit) + ": ";
+  std::vector<Eigen::Vector2d> seen;
+  for (const TableMark& mark : uniqueMarks(tiles)) seen.push_back(mark.p_T_mm);
+  if (seen.empty()) {
+    problems.push_back(name + "no registration mark found in its tiles");
+    return std::nullopt;
+  }
+  PrintLayout alone = print;
+  alone.units = 1;
+  ConstellationQuery query;
+  query.print = &alone;
+  query.max_angle_rad = kMaxTableAngleRad;
+  query.max_shift_mm = kTableShiftMm;
+  double border_px = 0.0;
+  for (const RegistrationMark& mark : print.marks) {
+    border_px = std::max(border_px, 1.1 * markBorderPx(0.5 * mark.diameter_mm / calibration.pitchMm()));
+  }
+  query.in_view = [&](const Eigen::Vector2d& p_T_mm) {
+    return bestTile(tiles, calibration, p_T_mm, border_px) != nullptr;
+  };
+  const std::optional<Constellation> found = matchConstellation(seen, query);
+  if (!found || found->matched < 2) {
+    problems.push_back(name + "its registration marks do not fit the print layout (" + std::to_string(seen.size()) +
+                       " discs seen, " + std::to_string(found ? found->matched : 0) + " fit)");
+    return std::nullopt;
+  }
+  std::vector<MarkPair> pairs;
+  for (const RegistrationMark& mark : print.marks) {
+    const Eigen::Vector2d expected = found->motion * mark.p_SM_mm;
+    const auto nearest = std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) {
+      return (a - expected).squaredNorm() < (b - expected).squaredNorm();
+    });
+    if ((*nearest - expected).norm() < query.tolerance_mm) pairs.push_back({mark.p_SM_mm, *nearest});
+  }
+  if (pairs.size() < 2) return std::nullopt;
+  const MotionFit fit = fitMotionRobust(pairs, found->motion, kDisagreementMm);
+  if (fit.pairs < 2) {
+    problems.push_back(name + "its registration marks disagree with each other");
+    return std::nullopt;
+  }
+  if (2 * fit.pairs < found->expected) {
+    problems.push_back(name + "only " + std::to_string(fit.pairs) + " of " + std::to_string(found->expected) +
+                       " registration marks could be used");
+  }
+  return UnitPlace{fit.motion, fit.rms_mm, fit.pairs};
+}
+
+const TileView* bestTile(const std::vector<TileView>& tiles, const CameraCalibration& calibration,
+                         const Eigen::Vector2d& p_T_mm, double border_px) {
+  const TileView* best = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const TileView& view : tiles) {
+    const double distance_mm = (p_T_mm - view.centre_T_mm).norm();
+    if (distance_mm > view.half_diagonal_mm || distance_mm >= nearest) continue;
+    if (!calibration.pixelIfSeen(p_T_mm - view.tile.p_TV_mm, border_px)) continue;
+    nearest = distance_mm;
+    best = &view;
+  }
+  return best;
+}
+
+}  // namespace kerfbench::hil
