@@ -29,7 +29,8 @@ void ExtremeEstimate::add(double reading, double sigma) {
     raw_ = size;
     upper_ = upper;
   } else if (std::isnan(upper) || std::isnan(upper_)) {
-    upper_ = std::numeric_limits<double>::quiet_NaN();  // An unknown uncertainty must not get lost in a maximum.
+    upper_ =
+        std::numeric_limits<double>::quiet_NaN();  // An unknown uncertainty must not get lost in a maximum.
   } else {
     raw_ = std::max(raw_, size);
     upper_ = std::max(upper_, upper);

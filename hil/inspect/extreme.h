@@ -9,8 +9,9 @@ namespace kerfbench::hil {
 
 /// Uncertainty of the worst of many readings.
 ///
-/// The largest of N readings is an extreme value: noise alone lifts it, to about 4 sigma for ten thousand places. Let
-/// r_i be the readings with standard uncertainties s_i and d_i the true deviations. With 97.7 % confidence
+/// The largest of N readings is an extreme value: noise alone lifts it, to about 4 sigma for ten thousand
+/// places. Let r_i be the readings with standard uncertainties s_i and d_i the true deviations. With 97.7 %
+/// confidence
 ///
 ///     max |d_i| <= max (|r_i| + 2 s_i)        whatever N is: it holds at the place that is truly the worst;
 ///     max |d_i| >= max (|r_i| - z_N s_i, 0)   where all N noises stay within z_N s_i with 95.45 %; z_1 = 2.
@@ -23,8 +24,8 @@ class ExtremeEstimate {
 
   void add(double reading, double sigma);
 
-  [[nodiscard]] double value() const;     ///< NaN before the first reading.
-  [[nodiscard]] double expandedU() const; ///< NaN before the first reading.
+  [[nodiscard]] double value() const;                ///< NaN before the first reading.
+  [[nodiscard]] double expandedU() const;            ///< NaN before the first reading.
   [[nodiscard]] double raw() const { return raw_; }  ///< Largest |reading| as read.
 
  private:

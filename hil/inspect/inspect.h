@@ -74,8 +74,8 @@ struct CutResult {
   double drift_sigma_mm{};
   double peak_mm{};
   double rms_mm{};
-  std::vector<double> time_s;       ///< For the report's plot.
-  std::vector<double> residual_mm;  ///< x-residual of spot against the dieline on the moving sheet.
+  std::vector<double> time_s{};       ///< For the report's plot.
+  std::vector<double> residual_mm{};  ///< x-residual of spot against the dieline on the moving sheet.
 };
 
 struct InspectionResult {

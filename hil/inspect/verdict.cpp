@@ -35,8 +35,9 @@ int exitCode(Verdict verdict) {
 }
 
 Verdict decide(Check& check) {
-  const bool usable = std::isfinite(check.value) && std::isfinite(check.limit) && std::isfinite(check.guard) &&
-                      std::isfinite(check.u) && check.guard >= 0.0 && check.u >= 0.0;
+  const bool usable = std::isfinite(check.value) && std::isfinite(check.limit) &&
+                      std::isfinite(check.guard) && std::isfinite(check.u) && check.guard >= 0.0 &&
+                      check.u >= 0.0;
   if (!usable) return check.verdict = Verdict::kInvalid;
   // How far the value lies beyond the limit, counted positive on the bad side.
   const double excess = check.upper ? check.value - check.limit : check.limit - check.value;

@@ -13,18 +13,18 @@ int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
 
 /// One check of a verdict quantity against its limit.
 struct Check {
-  std::string name;   ///< "path", "coverage", "depth", "perforation", "kerf_width", "stray", "laser_timing",
-                      ///< "stillness_x", "spot_path", "repeat", "laser_gate", "pulse_timing"
-  std::string title;  ///< For people.
-  std::string subject;  ///< Where the worst value was: "unit 2, E14", an axis, ….
-  std::string unit;     ///< "mm", "", "us"
-  double value{};       ///< The worst; NaN if nothing was measured (then INVALID).
-  double limit{};       ///< The value itself may equal it when w = 0.
-  bool upper{true};     ///< True: value must not exceed limit; false: not fall below it.
-  double guard{};       ///< w: half the width of the guard band, same unit. 0 for counted quantities.
-  double u{};           ///< Expanded uncertainty U (k = 2) of the value.
+  std::string name{};  ///< "path", "coverage", "depth", "perforation", "kerf_width", "stray", "laser_timing",
+                       ///< "stillness_x", "spot_path", "repeat", "laser_gate", "pulse_timing"
+  std::string title{};    ///< For people.
+  std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
+  std::string unit{};     ///< "mm", "", "us"
+  double value{};         ///< The worst; NaN if nothing was measured (then INVALID).
+  double limit{};         ///< The value itself may equal it when w = 0.
+  bool upper{true};       ///< True: value must not exceed limit; false: not fall below it.
+  double guard{};         ///< w: half the width of the guard band, same unit. 0 for counted quantities.
+  double u{};             ///< Expanded uncertainty U (k = 2) of the value.
   Verdict verdict{Verdict::kInvalid};
-  std::string explanation;  ///< One sentence a QA engineer understands.
+  std::string explanation{};  ///< One sentence a QA engineer understands.
 };
 
 /// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN

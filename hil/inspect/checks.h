@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The parts of inspect(). Private to hil/inspect and its tests.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/inspect/inspect.h"
+
+namespace kerfbench::hil::checks {
+
+/// Peak brightness of a back-lit kerf: from here on the board is open.
+inline constexpr double kOpenBrightness = 0.75;
+/// From here on something was burnt at all.
+inline constexpr double kBurntBrightness = 0.10;
+
+/// "unit 2, E14"
+std::string nameOf(int unit, int entity);
+/// "x 12.3, y 45.6 mm"
+std::string placeOf(const Eigen::Vector2d& p_S_mm);
+/// "right" or "left" of the line, seen in the sense of the curve, for a signed offset.
+std::string_view sideOf(double offset_mm);
+
+bool isOpen(const Caliper& caliper);
+/// True where the station is burnt as the process asks. Near a joint other kerfs take part in the profile, so
+/// there only the light counts, and a crease may look open.
+bool isBurntAsAsked(const Caliper& caliper, Process process);
+
+/// Stations that coverage counts: an open curve's outermost pieces are the business of the laser_timing
+/// check.
+std::vector<const Caliper*> innerStations(const EntityKerf& kerf, const Curve& curve, double end_mm);
+
+/// One result for each scanned entity, in the order of the scan; passes is still NaN.
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits);
+/// True when next to nothing was burnt on any unit: then offsets and widths are moot.
+bool isBlank(const std::vector<EntityResult>& entities);
+/// Holes in the kerf evidence, one sentence each.
+std::vector<std::string> kerfProblems(const Evidence& evidence);
+
+// Each check is decided and explained. nullopt: it does not apply to this dieline.
+Check pathCheck(const Evidence& evidence, const Limits& limits);
+Check coverageCheck(const Evidence& evidence, const Limits& limits,
+                    const std::vector<EntityResult>& entities);
+std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);
+std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities);
+Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
+                     const std::vector<EntityResult>& entities);
+Check strayCheck(const Evidence& evidence, const Limits& limits);
+std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities);
+Check laserGateCheck(const Evidence& evidence, const Limits& limits);
+Check pulseTimingCheck(const Evidence& evidence);
+
+}  // namespace kerfbench::hil::checks

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/inspect.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks.h"
+#include "hil/inspect/spot_association.h"
+#include "hil/inspect/spot_checks.h"
+
+namespace kerfbench::hil {
+namespace {
+
+/// What makes every further look pointless, because the parts of the evidence do not fit together.
+std::vector<std::string> structuralProblems(const Evidence& evidence) {
+  std::vector<std::string> problems;
+  const auto& entities = evidence.dieline->entities;
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    if (entities[i].id != static_cast<int>(i))
+      problems.push_back(fmt::format("Entity {} has the id {}.", i, entities[i].id));
+  }
+  if (std::all_of(entities.begin(), entities.end(),
+                  [](const Entity& e) { return e.process == Process::kIgnore; })) {
+    problems.emplace_back("The dieline has nothing to cut.");
+  }
+  if (evidence.kerf.entities.empty()) problems.emplace_back("No entity was measured by the kerf camera.");
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    if (kerf.entity < 0 || kerf.entity >= static_cast<int>(entities.size())) {
+      problems.push_back(
+          fmt::format("The kerf scan names E{}, which the dieline does not have.", kerf.entity));
+    }
+  }
+  return problems;
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
+  if (evidence.dieline == nullptr) throw std::invalid_argument("inspect: the evidence has no dieline");
+  InspectionResult result;
+  result.problems = evidence.problems;
+  append(result.problems, evidence.kerf.problems);
+  const auto structural = structuralProblems(evidence);
+  append(result.problems, structural);
+  if (!structural.empty()) return result;
+
+  append(result.problems, checks::kerfProblems(evidence));
+  const LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
+  append(result.problems, checks::spotProblems(evidence, lit));
+
+  result.entities = checks::measureEntities(evidence, limits);
+  checks::countPasses(evidence, lit, result.entities);
+  result.cuts = checks::measureCuts(evidence, lit);
+
+  const auto add = [&](auto check) {
+    if constexpr (requires { check.has_value(); }) {
+      if (check) result.checks.push_back(std::move(*check));
+    } else {
+      result.checks.push_back(std::move(check));
+    }
+  };
+  const bool blank = checks::isBlank(result.entities);
+  const bool dark = lit.lit == 0;
+  if (!blank) add(checks::pathCheck(evidence, limits));
+  if (!(blank && dark)) {
+    add(checks::stillnessCheck(limits, lit, result.cuts));
+    add(checks::spotPathCheck(evidence, limits, lit));
+  }
+  add(checks::coverageCheck(evidence, limits, result.entities));
+  if (!(blank && dark)) add(checks::repeatCheck(evidence, limits, lit, result.entities));
+  if (!blank) {
+    add(checks::depthCheck(evidence, limits));
+    add(checks::perforationCheck(evidence, limits, result.entities));
+    add(checks::kerfWidthCheck(evidence, limits, result.entities));
+    add(checks::laserTimingCheck(evidence, limits, result.entities));
+  }
+  add(checks::strayCheck(evidence, limits));
+  if (!(blank && dark)) add(checks::laserGateCheck(evidence, limits));
+  add(checks::pulseTimingCheck(evidence));
+  result.verdict = combine(result.checks, result.problems.empty());
+  return result;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the cut lies and whether it is there: path, coverage, stray.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks.h"
+#include "hil/inspect/extreme.h"
+
+namespace kerfbench::hil::checks {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+bool judgesOffset(const Caliper& c) { return c.found && !c.near_joint && std::isfinite(c.offset_mm); }
+
+/// Standard uncertainty of one offset: the caliper's own and that of the sheet's place, which the marks
+/// carry.
+double offsetSigma(const Evidence& evidence) {
+  const auto marks = static_cast<double>(std::max<std::size_t>(evidence.print.marks.size(), 1));
+  return std::hypot(evidence.kerf_u_mm, evidence.kerf.mark_residual_mm / std::sqrt(marks));
+}
+
+EntityResult measureEntity(const EntityKerf& kerf, const Entity& entity, const Limits& limits) {
+  EntityResult result{.unit = kerf.unit,
+                      .entity = kerf.entity,
+                      .worst_mm = kNan,
+                      .worst_u = kNan,
+                      .rms_mm = kNan,
+                      .coverage = 0.0,
+                      .width_mm = kNan,
+                      .passes = kNan};
+  double sum_of_squares = 0.0;
+  std::size_t count = 0;
+  std::vector<double> widths;
+  for (const Caliper& c : kerf.calipers) {
+    if (!judgesOffset(c)) continue;
+    if (std::isnan(result.worst_mm) || std::abs(c.offset_mm) > std::abs(result.worst_mm)) {
+      result.worst_mm = c.offset_mm;
+      result.worst_u = c.u;
+    }
+    sum_of_squares += c.offset_mm * c.offset_mm;
+    ++count;
+    if (std::isfinite(c.width_mm)) widths.push_back(c.width_mm);
+  }
+  if (count > 0) result.rms_mm = std::sqrt(sum_of_squares / static_cast<double>(count));
+  result.width_mm = medianOf(std::move(widths));
+
+  const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  const auto good = std::count_if(inner.begin(), inner.end(),
+                                  [&](const Caliper* c) { return isBurntAsAsked(*c, entity.process); });
+  if (!inner.empty()) result.coverage = static_cast<double>(good) / static_cast<double>(inner.size());
+  return result;
+}
+
+/// The longest run of neighbouring stations that are not burnt as asked, for the explanation.
+struct Hole {
+  double from_mm{};
+  double to_mm{};
+};
+Hole longestHole(const EntityKerf& kerf, Process process) {
+  Hole longest;
+  std::optional<double> start;
+  for (const Caliper& c : kerf.calipers) {
+    if (isBurntAsAsked(c, process)) {
+      start.reset();
+      continue;
+    }
+    if (!start) start = c.station_mm;
+    if (c.station_mm - *start >= longest.to_mm - longest.from_mm) longest = {*start, c.station_mm};
+  }
+  return longest;
+}
+
+}  // namespace
+
+std::string nameOf(int unit, int entity) { return fmt::format("unit {}, E{}", unit, entity); }
+std::string placeOf(const Eigen::Vector2d& p_S_mm) {
+  return fmt::format("x {:.2f}, y {:.2f} mm", p_S_mm.x(), p_S_mm.y());
+}
+std::string_view sideOf(double offset_mm) { return offset_mm < 0.0 ? "right" : "left"; }
+
+bool isOpen(const Caliper& caliper) { return caliper.brightness >= kOpenBrightness; }
+
+bool isBurntAsAsked(const Caliper& caliper, Process process) {
+  if (!caliper.near_joint && !caliper.found) return false;
+  if (process == Process::kCut || process == Process::kPerforation) return isOpen(caliper);
+  return caliper.brightness >= kBurntBrightness && (caliper.near_joint || !isOpen(caliper));
+}
+
+std::vector<const Caliper*> innerStations(const EntityKerf& kerf, const Curve& curve, double end_mm) {
+  std::vector<const Caliper*> inner;
+  std::vector<const Caliper*> all;
+  const double length_mm = lengthOf(curve);
+  const bool closed = isClosed(curve);
+  for (const Caliper& c : kerf.calipers) {
+    all.push_back(&c);
+    if (closed || (c.station_mm >= end_mm && c.station_mm <= length_mm - end_mm)) inner.push_back(&c);
+  }
+  return inner.empty() ? all : inner;
+}
+
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits) {
+  std::vector<EntityResult> results;
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    results.push_back(
+        measureEntity(kerf, evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)], limits));
+  }
+  return results;
+}
+
+bool isBlank(const std::vector<EntityResult>& entities) {
+  return std::all_of(entities.begin(), entities.end(),
+                     [](const EntityResult& e) { return e.coverage < 0.05 && std::isnan(e.worst_mm); });
+}
+
+std::vector<std::string> kerfProblems(const Evidence& evidence) {
+  std::vector<std::string> problems;
+  std::set<std::pair<int, int>> scanned;
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    if (!scanned.emplace(kerf.unit, kerf.entity).second) {
+      problems.push_back(nameOf(kerf.unit, kerf.entity) + " was scanned twice.");
+    }
+    if (kerf.calipers.empty()) problems.push_back(nameOf(kerf.unit, kerf.entity) + " has no stations.");
+    const auto broken = std::count_if(kerf.calipers.begin(), kerf.calipers.end(), [](const Caliper& c) {
+      return !std::isfinite(c.brightness) || (c.found && !c.near_joint && !std::isfinite(c.offset_mm));
+    });
+    if (broken > 0) {
+      problems.push_back(fmt::format("{}: {} stations have a reading that is no number.",
+                                     nameOf(kerf.unit, kerf.entity), broken));
+    }
+  }
+  std::size_t missing = 0;
+  std::string first;
+  for (int unit = 0; unit < evidence.print.units; ++unit) {
+    for (const Entity& entity : evidence.dieline->entities) {
+      if (entity.process == Process::kIgnore || scanned.contains({unit, entity.id})) continue;
+      if (missing++ == 0) first = nameOf(unit, entity.id);
+    }
+  }
+  if (missing > 0) {
+    problems.push_back(
+        fmt::format("{} of the entities were never scanned, the first is {}.", missing, first));
+  }
+  if (!(evidence.kerf_u_mm > 0.0)) {
+    problems.emplace_back("No measurement uncertainty is stated for the kerf camera.");
+  }
+  return problems;
+}
+
+Check pathCheck(const Evidence& evidence, const Limits& limits) {
+  Check check{.name = "path", .title = "Deviation of the cut from the dieline", .unit = "mm"};
+  check.limit = limits.path_mm;
+  std::size_t readings = 0;
+  std::size_t silent = 0;
+  const Caliper* worst = nullptr;
+  const EntityKerf* where = nullptr;
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    std::size_t own = 0;
+    for (const Caliper& c : kerf.calipers) {
+      if (!judgesOffset(c)) continue;
+      ++own;
+      if (worst == nullptr || std::abs(c.offset_mm) > std::abs(worst->offset_mm)) {
+        worst = &c;
+        where = &kerf;
+      }
+    }
+    readings += own;
+    if (own == 0) ++silent;
+  }
+  const double sigma_mm = offsetSigma(evidence);
+  ExtremeEstimate extreme(readings);
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    for (const Caliper& c : kerf.calipers) {
+      if (judgesOffset(c)) extreme.add(c.offset_mm, sigma_mm);
+    }
+  }
+  check.value = extreme.value();
+  check.u = check.guard = extreme.expandedU();
+  decide(check);
+  if (worst == nullptr) {
+    check.explanation =
+        "No kerf was found on any dieline entity away from joints, so no deviation could be measured.";
+    return check;
+  }
+  check.subject = nameOf(where->unit, where->entity);
+  check.explanation = fmt::format(
+      "The largest of {} readings is {:.4f} mm, to the {} of the line at {}, station {:.2f} mm; each reading "
+      "has a "
+      "standard uncertainty of {:.4f} mm, and the value allows for picking the largest of so many.",
+      readings, std::abs(worst->offset_mm), sideOf(worst->offset_mm), placeOf(worst->p_S_mm),
+      worst->station_mm, sigma_mm);
+  if (silent > 0) check.explanation += fmt::format(" {} entities gave no reading; see coverage.", silent);
+  return check;
+}
+
+Check coverageCheck(const Evidence& evidence, const Limits& limits,
+                    const std::vector<EntityResult>& entities) {
+  Check check{.name = "coverage", .title = "Every line is cut, over its whole length", .upper = false};
+  check.value = kNan;
+  check.limit = limits.min_coverage;
+  std::size_t judged = 0;
+  std::size_t bad = 0;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    if (evidence.dieline->entities[static_cast<std::size_t>(entities[i].entity)].process ==
+        Process::kPerforation) {
+      continue;
+    }
+    if (judged++ == 0 || entities[i].coverage < check.value) {
+      check.value = entities[i].coverage;
+      worst = i;
+    }
+    if (entities[i].coverage < limits.min_coverage) ++bad;
+  }
+  if (judged == 0) {
+    check.explanation = "The dieline has no continuous line to judge.";
+    decide(check);
+    return check;
+  }
+  const EntityKerf& kerf = evidence.kerf.entities[worst];
+  const Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)];
+  const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  // A count of stations resolves one station.
+  check.u = inner.empty() ? 0.0 : 1.0 / static_cast<double>(inner.size());
+  check.subject = nameOf(kerf.unit, kerf.entity);
+  decide(check);
+  if (check.verdict == Verdict::kPass) {
+    check.explanation = fmt::format(
+        "All {} entities are burnt as their process asks; the least covered, {}, has {:.1f} % "
+        "of its {} stations.",
+        judged, check.subject, 100.0 * check.value, inner.size());
+    return check;
+  }
+  if (isBlank(entities)) {
+    check.explanation =
+        evidence.kerf.strays.empty()
+            ? "Nothing was cut on any unit, though the printed marks were found."
+            : "No line of the dieline was cut on any unit; what was burnt lies elsewhere, see stray.";
+    return check;
+  }
+  const Hole hole = longestHole(kerf, entity.process);
+  check.explanation = fmt::format(
+      "{} of {} entities are not burnt over their whole length; the worst, {} ({}, {}), is at "
+      "{:.1f} %, its longest hole from station {:.2f} to {:.2f} mm of {:.2f} mm.",
+      bad, judged, check.subject, processName(entity.process), entity.origin, 100.0 * check.value,
+      hole.from_mm, hole.to_mm, lengthOf(entity.curve));
+  return check;
+}
+
+Check strayCheck(const Evidence& evidence, const Limits& limits) {
+  Check check{.name = "stray", .title = "Nothing is burnt beside the dieline", .unit = "mm"};
+  check.limit = limits.stray_mm;
+  check.u = 2.0 * evidence.kerf_u_mm;
+  const StrayCut* worst = nullptr;
+  for (const StrayCut& stray : evidence.kerf.strays) {
+    if (!std::isfinite(stray.extent_mm)) check.value = kNan;
+    if (worst == nullptr || stray.extent_mm > worst->extent_mm) worst = &stray;
+  }
+  if (worst != nullptr && !std::isnan(check.value)) check.value = worst->extent_mm;
+  decide(check);
+  if (worst == nullptr) {
+    check.explanation = "No burnt spot was found away from the dieline.";
+    return check;
+  }
+  check.subject = fmt::format("unit {}", worst->unit);
+  check.explanation = fmt::format(
+      "{} burnt spots lie away from the dieline; the largest is {:.2f} mm long, at {} of unit {}.",
+      evidence.kerf.strays.size(), worst->extent_mm, placeOf(worst->p_S_mm), worst->unit);
+  return check;
+}
+
+}  // namespace kerfbench::hil::checks

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/spot_association.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <unordered_map>
+
+#include "hil/inspect/extreme.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMaxPoseGap_s = 0.25;
+
+// Costs of the association. Distance and angle in units of what a good release shows at most.
+constexpr double kDistanceScale_mm = 0.1;
+constexpr double kAngleScale_rad = 0.15;
+constexpr double kTermCap = 9.0;
+constexpr double kNoEntityCost = 9.5;
+constexpr double kChangeCost = 1.0;
+constexpr double kMinChord_mm = 0.05;  // Shorter steps tell no direction.
+constexpr double kOtherWay_rad = 0.17;
+
+/// Which entities come near a point: a hash grid of samples along the curves.
+class EntityIndex {
+ public:
+  explicit EntityIndex(const Dieline& dieline) {
+    for (const Entity& entity : dieline.entities) {
+      if (entity.process == Process::kIgnore) continue;
+      for (const double u : stations(entity.curve, 0.5 * kSearch_mm)) {
+        auto& cell = cells_[keyOf(cellOf(pointAt(entity.curve, u)))];
+        if (cell.empty() || cell.back() != entity.id) cell.push_back(entity.id);
+      }
+    }
+  }
+
+  /// Ids in ascending order; all that are within kSearch_mm, and maybe some more.
+  [[nodiscard]] std::vector<int> near(const Eigen::Vector2d& p_mm) const {
+    std::vector<int> ids;
+    const Eigen::Vector2i centre = cellOf(p_mm);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto found = cells_.find(keyOf(centre + Eigen::Vector2i(dx, dy)));
+        if (found != cells_.end()) ids.insert(ids.end(), found->second.begin(), found->second.end());
+      }
+    }
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    return ids;
+  }
+
+ private:
+  // A sample lies within a quarter of the search radius of any point of the curve.
+  static constexpr double kCell_mm = 1.25 * kSearch_mm;
+
+  static Eigen::Vector2i cellOf(const Eigen::Vector2d& p_mm) {
+    return (p_mm / kCell_mm).array().floor().cast<int>();
+  }
+  static std::int64_t keyOf(const Eigen::Vector2i& cell) {
+    return (static_cast<std::int64_t>(cell.x()) << 32) + cell.y();
+  }
+
+  std::unordered_map<std::int64_t, std::vector<int>> cells_;
+};
+
+/// All poses of one unit over time.
+class PoseTrack {
+ public:
+  void add(double time_s, const SheetPose& pose) { poses_.emplace_back(time_s, pose); }
+
+  [[nodiscard]] std::optional<SheetPose> at(double time_s) const {
+    const auto after = std::lower_bound(poses_.begin(), poses_.end(), time_s,
+                                        [](const auto& entry, double t) { return entry.first < t; });
+    if (after == poses_.end()) return std::nullopt;
+    if (after->first == time_s) return after->second;
+    if (after == poses_.begin()) return std::nullopt;
+    const auto before = after - 1;
+    if (after->first - before->first > kMaxPoseGap_s) return std::nullopt;
+    const double share = (time_s - before->first) / (after->first - before->first);
+    SheetPose pose = before->second;
+    pose.p_WS_mm += share * (after->second.p_WS_mm - before->second.p_WS_mm);
+    pose.angle_rad += share * (after->second.angle_rad - before->second.angle_rad);
+    return pose;
+  }
+
+ private:
+  std::vector<std::pair<double, SheetPose>> poses_;
+};
+
+Eigen::Vector2d sheetFromWork(const SheetPose& pose, const Eigen::Vector2d& p_W_mm) {
+  return Eigen::Rotation2Dd(-pose.angle_rad) * (p_W_mm - pose.p_WS_mm);
+}
+
+double angleBetweenLines(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const double cross = a.x() * b.y() - a.y() * b.x();
+  return std::atan2(std::abs(cross), std::abs(a.dot(b)));
+}
+
+struct Candidate {
+  int entity{};
+  Nearest nearest;
+  Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};
+};
+
+/// Cost of a spot belonging to a candidate: distance, and direction against the step before or after,
+/// whichever fits better, so that the frames around a corner keep their line.
+double costOf(const Candidate& c, const Eigen::Vector2d& step_before, const Eigen::Vector2d& step_after) {
+  const double distance = c.nearest.distance_mm / kDistanceScale_mm;
+  std::optional<double> angle_rad;
+  for (const Eigen::Vector2d& step : {step_before, step_after}) {
+    if (step.norm() < kMinChord_mm) continue;
+    const double a = angleBetweenLines(step, c.tangent);
+    angle_rad = angle_rad ? std::min(*angle_rad, a) : a;
+  }
+  const double angle = angle_rad.value_or(0.0) / kAngleScale_rad;
+  return std::min(distance * distance, kTermCap) + std::min(angle * angle, kTermCap);
+}
+
+class RunFollower {
+ public:
+  RunFollower(const Dieline& dieline, const EntityIndex& index) : dieline_(dieline), index_(index) {}
+
+  void follow(std::span<LitFrame> run, std::span<const double> angles_rad) const {
+    const std::vector<std::vector<Candidate>> candidates = findCandidates(run);
+    const std::vector<std::size_t> chosen = cheapestPath(run, candidates);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      if (chosen[i] < candidates[i].size()) assign(run[i], candidates[i], chosen[i], angles_rad[i]);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::vector<Candidate>> findCandidates(std::span<LitFrame> run) const {
+    std::vector<std::vector<Candidate>> candidates(run.size());
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      run[i].distance_mm = kSearch_mm;
+      for (const int id : index_.near(run[i].p_S_mm)) {
+        const Curve& curve = dieline_.entities[static_cast<std::size_t>(id)].curve;
+        const Nearest nearest = nearestOn(curve, run[i].p_S_mm);
+        run[i].distance_mm = std::min(run[i].distance_mm, nearest.distance_mm);
+        if (nearest.distance_mm <= kReach_mm) {
+          candidates[i].push_back({id, nearest, tangentAt(curve, nearest.u)});
+        }
+      }
+    }
+    return candidates;
+  }
+
+  /// Index of the chosen candidate of each frame; one past the last for "none of them".
+  static std::vector<std::size_t> cheapestPath(std::span<const LitFrame> run,
+                                               const std::vector<std::vector<Candidate>>& candidates) {
+    const auto entityAt = [&](std::size_t frame, std::size_t state) {
+      return state < candidates[frame].size() ? candidates[frame][state].entity : -1;
+    };
+    std::vector<std::vector<std::size_t>> from(run.size());
+    std::vector<double> cost;
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const Eigen::Vector2d before =
+          i > 0 ? Eigen::Vector2d(run[i].p_S_mm - run[i - 1].p_S_mm) : Eigen::Vector2d::Zero();
+      const Eigen::Vector2d after =
+          i + 1 < run.size() ? Eigen::Vector2d(run[i + 1].p_S_mm - run[i].p_S_mm) : Eigen::Vector2d::Zero();
+      const std::size_t states = candidates[i].size() + 1;
+      std::vector<double> next(states);
+      from[i].assign(states, 0);
+      for (std::size_t s = 0; s < states; ++s) {
+        double best = i == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+        for (std::size_t p = 0; p < cost.size(); ++p) {
+          const double c = cost[p] + (entityAt(i - 1, p) == entityAt(i, s) ? 0.0 : kChangeCost);
+          if (c < best) {
+            best = c;
+            from[i][s] = p;
+          }
+        }
+        next[s] = best + (s < candidates[i].size() ? costOf(candidates[i][s], before, after) : kNoEntityCost);
+      }
+      cost = std::move(next);
+    }
+    std::vector<std::size_t> chosen(run.size());
+    auto state = static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+    for (std::size_t i = run.size(); i-- > 0;) {
+      chosen[i] = state;
+      state = from[i][state];
+    }
+    return chosen;
+  }
+
+  void assign(LitFrame& frame, const std::vector<Candidate>& candidates, std::size_t chosen,
+              double angle_rad) const {
+    const Candidate& c = candidates[chosen];
+    const Eigen::Vector2d normal_S(-c.tangent.y(), c.tangent.x());
+    const Curve& curve = dieline_.entities[static_cast<std::size_t>(c.entity)].curve;
+    frame.entity = c.entity;
+    frame.deviation_mm = (frame.p_S_mm - pointAt(curve, c.nearest.u)).dot(normal_S);
+    frame.n_x = (Eigen::Rotation2Dd(angle_rad) * normal_S).x();
+    frame.ambiguous = std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+      return other.entity != c.entity && angleBetweenLines(other.tangent, c.tangent) > kOtherWay_rad;
+    });
+  }
+
+  const Dieline& dieline_;
+  const EntityIndex& index_;
+};
+
+}  // namespace
+
+LitFrames followDieline(const SpotTrack& track, const Dieline& dieline) {
+  LitFrames result;
+  std::map<int, PoseTrack> poses;
+  std::vector<double> periods;
+  for (std::size_t i = 0; i < track.frames.size(); ++i) {
+    for (const SheetPose& pose : track.frames[i].sheet) poses[pose.unit].add(track.frames[i].mid_s, pose);
+    if (i > 0) periods.push_back(track.frames[i].mid_s - track.frames[i - 1].mid_s);
+  }
+  result.period_s = medianOf(std::move(periods));
+
+  const Eigen::AlignedBox2d box = dieline.bounds();
+  std::vector<double> angles_rad;
+  for (std::size_t i = 0; i < track.frames.size(); ++i) {
+    const FrameMeasurement& frame = track.frames[i];
+    if (!frame.spot_W_mm) continue;
+    ++result.lit;
+    std::optional<LitFrame> best;
+    double best_distance_mm = 0.0;
+    double best_angle_rad = 0.0;
+    for (const auto& [unit, pose_track] : poses) {
+      const auto pose = pose_track.at(frame.mid_s);
+      if (!pose) continue;
+      const Eigen::Vector2d p_S_mm = sheetFromWork(*pose, *frame.spot_W_mm);
+      const double distance_mm = box.exteriorDistance(p_S_mm);
+      if (best && distance_mm >= best_distance_mm) continue;
+      best = LitFrame{.frame = i,
+                      .time_s = frame.mid_s,
+                      .sigma_mm = frame.spot_sigma_mm,
+                      .unit = unit,
+                      .p_S_mm = p_S_mm,
+                      .entity = -1,
+                      .deviation_mm = kNan,
+                      .n_x = 0.0,
+                      .distance_mm = kSearch_mm,
+                      .ambiguous = false};
+      best_distance_mm = distance_mm;
+      best_angle_rad = pose->angle_rad;
+    }
+    if (!best) {
+      ++result.unplaced;
+      continue;
+    }
+    const bool continues = !result.frames.empty() && result.frames.back().unit == best->unit &&
+                           track.frames[result.frames.back().frame].sequence + 1 == frame.sequence;
+    if (!continues) result.runs.push_back({result.frames.size(), result.frames.size()});
+    result.frames.push_back(*best);
+    angles_rad.push_back(best_angle_rad);
+    result.runs.back().end = result.frames.size();
+  }
+
+  const EntityIndex index(dieline);
+  const RunFollower follower(dieline, index);
+  for (const LitRun& run : result.runs) {
+    const std::size_t count = run.end - run.begin;
+    follower.follow(std::span(result.frames).subspan(run.begin, count),
+                    std::span<const double>(angles_rad).subspan(run.begin, count));
+  }
+  return result;
+}
+
+}  // namespace kerfbench::hil
