@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/png.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 

@@ -11,7 +11,9 @@ namespace kerfbench::hil {
 
 TwinFrameSource::TwinFrameSource(twin::SpotCamera camera, std::vector<twin::Exposure> exposures, int threads)
     : camera_(std::move(camera)), exposures_(std::move(exposures)), threads_(threads) {
-  const auto notAfter = [](const twin::Exposure& a, const twin::Exposure& b) { return a.sequence >= b.sequence; };
+  const auto notAfter = [](const twin::Exposure& a, const twin::Exposure& b) {
+    return a.sequence >= b.sequence;
+  };
   if (std::adjacent_find(exposures_.begin(), exposures_.end(), notAfter) != exposures_.end()) {
     throw std::invalid_argument("TwinFrameSource: exposures out of order");
   }

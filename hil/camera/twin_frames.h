@@ -9,8 +9,8 @@
 
 namespace kerfbench::hil {
 
-/// Frames of the modelled spot camera, one per exposure, rendered on demand by several threads. The bytes are the same
-/// at any number of threads and for any size of batch.
+/// Frames of the modelled spot camera, one per exposure, rendered on demand by several threads. The bytes are
+/// the same at any number of threads and for any size of batch.
 class TwinFrameSource final : public FrameSource {
  public:
   /// `exposures` in order of sequence; throws std::invalid_argument otherwise.

@@ -25,7 +25,8 @@ AlignedBox2d widened(const AlignedBox2d& box, double by_mm) {
 /// The upright box around the image of a box.
 AlignedBox2d imageOf(const AlignedBox2d& box, const Eigen::Isometry2d& X) {
   AlignedBox2d image;
-  for (const auto corner : {AlignedBox2d::BottomLeft, AlignedBox2d::BottomRight, AlignedBox2d::TopLeft, AlignedBox2d::TopRight}) {
+  for (const auto corner :
+       {AlignedBox2d::BottomLeft, AlignedBox2d::BottomRight, AlignedBox2d::TopLeft, AlignedBox2d::TopRight}) {
     image.extend(X * box.corner(corner));
   }
   return image;
@@ -50,7 +51,8 @@ void checkOptions(const TwinTileOptions& options, const AlignedBox2d& field) {
           "overlap_mm must be >= 0 and less than the camera's field");
   require(options.border_mm >= 0.0 && std::isfinite(options.border_mm), "border_mm must be >= 0");
   require(options.lay_shift_mm >= 0.0 && std::isfinite(options.lay_shift_mm), "lay_shift_mm must be >= 0");
-  require(std::abs(options.lay_angle_rad) <= 0.5 * std::numbers::pi, "lay_angle_rad must be within a right angle");
+  require(std::abs(options.lay_angle_rad) <= 0.5 * std::numbers::pi,
+          "lay_angle_rad must be within a right angle");
   if (!faults.empty()) throw std::invalid_argument(faults);
 }
 
@@ -63,9 +65,11 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
   checkOptions(options, field_V);
   const PrintLayout& print = camera_.print();
   std::vector<AlignedBox2d> boxes;
+  AlignedBox2d unit_bounds;
   AlignedBox2d bounds;
   const auto add = [&](const AlignedBox2d& box) {
     if (box.isEmpty()) return;
+    unit_bounds.extend(box);
     boxes.push_back(widened(box, options.border_mm));
     bounds.extend(boxes.back());
   };
@@ -80,7 +84,9 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
 
   for (int unit = 0; unit < print.units; ++unit) {
     const CounterRandom random(options.seed ^ kLaySeed, static_cast<std::uint64_t>(unit));
-    const auto within = [&](std::uint64_t index, double limit) { return limit * (2.0 * random.uniform(index) - 1.0); };
+    const auto within = [&](std::uint64_t index, double limit) {
+      return limit * (2.0 * random.uniform(index) - 1.0);
+    };
     const Vector2d shift_mm(within(0, options.lay_shift_mm), within(1, options.lay_shift_mm));
     const Vector2d middle = bounds.center();
     const Eigen::Isometry2d X_TS = Eigen::Translation2d(shift_mm + middle) *
@@ -88,7 +94,7 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
                                    Eigen::Translation2d(-middle);
     lay_.push_back(X_TS);
     twin::PieceSpan piece;
-    if (bounds.sizes().x() < print.pitch_mm) {
+    if (unit_bounds.sizes().x() < print.pitch_mm) {
       // Unit 0 leads: it has no neighbour at larger x, the last one has none at smaller x.
       if (unit > 0) piece.max_x_S_mm = middle.x() + 0.5 * print.pitch_mm;
       if (unit + 1 < print.units) piece.min_x_S_mm = middle.x() - 0.5 * print.pitch_mm;
@@ -105,7 +111,9 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
     for (const double y : covering(bounds_T.min().y(), bounds_T.max().y(), field.y(), options.overlap_mm)) {
       for (const double x : covering(bounds_T.min().x(), bounds_T.max().x(), field.x(), options.overlap_mm)) {
         const AlignedBox2d seen(Vector2d(x, y), Vector2d(x, y) + field);
-        if (std::none_of(boxes_T.begin(), boxes_T.end(), [&](const AlignedBox2d& box) { return seen.intersects(box); })) continue;
+        if (std::none_of(boxes_T.begin(), boxes_T.end(),
+                         [&](const AlignedBox2d& box) { return seen.intersects(box); }))
+          continue;
         plan_.push_back({unit, seen.min() - field_V.min()});
       }
     }
@@ -118,7 +126,8 @@ std::vector<KerfTile> TwinTileSource::nextBatch(std::size_t max) {
   forEachIndex(count, threads_, [&](std::size_t i) {
     const Place& place = plan_[next_ + i];
     const auto unit = static_cast<std::size_t>(place.unit);
-    tiles[i] = {camera_.render(*sheet_, place.unit, place.p_TV_mm, lay_[unit], pieces_[unit]), place.p_TV_mm, place.unit};
+    tiles[i] = {camera_.render(*sheet_, place.unit, place.p_TV_mm, lay_[unit], pieces_[unit]), place.p_TV_mm,
+                place.unit};
   });
   next_ += count;
   return tiles;

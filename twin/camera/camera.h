@@ -21,20 +21,20 @@ namespace kerfbench::twin {
 inline constexpr double kMarkGray = 25.0;       ///< A printed mark under the spot camera's light.
 inline constexpr double kOpenKerfGray = 235.0;  ///< The back light through an open kerf.
 
-/// A camera of the model: pinhole with distortion (k1 k2 p1 p2 k3), blur and noise. X_CP is the pose in the camera of
-/// the plane it looks at: work plane W for the spot camera, inspection table for the kerf camera. z of the camera
-/// points at the plane.
+/// A camera of the model: pinhole with distortion (k1 k2 p1 p2 k3), blur and noise. X_CP is the pose in the
+/// camera of the plane it looks at: work plane W for the spot camera, inspection table for the kerf camera. z
+/// of the camera points at the plane.
 struct CameraDescription {
   int width_px{};
   int height_px{};
   double fx_px{}, fy_px{}, cx_px{}, cy_px{};
   std::array<double, 5> distortion{};
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};
-  double psf_sigma_px{0.6};        ///< Of the whole blur, the pixel's own area (0.29) included; >= 0.
-  double read_noise{0.8};          ///< Grey levels, standard deviation.
+  double psf_sigma_px{0.6};           ///< Of the whole blur, the pixel's own area (0.29) included; >= 0.
+  double read_noise{0.8};             ///< Grey levels, standard deviation.
   double full_well_electrons{10000};  ///< At grey level 255: sets the shot noise. Infinity: none.
-  double board_gray{110};          ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
-  double frame_period_s{0.001};    ///< Spot camera only.
+  double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
+  double frame_period_s{0.001};  ///< Spot camera only.
   double exposure_s{50e-6};
 };
 
@@ -42,8 +42,8 @@ struct CameraDescription {
 std::string faultsOf(const CameraDescription& camera);
 std::string faultsOf(const PrintLayout& print);
 
-/// What the spot camera needs to know of one exposure: states at a few instants inside it, evenly spaced. Sample i
-/// of n stands for the i-th of n equal parts of the exposure, as at the middle of that part.
+/// What the spot camera needs to know of one exposure: states at a few instants inside it, evenly spaced.
+/// Sample i of n stands for the i-th of n equal parts of the exposure, as at the middle of that part.
 struct ExposureSample {
   Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};  ///< Spot.
   double radius_mm{};                                ///< 1/e² radius; > 0 where power_w > 0.
@@ -57,20 +57,21 @@ struct Exposure {
   std::vector<ExposureSample> samples;  ///< >= 1
 };
 
-/// Renders what the spot camera sees: board, printed marks of every unit in view, the glowing spot smeared over the
-/// exposure, blur, shot and read noise (drawn from seed and sequence: any frame can be rendered alone, in any order,
-/// from any thread).
+/// Renders what the spot camera sees: board, printed marks of every unit in view, the glowing spot smeared
+/// over the exposure, blur, shot and read noise (drawn from seed and sequence: any frame can be rendered
+/// alone, in any order, from any thread).
 ///
-/// The spot glows as a Gaussian of half its radius. `glow_gray_per_w` is the grey level per watt that it adds at the
-/// centre of a spot that rests, as imaged; a spot that moves spreads the same light along its way. Levels above 255
-/// saturate. Noise is fresh for each frame around the marks and the spot; elsewhere it comes from a few prepared
-/// backgrounds, shifted at random from frame to frame.
+/// The spot glows as a Gaussian of half its radius. `glow_gray_per_w` is the grey level per watt that it adds
+/// at the centre of a spot that rests, as imaged; a spot that moves spreads the same light along its way.
+/// Levels above 255 saturate. Noise is fresh for each frame around the marks and the spot; elsewhere it comes
+/// from a few prepared backgrounds, shifted at random from frame to frame.
 ///
 /// Immutable; copies share the backgrounds.
 class SpotCamera {
  public:
   /// @throws std::invalid_argument that names everything wrong.
-  SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w, std::uint64_t seed);
+  SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w,
+             std::uint64_t seed);
   /// @throws std::invalid_argument for an exposure without samples or with values that are not finite.
   [[nodiscard]] Frame render(const Exposure& exposure) const;
   [[nodiscard]] const CameraDescription& description() const;
@@ -80,8 +81,8 @@ class SpotCamera {
   std::shared_ptr<const Model> model_;
 };
 
-/// The piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was parted from
-/// it: nothing that was burnt there is seen.
+/// The piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was
+/// parted from it: nothing that was burnt there is seen.
 struct PieceSpan {
   double min_x_S_mm{-std::numeric_limits<double>::infinity()};
   double max_x_S_mm{std::numeric_limits<double>::infinity()};
@@ -90,8 +91,8 @@ struct PieceSpan {
 /// Renders back-lit tiles of one unit laid on the inspection table. Depth d of the burn lets the share
 /// transmission^(1 - d) of the light through, print_transmission^(1 - d) under a mark.
 ///
-/// Noise is drawn from seed, unit and place of the tile: a tile is the same however often and wherever it is rendered.
-/// Immutable, so safe to share between threads.
+/// Noise is drawn from seed, unit and place of the tile: a tile is the same however often and wherever it is
+/// rendered. Immutable, so safe to share between threads.
 class KerfCamera {
  public:
   /// @throws std::invalid_argument that names everything wrong.

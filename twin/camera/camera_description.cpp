@@ -38,8 +38,9 @@ std::string faultsOf(const PrintLayout& print) {
     if (!fine) faults += (faults.empty() ? "print: " : "; ") + std::string(rule);
   };
   require(print.units >= 1, "units must be >= 1");
-  require(std::isfinite(print.pitch_mm) && (print.pitch_mm > 0.0 || (print.units == 1 && print.pitch_mm == 0.0)),
-          "pitch_mm must be > 0");
+  require(
+      std::isfinite(print.pitch_mm) && (print.pitch_mm > 0.0 || (print.units == 1 && print.pitch_mm == 0.0)),
+      "pitch_mm must be > 0");
   for (const RegistrationMark& mark : print.marks) {
     require(mark.p_SM_mm.allFinite(), "marks must be at finite places");
     require(std::isfinite(mark.diameter_mm) && mark.diameter_mm > 0.0, "diameter_mm of a mark must be > 0");

@@ -64,7 +64,9 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
   const auto drawnNear = [&](int bx, int by) {
     for (int y = std::max(by - 1, 0); y <= std::min(by + 1, rows - 1); ++y) {
       for (int x = std::max(bx - 1, 0); x <= std::min(bx + 1, columns - 1); ++x) {
-        if (drawn[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)] != 0) return true;
+        if (drawn[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(x)] != 0)
+          return true;
       }
     }
     return false;
@@ -83,7 +85,8 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
     }
   }
 
-  // Across into `smeared`, then down back into `light`. Next to a border the nearest pixel stands for those outside.
+  // Across into `smeared`, then down back into `light`. Next to a border the nearest pixel stands for those
+  // outside.
   std::vector<float> smeared = light;
   std::vector<float> padded;
   const int far = reach();

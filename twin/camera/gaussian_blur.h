@@ -5,14 +5,15 @@
 
 namespace kerfbench::twin {
 
-/// A small Gaussian blur of a picture that is flat nearly everywhere. The sampled kernel has exactly the variance
-/// asked for; a variance of zero or less blurs nothing.
+/// A small Gaussian blur of a picture that is flat nearly everywhere. The sampled kernel has exactly the
+/// variance asked for; a variance of zero or less blurs nothing.
 class GaussianBlur {
  public:
   explicit GaussianBlur(double variance_px2);
 
-  /// Blurs in place. Blocks are [edges_x[i], edges_x[i + 1]) x [edges_y[j], edges_y[j + 1]); those not `drawn`
-  /// (row-major) all hold one and the same level and only their borders with drawn ones are worked on.
+  /// Blurs in place. Blocks are [edges_x[i], edges_x[i + 1]) x [edges_y[j], edges_y[j + 1]); those not
+  /// `drawn` (row-major) all hold one and the same level and only their borders with drawn ones are worked
+  /// on.
   void apply(std::vector<float>& light, int width, int height, const std::vector<int>& edges_x,
              const std::vector<int>& edges_y, const std::vector<char>& drawn) const;
   /// Reach in pixels to each side.

@@ -46,7 +46,8 @@ class WeightTable {
   std::array<float, 4 * kPlaces> weights_{};
 };
 
-/// Grey level of the back light through board burnt to a depth of 0…1, where uncut board lets `transmission` through.
+/// Grey level of the back light through board burnt to a depth of 0…1, where uncut board lets `transmission`
+/// through.
 class LightTable {
  public:
   explicit LightTable(double transmission) {
@@ -132,8 +133,8 @@ KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
   }
 }
 
-bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV, std::size_t bx, std::size_t by,
-                                    std::vector<float>& light) const {
+bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV, std::size_t bx,
+                                    std::size_t by, std::vector<float>& light) const {
   const std::size_t stride = 2 * edges_x.size() - 1;
   PlanePatch::Nodes corners;
   Eigen::AlignedBox2d box;  // Of the block, in the spline's unit.
@@ -170,7 +171,8 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
   const int height = edges_y[by + 1] - edges_y[by];
   const float share = 1.0F / static_cast<float>(samples_per_px * samples_per_px);
   for (int y = 0; y < height; ++y) {
-    float* const line = light.data() + static_cast<std::ptrdiff_t>(edges_y[by] + y) * camera.width_px + edges_x[bx];
+    float* const line =
+        light.data() + static_cast<std::ptrdiff_t>(edges_y[by] + y) * camera.width_px + edges_x[bx];
     std::fill_n(line, width, 0.0F);
     for (int sub_y = 0; sub_y < samples_per_px; ++sub_y) {
       const double t = (y + (sub_y + 0.5) / samples_per_px) / height;
@@ -189,8 +191,9 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
           float depth = 0.0F;
           if (burnt) {
             const float* const nodes = job.nodes.data() + (ny - 1) * window + (nx - 1);
-            depth = job.depth_per_fluence * splineValue(nodes, window, weights.at(px - static_cast<float>(nx)),
-                                                        weights.at(py - static_cast<float>(ny)));
+            depth =
+                job.depth_per_fluence * splineValue(nodes, window, weights.at(px - static_cast<float>(nx)),
+                                                    weights.at(py - static_cast<float>(ny)));
           }
           float gray = job.board.at(depth);
           for (const MarkDisc& mark : job.near) {
@@ -224,13 +227,14 @@ const CameraDescription& KerfCamera::description() const { return model_->camera
 const PrintLayout& KerfCamera::print() const { return model_->print; }
 Eigen::AlignedBox2d KerfCamera::field() const { return model_->field.inscribed; }
 
-GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_mm, const Eigen::Isometry2d& X_TS,
-                             const PieceSpan& piece) const {
+GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_mm,
+                             const Eigen::Isometry2d& X_TS, const PieceSpan& piece) const {
   const Model& model = *model_;
   if (unit < 0 || unit >= model.print.units) throw std::invalid_argument("KerfCamera::render: no such unit");
   // Sk of the unit in S of unit 0, where the sheet keeps its burns; N is that frame too.
   const Vector2d p_SSk_mm(-unit * model.print.pitch_mm, 0.0);
-  const Eigen::Isometry2d X_NV = Eigen::Translation2d(p_SSk_mm) * X_TS.inverse() * Eigen::Translation2d(p_TV_mm);
+  const Eigen::Isometry2d X_NV =
+      Eigen::Translation2d(p_SSk_mm) * X_TS.inverse() * Eigen::Translation2d(p_TV_mm);
   const Vector2d middle = X_NV * model.field.circumscribed.center();
   if (!X_NV.matrix().allFinite() || !(middle.cwiseAbs().maxCoeff() < kFarMm)) {
     throw std::invalid_argument("KerfCamera::render: tile or sheet out of reach");
@@ -246,7 +250,8 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
               {},
               {}};
   for (const RegistrationMark& mark : model.print.marks) {
-    job.marks.push_back({(mark.p_SM_mm + p_SSk_mm) / Sheet::kCellMm, 0.5 * mark.diameter_mm / Sheet::kCellMm});
+    job.marks.push_back(
+        {(mark.p_SM_mm + p_SSk_mm) / Sheet::kCellMm, 0.5 * mark.diameter_mm / Sheet::kCellMm});
   }
 
   GrayImage image(model.camera.width_px, model.camera.height_px);

@@ -11,7 +11,8 @@
 namespace kerfbench::twin {
 namespace {
 
-/// Smallest s > 0 where d/dr of r (1 + k1 r² + k2 r⁴ + k3 r⁶) vanishes, s = r²; infinity if there is none below 80°.
+/// Smallest s > 0 where d/dr of r (1 + k1 r² + k2 r⁴ + k3 r⁶) vanishes, s = r²; infinity if there is none
+/// below 80°.
 double foldSlope2(const std::array<double, 5>& k) {
   const auto growth = [&k](double s) { return 1.0 + s * (3.0 * k[0] + s * (5.0 * k[1] + s * 7.0 * k[4])); };
   constexpr double kStep = 0.005;
@@ -79,7 +80,8 @@ std::optional<Eigen::Vector2d> PlaneProjection::planePointOf(const Eigen::Vector
     const Eigen::Vector2d miss = target - image.value;
     Eigen::Vector2d step = image.derivative.inverse() * miss;
     // Never across the fold, where the other branch begins.
-    for (int halvings = 0; halvings < 30 && !((slopes + step).squaredNorm() < fold_slope2_); ++halvings) step *= 0.5;
+    for (int halvings = 0; halvings < 30 && !((slopes + step).squaredNorm() < fold_slope2_); ++halvings)
+      step *= 0.5;
     slopes += step;
     found = miss.norm() < 1e-13;
   }
@@ -119,8 +121,8 @@ PlaneField fieldOf(const PlaneProjection& projection, int width_px, int height_p
     return box;
   };
   const std::array<Eigen::AlignedBox2d, 4> sides{
-      side({-0.5, -0.5}, {right, -0.5}), side({right, -0.5}, {right, bottom}), side({right, bottom}, {-0.5, bottom}),
-      side({-0.5, bottom}, {-0.5, -0.5})};
+      side({-0.5, -0.5}, {right, -0.5}), side({right, -0.5}, {right, bottom}),
+      side({right, bottom}, {-0.5, bottom}), side({-0.5, bottom}, {-0.5, -0.5})};
   PlaneField field;
   for (const Eigen::AlignedBox2d& box : sides) field.circumscribed.extend(box);
   field.inscribed = field.circumscribed;

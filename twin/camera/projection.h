@@ -11,13 +11,15 @@
 
 namespace kerfbench::twin {
 
-/// Maps points of the plane P (z = 0) to pixels, and back. With (a, b) the ray's slopes x/z, y/z in C, s = a² + b²:
+/// Maps points of the plane P (z = 0) to pixels, and back. With (a, b) the ray's slopes x/z, y/z in C, s = a²
+/// + b²:
 ///
 ///     a' = a (1 + k1 s + k2 s² + k3 s³) + 2 p1 a b + p2 (s + 2 a²)
 ///     b' = b (1 + k1 s + k2 s² + k3 s³) + p1 (s + 2 b²) + 2 p2 a b
 ///     u  = fx a' + cx,  v = fy b' + cy
 ///
-/// Beyond the slope where the radial part turns back on itself nothing is seen: a far point must not fold into view.
+/// Beyond the slope where the radial part turns back on itself nothing is seen: a far point must not fold
+/// into view.
 class PlaneProjection {
  public:
   explicit PlaneProjection(const CameraDescription& camera);
@@ -26,7 +28,8 @@ class PlaneProjection {
   [[nodiscard]] std::optional<Eigen::Vector2d> pixelOf(const Eigen::Vector2d& p_P_mm) const;
   /// d(pixel)/d(p_P), px/mm.
   [[nodiscard]] Eigen::Matrix2d jacobianAt(const Eigen::Vector2d& p_P_mm) const;
-  /// The point seen at a pixel, by Newton's method to 1e-13 of a slope; nullopt where the ray misses the plane.
+  /// The point seen at a pixel, by Newton's method to 1e-13 of a slope; nullopt where the ray misses the
+  /// plane.
   [[nodiscard]] std::optional<Eigen::Vector2d> planePointOf(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -43,7 +46,8 @@ class PlaneProjection {
   double fold_slope2_;  ///< s where the radial part folds; infinity if never.
 };
 
-/// A biquadratic stand-in for planePointOf() over a small rectangle of pixels: right to 1e-6 mm over a few dozen pixels.
+/// A biquadratic stand-in for planePointOf() over a small rectangle of pixels: right to 1e-6 mm over a few
+/// dozen pixels.
 class PlanePatch {
  public:
   /// Points seen at the 3 x 3 corners, middles and centre, row by row.

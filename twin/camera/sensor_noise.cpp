@@ -18,7 +18,8 @@ std::array<float, kQuantiles> makeQuantiles() {
   double x = -4.0;
   for (std::size_t i = 0; i < kQuantiles; ++i) {
     const double p = (static_cast<double>(i) + 0.5) / kQuantiles;
-    // Newton on the distribution function; the last quantile is a good start but in the tail, hence the damping.
+    // Newton on the distribution function; the last quantile is a good start but in the tail, hence the
+    // damping.
     for (int step = 0; step < 60; ++step) {
       const double miss = 0.5 * std::erfc(-x / std::numbers::sqrt2) - p;
       const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);

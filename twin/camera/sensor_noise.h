@@ -10,8 +10,9 @@ namespace kerfbench::twin {
 
 /// Turns light into grey levels: shot noise of the electrons, read noise, rounding, saturation at 0 and 255.
 ///
-/// A normal deviate of each pixel is drawn by its index from a table of 4096 quantiles (unit variance, reach 3.7
-/// sigma): pixels are independent, and a pixel is the same whether it is exposed alone or within its row.
+/// A normal deviate of each pixel is drawn by its index from a table of 4096 quantiles (unit variance,
+/// reach 3.7 sigma): pixels are independent, and a pixel is the same whether it is exposed alone or within
+/// its row.
 class SensorNoise {
  public:
   SensorNoise(double read_noise, double full_well_electrons);

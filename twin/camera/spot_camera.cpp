@@ -78,7 +78,8 @@ int partsFor(double travel_mm, double step_mm) {
   return std::clamp(static_cast<int>(std::ceil(travel_mm / step_mm)), 1, 1000);
 }
 
-/// Share of light that a straight edge leaves `distance` blur sigmas outside of it: the normal distribution's tail.
+/// Share of light that a straight edge leaves `distance` blur sigmas outside of it: the normal distribution's
+/// tail.
 class BlurredEdge {
  public:
   BlurredEdge() {
@@ -119,11 +120,13 @@ void mergeOverlapping(std::vector<PixelBox>& boxes) {
 void checkExposure(const Exposure& exposure) {
   bool fine = !exposure.samples.empty() && std::isfinite(exposure.start_s);
   for (const ExposureSample& sample : exposure.samples) {
-    fine = fine && sample.p_WQ_mm.allFinite() && sample.p_WS_mm.allFinite() && std::isfinite(sample.angle_rad) &&
-           std::isfinite(sample.power_w) && sample.power_w >= 0.0 && std::isfinite(sample.radius_mm) &&
-           (sample.power_w == 0.0 || sample.radius_mm > 0.0);
+    fine = fine && sample.p_WQ_mm.allFinite() && sample.p_WS_mm.allFinite() &&
+           std::isfinite(sample.angle_rad) && std::isfinite(sample.power_w) && sample.power_w >= 0.0 &&
+           std::isfinite(sample.radius_mm) && (sample.power_w == 0.0 || sample.radius_mm > 0.0);
   }
-  if (!fine) throw std::invalid_argument("SpotCamera::render: an exposure without samples or with values out of range");
+  if (!fine)
+    throw std::invalid_argument(
+        "SpotCamera::render: an exposure without samples or with values out of range");
 }
 
 }  // namespace
@@ -151,7 +154,8 @@ struct SpotCamera::Model {
   [[nodiscard]] std::vector<std::uint8_t> background(std::uint64_t sequence) const;
 };
 
-SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& print_, double glow, std::uint64_t seed_)
+SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& print_, double glow,
+                         std::uint64_t seed_)
     : camera(camera_),
       print(print_),
       glow_gray_per_w(glow),
@@ -161,8 +165,10 @@ SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
       view_W(fieldOf(projection, camera_.width_px, camera_.height_px).circumscribed),
       mm_per_px(1.0 / std::sqrt(std::abs(projection.jacobianAt(view_W.center()).determinant()))),
       blur_px(std::max(camera_.psf_sigma_px, kPixelSigma)) {
-  const std::size_t pixels = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
-  const std::vector<float> light(static_cast<std::size_t>(camera.width_px), static_cast<float>(camera.board_gray));
+  const std::size_t pixels =
+      static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
+  const std::vector<float> light(static_cast<std::size_t>(camera.width_px),
+                                 static_cast<float>(camera.board_gray));
   for (std::uint64_t b = 0; b < kBackgrounds; ++b) {
     const CounterRandom random(seed, kBackgroundStream + b);
     std::vector<std::uint8_t>& background = backgrounds.emplace_back(pixels);
@@ -173,8 +179,11 @@ SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
 }
 
 PixelBox SpotCamera::Model::boxAround(const Vector2d& centre_px, double half_x, double half_y) const {
-  const auto clip = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size))); };
-  return {clip(std::floor(centre_px.x() - half_x), camera.width_px), clip(std::floor(centre_px.y() - half_y), camera.height_px),
+  const auto clip = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  return {clip(std::floor(centre_px.x() - half_x), camera.width_px),
+          clip(std::floor(centre_px.y() - half_y), camera.height_px),
           clip(std::ceil(centre_px.x() + half_x) + 1.0, camera.width_px),
           clip(std::ceil(centre_px.y() + half_y) + 1.0, camera.height_px)};
 }
@@ -200,8 +209,8 @@ std::vector<WebPose> SpotCamera::Model::webPoses(const Exposure& exposure) const
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Vector2d travel = travelDuring(samples, i, place);
     for (int part = 0; part < parts; ++part) {
-      poses.push_back({samples[i].p_WS_mm + travel * ((part + 0.5) / parts - 0.5), std::cos(samples[i].angle_rad),
-                       std::sin(samples[i].angle_rad)});
+      poses.push_back({samples[i].p_WS_mm + travel * ((part + 0.5) / parts - 0.5),
+                       std::cos(samples[i].angle_rad), std::sin(samples[i].angle_rad)});
     }
   }
   return poses;
@@ -227,7 +236,8 @@ std::vector<MarkImage> SpotCamera::Model::marksInView(const std::vector<WebPose>
       const Eigen::Matrix2d J = projection.jacobianAt(p_WM_mm);
       image.px_per_mm = std::sqrt(std::abs(J.determinant()));
       const double pad_px = kEdgeSigmas * blur_px + kMarkPad_px;
-      image.box = boxAround(*centre_px, 1.05 * reach_mm * J.row(0).norm() + pad_px, 1.05 * reach_mm * J.row(1).norm() + pad_px);
+      image.box = boxAround(*centre_px, 1.05 * reach_mm * J.row(0).norm() + pad_px,
+                            1.05 * reach_mm * J.row(1).norm() + pad_px);
       if (!image.box.empty()) found.push_back(std::move(image));
     }
   }
@@ -255,7 +265,8 @@ std::vector<Blob> SpotCamera::Model::blobs(const Exposure& exposure) const {
       const PixelBox box = boxAround(*centre_px, reach * std::sqrt(covariance(0, 0)) + kSpotPad_px,
                                      reach * std::sqrt(covariance(1, 1)) + kSpotPad_px);
       if (box.empty()) continue;
-      found.push_back({box, *centre_px, covariance.inverse(), gray / (static_cast<double>(samples.size()) * parts)});
+      found.push_back(
+          {box, *centre_px, covariance.inverse(), gray / (static_cast<double>(samples.size()) * parts)});
     }
   }
   return found;
@@ -272,7 +283,8 @@ void SpotCamera::Model::addMark(const MarkImage& mark, const PixelBox& box, std:
     nodes[n] = *point;
   }
   const PlanePatch patch(nodes);
-  const auto darkening = static_cast<float>((kMarkGray - camera.board_gray) / static_cast<double>(mark.p_WM_mm.size()));
+  const auto darkening =
+      static_cast<float>((kMarkGray - camera.board_gray) / static_cast<double>(mark.p_WM_mm.size()));
   const double sigmas_per_mm = mark.px_per_mm / blur_px;
   const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
   for (int y = own.y0; y < own.y1; ++y) {
@@ -325,7 +337,10 @@ std::vector<std::uint8_t> SpotCamera::Model::background(std::uint64_t sequence) 
 SpotCamera::SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w,
                        std::uint64_t seed) {
   std::string faults = faultsOf(camera);
-  for (const std::string& more : {faultsOf(print), std::string(std::isfinite(glow_gray_per_w) && glow_gray_per_w >= 0.0 ? "" : "glow_gray_per_w must be >= 0")}) {
+  for (const std::string& more :
+       {faultsOf(print), std::string(std::isfinite(glow_gray_per_w) && glow_gray_per_w >= 0.0
+                                         ? ""
+                                         : "glow_gray_per_w must be >= 0")}) {
     if (!more.empty()) faults += (faults.empty() ? "" : "; ") + more;
   }
   if (!faults.empty()) throw std::invalid_argument(faults);
@@ -358,7 +373,8 @@ Frame SpotCamera::render(const Exposure& exposure) const {
   std::vector<float> light;
   for (const PixelBox& box : boxes) {
     const auto width = static_cast<std::size_t>(box.x1 - box.x0);
-    light.assign(width * static_cast<std::size_t>(box.y1 - box.y0), static_cast<float>(model.camera.board_gray));
+    light.assign(width * static_cast<std::size_t>(box.y1 - box.y0),
+                 static_cast<float>(model.camera.board_gray));
     for (const MarkImage& mark : marks) {
       if (mark.box.meets(box)) model.addMark(mark, box, light);
     }
@@ -367,9 +383,10 @@ Frame SpotCamera::render(const Exposure& exposure) const {
     }
     for (int y = box.y0; y < box.y1; ++y) {
       const std::size_t first =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(model.camera.width_px) + static_cast<std::size_t>(box.x0);
-      model.noise.expose(std::span(light).subspan(static_cast<std::size_t>(y - box.y0) * width, width), random, first,
-                         frame.image.pixels.data() + first);
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(model.camera.width_px) +
+          static_cast<std::size_t>(box.x0);
+      model.noise.expose(std::span(light).subspan(static_cast<std::size_t>(y - box.y0) * width, width),
+                         random, first, frame.image.pixels.data() + first);
     }
   }
   return frame;

@@ -16,7 +16,8 @@ inline Quad loadQuad(const float* from) {
 }
 inline void storeQuad(float* to, Quad quad) { std::memcpy(to, &quad, sizeof quad); }
 
-/// Weights of coefficients -1, 0, 1, 2 of the uniform cubic B-spline at t in [0, 1) between nodes 0 and 1. All are
+/// Weights of coefficients -1, 0, 1, 2 of the uniform cubic B-spline at t in [0, 1) between nodes 0 and 1.
+/// All are
 /// >= 0 and add up to one: the spline never overshoots its coefficients.
 inline Quad splineWeights(float t) {
   const float s = 1.0F - t;
@@ -26,7 +27,8 @@ inline Quad splineWeights(float t) {
   return Quad{outer_left, inner_left, 1.0F - outer_left - inner_left - outer_right, outer_right};
 }
 
-/// Variance of the cubic B-spline in node spacings squared: what it adds to a bell that was laid down as coefficients.
+/// Variance of the cubic B-spline in node spacings squared: what it adds to a bell that was laid down as
+/// coefficients.
 inline constexpr double kSplineVariance = 1.0 / 3.0;
 
 /// The spline over the 4 x 4 coefficients whose first is at `nodes`, rows `stride` apart.

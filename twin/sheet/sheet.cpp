@@ -12,8 +12,10 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kReachRadii = 2.4;
-constexpr double kMinVariance = 0.25;  // Of a laid-down bell, in nodes²; below it the samples no longer add up evenly.
-constexpr double kMaxStepRadii = 0.2;  // Leaves 2e-3 of the peak at the ends of a long move; along it there is no ripple.
+constexpr double kMinVariance =
+    0.25;  // Of a laid-down bell, in nodes²; below it the samples no longer add up evenly.
+constexpr double kMaxStepRadii =
+    0.2;  // Leaves 2e-3 of the peak at the ends of a long move; along it there is no ripple.
 constexpr double kMinRadiusMm = 0.03;  // For the length of a step only.
 constexpr double kFarMm = 1e6;
 
@@ -28,8 +30,8 @@ double laidRadius(double radius_mm) {
   return 2.0 * std::sqrt(std::max(0.25 * radius * radius - kSplineVariance, kMinVariance));
 }
 
-/// The Gaussian exp(-2 x²/w²) at nodes first, first + 1, …; returns the sum. By recurrence: the ratio of neighbours
-/// itself changes by a constant factor, so three exponentials are enough for any number of nodes.
+/// The Gaussian exp(-2 x²/w²) at nodes first, first + 1, …; returns the sum. By recurrence: the ratio of
+/// neighbours itself changes by a constant factor, so three exponentials are enough for any number of nodes.
 double gaussianProfile(double centre_nodes, double radius_nodes, int first, std::vector<float>& out) {
   const double a = 2.0 / (radius_nodes * radius_nodes);
   const double x = first - centre_nodes;
@@ -241,7 +243,8 @@ double Sheet::energyJ() const {
 }
 
 std::uint64_t Sheet::keyOf(int tile_x, int tile_y) {
-  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile_x)) << 32U | static_cast<std::uint32_t>(tile_y);
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile_x)) << 32U |
+         static_cast<std::uint32_t>(tile_y);
 }
 
 Sheet::Tile& Sheet::tileFor(int tile_x, int tile_y) {

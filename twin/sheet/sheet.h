@@ -16,10 +16,10 @@ namespace kerfbench::twin {
 /// The board and how a CO2 beam eats it.
 struct BoardDescription {
   double thickness_mm{0.4};
-  /// Energy per area (J/mm²), summed over all passes, at which the board is just cut through. Depth grows linearly
-  /// with it up to there (S3: D = f(P_ua), linear before saturation).
+  /// Energy per area (J/mm²), summed over all passes, at which the board is just cut through. Depth grows
+  /// linearly with it up to there (S3: D = f(P_ua), linear before saturation).
   double cut_fluence_j_mm2{0.5};
-  double transmission{0.12};  ///< Of the back light through uncut board, 0…1.
+  double transmission{0.12};        ///< Of the back light through uncut board, 0…1.
   double print_transmission{0.02};  ///< Through board under a registration mark.
 };
 
@@ -31,9 +31,9 @@ struct Footprint {
 };
 
 /// The web as a map of absorbed energy, sparse: a uniform cubic B-spline whose coefficient (i, j) sits at
-/// p_S = (i, j) * kCellMm. A spot is laid down narrower by the spline's own variance (kCellMm²/3), so that the smooth
-/// surface is the spot: within 2e-4 of the peak for a radius of 0.1 mm, without any filter. The peak of a line cut at power P and speed v is P/v * sqrt(2/pi) / w for a round spot of
-/// radius w.
+/// p_S = (i, j) * kCellMm. A spot is laid down narrower by the spline's own variance (kCellMm²/3), so that
+/// the smooth surface is the spot: within 2e-4 of the peak for a radius of 0.1 mm, without any filter. The
+/// peak of a line cut at power P and speed v is P/v * sqrt(2/pi) / w for a round spot of radius w.
 ///
 /// Reading is const and safe from any number of threads while nobody burns. Memory: 4 KiB per burnt square of
 /// 0.64 mm, about 10 MB per metre of cut.
@@ -46,8 +46,8 @@ class Sheet {
   /// @throws std::invalid_argument that names every value out of range.
   explicit Sheet(const BoardDescription& board);
 
-  /// The beam moved straight from `from` to `to` while it delivered `energy_j`, evenly. No energy, no burn. All of
-  /// the energy stays on the sheet: the tails beyond 2.4 radii (1e-5) are folded in.
+  /// The beam moved straight from `from` to `to` while it delivered `energy_j`, evenly. No energy, no burn.
+  /// All of the energy stays on the sheet: the tails beyond 2.4 radii (1e-5) are folded in.
   /// @throws std::invalid_argument for values that are not finite, out of range (|p| > 1e6 mm).
   void burn(const Footprint& from, const Footprint& to, double energy_j);
 

@@ -104,7 +104,8 @@ TEST(Sheet, OneLongMoveBurnsTheSameAsManyShortOnes) {
   Sheet many{BoardDescription{}};
   one.burn(spotAt({0.0, 0.0}), spotAt({3.0, 1.0}), 0.5);
   for (int i = 0; i < 1000; ++i) {
-    many.burn(spotAt({3.0 * i / 1000, 1.0 * i / 1000}), spotAt({3.0 * (i + 1) / 1000, 1.0 * (i + 1) / 1000}), 5e-4);
+    many.burn(spotAt({3.0 * i / 1000, 1.0 * i / 1000}), spotAt({3.0 * (i + 1) / 1000, 1.0 * (i + 1) / 1000}),
+              5e-4);
   }
   const double peak = many.fluenceAt({1.5, 0.5});
   for (double x = -0.3; x < 3.3; x += 0.0371) {
@@ -192,7 +193,8 @@ TEST(Sheet, RefusesWhatCannotBeBurnt) {
 
 TEST(Sheet, NamesEveryFaultOfABoard) {
   try {
-    Sheet sheet(BoardDescription{.thickness_mm = 0, .cut_fluence_j_mm2 = -1, .transmission = 2, .print_transmission = 0});
+    Sheet sheet(BoardDescription{
+        .thickness_mm = 0, .cut_fluence_j_mm2 = -1, .transmission = 2, .print_transmission = 0});
     FAIL() << "accepted";
   } catch (const std::invalid_argument& fault) {
     const std::string text = fault.what();

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/camera/twin_tiles.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/hil/camera/small_cameras.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+PrintLayout twoUnits() {
+  PrintLayout print;
+  print.units = 2;
+  print.pitch_mm = 60.0;
+  print.marks = {{{-3.0, -3.0}, 3.0}, {{43.0, 28.0}, 3.0}};
+  return print;
+}
+
+twin::KerfCamera camera(const PrintLayout& print) { return {smallCamera(400, 300, 0.05), print, 4}; }
+
+/// Field of 20 x 15 mm, unit of 40 x 25 mm.
+const std::vector<AlignedBox2d> kDieline{
+    AlignedBox2d(Vector2d(0, 0), Vector2d(40, 0)), AlignedBox2d(Vector2d(0, 0), Vector2d(0, 25)),
+    AlignedBox2d(Vector2d(0, 25), Vector2d(40, 25)), AlignedBox2d(Vector2d(40, 0), Vector2d(40, 25))};
+
+std::vector<KerfTile> readAll(TwinTileSource& from, std::size_t batch) {
+  std::vector<KerfTile> all;
+  for (auto tiles = from.nextBatch(batch); !tiles.empty(); tiles = from.nextBatch(batch)) {
+    EXPECT_LE(tiles.size(), batch);
+    for (KerfTile& tile : tiles) all.push_back(std::move(tile));
+  }
+  return all;
+}
+
+/// How many tiles of a unit see a point of its S with `margin_mm` to spare.
+int seenBy(const std::vector<KerfTile>& tiles, const TwinTileSource& source, const AlignedBox2d& field,
+           int unit, const Vector2d& p_S_mm, double margin_mm) {
+  int count = 0;
+  for (const KerfTile& tile : tiles) {
+    const Vector2d p_V_mm = source.lay(unit) * p_S_mm - tile.p_TV_mm;
+    if (tile.unit == unit && field.exteriorDistance(p_V_mm) == 0.0 &&
+        (p_V_mm - field.min()).minCoeff() >= margin_mm && (field.max() - p_V_mm).minCoeff() >= margin_mm) {
+      ++count;
+    }
+  }
+  return count;
+}
+
+TEST(TwinTileSource, CoversEveryUnitWithItsMarks) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  TwinTileSource source(camera(twoUnits()), sheet, kDieline, {});
+  const AlignedBox2d field = camera(twoUnits()).field();
+  const std::size_t promised = source.size();
+  const std::vector<KerfTile> tiles = readAll(source, 5);
+  EXPECT_EQ(tiles.size(), promised);
+  for (int unit = 0; unit < 2; ++unit) {
+    for (double x = -4.5; x <= 44.5; x += 0.7) {
+      for (double y = -4.5; y <= 29.5; y += 0.7) {
+        // A caliper of 0.6 mm anywhere lies wholly within at least one tile.
+        EXPECT_GE(seenBy(tiles, source, field, unit, {x, y}, 0.6), 1) << unit << " " << x << " " << y;
+      }
+    }
+  }
+}
+
+TEST(TwinTileSource, LaysEachUnitDownDifferentlyWithinTheLimits) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  const TwinTileSource source(camera(twoUnits()), sheet, kDieline, {});
+  EXPECT_FALSE(source.lay(0).isApprox(source.lay(1)));
+  for (int unit = 0; unit < 2; ++unit) {
+    const Vector2d middle(20.0, 12.5);
+    EXPECT_LE((source.lay(unit) * middle - middle).cwiseAbs().maxCoeff(), 1.0);
+    EXPECT_LE(std::abs(Eigen::Rotation2Dd(source.lay(unit).linear()).angle()),
+              0.3 * std::numbers::pi / 180.0);
+    EXPECT_FALSE(source.lay(unit).isApprox(Eigen::Isometry2d::Identity()));
+  }
+}
+
+TEST(TwinTileSource, GivesTheSameTilesAtAnyNumberOfThreads) {
+  twin::Sheet sheet{twin::BoardDescription{}};
+  sheet.burn({{0.0, 0.0}, 0.1, 0.1}, {{40.0, 25.0}, 0.1, 0.1}, 5.0);
+  TwinTileSource one(camera(twoUnits()), sheet, kDieline, {.threads = 1});
+  TwinTileSource two(camera(twoUnits()), sheet, kDieline, {.threads = 2});
+  const std::vector<KerfTile> a = readAll(one, 3);
+  const std::vector<KerfTile> b = readAll(two, 100);
+  ASSERT_EQ(a.size(), b.size());
+  bool burnt = false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].unit, b[i].unit);
+    EXPECT_EQ(a[i].p_TV_mm, b[i].p_TV_mm);
+    EXPECT_EQ(a[i].image.pixels, b[i].image.pixels);
+    for (const std::uint8_t gray : a[i].image.pixels) burnt = burnt || gray > 200;
+  }
+  EXPECT_TRUE(burnt);
+}
+
+TEST(TwinTileSource, LooksAtTheBoxesOfInterestOnlyWhenAsked) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  PrintLayout print = twoUnits();
+  print.units = 1;
+  print.pitch_mm = 500.0;
+  const std::vector<AlignedBox2d> far{AlignedBox2d(Vector2d(0, 0), Vector2d(5, 5)),
+                                      AlignedBox2d(Vector2d(150, 100), Vector2d(155, 105))};
+  TwinTileSource everything(camera(print), sheet, far, {});
+  TwinTileSource few(camera(print), sheet, far, {.everything = false});
+  EXPECT_LT(2 * few.size(), everything.size());
+  const std::vector<KerfTile> tiles = readAll(few, 10);
+  for (const Vector2d& p :
+       {Vector2d(0, 0), Vector2d(5, 5), Vector2d(150, 105), Vector2d(-3, -3), Vector2d(43, 28)}) {
+    EXPECT_GE(seenBy(tiles, few, camera(print).field(), 0, p, 0.6), 1) << p.transpose();
+  }
+}
+
+TEST(TwinTileSource, ALongStripIsOneRowOfTiles) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  PrintLayout print;
+  print.pitch_mm = 1000.0;
+  const TwinTileSource source(camera(print), sheet, {AlignedBox2d(Vector2d(-800, 0), Vector2d(0, 0))}, {});
+  // 804 mm in steps of a little less than 17 mm.
+  EXPECT_GE(source.size(), 47U);
+  EXPECT_LE(source.size(), 50U);
+}
+
+TEST(TwinTileSource, DoesNotShowWhatBelongsToTheNeighbour) {
+  twin::Sheet sheet{twin::BoardDescription{}};
+  // In S of unit 1 this lies at x = 51 … 55: nearer to unit 0, which it is part of.
+  sheet.burn({{-9.0, 5.0}, 0.1, 0.1}, {{-5.0, 5.0}, 0.1, 0.1}, 2.0);
+  PrintLayout print = twoUnits();
+  print.pitch_mm = 60.0;
+  TwinTileSource source(camera(print), sheet, kDieline, {.border_mm = 12.0});
+  int bright_of_unit[2] = {0, 0};
+  for (const KerfTile& tile : readAll(source, 10)) {
+    for (const std::uint8_t gray : tile.image.pixels) bright_of_unit[tile.unit] += gray > 200 ? 1 : 0;
+  }
+  EXPECT_GT(bright_of_unit[0], 100);
+  EXPECT_EQ(bright_of_unit[1], 0);
+}
+
+TEST(TwinTileSource, RefusesToLookAtNothing) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  PrintLayout print;
+  print.pitch_mm = 10.0;
+  EXPECT_THROW(TwinTileSource(camera(print), sheet, {}, {}), std::invalid_argument);
+  EXPECT_THROW(TwinTileSource(camera(print), sheet, {AlignedBox2d()}, {}), std::invalid_argument);
+  EXPECT_THROW(TwinTileSource(camera(twoUnits()), sheet, kDieline, {.overlap_mm = 30.0}),
+               std::invalid_argument);
+  EXPECT_THROW(TwinTileSource(camera(twoUnits()), sheet, kDieline, {.border_mm = -1.0}),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
