@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "hil/app/machine_file.h"
+#include "hil/app/scenario.h"
+#include "hil/dieline/read.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::hil {
+
+/// A scenario with all files that it names, read and checked.
+struct Case {
+  Scenario scenario;
+  twin::MachineDescription machine;
+  Dieline dieline;
+};
+
+/// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as
+/// well for a dieline that is unfit to cut (see lintDieline).
+Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
+
+/// What the planner is told of the machine.
+planner::MachineParameters plannerMachine(const Case& the_case);
+/// What the planner is told of the job; the web's start included.
+planner::JobParameters plannerJob(const Case& the_case);
+/// What runs through the machine.
+twin::WebDescription webOf(const Case& the_case);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/conclude.h"
+
+#include <fmt/format.h>
+
+#include "hil/app/judge.h"
+#include "hil/app/results_folder.h"
+#include "hil/base/atomic_file.h"
+#include "hil/report/run_report.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::hil {
+namespace {
+
+std::string checkLine(const Check& check) {
+  const std::string subject = check.subject.empty() ? "" : " (" + check.subject + ")";
+  return fmt::format("  {:<10} {:<14} {:.6g} {}, limit {}{:g}{}", verdictName(check.verdict), check.name,
+                     check.value, check.unit, check.upper ? "" : "at least ", check.limit, subject);
+}
+
+void tell(const RunReport& report, const std::filesystem::path& folder, Console& console) {
+  for (const Check& check : report.result.checks) console.say(checkLine(check));
+  for (const std::string& problem : report.result.problems) console.result("  INVALID: " + problem);
+  console.result(fmt::format("{}: {}", report.scenario, verdictName(report.result.verdict)));
+  console.say(fmt::format("report: {}", (folder / "report.html").string()));
+  console.say(fmt::format("digest: {}", digestOf(report)));
+}
+
+void tellTiming(const Stopwatch& stopwatch, double virtual_s, Console& console) {
+  for (const StageTime& stage : stopwatch.stages()) {
+    console.result(fmt::format("  {:7.2f} s  {}", stage.wall_s, stage.stage));
+  }
+  console.result(fmt::format("  {:7.2f} s  in all for {:.3f} simulated s: {:.2f} s/s", stopwatch.total_s(),
+                             virtual_s, stopwatch.total_s() / virtual_s));
+}
+
+}  // namespace
+
+int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const Conclusion& conclusion,
+             const CommonOptions& options, Stopwatch& stopwatch, Console& console) {
+  const Scenario& scenario = the_case.scenario;
+  RunReport report;
+  report.scenario = scenario.name;
+  report.scenario_path = scenario.path.string();
+  report.scenario_text = scenario.text;
+  report.machine = the_case.machine.name;
+  report.firmware = conclusion.firmware;
+  report.source_id = conclusion.source_id;
+  report.repeat_command = options.command_line;
+  report.seed = scenario.seed;
+  report.virtual_s = run.recording.rate.seconds(run.recording.end);
+  report.versions = {{"kerfbench", KERFBENCH_VERSION}};
+  if (!conclusion.firmware_sha256.empty())
+    report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
+  judge(
+      the_case, twin, run.problems, options.jobs, stopwatch,
+      [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
+
+  ResultsFolder folder(options.results_dir, conclusion.folder_name);
+  writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
+  writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
+  if (!conclusion.gcode.empty()) writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
+  stopwatch.lap("recording of the pins");
+  report.timing = stopwatch.stages();
+  writeReports(report, folder.staging());
+  folder.commit();
+  stopwatch.lap("report");
+
+  tell(report, folder.place(), console);
+  if (options.timing) tellTiming(stopwatch, report.virtual_s, console);
+  return exitCode(report.result.verdict);
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "hil/app/case.h"
+#include "hil/app/commands.h"
+#include "hil/app/console.h"
+#include "hil/app/lockstep.h"
+#include "hil/app/stopwatch.h"
+
+namespace kerfbench::hil {
+
+/// From a run (live or replayed) to the verdict: looks, measures, judges, writes the results folder, tells
+/// the user.
+struct Conclusion {
+  std::string folder_name;  ///< Below the results folder.
+  std::string firmware;     ///< For people.
+  std::string source_id;
+  std::string firmware_sha256;
+  std::string gcode;  ///< Written to the results folder unless empty.
+};
+/// Returns the exit code of the verdict.
+int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const Conclusion& conclusion,
+             const CommonOptions& options, Stopwatch& stopwatch, Console& console);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "hil/app/case.h"
+#include "hil/app/dialog.h"
+
+namespace kerfbench::hil {
+
+/// A job ready to be sent, and what is worth telling of it.
+struct PreparedJob {
+  std::unique_ptr<Dialog> dialog;
+  std::string summary;  ///< One line.
+  std::string gcode;    ///< For the results folder.
+};
+
+/// Plans the job (reference controller) or reads the G-code (line-and-ok firmware).
+/// @throws planner::PlanError, std::system_error.
+PreparedJob prepareJob(const Case& the_case);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/judge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/camera/twin_frames.h"
+#include "hil/camera/twin_tiles.h"
+#include "hil/inspect/inspect.h"
+#include "twin/camera/camera.h"
+
+namespace kerfbench::hil {
+namespace {
+
+// The camera is recorded while the laser works, and a little before and after.
+constexpr double kRecordMargin_s = 0.05;
+
+CameraCalibration calibrationOf(const twin::CameraDescription& camera, double map_u_mm) {
+  CameraCalibration calibration;
+  calibration.width_px = camera.width_px;
+  calibration.height_px = camera.height_px;
+  calibration.fx_px = camera.fx_px;
+  calibration.fy_px = camera.fy_px;
+  calibration.cx_px = camera.cx_px;
+  calibration.cy_px = camera.cy_px;
+  calibration.distortion = camera.distortion;
+  calibration.X_CP = camera.X_CP;
+  calibration.map_u_mm = map_u_mm;
+  return calibration;
+}
+
+std::vector<twin::Exposure> exposuresWhileLaserWorks(twin::Twin& twin,
+                                                     const std::vector<GateInterval>& gates) {
+  std::vector<twin::Exposure> exposures = twin.takeExposures();
+  if (gates.empty()) return {};
+  const double begin_s = gates.front().on_s - kRecordMargin_s;
+  const double end_s = gates.back().off_s + kRecordMargin_s;
+  std::erase_if(exposures, [&](const twin::Exposure& e) { return e.start_s < begin_s || e.start_s > end_s; });
+  return exposures;
+}
+
+std::vector<GateInterval> gatesOf(const twin::Twin& twin) {
+  std::vector<GateInterval> gates;
+  for (const auto& [on_s, off_s] : twin.gateIntervals()) gates.push_back({on_s, off_s});
+  return gates;
+}
+
+std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const Entity& entity : dieline.entities) {
+    if (entity.process == Process::kIgnore) continue;
+    Eigen::AlignedBox2d box;
+    for (const double u : stations(entity.curve, 1.0)) box.extend(pointAt(entity.curve, u));
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace
+
+void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
+           Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
+  const Scenario& scenario = the_case.scenario;
+  const CameraCalibration spot_calibration = calibrationOf(the_case.machine.spot_camera, kSpotMapU_mm);
+  const CameraCalibration kerf_calibration = calibrationOf(the_case.machine.kerf_camera, kKerfMapU_mm);
+
+  Evidence evidence;
+  evidence.dieline = &the_case.dieline;
+  evidence.print = scenario.print;
+  evidence.pulses = twin.pulseTiming();
+  evidence.gates = gatesOf(twin);
+  evidence.problems = problems;
+  if (evidence.gates.empty())
+    evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");
+
+  if (!evidence.gates.empty()) {
+    progress(-1, "looking at the spot");
+    TwinFrameSource frames(twin::SpotCamera(the_case.machine.spot_camera, scenario.print,
+                                            the_case.machine.glow_gray_per_w, scenario.seed),
+                           exposuresWhileLaserWorks(twin, evidence.gates), jobs);
+    evidence.spot = trackSpot(frames, spot_calibration, scenario.print, {jobs, scenario.belt_speed_mm_s});
+    stopwatch.lap("spot camera: render and measure");
+
+    progress(-1, "looking at the cut");
+    TwinTileOptions tile_options;
+    tile_options.threads = jobs;
+    tile_options.seed = scenario.seed;
+    TwinTileSource tiles(twin::KerfCamera(the_case.machine.kerf_camera, scenario.print, scenario.seed),
+                         twin.sheet(), boxesOf(the_case.dieline), tile_options);
+    KerfScanOptions scan_options;
+    scan_options.threads = jobs;
+    evidence.kerf = scanKerf(tiles, kerf_calibration, scenario.print, the_case.dieline, scan_options);
+    stopwatch.lap("kerf camera: render and measure");
+  }
+  evidence.kerf_u_mm = kKerfU_mm;
+  evidence.spot_u_mm = kSpotU_mm;
+
+  report.result = inspect(evidence, scenario.limits);
+  report.limits = scenario.limits;
+  report.dieline = the_case.dieline;
+  report.print = scenario.print;
+  report.kerf = std::move(evidence.kerf);
+  report.spot = std::move(evidence.spot);
+  report.pulses = std::move(evidence.pulses);
+  stopwatch.lap("inspection");
+}
+
+}  // namespace kerfbench::hil

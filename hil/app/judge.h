@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hil/app/case.h"
+#include "hil/app/lockstep.h"
+#include "hil/app/stopwatch.h"
+#include "hil/report/run_report.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::hil {
+
+/// What the cameras of the bench see of a run that the twin has lived through, measured and judged. Fills the
+/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result). `problems` come from the
+/// run.
+void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
+           Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/scenarios/scenario_runs.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+namespace kerfbench::test {
+namespace fs = std::filesystem;
+
+ProgramRun kerfbench(const std::string& arguments) {
+  const std::string command = fmt::format("'{}/bin/kerfbench' {} 2>&1", KERFBENCH_BINARY_DIR, arguments);
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("popen failed");
+  ProgramRun run;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    run.output.append(buffer.data(), n);
+  const int status = ::pclose(pipe);
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return run;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string pattern = (fs::path(testing::TempDir()) / "kerfbench.XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
+  path_ = pattern;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+fs::path fixture(const std::string& name) { return fs::path(KERFBENCH_SOURCE_DIR) / "fixtures" / name; }
+
+nlohmann::json verdictOf(const fs::path& results) {
+  std::ifstream file(results / "verdict.json");
+  return nlohmann::json::parse(file);
+}
+
+std::vector<std::string> checksThat(const nlohmann::json& verdict, const std::string& which) {
+  std::vector<std::string> names;
+  for (const auto& check : verdict.at("checks")) {
+    if (check.at("verdict") == which) names.push_back(check.at("name"));
+  }
+  return names;
+}
+
+}  // namespace kerfbench::test

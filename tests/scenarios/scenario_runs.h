@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace kerfbench::test {
+
+/// What a user would see of one call of the program.
+struct ProgramRun {
+  int exit_code{};
+  std::string output;  ///< Standard output and standard error.
+};
+
+/// Runs `kerfbench` with these arguments in a shell, as a user would.
+ProgramRun kerfbench(const std::string& arguments);
+
+/// A folder for the results of one test, empty at first, removed in the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::filesystem::path fixture(const std::string& name);
+nlohmann::json verdictOf(const std::filesystem::path& results);
+/// Names of the checks with this verdict.
+std::vector<std::string> checksThat(const nlohmann::json& verdict, const std::string& which);
+
+}  // namespace kerfbench::test
