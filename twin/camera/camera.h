@@ -35,7 +35,7 @@ struct CameraDescription {
   double full_well_electrons{10000};  ///< At grey level 255: sets the shot noise. Infinity: none.
   double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
   double frame_period_s{0.001};  ///< Spot camera only.
-  double exposure_s{50e-6};
+  double exposure_s{50e-6};      ///< Spot camera only; in (0, frame_period_s].
 };
 
 /// Everything that is wrong with a description, or what is printed, in one line; empty when nothing is.

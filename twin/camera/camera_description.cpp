@@ -26,9 +26,6 @@ std::string faultsOf(const CameraDescription& camera) {
   require(notNegative(camera.read_noise), "read_noise must be >= 0");
   require(camera.full_well_electrons > 0.0, "full_well_electrons must be > 0");
   require(notNegative(camera.board_gray) && camera.board_gray <= 255.0, "board_gray must be in [0, 255]");
-  require(positive(camera.frame_period_s), "frame_period_s must be > 0");
-  require(positive(camera.exposure_s) && camera.exposure_s <= camera.frame_period_s,
-          "exposure_s must be in (0, frame_period_s]");
   return faults;
 }
 

@@ -337,12 +337,14 @@ std::vector<std::uint8_t> SpotCamera::Model::background(std::uint64_t sequence) 
 SpotCamera::SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w,
                        std::uint64_t seed) {
   std::string faults = faultsOf(camera);
-  for (const std::string& more :
-       {faultsOf(print), std::string(std::isfinite(glow_gray_per_w) && glow_gray_per_w >= 0.0
-                                         ? ""
-                                         : "glow_gray_per_w must be >= 0")}) {
+  const auto add = [&faults](const std::string& more) {
     if (!more.empty()) faults += (faults.empty() ? "" : "; ") + more;
-  }
+  };
+  add(faultsOf(print));
+  // Also refuses NaN.
+  if (!(camera.exposure_s > 0.0 && camera.exposure_s <= camera.frame_period_s))
+    add("exposure_s must be in (0, frame_period_s]");
+  if (!(glow_gray_per_w >= 0.0 && std::isfinite(glow_gray_per_w))) add("glow_gray_per_w must be >= 0");
   if (!faults.empty()) throw std::invalid_argument(faults);
   model_ = std::make_shared<const Model>(camera, print, glow_gray_per_w, seed);
 }
