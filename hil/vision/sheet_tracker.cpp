@@ -92,7 +92,6 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
 
 std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time_s,
                                              const std::optional<KeepOut>& spot) {
-  missed_.clear();
   std::vector<SheetPose> poses;
   if (units_.empty()) return poses;
   std::map<int, PlaneMotion> measured;
@@ -104,32 +103,21 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     const PlaneMotion expected = predict(unit, time_s);
     const double search_mm = looseness(unit, time_s);
     std::vector<MarkPair> pairs;
-    std::vector<std::pair<Eigen::Vector2d, double>> unseen;
     for (const RegistrationMark& mark : print_.marks) {
       const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
       if (!markInView(p_mm, mark.diameter_mm)) continue;
       const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
       std::optional<FoundMark> found;
       if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
-      if (!found || (found->p_mm - p_mm).norm() > search_mm) {
-        unseen.emplace_back(mark.p_SM_mm, mark.diameter_mm);
-        continue;
-      }
+      if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
       pairs.push_back({mark.p_SM_mm, found->p_mm});
       contrast += found->contrast_gray;
       ++contrasts;
     }
-    PlaneMotion motion = expected;
-    if (!pairs.empty()) {
-      const MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
-      motion = fit.motion;
-      measured[unit] = motion;
-      poses.push_back({unit, motion.shift_mm, motion.angle_rad, fit.rms_mm, fit.pairs});
-    }
-    for (const auto& [p_SM_mm, diameter_mm] : unseen) {
-      const Eigen::Vector2d p_mm = motion * p_SM_mm;
-      if (markInView(p_mm, diameter_mm)) missed_.push_back(discAt(p_mm, diameter_mm));
-    }
+    if (pairs.empty()) continue;
+    const MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
+    measured[unit] = fit.motion;
+    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs});
   }
 
   // The belt's speed from units seen in the frame before, too.

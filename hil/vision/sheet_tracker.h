@@ -35,8 +35,6 @@ class SheetTracker {
   /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm of
   /// `near_mm`, or all.
   [[nodiscard]] std::vector<DiscInPicture> discs(const std::optional<Eigen::Vector2d>& near_mm, double reach_mm) const;
-  /// Those that step() looked for and could not measure, the spot's neighbours included.
-  [[nodiscard]] const std::vector<DiscInPicture>& missedDiscs() const { return missed_; }
 
  private:
   struct UnitState {
@@ -58,7 +56,6 @@ class SheetTracker {
   double speed_mm_s_;         ///< Of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
-  std::vector<DiscInPicture> missed_;
   double contrast_gray_{80.0};
   double time_s_{};
 };

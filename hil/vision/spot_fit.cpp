@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -95,29 +96,51 @@ std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, 
 
 struct Sums {
   Matrix normal = Matrix::Zero();
-  Matrix scatter = Matrix::Zero();  ///< Sum of squared residual times outer product: noise that differs by pixel.
   Vector gradient = Vector::Zero();
   double cost{};
-  int pixels{};
+  int saturated{};
 };
 
-Sums accumulate(const GrayImage& image, const Window& w, const std::vector<double>& cover, const Vector& q,
-                bool with_scatter) {
+/// Model and its derivative by the parameters at one pixel.
+struct PixelModel {
+  double value;
+  double bell;
+  double dx;
+  double dy;
+
+  PixelModel(const Vector& q, double c, double r, double cover) : dx(c - q[0]), dy(r - q[1]) {
+    const double exponent = 0.5 * (q[2] * dx * dx + 2.0 * q[3] * dx * dy + q[4] * dy * dy);
+    bell = exponent < 30.0 ? std::exp(-exponent) : 0.0;
+    value = q[5] * bell + q[6] + q[7] * cover;
+  }
+  [[nodiscard]] Vector derivative(const Vector& q, double cover) const {
+    const double s = q[5] * bell;
+    Vector j;
+    j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy, -0.5 * s * dy * dy,
+        bell, 1.0, cover;
+    return j;
+  }
+};
+
+double coverAt(const std::vector<double>& cover, const Window& w, int c, int r) {
+  return cover.empty() ? 0.0 : cover[static_cast<std::size_t>((r - w.top) * w.width() + c - w.left)];
+}
+
+Sums accumulate(const GrayImage& image, const Window& w, const std::vector<double>& cover, const Vector& q) {
   Sums sums;
   for (int r = w.top; r <= w.bottom; ++r) {
     for (int c = w.left; c <= w.right; ++c) {
-      const double m = cover.empty() ? 0.0 : cover[static_cast<std::size_t>((r - w.top) * w.width() + c - w.left)];
-      const double dx = c - q[0];
-      const double dy = r - q[1];
-      const double exponent = 0.5 * (q[2] * dx * dx + 2.0 * q[3] * dx * dy + q[4] * dy * dy);
-      const double bell = exponent < 30.0 ? std::exp(-exponent) : 0.0;
-      const double model = q[5] * bell + q[6] + q[7] * m;
+      const double m = coverAt(cover, w, c, r);
+      const PixelModel at(q, c, r, m);
       const double value = image.at(c, r);
-      if (value >= kSaturated && model >= kSaturated) continue;
-      const double residual = value - model;
+      if (value >= kSaturated && at.value >= kSaturated) {  // As bright as it can be: agrees, and tells no more.
+        ++sums.saturated;
+        continue;
+      }
+      const double residual = value - std::min(at.value, 255.0);
       sums.cost += residual * residual;
-      ++sums.pixels;
-      if (bell < 1e-5) {  // Plain board or ink: most pixels.
+      if (at.value > 255.0) continue;
+      if (at.bell < 1e-5) {  // Plain board or ink: most pixels.
         sums.normal(6, 6) += 1.0;
         sums.normal(6, 7) += m;
         sums.normal(7, 6) += m;
@@ -126,16 +149,55 @@ Sums accumulate(const GrayImage& image, const Window& w, const std::vector<doubl
         sums.gradient[7] += residual * m;
         continue;
       }
-      const double s = q[5] * bell;
-      Vector j;
-      j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy,
-          -0.5 * s * dy * dy, bell, 1.0, m;
+      const Vector j = at.derivative(q, m);
       sums.normal.noalias() += j * j.transpose();
-      if (with_scatter) sums.scatter.noalias() += (residual * residual) * (j * j.transpose());
       sums.gradient += residual * j;
     }
   }
   return sums;
+}
+
+/// Covariance of the centre. A shape that is not quite Gaussian, as a streak's, leaves residuals that are alike on
+/// both sides of the centre and do not move it; only what differs between mirrored pixels counts as noise. Never less
+/// than the noise of the board, grown as shot noise grows with the light.
+Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const std::vector<double>& cover,
+                                 const Vector& q, const Matrix& inverse, double noise) {
+  const auto residualAt = [&](int c, int r) {
+    const double model = PixelModel(q, c, r, coverAt(cover, w, c, r)).value;
+    const double value = image.at(c, r);
+    return value >= kSaturated && model >= kSaturated ? 0.0 : value - std::min(model, 255.0);
+  };
+  Matrix seen = Matrix::Zero();
+  Matrix shot = Matrix::Zero();
+  for (int r = w.top; r <= w.bottom; ++r) {
+    for (int c = w.left; c <= w.right; ++c) {
+      const double m = coverAt(cover, w, c, r);
+      const PixelModel at(q, c, r, m);
+      if (at.bell < 1e-5 || at.value > 255.0) continue;
+      const Vector j = at.derivative(q, m);
+      const Matrix outer = j * j.transpose();
+      shot += noise * noise * std::max(1.0, at.value / std::max(1.0, q[6])) * outer;
+      const double mx = 2.0 * q[0] - c;
+      const double my = 2.0 * q[1] - r;
+      const int mc = static_cast<int>(std::floor(mx));
+      const int mr = static_cast<int>(std::floor(my));
+      double difference = residualAt(c, r);
+      double parts = 1.0;
+      if (mc >= w.left && mc < w.right && mr >= w.top && mr < w.bottom) {
+        const double fx = mx - mc;
+        const double fy = my - mr;
+        for (const auto& [dc, dr, weight] : {std::tuple{0, 0, (1 - fx) * (1 - fy)}, std::tuple{1, 0, fx * (1 - fy)},
+                                             std::tuple{0, 1, (1 - fx) * fy}, std::tuple{1, 1, fx * fy}}) {
+          difference -= weight * residualAt(mc + dc, mr + dr);
+          parts += weight * weight;
+        }
+      }
+      seen += difference * difference / parts * outer;
+    }
+  }
+  const Eigen::Matrix2d by_residuals = (inverse * seen * inverse).topLeftCorner<2, 2>();
+  const Eigen::Matrix2d by_shot = (inverse * shot * inverse).topLeftCorner<2, 2>();
+  return by_shot * std::max(1.0, by_residuals.trace() / by_shot.trace());
 }
 
 bool plausible(const Vector& q) {
@@ -169,7 +231,7 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
 
   Vector q = start->parameters;
   double damping = 1e-3;
-  Sums sums = accumulate(image, w, cover, q, false);
+  Sums sums = accumulate(image, w, cover, q);
   for (int round = 0; round < 40; ++round) {
     Matrix a = sums.normal;
     if (cover.empty()) a(7, 7) = 1.0;
@@ -177,25 +239,21 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
     a.diagonal().array() += 1e-12;
     const Vector step = a.ldlt().solve(sums.gradient);
     const Vector trial = q + step;
-    if (!plausible(trial)) {
+    Sums next;
+    const bool allowed = plausible(trial);
+    if (allowed) next = accumulate(image, w, cover, trial);
+    if (!allowed || next.cost > sums.cost * (1.0 + 1e-12)) {
       damping = std::max(damping, 1e-3) * 10.0;
       if (damping > 1e8) break;
       continue;
     }
-    const Sums next = accumulate(image, w, cover, trial, false);
-    // Pixels leave the sum as the model saturates them: compare the mean.
-    if (next.pixels <= kParameters || next.cost / next.pixels > sums.cost / sums.pixels * (1.0 + 1e-12)) {
-      damping = std::max(damping, 1e-3) * 10.0;
-      if (damping > 1e8) break;
-      continue;
-    }
-    const bool settled = std::abs(step[0]) < 1e-5 && std::abs(step[1]) < 1e-5;
+    const bool settled = std::abs(step[0]) < 1e-4 && std::abs(step[1]) < 1e-4;
     q = trial;
     sums = next;
     damping *= 0.1;
     if (settled) break;
   }
-  if (!plausible(q) || sums.pixels <= kParameters) return std::nullopt;
+  if (!plausible(q)) return std::nullopt;
 
   Eigen::Matrix2d inverse_shape;
   inverse_shape << q[2], q[3], q[3], q[4];
@@ -210,12 +268,8 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
   if (cover.empty()) normal(7, 7) = 1.0;
   normal.diagonal().array() += 1e-12;
   const Matrix inverse = normal.ldlt().solve(Matrix::Identity());
-  sums = accumulate(image, w, cover, q, true);
-  const Matrix spread = inverse * sums.scatter * inverse;
-  const Matrix white = inverse * (noise_gray * noise_gray);
-  const double scale = std::max(1.0, spread.topLeftCorner<2, 2>().trace() / white.topLeftCorner<2, 2>().trace());
-  fit.covariance_px2 = scale * white.topLeftCorner<2, 2>();
-  const double height_sigma = std::sqrt(scale * white(5, 5));
+  fit.covariance_px2 = centreCovariance(image, w, cover, q, inverse, noise_gray);
+  const double height_sigma = noise_gray * std::sqrt(inverse(5, 5));
 
   // A lens and a pixel blur everything to 0.4 px and more: sharper is a hot pixel. An edge or a patch of light has no
   // end within the window.
@@ -223,7 +277,7 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
   if (!inside || fit.short_sigma_px < 0.4 || fit.short_sigma_px > 20.0 || fit.long_sigma_px > 0.75 * kMaxHalfWindow) {
     return std::nullopt;
   }
-  if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) || fit.height_gray < 5.0 * height_sigma) return std::nullopt;
+  if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) || (sums.saturated == 0 && fit.height_gray < 5.0 * height_sigma)) return std::nullopt;
   if (!fit.covariance_px2.allFinite() || fit.covariance_px2.trace() > 2.0) return std::nullopt;
   return fit;
 }
@@ -252,7 +306,7 @@ std::optional<BrightPeak> peakWithin(const GrayImage& image, const DiscInPicture
   const auto middle = ink.begin() + static_cast<std::ptrdiff_t>(ink.size() / 2);
   std::nth_element(ink.begin(), middle, ink.end());
   best.height = best_mean - *middle;
-  if (best.height < std::max(6.0, 5.0 * noise_gray)) return std::nullopt;
+  if (best.height < std::max(10.0, 6.0 * noise_gray)) return std::nullopt;
   return best;
 }
 

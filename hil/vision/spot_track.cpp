@@ -76,7 +76,7 @@ std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance
                           static_cast<int>(std::min(255.0, glance.spot->height_gray))};
     return fitSpot(image, peak, glance.board_gray, glance.noise_gray, discs);
   }
-  for (const DiscInPicture& disc : tracker.missedDiscs()) {
+  for (const DiscInPicture& disc : tracker.discs(std::nullopt, 0.0)) {
     const std::optional<BrightPeak> peak = peakWithin(image, disc, glance.noise_gray);
     if (!peak) continue;
     if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise_gray, {&disc, 1})) return fit;
