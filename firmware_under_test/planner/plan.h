@@ -10,49 +10,55 @@
 
 namespace kerfbench::planner {
 
-/// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The twin has
-/// its own, and a difference between the two is a fault that the bench must see.
+/// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The
+/// twin has its own, and a difference between the two is a fault that the bench must see.
 struct MachineParameters {
   enum class Head { kTwoMirror, kGantry };
   Head head{Head::kTwoMirror};
   // Two mirrors (Cheng et al. 2014, eq. 2)
-  double throw_mm{};              ///< L: Y mirror to sheet; > 0.
-  double mirror_spacing_mm{};     ///< d; >= 0.
-  double mirror_step_rad{};       ///< Mechanical angle of one PUL.
+  double throw_mm{};           ///< L: Y mirror to sheet; > 0.
+  double mirror_spacing_mm{};  ///< d; >= 0.
+  double mirror_step_rad{};    ///< Mechanical angle of one PUL.
   // Gantry
   double gantry_step_mm{};
   // Both
-  double field_min_mm[2]{};       ///< Reach of the beam in W, x and y.
+  double field_min_mm[2]{};  ///< Reach of the beam in W, x and y.
   double field_max_mm[2]{};
-  double tracking_delay_s{};      ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
-  double encoder_count_mm{};      ///< Belt travel of one quadrature count.
+  double tracking_delay_s{};        ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
+  double encoder_count_mm{};        ///< Belt travel of one quadrature count.
   double print_mark_sensor_x_mm{};  ///< In W.
-  double feed_step_mm{};          ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
-  double full_power_w{};          ///< At PWM duty 255/255.
+  double feed_step_mm{};  ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
+  double full_power_w{};  ///< At PWM duty 255/255.
 };
 
 struct JobParameters {
-  double belt_speed_mm_s{};       ///< > 0 while the board moves, 0 for a resting sheet.
+  double belt_speed_mm_s{};  ///< > 0 while the board moves, 0 for a resting sheet.
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};
-  double cut_energy_j_per_mm{};   ///< Power over speed that cuts through: Z1 (S3's P_ua times the spot diameter).
-  double half_z{0.5};             ///< Z of half-cut and crease.
+  double
+      cut_energy_j_per_mm{};  ///< Power over speed that cuts through: Z1 (S3's P_ua times the spot diameter).
+  double half_z{0.5};         ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};
   int units{1};
-  double pitch_mm{};              ///< Of the units on the web; unit k lies at x_S = -k * pitch.
-  double eye_mark_x_mm{};         ///< Leading edge of the eye mark in S of a unit.
-  bool alternate{false};          ///< Odd units are cut in reverse (S0: the next cut runs back).
+  double pitch_mm{};       ///< Of the units on the web; unit k lies at x_S = -k * pitch.
+  double eye_mark_x_mm{};  ///< Leading edge of the eye mark in S of a unit.
+  bool alternate{false};   ///< Odd units are cut in reverse (S0: the next cut runs back).
+  /// The controller drives the belt with feed steps: the program is timed, waits for no mark and does not
+  /// follow.
   bool feed_by_controller{false};
+  double
+      web_start_x_mm{};  ///< x_W of unit 0's origin while the belt rests (belt speed 0, or before the feed).
+  double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
 };
 
 /// Deliberate mistakes, for releases that the bench must fail.
 struct PlannerFaults {
-  bool ignore_belt{false};        ///< x' = x, without v t.
-  bool no_pincushion{false};      ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
-  int skip_entity{-1};            ///< Never cut.
-  int repeat_entity{-1};          ///< Cut twice.
+  bool ignore_belt{false};    ///< x' = x, without v t.
+  bool no_pincushion{false};  ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
+  int skip_entity{-1};        ///< Never cut; makeGcode leaves it out.
+  int repeat_entity{-1};      ///< Cut twice; makeGcode writes it again at the end.
 };
 
 /// A job that cannot be done; what() lists every reason, and the highest belt speed if that is one.
@@ -60,22 +66,29 @@ class PlanError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Faults of the two parameter sets, one sentence each; empty if they are usable.
+std::vector<std::string> faultsOf(const MachineParameters& machine, const JobParameters& job);
+
 /// What goes down the UART.
 struct Program {
-  std::vector<std::uint8_t> config;              ///< KB_CONFIG payload.
-  std::vector<std::vector<std::uint8_t>> ops;    ///< Whole operations, in order.
+  std::vector<std::uint8_t> config;            ///< KB_CONFIG payload.
+  std::vector<std::vector<std::uint8_t>> ops;  ///< Whole operations, in order.
 };
 
 struct Plan {
   std::string gcode;             ///< One unit in S4's dialect.
   Program program;               ///< All units.
-  double unit_time_s{};          ///< From the start of a unit to its last period.
-  double max_belt_speed_mm_s{};  ///< The highest at which this job fits field and pitch.
-  double cut_length_mm{};
-  double jump_length_mm{};
+  double unit_time_s{};          ///< From the start of a unit (its print mark come up) to its last mark.
+  double cycle_time_s{};         ///< unit_time_s and the way back to where the next unit starts.
+  double max_belt_speed_mm_s{};  ///< The highest at which this job, cut in this order, fits field and pitch.
+  double cut_length_mm{};        ///< Of one unit, all marks.
+  double jump_length_mm{};       ///< Of one unit, between its marks.
+  double x_ref_mm{};             ///< x_W of unit 0's origin at its start.
 };
 
-/// Dieline to G-code: G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE headings, Z as laser.
+/// Dieline to G-code: whole outlines, creases before cuts, holes before outlines. Where the belt is too fast
+/// for that, outlines are broken at their corners, and at last creases go first only where they lie side by
+/// side with cuts. G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE headings, Z as laser.
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults = {});
 /// G-code of one unit to the program of all of them. @throws PlanError with line numbers.

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/axes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware_under_test/controller/protocol.h"
+
+namespace kerfbench::planner {
+
+using Eigen::Vector2d;
+
+static_assert(KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 8, "kPeriodS is the controller's");
+static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
+
+Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
+    : machine_(machine), faults_(faults) {
+  if (machine.head == MachineParameters::Head::kGantry) {
+    x_per_mm_ = y_per_mm_ = 1.0 / machine.gantry_step_mm;
+    return;
+  }
+  const double l = machine.throw_mm;
+  const double nearest = l + machine.mirror_spacing_mm;
+  const double x_far = std::max(std::abs(machine.field_min_mm[0]), std::abs(machine.field_max_mm[0]));
+  const double y_far = std::max(std::abs(machine.field_min_mm[1]), std::abs(machine.field_max_mm[1]));
+  x_per_mm_ = 0.5 / nearest / machine.mirror_step_rad;
+  y_per_mm_ = 0.5 / l / machine.mirror_step_rad;
+  // d/dy of half atan(x/D), D = sqrt(L² + y²) + d: it grows with |y|, and with |x| up to D.
+  const double x_bound = std::min(x_far, nearest);
+  x_per_y_mm_ = 0.5 * x_bound / (nearest * nearest + x_bound * x_bound) * y_far / std::hypot(l, y_far) /
+                machine.mirror_step_rad;
+}
+
+Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
+  if (machine_.head == MachineParameters::Head::kGantry) return p_W_mm / machine_.gantry_step_mm;
+  // Cheng et al. 2014, eq. 2.
+  const double l = machine_.throw_mm;
+  const double reach = faults_.no_pincushion ? l : std::hypot(l, p_W_mm.y()) + machine_.mirror_spacing_mm;
+  return Vector2d(0.5 * std::atan(p_W_mm.x() / reach), 0.5 * std::atan(p_W_mm.y() / l)) /
+         machine_.mirror_step_rad;
+}
+
+double Axes::xStepsPerMm(const Vector2d& p_W_mm) const {
+  if (machine_.head == MachineParameters::Head::kGantry) return 1.0 / machine_.gantry_step_mm;
+  const double l = machine_.throw_mm;
+  const double reach = faults_.no_pincushion ? l : std::hypot(l, p_W_mm.y()) + machine_.mirror_spacing_mm;
+  return 0.5 * reach / (reach * reach + p_W_mm.x() * p_W_mm.x()) / machine_.mirror_step_rad;
+}
+
+Vector2d Axes::axisLimits() const {
+  const double budget_per_s = kStepBudget / kPeriodS;
+  return {budget_per_s / x_per_mm_, budget_per_s / y_per_mm_};
+}
+
+double Axes::speedLimit(const Vector2d& direction, double belt_speed_mm_s) const {
+  const double budget_per_s = kStepBudget / kPeriodS;
+  const double belt_per_s = belt_speed_mm_s * x_per_mm_;
+  if (belt_per_s >= budget_per_s) return 0.0;
+  // |s ux + v| kx + s |uy| kxy <= budget, solved for s on both sides of the absolute value.
+  const double cross_rate = std::abs(direction.y()) * x_per_y_mm_;
+  const double rate = direction.x() * x_per_mm_;
+  double limit = budget_per_s / std::max(std::abs(direction.y()) * y_per_mm_, 1e-12);
+  const double forward = rate + cross_rate;
+  if (forward > 0.0) limit = std::min(limit, (budget_per_s - belt_per_s) / forward);
+  const double backward = cross_rate - rate;
+  if (backward > 0.0) limit = std::min(limit, (budget_per_s + belt_per_s) / backward);
+  return limit;
+}
+
+int Axes::firstAxis() const {
+  return machine_.head == MachineParameters::Head::kGantry ? KB_GANTRY_X : KB_GALVO_X;
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "firmware_under_test/planner/plan.h"
+
+namespace kerfbench::planner {
+
+/// An interpolation period of the controller (protocol.h).
+inline constexpr double kPeriodS = 0.8e-3;
+/// Steps per period that the planner gives an axis, of the 31 that the controller can make: the rest is for
+/// rounding and for what the follow correction adds when the belt runs unevenly.
+inline constexpr int kStepBudget = 28;
+
+/// Beam positions in W to axis steps: the planner's own inverse of the head.
+class Axes {
+ public:
+  Axes(const MachineParameters& machine, const PlannerFaults& faults);
+
+  /// Axis positions in steps, not rounded, for the beam at p_W.
+  [[nodiscard]] Eigen::Vector2d stepsAt(const Eigen::Vector2d& p_W_mm) const;
+  /// d(x steps)/d(x_W) at p_W, 1/mm.
+  [[nodiscard]] double xStepsPerMm(const Eigen::Vector2d& p_W_mm) const;
+  /// The highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while
+  /// the sheet moves along +x; the same everywhere in the field. 0 if the belt alone is too fast.
+  [[nodiscard]] double speedLimit(const Eigen::Vector2d& direction, double belt_speed_mm_s) const;
+  /// The highest speed of the x axis, mm/s in W, and of the y axis.
+  [[nodiscard]] Eigen::Vector2d axisLimits() const;
+  /// Number of the x axis in the protocol; y is the next.
+  [[nodiscard]] int firstAxis() const;
+
+ private:
+  MachineParameters machine_;
+  PlannerFaults faults_;
+  double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
+  double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
+  double y_per_mm_{};
+};
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware_under_test/planner/segment.h"
+
+namespace kerfbench::planner {
+
+/// Pieces of path to text; a jump goes before each piece that does not begin where the one before ended.
+/// `names` holds for each entity the word after its id in the comment.
+std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
+                       const std::vector<std::string>& names);
+
+/// What a G-code text says, jumps included, from its first point to its last mark.
+///
+/// Accepted: upper and lower case, blanks anywhere, comments in () and after ';', '%', N words, the headings,
+/// modal G, X, Y and Z left out, G21 and G90, M02 and M30. The Z of marks is modal among marks only: a jump
+/// does not clear it, so that a deleted Z word does not leave a cut out in silence.
+/// @throws PlanError that lists every fault with its line.
+std::vector<Segment> readGcode(const std::string& text);
+
+}  // namespace kerfbench::planner

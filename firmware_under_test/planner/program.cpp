@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "firmware_under_test/controller/protocol.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+using Op = std::vector<std::uint8_t>;
+
+/// The gain is sent anew when it is off by more than this share.
+constexpr double kGainShare = 0.002;
+
+void append(Op& op, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) op.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+/// Writes periods and knows where the axes stand.
+class Writer {
+ public:
+  Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
+      : axes_(axes), machine_(machine), job_(job), v_(belt_speed_mm_s) {}
+
+  /// One period that ends with the beam at p_W.
+  void period(const Vector2d& p_W_mm, double marked_mm, int entity) {
+    const Vector2d wanted = axes_.stepsAt(p_W_mm);
+    int count[2];
+    for (int i = 0; i < 2; ++i) {
+      const int to = static_cast<int>(std::lround(wanted[i]));
+      count[i] = to - steps_[i];
+      steps_[i] = to;
+      if (std::abs(count[i]) > KB_MAX_STEPS_PER_PERIOD) {
+        throw PlanError(
+            fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
+                        i == 0 ? 'x' : 'y', count[i], kPeriodS * 1e3, KB_MAX_STEPS_PER_PERIOD));
+      }
+    }
+    std::uint8_t mask = 0;
+    Op body;
+    const auto axis = [&](int number, int steps) {
+      if (steps == 0) return;
+      mask = static_cast<std::uint8_t>(mask | (1U << static_cast<unsigned>(number)));
+      body.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
+    };
+    axis(axes_.firstAxis(), count[0]);
+    axis(axes_.firstAxis() + 1, count[1]);
+    axis(KB_FEED, feedSteps());
+    if (marked_mm > 0.0) {
+      mask |= KB_OP_POWER;
+      body.push_back(
+          static_cast<std::uint8_t>(std::lround(std::min(powerByte(marked_mm, machine_, job_), 255.0))));
+    }
+    if (following_) {
+      const double gain = axes_.xStepsPerMm(p_W_mm) * machine_.encoder_count_mm * 4096.0;
+      if (std::abs(gain - gain_) > kGainShare * gain) {
+        gain_ = gain;
+        mask |= KB_OP_GAIN;
+        append(body, static_cast<std::uint64_t>(std::lround(gain)), 2);
+      }
+    }
+    Op op{static_cast<std::uint8_t>(KB_OP_MOVE | mask)};
+    op.insert(op.end(), body.begin(), body.end());
+    ops_.push_back(std::move(op));
+    p_W_mm_ = p_W_mm;
+  }
+
+  void hold(int periods) {
+    for (int i = 0; i < periods; ++i) period(p_W_mm_, 0.0, -1);
+  }
+
+  void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
+    const Reposition way(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
+    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), 0.0, -1);
+  }
+
+  void waitMark(std::int32_t offset) {
+    Op op{KB_OP_WAIT_MARK};
+    append(op, static_cast<std::uint32_t>(offset), 4);
+    ops_.push_back(std::move(op));
+  }
+
+  void follow(bool on) {
+    following_ = on;
+    ops_.push_back({KB_OP_FOLLOW, static_cast<std::uint8_t>(on ? axes_.firstAxis() + 1 : 0)});
+  }
+
+  void startFeed() { feed_target_ = v_; }
+  void stopFeed() { feed_target_ = 0.0; }
+  [[nodiscard]] bool feedAtTarget() const { return feed_speed_ == feed_target_; }
+  [[nodiscard]] double feedMm() const { return feed_mm_; }
+  [[nodiscard]] const Vector2d& at() const { return p_W_mm_; }
+
+  std::vector<Op> finish() {
+    ops_.push_back({KB_OP_END});
+    return std::move(ops_);
+  }
+
+ private:
+  /// The belt's ramps are straight in speed and take whole periods.
+  int feedSteps() {
+    if (feed_speed_ == 0.0 && feed_target_ == 0.0) return 0;
+    const double step = v_ / std::max(1, feedRampPeriods(v_, job_));
+    const double before = feed_speed_;
+    feed_speed_ += std::clamp(feed_target_ - feed_speed_, -step, step);
+    if (std::abs(feed_speed_ - feed_target_) < 1e-6 * v_) feed_speed_ = feed_target_;
+    feed_mm_ += 0.5 * (before + feed_speed_) * kPeriodS;
+    const long to = std::lround(feed_mm_ / machine_.feed_step_mm);
+    const int count = static_cast<int>(to - feed_steps_);
+    feed_steps_ = to;
+    return count;
+  }
+
+  const Axes& axes_;
+  const MachineParameters& machine_;
+  const JobParameters& job_;
+  double v_;
+  std::vector<Op> ops_;
+  Vector2d p_W_mm_{Vector2d::Zero()};  // the machine wakes with its beam at W's origin
+  int steps_[2]{};
+  bool following_{false};
+  double gain_{};
+  double feed_speed_{}, feed_target_{}, feed_mm_{};
+  long feed_steps_{};
+};
+
+/// A release that ignores the belt keeps the unit where it lay when it would have been half done.
+UnitLayout frozen(const UnitPath& unit, UnitLayout layout, const MachineParameters& machine) {
+  double low = unit.start_S_mm.x();
+  double high = low;
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) {
+      low = std::min(low, sample.p_S_mm.x());
+      high = std::max(high, sample.p_S_mm.x());
+    }
+  }
+  layout.x_ref_mm = 0.5 * (machine.field_min_mm[0] + machine.field_max_mm[0] - low - high);
+  layout.park_W_mm = unit.start_S_mm + Vector2d(layout.x_ref_mm, 0.0);
+  return layout;
+}
+
+/// The periods from rest at the park position to the last mark.
+void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, double x_ref_mm, double v,
+               double tracking_delay_s) {
+  const Vector2d park = writer.at();
+  for (int k = 1; k <= layout.catch_up_periods; ++k) {
+    const double u = static_cast<double>(k) / layout.catch_up_periods;
+    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods), 0.0), 0.0, -1);
+  }
+  int k = layout.catch_up_periods;
+  const auto inMachine = [&](const Vector2d& p_S_mm) {
+    return Vector2d(p_S_mm.x() + x_ref_mm + v * (k * kPeriodS + tracking_delay_s), p_S_mm.y());
+  };
+  Vector2d p_S = unit.start_S_mm;
+  for (std::size_t i = 0; i < unit.blocks.size(); ++i) {
+    const Block& block = unit.blocks[i];
+    for (int wait = 0; wait < layout.waits[i]; ++wait) {
+      ++k;
+      writer.period(inMachine(p_S), 0.0, block.entity);
+    }
+    for (const Sample& sample : block.samples) {
+      ++k;
+      p_S = sample.p_S_mm;
+      writer.period(inMachine(p_S), sample.marked_mm, block.entity);
+    }
+  }
+}
+
+}  // namespace
+
+double powerByte(double marked_mm, const MachineParameters& machine, const JobParameters& job) {
+  const double power_w = job.cut_energy_j_per_mm * marked_mm / kPeriodS;
+  return power_w / machine.full_power_w * 255.0;
+}
+
+Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
+                    const PlannerFaults& faults, const Axes& axes) {
+  const double v = solution.belt_speed_mm_s;
+  const bool moving = v > 0.0;
+  const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
+  Program program;
+  const double nominal = moving ? v * kPeriodS / machine.encoder_count_mm * 65536.0 : 0.0;
+  append(program.config, static_cast<std::uint64_t>(std::llround(nominal)), 4);
+  const auto delay =
+      static_cast<std::uint8_t>(std::lround(machine.tracking_delay_s / (kPeriodS / KB_TICKS_PER_PERIOD)));
+  program.config.insert(program.config.end(), {delay, delay, 0});
+
+  Writer writer(axes, machine, job, v);
+  double v_now = 0.0;
+  for (int unit = 0; unit < job.units; ++unit) {
+    const UnitPath& path = solution.pathOf(unit);
+    UnitLayout layout = solution.layoutOf(unit);
+    const double planned_x_ref_mm = layout.x_ref_mm;
+    if (moving && faults.ignore_belt) layout = frozen(path, layout, machine);
+    double x_ref_mm = layout.x_ref_mm;
+    if (moving && job.feed_by_controller) {
+      // Timed: the unit starts at the first border of a period at which the web has come far enough.
+      const double from_mm = job.web_start_x_mm - unit * job.pitch_mm + feedRampMm(v, job);
+      const double start_mm =
+          from_mm + std::ceil((planned_x_ref_mm - from_mm) / (v * kPeriodS) - 1e-9) * v * kPeriodS;
+      if (!faults.ignore_belt) {
+        x_ref_mm = start_mm;
+        layout.park_W_mm.x() += start_mm - planned_x_ref_mm;
+      }
+      writer.reposition(layout.park_W_mm, v_now);
+      if (unit == 0) writer.startFeed();
+      const double belt_mm = start_mm - job.web_start_x_mm + unit * job.pitch_mm;
+      while (!writer.feedAtTarget() || writer.feedMm() < belt_mm - 1e-6) writer.hold(1);
+    } else if (moving) {
+      const double seen_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
+      const long offset = std::lround((planned_x_ref_mm - seen_mm) / machine.encoder_count_mm);
+      if (!faults.ignore_belt) {
+        x_ref_mm = seen_mm + static_cast<double>(offset) * machine.encoder_count_mm;
+        layout.park_W_mm.x() += x_ref_mm - planned_x_ref_mm;
+      }
+      writer.reposition(layout.park_W_mm, v_now);
+      writer.waitMark(static_cast<std::int32_t>(offset));
+      if (!faults.ignore_belt) writer.follow(true);
+    } else {
+      writer.reposition(layout.park_W_mm, v_now);
+    }
+    writeUnit(writer, path, layout, x_ref_mm, v_seen, machine.tracking_delay_s);
+    if (moving && !job.feed_by_controller && !faults.ignore_belt) writer.follow(false);
+    v_now = v_seen;
+  }
+  writer.reposition(Vector2d::Zero(), v_now);
+  if (moving && job.feed_by_controller) {
+    writer.stopFeed();
+    while (!writer.feedAtTarget()) writer.hold(1);
+  }
+  program.ops = writer.finish();
+  return program;
+}
+
+}  // namespace kerfbench::planner

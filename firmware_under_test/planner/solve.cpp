@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/solve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Spare periods between two units: the controller takes its reference at a period's border.
+constexpr int kSparePeriods = 2;
+
+/// Shares of the path's limits for x and y: as the way goes, but an axis that moves at all gets enough to
+/// brake the speed of the belt.
+Vector2d sharesOf(const Vector2d& way_mm) {
+  constexpr double kLeast = 0.3;
+  const double length = way_mm.norm();
+  if (length < 1e-9 || std::abs(way_mm.y()) < 1e-9) return {1.0, 1.0};
+  const Vector2d raised = (way_mm.cwiseAbs() / length).cwiseMax(kLeast);
+  return raised / raised.norm();
+}
+
+AxisMove axisMove(int axis, const Vector2d& p0, double v0, const Vector2d& p1, const JobParameters& job,
+                  const Axes& axes) {
+  const double share = sharesOf(p1 - p0)[axis];
+  const double speed = std::min(job.jump_speed_mm_s * share, axes.axisLimits()[axis]);
+  return {p0[axis], v0, p1[axis], speed, job.acceleration_mm_s2 * share};
+}
+
+std::optional<std::string> pitchFault(const Solution& solution, int unit, const JobParameters& job,
+                                      const Axes& axes) {
+  const double v = solution.belt_speed_mm_s;
+  const UnitLayout& now = solution.layoutOf(unit);
+  const UnitLayout& next = solution.layoutOf(unit + 1);
+  const Reposition back(now.end_W_mm, v, next.park_W_mm, job, axes);
+  const int cycle = now.catch_up_periods + now.sheet_periods + back.periods() + kSparePeriods;
+  const double between_s = (job.pitch_mm + next.x_ref_mm - now.x_ref_mm) / v;
+  if (cycle * kPeriodS <= between_s) return std::nullopt;
+  return fmt::format(
+      "the pitch of {:g} mm brings the next unit after {:.4f} s, but a unit with the way back takes "
+      "{:.4f} s",
+      job.pitch_mm, between_s, cycle * kPeriodS);
+}
+
+}  // namespace
+
+Reposition::Reposition(const Vector2d& p0_W_mm, double v0_mm_s, const Vector2d& p1_W_mm,
+                       const JobParameters& job, const Axes& axes)
+    : x_(axisMove(0, p0_W_mm, v0_mm_s, p1_W_mm, job, axes)),
+      y_(axisMove(1, p0_W_mm, 0.0, p1_W_mm, job, axes)) {}
+
+int Reposition::periods() const {
+  return static_cast<int>(std::ceil(std::max(x_.durationS(), y_.durationS()) / kPeriodS - 1e-9));
+}
+
+Vector2d Reposition::at(int period) const { return {x_.at(period * kPeriodS), y_.at(period * kPeriodS)}; }
+
+int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job) {
+  return static_cast<int>(std::ceil(belt_speed_mm_s / job.feed_acceleration_mm_s2 / kPeriodS - 1e-9));
+}
+
+double feedRampMm(double belt_speed_mm_s, const JobParameters& job) {
+  return 0.5 * belt_speed_mm_s * feedRampPeriods(belt_speed_mm_s, job) * kPeriodS;
+}
+
+SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
+                  const JobParameters& job, const Axes& axes, double belt_speed_mm_s) {
+  const double v = belt_speed_mm_s;
+  Solution solution;
+  solution.belt_speed_mm_s = v;
+  const bool two = job.alternate && job.units > 1;
+  for (const bool odd : {false, true}) {
+    if (odd && !two) continue;
+    std::optional<UnitPath> unit = planUnit(odd ? reversedPath(path) : path, job, axes, v);
+    if (!unit) {
+      return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
+    }
+    solution.paths.push_back(std::move(*unit));
+  }
+  if (v <= 0.0) {
+    for (int k = 0; k < job.units; ++k) {
+      LayoutResult result =
+          layOut(solution.pathOf(k), machine, job, {job.web_start_x_mm - k * job.pitch_mm, 0.0, 0.0});
+      if (!result.layout) return {std::nullopt, result.reason};
+      solution.layouts.push_back(std::move(*result.layout));
+    }
+    return {std::move(solution), {}};
+  }
+  StartBounds bounds;
+  if (job.feed_by_controller) {
+    if (v * kPeriodS / machine.feed_step_mm > kStepBudget) {
+      return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s",
+                                        kStepBudget * machine.feed_step_mm / kPeriodS)};
+    }
+    bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job);
+    bounds.play_mm = v * kPeriodS;
+  } else {
+    bounds.min_x_ref_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
+    bounds.play_mm = machine.encoder_count_mm;
+  }
+  for (const UnitPath& unit : solution.paths) {
+    LayoutResult result = layOut(unit, machine, job, bounds);
+    if (!result.layout) return {std::nullopt, result.reason};
+    solution.layouts.push_back(std::move(*result.layout));
+  }
+  for (int k = 0; k + 1 < job.units && k < 2; ++k) {
+    if (auto fault = pitchFault(solution, k, job, axes)) return {std::nullopt, *fault};
+  }
+  return {std::move(solution), {}};
+}
+
+double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,
+                    const JobParameters& job, const Axes& axes) {
+  const auto feasible = [&](double v) { return solve(path, machine, job, axes, v).solution.has_value(); };
+  // From below, so that the answer does not lie beyond a gap: more speed need not always be worse, as a wait
+  // may vanish.
+  constexpr int kTries = 24;
+  const double top = axes.axisLimits().x();
+  const double ratio = std::pow(1000.0, 1.0 / kTries);
+  double good = 0.0;
+  double bad = top;
+  for (int i = 0; i <= kTries; ++i) {
+    const double v = top / 1000.0 * std::pow(ratio, i);
+    if (!feasible(v)) {
+      bad = v;
+      break;
+    }
+    good = v;
+  }
+  if (good == 0.0) return 0.0;
+  while (bad - good > 0.0005 * good) {
+    const double middle = 0.5 * (good + bad);
+    (feasible(middle) ? good : bad) = middle;
+  }
+  return good;
+}
+
+}  // namespace kerfbench::planner

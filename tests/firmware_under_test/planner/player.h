@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "firmware_under_test/planner/plan.h"
+
+namespace kerfbench::planner::test {
+
+/// One period as an ideal machine runs it: drives that lag by exactly the tracking delay, a belt at constant
+/// speed.
+struct Period {
+  Eigen::Vector2d from_W_mm, to_W_mm;  ///< Beam at the begin and end, from steps by S4's eq. 1.
+  Eigen::Vector2d from_S_mm, to_S_mm;  ///< On the sheet, in S of unit 0's web.
+  int power{-1};                       ///< -1: gate closed.
+  int largest_steps{};
+  int unit{-1};
+  bool following{};
+  double gain{};
+};
+
+/// What the program did.
+struct Played {
+  std::vector<Period> periods;
+  int feed_steps{};
+  int marks_waited{};
+  bool ended{};
+  std::string error;  ///< First byte that the protocol does not know.
+};
+
+/// Runs the program. The belt's position comes from the print marks and its speed, or from the feed steps.
+Played play(const Program& program, const MachineParameters& machine, const JobParameters& job);
+
+MachineParameters twoMirror();
+MachineParameters gantry();
+JobParameters mirrorJob();
+JobParameters gantryJob();
+
+hil::Entity line(double x0, double y0, double x1, double y1, hil::Process process = hil::Process::kCut);
+hil::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg);
+/// Numbers the entities.
+hil::Dieline dielineOf(std::vector<hil::Entity> entities);
+/// Rounded rectangle, x in [-60, 0], y in [-20, 20], radius 3.
+hil::Dieline label();
+/// A folding box in small: outline with flaps, creases, a slot, a round window, a perforation; x in [-142,
+/// 0].
+hil::Dieline carton();
+/// S0's cut across the strip.
+hil::Dieline strip();
+
+/// Worst distance of burnt points from the dieline, over all units.
+double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job);
+/// Worst distance of points of entities (but perforations) from the burnt path of a unit.
+double worstGapMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job, int unit);
+
+}  // namespace kerfbench::planner::test
