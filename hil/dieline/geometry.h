@@ -21,8 +21,8 @@ struct LineCurve {
 /// Circular arc. sweep_rad > 0 is counter-clockwise; |sweep_rad| = 2 pi is a full circle.
 struct ArcCurve {
   Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};
-  double radius_mm{};          ///< > 0
-  double start_angle_rad{};    ///< From +x, counter-clockwise.
+  double radius_mm{};        ///< > 0
+  double start_angle_rad{};  ///< From +x, counter-clockwise.
   double sweep_rad{};
 };
 
@@ -74,11 +74,11 @@ std::string_view processName(Process process);
 
 /// One curve of the drawing with what it is for and where it came from.
 struct Entity {
-  int id{};              ///< Index in Dieline::entities; the name of the entity in reports is "E<id>".
+  int id{};  ///< Index in Dieline::entities; the name of the entity in reports is "E<id>".
   Curve curve;
   Process process{Process::kCut};
-  std::string layer;     ///< DXF layer, or the SVG stroke colour as #rrggbb.
-  std::string origin;    ///< Where in the file, e.g. "line 204: LWPOLYLINE" .
+  std::string layer;   ///< DXF layer, or the SVG stroke colour as #rrggbb.
+  std::string origin;  ///< Where in the file, e.g. "line 204: LWPOLYLINE" .
 };
 
 struct Dieline {

@@ -3,22 +3,30 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/dieline/geometry.h"
 
 namespace kerfbench::hil {
 
-/// Layer name or stroke colour (#rrggbb, lower case) -> process. A layer that no rule names is an error, so that
-/// nothing is forgotten in silence; "*" is the rule for all others.
+/// Layer name or stroke colour (#rrggbb, lower case) -> process. A layer that no rule names is an error, so
+/// that nothing is forgotten in silence; "*" is the rule for all others.
 struct LayerProfile {
   std::string name;
   std::map<std::string, Process> rules;
 };
-/// The house's usual names: cut/CUT/dieline/0/#000000/#ff0000 cut; crease/#0000ff/#00ff00; halfcut, kiss; perf; …
+/// The house's usual names: cut/CUT/dieline/0/#000000/#ff0000 cut; crease/#0000ff/#00ff00; halfcut, kiss;
+/// perf; …
 LayerProfile defaultLayerProfile();
+
+/// The rule for a layer, upper and lower case alike, else the rule "*", else nothing.
+std::optional<Process> processFor(const LayerProfile& profile, std::string_view layer);
+/// True when the profile names this very layer, not just by "*".
+bool hasRule(const LayerProfile& profile, std::string_view layer);
 
 /// A file that cannot be read; what() lists every fault, each with file and line.
 class DielineError : public std::runtime_error {

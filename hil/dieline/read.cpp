@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/dieline/read.h"
+
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "hil/dieline/curve_math.h"
+#include "hil/dieline/readers.h"
+#include "hil/dieline/text.h"
+
+namespace kerfbench::hil {
+namespace {
+
+std::string contentsOf(const std::filesystem::path& path, FaultList& faults) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  if (error) faults.fatal(0, fmt::format("cannot be read: {}", error.message()));
+  if (size > kLargestFile)
+    faults.fatal(0, fmt::format("{} bytes are more than the limit of {}", size, kLargestFile));
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(size));
+  if (!stream) faults.fatal(0, "cannot be read");
+  if (text.empty()) faults.fatal(0, "is empty");
+  return text;
+}
+
+/// Nested scales can leave the range of a sheet although each number of the file is sound.
+void checkRange(const Dieline& dieline, FaultList& faults) {
+  constexpr double kFarthest_mm = 1e6;
+  for (const Entity& entity : dieline.entities) {
+    const Eigen::AlignedBox2d box = boundsOf(entity.curve);
+    const double farthest_mm = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    if (!(farthest_mm <= kFarthest_mm)) {
+      faults.add(0, fmt::format("E{} ({}) reaches {} mm from the origin; wrong units or scale?", entity.id,
+                                entity.origin, farthest_mm));
+    }
+  }
+}
+
+}  // namespace
+
+Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profile) {
+  FaultList faults(path.string());
+  const std::string extension = lowered(path.extension().string());
+  Dieline dieline;
+  if (extension == ".dxf") {
+    dieline = readDxf(contentsOf(path, faults), profile, faults);
+  } else if (extension == ".svg") {
+    dieline = readSvg(contentsOf(path, faults), profile, faults);
+  } else {
+    faults.fatal(0, fmt::format("extension {} is not supported; .dxf and .svg are", inQuotes(extension)));
+  }
+  checkRange(dieline, faults);
+  faults.throwIfAny();
+  return dieline;
+}
+
+}  // namespace kerfbench::hil

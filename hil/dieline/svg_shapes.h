@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <pugixml.hpp>
+
+#include "hil/dieline/geometry.h"
+
+namespace kerfbench::hil {
+
+struct SvgShape {
+  std::vector<Curve> curves;       ///< In user units.
+  std::vector<std::string> parts;  ///< "" or "command 3", one per curve.
+  std::vector<std::string> faults;
+};
+
+/// True for path, rect, circle, ellipse, line, polyline and polygon.
+bool isSvgShape(std::string_view element);
+/// The curves of a shape. `closing_tolerance` as for readSvgPath().
+SvgShape readSvgShape(const pugi::xml_node& node, double closing_tolerance);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace kerfbench::hil {
+
+/// Reads SVG numbers from a list with blanks and commas between them.
+class SvgScanner {
+ public:
+  explicit SvgScanner(std::string_view text) : text_(text) {}
+  [[nodiscard]] bool atEnd();
+  [[nodiscard]] std::size_t position() const { return at_; }
+  /// The next number, or nothing (the position then stays before it).
+  std::optional<double> number();
+  /// An arc flag: a single 0 or 1, even where no blank follows it.
+  std::optional<bool> flag();
+  /// The next character that is no blank and no comma, if it is a letter.
+  std::optional<char> letter();
+  /// True when a number can start here.
+  bool atNumber();
+
+ private:
+  void skipBlanks();
+  std::string_view text_;
+  std::size_t at_{};
+};
+
+/// A length in user units (px at 96 dpi); nothing for percentages, em and what is no length.
+std::optional<double> svgLength(std::string_view text);
+/// #rrggbb in lower case from a name, #rgb, #rrggbb or rgb(); "none" stays; nothing for what is no colour.
+std::optional<std::string> svgColour(std::string_view text);
+/// The value of a transform attribute.
+std::optional<Eigen::Affine2d> svgTransform(std::string_view text);
+/// Splits "a: b; c: d".
+std::vector<std::pair<std::string, std::string>> svgDeclarations(std::string_view text);
+
+/// The rules of <style> elements by class name.
+struct SvgSheet {
+  std::map<std::string, std::vector<std::pair<std::string, std::string>>> classes;
+  /// Adds a sheet; returns the first selector that is more than a list of classes, which the reader does not
+  /// know.
+  std::optional<std::string> add(std::string_view css);
+};
+
+/// A box to be fitted into another: viewBox with width, height and preserveAspectRatio.
+struct SvgViewport {
+  double width{};  ///< User units outside.
+  double height{};
+  std::optional<Eigen::AlignedBox2d> view_box;
+  std::string aspect;
+  /// From the inside to the outside, or nothing for an aspect that is not supported (slice) or a box without
+  /// size.
+  [[nodiscard]] std::optional<Eigen::Affine2d> fit() const;
+};
+
+}  // namespace kerfbench::hil
