@@ -30,16 +30,18 @@ struct ReportPicture {
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
   // What was run.
-  std::string scenario;        ///< Name of the scenario.
-  std::string scenario_path;   ///< As given on the command line.
-  std::string scenario_text;   ///< The file as read, shown in full.
-  std::string machine;         ///< Name of the machine.
-  std::string firmware;        ///< Which release: file name, target.
-  std::string source_id;       ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
+  std::string scenario;       ///< Name of the scenario.
+  std::string scenario_path;  ///< As given on the command line.
+  std::string scenario_text;  ///< The file as read, shown in full.
+  std::string machine;        ///< Name of the machine.
+  std::string firmware;       ///< Which release: file name, target.
+  std::string
+      source_id;  ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
   std::string repeat_command;  ///< The command line that does it again.
   std::uint64_t seed{};
-  double virtual_s{};          ///< Duration on the clock of the pins.
-  std::vector<std::pair<std::string, std::string>> versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
+  double virtual_s{};  ///< Duration on the clock of the pins.
+  std::vector<std::pair<std::string, std::string>>
+      versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
   // What was measured.
   Limits limits;
   Dieline dieline;
@@ -55,8 +57,9 @@ struct RunReport {
   std::vector<ReportPicture> pictures;
 };
 
-/// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order of the
-/// entities, the host, the paths and the time that the run took. Lengths enter rounded to 1 nm, the rest to 1e-6.
+/// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order
+/// of the entities, the host, the paths and the time that the run took. Lengths enter rounded to 1 nm, the
+/// rest to 1e-6.
 std::string digestOf(const RunReport& report);
 
 /// verdict.json, schema_version 1.

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stillness over time, and the timing of pulses.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/report/html_text.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kMaxPlots = 9;
+constexpr std::size_t kMaxRows = 20;
+constexpr std::size_t kMaxPlotPoints = 250;
+
+std::string cutPlot(const CutResult& cut, double limit_mm) {
+  constexpr double kW = 240.0;
+  constexpr double kH = 96.0;
+  const double full_mm = 1.15 * std::max(limit_mm, cut.peak_mm);
+  const double begin_s = cut.time_s.front();
+  const double span_s = std::max(cut.time_s.back() - begin_s, 1e-9);
+  const auto x = [&](double t_s) { return kW * (t_s - begin_s) / span_s; };
+  const auto y = [&](double e_mm) { return 0.5 * kH * (1.0 - e_mm / full_mm); };
+  std::string svg = fmt::format(
+      "<figure><svg class=plot viewBox='-34 -6 {:.0f} {:.0f}' role=img aria-label='Residual over "
+      "time'><rect class=frame x=0 y=0 width={:.0f} height={:.0f} />",
+      kW + 40.0, kH + 22.0, kW, kH);
+  for (const double level_mm : {-limit_mm, 0.0, limit_mm}) {
+    svg += fmt::format(
+        "<line class={} x1=0 x2={:.0f} y1={:.1f} y2={:.1f} /><text class=tick x=-4 y={:.1f} "
+        "text-anchor=end>{:+.0f}</text>",
+        level_mm == 0.0 ? "zero" : "lim", kW, y(level_mm), y(level_mm), y(level_mm) + 3.0, 1e3 * level_mm);
+  }
+  const std::size_t stride = (cut.time_s.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
+  std::string dots;
+  for (std::size_t i = 0; i < cut.time_s.size(); i += std::max<std::size_t>(stride, 1)) {
+    fmt::format_to(std::back_inserter(dots), "M{:.1f} {:.1f}h0", x(cut.time_s[i]), y(cut.residual_mm[i]));
+  }
+  svg += fmt::format("<path class=dots d='{}'/>", dots);
+  if (std::isfinite(cut.drift_mm)) {
+    double mean_t = 0.0;
+    double mean_e = 0.0;
+    const auto n = static_cast<double>(cut.time_s.size());
+    for (std::size_t i = 0; i < cut.time_s.size(); ++i) {
+      mean_t += cut.time_s[i] / n;
+      mean_e += cut.residual_mm[i] / n;
+    }
+    const auto fit = [&](double t_s) { return mean_e + cut.drift_mm * (t_s - mean_t) / span_s; };
+    svg += fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", kW, y(fit(begin_s)),
+                       y(fit(cut.time_s.back())));
+  }
+  svg += fmt::format(
+      "<text class=tick x=0 y={:.0f}>{:.3f} s</text><text class=tick x={:.0f} y={:.0f} "
+      "text-anchor=end>+{:.0f} ms</text></svg><figcaption>unit {}, E{}: drift <b>{:+.1f} µm</b></figcaption>"
+      "</figure>",
+      kH + 13.0, begin_s, kW, kH + 13.0, 1e3 * span_s, cut.unit, cut.entity, 1e3 * cut.drift_mm);
+  return svg;
+}
+
+std::string histogram(const PulseTiming& timing) {
+  std::size_t last = 0;
+  std::uint64_t most = 1;
+  for (std::size_t i = 0; i < timing.setup_histogram.size(); ++i) {
+    if (timing.setup_histogram[i] > 0) last = i;
+    most = std::max(most, timing.setup_histogram[i]);
+  }
+  const bool open = last + 1 == timing.setup_histogram.size();
+  const auto required = static_cast<std::size_t>(timing.profile.setup_s / timing.setup_bin_s);
+  const std::size_t bins =
+      std::min(std::max(last, required + 2) + 1, std::max(timing.setup_histogram.size(), required + 3));
+  constexpr double kW = 300.0;
+  constexpr double kH = 90.0;
+  const double bar = kW / static_cast<double>(bins);
+  // Logarithmic, so that a single late edge among a million stays visible.
+  const double top = std::log10(static_cast<double>(most)) + 1.0;
+  std::string svg = fmt::format(
+      "<figure><svg class=plot viewBox='-34 -12 {:.0f} {:.0f}' role=img aria-label='DIR set-up of "
+      "{}'><rect class=frame x=0 y=0 width={:.0f} height={:.0f} />",
+      kW + 44.0, kH + 28.0, escapeHtml(timing.axis), kW, kH);
+  for (std::size_t i = 0; i < std::min(bins, timing.setup_histogram.size()); ++i) {
+    const std::uint64_t count = timing.setup_histogram[i];
+    if (count == 0) continue;
+    const double height = kH * (std::log10(static_cast<double>(count)) + 1.0) / top * 0.94;
+    const bool late =
+        static_cast<double>(i + 1) * timing.setup_bin_s <= timing.profile.setup_s * (1.0 + 1e-9);
+    svg += fmt::format(
+        "<rect class={} x={:.2f} y={:.1f} width={:.2f} height={:.1f} ><title>{} pulses</title></rect>",
+        late ? "barbad" : "bar", static_cast<double>(i) * bar, kH - height, std::max(0.85 * bar, 0.8), height,
+        count);
+  }
+  const double limit_x = timing.profile.setup_s / timing.setup_bin_s * bar;
+  svg += fmt::format(
+      "<line class=lim x1={:.1f} x2={:.1f} y1=-2 y2={:.0f} /><text class=tick x={:.1f} y=-4 "
+      "text-anchor=middle>{:.3g} µs</text><text class=tick x=0 y={:.0f}>0</text><text class=tick x={:.0f} "
+      "y={:.0f} text-anchor=end>{:.3g} µs{}</text><text class=tick x=-4 y=8 text-anchor=end>{}</text>"
+      "<text class=tick x=-4 y={:.0f} text-anchor=end>0</text></svg>"
+      "<figcaption>{}: pulses over DIR set-up, logarithmic</figcaption></figure>",
+      limit_x, limit_x, kH, limit_x, 1e6 * timing.profile.setup_s, kH + 13.0, kW, kH + 13.0,
+      1e6 * static_cast<double>(bins) * timing.setup_bin_s, open ? " and more" : "", most, kH,
+      escapeHtml(timing.axis));
+  return svg;
+}
+
+std::string timeCell(double seen_s, double required_s, std::uint64_t violations) {
+  const std::string seen = std::isfinite(seen_s) ? fmt::format("{:.3g}", 1e6 * seen_s) : "–";
+  return fmt::format("<td class='num{}'>{} <small>≥ {:.3g}</small></td>", violations > 0 ? " hit" : "", seen,
+                     1e6 * required_s);
+}
+
+}  // namespace
+
+std::string stillnessFigures(const RunReport& report) {
+  std::vector<const CutResult*> cuts;
+  for (const CutResult& cut : report.result.cuts) {
+    if (std::isfinite(cut.drift_mm)) cuts.push_back(&cut);
+  }
+  if (cuts.empty()) return {};
+  std::stable_sort(cuts.begin(), cuts.end(), [](const CutResult* a, const CutResult* b) {
+    return std::abs(a->drift_mm) > std::abs(b->drift_mm);
+  });
+  std::string html = "<div class=plots>";
+  for (std::size_t i = 0; i < std::min(cuts.size(), kMaxPlots); ++i)
+    html += cutPlot(*cuts[i], report.limits.stillness_mm);
+  html +=
+      "</div><p class=note>x-residual of the spot against the dieline on the moving sheet, in µm, each dot a "
+      "frame; red: "
+      "limit; the line is the least-squares drift. The cuts that drift most.</p>";
+  html +=
+      "<table><thead><tr><th>Cut<th class=num>Start, s<th class=num>Length, ms<th class=num>Frames<th "
+      "class=num>Drift, "
+      "µm<th class=num>Std. unc., µm<th class=num>Peak, µm<th class=num>RMS, µm</tr></thead><tbody>";
+  for (std::size_t i = 0; i < std::min(cuts.size(), kMaxRows); ++i) {
+    const CutResult& c = *cuts[i];
+    html += fmt::format(
+        "<tr><td>unit {}, E{}<td class=num>{:.4f}<td class=num>{:.1f}<td class=num>{}<td class=num>{:+.1f}"
+        "<td class=num>{:.1f}<td class=num>{:.1f}<td class=num>{:.1f}</tr>",
+        c.unit, c.entity, c.start_s, 1e3 * (c.end_s - c.start_s), c.frames, 1e3 * c.drift_mm,
+        1e3 * c.drift_sigma_mm, 1e3 * c.peak_mm, 1e3 * c.rms_mm);
+  }
+  html += "</tbody></table>";
+  html += fmt::format(
+      "<p class=note>{} of {} cuts let x be seen{}</p>", cuts.size(), report.result.cuts.size(),
+      cuts.size() > kMaxRows ? fmt::format("; the {} worst are listed, all are in verdict.json.", kMaxRows)
+                             : std::string("."));
+  return html;
+}
+
+std::string pulseFigures(const RunReport& report) {
+  if (report.pulses.empty()) return {};
+  std::string html =
+      "<table><thead><tr><th>Axis<th>Drive<th class=num>Pulses<th class=num>DIR set-up, µs<th class=num>DIR "
+      "hold, µs<th class=num>Width, µs<th class=num>Space, µs<th class=num>Violations<th "
+      "class=num>First, s</tr></thead><tbody>";
+  std::string plots;
+  for (const PulseTiming& t : report.pulses) {
+    const std::uint64_t violations =
+        t.setup_violations + t.hold_violations + t.width_violations + t.space_violations;
+    html += fmt::format("<tr><td>{}<td>{}<td class=num>{}", escapeHtml(t.axis), escapeHtml(t.profile.name),
+                        t.pulses);
+    html += timeCell(t.min_setup_s, t.profile.setup_s, t.setup_violations);
+    html += timeCell(t.min_hold_s, t.profile.hold_s, t.hold_violations);
+    html += timeCell(t.min_width_s, t.profile.width_s, t.width_violations);
+    html += timeCell(t.min_space_s, t.profile.space_s, t.space_violations);
+    html += fmt::format("<td class='num{}'>{}<td class=num>{}</tr>", violations > 0 ? " hit" : "", violations,
+                        t.first_violation_s >= 0.0 ? fmt::format("{:.6f}", t.first_violation_s) : "–");
+    if (t.pulses > 0 && !t.setup_histogram.empty() && t.setup_bin_s > 0.0) plots += histogram(t);
+  }
+  html += "</tbody></table>";
+  if (!plots.empty()) html += "<div class=plots>" + plots + "</div>";
+  return html;
+}
+
+}  // namespace kerfbench::hil

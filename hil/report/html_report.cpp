@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/report/html_text.h"
+
+namespace kerfbench::hil {
+
+const std::string_view kReportCss = R"css(
+:root{--bg:#fff;--fg:#1c2430;--mute:#5d6878;--line:#d9dee6;--card:#f6f8fa;--pass:#137a3e;--fail:#b3122b;--np:#9a5b00;
+--inv:#5b3fa0;--nom:#9aa5b4;--b0:#1a7f5a;--b1:#6c9a1f;--b2:#c99700;--b3:#dd6b10;--b4:#c4001a;--acc:#1f5fbf}
+@media(prefers-color-scheme:dark){:root{--bg:#12161c;--fg:#e4e9f0;--mute:#97a3b4;--line:#2d3643;--card:#1a2029;
+--pass:#35b56c;--fail:#f0566c;--np:#e0a13a;--inv:#a58bf0;--nom:#657387;--b0:#35b58a;--b1:#a1c83f;--b2:#e8bd2f;--b3:#f59240;
+--b4:#ff5a6e;--acc:#6aa5ff}}
+*{box-sizing:border-box}
+body{margin:0;background:var(--bg);color:var(--fg);font:15px/1.45 system-ui,"Segoe UI","DejaVu Sans",sans-serif}
+main{max-width:1120px;margin:0 auto;padding:24px 28px 48px}
+header{display:grid;grid-template-columns:auto 1fr;gap:6px 24px;align-items:center;border-left:10px solid;padding:14px 20px;
+background:var(--card);border-radius:6px}
+header .big{font-size:42px;font-weight:750;letter-spacing:.01em;line-height:1.1;white-space:nowrap}
+header p{margin:0;font-size:17px} header .facts{grid-column:1/-1;color:var(--mute);font-size:14px}
+.pass{color:var(--pass)}.fail{color:var(--fail)}.notproven{color:var(--np)}.invalid{color:var(--inv)}
+header.pass,header.fail,header.notproven,header.invalid{border-color:currentColor}
+header p,header .facts{color:var(--fg)}header .facts{color:var(--mute)}
+h2{font-size:20px;margin:34px 0 10px;border-bottom:1px solid var(--line);padding-bottom:4px}
+table{border-collapse:collapse;width:100%;font-size:14px;margin:8px 0}
+th,td{text-align:left;padding:6px 9px;border-bottom:1px solid var(--line);vertical-align:top}
+th{color:var(--mute);font-weight:600;font-size:13px}
+.num{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+.hit{color:var(--fail);font-weight:650} small{color:var(--mute)}
+td.v{font-weight:700;white-space:nowrap} td .why{color:var(--mute);font-size:13px;display:block;margin-top:2px}
+.note{color:var(--mute);font-size:13px;margin:6px 0 0}
+ul.problems{border-left:5px solid var(--inv);background:var(--card);padding:10px 10px 10px 30px;margin:12px 0}
+figure{margin:0} figcaption{font-size:13px;color:var(--mute);margin-top:3px}
+.panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(330px,1fr));gap:16px}
+.plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(310px,1fr));gap:14px;margin:10px 0}
+.patches{display:grid;grid-template-columns:repeat(auto-fill,minmax(165px,1fr));gap:14px}
+svg{display:block;width:100%}svg.die{max-height:640px;background:var(--card);border-radius:6px}
+svg.patch{border-radius:4px;background:#000;aspect-ratio:1}
+svg.gauge{width:126px;height:16px}
+.nominal,.b0,.b1,.b2,.b3,.b4,.missing,.place,.stray{fill:none;vector-effect:non-scaling-stroke}
+.nominal{stroke:var(--nom);stroke-width:1}
+.b0,.b1,.b2,.b3,.b4{stroke-width:1.8;stroke-linecap:round;stroke-linejoin:round}
+.b0{stroke:var(--b0)}.b1{stroke:var(--b1)}.b2{stroke:var(--b2)}.b3{stroke:var(--b3)}.b4{stroke:var(--b4);stroke-width:2.6}
+.missing{stroke:#c030c0;stroke-width:4;stroke-linecap:round;stroke-dasharray:2 6}
+.place{stroke:var(--fg);stroke-width:1.4}.placeno{fill:var(--fg);font-weight:700}.stray{stroke:var(--b4);stroke-width:2.5}
+.px{image-rendering:pixelated;image-rendering:crisp-edges;image-rendering:pixelated}
+.pn,.pt{fill:none;vector-effect:non-scaling-stroke;stroke:#20a8ff;stroke-width:1.6}
+.pt{stroke:#ff5a3c;stroke-dasharray:4 3;stroke-width:1.3}
+.legend{display:flex;flex-wrap:wrap;gap:4px 18px;font-size:13px;margin:6px 0 10px}
+.key{display:inline-flex;align-items:center;gap:6px}.key i{width:22px;height:0;border-top:4px solid}
+.k0{color:var(--b0)}.k1{color:var(--b1)}.k2{color:var(--b2)}.k3{color:var(--b3)}.k4{color:var(--b4)}.kn{color:var(--nom)}
+.km{color:#c030c0;border-top-style:dotted!important}.key i.ks{width:12px;height:12px;border:2.5px solid var(--b4);border-radius:50%}
+.frame{fill:var(--card);stroke:var(--line)}.zero{stroke:var(--mute);stroke-width:.6}
+.lim{stroke:var(--fail);stroke-width:1.2}.plot .lim{stroke-dasharray:4 3}
+.fit{stroke:var(--fg);stroke-width:1.6}.dots{stroke:var(--acc);stroke-width:3;stroke-linecap:round;fill:none}
+.tick{fill:var(--mute);font-size:10px}.bar{fill:var(--acc)}.barbad{fill:var(--fail)}
+.gauge .ok{fill:var(--pass);opacity:.35}.gauge .band{fill:var(--np);opacity:.45}.gauge .bad{fill:var(--fail);opacity:.35}
+.gauge .unc{stroke:var(--fg);stroke-width:2}.gauge .val{fill:var(--fg)}
+pre{background:var(--card);border-radius:6px;padding:10px 14px;overflow:auto;font-size:13px;white-space:pre-wrap}
+code{font-size:13px;overflow-wrap:anywhere} a{color:var(--acc)} summary{cursor:pointer;color:var(--acc);margin:6px 0}
+@media(max-width:700px){header{grid-template-columns:1fr}main{padding:12px}}
+@media print{:root{--bg:#fff;--fg:#000;--mute:#444;--line:#bbb;--card:#fff;--pass:#137a3e;--fail:#b3122b;--np:#9a5b00;
+--inv:#5b3fa0;--nom:#999;--acc:#1f5fbf}
+main{max-width:none;padding:0}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}
+figure,tr,header{break-inside:avoid}h2{break-after:avoid}summary{display:none}body{font-size:12px}}
+)css";
+
+namespace {
+
+constexpr std::size_t kMaxEntityRows = 300;
+
+std::string checkTable(const RunReport& report) {
+  std::string html =
+      "<table><thead><tr><th>Check<th>Verdict<th class=num>Value<th class=num>Limit<th class=num>U "
+      "(k = 2)<th class=num>Guard w<th>Value against limit</tr></thead><tbody>";
+  for (const Check& c : report.result.checks) {
+    html += fmt::format(
+        "<tr><td><b>{}</b> <small>{}</small><span class=why>{}</span><td class='v {}'>{}<td class=num>{}"
+        "<td class=num>{} {}<td class=num>{}<td class=num>{}<td>{}</tr>",
+        escapeHtml(c.title), escapeHtml(c.name), escapeHtml(c.explanation), verdictClass(c.verdict),
+        verdictName(c.verdict), checkNumber(c, c.value), c.upper ? "≤" : "≥", checkNumber(c, c.limit),
+        c.u > 0.0 ? checkNumber(c, c.u) : "–", c.guard > 0.0 ? checkNumber(c, c.guard) : "–", gaugeSvg(c));
+  }
+  return html +
+         "</tbody></table><p class=note>Rule (JCGM 106): PASS if the value is inside limit − w, FAIL if it "
+         "is outside "
+         "limit + w, NOT PROVEN between, INVALID if it could not be measured. The value of a worst-of-many "
+         "check "
+         "is corrected for being an extreme of noisy readings, and its U belongs to that value.</p>";
+}
+
+std::string entityTable(const RunReport& report) {
+  std::vector<const EntityResult*> rows;
+  for (const EntityResult& e : report.result.entities) rows.push_back(&e);
+  const auto badness = [&](const EntityResult* e) {
+    const double offset = std::isfinite(e->worst_mm) ? std::abs(e->worst_mm) / report.limits.path_mm : 0.0;
+    return std::max(offset, 10.0 * (1.0 - e->coverage));
+  };
+  std::stable_sort(rows.begin(), rows.end(), [&](auto* a, auto* b) { return badness(a) > badness(b); });
+  const auto number = [](double v, double scale, int digits) {
+    return std::isfinite(v) ? fmt::format("{:.{}f}", scale * v, digits) : std::string("–");
+  };
+  std::string html =
+      "<table><thead><tr><th>Entity<th>Process<th>Origin<th class=num>Worst, µm<th class=num>RMS, µm<th "
+      "class=num>Coverage, %<th class=num>Width, µm<th class=num>Passes</tr></thead><tbody>";
+  for (std::size_t i = 0; i < std::min(rows.size(), kMaxEntityRows); ++i) {
+    const EntityResult& e = *rows[i];
+    const auto index = static_cast<std::size_t>(e.entity);
+    const bool known = index < report.dieline.entities.size();
+    html += fmt::format(
+        "<tr><td>unit {}, E{}<td>{}<td>{} <small>{}</small><td class='num{}'>{}<td class=num>{}<td "
+        "class='num{}'>{}<td class=num>{}<td class='num{}'>{}</tr>",
+        e.unit, e.entity, known ? processName(report.dieline.entities[index].process) : "",
+        known ? escapeHtml(report.dieline.entities[index].origin) : std::string(),
+        known ? escapeHtml(report.dieline.entities[index].layer) : std::string(),
+        std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", number(e.worst_mm, 1e3, 1),
+        number(e.rms_mm, 1e3, 1),
+        known && report.dieline.entities[index].process != Process::kPerforation &&
+                e.coverage < report.limits.min_coverage
+            ? " hit"
+            : "",
+        number(e.coverage, 100.0, 1), number(e.width_mm, 1e3, 0),
+        e.passes > report.limits.passes ? " hit" : "", number(e.passes, 1.0, 2));
+  }
+  html += "</tbody></table>";
+  if (rows.size() > kMaxEntityRows) {
+    html += fmt::format("<p class=note>The worst {} of {} entities; all are in verdict.json.</p>",
+                        kMaxEntityRows, rows.size());
+  }
+  return html;
+}
+
+void row(std::string& html, std::string_view key, const std::string& value, bool code = false) {
+  if (value.empty()) return;
+  html += fmt::format(code ? "<tr><th>{}<td><code>{}</code></tr>" : "<tr><th>{}<td>{}</tr>", escapeHtml(key),
+                      escapeHtml(value));
+}
+
+std::string environment(const RunReport& report) {
+  std::string html = "<table><tbody>";
+  row(html, "Repeat with", report.repeat_command, true);
+  row(html, "Digest", digestOf(report), true);
+  row(html, "Scenario", report.scenario_path, true);
+  row(html, "Dieline", report.dieline.path, true);
+  row(html, "Firmware", report.firmware);
+  row(html, "Signal source", report.source_id);
+  row(html, "Machine", report.machine);
+  row(html, "Seed", std::to_string(report.seed));
+  row(html, "Virtual time", fmt::format("{:.3f} s", report.virtual_s));
+  row(html, "Spot frames", fmt::format("{}, {} lost", report.spot.frames.size(), report.spot.frames_lost));
+  for (const auto& [name, version] : report.versions) row(html, name, version, true);
+  row(html, "Host", report.host);
+  row(html, "Finished", report.finished);
+  html += "</tbody></table>";
+  if (!report.scenario_text.empty()) {
+    html += "<details><summary>The scenario as read</summary><pre>" + escapeHtml(report.scenario_text) +
+            "</pre></details>";
+  }
+  return html;
+}
+
+std::string timing(const RunReport& report) {
+  if (report.timing.empty()) return {};
+  double total_s = 0.0;
+  for (const StageTime& t : report.timing) total_s += t.wall_s;
+  std::string html =
+      "<table><thead><tr><th>Stage<th class=num>Wall time, s<th class=num>Share</tr></thead><tbody>";
+  for (const StageTime& t : report.timing) {
+    html += fmt::format("<tr><td>{}<td class=num>{:.2f}<td class=num>{:.0f} %</tr>", escapeHtml(t.stage),
+                        t.wall_s, total_s > 0.0 ? 100.0 * t.wall_s / total_s : 0.0);
+  }
+  html += fmt::format("<tr><td><b>Sum</b><td class=num><b>{:.2f}</b><td></tr></tbody></table>", total_s);
+  return html;
+}
+
+void section(std::string& page, std::string_view title, const std::string& body) {
+  if (!body.empty()) page += fmt::format("<section><h2>{}</h2>{}</section>\n", title, body);
+}
+
+}  // namespace
+
+std::string htmlReport(const RunReport& report) {
+  const InspectionResult& result = report.result;
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
+      "content='width=device-width'>"
+      "<meta name=color-scheme content='light dark'><title>{} – "
+      "{}</title><style>{}</style></head><body><main>\n",
+      verdictName(result.verdict), escapeHtml(report.scenario), kReportCss);
+  std::string facts;
+  for (const auto& [key, value] : {std::pair<std::string_view, std::string>{"Scenario", report.scenario},
+                                   {"Firmware", report.firmware},
+                                   {"Machine", report.machine},
+                                   {"Seed", std::to_string(report.seed)},
+                                   {"Finished", report.finished}}) {
+    if (!value.empty())
+      facts += fmt::format("{}{} <b>{}</b>", facts.empty() ? "" : " · ", key, escapeHtml(value));
+  }
+  page += fmt::format("<header class={}><div class=big>{}</div><p>{}</p><div class=facts>{}</div></header>\n",
+                      verdictClass(result.verdict), verdictName(result.verdict),
+                      escapeHtml(verdictSentence(report)), facts);
+  if (!result.problems.empty()) {
+    std::string list = "<ul class=problems>";
+    for (const std::string& problem : result.problems) list += "<li>" + escapeHtml(problem) + "</li>";
+    section(page, "Problems of the evidence", list + "</ul>");
+  }
+  if (!result.checks.empty()) section(page, "Checks", checkTable(report));
+  section(page, "The cut against the dieline", dielineFigures(report));
+  section(page, "Worst places", worstPlaces(report));
+  section(page, "Stillness along x, cut by cut", stillnessFigures(report));
+  section(page, "Pulse timing", pulseFigures(report));
+  if (!result.entities.empty()) section(page, "Entities", entityTable(report));
+  std::string pictures;
+  for (const ReportPicture& picture : report.pictures) {
+    pictures += fmt::format("<li><a href='{}'>{}</a> {}</li>", escapeHtml(picture.file),
+                            escapeHtml(picture.file), escapeHtml(picture.caption));
+  }
+  if (!pictures.empty()) section(page, "Files beside this report", "<ul>" + pictures + "</ul>");
+  section(page, "What was run", environment(report));
+  section(page, "Where the time went", timing(report));
+  return page + "</main></body></html>\n";
+}
+
+}  // namespace kerfbench::hil

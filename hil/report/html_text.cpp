@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/report/html_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace kerfbench::hil {
+
+std::string escapeHtml(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  static constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t have = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = (group << 8U) | (k < have ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      out += k <= have ? kDigits[(group >> (18U - 6U * k)) & 63U] : '=';
+    }
+  }
+  return out;
+}
+
+std::string checkNumber(const Check& check, double value) {
+  if (std::isnan(value)) return "no number";
+  if (check.unit == "mm") return fmt::format("{:.4f} mm", value);
+  if (check.unit == "us") return fmt::format("{:.2f} µs", value);
+  if (check.unit == "ms") return fmt::format("{:.2f} ms", value);
+  if (check.name == "coverage" || check.name == "depth" || check.name == "perforation") {
+    return fmt::format("{:.1f} %", 100.0 * value);
+  }
+  return check.unit.empty() ? fmt::format("{:.2f}", value) : fmt::format("{:.4g} {}", value, check.unit);
+}
+
+std::string_view verdictClass(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "pass";
+    case Verdict::kFail:
+      return "fail";
+    case Verdict::kNotProven:
+      return "notproven";
+    case Verdict::kInvalid:
+      break;
+  }
+  return "invalid";
+}
+
+std::string verdictSentence(const RunReport& report) {
+  const InspectionResult& result = report.result;
+  std::string names;
+  for (const Check& c : result.checks) {
+    if (c.verdict == result.verdict) names += (names.empty() ? "" : ", ") + c.name;
+  }
+  switch (result.verdict) {
+    case Verdict::kPass:
+      return fmt::format(
+          "The release is good: all {} checks are proven good, measurement uncertainty included.",
+          result.checks.size());
+    case Verdict::kFail:
+      return fmt::format("The release is bad: proven by {}.", names);
+    case Verdict::kNotProven:
+      return fmt::format(
+          "Neither good nor bad is proven: inside the guard band of {}. A finer measurement or a better "
+          "release is needed.",
+          names);
+    case Verdict::kInvalid:
+      break;
+  }
+  if (!result.problems.empty()) {
+    return fmt::format(
+        "The evidence cannot be trusted: {}{}", result.problems.front(),
+        result.problems.size() > 1 ? fmt::format(" And {} more.", result.problems.size() - 1) : "");
+  }
+  return names.empty() ? "Nothing was checked." : fmt::format("Could not be measured: {}.", names);
+}
+
+std::string gaugeSvg(const Check& check) {
+  if (!std::isfinite(check.value) || check.limit == 0.0 || !std::isfinite(check.u)) return {};
+  // Everything as a share of what is allowed: 0 is ideal, 1 is the limit. A lower limit is one on a share
+  // of 1.
+  const double allowed = check.upper ? check.limit : 1.0 - check.limit;
+  if (!(allowed > 0.0)) return {};
+  const double share = (check.upper ? check.value : 1.0 - check.value) / allowed;
+  const double half_u = check.u / allowed;
+  const double half_w = check.guard / allowed;
+  constexpr double kWidth = 120.0;
+  constexpr double kFull = 1.6;
+  const auto x = [&](double s) { return kWidth * std::clamp(s, 0.0, kFull) / kFull; };
+  return fmt::format(
+      "<svg class=gauge viewBox='-3 0 126 16' role=img aria-label='{:.0f} % of the limit'>"
+      "<rect class=ok x=0 y=5 width={:.1f} height=6 /><rect class=band x={:.1f} y=5 width={:.1f} height=6 />"
+      "<rect class=bad x={:.1f} y=5 width={:.1f} height=6 /><line class=lim x1={:.1f} x2={:.1f} y1=2 y2=14 />"
+      "<line class=unc x1={:.1f} x2={:.1f} y1=8 y2=8 /><circle class=val cx={:.1f} cy=8 r=3 /></svg>",
+      100.0 * share, x(1.0 - half_w), x(1.0 - half_w), x(1.0 + half_w) - x(1.0 - half_w), x(1.0 + half_w),
+      kWidth - x(1.0 + half_w), x(1.0), x(1.0), x(share - half_u), x(share + half_u), x(share));
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Pieces of text and figures that the reports share. Private to hil/report and its tests.
+
+#include <string>
+#include <string_view>
+
+#include "hil/report/run_report.h"
+#include "twin/base/image.h"
+
+namespace kerfbench::hil {
+
+/// Escapes text for HTML and attribute values; bytes that are not UTF-8 text are the caller's matter.
+std::string escapeHtml(std::string_view text);
+std::string base64(std::string_view bytes);
+/// "data:image/png;base64,…"
+std::string pngDataUri(const GrayImage& image);
+
+/// The verdict in one plain sentence.
+std::string verdictSentence(const RunReport& report);
+/// A number of a check with its unit, e.g. "0.0312 mm", "98.2 %"; "no number" for NaN.
+std::string checkNumber(const Check& check, double value);
+/// CSS class of a verdict: "pass", "fail", "invalid", "notproven".
+std::string_view verdictClass(Verdict verdict);
+
+/// The page's style sheet.
+extern const std::string_view kReportCss;
+
+// Figures; empty where there is nothing to show.
+std::string gaugeSvg(const Check& check);
+std::string dielineFigures(const RunReport& report);
+std::string worstPlaces(const RunReport& report);
+std::string stillnessFigures(const RunReport& report);
+std::string pulseFigures(const RunReport& report);
+
+}  // namespace kerfbench::hil

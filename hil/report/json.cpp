@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/base/digest.h"
+#include "hil/report/html_text.h"
+#include "hil/report/run_report.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Json = nlohmann::json;                 // Keys sorted: canonical.
+using OrderedJson = nlohmann::ordered_json;  // Keys as a reader likes them.
+
+/// 1 nm for lengths in mm, 1e-6 for the rest; null where there is no number.
+Json rounded(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * 1e6) / 1e6 + 0.0;  // + 0.0 turns -0 into 0.
+}
+
+Json roundedAll(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double v : values) array.push_back(rounded(v));
+  return array;
+}
+
+template <typename T, typename Key>
+std::vector<const T*> sortedBy(const std::vector<T>& items, Key key) {
+  std::vector<const T*> pointers;
+  for (const T& item : items) pointers.push_back(&item);
+  std::stable_sort(pointers.begin(), pointers.end(),
+                   [&](const T* a, const T* b) { return key(*a) < key(*b); });
+  return pointers;
+}
+
+template <typename J>
+J checkJson(const Check& c) {
+  J j;
+  j["name"] = c.name;
+  j["verdict"] = verdictName(c.verdict);
+  j["value"] = rounded(c.value);
+  j["unit"] = c.unit;
+  j["limit"] = rounded(c.limit);
+  j["limit_is"] = c.upper ? "upper" : "lower";
+  j["guard"] = rounded(c.guard);
+  j["expanded_uncertainty"] = rounded(c.u);
+  j["subject"] = c.subject;
+  return j;
+}
+
+template <typename J>
+J entityJson(const EntityResult& e) {
+  J j;
+  j["unit"] = e.unit;
+  j["entity"] = e.entity;
+  j["worst_mm"] = rounded(e.worst_mm);
+  j["worst_u"] = rounded(e.worst_u);
+  j["rms_mm"] = rounded(e.rms_mm);
+  j["coverage"] = rounded(e.coverage);
+  j["width_mm"] = rounded(e.width_mm);
+  j["passes"] = rounded(e.passes);
+  return j;
+}
+
+template <typename J>
+J cutJson(const CutResult& c) {
+  J j;
+  j["unit"] = c.unit;
+  j["entity"] = c.entity;
+  j["start_s"] = rounded(c.start_s);
+  j["end_s"] = rounded(c.end_s);
+  j["frames"] = c.frames;
+  j["drift_mm"] = rounded(c.drift_mm);
+  j["drift_sigma_mm"] = rounded(c.drift_sigma_mm);
+  j["peak_mm"] = rounded(c.peak_mm);
+  j["rms_mm"] = rounded(c.rms_mm);
+  return j;
+}
+
+template <typename J>
+J pulseJson(const PulseTiming& t) {
+  J j;
+  j["axis"] = t.axis;
+  j["driver"] = t.profile.name;
+  j["pulses"] = t.pulses;
+  j["setup_violations"] = t.setup_violations;
+  j["hold_violations"] = t.hold_violations;
+  j["width_violations"] = t.width_violations;
+  j["space_violations"] = t.space_violations;
+  j["min_setup_us"] = rounded(1e6 * t.min_setup_s);
+  j["min_hold_us"] = rounded(1e6 * t.min_hold_s);
+  j["min_width_us"] = rounded(1e6 * t.min_width_s);
+  j["min_space_us"] = rounded(1e6 * t.min_space_s);
+  j["first_violation_s"] = rounded(t.first_violation_s);
+  return j;
+}
+
+Json kerfJson(const EntityKerf& kerf) {
+  Json calipers = Json::array();
+  for (const Caliper& c : kerf.calipers) {
+    calipers.push_back({rounded(c.station_mm), c.found, rounded(c.offset_mm), rounded(c.width_mm),
+                        rounded(c.brightness), c.near_joint});
+  }
+  return {{"unit", kerf.unit}, {"entity", kerf.entity}, {"calipers", std::move(calipers)}};
+}
+
+}  // namespace
+
+std::string digestOf(const RunReport& report) {
+  const InspectionResult& result = report.result;
+  Json root;
+  root["verdict"] = verdictName(result.verdict);
+  // Problems may name files, so only their number counts.
+  root["problems"] = result.problems.size();
+  for (const Check* c : sortedBy(result.checks, [](const Check& x) { return x.name; })) {
+    root["checks"].push_back(checkJson<Json>(*c));
+  }
+  for (const EntityResult* e :
+       sortedBy(result.entities, [](const EntityResult& x) { return std::pair(x.unit, x.entity); })) {
+    root["entities"].push_back(entityJson<Json>(*e));
+  }
+  for (const CutResult* c :
+       sortedBy(result.cuts, [](const CutResult& x) { return std::tuple(x.start_s, x.unit, x.entity); })) {
+    Json cut = cutJson<Json>(*c);
+    cut["time_s"] = roundedAll(c->time_s);
+    cut["residual_mm"] = roundedAll(c->residual_mm);
+    root["cuts"].push_back(std::move(cut));
+  }
+  for (const EntityKerf* k :
+       sortedBy(report.kerf.entities, [](const EntityKerf& x) { return std::pair(x.unit, x.entity); })) {
+    root["kerf"].push_back(kerfJson(*k));
+  }
+  for (const StrayCut* s : sortedBy(report.kerf.strays, [](const StrayCut& x) {
+         return std::tuple(x.unit, x.p_S_mm.x(), x.p_S_mm.y(), x.extent_mm);
+       })) {
+    root["strays"].push_back(
+        {s->unit, rounded(s->p_S_mm.x()), rounded(s->p_S_mm.y()), rounded(s->extent_mm)});
+  }
+  for (const PulseTiming* t : sortedBy(report.pulses, [](const PulseTiming& x) { return x.axis; })) {
+    Json pulse = pulseJson<Json>(*t);
+    pulse["setup_histogram"] = t->setup_histogram;
+    root["pulses"].push_back(std::move(pulse));
+  }
+  return sha256(root.dump());
+}
+
+std::string verdictJson(const RunReport& report) {
+  const InspectionResult& result = report.result;
+  OrderedJson root;
+  root["schema_version"] = 1;
+  root["verdict"] = verdictName(result.verdict);
+  root["exit_code"] = exitCode(result.verdict);
+  root["summary"] = verdictSentence(report);
+  root["digest"] = digestOf(report);
+  root["scenario"] = report.scenario;
+  root["machine"] = report.machine;
+  root["firmware"] = report.firmware;
+  root["source"] = report.source_id;
+  root["seed"] = report.seed;
+  root["virtual_s"] = rounded(report.virtual_s);
+  root["problems"] = result.problems;
+  root["checks"] = OrderedJson::array();
+  for (const Check& c : result.checks) {
+    auto j = checkJson<OrderedJson>(c);
+    j["title"] = c.title;
+    j["explanation"] = c.explanation;
+    root["checks"].push_back(std::move(j));
+  }
+  root["entities"] = OrderedJson::array();
+  for (const EntityResult& e : result.entities) {
+    auto j = entityJson<OrderedJson>(e);
+    const auto index = static_cast<std::size_t>(e.entity);
+    if (index < report.dieline.entities.size()) {
+      j["process"] = processName(report.dieline.entities[index].process);
+      j["layer"] = report.dieline.entities[index].layer;
+      j["origin"] = report.dieline.entities[index].origin;
+    }
+    root["entities"].push_back(std::move(j));
+  }
+  const auto judged = std::count_if(result.cuts.begin(), result.cuts.end(),
+                                    [](const CutResult& c) { return std::isfinite(c.drift_mm); });
+  root["cuts"] = {{"count", result.cuts.size()}, {"judged", judged}, {"list", OrderedJson::array()}};
+  for (const CutResult& c : result.cuts) root["cuts"]["list"].push_back(cutJson<OrderedJson>(c));
+  root["pulses"] = OrderedJson::array();
+  for (const PulseTiming& t : report.pulses) root["pulses"].push_back(pulseJson<OrderedJson>(t));
+  root["frames"] = {{"count", report.spot.frames.size()}, {"lost", report.spot.frames_lost}};
+  root["mark_residual_mm"] = rounded(report.kerf.mark_residual_mm);
+  root["versions"] = OrderedJson::object();
+  for (const auto& [name, version] : report.versions) root["versions"][name] = version;
+  root["repeat_command"] = report.repeat_command;
+  return root.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kerfbench::hil

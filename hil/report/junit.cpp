@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include "hil/report/html_text.h"
+#include "hil/report/run_report.h"
+
+namespace kerfbench::hil {
+namespace {
+
+void addOutcome(pugi::xml_node test_case, Verdict verdict, const std::string& message,
+                const std::string& text) {
+  if (verdict == Verdict::kPass) return;
+  pugi::xml_node node = test_case.append_child(verdict == Verdict::kInvalid ? "error" : "failure");
+  node.append_attribute("type") = verdict == Verdict::kInvalid     ? "Invalid"
+                                  : verdict == Verdict::kNotProven ? "NotProven"
+                                                                   : "Failure";
+  node.append_attribute("message") = message.c_str();
+  node.text() = text.c_str();
+}
+
+}  // namespace
+
+std::string junitXml(const RunReport& report) {
+  const InspectionResult& result = report.result;
+  const auto count = [&](auto... verdicts) {
+    return std::count_if(result.checks.begin(), result.checks.end(),
+                         [&](const Check& c) { return ((c.verdict == verdicts) || ...); });
+  };
+  // Broken evidence has its own test case: no check alone shows it.
+  const auto tests = static_cast<long long>(result.checks.size()) + 1;
+  const bool sound = result.problems.empty() && !result.checks.empty();
+  const auto failures = static_cast<long long>(count(Verdict::kFail, Verdict::kNotProven));
+  const auto errors = static_cast<long long>(count(Verdict::kInvalid)) + (sound ? 0 : 1);
+
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  declaration.append_attribute("version") = "1.0";
+  declaration.append_attribute("encoding") = "UTF-8";
+  pugi::xml_node suites = document.append_child("testsuites");
+  pugi::xml_node suite = suites.append_child("testsuite");
+  const std::string name = report.scenario.empty() ? "kerfbench" : report.scenario;
+  for (pugi::xml_node node : {suites, suite}) {
+    node.append_attribute("name") = name.c_str();
+    node.append_attribute("tests") = tests;
+    node.append_attribute("failures") = failures;
+    node.append_attribute("errors") = errors;
+    node.append_attribute("time") = fmt::format("{:.6f}", report.virtual_s).c_str();
+  }
+  pugi::xml_node properties = suite.append_child("properties");
+  const auto property = [&](const char* key, const std::string& value) {
+    pugi::xml_node node = properties.append_child("property");
+    node.append_attribute("name") = key;
+    node.append_attribute("value") = value.c_str();
+  };
+  property("verdict", std::string(verdictName(result.verdict)));
+  property("digest", digestOf(report));
+  property("firmware", report.firmware);
+  property("machine", report.machine);
+  property("seed", std::to_string(report.seed));
+  property("repeat_command", report.repeat_command);
+
+  const auto testCase = [&](const std::string& case_name) {
+    pugi::xml_node node = suite.append_child("testcase");
+    node.append_attribute("classname") = name.c_str();
+    node.append_attribute("name") = case_name.c_str();
+    return node;
+  };
+  std::string problems;
+  for (const std::string& problem : result.problems) problems += problem + "\n";
+  if (result.problems.empty() && result.checks.empty()) problems = "No check was made.\n";
+  addOutcome(testCase("evidence"), sound ? Verdict::kPass : Verdict::kInvalid,
+             problems.substr(0, problems.find('\n')), problems);
+  for (const Check& check : result.checks) {
+    const std::string message =
+        fmt::format("{}: {} {} (limit {}, U {}, guard {})", verdictName(check.verdict),
+                    checkNumber(check, check.value), check.subject, checkNumber(check, check.limit),
+                    checkNumber(check, check.u), checkNumber(check, check.guard));
+    addOutcome(testCase(check.name), check.verdict, message, check.explanation);
+  }
+  std::ostringstream out;
+  document.save(out, "  ");
+  return out.str();
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/hil/inspect/synthetic_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace kerfbench::hil::testing {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+constexpr double kBelt_mm_s = 200.0;
+constexpr double kCut_mm_s = 300.0;
+constexpr double kPitch_mm = 80.0;
+constexpr double kKerf_u_mm = 0.0015;
+constexpr double kSpot_u_mm = 0.003;
+
+Curve line(double x0, double y0, double x1, double y1) { return LineCurve{{x0, y0}, {x1, y1}}; }
+
+}  // namespace
+
+SyntheticRun::SyntheticRun() {
+  const std::vector<std::pair<Curve, Process>> parts = {
+      {line(0, 0, 60, 0), Process::kCut},
+      {line(60, 0, 60, 40), Process::kCut},
+      {line(60, 40, 0, 40), Process::kCut},
+      {line(0, 40, 0, 0), Process::kCut},
+      {ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}, Process::kCut},
+      {line(30, 2, 30, 38), Process::kCrease},
+      {line(45, 2, 45, 38), Process::kPerforation},
+      {line(0, -10, 20, -10), Process::kIgnore},
+  };
+  for (const auto& [curve, process] : parts) {
+    const int id = static_cast<int>(dieline.entities.size());
+    dieline.entities.push_back({id, curve, process, process == Process::kCut ? "CUT" : "OTHER",
+                                "line " + std::to_string(10 * id + 4) + ": LINE"});
+  }
+  evidence.dieline = &dieline;
+  evidence.print.units = 2;
+  evidence.print.pitch_mm = kPitch_mm;
+  for (const double x : {-5.0, 65.0}) {
+    for (const double y : {-5.0, 45.0}) evidence.print.marks.push_back({{x, y}, 3.0});
+  }
+  evidence.kerf_u_mm = kKerf_u_mm;
+  evidence.spot_u_mm = kSpot_u_mm;
+  evidence.kerf.mark_residual_mm = 0.001;
+  PulseTiming timing;
+  timing.profile = {.name = "two-phase driver",
+                    .active_edge_rising = true,
+                    .setup_s = 5e-6,
+                    .hold_s = 5e-6,
+                    .width_s = 2.5e-6,
+                    .space_s = 2.5e-6};
+  timing.pulses = 120000;
+  timing.min_setup_s = 12e-6;
+  timing.min_hold_s = 9e-6;
+  timing.min_width_s = 4e-6;
+  timing.min_space_s = 6e-6;
+  timing.setup_histogram.assign(64, 0);
+  for (std::size_t i = 24; i < 64; ++i) timing.setup_histogram[i] = 40 + 37 * i;
+  timing.setup_histogram.back() = 110000;
+  for (const char* axis : {"galvo_x", "galvo_y"}) {
+    timing.axis = axis;
+    evidence.pulses.push_back(timing);
+  }
+  addKerf();
+  addFrames();
+}
+
+SyntheticRun::SyntheticRun(const SyntheticRun& other)
+    : dieline(other.dieline),
+      evidence(other.evidence),
+      limits(other.limits),
+      stretches_(other.stretches_),
+      noise_state_(other.noise_state_) {
+  evidence.dieline = &dieline;
+}
+
+double SyntheticRun::noise() {
+  // Sum of uniforms: near enough to a normal value, and the same everywhere.
+  double sum = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    noise_state_ = noise_state_ * 1664525U + 1013904223U;
+    sum += static_cast<double>(noise_state_ >> 8U) / 16777216.0;
+  }
+  return sum - 6.0;
+}
+
+void SyntheticRun::addKerf() {
+  for (int unit = 0; unit < evidence.print.units; ++unit) {
+    for (const Entity& entity : dieline.entities) {
+      if (entity.process == Process::kIgnore) continue;
+      EntityKerf kerf{unit, entity.id, {}};
+      const double length_mm = lengthOf(entity.curve);
+      for (const double u : stations(entity.curve, 0.25)) {
+        Caliper c;
+        c.u = u;
+        c.station_mm = u * length_mm;
+        c.p_S_mm = pointAt(entity.curve, u);
+        const bool outline = entity.id <= kLeft;
+        c.near_joint = outline && (c.station_mm < 0.4 || c.station_mm > length_mm - 0.4);
+        c.found = entity.process != Process::kPerforation || std::fmod(c.station_mm, 4.0) <= 3.0;
+        c.brightness = !c.found ? 0.0 : entity.process == Process::kCrease ? 0.4 : 1.0;
+        c.offset_mm = c.found ? 0.001 * noise() : std::numeric_limits<double>::quiet_NaN();
+        c.width_mm = c.found ? (entity.process == Process::kCrease ? 0.15 : 0.21) + 0.001 * noise()
+                             : std::numeric_limits<double>::quiet_NaN();
+        kerf.calipers.push_back(c);
+      }
+      evidence.kerf.entities.push_back(std::move(kerf));
+    }
+  }
+}
+
+void SyntheticRun::addFrame(bool lit, int unit, const Eigen::Vector2d& p_S_mm) {
+  auto& frames = evidence.spot.frames;
+  FrameMeasurement frame;
+  frame.sequence = frames.size();
+  frame.mid_s = kPeriod_s * static_cast<double>(frames.size());
+  for (int k = 0; k < evidence.print.units; ++k) {
+    // Every third frame has no mark of the unit in view: the pose must be interpolated.
+    if (frames.size() % 3 == 2) continue;
+    frame.sheet.push_back({k, {kBelt_mm_s * frame.mid_s - kPitch_mm * k, 0.0}, 0.0, 0.001, 4});
+  }
+  if (lit) {
+    const Eigen::Vector2d origin_W_mm(kBelt_mm_s * frame.mid_s - kPitch_mm * unit, 0.0);
+    frame.spot_W_mm = p_S_mm + origin_W_mm + Eigen::Vector2d(0.002 * noise(), 0.002 * noise());
+    frame.spot_sigma_mm = 0.002;
+  }
+  frames.push_back(std::move(frame));
+}
+
+void SyntheticRun::follow(int unit, int entity) {
+  const Entity& e = dieline.entities[static_cast<std::size_t>(entity)];
+  const double length_mm = lengthOf(e.curve);
+  const std::size_t begin = evidence.spot.frames.size();
+  bool was_lit = false;
+  for (double s = 0.5 * kCut_mm_s * kPeriod_s; s < length_mm; s += kCut_mm_s * kPeriod_s) {
+    const bool lit = e.process != Process::kPerforation || std::fmod(s, 4.0) <= 3.0;
+    const double now_s = kPeriod_s * static_cast<double>(evidence.spot.frames.size());
+    if (lit && !was_lit) evidence.gates.push_back({now_s - 0.5 * kPeriod_s, 0.0});
+    addFrame(lit, unit, pointAt(e.curve, s / length_mm));
+    if (lit) evidence.gates.back().off_s = now_s + 0.5 * kPeriod_s;
+    was_lit = lit;
+  }
+  stretches_.push_back({unit, entity, begin, evidence.spot.frames.size()});
+}
+
+void SyntheticRun::addFrames() {
+  for (int i = 0; i < 5; ++i) addFrame(false, 0, {});
+  for (int unit = 0; unit < evidence.print.units; ++unit) {
+    for (const Entity& entity : dieline.entities) {
+      if (entity.process == Process::kIgnore) continue;
+      follow(unit, entity.id);
+      // The outline is one chain with the beam on; before the rest the beam jumps.
+      if (entity.id < kLeft) continue;
+      for (int i = 0; i < 20; ++i) addFrame(false, unit, {});
+    }
+  }
+}
+
+void SyntheticRun::followAgain(int unit, int entity) {
+  follow(unit, entity);
+  for (int i = 0; i < 5; ++i) addFrame(false, unit, {});
+}
+
+EntityKerf& SyntheticRun::kerf(int unit, int entity) {
+  auto& all = evidence.kerf.entities;
+  return *std::find_if(all.begin(), all.end(),
+                       [&](const EntityKerf& k) { return k.unit == unit && k.entity == entity; });
+}
+
+void SyntheticRun::shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm) {
+  for (const Stretch& s : stretches_) {
+    if (s.unit != unit || s.entity != entity) continue;
+    for (std::size_t i = s.begin; i < s.end; ++i) {
+      FrameMeasurement& frame = evidence.spot.frames[i];
+      if (frame.spot_W_mm) *frame.spot_W_mm += shift_mm(frame.mid_s - evidence.spot.frames[s.begin].mid_s);
+    }
+  }
+}
+
+const Check& checkOf(const InspectionResult& result, std::string_view name) {
+  const auto found = std::find_if(result.checks.begin(), result.checks.end(),
+                                  [&](const Check& c) { return c.name == name; });
+  if (found == result.checks.end()) throw std::out_of_range("no check named " + std::string(name));
+  return *found;
+}
+
+bool hasCheck(const InspectionResult& result, std::string_view name) {
+  return std::any_of(result.checks.begin(), result.checks.end(),
+                     [&](const Check& c) { return c.name == name; });
+}
+
+}  // namespace kerfbench::hil::testing

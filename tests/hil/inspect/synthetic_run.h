@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "hil/inspect/inspect.h"
+
+namespace kerfbench::hil::testing {
+
+/// Ids of the entities of the small carton that SyntheticRun cuts.
+enum SmallCarton { kBottom = 0, kRight, kTop, kLeft, kHole, kCreaseLine, kPerforationLine, kNote };
+
+/// Evidence of a flawless run, made by hand: a 60 x 40 mm carton on a belt at 200 mm/s, cut at 300 mm/s, with
+/// a little noise from a fixed sequence. Tests then bend what they want to see found.
+struct SyntheticRun {
+  SyntheticRun();
+  SyntheticRun(const SyntheticRun& other);
+  SyntheticRun& operator=(const SyntheticRun&) = delete;
+
+  Dieline dieline;
+  Evidence evidence;  ///< Its dieline is the one above.
+  Limits limits;
+
+  EntityKerf& kerf(int unit, int entity);
+  /// Moves each spot while it follows `entity` of `unit`: the shift in mm along W from the time since its
+  /// first frame.
+  void shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm);
+  /// Appends a second pass of the spot along an entity.
+  void followAgain(int unit, int entity);
+  [[nodiscard]] InspectionResult inspected() const { return inspect(evidence, limits); }
+
+ private:
+  void addKerf();
+  void addFrames();
+  void follow(int unit, int entity);
+  void addFrame(bool lit, int unit, const Eigen::Vector2d& p_S_mm);
+  double noise();
+
+  struct Stretch {
+    int unit, entity;
+    std::size_t begin, end;
+  };
+  std::vector<Stretch> stretches_;
+  std::uint32_t noise_state_{1};
+};
+
+/// The check of that name. @throws std::out_of_range if there is none.
+const Check& checkOf(const InspectionResult& result, std::string_view name);
+bool hasCheck(const InspectionResult& result, std::string_view name);
+
+}  // namespace kerfbench::hil::testing
