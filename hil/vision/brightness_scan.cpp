@@ -27,7 +27,8 @@ int quantile(const std::array<int, Bins>& histogram, double share) {
 }
 
 /// Means of 2 x 2 pixels, maximum per column: two averaging instructions per 16 pixels.
-void foldRows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* highest, std::size_t count) {
+void foldRows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* highest,
+              std::size_t count) {
   for (std::size_t c = 0; c < count; ++c) {
     const auto left = static_cast<std::uint8_t>((upper[c] + lower[c] + 1) >> 1);
     const auto right = static_cast<std::uint8_t>((upper[c + 1] + lower[c + 1] + 1) >> 1);
@@ -67,7 +68,8 @@ Background::Background(const GrayImage& image)
       }
       const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
       std::nth_element(samples.begin(), middle, samples.end());
-      own[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i)] = *middle;
+      own[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i)] =
+          *middle;
     }
   }
   median_ = quantile(all, 0.5);
@@ -90,20 +92,21 @@ Background::Background(const GrayImage& image)
       std::size_t n = 0;
       for (int y = std::max(0, j - 1); y <= std::min(rows_ - 1, j + 1); ++y) {
         for (int x = std::max(0, i - 1); x <= std::min(columns_ - 1, i + 1); ++x) {
-          around[n++] =
-              own[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
+          around[n++] = own[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                            static_cast<std::size_t>(x)];
         }
       }
       const std::span values(around.data(), n);
       std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n / 2), values.end());
-      int& level =
-          level_[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i)];
+      int& level = level_[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
+                          static_cast<std::size_t>(i)];
       level = std::max(level, values[n / 2]);
     }
   }
 }
 
-std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background, std::size_t max) {
+std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background,
+                                        std::size_t max) {
   struct Candidate {
     BrightPeak peak;
     int cell_x;

@@ -15,7 +15,8 @@ class Background {
 
   explicit Background(const GrayImage& image);
 
-  /// Board gray around a pixel: the median of its cell, or of the cells around where something dark covers it.
+  /// Board gray around a pixel: the median of its cell, or of the cells around where something dark covers
+  /// it.
   [[nodiscard]] int at(int column, int row) const {
     return level_[static_cast<std::size_t>(row / kCellPx) * static_cast<std::size_t>(columns_) +
                   static_cast<std::size_t>(column / kCellPx)];
@@ -42,8 +43,9 @@ struct BrightPeak {
   int height{};  ///< Mean of 2 x 2 pixels above the board.
 };
 
-/// The brightest places of the picture, at most `max`, brightest first and never two in touching cells. Each stands
-/// out of the noise of millions of pixels. One pass over the picture at about the speed of memory.
-std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background, std::size_t max);
+/// The brightest places of the picture, at most `max`, brightest first and never two in touching cells. Each
+/// stands out of the noise of millions of pixels. One pass over the picture at about the speed of memory.
+std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background,
+                                        std::size_t max);
 
 }  // namespace kerfbench::hil

@@ -117,8 +117,8 @@ std::optional<Eigen::Vector2d> CameraCalibration::pixelIfSeen(const Eigen::Vecto
   if (!(1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0)) return std::nullopt;
   const Eigen::Vector2d d = distort(distortion, n).point;
   const Eigen::Vector2d pixel(cx_px + fx_px * d.x(), cy_px + fy_px * d.y());
-  const bool seen = pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width_px - 1 - border_px &&
-                    pixel.y() <= height_px - 1 - border_px;
+  const bool seen = pixel.x() >= border_px && pixel.y() >= border_px &&
+                    pixel.x() <= width_px - 1 - border_px && pixel.y() <= height_px - 1 - border_px;
   return seen ? std::optional(pixel) : std::nullopt;
 }
 

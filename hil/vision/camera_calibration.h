@@ -16,14 +16,14 @@ struct LocalPixelMap {
   Eigen::Matrix2d pixel_per_mm{Eigen::Matrix2d::Identity()};
 };
 
-/// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P is the
-/// plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection table T of the
-/// kerf camera.
+/// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P
+/// is the plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection
+/// table T of the kerf camera.
 struct CameraCalibration {
   int width_px{};
   int height_px{};
   double fx_px{}, fy_px{}, cx_px{}, cy_px{};
-  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};  ///< Pose of the plane in the camera; lengths in mm.
   double map_u_mm{};  ///< Standard uncertainty of a mapped point within the board area of the calibration.
 
@@ -33,9 +33,10 @@ struct CameraCalibration {
   [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
   /// The same with its Jacobian. @throws std::domain_error behind the camera.
   [[nodiscard]] LocalPixelMap localMap(const Eigen::Vector2d& p_mm) const;
-  /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the lens
-  /// polynomial folds them back into the picture are not seen.
-  [[nodiscard]] std::optional<Eigen::Vector2d> pixelIfSeen(const Eigen::Vector2d& p_mm, double border_px) const;
+  /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the
+  /// lens polynomial folds them back into the picture are not seen.
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixelIfSeen(const Eigen::Vector2d& p_mm,
+                                                           double border_px) const;
   /// Many pixels at once, without repeating the set-up. @throws std::invalid_argument for unequal sizes.
   void planeFromPixels(std::span<const Eigen::Vector2d> pixels, std::span<Eigen::Vector2d> p_mm) const;
   /// Mean scale at the image centre, mm per pixel.

@@ -24,7 +24,8 @@ struct Score {
 
 /// Pairs each seen mark with the nearest mark of the layout.
 std::vector<MarkPair> pairUp(std::span<const Eigen::Vector2d> seen, const std::vector<WebMark>& web,
-                             const PlaneMotion& motion, const std::function<double(const Eigen::Vector2d&)>& reach) {
+                             const PlaneMotion& motion,
+                             const std::function<double(const Eigen::Vector2d&)>& reach) {
   std::vector<MarkPair> pairs;
   for (const Eigen::Vector2d& q : seen) {
     const WebMark* nearest = nullptr;
@@ -49,7 +50,9 @@ Eigen::Matrix2d PlaneMotion::rotation() const {
   return (Eigen::Matrix2d() << c, -s, s, c).finished();
 }
 
-Eigen::Vector2d PlaneMotion::operator*(const Eigen::Vector2d& p_mm) const { return rotation() * p_mm + shift_mm; }
+Eigen::Vector2d PlaneMotion::operator*(const Eigen::Vector2d& p_mm) const {
+  return rotation() * p_mm + shift_mm;
+}
 
 Eigen::Vector2d PlaneMotion::inverse(const Eigen::Vector2d& q_mm) const {
   return rotation().transpose() * (q_mm - shift_mm);
@@ -74,7 +77,8 @@ PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad) {
     cosine += (pair.p_mm - p0).dot(pair.q_mm - q0);
   }
   PlaneMotion motion;
-  motion.angle_rad = pairs.size() > 1 && std::hypot(sine, cosine) > 1e-6 ? std::atan2(sine, cosine) : angle_guess_rad;
+  motion.angle_rad =
+      pairs.size() > 1 && std::hypot(sine, cosine) > 1e-6 ? std::atan2(sine, cosine) : angle_guess_rad;
   motion.shift_mm = q0 - motion.rotation() * p0;
   return motion;
 }
@@ -129,8 +133,8 @@ std::optional<Constellation> matchConstellation(std::span<const Eigen::Vector2d>
     PlaneMotion motion{Eigen::Vector2d::Zero(), query.expected.angle_rad};
     motion.shift_mm = anchor_q - motion.rotation() * anchor.p_mm;
     if (!((anchor_q - query.expected * anchor.p_mm).norm() <= query.max_shift_mm)) return;
-    // The angle is unknown at first, so marks far from the anchor may lie farther off. Each pair of a far mark with
-    // the anchor is one guess of the angle.
+    // The angle is unknown at first, so marks far from the anchor may lie farther off. Each pair of a far
+    // mark with the anchor is one guess of the angle.
     std::vector<PlaneMotion> guesses{motion};
     for (const Eigen::Vector2d& q : seen_mm) {
       for (const WebMark& mark : web) {
@@ -138,7 +142,8 @@ std::optional<Constellation> matchConstellation(std::span<const Eigen::Vector2d>
         if (distance < 1.0 || std::abs((q - anchor_q).norm() - distance) > query.tolerance_mm) continue;
         const std::array<MarkPair, 2> two{MarkPair{anchor.p_mm, anchor_q}, MarkPair{mark.p_mm, q}};
         const PlaneMotion guess = fitMotion(two, motion.angle_rad);
-        if (std::abs(guess.angle_rad - query.expected.angle_rad) <= query.max_angle_rad) guesses.push_back(guess);
+        if (std::abs(guess.angle_rad - query.expected.angle_rad) <= query.max_angle_rad)
+          guesses.push_back(guess);
       }
     }
     for (PlaneMotion guess : guesses) {

@@ -37,20 +37,20 @@ struct MotionFit {
 /// Least squares. One pair keeps angle_guess_rad. @throws std::invalid_argument without a pair.
 PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad);
 
-/// The same without pairs that disagree with the others by more than limit_mm. Of two pairs that disagree with each
-/// other, the one nearer to `expected` is kept.
+/// The same without pairs that disagree with the others by more than limit_mm. Of two pairs that disagree
+/// with each other, the one nearer to `expected` is kept.
 MotionFit fitMotionRobust(std::vector<MarkPair> pairs, const PlaneMotion& expected, double limit_mm);
 
 struct ConstellationQuery {
   const PrintLayout* print{};
   int first_unit{};
-  int last_unit{};                       ///< Inclusive: units that the seen marks may belong to.
-  int anchor_last_unit{};                ///< A seen mark is taken in turn for one of first_unit ... this unit.
-  double max_angle_rad{0.03};            ///< Around expected.angle_rad.
+  int last_unit{};             ///< Inclusive: units that the seen marks may belong to.
+  int anchor_last_unit{};      ///< A seen mark is taken in turn for one of first_unit ... this unit.
+  double max_angle_rad{0.03};  ///< Around expected.angle_rad.
   double tolerance_mm{0.5};
-  PlaneMotion expected;                  ///< Of the web; S of unit 0.
-  double max_shift_mm{};                 ///< From expected, at the mark itself; infinity where nothing is known.
-  bool prefer_least_advanced{};          ///< Of equally good ones: the smallest x, as for a web that just enters.
+  PlaneMotion expected;          ///< Of the web; S of unit 0.
+  double max_shift_mm{};         ///< From expected, at the mark itself; infinity where nothing is known.
+  bool prefer_least_advanced{};  ///< Of equally good ones: the smallest x, as for a web that just enters.
   /// Whether a mark at this place would have been seen; expected but unseen marks speak against a motion.
   std::function<bool(const Eigen::Vector2d& q_mm)> in_view;
 };
@@ -58,7 +58,7 @@ struct ConstellationQuery {
 struct Constellation {
   PlaneMotion motion;  ///< Of the web.
   int matched{};
-  int expected{};      ///< Marks of the layout that should be in view.
+  int expected{};  ///< Marks of the layout that should be in view.
 };
 
 /// The motion of the web that explains the seen marks best.

@@ -43,7 +43,7 @@ double sampleCubic(const GrayImage& image, const Eigen::Vector2d& p) {
 struct Peak {
   std::size_t first;  ///< Of the samples above half of its height.
   std::size_t last;
-  double height;      ///< Above the baseline.
+  double height;  ///< Above the baseline.
 };
 
 double smoothed(const std::vector<double>& gray, std::size_t i) {
@@ -60,7 +60,8 @@ double highest(const std::vector<double>& gray, std::size_t first, std::size_t l
 
 /// Calls found(first, last) for each run of samples in [from, to] above a level.
 template <typename Found>
-void runsAbove(const std::vector<double>& gray, std::size_t from, std::size_t to, double level, const Found& found) {
+void runsAbove(const std::vector<double>& gray, std::size_t from, std::size_t to, double level,
+               const Found& found) {
   std::size_t i = from;
   while (i <= to) {
     if (gray[i] <= level) {
@@ -74,7 +75,8 @@ void runsAbove(const std::vector<double>& gray, std::size_t from, std::size_t to
 }
 
 /// Sample position where the profile falls below the level, going out from a sample inside.
-std::optional<double> crossing(const std::vector<double>& gray, std::size_t inside, int direction, double level) {
+std::optional<double> crossing(const std::vector<double>& gray, std::size_t inside, int direction,
+                               double level) {
   std::size_t i = inside;
   while (gray[i] >= level) {
     if ((direction < 0 && i == 0) || (direction > 0 && i + 1 == gray.size())) return std::nullopt;
@@ -131,8 +133,8 @@ void measureKerf(const Profile& profile, double open_gray, Caliper& caliper) {
   std::nth_element(sorted.begin(), quartile, sorted.end());
   const double base = *quartile;
   const double range = std::max(1.0, open_gray - base);
-  caliper.brightness =
-      std::clamp((smoothed(gray, gray.size() / 2) - base) / range, 0.0, 1.5);  // where nothing is found: at nominal
+  caliper.brightness = std::clamp((smoothed(gray, gray.size() / 2) - base) / range, 0.0,
+                                  1.5);  // where nothing is found: at nominal
   const double least = std::max(6.0 * profile.noise_gray, kLeastContrast * range);
 
   // Kerfs that stand together are parted at half of the height of the highest; then the nearest counts.

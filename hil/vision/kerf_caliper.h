@@ -17,8 +17,8 @@ struct Profile {
   double noise_gray{};  ///< Of one sample, on the board.
 };
 
-/// Reads the profile of a station from the raw image: the mean of a few lines beside each other that follow the
-/// curve. `stations` far ends limit the lines of an open curve.
+/// Reads the profile of a station from the raw image: the mean of a few lines beside each other that follow
+/// the curve. `stations` far ends limit the lines of an open curve.
 void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
                  const Station& station, const EntityPlan& plan, double reach_mm, Profile& profile);
 

@@ -10,9 +10,10 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kSamplePitchMm = 0.1;
-constexpr double kReachMarginMm = 0.15;   // half a kerf that only just begins beyond the caliper's end
-constexpr double kAlongMm = 0.25;         // half the length of curve that a profile is averaged over, and half a kerf
-constexpr double kParallelSine = 0.14;    // 8 degrees
+constexpr double kReachMarginMm = 0.15;  // half a kerf that only just begins beyond the caliper's end
+constexpr double kAlongMm =
+    0.25;  // half the length of curve that a profile is averaged over, and half a kerf
+constexpr double kParallelSine = 0.14;  // 8 degrees
 constexpr double kSameLineMm = 0.03;
 
 /// A piece of curve, short against a caliper.
@@ -28,7 +29,9 @@ class SampleGrid {
  public:
   explicit SampleGrid(double cell_mm) : cell_mm_(cell_mm) {}
 
-  void add(const Sample& sample) { cells_[key(index(sample.p_S_mm.x()), index(sample.p_S_mm.y()))].push_back(sample); }
+  void add(const Sample& sample) {
+    cells_[key(index(sample.p_S_mm.x()), index(sample.p_S_mm.y()))].push_back(sample);
+  }
 
   /// Whether any sample in the cells around satisfies the test.
   template <typename Test>
@@ -45,7 +48,9 @@ class SampleGrid {
   }
 
  private:
-  [[nodiscard]] std::int64_t index(double mm) const { return static_cast<std::int64_t>(std::floor(mm / cell_mm_)); }
+  [[nodiscard]] std::int64_t index(double mm) const {
+    return static_cast<std::int64_t>(std::floor(mm / cell_mm_));
+  }
   static std::uint64_t key(std::int64_t x, std::int64_t y) {
     return (static_cast<std::uint64_t>(x) << 32U) ^ (static_cast<std::uint64_t>(y) & 0xffffffffULL);
   }
@@ -117,7 +122,8 @@ std::vector<EntityPlan> planStations(const Dieline& dieline, const KerfScanOptio
     plans.push_back(std::move(plan));
   }
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    for (Station& station : plans[i].stations) station.near_joint = nearJoint(station, i, plans[i], grid, options);
+    for (Station& station : plans[i].stations)
+      station.near_joint = nearJoint(station, i, plans[i], grid, options);
   }
   return plans;
 }

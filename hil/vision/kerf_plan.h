@@ -27,8 +27,8 @@ struct EntityPlan {
   std::vector<Station> stations;
 };
 
-/// Stations of all entities that are not kIgnore. A station is near a joint where its caliper would also meet another
-/// curve, or one meets it at an angle within the clearance; a tangent continuation is no joint.
+/// Stations of all entities that are not kIgnore. A station is near a joint where its caliper would also meet
+/// another curve, or one meets it at an angle within the clearance; a tangent continuation is no joint.
 std::vector<EntityPlan> planStations(const Dieline& dieline, const KerfScanOptions& options);
 
 }  // namespace kerfbench::hil

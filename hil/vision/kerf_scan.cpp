@@ -25,7 +25,8 @@ constexpr double kBorderPx = 4.0;  // what interpolation and the lines beside ea
 /// Hands out the tiles of one unit after the other.
 class UnitTiles {
  public:
-  UnitTiles(TileSource& source, const CameraCalibration& calibration) : source_(source), calibration_(calibration) {}
+  UnitTiles(TileSource& source, const CameraCalibration& calibration)
+      : source_(source), calibration_(calibration) {}
 
   std::vector<KerfTile> next() {
     std::vector<KerfTile> unit;
@@ -68,8 +69,10 @@ std::optional<KerfPatch> cropPatch(const Worst& worst, int unit, const std::vect
   const GrayImage& image = view->tile.image;
   const int width = std::min(kPatchPx, image.width);
   const int height = std::min(kPatchPx, image.height);
-  const int left = std::clamp(static_cast<int>(std::lround(map.pixel.x())) - width / 2, 0, image.width - width);
-  const int top = std::clamp(static_cast<int>(std::lround(map.pixel.y())) - height / 2, 0, image.height - height);
+  const int left =
+      std::clamp(static_cast<int>(std::lround(map.pixel.x())) - width / 2, 0, image.width - width);
+  const int top =
+      std::clamp(static_cast<int>(std::lround(map.pixel.y())) - height / 2, 0, image.height - height);
   KerfPatch patch;
   patch.unit = unit;
   patch.entity = worst.plan->entity;
@@ -87,9 +90,14 @@ std::optional<KerfPatch> cropPatch(const Worst& worst, int unit, const std::vect
 /// Everything about one unit; the tiles are dropped afterwards.
 class UnitScan {
  public:
-  UnitScan(const CameraCalibration& calibration, const std::vector<EntityPlan>& plans, const KerfScanOptions& options,
-           std::vector<TileView> tiles, int unit, const PlaneMotion& X_TS)
-      : calibration_(calibration), plans_(plans), options_(options), tiles_(std::move(tiles)), unit_(unit), X_TS_(X_TS) {}
+  UnitScan(const CameraCalibration& calibration, const std::vector<EntityPlan>& plans,
+           const KerfScanOptions& options, std::vector<TileView> tiles, int unit, const PlaneMotion& X_TS)
+      : calibration_(calibration),
+        plans_(plans),
+        options_(options),
+        tiles_(std::move(tiles)),
+        unit_(unit),
+        X_TS_(X_TS) {}
 
   void calipers(KerfScan& scan) const {
     std::vector<EntityKerf> kerfs(plans_.size());
@@ -223,7 +231,8 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
     if (of_unit.empty()) break;
     const int unit = of_unit.front().unit;
     if (unit < 0 || unit >= print.units || !done.insert(unit).second) {
-      scan.problems.push_back("unit " + std::to_string(unit) + ": tiles that belong to no unit, or come out of order");
+      scan.problems.push_back("unit " + std::to_string(unit) +
+                              ": tiles that belong to no unit, or come out of order");
       continue;
     }
     std::vector<TileView> views(of_unit.size());

@@ -11,8 +11,9 @@
 
 namespace kerfbench::hil {
 
-/// A back-lit picture of a part of the finished sheet on the inspection table. X_TV shifts the camera's plane V to
-/// the table T, as the table's own scales read it; the sheet's place on the table comes from its printed marks.
+/// A back-lit picture of a part of the finished sheet on the inspection table. X_TV shifts the camera's plane
+/// V to the table T, as the table's own scales read it; the sheet's place on the table comes from its printed
+/// marks.
 struct KerfTile {
   GrayImage image;
   Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
@@ -28,14 +29,15 @@ class TileSource {
 
 /// One caliper across an entity.
 struct Caliper {
-  double u{};             ///< Parameter on the entity's curve.
-  double station_mm{};    ///< Arc length from its start.
+  double u{};                                       ///< Parameter on the entity's curve.
+  double station_mm{};                              ///< Arc length from its start.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The nominal point.
-  bool found{};           ///< A kerf (or crease) crosses the caliper.
-  double offset_mm{};     ///< Kerf centre minus nominal, along the left normal; NaN if not found.
-  double width_mm{};      ///< At half depth of the profile; NaN if not found.
-  double brightness{};    ///< Peak of the profile, 0 board … 1 open kerf.
-  bool near_joint{};      ///< Within reach of a corner, crossing or neighbour, where the profile is not a single kerf's.
+  bool found{};                                     ///< A kerf (or crease) crosses the caliper.
+  double offset_mm{};   ///< Kerf centre minus nominal, along the left normal; NaN if not found.
+  double width_mm{};    ///< At half depth of the profile; NaN if not found.
+  double brightness{};  ///< Peak of the profile, 0 board … 1 open kerf.
+  bool near_joint{};  ///< Within reach of a corner, crossing or neighbour, where the profile is not a single
+                      ///< kerf's.
 };
 
 struct EntityKerf {
@@ -57,25 +59,27 @@ struct KerfPatch {
   int entity{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   GrayImage image;
-  Eigen::Affine2d pixel_from_S{Eigen::Affine2d::Identity()};  ///< Local map, to draw the dieline into the patch.
+  Eigen::Affine2d pixel_from_S{
+      Eigen::Affine2d::Identity()};  ///< Local map, to draw the dieline into the patch.
 };
 
 struct KerfScanOptions {
   double station_pitch_mm{0.25};
-  double reach_mm{0.6};          ///< Half length of a caliper.
+  double reach_mm{0.6};  ///< Half length of a caliper.
   double joint_clearance_mm{0.4};
-  double stray_min_mm{0.5};      ///< Smaller blobs are dust.
-  int patches{6};                ///< How many worst places to keep pictures of.
-  double open_gray{235.0};       ///< Back light through an open kerf, from the set-up of the light: brightness 1.
-  int threads{1};                ///< The result is the same at any number.
+  double stray_min_mm{0.5};  ///< Smaller blobs are dust.
+  int patches{6};            ///< How many worst places to keep pictures of.
+  double open_gray{235.0};   ///< Back light through an open kerf, from the set-up of the light: brightness 1.
+  int threads{1};            ///< The result is the same at any number.
 };
 
 struct KerfScan {
   std::vector<EntityKerf> entities;  ///< units x entities that are not kIgnore.
   std::vector<StrayCut> strays;
-  std::vector<KerfPatch> patches;    ///< Worst first.
-  double mark_residual_mm{};         ///< Worst RMS over units of marks against their places.
-  std::vector<std::string> problems; ///< Whatever makes the scan untrustworthy (marks not found, tile missing): INVALID.
+  std::vector<KerfPatch> patches;  ///< Worst first.
+  double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.
+  std::vector<std::string>
+      problems;  ///< Whatever makes the scan untrustworthy (marks not found, tile missing): INVALID.
 };
 
 KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const PrintLayout& print,

@@ -13,19 +13,19 @@ namespace {
 constexpr double kOffDielineMm = 0.35;
 constexpr double kStrayContrast = 0.08;  // of board to open kerf
 constexpr double kTouchMm = 0.15;
-constexpr int kShiftBits = 4;            // OpenCV draws in 1/16 px
+constexpr int kShiftBits = 4;  // OpenCV draws in 1/16 px
 
 /// Paints the dieline out of a mask.
-void eraseDieline(cv::Mat& mask, const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
-                  const std::vector<EntityPlan>& plans) {
+void eraseDieline(cv::Mat& mask, const TileView& view, const CameraCalibration& calibration,
+                  const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans) {
   const double px_per_mm = 1.0 / calibration.pitchMm();
   const int thickness = static_cast<int>(std::lround(2.0 * kOffDielineMm * px_per_mm));
   for (const EntityPlan& plan : plans) {
     std::vector<cv::Point> line;
     const auto draw = [&] {
       if (line.size() > 1) {
-        cv::polylines(mask, std::vector<std::vector<cv::Point>>{line}, false, cv::Scalar(0), thickness, cv::LINE_8,
-                      kShiftBits);
+        cv::polylines(mask, std::vector<std::vector<cv::Point>>{line}, false, cv::Scalar(0), thickness,
+                      cv::LINE_8, kShiftBits);
       }
       line.clear();
     };
@@ -46,7 +46,8 @@ void eraseDieline(cv::Mat& mask, const TileView& view, const CameraCalibration& 
 }  // namespace
 
 std::vector<StrayBox> findStrays(const TileView& view, std::size_t tile, const CameraCalibration& calibration,
-                                 const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans, double open_gray) {
+                                 const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans,
+                                 double open_gray) {
   const GrayImage& image = view.tile.image;
   // Only read: OpenCV has no view of constant memory.
   const cv::Mat picture(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
@@ -66,7 +67,8 @@ std::vector<StrayBox> findStrays(const TileView& view, std::size_t tile, const C
     for (const cv::Point& p : contour) pixels.emplace_back(p.x, p.y);
     std::vector<Eigen::Vector2d> plane(pixels.size());
     calibration.planeFromPixels(pixels, plane);
-    for (const Eigen::Vector2d& p_V_mm : plane) found.box_S_mm.extend(X_TS.inverse(view.tile.p_TV_mm + p_V_mm));
+    for (const Eigen::Vector2d& p_V_mm : plane)
+      found.box_S_mm.extend(X_TS.inverse(view.tile.p_TV_mm + p_V_mm));
     boxes.push_back(found);
   }
   return boxes;

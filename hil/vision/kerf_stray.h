@@ -16,9 +16,11 @@ struct StrayBox {
 
 /// Bright blobs of one tile that are farther from the dieline than half a usual kerf and its error.
 std::vector<StrayBox> findStrays(const TileView& view, std::size_t tile, const CameraCalibration& calibration,
-                                 const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans, double open_gray);
+                                 const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans,
+                                 double open_gray);
 
-/// The same blob seen in tiles that overlap counts once; blobs shorter than least_mm are left out. In order of place.
+/// The same blob seen in tiles that overlap counts once; blobs shorter than least_mm are left out. In order
+/// of place.
 std::vector<StrayCut> mergeStrays(std::vector<StrayBox> boxes, int unit, double least_mm);
 
 }  // namespace kerfbench::hil

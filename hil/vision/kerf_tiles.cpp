@@ -10,8 +10,9 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kSameMarkMm = 0.5;      // of one mark in two tiles
-constexpr double kTableShiftMm = 12.0;   // how far a unit may lie from its nominal place, lever arm of its angle included
+constexpr double kSameMarkMm = 0.5;  // of one mark in two tiles
+constexpr double kTableShiftMm =
+    12.0;  // how far a unit may lie from its nominal place, lever arm of its angle included
 constexpr double kMaxTableAngleRad = 0.03;
 constexpr double kDisagreementMm = 0.1;
 
@@ -42,7 +43,8 @@ std::vector<TableMark> uniqueMarks(const std::vector<TileView>& tiles) {
 
 }  // namespace
 
-TileView viewTile(KerfTile tile, const CameraCalibration& calibration, const std::vector<double>& diameters_mm) {
+TileView viewTile(KerfTile tile, const CameraCalibration& calibration,
+                  const std::vector<double>& diameters_mm) {
   TileView view;
   view.tile = std::move(tile);
   const GrayImage& image = view.tile.image;
@@ -86,8 +88,9 @@ std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, int unit,
   };
   const std::optional<Constellation> found = matchConstellation(seen, query);
   if (!found || found->matched < 2) {
-    problems.push_back(name + "its registration marks do not fit the print layout (" + std::to_string(seen.size()) +
-                       " discs seen, " + std::to_string(found ? found->matched : 0) + " fit)");
+    problems.push_back(name + "its registration marks do not fit the print layout (" +
+                       std::to_string(seen.size()) + " discs seen, " +
+                       std::to_string(found ? found->matched : 0) + " fit)");
     return std::nullopt;
   }
   std::vector<MarkPair> pairs;

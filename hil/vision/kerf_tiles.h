@@ -25,7 +25,8 @@ struct TileView {
 };
 
 /// Looks at board and marks.
-TileView viewTile(KerfTile tile, const CameraCalibration& calibration, const std::vector<double>& diameters_mm);
+TileView viewTile(KerfTile tile, const CameraCalibration& calibration,
+                  const std::vector<double>& diameters_mm);
 
 /// How one unit lies on the table.
 struct UnitPlace {
@@ -39,7 +40,8 @@ struct UnitPlace {
 std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, int unit, const PrintLayout& print,
                                    const CameraCalibration& calibration, std::vector<std::string>& problems);
 
-/// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if there is none.
+/// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if there
+/// is none.
 const TileView* bestTile(const std::vector<TileView>& tiles, const CameraCalibration& calibration,
                          const Eigen::Vector2d& p_T_mm, double border_px);
 

@@ -15,8 +15,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kInnerRim = 0.75;   // of the radius: all ink inside
-constexpr double kOuterRim = 1.4;    // all board out to here
+constexpr double kInnerRim = 0.75;  // of the radius: all ink inside
+constexpr double kOuterRim = 1.4;   // all board out to here
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
 
@@ -30,8 +30,9 @@ struct Box {
 };
 
 std::optional<Box> boxAround(const GrayImage& image, const Eigen::Vector2d& centre, double half_px) {
-  const Box box{static_cast<int>(std::floor(centre.x() - half_px)), static_cast<int>(std::floor(centre.y() - half_px)),
-                static_cast<int>(std::ceil(centre.x() + half_px)), static_cast<int>(std::ceil(centre.y() + half_px))};
+  const Box box{
+      static_cast<int>(std::floor(centre.x() - half_px)), static_cast<int>(std::floor(centre.y() - half_px)),
+      static_cast<int>(std::ceil(centre.x() + half_px)), static_cast<int>(std::ceil(centre.y() + half_px))};
   const Box cut{std::max(0, box.left), std::max(0, box.top), std::min(image.width - 1, box.right),
                 std::min(image.height - 1, box.bottom)};
   if (cut.left >= cut.right || cut.top >= cut.bottom) return std::nullopt;
@@ -70,9 +71,11 @@ struct Look {
   double worst_sector_px;  ///< Farthest that a piece of the edge lies off the circle.
 };
 
-/// Distances are measured in the plane, so that a tilted disc stays round.
-Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centre, const Eigen::Matrix2d& mm_per_pixel,
-            double radius_mm, double edge_half_px, const Levels& levels) {
+/// Distances are measured in the plane, so that a tilted disc stays round. Without check_edge,
+/// worst_sector_px is not told.
+Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centre,
+            const Eigen::Matrix2d& mm_per_pixel, double radius_mm, double edge_half_px, const Levels& levels,
+            bool check_edge) {
   const double pitch_mm = std::sqrt(std::abs(mm_per_pixel.determinant()));
   const double radius_px = radius_mm / pitch_mm;
   const double contrast = levels.board - levels.ink;
@@ -87,19 +90,26 @@ Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centr
   double ink_sum = 0.0;
   double board_sum = 0.0;
   int board_count = 0;
+  const Eigen::Matrix2d circle = mm_per_pixel / pitch_mm;  // turns the ellipse in the picture into a circle
+  const auto squared = [](double x) { return x * x; };
+  const double inner2 = squared(kInnerRim * radius_px);
+  const double outer2 = squared(kOuterRim * radius_px);
+  const double edge_begin2 = squared(std::max(0.0, radius_px - edge_half_px));
+  const double edge_end2 = squared(radius_px + edge_half_px);
   for (int r = box.top; r <= box.bottom; ++r) {
     for (int c = box.left; c <= box.right; ++c) {
-      const Eigen::Vector2d d = mm_per_pixel * Eigen::Vector2d(c - centre.x(), r - centre.y());
-      const double distance_px = d.norm() / pitch_mm;
-      if (distance_px > kOuterRim * radius_px) continue;
+      const Eigen::Vector2d from(c - centre.x(), r - centre.y());
+      const Eigen::Vector2d d = circle * from;
+      const double distance2 = d.squaredNorm();
+      if (distance2 > outer2) continue;
       const double value = image.at(c, r);
       const double darkness = (levels.board - value) / contrast;
-      if (distance_px < kInnerRim * radius_px) {
+      if (distance2 < inner2) {
         ++inner;
         ink_sum += value;
         if (darkness < 0.65) ++stained;
       }
-      if (distance_px > radius_px + edge_half_px) {
+      if (distance2 > edge_end2) {
         ++outer;
         if (darkness > 0.35) ++darkened;
         if (std::abs(darkness) < 0.35) {
@@ -109,22 +119,25 @@ Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centr
         continue;
       }
       double w = 1.0;
-      if (distance_px > radius_px - edge_half_px) {
+      if (distance2 > edge_begin2) {
         w = std::clamp(darkness, -0.15, 1.15);
-        const double expected = 0.5 * std::erfc((distance_px - radius_px) / (std::sqrt(2.0) * kEdgeSigmaPx));
-        const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
-        const auto s = std::min<std::size_t>(kSectors - 1, static_cast<std::size_t>(turn * kSectors));
-        sector[s] += w - expected;
+        if (check_edge) {
+          const double outside_px = std::sqrt(distance2) - radius_px;
+          const double expected = 0.5 * std::erfc(outside_px / (std::sqrt(2.0) * kEdgeSigmaPx));
+          const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
+          sector[std::min<std::size_t>(kSectors - 1, static_cast<std::size_t>(turn * kSectors))] +=
+              w - expected;
+        }
       }
       weight += w;
-      moment += w * Eigen::Vector2d(c, r);
+      moment += w * from;
     }
   }
   if (inner == 0 || outer == 0 || !(weight > 1.0)) {
     look.stained_share = 1.0;
     return look;
   }
-  look.centroid = moment / weight;
+  look.centroid = centre + moment / weight;
   look.area_px = weight;
   look.levels = {board_count > 0 ? board_sum / board_count : levels.board, ink_sum / inner};
   look.stained_share = static_cast<double>(stained) / inner;
@@ -132,14 +145,16 @@ Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centr
   double mean = 0.0;
   for (const double s : sector) mean += s / kSectors;
   for (const double s : sector) {
-    look.worst_sector_px = std::max(look.worst_sector_px, std::abs(s - mean) * kSectors / (2.0 * kPi * radius_px));
+    look.worst_sector_px =
+        std::max(look.worst_sector_px, std::abs(s - mean) * kSectors / (2.0 * kPi * radius_px));
   }
   return look;
 }
 
 /// Centroid of everything dark in the box, to come near enough to look.
-std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const Box& box, const Eigen::Vector2d& centre,
-                                            double within_px, double threshold) {
+std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const Box& box,
+                                            const Eigen::Vector2d& centre, double within_px,
+                                            double threshold) {
   double n = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int r = box.top; r <= box.bottom; ++r) {
@@ -155,8 +170,8 @@ std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const Box& b
   return sum / n;
 }
 
-/// The point of the plane whose disc has its centroid at the pixel. Seven points with weights exact to the fifth
-/// degree stand for the disc; each counts by the area that it has in the picture.
+/// The point of the plane whose disc has its centroid at the pixel. Seven points with weights exact to the
+/// fifth degree stand for the disc; each counts by the area that it has in the picture.
 Eigen::Vector2d centreFromCentroid(const CameraCalibration& calibration, const Eigen::Vector2d& centroid,
                                    double radius_mm) {
   Eigen::Vector2d p_mm = calibration.planeFromPixel(centroid);
@@ -202,7 +217,7 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
   Eigen::Vector2d centre = map.pixel;
   const double middle_gray = 0.5 * (levels.board + levels.ink);
   double within = radius_px + search_px + 2.0;
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < 2; ++round) {
     const std::optional<Eigen::Vector2d> dark = darkCentroid(image, *wide, centre, within, middle_gray);
     if (!dark) return std::nullopt;
     centre = *dark;
@@ -211,7 +226,7 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
 
   const double edge_half_px = std::clamp(0.06 * radius_px, 2.5, 0.2 * radius_px + 2.0);
   Look look{};
-  for (int round = 0; round < 8; ++round) {
+  for (int round = 0, last = 7; round <= last; ++round) {
     const double border = markBorderPx(radius_px) - 2.0;
     if (centre.x() < border || centre.y() < border || centre.x() > image.width - 1 - border ||
         centre.y() > image.height - 1 - border) {
@@ -219,13 +234,13 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
     }
     const std::optional<Box> box = boxAround(image, centre, kOuterRim * radius_px + 1.0);
     if (!box) return std::nullopt;
-    look = lookAt(image, *box, centre, mm_per_pixel, radius_mm, edge_half_px, levels);
+    look = lookAt(image, *box, centre, mm_per_pixel, radius_mm, edge_half_px, levels, round == last);
     if (look.stained_share > 0.02 || look.darkened_share > 0.06) return std::nullopt;
     levels = look.levels;
     if (!enough_contrast(levels)) return std::nullopt;
     const Eigen::Vector2d step = look.centroid - centre;
     centre = look.centroid;
-    if (round >= 2 && step.norm() < 1e-3) break;
+    if (round >= 1 && step.norm() < 5e-3) last = std::min(last, round + 1);
   }
   const double area_ratio = look.area_px / (kPi * radius_px * radius_px);
   if (std::abs(area_ratio - 1.0) > 0.15) return std::nullopt;
@@ -277,7 +292,9 @@ std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration
     } catch (const std::domain_error&) {
       continue;  // Above the horizon of a wide lens.
     }
-    const auto off = [&](double diameter_mm) { return std::abs(std::log(diameter_px / (diameter_mm * px_per_mm))); };
+    const auto off = [&](double diameter_mm) {
+      return std::abs(std::log(diameter_px / (diameter_mm * px_per_mm)));
+    };
     const double nearest = *std::min_element(diameters_mm.begin(), diameters_mm.end(),
                                              [&](double a, double b) { return off(a) < off(b); });
     if (off(nearest) > 0.35) continue;

@@ -15,15 +15,16 @@ namespace kerfbench::hil {
 
 /// A printed disc that was found, darker than the board around it.
 struct FoundMark {
-  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};   ///< Its centre in the camera's plane.
-  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
-  double diameter_mm{};                            ///< That was looked for.
-  double contrast_gray{};                          ///< Board minus ink.
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Its centre in the camera's plane.
+  Eigen::Vector2d pixel{
+      Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
+  double diameter_mm{};          ///< That was looked for.
+  double contrast_gray{};        ///< Board minus ink.
 };
 
-/// Measures the disc near a point of the plane, no farther away than search_mm: gray-weighted centroid of the edge,
-/// mapped through the calibration so that perspective shifts nothing. nullopt if there is no whole, undisturbed disc
-/// of about this diameter.
+/// Measures the disc near a point of the plane, no farther away than search_mm: gray-weighted centroid of the
+/// edge, mapped through the calibration so that perspective shifts nothing. nullopt if there is no whole,
+/// undisturbed disc of about this diameter.
 std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibration& calibration,
                                      const Eigen::Vector2d& near_mm, double diameter_mm, double search_mm);
 

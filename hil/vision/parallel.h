@@ -11,8 +11,8 @@
 
 namespace kerfbench::hil {
 
-/// Calls work(i) for each i in [0, count) from up to `threads` threads. Each i must write only what belongs to it, so
-/// the result does not depend on the number of threads. The first exception is thrown again here.
+/// Calls work(i) for each i in [0, count) from up to `threads` threads. Each i must write only what belongs
+/// to it, so the result does not depend on the number of threads. The first exception is thrown again here.
 template <typename Work>
 void parallelFor(std::size_t count, int threads, const Work& work) {
   if (threads <= 1 || count <= 1) {

@@ -10,8 +10,8 @@
 namespace kerfbench::hil {
 namespace {
 
-// A unit seen in the last frame moves as predicted but for the belt's acceleration; the next unit also by errors of
-// the print's pitch.
+// A unit seen in the last frame moves as predicted but for the belt's acceleration; the next unit also by
+// errors of the print's pitch.
 constexpr double kTightMm = 0.6;
 constexpr double kLooseMm = 1.5;
 constexpr double kLoosestMm = 4.0;
@@ -20,7 +20,8 @@ constexpr double kDisagreementMm = 0.06;
 
 }  // namespace
 
-SheetTracker::SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s)
+SheetTracker::SheetTracker(const CameraCalibration& calibration, const PrintLayout& print,
+                           double nominal_speed_mm_s)
     : calibration_(calibration),
       print_(print),
       pitch_mm_(calibration.pitchMm()),
@@ -73,7 +74,8 @@ DiscInPicture SheetTracker::discAt(const Eigen::Vector2d& p_mm, double diameter_
   return {map.pixel, map.pixel_per_mm.inverse(), 0.5 * diameter_mm, contrast_gray_};
 }
 
-std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector2d>& near_mm, double reach_mm) const {
+std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector2d>& near_mm,
+                                               double reach_mm) const {
   std::vector<DiscInPicture> out;
   if (units_.empty()) return out;
   for (int unit = std::max(0, units_.begin()->first - 1);
@@ -140,12 +142,14 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
   return poses;
 }
 
-int SheetTracker::explained(const std::vector<FoundMark>& seen, const std::map<int, PlaneMotion>& poses) const {
+int SheetTracker::explained(const std::vector<FoundMark>& seen,
+                            const std::map<int, PlaneMotion>& poses) const {
   int n = 0;
   for (const FoundMark& mark : seen) {
     bool known = false;
     for (const auto& [unit, motion] : poses) {
-      for (const RegistrationMark& m : print_.marks) known = known || (motion * m.p_SM_mm - mark.p_mm).norm() < 0.5;
+      for (const RegistrationMark& m : print_.marks)
+        known = known || (motion * m.p_SM_mm - mark.p_mm).norm() < 0.5;
     }
     n += known ? 1 : 0;
   }
@@ -182,15 +186,16 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
   for (int unit = query.first_unit; unit <= query.last_unit; ++unit) {
     PlaneMotion motion = found->motion;
     motion.shift_mm -= motion.rotation() * Eigen::Vector2d(unit * print_.pitch_mm, 0.0);
-    const bool visible = std::any_of(print_.marks.begin(), print_.marks.end(), [&](const RegistrationMark& m) {
-      return markInView(motion * m.p_SM_mm, m.diameter_mm);
-    });
+    const bool visible =
+        std::any_of(print_.marks.begin(), print_.marks.end(),
+                    [&](const RegistrationMark& m) { return markInView(motion * m.p_SM_mm, m.diameter_mm); });
     if (visible) units_[unit] = {motion, time_s};
   }
   return !units_.empty();
 }
 
-std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot,
+std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s,
+                                          const std::optional<KeepOut>& spot,
                                           const std::vector<FoundMark>* all_marks) {
   if (print_.marks.empty() || print_.units < 1) return {};
   if (units_.empty()) {

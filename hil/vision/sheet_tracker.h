@@ -16,8 +16,8 @@
 
 namespace kerfbench::hil {
 
-/// Follows the printed marks from frame to frame. Frames must come in order; all state is here, so the result depends
-/// on nothing else.
+/// Follows the printed marks from frame to frame. Frames must come in order; all state is here, so the result
+/// depends on nothing else.
 class SheetTracker {
  public:
   SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s);
@@ -28,13 +28,15 @@ class SheetTracker {
     double radius_mm{};
   };
 
-  /// Poses of the units in view. `all_marks` is the result of a full search of this frame, where one was made.
+  /// Poses of the units in view. `all_marks` is the result of a full search of this frame, where one was
+  /// made.
   std::vector<SheetPose> step(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot,
                               const std::vector<FoundMark>* all_marks);
 
-  /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm of
-  /// `near_mm`, or all.
-  [[nodiscard]] std::vector<DiscInPicture> discs(const std::optional<Eigen::Vector2d>& near_mm, double reach_mm) const;
+  /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm
+  /// of `near_mm`, or all.
+  [[nodiscard]] std::vector<DiscInPicture> discs(const std::optional<Eigen::Vector2d>& near_mm,
+                                                 double reach_mm) const;
 
  private:
   struct UnitState {
@@ -48,12 +50,13 @@ class SheetTracker {
   [[nodiscard]] DiscInPicture discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const;
   bool lock(const std::vector<FoundMark>& seen, double time_s);
   std::vector<SheetPose> measure(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot);
-  [[nodiscard]] int explained(const std::vector<FoundMark>& seen, const std::map<int, PlaneMotion>& poses) const;
+  [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
+                              const std::map<int, PlaneMotion>& poses) const;
 
   const CameraCalibration& calibration_;
   const PrintLayout& print_;
-  double pitch_mm_;           ///< Of the pixels.
-  double speed_mm_s_;         ///< Of the web along x, as measured; nominal at first.
+  double pitch_mm_;    ///< Of the pixels.
+  double speed_mm_s_;  ///< Of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
   double contrast_gray_{80.0};

@@ -87,10 +87,11 @@ std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, 
   Start start;
   const int margin = 5;
   start.window = {std::max(0, box.left - margin), std::max(0, box.top - margin),
-                  std::min(image.width - 1, box.right + margin), std::min(image.height - 1, box.bottom + margin)};
+                  std::min(image.width - 1, box.right + margin),
+                  std::min(image.height - 1, box.bottom + margin)};
   const double ink = discs.empty() ? 0.0 : -discs.front().contrast_gray;
-  start.parameters << peak.column + mean.x(), peak.row + mean.y(), inverse(0, 0), inverse(0, 1), inverse(1, 1),
-      top_gray - board, board, ink;
+  start.parameters << peak.column + mean.x(), peak.row + mean.y(), inverse(0, 0), inverse(0, 1),
+      inverse(1, 1), top_gray - board, board, ink;
   return start;
 }
 
@@ -116,8 +117,8 @@ struct PixelModel {
   [[nodiscard]] Vector derivative(const Vector& q, double cover) const {
     const double s = q[5] * bell;
     Vector j;
-    j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy, -0.5 * s * dy * dy,
-        bell, 1.0, cover;
+    j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy,
+        -0.5 * s * dy * dy, bell, 1.0, cover;
     return j;
   }
 };
@@ -133,7 +134,8 @@ Sums accumulate(const GrayImage& image, const Window& w, const std::vector<doubl
       const double m = coverAt(cover, w, c, r);
       const PixelModel at(q, c, r, m);
       const double value = image.at(c, r);
-      if (value >= kSaturated && at.value >= kSaturated) {  // As bright as it can be: agrees, and tells no more.
+      if (value >= kSaturated &&
+          at.value >= kSaturated) {  // As bright as it can be: agrees, and tells no more.
         ++sums.saturated;
         continue;
       }
@@ -157,9 +159,9 @@ Sums accumulate(const GrayImage& image, const Window& w, const std::vector<doubl
   return sums;
 }
 
-/// Covariance of the centre. A shape that is not quite Gaussian, as a streak's, leaves residuals that are alike on
-/// both sides of the centre and do not move it; only what differs between mirrored pixels counts as noise. Never less
-/// than the noise of the board, grown as shot noise grows with the light.
+/// Covariance of the centre. A shape that is not quite Gaussian, as a streak's, leaves residuals that are
+/// alike on both sides of the centre and do not move it; only what differs between mirrored pixels counts as
+/// noise. Never less than the noise of the board, grown as shot noise grows with the light.
 Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const std::vector<double>& cover,
                                  const Vector& q, const Matrix& inverse, double noise) {
   const auto residualAt = [&](int c, int r) {
@@ -186,8 +188,9 @@ Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const 
       if (mc >= w.left && mc < w.right && mr >= w.top && mr < w.bottom) {
         const double fx = mx - mc;
         const double fy = my - mr;
-        for (const auto& [dc, dr, weight] : {std::tuple{0, 0, (1 - fx) * (1 - fy)}, std::tuple{1, 0, fx * (1 - fy)},
-                                             std::tuple{0, 1, (1 - fx) * fy}, std::tuple{1, 1, fx * fy}}) {
+        for (const auto& [dc, dr, weight] :
+             {std::tuple{0, 0, (1 - fx) * (1 - fy)}, std::tuple{1, 0, fx * (1 - fy)},
+              std::tuple{0, 1, (1 - fx) * fy}, std::tuple{1, 1, fx * fy}}) {
           difference -= weight * residualAt(mc + dc, mr + dr);
           parts += weight * weight;
         }
@@ -201,7 +204,8 @@ Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const 
 }
 
 bool plausible(const Vector& q) {
-  return q.allFinite() && q[2] > 0.0 && q[4] > 0.0 && q[2] * q[4] > q[3] * q[3] && q[5] > 0.0 && q[5] < 8000.0;
+  return q.allFinite() && q[2] > 0.0 && q[4] > 0.0 && q[2] * q[4] > q[3] * q[3] && q[5] > 0.0 &&
+         q[5] < 8000.0;
 }
 
 }  // namespace
@@ -212,8 +216,8 @@ double coverOf(const DiscInPicture& disc, const Eigen::Vector2d& pixel) {
   return 0.5 * std::erfc((distance_mm - disc.radius_mm) / (std::sqrt(2.0) * kEdgeSigmaPx * pitch_mm));
 }
 
-std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray, double noise_gray,
-                               std::span<const DiscInPicture> discs) {
+std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray,
+                               double noise_gray, std::span<const DiscInPicture> discs) {
   const std::optional<Start> start = growRegion(image, peak, board_gray, noise_gray, discs);
   if (!start) return std::nullopt;
   const Window& w = start->window;
@@ -223,7 +227,8 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
     for (int r = w.top; r <= w.bottom; ++r) {
       for (int c = w.left; c <= w.right; ++c) {
         double covered = 0.0;
-        for (const DiscInPicture& disc : discs) covered = std::max(covered, coverOf(disc, Eigen::Vector2d(c, r)));
+        for (const DiscInPicture& disc : discs)
+          covered = std::max(covered, coverOf(disc, Eigen::Vector2d(c, r)));
         cover.push_back(covered);
       }
     }
@@ -247,7 +252,8 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
       if (damping > 1e8) break;
       continue;
     }
-    const bool settled = std::abs(step[0]) < 1e-4 && std::abs(step[1]) < 1e-4;
+    // A short step is the end only if damping has not made it short.
+    const bool settled = damping < 1e-3 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) < 1e-4;
     q = trial;
     sums = next;
     damping *= 0.1;
@@ -271,42 +277,47 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
   fit.covariance_px2 = centreCovariance(image, w, cover, q, inverse, noise_gray);
   const double height_sigma = noise_gray * std::sqrt(inverse(5, 5));
 
-  // A lens and a pixel blur everything to 0.4 px and more: sharper is a hot pixel. An edge or a patch of light has no
-  // end within the window.
-  const bool inside = fit.pixel.x() > w.left && fit.pixel.x() < w.right && fit.pixel.y() > w.top && fit.pixel.y() < w.bottom;
-  if (!inside || fit.short_sigma_px < 0.4 || fit.short_sigma_px > 20.0 || fit.long_sigma_px > 0.75 * kMaxHalfWindow) {
+  // A lens and a pixel blur everything to 0.4 px and more: sharper is a hot pixel. An edge or a patch of
+  // light has no end within the window.
+  const bool inside =
+      fit.pixel.x() > w.left && fit.pixel.x() < w.right && fit.pixel.y() > w.top && fit.pixel.y() < w.bottom;
+  if (!inside || fit.short_sigma_px < 0.4 || fit.short_sigma_px > 20.0 ||
+      fit.long_sigma_px > 0.75 * kMaxHalfWindow) {
     return std::nullopt;
   }
-  if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) || (sums.saturated == 0 && fit.height_gray < 5.0 * height_sigma)) return std::nullopt;
+  if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) ||
+      (sums.saturated == 0 && fit.height_gray < 5.0 * height_sigma))
+    return std::nullopt;
   if (!fit.covariance_px2.allFinite() || fit.covariance_px2.trace() > 2.0) return std::nullopt;
   return fit;
 }
 
-std::optional<BrightPeak> peakWithin(const GrayImage& image, const DiscInPicture& disc, double noise_gray) {
+std::optional<BrightPeak> peakOnDisc(const GrayImage& image, const DiscInPicture& disc, double board_gray,
+                                     double noise_gray) {
   const double pitch_mm = std::sqrt(std::abs(disc.mm_per_pixel.determinant()));
-  const int reach = static_cast<int>(std::ceil(1.2 * disc.radius_mm / pitch_mm));
+  const int reach = static_cast<int>(std::ceil(1.2 * disc.radius_mm / pitch_mm)) + 2;
   const int column = static_cast<int>(std::lround(disc.pixel.x()));
   const int row = static_cast<int>(std::lround(disc.pixel.y()));
-  BrightPeak best;
-  int best_mean = -1;
-  std::vector<int> ink;
+  const double least = std::max(10.0, 6.0 * noise_gray);
+  // A rim that lies a fraction of a pixel off, or is less sharp than thought, leaves a bright line.
+  const double least_at_rim = std::max(least, 0.35 * disc.contrast_gray);
+  std::optional<BrightPeak> best;
+  double best_excess = 0.0;
   for (int r = std::max(0, row - reach); r <= std::min(image.height - 2, row + reach); ++r) {
     for (int c = std::max(0, column - reach); c <= std::min(image.width - 2, column + reach); ++c) {
-      const double distance_mm = (disc.mm_per_pixel * (Eigen::Vector2d(c + 0.5, r + 0.5) - disc.pixel)).norm();
-      if (distance_mm > disc.radius_mm - 1.5 * pitch_mm) continue;
-      const int mean = (image.at(c, r) + image.at(c + 1, r) + image.at(c, r + 1) + image.at(c + 1, r + 1)) / 4;
-      ink.push_back(mean);
-      if (mean > best_mean) {
-        best_mean = mean;
-        best = {c, r, 0};
-      }
+      const Eigen::Vector2d middle(c + 0.5, r + 0.5);
+      const double outside_px =
+          ((disc.mm_per_pixel * (middle - disc.pixel)).norm() - disc.radius_mm) / pitch_mm;
+      if (outside_px > 3.0) continue;
+      const double mean =
+          0.25 * (image.at(c, r) + image.at(c + 1, r) + image.at(c, r + 1) + image.at(c + 1, r + 1));
+      const double height = mean + disc.contrast_gray * coverOf(disc, middle) - board_gray;
+      const double excess = height - (outside_px > -3.0 ? least_at_rim : least);
+      if (excess <= best_excess) continue;
+      best_excess = excess;
+      best = BrightPeak{c, r, static_cast<int>(height)};
     }
   }
-  if (ink.size() < 9) return std::nullopt;
-  const auto middle = ink.begin() + static_cast<std::ptrdiff_t>(ink.size() / 2);
-  std::nth_element(ink.begin(), middle, ink.end());
-  best.height = best_mean - *middle;
-  if (best.height < std::max(10.0, 6.0 * noise_gray)) return std::nullopt;
   return best;
 }
 

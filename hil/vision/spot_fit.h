@@ -28,13 +28,15 @@ struct SpotFit {
   double height_gray{};  ///< Above the board; more than 255 for a saturated spot.
 };
 
-/// Fits the spot at a peak by least squares: centre, shape, height, board, and the contrast of the discs given.
-/// Saturated pixels only say "at least that bright". nullopt for what is not a spot: noise, a hot pixel, an edge.
-std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray, double noise_gray,
-                               std::span<const DiscInPicture> discs = {});
+/// Fits the spot at a peak by least squares: centre, shape, height, board, and the contrast of the discs
+/// given. Saturated pixels only say "at least that bright". nullopt for what is not a spot: noise, a hot
+/// pixel, an edge.
+std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray,
+                               double noise_gray, std::span<const DiscInPicture> discs = {});
 
-/// The brightest place inside a printed disc, if it stands out of the ink.
-std::optional<BrightPeak> peakWithin(const GrayImage& image, const DiscInPicture& disc, double noise_gray);
+/// The place on a printed disc that is brightest against what the print lets expect, if it stands out.
+std::optional<BrightPeak> peakOnDisc(const GrayImage& image, const DiscInPicture& disc, double board_gray,
+                                     double noise_gray);
 
 /// Share of a pixel that the disc covers, with an edge as soft as a usual lens makes it.
 double coverOf(const DiscInPicture& disc, const Eigen::Vector2d& pixel);

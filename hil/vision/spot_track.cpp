@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kBatch = 16;
 constexpr std::size_t kCandidates = 4;
-constexpr int kSearchEvery = 20;          // frames, at most
-constexpr double kSearchEveryMm = 5.0;    // of belt, at most
+constexpr int kSearchEvery = 20;        // frames, at most
+constexpr double kSearchEveryMm = 5.0;  // of belt, at most
 
 /// What can be told from one frame alone.
 struct Glance {
@@ -31,8 +31,8 @@ struct Glance {
   std::vector<FoundMark> marks;
 };
 
-Glance glanceAt(const Frame& frame, const CameraCalibration& calibration, std::span<const double> diameters_mm,
-                bool search) {
+Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
+                std::span<const double> diameters_mm, bool search) {
   Glance glance;
   const Background background(frame.image);
   glance.board_gray = background.median();
@@ -77,7 +77,7 @@ std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance
     return fitSpot(image, peak, glance.board_gray, glance.noise_gray, discs);
   }
   for (const DiscInPicture& disc : tracker.discs(std::nullopt, 0.0)) {
-    const std::optional<BrightPeak> peak = peakWithin(image, disc, glance.noise_gray);
+    const std::optional<BrightPeak> peak = peakOnDisc(image, disc, glance.board_gray, glance.noise_gray);
     if (!peak) continue;
     if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise_gray, {&disc, 1})) return fit;
   }
@@ -104,10 +104,10 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
     if (batch.empty()) break;
     for (const Frame& frame : batch) {
       if (frame.image.width != calibration.width_px || frame.image.height != calibration.height_px) {
-        throw std::invalid_argument("frame " + std::to_string(frame.sequence) + " is " +
-                                    std::to_string(frame.image.width) + " x " + std::to_string(frame.image.height) +
-                                    " px, the calibration is for " + std::to_string(calibration.width_px) + " x " +
-                                    std::to_string(calibration.height_px));
+        throw std::invalid_argument(
+            "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
+            std::to_string(frame.image.height) + " px, the calibration is for " +
+            std::to_string(calibration.width_px) + " x " + std::to_string(calibration.height_px));
       }
     }
     if (stride == 0) stride = searchStride(batch, options.nominal_speed_mm_s);

@@ -10,14 +10,15 @@
 
 namespace kerfbench::hil {
 
-/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's own frame
-/// S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of unit k.
+/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's
+/// own frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of
+/// unit k.
 struct SheetPose {
-  int unit{};                    ///< Which unit's marks were seen.
+  int unit{};  ///< Which unit's marks were seen.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
-  double residual_mm{};          ///< RMS distance of the marks from their places; NaN with one mark.
-  int marks{};                   ///< How many marks.
+  double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
+  int marks{};           ///< How many marks.
 };
 
 /// What one frame of the spot camera showed.
@@ -31,7 +32,8 @@ struct FrameMeasurement {
 
 struct SpotTrackOptions {
   int threads{1};  ///< The result is the same at any number.
-  double nominal_speed_mm_s{};  ///< Of the belt, for telling the units apart between frames; from the scenario.
+  double
+      nominal_speed_mm_s{};  ///< Of the belt, for telling the units apart between frames; from the scenario.
 };
 
 struct SpotTrack {
@@ -39,8 +41,8 @@ struct SpotTrack {
   std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
 };
 
-/// Measures all frames: spot by a sub-pixel estimator anywhere in the frame, sheet pose from the printed marks.
-/// Unit 0 is the first that enters the view; later ones follow one pitch upstream.
+/// Measures all frames: spot by a sub-pixel estimator anywhere in the frame, sheet pose from the printed
+/// marks. Unit 0 is the first that enters the view; later ones follow one pitch upstream.
 SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, const PrintLayout& print,
                     const SpotTrackOptions& options);
 

@@ -35,7 +35,8 @@ TEST(CameraCalibration, AgreesWithOpenCv) {
   for (const Eigen::Vector2d& pixel : pixelGrid(camera, 211.7)) {
     std::vector<cv::Point2d> normalised;
     cv::undistortPoints(std::vector<cv::Point2d>{{pixel.x(), pixel.y()}}, normalised, k, d, cv::noArray(),
-                        cv::noArray(), cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-12));
+                        cv::noArray(),
+                        cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-12));
     const Eigen::Vector2d p_mm = camera.planeFromPixel(pixel);
     const Eigen::Vector3d in_camera = camera.X_CP * Eigen::Vector3d(p_mm.x(), p_mm.y(), 0.0);
     EXPECT_NEAR(in_camera.x() / in_camera.z(), normalised[0].x, 1e-9);
@@ -47,11 +48,12 @@ TEST(CameraCalibration, ProjectsAsOpenCv) {
   const CameraCalibration camera = test::tiltedCamera(1800, 1800, 0.1);
   const cv::Matx33d k(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1);
   const std::vector<double> d(camera.distortion.begin(), camera.distortion.end());
-  for (const Eigen::Vector2d& p_mm : {Eigen::Vector2d(0, 0), Eigen::Vector2d(70, -50), Eigen::Vector2d(-80, 85)}) {
+  for (const Eigen::Vector2d& p_mm :
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(70, -50), Eigen::Vector2d(-80, 85)}) {
     const Eigen::Vector3d in_camera = camera.X_CP * Eigen::Vector3d(p_mm.x(), p_mm.y(), 0.0);
     std::vector<cv::Point2d> image;
-    cv::projectPoints(std::vector<cv::Point3d>{{in_camera.x(), in_camera.y(), in_camera.z()}}, cv::Vec3d(0, 0, 0),
-                      cv::Vec3d(0, 0, 0), k, d, image);
+    cv::projectPoints(std::vector<cv::Point3d>{{in_camera.x(), in_camera.y(), in_camera.z()}},
+                      cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), k, d, image);
     const Eigen::Vector2d pixel = camera.pixelFromPlane(p_mm);
     EXPECT_NEAR(pixel.x(), image[0].x, 1e-9);
     EXPECT_NEAR(pixel.y(), image[0].y, 1e-9);
@@ -85,7 +87,8 @@ TEST(CameraCalibration, RefusesARayThatMissesThePlane) {
   CameraCalibration camera = test::tiltedCamera(640, 480, 0.1);
   camera.distortion = {};
   camera.fx_px = camera.fy_px = 300.0;
-  camera.X_CP.linear() = Eigen::AngleAxisd(3.14159265358979 + 1.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  camera.X_CP.linear() =
+      Eigen::AngleAxisd(3.14159265358979 + 1.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
   int missed = 0;
   for (const double row : {0.0, 479.0}) {
     try {

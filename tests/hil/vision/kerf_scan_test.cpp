@@ -1,1 +1,375 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hil/vision/synthetic.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kPitchMm = 0.03;
+constexpr double kBoard = 28.0;
+constexpr double kOpen = 235.0;
+constexpr double kCrease = 81.0;
+constexpr double kInk = 5.0;
+constexpr double kLensPx = 0.7;
+constexpr double kWidthMm = 0.21;
+
+Curve line(const Vector2d& a, const Vector2d& b) { return LineCurve{a, b}; }
+Curve arc(const Vector2d& c, double r, double start, double sweep) { return ArcCurve{c, r, start, sweep}; }
+
+/// A unit with lines in many directions, arcs, a circle and a crease; 40 x 26 mm.
+Dieline manyDirections() {
+  Dieline dieline;
+  const auto add = [&](Curve curve, Process process = Process::kCut) {
+    dieline.entities.push_back(
+        {static_cast<int>(dieline.entities.size()), std::move(curve), process, "", ""});
+  };
+  add(line({6.0, 5.0}, {16.0, 5.0}));                        // E0
+  add(line({18.0, 4.0}, {18.0, 12.0}));                      // E1
+  add(line({21.0, 4.0}, {29.0, 9.3}));                       // E2
+  add(line({6.0, 7.0}, {15.0, 11.7}));                       // E3
+  add(arc({10.0, 18.0}, 3.5, 0.3, 5.0));                     // E4
+  add(arc({20.0, 18.0}, 4.0, 0.0, 2.0 * 3.14159265358979));  // E5, a circle
+  add(line({27.0, 12.0}, {34.0, 16.0}), Process::kCrease);   // E6
+  add(line({27.0, 20.0}, {33.0, 20.0}));                     // E7 with E8 a corner
+  add(line({33.0, 20.0}, {33.0, 23.0}));                     // E8
+  add(line({30.0, 4.0}, {34.0, 4.0}));                       // E9 and E10 run on into each other
+  add(line({34.0, 4.0}, {38.0, 4.0}));                       // E10
+  add(line({36.0, 10.0}, {36.0, 20.0}));                     // E11, E12 neighbours at 0.4 mm
+  add(line({36.4, 10.0}, {36.4, 20.0}));                     // E12
+  add(line({1.0, 1.0}, {2.0, 1.0}), Process::kIgnore);       // E13
+  return dieline;
+}
+
+PrintLayout marksAtCorners(int units = 1) {
+  PrintLayout print;
+  print.units = units;
+  print.pitch_mm = 60.0;
+  print.marks = {{{2.5, 22.0}, 3.0}, {{2.5, 4.5}, 3.0}, {{39.0, 24.0}, 3.0}, {{39.5, 6.5}, 3.0}};
+  return print;
+}
+
+/// What was really cut: by entity, its kerf's shift along the left normal.
+struct Truth {
+  double offset_mm{};
+  double width_mm{kWidthMm};
+  double gray{kOpen};
+  bool cut{true};
+  double gap_begin_mm{1e9};  ///< Arc length where the cut is missing.
+  double gap_end_mm{-1e9};
+};
+
+struct Workpiece {
+  CameraCalibration camera = test::tiltedCamera(900, 700, kPitchMm);
+  PrintLayout print = marksAtCorners();
+  Dieline dieline = manyDirections();
+  std::map<int, Truth> truth;
+  std::vector<Curve> extra;  ///< Cut, though not in the dieline.
+  Vector2d shift_mm{0.83, -0.61};
+  double angle_rad{0.5 * 3.14159265358979 / 180.0};
+  KerfScanOptions options;
+
+  [[nodiscard]] Vector2d tableFromSheet(const Vector2d& p) const {
+    return shift_mm + Vector2d(std::cos(angle_rad) * p.x() - std::sin(angle_rad) * p.y(),
+                               std::sin(angle_rad) * p.x() + std::cos(angle_rad) * p.y());
+  }
+  [[nodiscard]] Vector2d sheetFromTable(const Vector2d& q) const {
+    const Vector2d d = q - shift_mm;
+    return {std::cos(angle_rad) * d.x() + std::sin(angle_rad) * d.y(),
+            -std::sin(angle_rad) * d.x() + std::cos(angle_rad) * d.y()};
+  }
+
+  void drawKerf(test::Canvas& canvas, const Vector2d& p_TV, const Curve& curve, const Truth& t) const {
+    // Short boxes along the curve keep the supersampling near it.
+    const std::vector<double> us = stations(curve, 0.8);
+    const double length = lengthOf(curve);
+    for (std::size_t i = 0; i + 1 < us.size(); ++i) {
+      Eigen::AlignedBox2d box;
+      for (const double u : {us[i], 0.5 * (us[i] + us[i + 1]), us[i + 1]}) {
+        box.extend(tableFromSheet(pointAt(curve, u)) - p_TV);
+      }
+      const double margin = std::abs(t.offset_mm) + t.width_mm + 0.1;
+      box = Eigen::AlignedBox2d(box.min().array() - margin, box.max().array() + margin);
+      const Eigen::AlignedBox2d view(Vector2d(-14.5, -11.5), Vector2d(14.5, 11.5));
+      if (!view.intersects(box)) continue;
+      const bool first = i == 0;
+      const bool last = i + 2 == us.size();
+      canvas.shape(box, t.gray, [&](const Vector2d& p_V) {
+        const Vector2d p_S = sheetFromTable(p_TV + p_V);
+        const Nearest nearest = nearestOn(curve, p_S);
+        if (nearest.u < us[i] - (first ? 1.0 : 0.0) || nearest.u > us[i + 1] + (last ? 1.0 : 0.0))
+          return false;
+        const double s = nearest.u * length;
+        if (s > t.gap_begin_mm && s < t.gap_end_mm) return false;
+        const Vector2d tangent = tangentAt(curve, nearest.u);
+        const Vector2d d = p_S - pointAt(curve, nearest.u);
+        const double across = tangent.x() * d.y() - tangent.y() * d.x() - t.offset_mm;
+        const double along = std::max(0.0, std::abs(d.dot(tangent)));
+        return std::hypot(across, along) < 0.5 * t.width_mm;
+      });
+    }
+  }
+
+  [[nodiscard]] std::vector<KerfTile> tiles(int unit = 0) const {
+    std::vector<KerfTile> out;
+    for (const double y : {8.0, 20.0}) {
+      for (const double x : {11.0, 31.0}) {
+        const Vector2d p_TV(x, y);
+        test::Canvas canvas(camera, kBoard);
+        for (const RegistrationMark& mark : print.marks) {
+          const Vector2d p_V = tableFromSheet(mark.p_SM_mm) - p_TV;
+          if (camera.pixelIfSeen(p_V, -60.0)) canvas.disc(p_V, mark.diameter_mm, kInk);
+        }
+        for (const Entity& entity : dieline.entities) {
+          if (entity.process == Process::kIgnore) continue;
+          Truth t;
+          if (entity.process == Process::kCrease) t.gray = kCrease;
+          if (const auto told = truth.find(entity.id); told != truth.end()) t = told->second;
+          if (t.cut) drawKerf(canvas, p_TV, entity.curve, t);
+        }
+        for (const Curve& curve : extra) drawKerf(canvas, p_TV, curve, Truth{});
+        canvas.blur(kLensPx);
+        out.push_back({canvas.expose(11, out.size()), p_TV, unit});
+      }
+    }
+    return out;
+  }
+  [[nodiscard]] KerfScan scan(std::vector<KerfTile> some) const {
+    test::ReadyTiles source(std::move(some));
+    return scanKerf(source, camera, print, dieline, options);
+  }
+};
+
+const EntityKerf& entityOf(const KerfScan& scan, int id, int unit = 0) {
+  return *std::find_if(scan.entities.begin(), scan.entities.end(),
+                       [&](const EntityKerf& e) { return e.entity == id && e.unit == unit; });
+}
+
+test::Statistics offsetsOf(const EntityKerf& kerf, double truth_mm) {
+  std::vector<double> errors;
+  for (const Caliper& c : kerf.calipers) {
+    if (c.found && !c.near_joint) errors.push_back(c.offset_mm - truth_mm);
+  }
+  return test::statisticsOf(errors);
+}
+
+class KerfScanTest : public ::testing::Test {
+ protected:
+  /// One scan of a good workpiece with known offsets is enough for many questions.
+  static void SetUpTestSuite() {
+    work_ = new Workpiece;
+    int k = 0;
+    for (const Entity& entity : work_->dieline.entities) {
+      Truth t;
+      t.offset_mm = 0.011 * ((k++ * 5) % 9 - 4);
+      if (entity.process == Process::kCrease) t.gray = kCrease;
+      if (entity.id == 2) {
+        t.gap_begin_mm = 3.0;
+        t.gap_end_mm = 5.0;
+      }
+      if (entity.id == 3) t.width_mm = 0.30;
+      if (entity.id >= 9) t.offset_mm = 0.0;
+      work_->truth[entity.id] = t;
+    }
+    work_->extra.push_back(line({23.0, 22.5}, {25.2, 23.0}));
+    work_->extra.push_back(line({22.0, 2.0}, {22.1, 2.0}));  // dust
+    tiles_ = new std::vector<KerfTile>(work_->tiles());
+    scan_ = new KerfScan(work_->scan(*tiles_));
+  }
+  static void TearDownTestSuite() {
+    delete work_;
+    delete tiles_;
+    delete scan_;
+  }
+  static Workpiece* work_;
+  static std::vector<KerfTile>* tiles_;
+  static KerfScan* scan_;
+};
+Workpiece* KerfScanTest::work_ = nullptr;
+std::vector<KerfTile>* KerfScanTest::tiles_ = nullptr;
+KerfScan* KerfScanTest::scan_ = nullptr;
+
+TEST_F(KerfScanTest, FindsTheSheetOnTheTable) {
+  EXPECT_THAT(scan_->problems, ::testing::IsEmpty());
+  EXPECT_LT(scan_->mark_residual_mm, 0.002);
+  std::printf("  marks: residual %.2f um\n", 1e3 * scan_->mark_residual_mm);
+  EXPECT_EQ(scan_->entities.size(), 13U);
+}
+
+TEST_F(KerfScanTest, OffsetsAreRightInAllDirections) {
+  for (const int id : {0, 1, 2, 3, 4, 5, 6, 7, 9, 10}) {
+    const Truth& t = work_->truth.at(id);
+    const test::Statistics s = offsetsOf(entityOf(*scan_, id), t.offset_mm);
+    std::printf("  E%d: offset %.1f um, bias %.2f um, sigma %.2f um\n", id, 1e3 * t.offset_mm, 1e3 * s.mean,
+                1e3 * s.sigma);
+    EXPECT_LT(std::abs(s.mean), 0.0015) << "E" << id;
+    EXPECT_LT(s.sigma, t.gray < 100.0 ? 0.005 : 0.0025) << "E" << id;
+  }
+}
+
+TEST_F(KerfScanTest, WidthsAreRight) {
+  for (const int id : {0, 1, 3, 5, 6}) {
+    std::vector<double> widths;
+    for (const Caliper& c : entityOf(*scan_, id).calipers) {
+      if (c.found && !c.near_joint) widths.push_back(c.width_mm);
+    }
+    const test::Statistics s = test::statisticsOf(widths);
+    std::printf("  E%d: width %.1f um, sigma %.1f um\n", id, 1e3 * s.mean, 1e3 * s.sigma);
+    EXPECT_NEAR(s.mean, work_->truth.at(id).width_mm, 0.006) << "E" << id;
+  }
+}
+
+TEST_F(KerfScanTest, AMissingPieceIsNotFound) {
+  for (const Caliper& c : entityOf(*scan_, 2).calipers) {
+    if (c.station_mm > 3.3 && c.station_mm < 4.7) {
+      EXPECT_FALSE(c.found) << c.station_mm;
+      EXPECT_TRUE(std::isnan(c.offset_mm));
+      EXPECT_LT(c.brightness, 0.05);
+    } else if (c.station_mm < 2.8 || c.station_mm > 5.2) {
+      EXPECT_TRUE(c.found) << c.station_mm;
+    }
+  }
+}
+
+TEST_F(KerfScanTest, ACreaseIsHalfAsBright) {
+  for (const Caliper& c : entityOf(*scan_, 6).calipers) {
+    EXPECT_TRUE(c.found);
+    EXPECT_NEAR(c.brightness, (kCrease - kBoard) / (kOpen - kBoard), 0.04);
+  }
+  for (const Caliper& c : entityOf(*scan_, 0).calipers) EXPECT_NEAR(c.brightness, 1.0, 0.05);
+}
+
+TEST_F(KerfScanTest, JointsAreCornersAndNeighboursButNotContinuations) {
+  for (const Caliper& c : entityOf(*scan_, 7).calipers)
+    EXPECT_EQ(c.near_joint, c.station_mm > 5.58) << c.station_mm;
+  for (const int id : {0, 4, 5, 9, 10}) {
+    for (const Caliper& c : entityOf(*scan_, id).calipers)
+      EXPECT_FALSE(c.near_joint) << "E" << id << " " << c.u;
+  }
+  for (const int id : {11, 12}) {
+    for (const Caliper& c : entityOf(*scan_, id).calipers) {
+      EXPECT_TRUE(c.near_joint);
+      EXPECT_TRUE(c.found);  // The nearest of the two kerfs is the entity's own.
+      EXPECT_NEAR(c.offset_mm, 0.0, 0.02);
+    }
+  }
+}
+
+TEST_F(KerfScanTest, AStrayIsFoundOnceAndDustIsNot) {
+  ASSERT_EQ(scan_->strays.size(), 1U);
+  EXPECT_LT((scan_->strays[0].p_S_mm - Vector2d(24.1, 22.75)).norm(), 0.1);
+  EXPECT_NEAR(scan_->strays[0].extent_mm, 2.2 + kWidthMm, 0.15);
+}
+
+TEST_F(KerfScanTest, PatchesShowTheWorstPlaces) {
+  ASSERT_EQ(scan_->patches.size(), 6U);
+  double before = std::numeric_limits<double>::infinity();
+  for (const KerfPatch& patch : scan_->patches) {
+    double worst = 0.0;
+    for (const Caliper& c : entityOf(*scan_, patch.entity).calipers) {
+      if (c.found && !c.near_joint) worst = std::max(worst, std::abs(c.offset_mm));
+    }
+    EXPECT_LE(worst, before);
+    before = worst;
+    const Vector2d pixel = patch.pixel_from_S * patch.p_S_mm;
+    ASSERT_GT(pixel.x(), 8.0);
+    ASSERT_LT(pixel.x(), patch.image.width - 8.0);
+    // The kerf itself lies within half its width and its offset.
+    int brightest = 0;
+    for (int r = -5; r <= 5; ++r) {
+      for (int c = -5; c <= 5; ++c) {
+        brightest = std::max<int>(
+            brightest, patch.image.at(static_cast<int>(pixel.x()) + c, static_cast<int>(pixel.y()) + r));
+      }
+    }
+    EXPECT_GT(brightest, 70);
+  }
+}
+
+TEST_F(KerfScanTest, IsTheSameAtAnyNumberOfThreads) {
+  Workpiece other = *work_;
+  other.options.threads = 2;
+  const KerfScan scan = other.scan(*tiles_);
+  ASSERT_EQ(scan.entities.size(), scan_->entities.size());
+  for (std::size_t e = 0; e < scan.entities.size(); ++e) {
+    ASSERT_EQ(scan.entities[e].calipers.size(), scan_->entities[e].calipers.size());
+    for (std::size_t i = 0; i < scan.entities[e].calipers.size(); ++i) {
+      const Caliper& a = scan.entities[e].calipers[i];
+      const Caliper& b = scan_->entities[e].calipers[i];
+      EXPECT_EQ(a.found, b.found);
+      if (a.found && b.found) {
+        EXPECT_EQ(a.offset_mm, b.offset_mm);
+      }
+    }
+  }
+  EXPECT_EQ(scan.strays.size(), scan_->strays.size());
+  EXPECT_EQ(scan.mark_residual_mm, scan_->mark_residual_mm);
+}
+
+TEST_F(KerfScanTest, ReportsItsSpeed) {
+  const std::clock_t begin = std::clock();
+  const KerfScan scan = work_->scan(*tiles_);
+  const double ms = 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  std::size_t calipers = 0;
+  for (const EntityKerf& e : scan.entities) calipers += e.calipers.size();
+  std::printf("  %.1f ms of processor for 4 tiles of 0.63 Mpx and %zu calipers\n", ms, calipers);
+}
+
+TEST_F(KerfScanTest, MissingTilesAreAProblem) {
+  std::vector<KerfTile> some(tiles_->begin(), tiles_->begin() + 3);
+  const KerfScan scan = work_->scan(some);
+  EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("lie outside the tiles")));
+  EXPECT_NEAR(offsetsOf(entityOf(scan, 0), work_->truth.at(0).offset_mm).mean, 0.0, 0.002);
+}
+
+TEST_F(KerfScanTest, UnitsWithoutTilesOrMarksAreAProblem) {
+  Workpiece two = *work_;
+  two.print.units = 3;
+  std::vector<KerfTile> tiles = *tiles_;
+  tiles.push_back({GrayImage(900, 700, 28), {0, 0}, 2});
+  const KerfScan scan = two.scan(tiles);
+  EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("unit 1: no tile")));
+  EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("unit 2: no registration mark")));
+  EXPECT_EQ(scan.entities.size(), 3U * 13U);
+  EXPECT_TRUE(entityOf(scan, 0, 0).calipers[10].found);
+  EXPECT_FALSE(entityOf(scan, 0, 1).calipers[10].found);
+  EXPECT_FALSE(entityOf(scan, 0, 2).calipers[10].found);
+}
+
+TEST(KerfScan, ACutThatIsNotThereIsNotFoundAndTheRestIs) {
+  Workpiece work;
+  work.truth[1] = Truth{0.0, kWidthMm, kOpen, false};
+  work.shift_mm = {-1.0, 1.0};
+  work.angle_rad = -0.0087;
+  work.print.marks.pop_back();
+  work.print.marks.push_back({{20.0, 1.5}, 3.0});  // runs over the edge of a tile
+  const KerfScan scan = work.scan(work.tiles());
+  EXPECT_THAT(scan.problems, ::testing::IsEmpty());
+  for (const Caliper& c : entityOf(scan, 1).calipers) EXPECT_FALSE(c.found);
+  for (const Caliper& c : entityOf(scan, 3).calipers) EXPECT_TRUE(c.found);
+  EXPECT_LT(std::abs(offsetsOf(entityOf(scan, 3), 0.0).mean), 0.002);
+  EXPECT_THAT(scan.strays, ::testing::IsEmpty());
+}
+
+TEST(KerfScan, RefusesSenselessOptions) {
+  Workpiece work;
+  work.options.station_pitch_mm = 0.0;
+  EXPECT_THROW(work.scan({}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -31,10 +31,10 @@ CameraCalibration tiltedCamera(int width_px, int height_px, double pitch_mm) {
   c.cx_px = 0.5 * width_px + 3.2;
   c.cy_px = 0.5 * height_px - 2.7;
   c.distortion = {-0.15, 0.03, 2e-4, -3e-4, 0.0};
-  c.X_CP.linear() = (Eigen::AngleAxisd(3.14159265358979 + 0.06, Eigen::Vector3d::UnitX()) *
-                     Eigen::AngleAxisd(0.04, Eigen::Vector3d::UnitY()) *
-                     Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()))
-                        .toRotationMatrix();
+  c.X_CP.linear() =
+      (Eigen::AngleAxisd(3.14159265358979 + 0.06, Eigen::Vector3d::UnitX()) *
+       Eigen::AngleAxisd(0.04, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix();
   c.X_CP.translation() = Eigen::Vector3d(0.8, -0.5, kDistanceMm);
   return c;
 }
@@ -110,21 +110,21 @@ void Canvas::blur(double sigma_px) {
   }
 }
 
-void Canvas::spot(const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm, double sigma_mm, double height_gray,
-                  double blur_px) {
+void Canvas::spot(const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm, double sigma_mm,
+                  double height_gray, double blur_px) {
   const double scale_px = 1.0 / calibration_.pitchMm();
   const double sigma_px = std::hypot(sigma_mm * scale_px, blur_px);
   const int steps = std::max(1, static_cast<int>(std::ceil((to_mm - from_mm).norm() * scale_px * 4.0)));
   const double height = height_gray / steps;
   for (int s = 0; s < steps; ++s) {
-    const Eigen::Vector2d p =
-        calibration_.pixelFromPlane(from_mm + (to_mm - from_mm) * ((s + 0.5) / steps));
+    const Eigen::Vector2d p = calibration_.pixelFromPlane(from_mm + (to_mm - from_mm) * ((s + 0.5) / steps));
     const int reach = static_cast<int>(std::ceil(5.0 * sigma_px)) + 1;
     const int column = static_cast<int>(std::lround(p.x()));
     const int row = static_cast<int>(std::lround(p.y()));
     constexpr int kSub = 4;
     for (int r = std::max(0, row - reach); r <= std::min(calibration_.height_px - 1, row + reach); ++r) {
-      for (int c = std::max(0, column - reach); c <= std::min(calibration_.width_px - 1, column + reach); ++c) {
+      for (int c = std::max(0, column - reach); c <= std::min(calibration_.width_px - 1, column + reach);
+           ++c) {
         double light = 0.0;
         for (int j = 0; j < kSub; ++j) {
           for (int i = 0; i < kSub; ++i) {

@@ -19,8 +19,8 @@ namespace kerfbench::hil::test {
 /// A camera 500 mm above the plane, tilted and with a barrel lens, of the given scale.
 CameraCalibration tiltedCamera(int width_px, int height_px, double pitch_mm);
 
-/// A picture in the making: gray levels before noise. Drawn straight from the places of things, by supersampling;
-/// shares nothing with the code under test but the calibration.
+/// A picture in the making: gray levels before noise. Drawn straight from the places of things, by
+/// supersampling; shares nothing with the code under test but the calibration.
 class Canvas {
  public:
   Canvas(const CameraCalibration& calibration, double board_gray);
@@ -28,8 +28,8 @@ class Canvas {
   /// Printed disc, centre in the plane.
   void disc(const Eigen::Vector2d& p_mm, double diameter_mm, double gray);
   /// Everything for which `inside` is true, within the box of the plane.
-  void shape(const Eigen::AlignedBox2d& box_mm, double gray, const std::function<bool(const Eigen::Vector2d&)>& inside,
-             int samples = 5);
+  void shape(const Eigen::AlignedBox2d& box_mm, double gray,
+             const std::function<bool(const Eigen::Vector2d&)>& inside, int samples = 5);
   /// Lens blur of all that was drawn so far.
   void blur(double sigma_px);
   /// Glowing Gaussian spot that moved evenly from `from` to `to`; blur_px is the lens.
