@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "firmware_under_test/planner/chains.h"
+#include "firmware_under_test/planner/solve.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -103,7 +104,7 @@ std::vector<std::vector<Segment>> cutOrder(const hil::Dieline& dieline, const Jo
   std::vector<std::vector<Segment>> order;
   Vector2d p = Vector2d::Zero();
   while (!pool.empty()) {
-    const Choice choice = nextOf(pool, ranks, p, job.belt_speed_mm_s > 0.0, options);
+    const Choice choice = nextOf(pool, ranks, p, speedWhileCutting(job) > 0.0, options);
     Chain chain = pool[choice.index];
     pool.erase(pool.begin() + static_cast<std::ptrdiff_t>(choice.index));
     ranks.erase(ranks.begin() + static_cast<std::ptrdiff_t>(choice.index));

@@ -69,11 +69,12 @@ void divide(const hil::Curve& curve, double u0, double u1, double tolerance_mm, 
   double chords_mm = 0.0;
   Vector2d previous = p0;
   constexpr int kProbes = 16;
+  constexpr double kBetweenProbes = 0.9;  // leaves room for what lies between them
   for (int i = 1; i <= kProbes; ++i) {
     const Vector2d p = hil::pointAt(curve, u0 + (u1 - u0) * i / kProbes);
     double distance_mm = distanceTo(pair[0], p);
     if (used == 2) distance_mm = std::min(distance_mm, distanceTo(pair[1], p));
-    good = good && distance_mm < tolerance_mm;
+    good = good && distance_mm < kBetweenProbes * tolerance_mm;
     chords_mm += (p - previous).norm();
     previous = p;
   }

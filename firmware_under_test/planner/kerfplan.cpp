@@ -145,9 +145,13 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--units", j.units, "Units on the web");
   option("--pitch", j.pitch_mm, "Distance of units on the web, mm");
   option("--eye-mark", j.eye_mark_x_mm, "Leading edge of the eye mark in the unit, x in mm");
-  option("--web-start", j.web_start_x_mm, "With --feed: x of unit 0's origin while the belt rests, mm");
+  option("--web-start", j.web_start_x_mm,
+         "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
+  app.add_flag("--stop-and-go", j.stop_and_go,
+               "With --feed: feed a pitch at the belt speed, stop, cut at rest")
+      ->group(group);
   app.add_flag("--feed", j.feed_by_controller, "The controller drives the belt")->group(group);
 }
 

@@ -74,11 +74,10 @@ std::vector<std::string> powerFaults(const Solution& solution, const MachinePara
     const std::string name =
         block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
     if (!named.insert(name).second) continue;
-    faults.push_back(
-        fmt::format("from {}: {:g} J/mm at {:g} mm/s needs {:.1f} W, the laser has {:g} W; mark at {:.1f} "
-                    "mm/s at most",
-                    name, job.cut_energy_j_per_mm, job.mark_speed_mm_s, most / 255.0 * machine.full_power_w,
-                    machine.full_power_w, job.mark_speed_mm_s * 255.0 / most));
+    faults.push_back(fmt::format(
+        "from {}: {:g} J/mm at {:g} mm/s needs {:.1f} W, the laser has {:g} W; mark at {:.0f} mm/s at most",
+        name, job.cut_energy_j_per_mm, job.mark_speed_mm_s, most / 255.0 * machine.full_power_w,
+        machine.full_power_w, std::floor(0.99 * job.mark_speed_mm_s * 255.0 / most)));
   }
   return faults;
 }
@@ -140,6 +139,13 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2");
     check(std::isfinite(job.web_start_x_mm), "web_start_x_mm must be a number");
   }
+  if (job.stop_and_go) {
+    check(job.feed_by_controller, "stop_and_go needs feed_by_controller");
+    positive(job.belt_speed_mm_s, "belt_speed_mm_s");
+    check(!(job.belt_speed_mm_s > feedLimit(machine)),
+          fmt::format("a feed of {:g} mm/s is too fast: the feed makes no more than {:.1f} mm/s",
+                      job.belt_speed_mm_s, feedLimit(machine)));
+  }
   if (job.belt_speed_mm_s > 0.0) {
     positive(machine.encoder_count_mm, "encoder_count_mm");
     check(std::isfinite(machine.print_mark_sensor_x_mm), "print_mark_sensor_x_mm must be a number");
@@ -164,7 +170,7 @@ std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& mach
   };
   const std::string whole = write(OrderOptions{});
   if (whole.empty()) throw PlanError("the dieline holds nothing to cut");
-  if (job.belt_speed_mm_s <= 0.0) return whole;
+  if (speedWhileCutting(job) <= 0.0) return whole;
   const Axes axes(machine, faults);
   const auto highest = [&](const std::string& gcode) {
     return maxBeltSpeed(trimmed(readGcode(gcode)), machine, job, axes);
@@ -194,8 +200,8 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   const Axes axes(machine, faults);
   Plan plan;
   plan.gcode = gcode;
-  plan.max_belt_speed_mm_s = maxBeltSpeed(path, machine, job, axes);
-  const double v = job.belt_speed_mm_s;
+  const double v = speedWhileCutting(job);
+  plan.max_belt_speed_mm_s = job.stop_and_go ? feedLimit(machine) : maxBeltSpeed(path, machine, job, axes);
   const SolveResult result = solve(path, machine, job, axes, v);
   if (!result.solution || (v > 0.0 && v > plan.max_belt_speed_mm_s)) {
     if (v <= 0.0) throw PlanError(result.reason);
@@ -215,8 +221,9 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   const UnitLayout& layout = solution.layoutOf(0);
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
   plan.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * kPeriodS;
-  plan.cycle_time_s =
-      plan.unit_time_s + Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods() * kPeriodS;
+  int way_back = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
+  if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job));
+  plan.cycle_time_s = plan.unit_time_s + way_back * kPeriodS;
   plan.x_ref_mm = layout.x_ref_mm;
   for (const Segment& segment : path) {
     (segment.jump || segment.z == 0.0 ? plan.jump_length_mm : plan.cut_length_mm) += segment.lengthMm();

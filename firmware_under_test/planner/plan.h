@@ -48,8 +48,11 @@ struct JobParameters {
   /// The controller drives the belt with feed steps: the program is timed, waits for no mark and does not
   /// follow.
   bool feed_by_controller{false};
-  double
-      web_start_x_mm{};  ///< x_W of unit 0's origin while the belt rests (belt speed 0, or before the feed).
+  /// S0's semi-continuous way: the controller feeds one pitch at belt_speed_mm_s, stops the belt, cuts, and
+  /// so on.
+  bool stop_and_go{false};
+  /// x_W of unit 0's origin while the belt rests: at belt speed 0, or before the feed starts.
+  double web_start_x_mm{};
   double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -43,18 +44,18 @@ class Writer {
       }
     }
     std::uint8_t mask = 0;
-    Op body;
+    Op op(1);  // the operation itself comes last, when its mask is known
     const auto axis = [&](int number, int steps) {
       if (steps == 0) return;
       mask = static_cast<std::uint8_t>(mask | (1U << static_cast<unsigned>(number)));
-      body.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
+      op.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
     };
     axis(axes_.firstAxis(), count[0]);
     axis(axes_.firstAxis() + 1, count[1]);
     axis(KB_FEED, feedSteps());
     if (marked_mm > 0.0) {
       mask |= KB_OP_POWER;
-      body.push_back(
+      op.push_back(
           static_cast<std::uint8_t>(std::lround(std::min(powerByte(marked_mm, machine_, job_), 255.0))));
     }
     if (following_) {
@@ -62,11 +63,10 @@ class Writer {
       if (std::abs(gain - gain_) > kGainShare * gain) {
         gain_ = gain;
         mask |= KB_OP_GAIN;
-        append(body, static_cast<std::uint64_t>(std::lround(gain)), 2);
+        append(op, static_cast<std::uint64_t>(std::lround(gain)), 2);
       }
     }
-    Op op{static_cast<std::uint8_t>(KB_OP_MOVE | mask)};
-    op.insert(op.end(), body.begin(), body.end());
+    op[0] = static_cast<std::uint8_t>(KB_OP_MOVE | mask);
     ops_.push_back(std::move(op));
     p_W_mm_ = p_W_mm;
   }
@@ -81,37 +81,55 @@ class Writer {
   }
 
   void waitMark(std::int32_t offset) {
-    Op op{KB_OP_WAIT_MARK};
+    Op op(1, KB_OP_WAIT_MARK);
     append(op, static_cast<std::uint32_t>(offset), 4);
     ops_.push_back(std::move(op));
   }
 
   void follow(bool on) {
     following_ = on;
-    ops_.push_back({KB_OP_FOLLOW, static_cast<std::uint8_t>(on ? axes_.firstAxis() + 1 : 0)});
+    Op op(2, KB_OP_FOLLOW);
+    op[1] = static_cast<std::uint8_t>(on ? axes_.firstAxis() + 1 : 0);
+    ops_.push_back(std::move(op));
   }
 
   void startFeed() { feed_target_ = v_; }
   void stopFeed() { feed_target_ = 0.0; }
+  /// Feeds one pitch from rest to rest during the next periods.
+  void feedPitch() { pitch_period_ = 0; }
+  [[nodiscard]] bool feedsPitch() const { return pitch_period_.has_value(); }
   [[nodiscard]] bool feedAtTarget() const { return feed_speed_ == feed_target_; }
   [[nodiscard]] double feedMm() const { return feed_mm_; }
   [[nodiscard]] const Vector2d& at() const { return p_W_mm_; }
 
   std::vector<Op> finish() {
-    ops_.push_back({KB_OP_END});
+    ops_.emplace_back(1, KB_OP_END);
     return std::move(ops_);
   }
 
  private:
   /// The belt's ramps are straight in speed and take whole periods.
   int feedSteps() {
+    if (pitch_period_) {
+      ++*pitch_period_;
+      const double to_mm = pitches_ * job_.pitch_mm + feedOfPitch(job_).at(*pitch_period_ * kPeriodS);
+      if (*pitch_period_ >= feedOfPitchPeriods(job_)) {
+        pitch_period_.reset();
+        ++pitches_;
+      }
+      return feedTo(to_mm);
+    }
     if (feed_speed_ == 0.0 && feed_target_ == 0.0) return 0;
     const double step = v_ / std::max(1, feedRampPeriods(v_, job_));
     const double before = feed_speed_;
     feed_speed_ += std::clamp(feed_target_ - feed_speed_, -step, step);
     if (std::abs(feed_speed_ - feed_target_) < 1e-6 * v_) feed_speed_ = feed_target_;
     feed_mm_ += 0.5 * (before + feed_speed_) * kPeriodS;
-    const long to = std::lround(feed_mm_ / machine_.feed_step_mm);
+    return feedTo(feed_mm_);
+  }
+
+  int feedTo(double belt_mm) {
+    const long to = std::lround(belt_mm / machine_.feed_step_mm);
     const int count = static_cast<int>(to - feed_steps_);
     feed_steps_ = to;
     return count;
@@ -127,6 +145,8 @@ class Writer {
   bool following_{false};
   double gain_{};
   double feed_speed_{}, feed_target_{}, feed_mm_{};
+  std::optional<int> pitch_period_;  // of the feed by one pitch that is under way
+  int pitches_{};
   long feed_steps_{};
 };
 
@@ -189,7 +209,8 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   append(program.config, static_cast<std::uint64_t>(std::llround(nominal)), 4);
   const auto delay =
       static_cast<std::uint8_t>(std::lround(machine.tracking_delay_s / (kPeriodS / KB_TICKS_PER_PERIOD)));
-  program.config.insert(program.config.end(), {delay, delay, 0});
+  for (const std::uint8_t byte : {delay, delay, std::uint8_t{0}})
+    program.config.push_back(byte);  // idle power 0
 
   Writer writer(axes, machine, job, v);
   double v_now = 0.0;
@@ -223,7 +244,9 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
       writer.waitMark(static_cast<std::int32_t>(offset));
       if (!faults.ignore_belt) writer.follow(true);
     } else {
+      if (job.stop_and_go && unit > 0) writer.feedPitch();
       writer.reposition(layout.park_W_mm, v_now);
+      while (writer.feedsPitch()) writer.hold(1);
     }
     writeUnit(writer, path, layout, x_ref_mm, v_seen, machine.tracking_delay_s);
     if (moving && !job.feed_by_controller && !faults.ignore_belt) writer.follow(false);

@@ -63,6 +63,16 @@ int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job) {
   return static_cast<int>(std::ceil(belt_speed_mm_s / job.feed_acceleration_mm_s2 / kPeriodS - 1e-9));
 }
 
+double feedLimit(const MachineParameters& machine) { return kStepBudget * machine.feed_step_mm / kPeriodS; }
+
+AxisMove feedOfPitch(const JobParameters& job) {
+  return {0.0, 0.0, job.pitch_mm, job.belt_speed_mm_s, job.feed_acceleration_mm_s2};
+}
+
+int feedOfPitchPeriods(const JobParameters& job) {
+  return static_cast<int>(std::ceil(feedOfPitch(job).durationS() / kPeriodS - 1e-9));
+}
+
 double feedRampMm(double belt_speed_mm_s, const JobParameters& job) {
   return 0.5 * belt_speed_mm_s * feedRampPeriods(belt_speed_mm_s, job) * kPeriodS;
 }
@@ -83,8 +93,8 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
   }
   if (v <= 0.0) {
     for (int k = 0; k < job.units; ++k) {
-      LayoutResult result =
-          layOut(solution.pathOf(k), machine, job, {job.web_start_x_mm - k * job.pitch_mm, 0.0, 0.0});
+      LayoutResult result = layOut(solution.pathOf(k), machine, job,
+                                   {job.web_start_x_mm - (job.stop_and_go ? 0 : k) * job.pitch_mm, 0.0, 0.0});
       if (!result.layout) return {std::nullopt, result.reason};
       solution.layouts.push_back(std::move(*result.layout));
     }
@@ -92,9 +102,8 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
   }
   StartBounds bounds;
   if (job.feed_by_controller) {
-    if (v * kPeriodS / machine.feed_step_mm > kStepBudget) {
-      return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s",
-                                        kStepBudget * machine.feed_step_mm / kPeriodS)};
+    if (v > feedLimit(machine)) {
+      return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s", feedLimit(machine))};
     }
     bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job);
     bounds.play_mm = v * kPeriodS;

@@ -50,6 +50,16 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
 double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,
                     const JobParameters& job, const Axes& axes);
 
+/// Speed of the sheet during the cut: none if the belt stops for it.
+inline double speedWhileCutting(const JobParameters& job) {
+  return job.stop_and_go ? 0.0 : job.belt_speed_mm_s;
+}
+/// The highest speed of the controller's feed.
+double feedLimit(const MachineParameters& machine);
+/// The belt's move by one pitch, from rest to rest.
+AxisMove feedOfPitch(const JobParameters& job);
+int feedOfPitchPeriods(const JobParameters& job);
+
 /// Way of the belt while the controller's feed speeds up.
 double feedRampMm(double belt_speed_mm_s, const JobParameters& job);
 int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job);

@@ -45,8 +45,9 @@ std::vector<std::vector<Segment>> marksOf(const std::vector<Segment>& path) {
 
 TEST(Gcode, SaysWhatThePaperSays) {
   const std::string text = makeGcode(label(), twoMirror(), mirrorJob());
-  EXPECT_THAT(text, HasSubstr("LINE\nG00 X0.0000 Y17.0000 Z0 (E6 cut)\nG01 X0.0000 Y-17.0000 Z1 (E6 cut)\nARC\n"
-                              "G02 X-3.0000 Y-20.0000 I-3.0000 J0.0000 Z1 (E7 cut)\n"));
+  EXPECT_THAT(text,
+              HasSubstr("LINE\nG00 X0.0000 Y17.0000 Z0 (E6 cut)\nG01 X0.0000 Y-17.0000 Z1 (E6 cut)\nARC\n"
+                        "G02 X-3.0000 Y-20.0000 I-3.0000 J0.0000 Z1 (E7 cut)\n"));
 }
 
 TEST(Gcode, WrittenReadAndWrittenAgainIsTheSame) {
@@ -103,7 +104,8 @@ TEST(Gcode, WordsLeftOutKeepTheirValue) {
 
 TEST(Gcode, DeletedAndReorderedGroupsAreCutAsTheyStand) {
   const auto path = readGcode(
-      "LINE\nG00 X-30 Y0 Z0 (E2 cut)\nG01 X-20 Y0 Z1 (E2 cut)\nLINE\nG00 X0 Y0 Z0 (E0 cut)\nG01 X-10 Y0 Z1 (E0 cut)\n");
+      "LINE\nG00 X-30 Y0 Z0 (E2 cut)\nG01 X-20 Y0 Z1 (E2 cut)\nLINE\nG00 X0 Y0 Z0 (E0 cut)\nG01 X-10 Y0 Z1 "
+      "(E0 cut)\n");
   ASSERT_EQ(path.size(), 3U);
   EXPECT_EQ(path[0].entity, 2);
   EXPECT_EQ(path[2].entity, 0);

@@ -31,10 +31,12 @@ TEST(Flatten, CurvesBecomeArcsWithinTwoMicrometres) {
   const std::vector<hil::Curve> curves{
       hil::EllipseCurve{{-30, 4}, {25, 5}, {-2, 10}, 0.3, 2.0 * std::numbers::pi},
       hil::EllipseCurve{{0, 0}, {60, 0}, {0, 1}, 1.0, -3.0},
-      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 40, -40, 0, 0, 30, 30, 0).finished(), Eigen::Vector4d::Ones()},
+      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 40, -40, 0, 0, 30, 30, 0).finished(),
+                       Eigen::Vector4d::Ones()},
       hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 20, -20, 5).finished(),
                        Eigen::Vector4d(1, 0.4, 3, 1)},
-      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 5, 10, 15).finished(), Eigen::Vector4d::Ones()},
+      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 5, 10, 15).finished(),
+                       Eigen::Vector4d::Ones()},
   };
   for (const hil::Curve& curve : curves) {
     const std::vector<Segment> path = flatten(curve, 0.002);
@@ -81,7 +83,8 @@ std::pair<double, double> measured(const std::vector<Vector2d>& points) {
   for (std::size_t i = 1; i < points.size(); ++i) {
     speed = std::max(speed, (points[i] - points[i - 1]).norm() / 0.8e-3);
     if (i + 1 < points.size()) {
-      acceleration = std::max(acceleration, (points[i + 1] - 2.0 * points[i] + points[i - 1]).norm() / (0.8e-3 * 0.8e-3));
+      acceleration = std::max(acceleration,
+                              (points[i + 1] - 2.0 * points[i] + points[i - 1]).norm() / (0.8e-3 * 0.8e-3));
     }
   }
   return {speed, acceleration};
@@ -117,7 +120,8 @@ TEST(Speed, ASmoothOutlineIsRunThroughAndACornerStops) {
     const auto unit = planUnit(readGcode(gcode), job, axes, 0.0);
     double least = 1e9;
     const auto& samples = unit->blocks[0].samples;
-    for (std::size_t i = samples.size() / 4; i < samples.size() * 3 / 4; ++i) least = std::min(least, samples[i].marked_mm);
+    for (std::size_t i = samples.size() / 4; i < samples.size() * 3 / 4; ++i)
+      least = std::min(least, samples[i].marked_mm);
     return least / 0.8e-3;
   };
   EXPECT_GT(slowest(makeGcode(test::label(), test::twoMirror(), job)), 200.0);
@@ -135,7 +139,8 @@ TEST(AxisMove, ArrivesAtRestWithinItsLimits) {
       for (double t = 0.0; t < move.durationS() + 5 * kDt; t += kDt) {
         const double v = (move.at(t + kDt) - move.at(t)) / kDt;
         EXPECT_LE(std::abs(v), std::max(400.0, std::abs(v0)) + 1e-6);
-        EXPECT_LE(std::abs(v - before), 2500.0 * kDt * 1.01 + 1e-6) << "v0 " << v0 << " x1 " << x1 << " t " << t;
+        EXPECT_LE(std::abs(v - before), 2500.0 * kDt * 1.01 + 1e-6)
+            << "v0 " << v0 << " x1 " << x1 << " t " << t;
         before = v;
       }
     }
@@ -178,8 +183,9 @@ TEST(Axes, SpeedLimitHoldsEverywhereInTheField) {
 
 TEST(Axes, GainIsTheDerivative) {
   const Axes axes(test::twoMirror(), {});
-  for (const Vector2d p : {Vector2d(0, 0), Vector2d(70, -60), Vector2d(-75, 20)}) {
-    const double numeric = (axes.stepsAt(p + Vector2d(1e-4, 0)).x() - axes.stepsAt(p - Vector2d(1e-4, 0)).x()) / 2e-4;
+  for (const Vector2d& p : {Vector2d(0, 0), Vector2d(70, -60), Vector2d(-75, 20)}) {
+    const double numeric =
+        (axes.stepsAt(p + Vector2d(1e-4, 0)).x() - axes.stepsAt(p - Vector2d(1e-4, 0)).x()) / 2e-4;
     EXPECT_NEAR(axes.xStepsPerMm(p), numeric, 1e-5 * numeric);
   }
 }

@@ -15,7 +15,8 @@ namespace {
 using hil::Process;
 using Pieces = std::vector<std::vector<Segment>>;
 
-Pieces order(const hil::Dieline& dieline, double belt, const OrderOptions& options = {}, const PlannerFaults& faults = {}) {
+Pieces order(const hil::Dieline& dieline, double belt, const OrderOptions& options = {},
+             const PlannerFaults& faults = {}) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = belt;
   return cutOrder(dieline, job, faults, options);
@@ -33,7 +34,8 @@ int firstOf(const Pieces& pieces, int entity) {
 double lengthOf(const Pieces& pieces, int entity = -1) {
   double sum = 0.0;
   for (const auto& piece : pieces) {
-    for (const Segment& segment : piece) sum += entity < 0 || segment.entity == entity ? segment.lengthMm() : 0.0;
+    for (const Segment& segment : piece)
+      sum += entity < 0 || segment.entity == entity ? segment.lengthMm() : 0.0;
   }
   return sum;
 }
@@ -66,8 +68,8 @@ TEST(CutOrder, CreasesThenHolesThenOutline) {
 }
 
 TEST(CutOrder, OnAMovingSheetWhatLeavesFirstIsCutFirst) {
-  const hil::Dieline dieline = test::dielineOf(
-      {test::line(-100, 0, -90, 0), test::line(0, 50, -10, 50), test::line(-50, 0, -40, 0), test::line(-20, -40, -30, -40)});
+  const hil::Dieline dieline = test::dielineOf({test::line(-100, 0, -90, 0), test::line(0, 50, -10, 50),
+                                                test::line(-50, 0, -40, 0), test::line(-20, -40, -30, -40)});
   const Pieces pieces = order(dieline, 100.0);
   EXPECT_EQ(firstOf(pieces, 1), 0);
   EXPECT_EQ(firstOf(pieces, 3), 1);
@@ -91,7 +93,8 @@ TEST(CutOrder, ASkippedEntityIsMissingAndARepeatedOneComesTwice) {
   PlannerFaults faults;
   faults.skip_entity = 4;
   EXPECT_EQ(firstOf(order(dieline, 0.0, {}, faults), 4), -1);
-  EXPECT_NEAR(lengthOf(order(dieline, 0.0, {}, faults)), lengthOf(order(dieline, 0.0)) - lengthOf(order(dieline, 0.0), 4), 1e-9);
+  EXPECT_NEAR(lengthOf(order(dieline, 0.0, {}, faults)),
+              lengthOf(order(dieline, 0.0)) - lengthOf(order(dieline, 0.0), 4), 1e-9);
   faults = {};
   faults.repeat_entity = 11;
   EXPECT_NEAR(lengthOf(order(dieline, 0.0, {}, faults), 11), 2.0 * lengthOf(order(dieline, 0.0), 11), 1e-9);

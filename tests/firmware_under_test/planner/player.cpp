@@ -73,7 +73,7 @@ Played play(const Program& program, const MachineParameters& m, const JobParamet
       out.feed_steps += feed;
       period.to_W_mm = beamAt(steps, m);
       // The beam is where the steps put it one tracking delay later, so the sheet has gone on by that much.
-      const double late = job.belt_speed_mm_s * m.tracking_delay_s;
+      const double late = job.stop_and_go ? 0.0 : job.belt_speed_mm_s * m.tracking_delay_s;
       const double before = web_x;
       web_x += job.feed_by_controller ? feed * m.feed_step_mm : job.belt_speed_mm_s * kT;
       period.from_S_mm = period.from_W_mm - Vector2d(before + late, 0.0);

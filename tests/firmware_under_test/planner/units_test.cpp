@@ -43,7 +43,8 @@ TEST(Strip, ThePapersExampleRuns) {
   EXPECT_EQ(played.error, "");
   EXPECT_EQ(played.marks_waited, 4);
   EXPECT_LT(test::worstDeviationMm(played, test::strip(), stripJob()), 0.015);
-  for (int unit = 0; unit < 4; ++unit) EXPECT_LT(test::worstGapMm(played, test::strip(), stripJob(), unit), 0.015);
+  for (int unit = 0; unit < 4; ++unit)
+    EXPECT_LT(test::worstGapMm(played, test::strip(), stripJob(), unit), 0.015);
 }
 
 TEST(Strip, AReturnTooSlowForThePitchIsRefused) {
@@ -61,7 +62,8 @@ TEST(Strip, AFieldTooShortForTheCutIsRefused) {
 }
 
 TEST(Strip, EverySecondCutRunsBack) {
-  const Played played = play(planner::plan(test::strip(), test::gantry(), stripJob()).program, test::gantry(), stripJob());
+  const Played played =
+      play(planner::plan(test::strip(), test::gantry(), stripJob()).program, test::gantry(), stripJob());
   std::vector<double> senses;
   bool open = false;
   for (const test::Period& period : played.periods) {
@@ -107,7 +109,8 @@ TEST(Units, SeveralLabelsOnTheWeb) {
   job.units = 3;
   job.pitch_mm = 150.0;
   job.eye_mark_x_mm = 4.0;
-  const Played played = play(planner::plan(test::label(), test::twoMirror(), job).program, test::twoMirror(), job);
+  const Played played =
+      play(planner::plan(test::label(), test::twoMirror(), job).program, test::twoMirror(), job);
   EXPECT_EQ(played.error, "");
   EXPECT_LT(test::worstDeviationMm(played, test::label(), job), 0.015);
   for (int unit = 0; unit < 3; ++unit) EXPECT_LT(test::worstGapMm(played, test::label(), job, unit), 0.015);
@@ -133,12 +136,15 @@ TEST(Follow, IsOnForTheWholeUnitWithTheRightGain) {
   const MachineParameters machine = test::twoMirror();
   const Played played = play(planner::plan(test::label(), machine, job).program, machine, job);
   for (const test::Period& period : played.periods) {
-    if (period.power >= 0) { EXPECT_TRUE(period.following); }
+    if (period.power >= 0) {
+      EXPECT_TRUE(period.following);
+    }
     if (!period.following) continue;
     // One belt count more must move the spot by one count: a finite difference of S4's eq. 1.
     const double arm = std::hypot(machine.throw_mm, period.to_W_mm.y()) + machine.mirror_spacing_mm;
     const double angle = std::atan(period.to_W_mm.x() / arm);
-    const double moved = arm * (std::tan(angle + 2.0 * period.gain * machine.mirror_step_rad) - std::tan(angle));
+    const double moved =
+        arm * (std::tan(angle + 2.0 * period.gain * machine.mirror_step_rad) - std::tan(angle));
     EXPECT_NEAR(moved, machine.encoder_count_mm, 0.003 * machine.encoder_count_mm);
   }
   EXPECT_FALSE(played.periods.front().following);
@@ -160,13 +166,33 @@ TEST(Feed, ByTheControllerNeedsNoMarks) {
   for (int unit = 0; unit < 4; ++unit) EXPECT_LT(test::worstGapMm(played, test::strip(), job, unit), 0.030);
 }
 
+TEST(Feed, StopAndGoTakesThePapersTime) {
+  MachineParameters machine = test::gantry();
+  machine.feed_step_mm = 0.02;
+  JobParameters job = stripJob();
+  job.feed_by_controller = true;
+  job.stop_and_go = true;
+  job.web_start_x_mm = 300.0;
+  const Plan plan = planner::plan(test::strip(), machine, job);
+  // The paper's 9.5 s a piece know no ramps: 0.4 s of the feed at 500 mm/s², 0.092 s of the cut.
+  EXPECT_NEAR(plan.cycle_time_s, 6.0 + 800.0 / 230.0 + 0.4 + 0.092, 0.005);
+  EXPECT_GT(plan.cycle_time_s, planner::plan(test::strip(), test::gantry(), stripJob()).cycle_time_s * 1.5);
+  const Played played = play(plan.program, machine, job);
+  EXPECT_EQ(played.error, "");
+  EXPECT_EQ(played.feed_steps, 3 * 60000);
+  EXPECT_LT(test::worstDeviationMm(played, test::strip(), job), 0.015);
+  for (int unit = 0; unit < 4; ++unit) EXPECT_LT(test::worstGapMm(played, test::strip(), job, unit), 0.015);
+  job.belt_speed_mm_s = 800.0;
+  EXPECT_THAT(refusal(test::strip(), machine, job), HasSubstr("no more than 700.0 mm/s"));
+}
+
 TEST(Faults, EachMakesTheCutWrong) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = 100.0;
   const MachineParameters machine = test::twoMirror();
   const auto deviation = [&](const PlannerFaults& faults) {
-    return test::worstDeviationMm(play(planner::plan(test::label(), machine, job, faults).program, machine, job),
-                                  test::label(), job);
+    return test::worstDeviationMm(
+        play(planner::plan(test::label(), machine, job, faults).program, machine, job), test::label(), job);
   };
   EXPECT_LT(deviation({}), 0.015);
   EXPECT_GT(deviation({.ignore_belt = true}), 5.0);
