@@ -136,8 +136,8 @@ std::string entityTable(const RunReport& report) {
 
 void row(std::string& html, std::string_view key, const std::string& value, bool code = false) {
   if (value.empty()) return;
-  html += fmt::format(code ? "<tr><th>{}<td><code>{}</code></tr>" : "<tr><th>{}<td>{}</tr>", escapeHtml(key),
-                      escapeHtml(value));
+  const std::string text = code ? "<code>" + escapeHtml(value) + "</code>" : escapeHtml(value);
+  html += fmt::format("<tr><th>{}<td>{}</tr>", escapeHtml(key), text);
 }
 
 std::string environment(const RunReport& report) {

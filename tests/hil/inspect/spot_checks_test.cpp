@@ -52,6 +52,10 @@ TEST(StillnessCheck, AConstantOffsetIsTheMatterOfThePath) {
 
 TEST(StillnessCheck, WithoutLinesAcrossTheBeltIsInvalid) {
   SyntheticRun run;
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+    if (frame.entity != kBottom && frame.entity != kTop)
+      run.evidence.spot.frames[frame.frame].spot_W_mm.reset();
+  }
   for (auto& e : run.dieline.entities) {
     if (e.id != kBottom && e.id != kTop) e.process = Process::kIgnore;
   }

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/report/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "hil/report/html_text.h"
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A kerf as the camera might show it, bent by `offset_mm` to one side.
+KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, double offset_mm) {
+  KerfPatch patch{unit, entity, p_S_mm, GrayImage(48, 48, 38), Eigen::Affine2d::Identity()};
+  constexpr double kPixel_mm = 0.04;
+  for (int row = 0; row < 48; ++row) {
+    for (int column = 0; column < 48; ++column) {
+      const double across_mm = (column - 23.5) * kPixel_mm + offset_mm;
+      const double edge = 1.0 / (1.0 + std::exp((std::abs(across_mm) - 0.105) / 0.012));
+      patch.image.at(column, row) = static_cast<std::uint8_t>(38 + 190 * edge + (row * 7 + column * 13) % 9);
+    }
+  }
+  patch.pixel_from_S.linear() << 1.0 / kPixel_mm, 0, 0, -1.0 / kPixel_mm;
+  patch.pixel_from_S.translation() = Eigen::Vector2d(23.5, 23.5) - patch.pixel_from_S.linear() * p_S_mm;
+  return patch;
+}
+
+RunReport reportOf(const SyntheticRun& run) {
+  RunReport report;
+  report.scenario = "carton-on-belt";
+  report.scenario_path = "fixtures/scenarios/carton-on-belt.yaml";
+  report.scenario_text = "version: 1\nname: carton-on-belt\nbelt: {speed_mm_s: 200}\n";
+  report.machine = "two-mirror-160";
+  report.firmware = "controller-avr.hex <atmega2560>";
+  report.source_id = "avr atmega2560 16 MHz";
+  report.repeat_command = "kerfbench run carton-on-belt.yaml --seed 42";
+  report.seed = 42;
+  report.virtual_s = 4.25;
+  report.versions = {{"kerfbench", "0.1.0"}, {"OpenCV", "4.6.0"}};
+  report.limits = run.limits;
+  report.dieline = run.dieline;
+  report.dieline.path = "fixtures/dielines/carton.dxf";
+  report.print = run.evidence.print;
+  report.kerf = run.evidence.kerf;
+  report.spot = run.evidence.spot;
+  report.pulses = run.evidence.pulses;
+  report.result = run.inspected();
+  report.host = "bench-1";
+  report.finished = "2024-05-01 12:00";
+  report.timing = {{"twin", 3.5}, {"vision", 1.25}};
+  report.pictures = {{"sheet-unit0.png", "The finished sheet"}};
+  return report;
+}
+
+/// A run with something wrong in most places, to see every part of the page.
+SyntheticRun badRun() {
+  SyntheticRun run;
+  auto& right = run.kerf(1, kRight).calipers;
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    if (right[i].found) right[i].offset_mm += 0.075 * std::sin(3.14 * static_cast<double>(i) / 160.0);
+  }
+  auto& top = run.kerf(0, kTop).calipers;
+  for (std::size_t i = 0; i < top.size(); ++i) {
+    if (top[i].found) top[i].offset_mm -= 0.03 * std::sin(0.1 * static_cast<double>(i));
+  }
+  for (std::size_t i = 60; i < 90; ++i) {
+    Caliper& c = run.kerf(1, kBottom).calipers[i];
+    c.found = false;
+    c.brightness = 0.0;
+    c.offset_mm = c.width_mm = std::nan("");
+  }
+  run.evidence.kerf.strays.push_back({1, {22, 30}, 2.1});
+  run.shiftSpot(1, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
+  run.evidence.pulses[1].min_setup_s = 1.1e-6;
+  run.evidence.pulses[1].setup_violations = 37;
+  run.evidence.pulses[1].first_violation_s = 1.25;
+  run.evidence.pulses[1].setup_histogram[2] = 37;
+  run.evidence.kerf.patches = {patchAt(1, kRight, {60, 20}, -0.075), patchAt(0, kTop, {20, 40}, 0.03)};
+  return run;
+}
+
+TEST(VerdictJson, HasTheKeysOfItsSchema) {
+  const SyntheticRun run;
+  const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
+  for (const char* key :
+       {"schema_version", "verdict", "exit_code", "summary",          "digest",   "scenario",      "machine",
+        "firmware",       "source",  "seed",      "virtual_s",        "problems", "checks",        "entities",
+        "cuts",           "pulses",  "frames",    "mark_residual_mm", "versions", "repeat_command"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["schema_version"], 1);
+  EXPECT_EQ(json["verdict"], "PASS");
+  EXPECT_EQ(json["exit_code"], 0);
+  for (const auto& check : json["checks"]) {
+    for (const char* key : {"name", "title", "verdict", "value", "unit", "limit", "limit_is", "guard",
+                            "expanded_uncertainty", "subject", "explanation"}) {
+      EXPECT_TRUE(check.contains(key)) << key;
+    }
+  }
+  EXPECT_EQ(json["entities"].size(), 14U);
+  EXPECT_EQ(json["cuts"]["list"].size(), json["cuts"]["count"].get<std::size_t>());
+}
+
+TEST(VerdictJson, WritesNoNumberAsNull) {
+  SyntheticRun run;
+  run.evidence.kerf_u_mm = std::nan("");
+  const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
+  EXPECT_TRUE(json["checks"][0]["value"].is_null());
+  EXPECT_EQ(json["verdict"], "INVALID");
+}
+
+TEST(VerdictJson, SaysNothingOfWallTimeOrHost) {
+  const SyntheticRun run;
+  RunReport a = reportOf(run);
+  RunReport b = a;
+  b.host = "bench-2";
+  b.finished = "later";
+  b.timing = {{"twin", 99.0}};
+  EXPECT_EQ(verdictJson(a), verdictJson(b));
+}
+
+TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
+  const SyntheticRun run;
+  const RunReport a = reportOf(run);
+  RunReport b = a;
+  std::mt19937 random(3);
+  std::shuffle(b.result.entities.begin(), b.result.entities.end(), random);
+  std::shuffle(b.result.cuts.begin(), b.result.cuts.end(), random);
+  std::shuffle(b.result.checks.begin(), b.result.checks.end(), random);
+  std::shuffle(b.kerf.entities.begin(), b.kerf.entities.end(), random);
+  std::shuffle(b.pulses.begin(), b.pulses.end(), random);
+  b.scenario_path = b.dieline.path = "elsewhere";
+  b.host = "bench-2";
+  b.timing.clear();
+  b.kerf.entities[3].calipers[7].offset_mm += 1e-10;
+  EXPECT_EQ(digestOf(a), digestOf(b));
+  EXPECT_EQ(digestOf(a).size(), 64U);
+}
+
+TEST(Digest, ChangesWithAnyMeasurement) {
+  const SyntheticRun run;
+  const RunReport a = reportOf(run);
+  const std::string digest = digestOf(a);
+  RunReport b = a;
+  b.kerf.entities[3].calipers[7].offset_mm += 3e-6;
+  EXPECT_NE(digest, digestOf(b));
+  b = a;
+  b.result.cuts[0].residual_mm[0] += 3e-6;
+  EXPECT_NE(digest, digestOf(b));
+  b = a;
+  b.result.verdict = Verdict::kFail;
+  EXPECT_NE(digest, digestOf(b));
+  b = a;
+  ++b.pulses[0].setup_histogram[30];
+  EXPECT_NE(digest, digestOf(b));
+}
+
+TEST(JunitXml, CountsWhatItLists) {
+  SyntheticRun run = badRun();
+  RunReport report = reportOf(run);
+  report.result.checks[0].verdict = Verdict::kNotProven;
+  report.result.checks[1].verdict = Verdict::kInvalid;
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(junitXml(report).c_str()));
+  const auto suite = document.select_node("/testsuites/testsuite").node();
+  EXPECT_EQ(suite.select_nodes("testcase").size(), report.result.checks.size() + 1);
+  EXPECT_EQ(suite.attribute("tests").as_uint(), suite.select_nodes("testcase").size());
+  EXPECT_EQ(suite.attribute("failures").as_uint(), suite.select_nodes("testcase/failure").size());
+  EXPECT_EQ(suite.attribute("errors").as_uint(), suite.select_nodes("testcase/error").size());
+  EXPECT_EQ(suite.select_nodes("testcase/failure[@type='NotProven']").size(), 1U);
+  EXPECT_EQ(suite.select_nodes("testcase/error[@type='Invalid']").size(), 1U);
+  EXPECT_EQ(suite.select_nodes("testcase[@name='pulse_timing']/failure[@type='Failure']").size(), 1U);
+}
+
+TEST(JunitXml, BrokenEvidenceIsAnErrorEvenIfEveryCheckPasses) {
+  SyntheticRun run;
+  run.evidence.problems.emplace_back("Gap in the pin stream at 1.2 s.");
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(junitXml(reportOf(run)).c_str()));
+  EXPECT_EQ(document.select_nodes("//testcase[@name='evidence']/error").size(), 1U);
+  EXPECT_EQ(document.select_node("//testsuite").node().attribute("errors").as_int(), 1);
+}
+
+TEST(HtmlReport, NeedsNothingElse) {
+  const std::string html = htmlReport(reportOf(badRun()));
+  EXPECT_THAT(html, Not(HasSubstr("http:")));
+  EXPECT_THAT(html, Not(HasSubstr("https:")));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("<link")));
+  EXPECT_THAT(html, Not(HasSubstr("@import")));
+  EXPECT_THAT(html, Not(HasSubstr("url(")));
+  // Pictures are inside; the only links are to the files beside it.
+  const std::regex reference("(src|href)='([^']*)'");
+  for (auto it = std::sregex_iterator(html.begin(), html.end(), reference); it != std::sregex_iterator();
+       ++it) {
+    const std::string target = (*it)[2];
+    EXPECT_TRUE(target.starts_with("data:image/png;base64,") || target == "sheet-unit0.png")
+        << target.substr(0, 80);
+  }
+}
+
+TEST(HtmlReport, EscapesWhatOthersWrote) {
+  RunReport report = reportOf(SyntheticRun());
+  report.scenario = "<b>&\"x'";
+  const std::string html = htmlReport(report);
+  EXPECT_THAT(html, Not(HasSubstr("<b>&\"x'")));
+  EXPECT_THAT(html, HasSubstr("&lt;b&gt;&amp;&quot;x&#39;"));
+  EXPECT_THAT(html, HasSubstr("controller-avr.hex &lt;atmega2560&gt;"));
+}
+
+TEST(HtmlReport, StaysSmallForALargeCarton) {
+  RunReport report = reportOf(badRun());
+  const std::vector<EntityKerf> entities = report.kerf.entities;
+  for (int k = 0; k < 20; ++k) {
+    for (EntityKerf kerf : entities) {
+      kerf.unit += 2 * (k % 2);
+      report.kerf.entities.push_back(std::move(kerf));
+    }
+  }
+  std::size_t calipers = 0;
+  for (const auto& kerf : report.kerf.entities) calipers += kerf.calipers.size();
+  ASSERT_GT(calipers, 16000U);
+  EXPECT_LT(htmlReport(report).size(), 5U << 20U);
+}
+
+TEST(HtmlReport, TellsEvenOfARunWithoutAnyMeasurement) {
+  RunReport report;
+  report.result.problems.emplace_back("The firmware crashed at 0.3 s.");
+  EXPECT_THAT(htmlReport(report), HasSubstr("The firmware crashed at 0.3 s."));
+  EXPECT_THAT(verdictJson(report), HasSubstr("\"INVALID\""));
+}
+
+TEST(WriteReports, WritesAllThree) {
+  // Kept in the build folder, to be looked at.
+  const auto folder = std::filesystem::path(KERFBENCH_BINARY_DIR) / "report-example";
+  std::filesystem::create_directories(folder);
+  const RunReport report = reportOf(badRun());
+  writeReports(report, folder);
+  std::ostringstream text;
+  text << std::ifstream(folder / "report.html").rdbuf();
+  EXPECT_EQ(text.str(), htmlReport(report));
+  EXPECT_TRUE(std::filesystem::exists(folder / "junit.xml"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "verdict.json"));
+}
+
+TEST(Base64, AgreesWithRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
