@@ -168,8 +168,7 @@ int main(int argc, char** argv) try {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->add_option("DIELINE", options.input,
                     "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
-        ->required()
-        ->check(CLI::ExistingFile);
+        ->required();
     if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
     addMachine(*sub, options.machine);
     addJob(*sub, options.job);
@@ -200,6 +199,9 @@ int main(int argc, char** argv) try {
   std::cerr << error.what() << '\n';
   return kBadInput;
 } catch (const hil::DielineError& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const std::system_error& error) {
   std::cerr << error.what() << '\n';
   return kBadInput;
 } catch (const std::exception& error) {

@@ -36,9 +36,9 @@ struct JobParameters {
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};
-  double
-      cut_energy_j_per_mm{};  ///< Power over speed that cuts through: Z1 (S3's P_ua times the spot diameter).
-  double half_z{0.5};         ///< Z of half-cut and crease.
+  /// Power over speed that cuts through, Z1 (S3's P_ua times the spot diameter).
+  double cut_energy_j_per_mm{};
+  double half_z{0.5};  ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};
   int units{1};

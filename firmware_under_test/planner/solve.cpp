@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "firmware_under_test/controller/protocol.h"
+
 namespace kerfbench::planner {
 namespace {
 
@@ -29,6 +31,18 @@ AxisMove axisMove(int axis, const Vector2d& p0, double v0, const Vector2d& p1, c
   const double share = sharesOf(p1 - p0)[axis];
   const double speed = std::min(job.jump_speed_mm_s * share, axes.axisLimits()[axis]);
   return {p0[axis], v0, p1[axis], speed, job.acceleration_mm_s2 * share};
+}
+
+/// The controller keeps the marks that have passed the sensor and whose units have not begun; it holds only
+/// so many.
+std::optional<std::string> marksFault(const UnitLayout& layout, const MachineParameters& machine,
+                                      const JobParameters& job) {
+  const double behind_mm = layout.x_ref_mm - (machine.print_mark_sensor_x_mm - job.eye_mark_x_mm);
+  const int waiting = std::min(job.units, 1 + static_cast<int>(behind_mm / job.pitch_mm));
+  if (waiting < KB_MARKS_MAX) return std::nullopt;
+  return fmt::format(
+      "{} print marks would wait between sensor and start, {:.3f} mm apart; the controller holds {}", waiting,
+      behind_mm, KB_MARKS_MAX - 1);
 }
 
 std::optional<std::string> pitchFault(const Solution& solution, int unit, const JobParameters& job,
@@ -115,6 +129,10 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
     LayoutResult result = layOut(unit, machine, job, bounds);
     if (!result.layout) return {std::nullopt, result.reason};
     solution.layouts.push_back(std::move(*result.layout));
+  }
+  for (const UnitLayout& layout : solution.layouts) {
+    if (job.feed_by_controller || job.units < 2) break;
+    if (auto fault = marksFault(layout, machine, job)) return {std::nullopt, *fault};
   }
   for (int k = 0; k + 1 < job.units && k < 2; ++k) {
     if (auto fault = pitchFault(solution, k, job, axes)) return {std::nullopt, *fault};

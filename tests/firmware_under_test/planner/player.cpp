@@ -31,7 +31,7 @@ Played play(const Program& program, const MachineParameters& m, const JobParamet
   Played out;
   int steps[KB_AXES] = {};
   // x_W of unit 0's origin. With a print mark it is known from the first mark on.
-  double web_x = job.feed_by_controller ? job.web_start_x_mm : 0.0;
+  double web_x = job.feed_by_controller || job.belt_speed_mm_s == 0.0 ? job.web_start_x_mm : 0.0;
   bool belt_known = job.feed_by_controller || job.belt_speed_mm_s == 0.0;
   bool following = false;
   double gain = 0.0;
@@ -184,7 +184,7 @@ double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const
   for (const Period& period : played.periods) {
     if (period.power < 0) continue;
     const Vector2d middle = 0.5 * (period.from_S_mm + period.to_S_mm);
-    for (const Vector2d& p : {period.from_S_mm, middle, period.to_S_mm}) {
+    for (const Vector2d& p : {middle, period.to_S_mm}) {
       double best = std::numeric_limits<double>::infinity();
       for (int unit = 0; unit < job.units; ++unit) {
         const Vector2d q = inUnit(p, job, unit);

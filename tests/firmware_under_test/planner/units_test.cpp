@@ -118,6 +118,17 @@ TEST(Units, SeveralLabelsOnTheWeb) {
   EXPECT_THAT(refusal(test::label(), test::twoMirror(), job), HasSubstr("pitch of 80 mm"));
 }
 
+TEST(Units, MoreMarksThanTheControllerHoldsAreRefused) {
+  JobParameters job = test::mirrorJob();
+  job.belt_speed_mm_s = 20.0;
+  job.units = 20;
+  job.pitch_mm = 12.0;  // some 140 mm from the sensor to the field: a dozen marks on the way
+  const auto dot = test::dielineOf({test::line(0, 0, -1, 0)});
+  EXPECT_THAT(refusal(dot, test::twoMirror(), job), HasSubstr("the controller holds 7"));
+  job.pitch_mm = 40.0;
+  EXPECT_EQ(refusal(dot, test::twoMirror(), job), "");
+}
+
 TEST(Units, OnARestingSheetWithoutMarks) {
   JobParameters job = test::mirrorJob();
   job.units = 2;
