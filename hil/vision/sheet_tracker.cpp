@@ -119,6 +119,9 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     if (pairs.empty()) continue;
     const MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
     measured[unit] = fit.motion;
+    // A first mark alone tells a place but no direction; far from it the pose would be wrong by tenths of a mm.
+    angle_known_ = angle_known_ || fit.pairs > 1 || print_.marks.size() == 1;
+    if (!angle_known_) continue;
     poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs});
   }
 
@@ -216,7 +219,7 @@ std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s,
   for (const SheetPose& pose : poses) believed[pose.unit] = {pose.p_WS_mm, pose.angle_rad};
   const int known = explained(*all_marks, believed);
   const auto unknown = static_cast<int>(all_marks->size()) - known;
-  const bool doubtful = known == 0 || (known == 1 && unknown >= 2);
+  const bool doubtful = known == 0 || (known == 1 && unknown >= 1);
   if (!doubtful) return poses;
   const std::map<int, UnitState> after = units_;
   const double after_speed_mm_s = speed_mm_s_;

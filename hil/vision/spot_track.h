@@ -18,7 +18,7 @@ struct SheetPose {
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
-  int marks{};           ///< How many marks.
+  int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
 };
 
 /// What one frame of the spot camera showed.
@@ -26,14 +26,14 @@ struct FrameMeasurement {
   std::uint64_t sequence{};
   double mid_s{};                            ///< Middle of the exposure.
   std::optional<Eigen::Vector2d> spot_W_mm;  ///< Centre of the glowing spot; absent when the laser was dark.
-  double spot_sigma_mm{};                    ///< Estimated standard uncertainty per axis.
+  double spot_sigma_mm{};                    ///< Estimated standard uncertainty per axis; noise only, without map_u_mm.
   std::vector<SheetPose> sheet;              ///< One pose for each unit with marks in view.
 };
 
 struct SpotTrackOptions {
   int threads{1};  ///< The result is the same at any number.
-  double
-      nominal_speed_mm_s{};  ///< Of the belt, for telling the units apart between frames; from the scenario.
+  /// Of the belt, for telling the units apart between frames; from the scenario.
+  double nominal_speed_mm_s{};
 };
 
 struct SpotTrack {

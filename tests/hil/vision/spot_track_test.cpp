@@ -230,7 +230,7 @@ TEST(SpotTrack, UnitsComeAndGoInOrder) {
       if (pose.marks > 1) {
         EXPECT_LT((pose.p_WS_mm - p_WS).norm(), 0.02) << "frame " << i << " unit " << pose.unit;
       } else {
-        EXPECT_LT((pose.p_WS_mm - p_WS).norm(), 0.3) << "frame " << i << " unit " << pose.unit;
+        EXPECT_LT((pose.p_WS_mm - p_WS).norm(), 0.05) << "frame " << i << " unit " << pose.unit;
         EXPECT_TRUE(std::isnan(pose.residual_mm));
       }
     }
