@@ -240,6 +240,30 @@ TEST(SpotTrack, UnitsComeAndGoInOrder) {
   EXPECT_LE(without, 4);
 }
 
+TEST(SpotTrack, ALoneFirstMarkTellsNoPose) {
+  Scene scene;
+  scene.print = fourMarks();
+  scene.print.marks = {{{25.0, -15.0}, 3.0}, {{5.0, -15.0}, 3.0}, {{4.0, 15.0}, 3.0}};
+  constexpr double kAngle = 0.015;
+  std::vector<Frame> frames;
+  std::vector<Eigen::Vector2d> truth;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    truth.emplace_back(-56.0 + static_cast<double>(i), 0.0);
+    frames.push_back(scene.frame(scene.web(truth.back(), kAngle), i));
+  }
+  scene.speed_mm_s = 1000.0;
+  const SpotTrack track = scene.track(std::move(frames));
+  int posed = 0;
+  for (std::size_t i = 0; i < track.frames.size(); ++i) {
+    for (const SheetPose& pose : track.frames[i].sheet) {
+      ++posed;
+      EXPECT_LT((pose.p_WS_mm - truth[i]).norm(), 0.05) << i;
+    }
+  }
+  EXPECT_GT(posed, 15);
+  EXPECT_LT(posed, 35);  // The first mark alone is in view for the frames before.
+}
+
 TEST(SpotTrack, AMissingMarkAndDirtDoNotDeceive) {
   Scene scene;
   scene.print = fourMarks(2, 60.0);
