@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kerfbench::avr_child {
+
+/// What goes into the controller's memories. Bytes that the image does not set are 0xFF, as after an erase.
+struct Image {
+  std::vector<std::uint8_t> flash;
+  std::vector<std::uint8_t> eeprom;  ///< Empty if the image has none.
+};
+
+/// Reads Intel HEX, or ELF by its magic. Everything is checked: an image that a programmer would refuse is refused.
+/// @throws std::runtime_error with the file and the line.
+Image readImage(const std::string& path, std::size_t flash_size, std::size_t eeprom_size);
+
+}  // namespace kerfbench::avr_child

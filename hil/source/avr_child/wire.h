@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerfbench::avr_child {
+
+/// The bench has closed its end: time to go.
+class EndOfRequests : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Message {
+  std::uint8_t type{};
+  std::vector<std::uint8_t> payload;
+};
+
+/// Reads one framed message. @throws EndOfRequests at end of file, std::runtime_error on a malformed frame.
+Message readMessage(int fd);
+/// @throws EndOfRequests if the bench no longer listens.
+void writeMessage(int fd, std::uint8_t type, const std::vector<std::uint8_t>& payload);
+
+/// Little-endian fields out of a payload, in order. @throws std::runtime_error past the end.
+class FieldReader {
+ public:
+  explicit FieldReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
+  template <typename T>
+  T integer() {
+    need(sizeof(T));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) value |= std::uint64_t{bytes_[at_ + i]} << (8 * i);
+    at_ += sizeof(T);
+    return static_cast<T>(value);
+  }
+  std::string text() {
+    const auto size = integer<std::uint16_t>();
+    need(size);
+    std::string result(bytes_.begin() + static_cast<std::ptrdiff_t>(at_),
+                       bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size));
+    at_ += size;
+    return result;
+  }
+  void finish() const {
+    if (at_ != bytes_.size()) throw std::runtime_error("a request has bytes left over");
+  }
+
+ private:
+  void need(std::size_t count) const {
+    if (bytes_.size() - at_ < count) throw std::runtime_error("a request is too short");
+  }
+  const std::vector<std::uint8_t>& bytes_;
+  std::size_t at_{};
+};
+
+template <typename T>
+void putInteger(std::vector<std::uint8_t>& out, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    out.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+  }
+}
+inline void putText(std::vector<std::uint8_t>& out, std::string_view text) {
+  text = text.substr(0, 0xFFFF);
+  putInteger(out, static_cast<std::uint16_t>(text.size()));
+  out.insert(out.end(), text.begin(), text.end());
+}
+
+}  // namespace kerfbench::avr_child

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "hil/base/digest.h"
+#include "hil/source/child_process.h"
+#include "hil/source/open.h"
+#include "hil/source/pin_stream.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kHeadBytes = 5;
+constexpr std::size_t kEventBytes = 16;
+constexpr std::size_t kMaxUartBlock = 1U << 20U;
+constexpr std::chrono::milliseconds kFarewell{500};
+
+/// Frames of the protocol, little-endian.
+class Request {
+ public:
+  explicit Request(std::vector<std::uint8_t>& out, kb_ps_request type) : out_(out), start_(out.size()) {
+    out.resize(start_ + kHeadBytes);
+    out[start_ + 4] = static_cast<std::uint8_t>(type);
+  }
+  ~Request() {
+    const auto size = static_cast<std::uint32_t>(out_.size() - start_ - kHeadBytes);
+    for (std::size_t i = 0; i < 4; ++i) out_[start_ + i] = static_cast<std::uint8_t>(size >> (8 * i));
+  }
+  Request(const Request&) = delete;
+  Request& operator=(const Request&) = delete;
+  template <typename T>
+  Request& put(T value) {
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      out_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+    }
+    return *this;
+  }
+  Request& text(const std::string& value) {
+    if (value.size() > 0xFFFF) throw std::runtime_error("a text for the child is too long");
+    put(static_cast<std::uint16_t>(value.size()));
+    return bytes({reinterpret_cast<const std::uint8_t*>(value.data()), value.size()});
+  }
+  Request& bytes(std::span<const std::uint8_t> value) {
+    out_.insert(out_.end(), value.begin(), value.end());
+    return *this;
+  }
+
+ private:
+  std::vector<std::uint8_t>& out_;
+  std::size_t start_;
+};
+
+/// The child broke the protocol: whatever it says next cannot be trusted.
+class Malformed : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Gone : public Malformed {
+  using Malformed::Malformed;
+};
+
+class Reply {
+ public:
+  explicit Reply(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
+  template <typename T>
+  T take() {
+    const auto bytes = block(sizeof(T));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) value |= std::uint64_t{bytes[i]} << (8 * i);
+    return static_cast<T>(value);
+  }
+  std::span<const std::uint8_t> block(std::size_t size) {
+    if (rest_.size() < size) throw Malformed("a reply is too short");
+    const auto taken = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return taken;
+  }
+  std::string text() {
+    const auto bytes = block(take<std::uint16_t>());
+    return {bytes.begin(), bytes.end()};
+  }
+  void finish() const {
+    if (!rest_.empty()) throw Malformed("a reply has bytes left over");
+  }
+
+ private:
+  std::span<const std::uint8_t> rest_;
+};
+
+Stop stopFrom(std::uint8_t code) {
+  switch (code) {
+    case KB_PS_REACHED: return Stop::kReached;
+    case KB_PS_ENDED: return Stop::kEnded;
+    case KB_PS_CRASHED: return Stop::kCrashed;
+    case KB_PS_FLOODED: return Stop::kFlooded;
+    default: throw Malformed("unknown stop code " + std::to_string(code));
+  }
+}
+
+class ChildSource final : public SignalSource {
+ public:
+  explicit ChildSource(const ChildSourceOptions& options) : options_(options), child_(options.child) { open(); }
+
+  ~ChildSource() override {
+    if (stop_ != Stop::kReached) return;
+    Request(outgoing_, KB_PS_QUIT);
+    (void)child_.write(outgoing_, ChildProcess::Clock::now() + kFarewell);
+    (void)child_.finish(kFarewell);
+  }
+
+  [[nodiscard]] SourceInfo info() const override { return info_; }
+
+  Stop advance(Tick until, Batch& batch) override {
+    batch.events.clear();
+    batch.uart.clear();
+    batch.watermark = watermark_;
+    if (stop_ != Stop::kReached) return stop_;
+    if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
+    Request(outgoing_, KB_PS_ADVANCE).put(until);
+    const auto deadline = quantumDeadline();
+    const auto sent = child_.write(std::exchange(outgoing_, {}), deadline);
+    if (sent == ChildProcess::Io::kTimedOut) return hung();
+    // A child that no longer reads may still have said why.
+    try {
+      readBatch(until, batch, deadline);
+    } catch (const Gone& fault) {
+      batch = {{}, {}, watermark_};
+      fail(Stop::kCrashed, std::string("the child ") + fault.what());
+    } catch (const Malformed& fault) {
+      batch = {{}, {}, watermark_};
+      child_.kill();
+      fail(Stop::kCrashed, std::string("the child broke the protocol: ") + fault.what());
+    }
+    return stop_;
+  }
+
+  void drive(PinId pin, bool level, Tick at) override {
+    if (at <= watermark_ || at < last_drive_) {
+      throw std::invalid_argument("drive() must be after the watermark and in order of tick");
+    }
+    last_drive_ = at;
+    Request(outgoing_, KB_PS_DRIVE).put(at).put(pin.port).put(pin.bit).put(static_cast<std::uint8_t>(level ? 1 : 0));
+  }
+
+  void uartWrite(std::span<const std::uint8_t> bytes) override {
+    while (!bytes.empty()) {
+      const auto part = bytes.first(std::min(bytes.size(), kMaxUartBlock));
+      Request(outgoing_, KB_PS_UART).bytes(part);
+      bytes = bytes.subspan(part.size());
+    }
+  }
+
+  [[nodiscard]] std::string message() const override { return message_; }
+
+ private:
+  void open() {
+    {
+      Request request(outgoing_, KB_PS_OPEN);
+      request.put(std::uint32_t{KB_PS_VERSION}).put(options_.clock_hz).put(options_.baud);
+      request.put(options_.max_events_per_quantum).text(options_.mcu);
+      request.text(std::filesystem::absolute(options_.image).string());
+    }
+    const auto deadline = quantumDeadline();
+    const auto where = options_.child.string() + ": ";
+    std::vector<std::uint8_t> payload;
+    std::uint8_t type = 0;
+    try {
+      if (child_.write(std::exchange(outgoing_, {}), deadline) == ChildProcess::Io::kTimedOut ||
+          !readReply(type, payload, deadline)) {
+        child_.kill();
+        (void)child_.finish(kFarewell);
+        throw std::runtime_error(where + "gave no answer within its wall-clock guard");
+      }
+      Reply reply(payload);
+      if (type == KB_PS_ERROR) {
+        const auto text = reply.text();
+        (void)child_.finish(kFarewell);
+        throw std::runtime_error(text);
+      }
+      if (type != KB_PS_HELLO) throw Malformed("the first reply is neither HELLO nor ERROR");
+      const auto version = reply.take<std::uint32_t>();
+      if (version != KB_PS_VERSION) throw Malformed("speaks protocol version " + std::to_string(version));
+      info_.rate.num = reply.take<std::uint64_t>();
+      info_.rate.den = reply.take<std::uint64_t>();
+      info_.stamp_err_ticks = reply.take<std::uint32_t>();
+      info_.config_id = reply.text() + "; image sha256 " + sha256File(options_.image);
+      reply.finish();
+      if (info_.rate.num == 0 || info_.rate.den == 0) throw Malformed("declares a tick rate of zero");
+    } catch (const Malformed& fault) {
+      throw std::runtime_error(where + fault.what());
+    }
+    info_.deterministic = true;
+    info_.accepts_input = true;
+  }
+
+  [[nodiscard]] ChildProcess::Clock::time_point quantumDeadline() const {
+    return ChildProcess::Clock::now() + std::chrono::duration_cast<ChildProcess::Clock::duration>(
+                                            std::chrono::duration<double>(options_.hang_guard_s));
+  }
+
+  /// False: not within the deadline. @throws Malformed if the child has gone or talks nonsense.
+  bool readReply(std::uint8_t& type, std::vector<std::uint8_t>& payload, ChildProcess::Clock::time_point deadline) {
+    std::array<std::uint8_t, kHeadBytes> head{};
+    const auto check = [this](ChildProcess::Io io) {
+      if (io != ChildProcess::Io::kClosed) return io == ChildProcess::Io::kDone;
+      const auto end = child_.finish(kFarewell);
+      const auto words = child_.lastWords();
+      throw Gone(end + (words.empty() ? "" : "; it said: " + words));
+    };
+    if (!check(child_.read(head, deadline))) return false;
+    std::uint32_t size = 0;
+    for (std::size_t i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
+    if (size > KB_PS_MAX_PAYLOAD) throw Malformed("a reply of " + std::to_string(size) + " bytes is too long");
+    type = head[4];
+    payload.resize(size);
+    return check(child_.read(payload, deadline));
+  }
+
+  void readBatch(Tick until, Batch& batch, ChildProcess::Clock::time_point deadline) {
+    std::uint8_t type = 0;
+    if (!readReply(type, payload_, deadline)) {
+      (void)hung();
+      return;
+    }
+    if (type == KB_PS_ERROR) throw Malformed(Reply(payload_).text());
+    if (type != KB_PS_BATCH) throw Malformed("unknown reply " + std::to_string(type));
+    Reply reply(payload_);
+    const Stop stop = stopFrom(reply.take<std::uint8_t>());
+    const auto watermark = reply.take<Tick>();
+    if (watermark > until || watermark < watermark_ || (stop == Stop::kReached && watermark != until)) {
+      throw Malformed("watermark " + std::to_string(watermark) + " is not where the run was to end");
+    }
+    const std::size_t count = reply.take<std::uint32_t>();
+    if (count > options_.max_events_per_quantum) throw Malformed("more events than allowed");
+    Reply events(reply.block(count * kEventBytes));
+    batch.events.reserve(count);
+    Tick last = watermark_ + 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      PinEvent event;
+      event.tick = events.take<Tick>();
+      event.port = events.take<std::uint16_t>();
+      event.changed = events.take<std::uint16_t>();
+      event.level = events.take<std::uint16_t>();
+      event.flags = events.take<std::uint16_t>();
+      if (event.tick < last || event.tick > watermark) throw Malformed("the ticks of its events do not ascend");
+      last = event.tick;
+      auto& level = levels_[event.port];
+      if ((event.flags & PinEvent::kGap) == 0 && (level ^ event.changed) != event.level) {
+        throw Malformed("an event's levels contradict the one before it");
+      }
+      level = event.level;
+      batch.events.push_back(event);
+    }
+    const auto uart = reply.block(reply.take<std::uint32_t>());
+    batch.uart.assign(uart.begin(), uart.end());
+    const auto text = reply.text();
+    reply.finish();
+    batch.watermark = watermark_ = watermark;
+    if (stop != Stop::kReached) {
+      (void)child_.finish(kFarewell);
+      fail(stop, text);
+    }
+  }
+
+  Stop hung() {
+    child_.kill();
+    (void)child_.finish(kFarewell);
+    return fail(Stop::kHung, "the child did not answer within its wall-clock guard and was killed");
+  }
+
+  Stop fail(Stop stop, std::string message) {
+    message_ = std::move(message);
+    return stop_ = stop;
+  }
+
+  ChildSourceOptions options_;
+  ChildProcess child_;
+  SourceInfo info_;
+  std::vector<std::uint8_t> outgoing_;
+  std::vector<std::uint8_t> payload_;
+  std::map<std::uint16_t, std::uint16_t> levels_;
+  Tick watermark_{};
+  Tick last_drive_{};
+  Stop stop_{Stop::kReached};
+  std::string message_;
+};
+
+}  // namespace
+
+std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options) {
+  return std::make_unique<ChildSource>(options);
+}
+
+}  // namespace kerfbench::hil

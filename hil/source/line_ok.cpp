@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/source/line_ok.h"
+
+#include <utility>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kMaxReplyChars = 512;
+constexpr double kProbeShare = 0.5;      // of the time to connect, then an empty line asks
+constexpr double kSettle_s = 0.1;        // for the answer to that line, after a late banner
+constexpr double kAskPeriod_s = 0.1;
+constexpr double kReportTimeout_s = 1.0;  // no report in this time: this firmware makes none
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/// Without comments "(…)" and "; …" and without blanks at the ends.
+std::string strip(std::string_view line) {
+  std::string out;
+  bool in_comment = false;
+  for (const char c : line) {
+    if (c == ';') break;
+    if (c == '(') in_comment = true;
+    if (!in_comment) out += c;
+    if (c == ')') in_comment = false;
+  }
+  while (!out.empty() && isBlank(out.back())) out.pop_back();
+  const auto first = out.find_first_not_of(" \t\r");
+  out.erase(0, first == std::string::npos ? out.size() : first);
+  return out == "%" ? "" : out;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (const char c : text.substr(0, 80)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return out;
+}
+
+}  // namespace
+
+LineOkSender::LineOkSender(std::string_view program, const LineOkOptions& options) : options_(options) {
+  for (std::size_t number = 1; !program.empty(); ++number) {
+    const auto eol = program.find('\n');
+    auto text = strip(program.substr(0, eol));
+    program.remove_prefix(eol == std::string_view::npos ? program.size() : eol + 1);
+    if (!text.empty()) lines_.push_back({number, std::move(text)});
+  }
+}
+
+std::vector<std::uint8_t> LineOkSender::step(std::span<const std::uint8_t> received, double now_s) {
+  if (!std::exchange(started_, true)) start_s_ = now_s;
+  for (const std::uint8_t byte : received) {
+    if (state_ == State::kDone || state_ == State::kFailed) break;
+    if (byte != '\n') {
+      if (byte != '\r') partial_ += static_cast<char>(byte);
+      if (partial_.size() > kMaxReplyChars) fail("the firmware sends an endless line: wrong baud rate?");
+      continue;
+    }
+    const std::string line = std::exchange(partial_, {});
+    if (!line.empty()) takeLine(line, now_s);
+  }
+  watchTime(now_s);
+  return std::exchange(outgoing_, {});
+}
+
+void LineOkSender::takeLine(std::string_view line, double now_s) {
+  if (line.starts_with("ALARM")) return fail("the firmware reports " + printable(line) + atLine());
+  if (line.starts_with("error")) return fail("the firmware answers " + printable(line) + atLine());
+  switch (state_) {
+    case State::kConnecting:
+      if (line == "ok" || !probed_) {
+        beginStreaming(now_s);
+      } else if (!heard_) {
+        // A banner after the empty line: its ok may follow, or the line came too early and is lost.
+        heard_ = true;
+        settle_s_ = now_s + kSettle_s;
+      }
+      break;
+    case State::kStreaming:
+      if (line == "ok") {
+        ++answered_;
+        sendNext(now_s);
+      }
+      break;
+    case State::kDraining:
+      if (line.starts_with("<")) takeReport(line);
+      break;
+    case State::kDone:
+    case State::kFailed: break;
+  }
+}
+
+void LineOkSender::takeReport(std::string_view report) {
+  report_seen_ = true;
+  if (report.starts_with("<Idle")) {
+    state_ = State::kDone;
+  } else if (report.starts_with("<Alarm")) {
+    fail("the firmware is in alarm after the last line: " + printable(report));
+  }
+}
+
+void LineOkSender::watchTime(double now_s) {
+  switch (state_) {
+    case State::kConnecting:
+      if (heard_ && now_s >= settle_s_) {
+        beginStreaming(now_s);
+      } else if (!heard_ && now_s - start_s_ >= options_.connect_timeout_s) {
+        fail("the firmware has not said a word in " + std::to_string(options_.connect_timeout_s) + " s");
+      } else if (!probed_ && now_s - start_s_ >= kProbeShare * options_.connect_timeout_s) {
+        probed_ = true;
+        put("\n");
+      }
+      break;
+    case State::kStreaming:
+      if (now_s - sent_s_ >= options_.reply_timeout_s) {
+        fail("no answer in " + std::to_string(options_.reply_timeout_s) + " s" + atLine());
+      }
+      break;
+    case State::kDraining:
+      if (!report_seen_ && now_s - drain_s_ >= kReportTimeout_s) {
+        state_ = State::kDone;
+      } else if (now_s - drain_s_ >= options_.drain_timeout_s) {
+        fail("the firmware has not come to rest in " + std::to_string(options_.drain_timeout_s) + " s");
+      } else if (now_s - asked_s_ >= kAskPeriod_s) {
+        asked_s_ = now_s;
+        put("?");
+      }
+      break;
+    case State::kDone:
+    case State::kFailed: break;
+  }
+}
+
+void LineOkSender::beginStreaming(double now_s) {
+  state_ = State::kStreaming;
+  sendNext(now_s);
+}
+
+void LineOkSender::sendNext(double now_s) {
+  if (answered_ < lines_.size()) {
+    put(lines_[answered_].text);
+    put("\n");
+    sent_s_ = now_s;
+    return;
+  }
+  state_ = options_.wait_for_idle ? State::kDraining : State::kDone;
+  drain_s_ = asked_s_ = now_s;
+  if (state_ == State::kDraining) put("?");
+}
+
+void LineOkSender::fail(std::string message) {
+  state_ = State::kFailed;
+  failure_ = std::move(message);
+  outgoing_.clear();
+}
+
+std::string LineOkSender::atLine() const {
+  if (state_ != State::kStreaming || answered_ >= lines_.size()) return "";
+  const auto& line = lines_[answered_];
+  return " to line " + std::to_string(line.number) + ": " + printable(line.text);
+}
+
+double LineOkSender::progress() const {
+  return lines_.empty() ? 1.0 : static_cast<double>(answered_) / static_cast<double>(lines_.size());
+}
+
+std::string LineOkSender::message() const {
+  const auto of_lines = std::to_string(answered_) + " of " + std::to_string(lines_.size()) + " lines";
+  switch (state_) {
+    case State::kConnecting: return "waiting for the firmware's first line";
+    case State::kStreaming: return of_lines + " answered";
+    case State::kDraining: return of_lines + " answered, waiting for the motion to end";
+    case State::kDone: return of_lines + " done";
+    case State::kFailed: break;
+  }
+  return failure_;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "hil/source/vcd.h"
+#include "hil/source/vcd_scale.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30U;
+constexpr std::size_t kMaxFaults = 20;
+constexpr std::size_t kMaxWires = 4096;
+constexpr std::uint64_t kMaxWidthBits = 4096;
+
+/// Thrown when there is no sense in reading on.
+struct GiveUp {};
+
+template <typename T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+/// For people: never the raw bytes of a hostile file.
+std::string shown(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text.substr(0, 40)) out += c > 0x20 && c < 0x7f ? c : '?';
+  return out + (text.size() > 40 ? "…'" : "'");
+}
+
+class Reader {
+ public:
+  Reader(std::string path, std::string_view text, const SignalMap& map)
+      : path_(std::move(path)), text_(text), map_(map) {}
+
+  PinRecording read() {
+    try {
+      header();
+      body();
+    } catch (const GiveUp&) {
+    }
+    if (!faults_.empty()) throw std::runtime_error(faults_);
+    return std::move(recording_);
+  }
+
+ private:
+  struct Wire {
+    std::optional<Signal> signal;
+    std::uint64_t width{};
+    bool level{};
+  };
+  struct Gap {
+    Tick tick{};
+    std::uint16_t port{};
+  };
+
+  void fault(const std::string& what) {
+    if (fault_count_++ == kMaxFaults) {
+      faults_ += "\n" + path_ + ": further faults left out";
+      throw GiveUp{};
+    }
+    faults_ += (faults_.empty() ? "" : "\n") + path_ + ":" + std::to_string(line_) + ": " + what;
+  }
+  [[noreturn]] void giveUp(const std::string& what) {
+    fault(what);
+    throw GiveUp{};
+  }
+
+  /// The next word, or nothing at the end of the file. Words are divided by blanks.
+  std::string_view word() {
+    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ') line_ += text_[at_++] == '\n' ? 1U : 0U;
+    const std::size_t start = at_;
+    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) > ' ') ++at_;
+    return text_.substr(start, at_ - start);
+  }
+  /// The words up to $end.
+  std::vector<std::string_view> section(std::string_view name) {
+    std::vector<std::string_view> words;
+    for (;;) {
+      const auto next = word();
+      if (next.empty()) giveUp(std::string(name) + " has no $end: the file is truncated");
+      if (next == "$end") return words;
+      if (words.size() < 64) words.push_back(next);
+    }
+  }
+
+  void header() {
+    for (;;) {
+      const auto keyword = word();
+      if (keyword.empty()) giveUp("no $enddefinitions: not a VCD file, or a truncated one");
+      if (keyword.front() != '$') giveUp("a VCD header was expected, not " + shown(keyword));
+      const auto words = section(keyword);
+      if (keyword == "$enddefinitions") break;
+      if (keyword == "$timescale") timescale(words);
+      if (keyword == "$comment") comment(words);
+      if (keyword == "$var") variable(words);
+    }
+    if (exponent_ < 0) {
+      fault("no $timescale");
+      return;
+    }
+    for (std::size_t i = 0; i < kSignalCount; ++i) {
+      const auto signal = static_cast<Signal>(i);
+      if (map_.pin(signal) && !isSensor(signal) && !seen_[i]) {
+        fault("no wire " + std::string(signalName(signal)) + ", which the machine has");
+      }
+    }
+    TickRate rate{1, 1};
+    for (int i = 0; i < exponent_; ++i) rate.den *= 10;
+    recording_.own = own_rate_.has_value();
+    recording_.rate = own_rate_.value_or(rate);
+    scale_ = VcdScale(exponent_, recording_.rate);
+    if (recording_.own && !scale_.exact() && exponent_ < 12) fault("the time scale is too coarse for the tick");
+  }
+
+  void timescale(const std::vector<std::string_view>& words) {
+    std::string text;
+    for (const auto part : words) text.append(part.substr(0, 16));
+    static constexpr std::array<const char*, 6> kUnits{"s", "ms", "us", "ns", "ps", "fs"};
+    for (int exponent = -2; exponent <= VcdScale::kFinestExponent; ++exponent) {
+      const int unit = (exponent + 2) / 3;
+      const int zeros = unit * 3 - exponent;
+      if (text != std::string(zeros == 0 ? "1" : zeros == 1 ? "10" : "100") + kUnits[static_cast<std::size_t>(unit)]) {
+        continue;
+      }
+      if (exponent_ >= 0) fault("a second $timescale");
+      if (exponent < 0) fault("a time scale above one second");
+      exponent_ = std::max(exponent, 0);
+      return;
+    }
+    fault("$timescale " + shown(text) + " is not 1, 10 or 100 of s … fs");
+  }
+
+  void comment(const std::vector<std::string_view>& words) {
+    if (words.size() < 3 || words[0] != "kerfbench") return;
+    if (words[1] == "tick") {
+      const auto slash = words[2].find('/');
+      const auto num = number<std::uint64_t>(words[2].substr(0, slash));
+      const auto den = slash == std::string_view::npos ? std::nullopt : number<std::uint64_t>(words[2].substr(slash + 1));
+      constexpr std::uint64_t kMax = std::uint64_t{1} << 40U;
+      if (!num || !den || *num == 0 || *den == 0 || *num > kMax || *den > kMax) {
+        fault("a tick of " + shown(words[2]) + " seconds makes no sense");
+      } else if (own_rate_) {
+        fault("a second tick");
+      } else {
+        own_rate_ = TickRate{*num, *den};
+      }
+    } else if (words[1] == "end") {
+      own_end_ = number<Tick>(words[2]);
+      if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
+    } else if (words[1] == "gap") {
+      const auto tick = number<Tick>(words[2]);
+      const auto port = words.size() > 3 ? number<std::uint16_t>(words[3]) : std::nullopt;
+      if (tick && port) {
+        gaps_.push_back({*tick, *port});
+      } else {
+        fault("a gap makes no sense");
+      }
+    }
+  }
+
+  void variable(const std::vector<std::string_view>& words) {
+    const auto width = words.size() >= 4 ? number<std::uint64_t>(words[1]) : std::nullopt;
+    if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
+    if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
+    if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
+    Wire wire{signalFromName(words[3]), *width, false};
+    if (wire.signal && !map_.pin(*wire.signal)) wire.signal.reset();
+    if (wire.signal) {
+      if (*width != 1) return fault(std::string(words[3]) + " must be a wire of 1 bit");
+      if (std::exchange(seen_[static_cast<std::size_t>(*wire.signal)], true)) {
+        return fault("the wire " + std::string(words[3]) + " is there twice");
+      }
+    }
+    if (!wires_.try_emplace(words[2], wire).second && wire.signal) {
+      fault("the identifier " + shown(words[2]) + " is used twice");
+    }
+  }
+
+  void body() {
+    if (!faults_.empty()) return;  // Nothing below can be judged by a broken header.
+    for (auto token = word(); !token.empty(); token = word()) {
+      switch (token.front()) {
+        case '#': stamp(token.substr(1)); break;
+        case '0': case '1': case 'x': case 'X': case 'z': case 'Z':
+          if (token.size() == 1) {
+            fault("a change without an identifier");
+          } else {
+            change(token.front(), token.substr(1));
+          }
+          break;
+        case 'b': case 'B': case 'r': case 'R': vector(token); break;
+        case '$':
+          if (token == "$comment") {
+            section(token);
+          } else if (token != "$end" && !token.starts_with("$dump")) {
+            fault("unknown section " + shown(token));
+          }
+          break;
+        default: fault("neither a stamp nor a change: " + shown(token));
+      }
+    }
+    finish();
+  }
+
+  void stamp(std::string_view digits) {
+    const auto value = number<std::uint64_t>(digits);
+    if (!value) return fault("a stamp of " + shown(digits) + " makes no sense");
+    if (stamped_ && *value < stamp_) return fault("time goes back to " + std::to_string(*value));
+    stamp_ = *value;
+    stamped_ = true;
+    if (!scale_.tickOf(stamp_, tick_)) fault("the stamp " + std::to_string(stamp_) + " is not on a tick");
+  }
+
+  void change(char level, std::string_view id) {
+    const auto found = wires_.find(id);
+    if (found == wires_.end()) return fault("unknown identifier " + shown(id));
+    Wire& wire = found->second;
+    if (!wire.signal) return;
+    if (level != '0' && level != '1') {
+      return fault(std::string(signalName(*wire.signal)) + " has the level '" + std::string(1, level) +
+                   "': nobody knows what the pin did");
+    }
+    const bool high = level == '1';
+    if (wire.level == high) return;
+    wire.level = high;
+    if (isSensor(*wire.signal)) {
+      recording_.sensors.push_back({tick_, *wire.signal, high});
+    } else {
+      output(*map_.pin(*wire.signal), high);
+    }
+  }
+
+  void vector(std::string_view token) {
+    const auto id = word();
+    if (id.empty()) giveUp("a change without an identifier: the file is truncated");
+    const auto found = wires_.find(id);
+    if (found == wires_.end()) return fault("unknown identifier " + shown(id));
+    if (token.size() > kMaxWidthBits + 1) return fault("a value of " + std::to_string(token.size()) + " characters");
+    if (found->second.signal) {
+      if (token.size() != 2) return fault("a wire of 1 bit has the value " + shown(token));
+      change(token[1], id);
+    }
+  }
+
+  void output(PinId pin, bool high) {
+    auto& level = levels_[pin.port];
+    const auto mask = static_cast<std::uint16_t>(1U << pin.bit);
+    level = static_cast<std::uint16_t>(high ? level | mask : level & ~mask);
+    auto& events = recording_.outputs;
+    for (auto event = events.rbegin(); event != events.rend() && event->tick == tick_; ++event) {
+      if (event->port != pin.port) continue;
+      if ((event->changed & mask) != 0) fault("a wire changes twice at one stamp");
+      event->changed |= mask;
+      event->level = level;
+      return;
+    }
+    events.push_back({tick_, pin.port, mask, level, PinEvent::kNone});
+  }
+
+  void finish() {
+    if (!stamped_) giveUp("no time stamps");
+    const Tick last = std::max(recording_.outputs.empty() ? 0 : recording_.outputs.back().tick,
+                               recording_.sensors.empty() ? 0 : recording_.sensors.back().tick);
+    recording_.end = own_end_.value_or(tick_);
+    if (own_end_ && (*own_end_ < last || tick_ < *own_end_)) fault("the file ends before its end: it is truncated");
+    for (const auto& gap : gaps_) {
+      auto& events = recording_.outputs;
+      auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
+                                    [](const PinEvent& e, Tick tick) { return e.tick < tick; });
+      while (event != events.end() && event->tick == gap.tick && event->port != gap.port) ++event;
+      if (event == events.end() || event->tick != gap.tick) {
+        // The gap's own edges were on pins that are not wired, but it is still a gap.
+        event = events.insert(event, {gap.tick, gap.port, 0, 0, 0});
+        if (event != events.begin()) event->level = levelBefore(event - events.begin(), gap.port);
+      }
+      event->flags |= PinEvent::kGap;
+    }
+  }
+
+  [[nodiscard]] std::uint16_t levelBefore(std::ptrdiff_t index, std::uint16_t port) const {
+    while (--index >= 0) {
+      const auto& event = recording_.outputs[static_cast<std::size_t>(index)];
+      if (event.port == port) return event.level;
+    }
+    return 0;
+  }
+
+  std::string path_;
+  std::string_view text_;
+  const SignalMap& map_;
+  std::size_t at_{};
+  std::size_t line_{1};
+  std::string faults_;
+  std::size_t fault_count_{};
+  int exponent_{-1};
+  std::optional<TickRate> own_rate_;
+  std::optional<Tick> own_end_;
+  std::vector<Gap> gaps_;
+  std::array<bool, kSignalCount> seen_{};
+  std::unordered_map<std::string_view, Wire> wires_;
+  std::unordered_map<std::uint16_t, std::uint16_t> levels_;
+  VcdScale scale_;
+  PinRecording recording_;
+  std::uint64_t stamp_{};
+  Tick tick_{};
+  bool stamped_{};
+};
+
+std::string readWhole(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+  if (size < 0) throw std::system_error(errno, std::generic_category(), path.string());
+  if (static_cast<std::uintmax_t>(size) > kMaxFileBytes) throw std::runtime_error(path.string() + ": larger than 4 GiB");
+  std::string text(static_cast<std::size_t>(size), '\0');
+  file.seekg(0);
+  if (!file.read(text.data(), size)) throw std::system_error(errno, std::generic_category(), path.string());
+  return text;
+}
+
+}  // namespace
+
+PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map) {
+  const std::string text = readWhole(path);
+  return Reader(path.string(), text, map).read();
+}
+
+}  // namespace kerfbench::hil

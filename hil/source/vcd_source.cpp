@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+#include <utility>
+
+#include "hil/base/digest.h"
+#include "hil/source/open.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::hil {
+namespace {
+
+class VcdSource final : public SignalSource {
+ public:
+  VcdSource(const std::filesystem::path& path, const SignalMap& map) : recording_(readVcd(path, map)) {
+    info_.rate = recording_.rate;
+    info_.stamp_err_ticks = recording_.own ? 0 : 1;  // A foreign recorder samples: half a period each way.
+    info_.deterministic = true;
+    info_.accepts_input = false;
+    info_.config_id = "recording sha256 " + sha256File(path);
+  }
+
+  [[nodiscard]] SourceInfo info() const override { return info_; }
+
+  Stop advance(Tick until, Batch& batch) override {
+    batch.events.clear();
+    batch.uart.clear();
+    if (until <= watermark_ && !ended_) throw std::invalid_argument("advance() must go forward");
+    const auto& events = recording_.outputs;
+    while (next_ < events.size() && events[next_].tick <= until) batch.events.push_back(events[next_++]);
+    ended_ = ended_ || until >= recording_.end;
+    watermark_ = ended_ ? recording_.end : until;
+    batch.watermark = watermark_;
+    return ended_ ? Stop::kEnded : Stop::kReached;
+  }
+
+  void drive(PinId /*pin*/, bool /*level*/, Tick /*at*/) override {}
+  void uartWrite(std::span<const std::uint8_t> /*bytes*/) override {}
+  [[nodiscard]] std::string message() const override { return ended_ ? "the recording is at its end" : ""; }
+
+ private:
+  PinRecording recording_;
+  SourceInfo info_;
+  std::size_t next_{};
+  Tick watermark_{};
+  bool ended_{};
+};
+
+}  // namespace
+
+std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const SignalMap& map) {
+  return std::make_unique<VcdSource>(path, map);
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that other programs take, or crash on. Each must be refused with its line.
+#include <gmock/gmock.h>
+
+#include "tests/hil/source/vcd_sample.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kWires =
+    "$var wire 1 ! galvo_x_pul $end\n$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n"
+    "$var wire 1 + laser_gate $end\n";
+
+std::string header(const std::string& more = "") {
+  return "$timescale 100 ps $end\n$scope module pins $end\n" + std::string(kWires) + more +
+         "$upscope $end\n$enddefinitions $end\n";  // 8 lines and those of `more`
+}
+
+std::string refusal(const std::filesystem::path& path) {
+  try {
+    (void)readVcd(path, sampleMap());
+  } catch (const std::runtime_error& fault) {
+    return fault.what();
+  }
+  return "accepted";
+}
+
+struct Case {
+  const char* name;
+  std::string content;
+  const char* words;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class HostileVcd : public VcdTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(HostileVcd, IsRefused) { EXPECT_THAT(refusal(put("hostile.vcd", GetParam().content)), HasSubstr(GetParam().words)); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Corpus, HostileVcd,
+    ::testing::Values(
+        Case{"empty", "", "no $enddefinitions"}, Case{"binary", std::string("\x7f" "ELF\0\0\1", 7), "header was expected"},
+        Case{"no_header", "#0\n1!\n#10\n", ":1: a VCD header"},
+        Case{"no_timescale", std::string(kWires) + "$enddefinitions $end\n#0\n", "no $timescale"},
+        Case{"bad_timescale", "$timescale 7 lightyears $end\n" + std::string(kWires) + "$enddefinitions $end\n#0\n",
+             ":1: $timescale"},
+        Case{"no_definitions_end", "$timescale 1 ns $end\n" + std::string(kWires), "no $enddefinitions"},
+        Case{"open_section", "$timescale 1 ns\n", "no $end"},
+        Case{"time_back", header() + "#0\n#20\n1!\n#10\n0!\n", ":12: time goes back to 10"},
+        Case{"stamp_text", header() + "#zero\n", ":9: a stamp"},
+        Case{"stamp_negative", header() + "#-5\n", ":9: a stamp"},
+        Case{"stamp_overflow", header() + "#99999999999999999999999\n", ":9: a stamp"},
+        Case{"unknown_id", header() + "#0\n1Z\n#1\n", ":10: unknown identifier"},
+        Case{"no_id", header() + "#0\n1\n#1\n", ":10: a change without"},
+        Case{"level_x", header() + "#0\nx!\n#1\n", ":10: galvo_x_pul has the level 'x'"},
+        Case{"level_z", header() + "#0\n1!\n#5\nz!\n#6\n", ":12: galvo_x_pul has the level 'z'"},
+        Case{"vector_x", header() + "#0\nbx !\n#1\n", ":10: galvo_x_pul has the level 'x'"},
+        Case{"vector_on_bit", header() + "#0\nb101 !\n#1\n", ":10: a wire of 1 bit"},
+        Case{"vector_cut", header() + "#0\nb1", "truncated"},
+        Case{"huge_width", header("$var wire 2000000000 q big $end\n") + "#0\n", ":7: a wire of 2000000000 bits"},
+        Case{"zero_width", header("$var wire 0 q none $end\n") + "#0\n", ":7: $var needs"},
+        Case{"wide_pul", "$timescale 1 ns $end $var wire 8 ! galvo_x_pul $end $enddefinitions $end #0", "1 bit"},
+        Case{"twice", header("$var wire 1 q galvo_x_pul $end\n") + "#0\n", ":7: the wire galvo_x_pul is there twice"},
+        Case{"missing_wire", "$timescale 1 ns $end $var wire 1 ! galvo_x_pul $end $enddefinitions $end #0",
+             "no wire galvo_x_dir"},
+        Case{"no_stamps", header(), "no time stamps"},
+        Case{"glitch", header() + "#0\n1!\n0!\n#1\n", ":11: a wire changes twice"},
+        Case{"noise", header() + "#0\nhello\n", ":10: neither"},
+        Case{"section", header() + "#0\n$include /etc/passwd $end\n", ":10: unknown section"},
+        Case{"tick_zero", "$comment kerfbench tick 1/0 $end\n" + header() + "#0\n", ":1: a tick"},
+        Case{"tick_nonsense", "$comment kerfbench tick 1/-4 $end\n" + header() + "#0\n", ":1: a tick"},
+        Case{"off_tick", "$comment kerfbench tick 1/16000000 $end\n" + header() + "#0\n#624\n", "not on a tick"},
+        Case{"cut_at_end", "$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 9 $end\n" + header() +
+                               "#0\n#625\n1!\n",
+             "truncated"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(VcdTest, EveryTruncationOfAFileIsRefused) {
+  auto recording = sampleRecording(6);
+  writeVcd(file("whole.vcd"), recording, sampleMap());
+  const auto whole = contentOf(file("whole.vcd"));
+  recording = readVcd(file("whole.vcd"), sampleMap());
+  for (std::size_t size = 0; size + 1 < whole.size(); ++size) {
+    const auto path = put("cut.vcd", whole.substr(0, size));
+    if (refusal(path) != "accepted") continue;
+    // Only what follows the end of the run may be missing.
+    EXPECT_EQ(readVcd(path, sampleMap()).outputs, recording.outputs) << size;
+  }
+}
+
+TEST_F(VcdTest, EveryFaultIsListedUpToTwenty) {
+  const auto few = refusal(put("few.vcd", header() + "#0\n1Z\nx!\n#1\n"));
+  EXPECT_THAT(few, HasSubstr(":10: "));
+  EXPECT_THAT(few, HasSubstr(":11: "));
+  std::string many = header() + "#0\n";
+  for (int i = 0; i < 1000; ++i) many += "1Z\n";
+  const auto text = refusal(put("many.vcd", many));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 20);
+  EXPECT_THAT(text, HasSubstr("further faults left out"));
+}
+
+TEST_F(VcdTest, RandomDamageNeitherCrashesNorHangs) {
+  writeVcd(file("whole.vcd"), sampleRecording(30), sampleMap());
+  const auto whole = contentOf(file("whole.vcd"));
+  std::uint64_t state = 99;
+  for (int round = 0; round < 3000; ++round) {
+    auto damaged = whole;
+    for (int i = 0; i < 3; ++i) {
+      state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+      damaged[(state >> 33U) % damaged.size()] = static_cast<char>(state >> 20U);
+    }
+    (void)refusal(put("damaged.vcd", damaged));
+  }
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "hil/source/open.h"
+#include "tests/hil/source/vcd_sample.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+bool sameSensors(const std::vector<SensorEdge>& a, const std::vector<SensorEdge>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SensorEdge& x, const SensorEdge& y) {
+    return x.tick == y.tick && x.signal == y.signal && x.level == y.level;
+  });
+}
+
+class VcdRates : public VcdTest, public ::testing::WithParamInterface<TickRate> {};
+
+TEST_P(VcdRates, RoundTripIsExactToTheTickAndTheByte) {
+  const auto recording = sampleRecording(2000, GetParam());
+  writeVcd(file("a.vcd"), recording, sampleMap());
+  const auto back = readVcd(file("a.vcd"), sampleMap());
+  EXPECT_EQ(back.rate, recording.rate);
+  EXPECT_EQ(back.end, recording.end);
+  EXPECT_TRUE(back.own);
+  EXPECT_EQ(back.outputs, recording.outputs);
+  EXPECT_TRUE(sameSensors(back.sensors, recording.sensors));
+  writeVcd(file("b.vcd"), back, sampleMap());
+  EXPECT_EQ(contentOf(file("a.vcd")), contentOf(file("b.vcd")));
+}
+INSTANTIATE_TEST_SUITE_P(Clocks, VcdRates,
+                         ::testing::Values(TickRate{1, 16'000'000}, TickRate{1, 12'000'000}, TickRate{1, 1'000'000},
+                                           TickRate{1, 1'000'000'000}, TickRate{1, 14'745'600}, TickRate{3, 1000}));
+
+TEST_F(VcdTest, SixteenMegahertzIsWrittenIn100ps) {
+  PinRecording recording;
+  recording.outputs = {{1, 0, 5, 5, 0}, {3, 0, 4, 1, 0}};
+  recording.sensors = {{2, Signal::kPrintMark, true}};
+  recording.end = 3;
+  writeVcd(file("tiny.vcd"), recording, sampleMap());
+  EXPECT_EQ(contentOf(file("tiny.vcd")),
+            "$version kerfbench $end\n$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 3 $end\n"
+            "$timescale 100 ps $end\n$scope module pins $end\n$var wire 1 ! galvo_x_pul $end\n"
+            "$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n$var wire 1 + laser_gate $end\n"
+            "$var wire 1 - encoder_a $end\n$var wire 1 / print_mark $end\n$upscope $end\n$enddefinitions $end\n"
+            "#0\n$dumpvars\n0!\n0\"\n0#\n0+\n0-\n0/\n$end\n#625\n1!\n1#\n#1250\n1/\n#1875\n0#\n#2500\n");
+  EXPECT_EQ(readVcd(file("tiny.vcd"), sampleMap()).outputs, recording.outputs);
+}
+
+TEST_F(VcdTest, EmptyRunIsAFileToo) {
+  PinRecording recording;
+  recording.end = 1000;
+  writeVcd(file("empty.vcd"), recording, sampleMap());
+  const auto back = readVcd(file("empty.vcd"), sampleMap());
+  EXPECT_TRUE(back.outputs.empty());
+  EXPECT_EQ(back.end, 1000U);
+}
+
+TEST_F(VcdTest, GapsSurvive) {
+  auto recording = sampleRecording(100);
+  recording.outputs[40].flags = PinEvent::kGap;
+  recording.outputs.insert(recording.outputs.begin() + 60,
+                           PinEvent{recording.outputs[59].tick + 1, 9, 2, 2, PinEvent::kGap});
+  writeVcd(file("gap.vcd"), recording, sampleMap());
+  const auto back = readVcd(file("gap.vcd"), sampleMap());
+  ASSERT_EQ(back.outputs.size(), recording.outputs.size());
+  EXPECT_EQ(back.outputs[40], recording.outputs[40]);
+  EXPECT_EQ(back.outputs[60].tick, recording.outputs[60].tick);
+  EXPECT_EQ(back.outputs[60].flags, PinEvent::kGap);
+}
+
+TEST_F(VcdTest, EventsOutOfOrderAreNotWritten) {
+  PinRecording recording;
+  recording.outputs = {{5, 0, 1, 1, 0}, {4, 0, 1, 0, 0}};
+  EXPECT_THROW(writeVcd(file("no.vcd"), recording, sampleMap()), std::invalid_argument);
+}
+
+TEST_F(VcdTest, ForeignFileTakesItsTimeScaleForTheTick) {
+  const auto path = put("foreign.vcd",
+                        "$date today $end $version analyser $end\n$timescale 10ns $end\n$scope module logic $end\n"
+                        "$var wire 1 a galvo_x_pul $end $var reg 1 b galvo_x_dir [0] $end\n"
+                        "$var wire 1 c galvo_y_pul $end $var wire 1 d laser_gate $end $var wire 8 e bus $end\n"
+                        "$upscope $end $enddefinitions $end\n#0 $dumpvars 0a 1b 0c 0d bxxxxxxxx e $end\n"
+                        "#100 1a 1c\n#105 0a b00001111 e 0c\n#200\n");
+  const auto recording = readVcd(path, sampleMap());
+  EXPECT_FALSE(recording.own);
+  EXPECT_EQ(recording.rate, (TickRate{1, 100'000'000}));
+  EXPECT_EQ(recording.end, 200U);
+  EXPECT_EQ(recording.outputs,
+            (std::vector<PinEvent>{{0, 0, 2, 2, 0}, {100, 0, 5, 7, 0}, {105, 0, 5, 2, 0}}));
+  EXPECT_EQ(openVcd(path, sampleMap())->info().stamp_err_ticks, 1U);
+}
+
+TEST_F(VcdTest, ReplayGivesTheRecordingInQuantaAndThenEnds) {
+  const auto recording = sampleRecording(300);
+  writeVcd(file("replay.vcd"), recording, sampleMap());
+  for (const Tick quantum : {Tick{100}, Tick{8000}, Tick{10'000'000}}) {
+    const auto source = openVcd(file("replay.vcd"), sampleMap());
+    EXPECT_EQ(source->info().rate, recording.rate);
+    EXPECT_FALSE(source->info().accepts_input);
+    EXPECT_THAT(source->info().config_id, HasSubstr("sha256"));
+    std::vector<PinEvent> events;
+    Batch batch;
+    Tick tick = 0;
+    Stop stop = Stop::kReached;
+    while (stop == Stop::kReached) {
+      source->drive({0, 0}, true, tick + 1);
+      stop = source->advance(tick += quantum, batch);
+      for (const auto& event : batch.events) EXPECT_LE(event.tick, batch.watermark);
+      events.insert(events.end(), batch.events.begin(), batch.events.end());
+    }
+    EXPECT_EQ(stop, Stop::kEnded);
+    EXPECT_EQ(batch.watermark, recording.end);
+    EXPECT_EQ(events, recording.outputs);
+  }
+}
+
+TEST_F(VcdTest, MissingFileIsASystemError) {
+  EXPECT_THROW((void)readVcd("/nonexistent/pins.vcd", sampleMap()), std::system_error);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
