@@ -45,7 +45,25 @@ enum kb_reply {
 
 enum kb_nak { KB_NAK_CRC = 1, KB_NAK_TYPE = 2, KB_NAK_LENGTH = 3, KB_NAK_FULL = 4, KB_NAK_STATE = 5, KB_NAK_VALUE = 6 };
 enum kb_state { KB_IDLE, KB_RUNNING, KB_DONE, KB_STOPPED };
-enum kb_fault { KB_OK, KB_FAULT_DRY, KB_FAULT_INTERLOCK, KB_FAULT_LIMIT, KB_FAULT_PROGRAM, KB_FAULT_OVERSPEED };
+enum kb_fault {
+  KB_OK,
+  KB_FAULT_DRY,       /* the queue ran out inside the program: laser off at once, the axes ramp down */
+  KB_FAULT_INTERLOCK, /* the guard opened while running */
+  KB_FAULT_LIMIT,     /* an end-of-travel switch while running */
+  KB_FAULT_PROGRAM,   /* an operation that does not exist */
+  KB_FAULT_OVERSPEED, /* a move of more than KB_MAX_STEPS_PER_PERIOD */
+  KB_FAULT_LATE,      /* the controller itself did not prepare a period in time */
+  KB_FAULT_MARKS      /* more print marks waited than KB_MARKS_MAX - 1: a unit would be lost */
+};
+
+/* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START are refused
+ * while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE and KB_STOPPED: a new
+ * program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from any other state to KB_IDLE. A frame
+ * with the type and SEQ of the last one accepted since HELLO is answered again and not executed again. A frame that
+ * pauses for more than 20 ms is forgotten. */
+#define KB_PROTOCOL_VERSION 1
+#define KB_QUEUE_SIZE 4096U /* one byte less can be filled */
+#define KB_MARKS_MAX 8
 
 /* Program: a stream of operations.
  *
@@ -57,6 +75,11 @@ enum kb_fault { KB_OK, KB_FAULT_DRY, KB_FAULT_INTERLOCK, KB_FAULT_LIMIT, KB_FAUL
  * Follow: at each period boundary the controller takes the tracked belt position b (counts since the reference) and
  * the nominal one n (which advances by config.nominal_per_period), and moves the follow axis by the change of
  * round((b - n) * gain / 4096) in addition to the program's own steps.
+ *   In full: the period i ends at n = offset + (i + 1) * nominal, and the correction at its end is that of the belt
+ *   position predicted for that instant with its gain: at constant belt speed there is no lag. What does not fit into
+ *   KB_MAX_STEPS_PER_PERIOD beside the program's steps follows in the next periods. Before a WAIT_MARK the reference is
+ *   the belt at START. While a WAIT_MARK waits, and after END, the correction returns to zero, so that at KB_DONE each
+ *   axis is where the program's own steps have led it. Counts follow from edges of A and the time since.
  */
 #define KB_OP_MOVE 0x80
 #define KB_OP_POWER 0x20
@@ -76,8 +99,12 @@ enum kb_op {
 
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7
- * port C: feed PUL C0 DIR C1, laser gate C2
- * laser PWM: B7 (OC0A, fast PWM, 62.5 kHz)
- * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1, interlock L2
- */
+ * port C: feed PUL C0 DIR C1, laser gate C2, laser PWM C3
+ * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1, interlock L2 (high: closed)
+ * DIR high is the positive direction; the rising edge of PUL steps.
+ *
+ * Laser PWM is a first-order sigma-delta: each tick (40 kHz) carries one bit, a power p gives p high ticks in each 255, and
+ * p = 255 is always high. Why not OC0A: fast PWM at 62.5 kHz works in simavr 1.6, but makes 125 000 edges/s where this makes
+ * at most 40 000, gives p + 1 cycles of 256 (a spike at 0), and its edges move with the phase of Timer0; these are written
+ * with the gate, in one store. */
 #endif

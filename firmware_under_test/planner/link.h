@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,8 +12,8 @@
 
 namespace kerfbench::planner {
 
-/// The host half of protocol.h as a pure state machine: bytes and time in, bytes out. Says HELLO until answered,
-/// then CONFIG, fills the queue, START, keeps the queue full, waits for DONE.
+/// The host half of protocol.h as a pure state machine: bytes and time in, bytes out. Says HELLO until
+/// answered, then CONFIG, fills the queue, START, keeps the queue full, waits for DONE.
 class Link {
  public:
   enum class State { kConnecting, kConfiguring, kLoading, kRunning, kDone, kFailed };
@@ -27,8 +29,41 @@ class Link {
   [[nodiscard]] double progress() const;
 
  private:
+  /// A frame of the controller, its CRC proven.
+  struct Reply {
+    std::uint8_t type{};
+    std::uint8_t seq{};
+    std::vector<std::uint8_t> payload;
+  };
+
+  std::optional<Reply> takeReply();
+  void accept(const Reply& reply);
+  void accepted(std::size_t free_bytes);
+  void refused(std::uint8_t reason);
+  void stateSeen(std::uint8_t state, std::uint8_t fault);
+  void fail(std::string why);
+  /// The next frame to send, or nothing to do now.
+  void sendNext();
+  void send(std::uint8_t type, std::span<const std::uint8_t> payload);
+  void sendData();
+
   Program program_;
-  // state
+  State state_{State::kConnecting};
+  std::string failure_;
+  std::vector<std::uint8_t> received_;  ///< Not yet a whole frame.
+  std::vector<std::uint8_t> out_;       ///< What step() returns.
+  double now_s_{};
+  double first_s_{-1.0};         ///< Of the first step().
+  std::size_t op_{};             ///< First operation not yet accepted.
+  std::size_t ops_under_way_{};  ///< In the frame that waits for its answer.
+  std::size_t free_bytes_{};
+  std::vector<std::uint8_t> frame_;  ///< Waits for its answer; empty: none.
+  std::uint8_t seq_{};
+  double sent_s_{};
+  double asked_s_{};  ///< Of the last STATUS.
+  int repeats_{};
+  bool refused_in_run_{false};  ///< A frame was refused while running: ask why before giving up.
+  bool resend_{false};
 };
 
 }  // namespace kerfbench::planner

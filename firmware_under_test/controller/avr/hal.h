@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ATmega2560 at 16 MHz. */
+#ifndef KERFBENCH_CONTROLLER_HAL_H
+#define KERFBENCH_CONTROLLER_HAL_H
+
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+extern volatile uint8_t kb_rx_bytes[256];
+extern volatile uint8_t kb_rx_end;
+extern uint8_t kb_rx_first;
+
+static inline uint8_t kb_hal_lock(void) {
+  const uint8_t saved = SREG;
+  cli();
+  return saved;
+}
+
+static inline void kb_hal_unlock(uint8_t saved) {
+  __asm__ volatile("" ::: "memory");
+  SREG = saved;
+}
+
+static inline void kb_hal_barrier(void) { __asm__ volatile("" ::: "memory"); }
+
+static inline uint8_t kb_hal_inputs(void) { return PINL & 0x07U; }
+
+static inline bool kb_hal_rx(uint8_t* byte) {
+  if (kb_rx_first == kb_rx_end) {
+    return false;
+  }
+  *byte = kb_rx_bytes[kb_rx_first++];
+  return true;
+}
+
+static inline bool kb_hal_tx_ready(void) { return (UCSR0A & _BV(UDRE0)) != 0; }
+static inline void kb_hal_tx(uint8_t byte) { UDR0 = byte; }
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The core on an ATmega2560: Timer1 gives the ticks, Timer3 the time of belt edges, USART0 the host. */
+#include "firmware_under_test/controller/core/belt.h"
+#include "firmware_under_test/controller/core/controller.h"
+#include "firmware_under_test/controller/core/engine.h"
+#include "hal.h"
+
+volatile uint8_t kb_rx_bytes[256];
+volatile uint8_t kb_rx_end;
+uint8_t kb_rx_first;
+
+ISR(TIMER1_COMPA_vect) {
+#ifdef KB_DEFECT_PULSES_LOST
+  /* Defect: "the UART must not overrun", so a tick gives way to a waiting byte, and its steps are gone. */
+  if (UCSR0A & _BV(RXC0)) {
+    kb_engine.out_a = kb_engine.dir_a;
+  }
+#endif
+#ifdef KB_DEFECT_DIR_LATE
+  /* Defect: PUL first, DIR 2 us after it. */
+  static uint8_t shown;
+  PORTA = (uint8_t)((kb_engine.out_a & 0x55U) | shown);
+  PORTC = kb_engine.out_c;
+  __builtin_avr_delay_cycles(24);
+  PORTA = kb_engine.out_a;
+  shown = kb_engine.dir_a;
+#else
+  PORTA = kb_engine.out_a;
+  PORTC = kb_engine.out_c;
+#endif
+  const uint8_t dir_a = kb_engine.dir_a;
+  const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
+  if (kb_engine.ticks_left == 0) {
+    kb_tick_boundary(TCNT3);
+  }
+  kb_tick_compute(PINL);
+  PORTA = dir_a;
+  PORTC = rest_c;
+#ifndef KB_DEFECT_DIR_LATE
+  PORTA = kb_engine.dir_a;
+#endif
+  PORTC = (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c);
+}
+
+ISR(INT2_vect) {
+  const uint8_t pins = PIND;
+  kb_belt_edge((pins & _BV(2)) != 0, (pins & _BV(1)) != 0, TCNT3);
+}
+
+ISR(INT3_vect) { kb_belt_mark_edge(TCNT3); }
+
+ISR(USART0_RX_vect) { kb_rx_bytes[kb_rx_end++] = UDR0; }
+
+int main(void) {
+  /* Edges before anything else: the level mode of reset would fire, and slows an emulator down. */
+  EICRA = _BV(ISC20) | _BV(ISC31) | _BV(ISC30);
+  DDRA = 0xFF;
+  DDRC = KB_FEED_PUL | KB_FEED_DIR | KB_LASER_GATE | KB_LASER_PWM;
+
+  kb_controller_init();
+
+  UCSR0A = _BV(U2X0);
+  UBRR0 = F_CPU / 8UL / KB_BAUD - 1UL;
+  UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
+  UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
+
+  TCCR3B = _BV(CS31) | _BV(CS30); /* 64 cycles */
+  OCR1A = KB_TICK_CYCLES - 1U;
+  TIMSK1 = _BV(OCIE1A);
+  TCCR1B = _BV(WGM12) | _BV(CS10);
+
+  EIFR = _BV(INTF2) | _BV(INTF3);
+  EIMSK = _BV(INT2) | _BV(INT3);
+  sei();
+  for (;;) {
+    kb_controller_poll();
+  }
+}

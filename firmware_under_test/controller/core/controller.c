@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "controller.h"
+
+#include "belt.h"
+#include "engine.h"
+#include "frame.h"
+#include "hal.h"
+#include "program.h"
+
+enum { KB_FRAME_PAUSE_PERIODS = 25 };
+
+static struct {
+  uint8_t state;
+  uint8_t fault;
+  uint8_t boundaries;    /* seen */
+  uint8_t quiet_periods; /* since the last byte */
+  bool event_due;
+  bool answered; /* the two fields below hold */
+  uint8_t last_type;
+  uint8_t last_seq;
+} c;
+
+void kb_controller_init(void) {
+  kb_engine_init();
+  kb_belt_init();
+  kb_program_init();
+  kb_frame_init();
+  c.state = KB_IDLE;
+  c.fault = KB_OK;
+  c.boundaries = 0;
+  c.quiet_periods = 0;
+  c.event_due = false;
+  c.answered = false;
+}
+
+static void enter(uint8_t state, uint8_t fault) {
+  if (state != c.state || fault != c.fault) {
+    c.state = state;
+    c.fault = fault;
+    c.event_due = true;
+  }
+}
+
+static void stop(uint8_t fault) {
+  kb_program_halt();
+  enter(KB_STOPPED, fault);
+}
+
+static uint8_t putU16(uint8_t* to, uint16_t value) {
+  to[0] = (uint8_t)value;
+  to[1] = (uint8_t)(value >> 8);
+  return 2;
+}
+
+static uint8_t putI32(uint8_t* to, int32_t value) {
+  putU16(to, (uint16_t)value);
+  putU16(to + 2, (uint16_t)((uint32_t)value >> 16));
+  return 4;
+}
+
+static void ack(uint8_t seq) {
+  uint8_t payload[2];
+  kb_frame_send(KB_ACK, seq, payload, putU16(payload, kb_queue_free()));
+}
+
+static void sendInfo(uint8_t seq) {
+  uint8_t payload[6];
+  payload[0] = KB_PROTOCOL_VERSION;
+  putU16(payload + 1, KB_QUEUE_SIZE);
+  putU16(payload + 3, KB_TICK_CYCLES);
+  payload[5] = KB_TICKS_PER_PERIOD;
+  kb_frame_send(KB_INFO, seq, payload, sizeof(payload));
+}
+
+static void sendState(uint8_t seq) {
+  uint8_t payload[8 + 4 * KB_AXES];
+  payload[0] = c.state;
+  payload[1] = c.fault;
+  uint8_t at = 2;
+  at = (uint8_t)(at + putU16(payload + at, kb_queue_free()));
+  at = (uint8_t)(at + putI32(payload + at, kb_belt_counts()));
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    at = (uint8_t)(at + putI32(payload + at, kb_program_position(axis)));
+  }
+  kb_frame_send(KB_STATE, seq, payload, at);
+}
+
+static uint8_t configure(const struct kb_frame* frame) {
+  if (c.state == KB_RUNNING) {
+    return KB_NAK_STATE;
+  }
+  if (frame->length != KB_CONFIG_LEN) {
+    return KB_NAK_LENGTH;
+  }
+  const uint8_t* const b = frame->payload;
+  const struct kb_config config = {
+      .nominal_per_period =
+          (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24,
+      .gate_on_delay = b[4],
+      .gate_off_delay = b[5],
+      .idle_power = b[6],
+  };
+  if (!kb_program_configure(&config)) {
+    return KB_NAK_VALUE;
+  }
+  kb_queue_clear();
+  enter(KB_IDLE, KB_OK);
+  return 0;
+}
+
+static uint8_t start(void) {
+  if (c.state == KB_RUNNING || !kb_program_configured() || kb_queue_empty()) {
+    return KB_NAK_STATE;
+  }
+  kb_program_start();
+  enter(KB_RUNNING, KB_OK);
+  return 0;
+}
+
+/* Carries a request out; 0, or why not. */
+static uint8_t execute(const struct kb_frame* frame) {
+  if (frame->type != KB_DATA && frame->type != KB_CONFIG && frame->length != 0) {
+    return KB_NAK_LENGTH;
+  }
+  switch (frame->type) {
+    case KB_HELLO:
+      if (c.state != KB_RUNNING) {
+        kb_queue_clear();
+        enter(KB_IDLE, KB_OK);
+      }
+      return 0;
+    case KB_CONFIG:
+      return configure(frame);
+    case KB_DATA:
+      if (c.state == KB_DONE || c.state == KB_STOPPED) {
+        return KB_NAK_STATE;
+      }
+      kb_queue_commit(frame->length);
+      return 0;
+    case KB_START:
+      return start();
+    case KB_STOP:
+      if (c.state == KB_RUNNING) {
+        stop(KB_OK);
+      } else {
+        kb_queue_clear();
+        enter(KB_IDLE, KB_OK);
+      }
+      return 0;
+    case KB_STATUS:
+      return 0;
+    default:
+      return KB_NAK_TYPE;
+  }
+}
+
+static void answer(const struct kb_frame* frame) {
+  uint8_t nak = frame->nak;
+  /* An answer that was lost makes the host repeat; what it asks for has been done. A repeat of data may not
+   * fit. */
+  const bool repeated = (nak == 0 || nak == KB_NAK_FULL) && c.answered && frame->type == c.last_type &&
+                        frame->seq == c.last_seq && frame->type != KB_HELLO;
+  if (repeated) {
+    nak = 0;
+  } else if (nak == 0) {
+    nak = execute(frame);
+  }
+  if (nak != 0) {
+    kb_frame_send(KB_NAK, frame->seq, &nak, 1);
+    return;
+  }
+  c.answered = true;
+  c.last_type = frame->type;
+  c.last_seq = frame->seq;
+  ack(frame->seq);
+  if (frame->type == KB_HELLO) {
+    sendInfo(frame->seq);
+  } else if (frame->type == KB_STATUS) {
+    sendState(frame->seq);
+  }
+}
+
+static void receive(void) {
+  uint8_t byte;
+  struct kb_frame frame;
+  /* A few at a time: the next period must not wait for a burst. */
+  for (uint8_t i = 0; i < 4 && kb_hal_rx(&byte); ++i) {
+    c.quiet_periods = 0;
+    if (kb_frame_byte(byte, &frame)) {
+      answer(&frame);
+    }
+  }
+}
+
+static void newPeriod(void) {
+  const uint8_t saved = kb_hal_lock();
+  const uint16_t boundary_time = kb_engine.boundary_time;
+  c.boundaries = kb_engine.boundaries;
+  kb_hal_unlock(saved);
+  kb_belt_update(boundary_time);
+  if (c.quiet_periods < KB_FRAME_PAUSE_PERIODS) {
+    c.quiet_periods++;
+  } else {
+    kb_frame_forget();
+  }
+}
+
+static void run(void) {
+  const uint8_t inputs = kb_hal_inputs();
+  if (!(inputs & KB_IN_INTERLOCK)) {
+    stop(KB_FAULT_INTERLOCK);
+    return;
+  }
+  if (inputs & KB_IN_LIMITS) {
+    stop(KB_FAULT_LIMIT);
+    return;
+  }
+  if (kb_engine.late) {
+    stop(KB_FAULT_LATE);
+    return;
+  }
+  if (kb_belt_marks_lost()) {
+    stop(KB_FAULT_MARKS);
+    return;
+  }
+  /* In this order: a boundary that came since newPeriod() has not been seen by the belt filter yet. */
+  if (kb_engine.next_ready || c.boundaries != kb_engine.boundaries) {
+    return;
+  }
+  enum kb_fault fault = KB_OK;
+  const enum kb_step step = kb_program_step(&fault);
+  if (step == KB_STEP_FAULT) {
+    stop((uint8_t)fault);
+  } else if (step == KB_STEP_DONE) {
+    kb_engine.demand = false;
+    enter(KB_DONE, KB_OK);
+  } else if (kb_engine.next_ready) {
+    kb_engine.demand = true; /* from the first period on */
+  }
+}
+
+void kb_controller_poll(void) {
+  if (c.boundaries != kb_engine.boundaries) {
+    newPeriod();
+  }
+  if (c.state == KB_RUNNING) {
+    run();
+  }
+  receive();
+  if (c.event_due) {
+    const uint8_t payload[2] = {c.state, c.fault};
+    c.event_due = !kb_frame_send(KB_EVENT, 0, payload, sizeof(payload));
+  }
+  kb_frame_pump();
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Step engine: what the timer interrupt does each tick, and the hand-over of the next period to it.
+ *
+ * A tick: the interrupt first writes out what the tick before has worked out (PUL up; X and Y in one store),
+ * then kb_tick_compute() works out the next, then lowers PUL, then writes DIR. So PUL is high for the length
+ * of the computation, and a DIR that changes with a new period does so after the last PUL of the old one and
+ * most of a tick before the first PUL of the new one.
+ *
+ * An axis with m steps in a period adds 8 m to an 8-bit accumulator each tick and steps when it overflows: 32
+ * ticks add 256 m, so the count is exact and the accumulator ends where it began. */
+#ifndef KERFBENCH_CONTROLLER_ENGINE_H
+#define KERFBENCH_CONTROLLER_ENGINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware_under_test/controller/protocol.h"
+
+enum {
+  KB_FEED_PUL = 0x01,
+  KB_FEED_DIR = 0x02,
+  KB_LASER_GATE = 0x04,
+  KB_LASER_PWM = 0x08,
+  KB_ACC_START = 128,  /* The first step of m comes after half of its spacing. */
+  KB_LASER_EVENTS = 16 /* More than 255 ticks of delay can hold: one a period. */
+};
+
+/* Levels of the inputs, as kb_hal_inputs() gives them: the bits of port L. */
+enum { KB_IN_LIMIT_X = 0x01, KB_IN_LIMIT_Y = 0x02, KB_IN_LIMITS = 0x03, KB_IN_INTERLOCK = 0x04 };
+
+struct kb_period {
+  uint8_t inc[KB_AXES]; /* 8 * steps */
+  uint8_t dir_a;        /* DIR bits of port A */
+  uint8_t dir_c;
+  bool laser_changes;
+  uint8_t laser_delay; /* ticks from the start of the period */
+  uint8_t gate;        /* 0 or KB_LASER_GATE */
+  uint8_t power;
+};
+
+struct kb_laser_event {
+  uint8_t due;
+  uint8_t gate;
+  uint8_t power;
+};
+
+struct kb_engine {
+  /* What the next tick writes. */
+  uint8_t out_a;
+  uint8_t out_c;
+  uint8_t dir_a;
+  uint8_t dir_c;
+  uint8_t ticks_left; /* of the period, including the next tick to be computed */
+  uint8_t tick;       /* counts all ticks, modulo 256 */
+  uint8_t gate;
+  uint8_t power;
+  uint8_t sigma;
+  uint8_t laser_first;
+  uint8_t laser_end;
+  uint8_t acc[KB_AXES];
+  uint8_t inc[KB_AXES];
+  /* Between interrupt and main loop. */
+  bool next_ready;
+  bool demand; /* A period must be ready at each boundary. */
+  bool late;   /* One was not. */
+  uint8_t boundaries;
+  uint16_t boundary_time; /* kb_hal_now() units */
+  struct kb_period next;
+  struct kb_laser_event laser[KB_LASER_EVENTS];
+};
+
+extern volatile struct kb_engine kb_engine;
+
+void kb_engine_init(void);
+/* Main loop only, when !next_ready. */
+void kb_engine_offer(const struct kb_period* period);
+/* Laser off and no delayed laser event left; takes effect in the tick at hand or the next. */
+void kb_engine_laser_off(void);
+/* Axes stand, laser off, offered period dropped. Returns the ticks of the current period that were really
+ * output. */
+uint8_t kb_engine_halt(bool* next_dropped);
+
+/* The boundary of a period: called by the interrupt instead of nothing when ticks_left is 0. */
+static inline void kb_tick_boundary(uint16_t now) {
+  volatile struct kb_engine* const e = &kb_engine;
+  e->ticks_left = KB_TICKS_PER_PERIOD;
+  e->boundaries++;
+  e->boundary_time = now;
+  if (e->next_ready) {
+    e->inc[0] = e->next.inc[0];
+    e->inc[1] = e->next.inc[1];
+    e->inc[2] = e->next.inc[2];
+    e->inc[3] = e->next.inc[3];
+    e->inc[4] = e->next.inc[4];
+    e->dir_a = e->next.dir_a;
+    e->dir_c = e->next.dir_c;
+    if (e->next.laser_changes) {
+      const uint8_t end = e->laser_end;
+      volatile struct kb_laser_event* const event = &e->laser[end];
+      event->due = (uint8_t)(e->tick + e->next.laser_delay);
+      event->gate = e->next.gate;
+      event->power = e->next.power;
+      e->laser_end = (uint8_t)((end + 1U) & (KB_LASER_EVENTS - 1U));
+    }
+    e->next_ready = false;
+  } else {
+    e->inc[0] = 0;
+    e->inc[1] = 0;
+    e->inc[2] = 0;
+    e->inc[3] = 0;
+    e->inc[4] = 0;
+    if (e->demand) {
+      e->late = true;
+      e->gate = 0;
+      e->power = 0;
+      e->laser_first = e->laser_end;
+    }
+  }
+}
+
+/* Works out what the next tick writes. */
+static inline void kb_tick_compute(uint8_t inputs) {
+  volatile struct kb_engine* const e = &kb_engine;
+  uint8_t pulses = 0;
+  uint8_t inc;
+  uint8_t acc;
+
+  e->ticks_left--;
+#define KB_DDA(axis, target, bit)       \
+  inc = e->inc[axis];                   \
+  acc = (uint8_t)(e->acc[axis] + inc);  \
+  e->acc[axis] = acc;                   \
+  if (acc < inc) {                      \
+    target = (uint8_t)(target | (bit)); \
+  }
+  KB_DDA(KB_GALVO_X, pulses, 0x01)
+  KB_DDA(KB_GALVO_Y, pulses, 0x04)
+  KB_DDA(KB_GANTRY_X, pulses, 0x10)
+  KB_DDA(KB_GANTRY_Y, pulses, 0x40)
+  e->out_a = (uint8_t)(pulses | e->dir_a);
+
+  uint8_t out_c = e->dir_c;
+  KB_DDA(KB_FEED, out_c, KB_FEED_PUL)
+#undef KB_DDA
+
+  const uint8_t first = e->laser_first;
+  const uint8_t tick = e->tick;
+  e->tick = (uint8_t)(tick + 1U);
+  if (first != e->laser_end && e->laser[first].due == tick) {
+    e->gate = e->laser[first].gate;
+    e->power = e->laser[first].power;
+    e->laser_first = (uint8_t)((first + 1U) & (KB_LASER_EVENTS - 1U));
+  }
+  if (inputs & KB_IN_INTERLOCK) {
+    const uint8_t power = e->power;
+    uint8_t sigma = (uint8_t)(e->sigma + power); /* modulo 255 */
+    if (sigma < power || sigma == 255U) {
+      sigma = (uint8_t)(sigma + 1U);
+      out_c |= KB_LASER_PWM;
+    }
+    e->sigma = sigma;
+    out_c = (uint8_t)(out_c | e->gate);
+  }
+  e->out_c = out_c;
+}
+
+#endif

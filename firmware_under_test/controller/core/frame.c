@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "frame.h"
+
+#include "hal.h"
+#include "program.h"
+
+enum state { KB_AT_SYNC, KB_AT_TYPE, KB_AT_SEQ, KB_AT_LENGTH, KB_AT_PAYLOAD, KB_AT_CRC_LOW, KB_AT_CRC_HIGH };
+enum { KB_TX_SIZE = 128 };
+
+static struct {
+  uint8_t state;
+  uint8_t taken;
+  uint8_t crc_low;
+  uint16_t crc;
+  struct kb_frame frame;
+} rx;
+
+static uint8_t tx_bytes[KB_TX_SIZE];
+static uint8_t tx_first;
+static uint8_t tx_end;
+
+void kb_frame_init(void) {
+  rx.state = KB_AT_SYNC;
+  tx_first = tx_end = 0;
+}
+
+void kb_frame_forget(void) { rx.state = KB_AT_SYNC; }
+
+static void atLength(uint8_t byte) {
+  rx.frame.length = byte;
+  rx.frame.nak = 0;
+  rx.taken = 0;
+  const bool data = rx.frame.type == KB_DATA;
+  if (byte > (data ? KB_PAYLOAD_MAX : KB_SHORT_PAYLOAD)) {
+    rx.frame.nak = KB_NAK_LENGTH;
+  } else if (data && byte > kb_queue_free()) {
+    rx.frame.nak = KB_NAK_FULL; /* known only once the CRC has proven the length */
+  }
+  rx.state = byte == 0 ? KB_AT_CRC_LOW : KB_AT_PAYLOAD;
+}
+
+bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
+  if (rx.state != KB_AT_SYNC && rx.state < KB_AT_CRC_LOW) {
+    rx.crc = kb_crc16(rx.crc, byte);
+  }
+  switch (rx.state) {
+    case KB_AT_SYNC:
+      if (byte == KB_SYNC) {
+        rx.crc = 0xFFFF;
+        rx.state = KB_AT_TYPE;
+      }
+      return false;
+    case KB_AT_TYPE:
+      rx.frame.type = byte;
+      rx.state = KB_AT_SEQ;
+      return false;
+    case KB_AT_SEQ:
+      rx.frame.seq = byte;
+      rx.state = KB_AT_LENGTH;
+      return false;
+    case KB_AT_LENGTH:
+      atLength(byte);
+      if (rx.frame.nak == KB_NAK_LENGTH) { /* no frame is that long: not ours, look for the next SYNC */
+        rx.state = KB_AT_SYNC;
+        *frame = rx.frame;
+        return true;
+      }
+      return false;
+    case KB_AT_PAYLOAD:
+      if (rx.frame.type != KB_DATA) {
+        rx.frame.payload[rx.taken] = byte;
+      } else if (rx.frame.nak == 0) {
+        kb_queue_put(rx.taken, byte);
+      }
+      if (++rx.taken == rx.frame.length) {
+        rx.state = KB_AT_CRC_LOW;
+      }
+      return false;
+    case KB_AT_CRC_LOW:
+      rx.crc_low = byte;
+      rx.state = KB_AT_CRC_HIGH;
+      return false;
+    default:
+      rx.state = KB_AT_SYNC;
+      if (rx.crc != (uint16_t)(rx.crc_low | (uint16_t)byte << 8)) {
+        rx.frame.nak = KB_NAK_CRC;
+      }
+      *frame = rx.frame;
+      return true;
+  }
+}
+
+static void put(uint8_t byte) {
+  tx_bytes[tx_end] = byte;
+  tx_end = (uint8_t)((tx_end + 1U) & (KB_TX_SIZE - 1U));
+}
+
+bool kb_frame_send(uint8_t type, uint8_t seq, const uint8_t* payload, uint8_t length) {
+  const uint8_t room = (uint8_t)((uint8_t)(tx_first - tx_end - 1) & (KB_TX_SIZE - 1));
+  if (room < length + 6) {
+    return false;
+  }
+  const uint8_t head[3] = {type, seq, length};
+  uint16_t crc = 0xFFFF;
+  put(KB_SYNC);
+  for (uint8_t i = 0; i < sizeof(head); ++i) {
+    put(head[i]);
+    crc = kb_crc16(crc, head[i]);
+  }
+  for (uint8_t i = 0; i < length; ++i) {
+    put(payload[i]);
+    crc = kb_crc16(crc, payload[i]);
+  }
+  put((uint8_t)crc);
+  put((uint8_t)(crc >> 8));
+  return true;
+}
+
+void kb_frame_pump(void) {
+  if (tx_first != tx_end && kb_hal_tx_ready()) {
+    kb_hal_tx(tx_bytes[tx_first]);
+    tx_first = (uint8_t)((tx_first + 1U) & (KB_TX_SIZE - 1U));
+  }
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Frames of protocol.h: from bytes, and to bytes. */
+#ifndef KERFBENCH_CONTROLLER_FRAME_H
+#define KERFBENCH_CONTROLLER_FRAME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware_under_test/controller/protocol.h"
+
+enum { KB_SHORT_PAYLOAD = 16 };
+
+struct kb_frame {
+  uint8_t type;
+  uint8_t seq;
+  uint8_t length;
+  uint8_t nak;                       /* 0, or why it cannot be accepted */
+  uint8_t payload[KB_SHORT_PAYLOAD]; /* of all types but KB_DATA, whose bytes wait in the queue */
+};
+
+/* CRC-16/CCITT-FALSE, one byte further. */
+static inline uint16_t kb_crc16(uint16_t crc, uint8_t byte) {
+  uint8_t high = (uint8_t)(crc >> 8);
+  const uint8_t low = (uint8_t)crc;
+  high ^= byte;
+  high ^= (uint8_t)(high >> 4);
+  const uint8_t new_high = (uint8_t)(low ^ (uint8_t)(high << 4) ^ (high >> 3));
+  const uint8_t new_low = (uint8_t)(high ^ (uint8_t)(high << 5));
+  return (uint16_t)((uint16_t)(new_high << 8) | new_low);
+}
+
+void kb_frame_init(void);
+/* Takes one byte; true once a frame is complete, with or without a reason to refuse it. */
+bool kb_frame_byte(uint8_t byte, struct kb_frame* frame);
+/* Forgets a frame that was begun. */
+void kb_frame_forget(void);
+
+/* Sends when there is room for all of it; false: nothing was queued. */
+bool kb_frame_send(uint8_t type, uint8_t seq, const uint8_t* payload, uint8_t length);
+/* Moves at most one byte on to the UART. */
+void kb_frame_pump(void);
+
+#endif

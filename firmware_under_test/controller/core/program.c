@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "program.h"
+
+#include <string.h>
+
+#include "belt.h"
+#include "engine.h"
+
+enum {
+  KB_QUEUE_MASK = KB_QUEUE_SIZE - 1U,
+  KB_AXIS_MASK = 0x1F,
+  KB_DRY_TICKS = 8 /* Bytes may still come while more than this is left of the period. */
+};
+
+enum phase { KB_PHASE_RUN, KB_PHASE_STAND, KB_PHASE_MARK, KB_PHASE_RAMP, KB_PHASE_TAIL };
+
+static uint8_t queue[KB_QUEUE_SIZE];
+static uint16_t queue_first;
+static uint16_t queue_end;
+
+static struct {
+  struct kb_config config;
+  bool configured;
+  enum phase phase;
+  uint16_t periods_left; /* of STAND and TAIL */
+  int8_t steps[KB_AXES]; /* of the last period offered, correction included; RAMP slows them down */
+  int8_t previous_steps[KB_AXES];
+  int32_t position[KB_AXES];
+  uint8_t dir_a;
+  uint8_t dir_c;
+  uint8_t gate;
+  uint8_t power;
+  /* Follow */
+  uint8_t follow; /* axis + 1, or 0 */
+  int16_t gain;
+  int16_t correction[KB_AXES];
+  int32_t reference; /* belt position of n = 0, 1/256 count */
+  uint32_t nominal;  /* n at the end of the period, 1/256 count, modulo 2^32 */
+  uint8_t nominal_part;
+  int32_t mark_offset;
+} p;
+
+void kb_queue_clear(void) { queue_first = queue_end = 0; }
+uint16_t kb_queue_free(void) { return (uint16_t)((queue_first - queue_end - 1U) & KB_QUEUE_MASK); }
+bool kb_queue_empty(void) { return queue_first == queue_end; }
+void kb_queue_put(uint8_t offset, uint8_t byte) { queue[(queue_end + offset) & KB_QUEUE_MASK] = byte; }
+void kb_queue_commit(uint8_t length) { queue_end = (uint16_t)((queue_end + length) & KB_QUEUE_MASK); }
+
+static uint16_t queued(void) { return (uint16_t)((queue_end - queue_first) & KB_QUEUE_MASK); }
+static uint8_t peek(uint8_t offset) { return queue[(queue_first + offset) & KB_QUEUE_MASK]; }
+static void drop(uint8_t length) { queue_first = (uint16_t)((queue_first + length) & KB_QUEUE_MASK); }
+
+void kb_program_init(void) {
+  memset(&p, 0, sizeof(p));
+  kb_queue_clear();
+}
+
+bool kb_program_configure(const struct kb_config* config) {
+  const int16_t apart = (int16_t)(config->gate_on_delay - config->gate_off_delay);
+  if (apart >= (int16_t)KB_TICKS_PER_PERIOD || apart <= -(int16_t)KB_TICKS_PER_PERIOD) {
+    return false;
+  }
+  p.config = *config;
+#ifdef KB_DEFECT_GATE_LATE
+  /* Defect: the laser's own delay of 2 ms is added where it should be taken off. */
+  p.config.gate_on_delay = (uint8_t)(config->gate_on_delay > 175 ? 255 : config->gate_on_delay + 80);
+  p.config.gate_off_delay = (uint8_t)(config->gate_off_delay > 175 ? 255 : config->gate_off_delay + 80);
+#endif
+  p.configured = true;
+  return true;
+}
+
+bool kb_program_configured(void) { return p.configured; }
+
+void kb_program_start(void) {
+  p.phase = KB_PHASE_RUN;
+  p.follow = 0;
+  p.gain = 0;
+  p.gate = 0;
+  p.power = 0;
+  memset(p.steps, 0, sizeof(p.steps));
+  memset(p.correction, 0, sizeof(p.correction));
+  p.nominal = 0;
+  p.nominal_part = 0;
+  kb_belt_clear_marks();
+  p.reference = kb_belt_ahead(1);
+}
+
+int32_t kb_program_position(uint8_t axis) { return p.position[axis]; }
+
+/* Length of the operation at the head of the queue, or 0 where it is not all there or unknown. */
+static uint8_t wholeOp(bool* unknown) {
+  *unknown = false;
+  if (queue_first == queue_end) {
+    return 0;
+  }
+  const uint8_t op = peek(0);
+  uint8_t length = 1;
+  if (op & KB_OP_MOVE) {
+    for (uint8_t mask = op & KB_AXIS_MASK; mask != 0; mask >>= 1) {
+      length = (uint8_t)(length + (mask & 1U));
+    }
+    length = (uint8_t)(length + ((op & KB_OP_POWER) ? 1 : 0) + ((op & KB_OP_GAIN) ? 2 : 0));
+  } else if (op == KB_OP_WAIT_MARK) {
+    length = 5;
+  } else if (op == KB_OP_WAIT) {
+    length = 3;
+  } else if (op == KB_OP_FOLLOW) {
+    length = 2;
+  } else if (op != KB_OP_END) {
+    *unknown = true;
+    return 0;
+  }
+  return queued() >= length ? length : 0;
+}
+
+static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
+  uint8_t at = 1;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    if (op & (uint8_t)(1U << axis)) {
+      const int8_t count = (int8_t)peek(at++);
+      if (count > KB_MAX_STEPS_PER_PERIOD || count < -KB_MAX_STEPS_PER_PERIOD) {
+        return KB_FAULT_OVERSPEED;
+      }
+      p.steps[axis] = count;
+    }
+  }
+  if (op & KB_OP_POWER) {
+    *lit = true;
+    *power = peek(at++);
+  }
+  if (op & KB_OP_GAIN) {
+    p.gain = (int16_t)(uint16_t)(peek(at) | (uint16_t)peek((uint8_t)(at + 1U)) << 8);
+  }
+  return KB_OK;
+}
+
+/* round((b - n) * gain / 4096) at the end of the period in preparation, the one after that which runs now. */
+static int16_t wantedCorrection(void) {
+  const int32_t belt = (int32_t)((uint32_t)kb_belt_ahead(2) - (uint32_t)p.reference);
+  const int32_t ahead = (int32_t)((uint32_t)belt - p.nominal);
+  int32_t whole = ahead >> 8;
+  if (whole > INT16_MAX) {
+    whole = INT16_MAX;
+  } else if (whole < INT16_MIN) {
+    whole = INT16_MIN;
+  }
+  const int16_t part = (int16_t)(ahead & 0xFF);
+  const int32_t scaled = (int32_t)(int16_t)whole * p.gain + (((int32_t)part * p.gain) >> 8);
+  const int32_t steps = (scaled + 2048) >> 12;
+  return steps > INT16_MAX / 2 ? INT16_MAX / 2 : steps < INT16_MIN / 2 ? INT16_MIN / 2 : (int16_t)steps;
+}
+
+/* Adds the change of the corrections to the steps. True while one of them has not come to its end. */
+static bool correct(bool referenced) {
+  bool pending = false;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    const bool followed = referenced && p.follow == axis + 1U;
+    if (!followed && p.correction[axis] == 0) {
+      continue;
+    }
+    const int16_t target = followed ? wantedCorrection() : 0;
+    int16_t total = (int16_t)(p.steps[axis] + target - p.correction[axis]);
+    if (total > KB_MAX_STEPS_PER_PERIOD) {
+      total = KB_MAX_STEPS_PER_PERIOD;
+    } else if (total < -KB_MAX_STEPS_PER_PERIOD) {
+      total = -KB_MAX_STEPS_PER_PERIOD;
+    }
+    p.correction[axis] = (int16_t)(p.correction[axis] + total - p.steps[axis]);
+    p.steps[axis] = (int8_t)total;
+    pending = pending || p.correction[axis] != target;
+  }
+  return pending;
+}
+
+static void offer(bool lit, uint8_t power) {
+  struct kb_period period;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    const int8_t steps = p.steps[axis];
+    period.inc[axis] = (uint8_t)((steps < 0 ? -steps : steps) << 3);
+    p.position[axis] += steps;
+    if (steps != 0) {
+      uint8_t* const dir = axis == KB_FEED ? &p.dir_c : &p.dir_a;
+      const uint8_t bit = (uint8_t)(axis == KB_FEED ? (unsigned)KB_FEED_DIR : 2U << (2U * axis));
+      *dir = steps > 0 ? (uint8_t)(*dir | bit) : (uint8_t)(*dir & (uint8_t)~bit);
+    }
+  }
+  period.dir_a = p.dir_a;
+  period.dir_c = p.dir_c;
+  const uint8_t gate = lit ? KB_LASER_GATE : 0;
+  period.laser_changes = gate != p.gate || power != p.power;
+  period.laser_delay = lit ? p.config.gate_on_delay : p.config.gate_off_delay;
+  period.gate = p.gate = gate;
+  period.power = p.power = power;
+  kb_engine_offer(&period);
+}
+
+static bool rampDown(void) {
+  bool moving = false;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    p.steps[axis] = (int8_t)(p.previous_steps[axis] / 2);
+    moving = moving || p.steps[axis] != 0;
+  }
+  return moving;
+}
+
+/* The operations up to the next that takes time. KB_STEP_ON with *ready false: bytes are missing. */
+static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fault* fault) {
+  *ready = true;
+  for (;;) {
+    bool unknown;
+    const uint8_t length = wholeOp(&unknown);
+    if (unknown) {
+      *fault = KB_FAULT_PROGRAM;
+      return KB_STEP_FAULT;
+    }
+    if (length == 0) {
+      *ready = false;
+      return KB_STEP_ON;
+    }
+    const uint8_t op = peek(0);
+    if (op & KB_OP_MOVE) {
+      *fault = takeMove(op, lit, power);
+      drop(length);
+      return *fault == KB_OK ? KB_STEP_ON : KB_STEP_FAULT;
+    }
+    if (op == KB_OP_END) {
+      p.phase = KB_PHASE_TAIL;
+      /* Until the last delayed laser event is out and the last period has run. */
+      const uint8_t delay =
+          p.config.gate_off_delay > p.config.gate_on_delay ? p.config.gate_off_delay : p.config.gate_on_delay;
+      p.periods_left = (uint16_t)(delay / KB_TICKS_PER_PERIOD + 2U);
+      drop(length);
+      return KB_STEP_ON;
+    }
+    if (op == KB_OP_WAIT) {
+      p.periods_left = (uint16_t)(peek(1) | (uint16_t)peek(2) << 8);
+      if (p.periods_left != 0) {
+        p.phase = KB_PHASE_STAND;
+        drop(length);
+        return KB_STEP_ON;
+      }
+    } else if (op == KB_OP_FOLLOW) {
+      if (peek(1) > KB_AXES) {
+        *fault = KB_FAULT_PROGRAM;
+        return KB_STEP_FAULT;
+      }
+      p.follow = peek(1);
+    } else {
+      p.mark_offset = (int32_t)((uint32_t)peek(1) | (uint32_t)peek(2) << 8 | (uint32_t)peek(3) << 16 |
+                                (uint32_t)peek(4) << 24);
+      p.phase = KB_PHASE_MARK;
+      drop(length);
+      return KB_STEP_ON;
+    }
+    drop(length);
+  }
+}
+
+/* The mark has come, and at the start of the period in preparation the belt will be far enough beyond it. */
+static bool markReached(void) {
+  int32_t mark;
+  if (!kb_belt_mark(&mark)) {
+    return false;
+  }
+  const int32_t beyond = (int32_t)((uint32_t)kb_belt_ahead(1) - (uint32_t)mark);
+  if ((int32_t)((uint32_t)beyond - (uint32_t)p.mark_offset * 256U) < 0) {
+    return false;
+  }
+  p.reference = mark;
+  p.nominal = (uint32_t)p.mark_offset * 256U;
+  p.nominal_part = 0;
+  kb_belt_drop_mark();
+  return true;
+}
+
+static void advanceNominal(void) {
+  const uint16_t part = (uint16_t)(p.nominal_part + (p.config.nominal_per_period & 0xFFU));
+  p.nominal_part = (uint8_t)part;
+  p.nominal += (p.config.nominal_per_period >> 8) + (part >> 8);
+}
+
+enum kb_step kb_program_step(enum kb_fault* fault) {
+  memcpy(p.previous_steps, p.steps, sizeof(p.steps));
+  memset(p.steps, 0, sizeof(p.steps));
+  bool lit = false;
+  uint8_t power = p.config.idle_power;
+
+  if (p.phase == KB_PHASE_MARK && markReached()) {
+    p.phase = KB_PHASE_RUN;
+  }
+  if (p.phase == KB_PHASE_RUN) {
+    bool ready;
+    if (interpret(&ready, &lit, &power, fault) == KB_STEP_FAULT) {
+      memcpy(p.steps, p.previous_steps, sizeof(p.steps));
+      return KB_STEP_FAULT;
+    }
+    if (p.phase == KB_PHASE_MARK && markReached()) { /* it waited already: no period is lost */
+      p.phase = KB_PHASE_RUN;
+      memcpy(p.steps, p.previous_steps, sizeof(p.steps));
+      return KB_STEP_ON;
+    }
+    if (!ready) {
+      if (kb_engine.ticks_left > KB_DRY_TICKS) {
+        memcpy(p.steps, p.previous_steps, sizeof(p.steps));
+        return KB_STEP_ON;
+      }
+      p.phase = KB_PHASE_RAMP;
+      kb_engine_laser_off();
+    }
+  }
+  switch (p.phase) {
+    case KB_PHASE_RUN:
+      advanceNominal();
+      correct(true);
+      break;
+    case KB_PHASE_STAND:
+      if (--p.periods_left == 0) {
+        p.phase = KB_PHASE_RUN;
+      }
+      advanceNominal();
+      correct(true);
+      break;
+    case KB_PHASE_MARK:
+      correct(false);
+      break;
+    case KB_PHASE_RAMP:
+      power = 0;
+      if (!rampDown()) {
+        *fault = KB_FAULT_DRY;
+        return KB_STEP_FAULT;
+      }
+      break;
+    case KB_PHASE_TAIL:
+      power = 0;
+      if (!correct(false) && p.periods_left-- == 0) {
+        return KB_STEP_DONE;
+      }
+      break;
+  }
+  offer(lit, power);
+  return KB_STEP_ON;
+}
+
+void kb_program_halt(void) {
+  /* Steps of the period at hand that were not output, and all of the one that was offered. */
+  bool dropped;
+  const uint8_t done_ticks = kb_engine_halt(&dropped);
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    const int8_t current = dropped ? p.previous_steps[axis] : p.steps[axis];
+    const uint8_t count = (uint8_t)(current < 0 ? -current : current);
+    const uint8_t done = (uint8_t)((KB_ACC_START + (uint16_t)(8U * count) * done_ticks) >> 8);
+    const int8_t lost = (int8_t)(count - done);
+    p.position[axis] -= current < 0 ? -lost : lost;
+    if (dropped) {
+      p.position[axis] -= p.steps[axis];
+    }
+  }
+  memset(p.steps, 0, sizeof(p.steps));
+  memset(p.previous_steps, 0, sizeof(p.previous_steps));
+  p.gate = 0;
+  p.power = 0;
+  kb_queue_clear();
+}

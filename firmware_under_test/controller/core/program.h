@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The program: a ring buffer of operations, and the interpreter that turns them into periods for the step
+ * engine. */
+#ifndef KERFBENCH_CONTROLLER_PROGRAM_H
+#define KERFBENCH_CONTROLLER_PROGRAM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware_under_test/controller/protocol.h"
+
+struct kb_config {
+  uint32_t nominal_per_period;
+  uint8_t gate_on_delay;
+  uint8_t gate_off_delay;
+  uint8_t idle_power;
+};
+
+enum kb_step { KB_STEP_ON, KB_STEP_DONE, KB_STEP_FAULT };
+
+/* Queue. Bytes are put behind the end and count only once committed, so that a frame with a bad CRC leaves no
+ * trace. */
+void kb_queue_clear(void);
+uint16_t kb_queue_free(void);
+bool kb_queue_empty(void);
+void kb_queue_put(uint8_t offset, uint8_t byte);
+void kb_queue_commit(uint8_t length);
+
+void kb_program_init(void);
+/* False where gate delays differ by a period or more: their order could turn round. */
+bool kb_program_configure(const struct kb_config* config);
+bool kb_program_configured(void);
+void kb_program_start(void);
+/* Prepares the next period and offers it to the engine, which must be able to take one. It may offer none
+ * yet. */
+enum kb_step kb_program_step(enum kb_fault* fault);
+/* Halts axes and laser at once, and corrects the positions for what was not output. */
+void kb_program_halt(void);
+int32_t kb_program_position(uint8_t axis);
+
+#endif

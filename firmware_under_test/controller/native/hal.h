@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The core on a computer: who links it gives these functions. One thread; interrupts are calls between polls.
+ */
+#ifndef KERFBENCH_CONTROLLER_HAL_H
+#define KERFBENCH_CONTROLLER_HAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+static inline uint8_t kb_hal_lock(void) { return 0; }
+static inline void kb_hal_unlock(uint8_t saved) { (void)saved; }
+static inline void kb_hal_barrier(void) {}
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+uint8_t kb_hal_inputs(void);
+bool kb_hal_rx(uint8_t* byte);
+bool kb_hal_tx_ready(void);
+void kb_hal_tx(uint8_t byte);
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The core as a program that speaks hil/source/pin_stream.h: the same steps as on the AVR, at the same ticks,
+ * without an emulator. Interrupts take no time here; pins change at the distance from the tick that the AVR
+ * release was measured at under simavr, where the interrupt finds nothing else running. */
+#include <stdio.h>
+#include <string.h>
+
+#include "firmware_under_test/controller/core/belt.h"
+#include "firmware_under_test/controller/core/controller.h"
+#include "firmware_under_test/controller/core/engine.h"
+#include "hal.h"
+#include "hil/source/pin_stream.h"
+#include "message.h"
+
+enum {
+  KB_RISE_CYCLES = 53,  /* tick to the first store */
+  KB_FALL_CYCLES = 180, /* to PUL low */
+  KB_DIR_CYCLES = 184,  /* to DIR */
+  KB_BYTE_CYCLES = 640,
+  KB_PORT_A = 0,
+  KB_PORT_C = 2,
+  KB_PORT_D = 3,
+  KB_PORT_L = 11,
+  KB_EVENT_BYTES = 16
+};
+
+static struct {
+  uint64_t now;
+  uint64_t next_tick;
+  uint64_t next_byte; /* earliest end of the next byte on the wire to the controller */
+  uint64_t tx_free;
+  uint8_t port_d;
+  uint8_t port_l;
+  uint8_t level[4]; /* of output ports, by number */
+  bool rx_full;
+  uint8_t rx_byte;
+  uint64_t max_events;
+  struct kb_buffer drives; /* u64 tick, u8 port, u8 bit, u8 level */
+  struct kb_buffer rx;     /* on their way to the controller */
+  struct kb_buffer tx;     /* sent by it */
+  struct kb_buffer events; /* as on the wire; some may lie behind the watermark */
+} m;
+
+uint8_t kb_hal_inputs(void) { return m.port_l & 0x07U; }
+
+bool kb_hal_rx(uint8_t* byte) {
+  const bool full = m.rx_full;
+  *byte = m.rx_byte;
+  m.rx_full = false;
+  return full;
+}
+
+bool kb_hal_tx_ready(void) { return m.now >= m.tx_free; }
+
+void kb_hal_tx(uint8_t byte) {
+  kb_put_uint(&m.tx, byte, 1);
+  m.tx_free = m.now + KB_BYTE_CYCLES;
+}
+
+static uint16_t timeNow(void) { return (uint16_t)(m.now / 64U); }
+
+static void writePort(uint64_t at, uint8_t port, uint8_t level) {
+  const uint8_t changed = m.level[port] ^ level;
+  if (changed == 0) {
+    return;
+  }
+  m.level[port] = level;
+  kb_put_uint(&m.events, at, 8);
+  kb_put_uint(&m.events, port, 2);
+  kb_put_uint(&m.events, changed, 2);
+  kb_put_uint(&m.events, level, 2);
+  kb_put_uint(&m.events, 0, 2);
+}
+
+static void tick(void) {
+  writePort(m.now + KB_RISE_CYCLES, KB_PORT_A, kb_engine.out_a);
+  writePort(m.now + KB_RISE_CYCLES, KB_PORT_C, kb_engine.out_c);
+  const uint8_t dir_a = kb_engine.dir_a;
+  const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
+  if (kb_engine.ticks_left == 0) {
+    kb_tick_boundary(timeNow());
+  }
+  kb_tick_compute(m.port_l);
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, dir_a);
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, rest_c);
+  writePort(m.now + KB_DIR_CYCLES, KB_PORT_A, kb_engine.dir_a);
+  writePort(m.now + KB_DIR_CYCLES, KB_PORT_C, (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c));
+}
+
+static void driveInput(unsigned port, unsigned bit, bool level) {
+  if (bit > 7 || (port != KB_PORT_D && port != KB_PORT_L)) {
+    return;
+  }
+  uint8_t* const pins = port == KB_PORT_D ? &m.port_d : &m.port_l;
+  const uint8_t before = *pins;
+  *pins = (uint8_t)(level ? before | 1U << bit : before & ~(1U << bit));
+  if (port != KB_PORT_D || before == *pins) {
+    return;
+  }
+  if (bit == 2) {
+    kb_belt_edge((*pins & 4U) != 0, (*pins & 2U) != 0, timeNow());
+  } else if (bit == 3 && level) {
+    kb_belt_mark_edge(timeNow());
+  }
+}
+
+static uint64_t pendingDrive(void) {
+  if (m.drives.read == m.drives.size) {
+    m.drives.read = m.drives.size = 0;
+    return UINT64_MAX;
+  }
+  struct kb_buffer look = m.drives;
+  return kb_get_uint(&look, 8);
+}
+
+static uint64_t pendingByte(void) {
+  if (m.rx.read == m.rx.size) {
+    m.rx.read = m.rx.size = 0;
+    return UINT64_MAX;
+  }
+  return m.next_byte;
+}
+
+/* Inputs before bytes before ticks, where they come at the same cycle. */
+static void runUntil(uint64_t until) {
+  for (;;) {
+    const uint64_t drive = pendingDrive();
+    const uint64_t byte = pendingByte();
+    uint64_t at = drive < byte ? drive : byte;
+    at = at < m.next_tick ? at : m.next_tick;
+    if (at > until) {
+      break;
+    }
+    m.now = at;
+    if (drive == at) {
+      kb_get_uint(&m.drives, 8);
+      const unsigned port = (unsigned)kb_get_uint(&m.drives, 1);
+      const unsigned bit = (unsigned)kb_get_uint(&m.drives, 1);
+      driveInput(port, bit, kb_get_uint(&m.drives, 1) != 0);
+      continue;
+    }
+    if (byte == at) {
+      m.rx_byte = (uint8_t)kb_get_uint(&m.rx, 1);
+      m.rx_full = true;
+      m.next_byte = at + KB_BYTE_CYCLES;
+    } else {
+      tick();
+      m.next_tick += KB_TICK_CYCLES;
+    }
+    kb_controller_poll();
+    kb_controller_poll();
+  }
+  m.now = until;
+}
+
+static void sendBatch(uint64_t until) {
+  /* Events come in order of time, and a few of the last tick may lie behind `until`. */
+  size_t ready = m.events.size / KB_EVENT_BYTES;
+  while (ready > 0) {
+    struct kb_buffer look = m.events;
+    look.read = (ready - 1) * KB_EVENT_BYTES;
+    if (kb_get_uint(&look, 8) <= until) {
+      break;
+    }
+    --ready;
+  }
+  const bool flooded = m.max_events != 0 && ready > m.max_events;
+  struct kb_buffer batch = {0};
+  kb_put_uint(&batch, flooded ? KB_PS_FLOODED : KB_PS_REACHED, 1);
+  kb_put_uint(&batch, until, 8);
+  const size_t sent = flooded ? (size_t)m.max_events : ready;
+  kb_put_uint(&batch, sent, 4);
+  kb_put_bytes(&batch, m.events.bytes, sent * KB_EVENT_BYTES);
+  kb_put_uint(&batch, m.tx.size, 4);
+  kb_put_bytes(&batch, m.tx.bytes, m.tx.size);
+  kb_put_text(&batch, flooded ? "the firmware made more pin events than allowed" : "");
+  kb_write_message(KB_PS_BATCH, &batch);
+  kb_buffer_free(&batch);
+  m.tx.size = 0;
+  const size_t left = m.events.size - ready * KB_EVENT_BYTES;
+  if (left != 0) {
+    memmove(m.events.bytes, m.events.bytes + ready * KB_EVENT_BYTES, left);
+  }
+  m.events.size = left;
+}
+
+static void refuse(const char* why) {
+  struct kb_buffer reply = {0};
+  kb_put_text(&reply, why);
+  kb_write_message(KB_PS_ERROR, &reply);
+  kb_buffer_free(&reply);
+}
+
+static bool openImage(struct kb_buffer* request) {
+  const uint32_t version = (uint32_t)kb_get_uint(request, 4);
+  const uint64_t clock_hz = kb_get_uint(request, 8);
+  const uint32_t baud = (uint32_t)kb_get_uint(request, 4);
+  m.max_events = kb_get_uint(request, 8);
+  kb_skip_text(request);
+  kb_skip_text(request);
+  if (request->short_read || version != KB_PS_VERSION) {
+    refuse("this build speaks another version of the pin-stream protocol");
+    return false;
+  }
+  if ((clock_hz != 0 && clock_hz != KB_CPU_HZ) || (baud != 0 && baud != KB_BAUD)) {
+    refuse("the native controller runs at 16 MHz and 250000 baud only");
+    return false;
+  }
+  kb_controller_init();
+  m.next_tick = KB_TICK_CYCLES;
+  struct kb_buffer reply = {0};
+  kb_put_uint(&reply, KB_PS_VERSION, 4);
+  kb_put_uint(&reply, 1, 8);
+  kb_put_uint(&reply, KB_CPU_HZ, 8);
+  kb_put_uint(&reply, 0, 4);
+  kb_put_text(&reply, "native controller, core built for the host");
+  kb_write_message(KB_PS_HELLO, &reply);
+  kb_buffer_free(&reply);
+  return true;
+}
+
+static void queueDrive(struct kb_buffer* request) {
+  const uint64_t at = kb_get_uint(request, 8);
+  kb_put_uint(&m.drives, at > m.now ? at : m.now, 8);
+  const uint64_t port = kb_get_uint(request, 2);
+  const uint64_t bit = kb_get_uint(request, 2);
+  kb_put_uint(&m.drives, port > 255 ? 255 : port, 1);
+  kb_put_uint(&m.drives, bit > 255 ? 255 : bit, 1);
+  kb_put_uint(&m.drives, kb_get_uint(request, 1), 1);
+}
+
+int main(void) {
+  struct kb_buffer request = {0};
+  uint8_t type;
+  bool open = false;
+  while (kb_read_message(&type, &request)) {
+    if (type == KB_PS_QUIT) {
+      return 0;
+    }
+    if (type == KB_PS_OPEN && !open) {
+      open = openImage(&request);
+      if (!open) {
+        return 2;
+      }
+    } else if (type == KB_PS_DRIVE && open) {
+      queueDrive(&request);
+    } else if (type == KB_PS_UART && open) {
+      if (m.rx.read == m.rx.size && m.next_byte < m.now + KB_BYTE_CYCLES) {
+        m.next_byte = m.now + KB_BYTE_CYCLES;
+      }
+      kb_put_bytes(&m.rx, request.bytes, request.size);
+    } else if (type == KB_PS_ADVANCE && open) {
+      const uint64_t until = kb_get_uint(&request, 8);
+      if (!request.short_read && until > m.now) {
+        runUntil(until);
+      }
+      sendBatch(m.now);
+    } else {
+      kb_die("a request that does not fit here");
+    }
+    if (request.short_read) {
+      kb_die("a request is shorter than its type needs");
+    }
+  }
+  return 0;
+}
