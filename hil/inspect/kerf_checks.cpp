@@ -267,9 +267,9 @@ Check strayCheck(const Evidence& evidence, const Limits& limits) {
     return check;
   }
   check.subject = fmt::format("unit {}", worst->unit);
-  check.explanation = fmt::format(
-      "{} burnt spots lie away from the dieline; the largest is {:.2f} mm long, at {} of unit {}.",
-      evidence.kerf.strays.size(), worst->extent_mm, placeOf(worst->p_S_mm), worst->unit);
+  check.explanation =
+      fmt::format("Burnt places away from the dieline: {}; the largest is {:.2f} mm long, at {} of unit {}.",
+                  evidence.kerf.strays.size(), worst->extent_mm, placeOf(worst->p_S_mm), worst->unit);
   return check;
 }
 

@@ -55,7 +55,7 @@ void lineTo(std::string& path, const Eigen::Vector2d& p, bool move) {
   fmt::format_to(std::back_inserter(path), "{}{:.2f} {:.2f}", move ? 'M' : 'L', p.x(), p.y());
 }
 
-void drawMeasured(const EntityKerf& kerf, const Curve& curve, double limit_mm, std::size_t stride,
+void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm, std::size_t stride,
                   Drawing& drawing) {
   // Of each group of `stride` stations the worst one is kept: decimation must not hide it.
   std::optional<Eigen::Vector2d> last;
@@ -67,7 +67,8 @@ void drawMeasured(const EntityKerf& kerf, const Curve& curve, double limit_mm, s
     const Caliper* lost = nullptr;
     for (std::size_t i = begin; i < end; ++i) {
       const Caliper& c = kerf.calipers[i];
-      if (!c.found && !c.near_joint) lost = &c;
+      // The bridges of a perforation are meant to be dark.
+      if (!c.found && !c.near_joint && entity.process != Process::kPerforation) lost = &c;
       if (isShown(c) && (worst == nullptr || std::abs(c.offset_mm) > std::abs(worst->offset_mm))) worst = &c;
     }
     if (lost != nullptr) {
@@ -80,7 +81,7 @@ void drawMeasured(const EntityKerf& kerf, const Curve& curve, double limit_mm, s
       last_bin = kBins;
       continue;
     }
-    const Eigen::Vector2d t = tangentAt(curve, worst->u);
+    const Eigen::Vector2d t = tangentAt(entity.curve, worst->u);
     const Eigen::Vector2d p =
         worst->p_S_mm + kExaggeration * worst->offset_mm * Eigen::Vector2d(-t.y(), t.x());
     const std::size_t bin = binOf(worst->offset_mm, limit_mm);
@@ -115,7 +116,7 @@ std::string panel(const RunReport& report, int unit, std::size_t stride, const s
   for (const EntityKerf& kerf : report.kerf.entities) {
     const auto index = static_cast<std::size_t>(kerf.entity);
     if (kerf.unit != unit || index >= report.dieline.entities.size()) continue;
-    drawMeasured(kerf, report.dieline.entities[index].curve, report.limits.path_mm, stride, drawing);
+    drawMeasured(kerf, report.dieline.entities[index], report.limits.path_mm, stride, drawing);
   }
   Eigen::AlignedBox2d box = report.dieline.bounds();
   const double margin = std::max(0.05 * box.sizes().maxCoeff(), 2.0 * kExaggeration * report.limits.path_mm);

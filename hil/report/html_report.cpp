@@ -31,6 +31,7 @@ th,td{text-align:left;padding:6px 9px;border-bottom:1px solid var(--line);vertic
 th{color:var(--mute);font-weight:600;font-size:13px}
 .num{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 .hit{color:var(--fail);font-weight:650} small{color:var(--mute)}
+table.checks td:first-child{width:44%}.checks .num,.checks td.v{font-size:13px}table.checks td,table.checks th{padding:7px 6px}
 td.v{font-weight:700;white-space:nowrap} td .why{color:var(--mute);font-size:13px;display:block;margin-top:2px}
 .note{color:var(--mute);font-size:13px;margin:6px 0 0}
 ul.problems{border-left:5px solid var(--inv);background:var(--card);padding:10px 10px 10px 30px;margin:12px 0}
@@ -75,8 +76,9 @@ constexpr std::size_t kMaxEntityRows = 300;
 
 std::string checkTable(const RunReport& report) {
   std::string html =
-      "<table><thead><tr><th>Check<th>Verdict<th class=num>Value<th class=num>Limit<th class=num>U "
-      "(k = 2)<th class=num>Guard w<th>Value against limit</tr></thead><tbody>";
+      "<table class=checks><thead><tr><th>Check<th>Verdict<th class=num>Value<th class=num>Limit<th "
+      "class=num>U "
+      "(k = 2)<th class=num>Guard w<th>Against limit</tr></thead><tbody>";
   for (const Check& c : report.result.checks) {
     html += fmt::format(
         "<tr><td><b>{}</b> <small>{}</small><span class=why>{}</span><td class='v {}'>{}<td class=num>{}"
