@@ -77,9 +77,9 @@ std::string histogram(const PulseTiming& timing) {
   // Logarithmic, so that a single late edge among a million stays visible.
   const double top = std::log10(static_cast<double>(most)) + 1.0;
   std::string svg = fmt::format(
-      "<figure><svg class=plot viewBox='-34 -12 {:.0f} {:.0f}' role=img aria-label='DIR set-up of "
+      "<figure><svg class=plot viewBox='-46 -12 {:.0f} {:.0f}' role=img aria-label='DIR set-up of "
       "{}'><rect class=frame x=0 y=0 width={:.0f} height={:.0f} />",
-      kW + 44.0, kH + 28.0, escapeHtml(timing.axis), kW, kH);
+      kW + 56.0, kH + 28.0, escapeHtml(timing.axis), kW, kH);
   for (std::size_t i = 0; i < std::min(bins, timing.setup_histogram.size()); ++i) {
     const std::uint64_t count = timing.setup_histogram[i];
     if (count == 0) continue;
