@@ -15,6 +15,13 @@ namespace {
 // The camera is recorded while the laser works, and a little before and after.
 constexpr double kRecordMargin_s = 0.05;
 
+// Standard uncertainties. The cameras of the twin are calibrated by their own description until calibration from images
+// takes over; what remains is the estimators' noise, which tests/hil/vision and tests/hil/app measure against the truth.
+constexpr double kSpotMapU_mm = 0.0005;
+constexpr double kKerfMapU_mm = 0.0003;
+constexpr double kSpotU_mm = 0.0030;  // One spot, per axis, at the mean brightness of a job.
+constexpr double kKerfU_mm = 0.0012;  // One caliper: noise 0.2 … 1.1 um, sheet pose 0.3 um, bias 0.3 um.
+
 CameraCalibration calibrationOf(const twin::CameraDescription& camera, double map_u_mm) {
   CameraCalibration calibration;
   calibration.width_px = camera.width_px;

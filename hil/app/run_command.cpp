@@ -77,7 +77,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
 
   const auto source = openRelease(scenario.firmware, options.bin_dir);
   const SourceInfo info = source->info();
-  twin::Twin twin(the_case.machine, webOf(the_case), info.rate, scenario.seed);
+  twin::Twin twin(the_case.machine, webOf(the_case), info.rate);
   LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
   const LockstepResult run =
@@ -109,7 +109,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   stopwatch.lap("reading");
 
   const SourceInfo info = source->info();
-  twin::Twin twin(the_case.machine, webOf(the_case), info.rate, the_case.scenario.seed);
+  twin::Twin twin(the_case.machine, webOf(the_case), info.rate);
   LockstepOptions lockstep;
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
   const LockstepResult run =

@@ -80,7 +80,7 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
   EXPECT_EQ(offenders([](const Include& i) {
               return (in(i.file, "hil/vision") || in(i.file, "hil/inspect")) &&
                      (in(i.target, "firmware_under_test") || in(i.target, "hil/app") ||
-                      in(i.target, "hil/source") || i.target == "hil/camera/twin_frames.h");
+                      in(i.target, "hil/source") || i.target.starts_with("hil/camera/twin_"));
             }),
             "");
 }

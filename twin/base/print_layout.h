@@ -14,14 +14,15 @@ struct RegistrationMark {
 };
 
 /// What is printed on the web for each unit (a label, a carton, a piece of strip). The design of the print is
-/// known to everybody: the dieline, the bench and the customer. Unit k lies at x_S = -k * pitch_mm on the web,
-/// so unit 0 passes the head first when the belt runs along +Wx.
+/// known to everybody: the dieline, the bench and the customer. Unit k lies at x_S = -k * pitch_mm on the
+/// web, so unit 0 passes the head first when the belt runs along +Wx.
 struct PrintLayout {
   int units{1};
-  double pitch_mm{};                     ///< > 0
-  double eye_mark_x_mm{};                ///< Leading edge of the eye mark that the print-mark sensor sees, in S of the unit.
-  double eye_mark_length_mm{5.0};        ///< Along x, upstream of the leading edge.
-  std::vector<RegistrationMark> marks;   ///< Of one unit.
+  double pitch_mm{};  ///< > 0
+  double
+      eye_mark_x_mm{};  ///< Leading edge of the eye mark that the print-mark sensor sees, in S of the unit.
+  double eye_mark_length_mm{5.0};       ///< Along x, upstream of the leading edge.
+  std::vector<RegistrationMark> marks;  ///< Of one unit.
 };
 
 }  // namespace kerfbench

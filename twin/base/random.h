@@ -7,13 +7,17 @@
 
 namespace kerfbench {
 
-/// Random numbers as a pure function of (seed, stream, index): the same at any number of threads and in any order
-/// of calls, and the same on every standard library. Mixing is SplitMix64's finaliser (Steele et al. 2014).
+/// Random numbers as a pure function of (seed, stream, index): the same at any number of threads and in any
+/// order of calls, and the same on every standard library. Mixing is SplitMix64's finaliser (Steele et al.
+/// 2014).
 class CounterRandom {
  public:
-  constexpr CounterRandom(std::uint64_t seed, std::uint64_t stream) : key_(mix(seed + 0x9e3779b97f4a7c15ULL * (stream + 1))) {}
+  constexpr CounterRandom(std::uint64_t seed, std::uint64_t stream)
+      : key_(mix(seed + 0x9e3779b97f4a7c15ULL * (stream + 1))) {}
 
-  [[nodiscard]] constexpr std::uint64_t bits(std::uint64_t index) const { return mix(key_ ^ mix(index + 0x632be59bd9b4e019ULL)); }
+  [[nodiscard]] constexpr std::uint64_t bits(std::uint64_t index) const {
+    return mix(key_ ^ mix(index + 0x632be59bd9b4e019ULL));
+  }
   /// Uniform in [0, 1).
   [[nodiscard]] constexpr double uniform(std::uint64_t index) const {
     return static_cast<double>(bits(index) >> 11U) * 0x1.0p-53;

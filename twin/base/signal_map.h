@@ -12,14 +12,23 @@ namespace kerfbench {
 
 /// What a pin means. Outputs of the controller first, its inputs (sensors) after.
 enum class Signal : std::size_t {
-  kGalvoXPul, kGalvoXDir, kGalvoYPul, kGalvoYDir,
-  kGantryXPul, kGantryXDir, kGantryYPul, kGantryYDir,
-  kFeedPul, kFeedDir,
+  kGalvoXPul,
+  kGalvoXDir,
+  kGalvoYPul,
+  kGalvoYDir,
+  kGantryXPul,
+  kGantryXDir,
+  kGantryYPul,
+  kGantryYDir,
+  kFeedPul,
+  kFeedDir,
   kLaserGate,  ///< High: the laser may emit.
   kLaserPwm,   ///< Duty is the power demand u in 0…1.
-  kEncoderA, kEncoderB,  ///< Quadrature of the belt's roller; A leads B when the belt runs along +Wx.
+  kEncoderA,
+  kEncoderB,   ///< Quadrature of the belt's roller; A leads B when the belt runs along +Wx.
   kPrintMark,  ///< High while a printed eye mark is under the sensor.
-  kLimitX, kLimitY,  ///< High at the end of travel of the gantry.
+  kLimitX,
+  kLimitY,     ///< High at the end of travel of the gantry.
   kInterlock,  ///< High: guard closed, the laser may be armed.
   kCount
 };
@@ -36,7 +45,9 @@ std::optional<Signal> signalFromName(std::string_view name);
 class SignalMap {
  public:
   void assign(Signal signal, PinId pin) { pins_.at(static_cast<std::size_t>(signal)) = pin; }
-  [[nodiscard]] std::optional<PinId> pin(Signal signal) const { return pins_.at(static_cast<std::size_t>(signal)); }
+  [[nodiscard]] std::optional<PinId> pin(Signal signal) const {
+    return pins_.at(static_cast<std::size_t>(signal));
+  }
 
  private:
   std::array<std::optional<PinId>, kSignalCount> pins_{};

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/case.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "hil/base/yaml_reader.h"
+
+namespace kerfbench::hil {
+namespace {
+
+// Without this, a drawing with two lines on top of each other would be burnt twice.
+void refuseUnfit(const Dieline& dieline) {
+  std::string message;
+  for (const LintFinding& finding : lintDieline(dieline)) {
+    if (!finding.is_error) continue;
+    message += fmt::format("{}{}: at ({:.3f}, {:.3f}) mm, layer {}: {}", message.empty() ? "" : "\n",
+                           dieline.path, finding.p_mm.x(), finding.p_mm.y(), finding.layer, finding.message);
+  }
+  if (!message.empty()) throw ConfigError(message);
+}
+
+}  // namespace
+
+Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
+  Case the_case;
+  the_case.scenario = readScenario(scenario, {firmware_dir});
+  the_case.machine = readMachine(the_case.scenario.machine);
+  the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
+  refuseUnfit(the_case.dieline);
+  return the_case;
+}
+
+planner::MachineParameters plannerMachine(const Case& the_case) {
+  const auto& told = the_case.machine.controller;
+  planner::MachineParameters machine;
+  machine.head = the_case.machine.kind == twin::MachineDescription::Kind::kGantry
+                     ? planner::MachineParameters::Head::kGantry
+                     : planner::MachineParameters::Head::kTwoMirror;
+  machine.throw_mm = told.throw_mm;
+  machine.mirror_spacing_mm = told.mirror_spacing_mm;
+  machine.mirror_step_rad = told.mirror_step_rad;
+  machine.gantry_step_mm = told.gantry_step_mm;
+  for (int i = 0; i < 2; ++i) {
+    machine.field_min_mm[i] = told.field_min_mm[i];
+    machine.field_max_mm[i] = told.field_max_mm[i];
+  }
+  machine.tracking_delay_s = told.tracking_delay_s;
+  machine.encoder_count_mm = told.encoder_count_mm;
+  machine.print_mark_sensor_x_mm = told.print_mark_sensor_x_mm;
+  machine.feed_step_mm = told.feed_step_mm;
+  machine.full_power_w = told.full_power_w;
+  return machine;
+}
+
+namespace {
+
+double webStartX_mm(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  // Upstream of the sensor by what the belt runs during the lead time, in which the controller boots and is
+  // loaded.
+  return the_case.machine.controller.print_mark_sensor_x_mm - scenario.print.eye_mark_x_mm -
+         scenario.belt_speed_mm_s * scenario.belt_lead_s;
+}
+
+}  // namespace
+
+planner::JobParameters plannerJob(const Case& the_case) {
+  planner::JobParameters job = the_case.scenario.job;
+  job.web_start_x_mm = webStartX_mm(the_case);
+  return job;
+}
+
+twin::WebDescription webOf(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  twin::WebDescription web;
+  web.print = scenario.print;
+  web.board = scenario.board;
+  web.start_x_mm = webStartX_mm(the_case);
+  web.belt_speed_mm_s = scenario.belt_speed_mm_s;
+  web.fed_by_controller = scenario.belt_by_controller;
+  return web;
+}
+
+}  // namespace kerfbench::hil

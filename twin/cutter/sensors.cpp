@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "twin/cutter/sensors.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerfbench::twin {
+namespace {
+
+double travelAfter(const BeltForecast& f, double dt_s) {
+  return f.travel_mm + f.speed_mm_s * dt_s + 0.5 * f.acceleration_mm_s2 * dt_s * dt_s;
+}
+
+// When the forecast passes `travel_mm`: s from now, in [0, limit_s].
+double timeOf(const BeltForecast& f, double travel_mm, double limit_s) {
+  double low_s = 0.0;
+  double high_s = limit_s;
+  const bool forward = travelAfter(f, limit_s) >= f.travel_mm;
+  // Within a quantum the belt does not turn back and forth, so bisection is safe; 50 halvings reach a
+  // femtosecond.
+  for (int i = 0; i < 50; ++i) {
+    const double mid_s = 0.5 * (low_s + high_s);
+    const bool passed = forward ? travelAfter(f, mid_s) >= travel_mm : travelAfter(f, mid_s) <= travel_mm;
+    (passed ? high_s : low_s) = mid_s;
+  }
+  return high_s;
+}
+
+Tick tickOf(const BeltForecast& f, TickRate rate, double travel_mm, Tick until) {
+  const double dt_s = timeOf(f, travel_mm, rate.seconds(until - f.now));
+  return std::clamp<Tick>(f.now + rate.ticksAt(dt_s) + 1, f.now + 1, until);
+}
+
+}  // namespace
+
+BeltSensors::BeltSensors(TickRate rate, double encoder_count_mm, const PrintLayout& print,
+                         double first_mark_mm)
+    : rate_(rate), encoder_count_mm_(encoder_count_mm), print_(print), first_mark_mm_(first_mark_mm) {}
+
+std::vector<SensorEdge> BeltSensors::edges(const BeltForecast& forecast, Tick until) {
+  std::vector<SensorEdge> edges;
+  encoderEdges(forecast, until, edges);
+  markEdges(forecast, until, edges);
+  std::ranges::stable_sort(edges, {}, &SensorEdge::tick);
+  return edges;
+}
+
+void BeltSensors::encoderEdges(const BeltForecast& forecast, Tick until, std::vector<SensorEdge>& edges) {
+  const double end_mm = travelAfter(forecast, rate_.seconds(until - forecast.now));
+  const auto target = static_cast<long long>(std::floor(end_mm / encoder_count_mm_));
+  while (count_ != target) {
+    const bool forward = target > count_;
+    // The boundary between the present count and the next one.
+    const double boundary_mm = static_cast<double>(forward ? count_ + 1 : count_) * encoder_count_mm_;
+    count_ += forward ? 1 : -1;
+    const Tick tick = tickOf(forecast, rate_, boundary_mm, until);
+    // Counts 0 1 2 3 are A B = 00 10 11 01: exactly one line changes at each boundary.
+    const auto phase = static_cast<unsigned>(((count_ % 4) + 4) % 4);
+    const bool a = phase == 1 || phase == 2;
+    const bool b = phase >= 2;
+    const bool a_changed = forward ? phase == 1 || phase == 3 : phase == 0 || phase == 2;
+    edges.push_back(a_changed ? SensorEdge{tick, Signal::kEncoderA, a}
+                              : SensorEdge{tick, Signal::kEncoderB, b});
+  }
+}
+
+void BeltSensors::markEdges(const BeltForecast& forecast, Tick until, std::vector<SensorEdge>& edges) {
+  const double end_mm = travelAfter(forecast, rate_.seconds(until - forecast.now));
+  while (mark_edges_ < 2LL * print_.units) {
+    const long long unit = mark_edges_ / 2;
+    const bool begins = mark_edges_ % 2 == 0;
+    const double at_mm = first_mark_mm_ + static_cast<double>(unit) * print_.pitch_mm +
+                         (begins ? 0.0 : print_.eye_mark_length_mm);
+    if (end_mm < at_mm) return;
+    edges.push_back({tickOf(forecast, rate_, at_mm, until), Signal::kPrintMark, begins});
+    ++mark_edges_;
+  }
+}
+
+}  // namespace kerfbench::twin
