@@ -259,7 +259,9 @@ class Checker {
               cut_meets = true;
               chain[root(i)] = root(end.item);
             }
-          } else if (d_mm <= nearest_mm && other.entity->process == item.entity->process) {
+          } else if (d_mm <= nearest_mm && other.entity->process == item.entity->process &&
+                     nearestOn(item.entity->curve, other.samples[end.sample]).distance_mm > kMet_mm) {
+            // Not where this very entity runs through the other's end: that is an overshoot, and joined.
             nearest = end;
             nearest_mm = d_mm;
             has_nearest = true;

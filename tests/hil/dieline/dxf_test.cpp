@@ -51,7 +51,7 @@ TEST_P(DxfVersion, GivesEachEntityAsDrawn) {
     const Vector2d middle(0.5, 0.5);
     const Vector2d right =
         Vector2d(-1, 1).normalized() * (0.25 * std::sqrt(2.0) / 2);  // Of the way (1,1) -> (0,0).
-    expectPoint(c[7], 0.5, middle + right);
+    expectPoint(c[7], 0.5, middle + left);
     EXPECT_LT(apart(c[8], EllipseCurve{{1, 2}, {3, 4}, {-2, 1.5}, 0.1, 1.9}), kTiny);
     expectPoint(c[9], 0, {0, 0});
     expectPoint(c[10], 1, {5, 0});

@@ -168,7 +168,9 @@ TEST(Hostile, MutatedFilesAreReadOrRefused) {
       const std::string faults = faultsOf(extension, text);
       EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
       refused += faults.empty() ? 0 : 1;
-      if (!faults.empty()) EXPECT_THAT(faults, HasSubstr("kerfbench-dieline-"));
+      if (!faults.empty()) {
+        EXPECT_THAT(faults, HasSubstr("kerfbench-dieline-"));
+      }
     }
   }
   EXPECT_GT(refused, 200);
