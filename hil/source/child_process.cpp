@@ -57,7 +57,8 @@ void setNonBlocking(const UniqueFd& fd) {
 }
 
 int millisecondsTo(ChildProcess::Clock::time_point deadline) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now()).count();
+  const auto left =
+      std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now()).count();
   return static_cast<int>(std::clamp<long long>(left, 0, 3'600'000));
 }
 
@@ -203,7 +204,8 @@ std::string ChildProcess::finish(std::chrono::milliseconds patience) {
     } else {
       // Its end of the pipes closes when it ends: a wait that needs no clock of its own.
       if (stderr_.valid()) {
-        (void)waitFor(POLLHUP, stderr_.get(), std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));
+        (void)waitFor(POLLHUP, stderr_.get(),
+                      std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));
       } else {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }

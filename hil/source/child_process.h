@@ -28,8 +28,8 @@ class UniqueFd {
   int fd_{-1};
 };
 
-/// A child process with its stdin and stdout as a byte stream and the tail of its stderr kept. Killed and reaped by the
-/// destructor at the latest: never a zombie.
+/// A child process with its stdin and stdout as a byte stream and the tail of its stderr kept. Killed and
+/// reaped by the destructor at the latest: never a zombie.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;

@@ -93,17 +93,24 @@ class Reply {
 
 Stop stopFrom(std::uint8_t code) {
   switch (code) {
-    case KB_PS_REACHED: return Stop::kReached;
-    case KB_PS_ENDED: return Stop::kEnded;
-    case KB_PS_CRASHED: return Stop::kCrashed;
-    case KB_PS_FLOODED: return Stop::kFlooded;
-    default: throw Malformed("unknown stop code " + std::to_string(code));
+    case KB_PS_REACHED:
+      return Stop::kReached;
+    case KB_PS_ENDED:
+      return Stop::kEnded;
+    case KB_PS_CRASHED:
+      return Stop::kCrashed;
+    case KB_PS_FLOODED:
+      return Stop::kFlooded;
+    default:
+      throw Malformed("unknown stop code " + std::to_string(code));
   }
 }
 
 class ChildSource final : public SignalSource {
  public:
-  explicit ChildSource(const ChildSourceOptions& options) : options_(options), child_(options.child) { open(); }
+  explicit ChildSource(const ChildSourceOptions& options) : options_(options), child_(options.child) {
+    open();
+  }
 
   ~ChildSource() override {
     if (stop_ != Stop::kReached) return;
@@ -143,7 +150,11 @@ class ChildSource final : public SignalSource {
       throw std::invalid_argument("drive() must be after the watermark and in order of tick");
     }
     last_drive_ = at;
-    Request(outgoing_, KB_PS_DRIVE).put(at).put(pin.port).put(pin.bit).put(static_cast<std::uint8_t>(level ? 1 : 0));
+    Request(outgoing_, KB_PS_DRIVE)
+        .put(at)
+        .put(pin.port)
+        .put(pin.bit)
+        .put(static_cast<std::uint8_t>(level ? 1 : 0));
   }
 
   void uartWrite(std::span<const std::uint8_t> bytes) override {
@@ -203,7 +214,8 @@ class ChildSource final : public SignalSource {
   }
 
   /// False: not within the deadline. @throws Malformed if the child has gone or talks nonsense.
-  bool readReply(std::uint8_t& type, std::vector<std::uint8_t>& payload, ChildProcess::Clock::time_point deadline) {
+  bool readReply(std::uint8_t& type, std::vector<std::uint8_t>& payload,
+                 ChildProcess::Clock::time_point deadline) {
     std::array<std::uint8_t, kHeadBytes> head{};
     const auto check = [this](ChildProcess::Io io) {
       if (io != ChildProcess::Io::kClosed) return io == ChildProcess::Io::kDone;
@@ -214,7 +226,8 @@ class ChildSource final : public SignalSource {
     if (!check(child_.read(head, deadline))) return false;
     std::uint32_t size = 0;
     for (std::size_t i = 0; i < 4; ++i) size |= std::uint32_t{head[i]} << (8 * i);
-    if (size > KB_PS_MAX_PAYLOAD) throw Malformed("a reply of " + std::to_string(size) + " bytes is too long");
+    if (size > KB_PS_MAX_PAYLOAD)
+      throw Malformed("a reply of " + std::to_string(size) + " bytes is too long");
     type = head[4];
     payload.resize(size);
     return check(child_.read(payload, deadline));
@@ -246,7 +259,8 @@ class ChildSource final : public SignalSource {
       event.changed = events.take<std::uint16_t>();
       event.level = events.take<std::uint16_t>();
       event.flags = events.take<std::uint16_t>();
-      if (event.tick < last || event.tick > watermark) throw Malformed("the ticks of its events do not ascend");
+      if (event.tick < last || event.tick > watermark)
+        throw Malformed("the ticks of its events do not ascend");
       last = event.tick;
       auto& level = levels_[event.port];
       if ((event.flags & PinEvent::kGap) == 0 && (level ^ event.changed) != event.level) {

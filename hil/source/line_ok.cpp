@@ -7,8 +7,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr std::size_t kMaxReplyChars = 512;
-constexpr double kProbeShare = 0.5;      // of the time to connect, then an empty line asks
-constexpr double kSettle_s = 0.1;        // for the answer to that line, after a late banner
+constexpr double kProbeShare = 0.5;  // of the time to connect, then an empty line asks
+constexpr double kSettle_s = 0.1;    // for the answer to that line, after a late banner
 constexpr double kAskPeriod_s = 0.1;
 constexpr double kReportTimeout_s = 1.0;  // no report in this time: this firmware makes none
 
@@ -86,7 +86,8 @@ void LineOkSender::takeLine(std::string_view line, double now_s) {
       if (line.starts_with("<")) takeReport(line);
       break;
     case State::kDone:
-    case State::kFailed: break;
+    case State::kFailed:
+      break;
   }
 }
 
@@ -127,7 +128,8 @@ void LineOkSender::watchTime(double now_s) {
       }
       break;
     case State::kDone:
-    case State::kFailed: break;
+    case State::kFailed:
+      break;
   }
 }
 
@@ -167,11 +169,16 @@ double LineOkSender::progress() const {
 std::string LineOkSender::message() const {
   const auto of_lines = std::to_string(answered_) + " of " + std::to_string(lines_.size()) + " lines";
   switch (state_) {
-    case State::kConnecting: return "waiting for the firmware's first line";
-    case State::kStreaming: return of_lines + " answered";
-    case State::kDraining: return of_lines + " answered, waiting for the motion to end";
-    case State::kDone: return of_lines + " done";
-    case State::kFailed: break;
+    case State::kConnecting:
+      return "waiting for the firmware's first line";
+    case State::kStreaming:
+      return of_lines + " answered";
+    case State::kDraining:
+      return of_lines + " answered, waiting for the motion to end";
+    case State::kDone:
+      return of_lines + " done";
+    case State::kFailed:
+      break;
   }
   return failure_;
 }

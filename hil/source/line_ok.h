@@ -12,15 +12,17 @@ namespace kerfbench::hil {
 /// How LineOkSender talks; times are virtual seconds.
 struct LineOkOptions {
   double connect_timeout_s{3.0};  ///< For a first line, or an answer to an empty line.
-  double reply_timeout_s{60.0};   ///< For the answer to one line: a full queue holds it back for a whole move.
+  double reply_timeout_s{60.0};  ///< For the answer to one line: a full queue holds it back for a whole move.
   double drain_timeout_s{600.0};  ///< For the rest of the motion after the last ok.
-  bool wait_for_idle{true};       ///< Ask for the state ('?') until <Idle…>; firmware that does not answer is done at once.
+  bool wait_for_idle{
+      true};  ///< Ask for the state ('?') until <Idle…>; firmware that does not answer is done at once.
 };
 
 /// Sends a program to firmware that speaks "a line, then wait for ok", as Grbl and its many relatives do.
 ///
-/// A pure state machine, like planner::Link: bytes and time in, bytes out. One line is under way at a time, so an error
-/// names the line that caused it. Comments and blank lines are left out; line numbers stay those of the program.
+/// A pure state machine, like planner::Link: bytes and time in, bytes out. One line is under way at a time,
+/// so an error names the line that caused it. Comments and blank lines are left out; line numbers stay those
+/// of the program.
 class LineOkSender {
  public:
   enum class State { kConnecting, kStreaming, kDraining, kDone, kFailed };

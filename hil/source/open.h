@@ -12,13 +12,15 @@ namespace kerfbench::hil {
 
 /// A release image in a child process that speaks the pin-stream protocol (see pin_stream.h).
 struct ChildSourceOptions {
-  std::filesystem::path child;     ///< kerfbench-avr, kerfbench-native, or any other program that speaks the protocol.
-  std::filesystem::path image;     ///< .hex or .elf for AVR; the controller's executable or shared object for native.
+  std::filesystem::path
+      child;  ///< kerfbench-avr, kerfbench-native, or any other program that speaks the protocol.
+  std::filesystem::path
+      image;  ///< .hex or .elf for AVR; the controller's executable or shared object for native.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
   std::uint64_t max_events_per_quantum{200'000};
-  double hang_guard_s{20.0};       ///< Wall time for one quantum before the child is killed (kHung).
+  double hang_guard_s{20.0};  ///< Wall time for one quantum before the child is killed (kHung).
 };
 /// @throws std::system_error if the child cannot be started, std::runtime_error if it refuses the image.
 std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options);

@@ -14,17 +14,17 @@ struct SourceInfo {
   TickRate rate;
   std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; margins must exceed it.
   bool deterministic{};
-  bool accepts_input{};             ///< False for a recording: drive() and uartWrite() are ignored.
-  std::string config_id;            ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
+  bool accepts_input{};   ///< False for a recording: drive() and uartWrite() are ignored.
+  std::string config_id;  ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
 };
 
 /// Why advance() came back.
 enum class Stop {
-  kReached,   ///< The asked-for tick.
-  kEnded,     ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
-  kCrashed,   ///< The firmware or its emulator crashed; see message().
-  kFlooded,   ///< More events than `max_events` in one quantum.
-  kHung,      ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
+  kReached,  ///< The asked-for tick.
+  kEnded,    ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
+  kCrashed,  ///< The firmware or its emulator crashed; see message().
+  kFlooded,  ///< More events than `max_events` in one quantum.
+  kHung,     ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
 };
 
 /// What happened in one quantum, in order of tick.

@@ -13,24 +13,28 @@ namespace kerfbench::hil {
 /// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay.
 struct PinRecording {
   TickRate rate;
-  std::vector<PinEvent> outputs;      ///< What the controller did, by tick.
-  std::vector<SensorEdge> sensors;    ///< What the bench drove, by tick.
-  Tick end{};                         ///< End of the run; the file closes with a time stamp there, since
-                                      ///< sigrok drops changes at the last stamp otherwise.
-  bool own{};                         ///< Read from a file that Kerfbench wrote, so that ticks are exact.
+  std::vector<PinEvent> outputs;    ///< What the controller did, by tick.
+  std::vector<SensorEdge> sensors;  ///< What the bench drove, by tick.
+  Tick end{};                       ///< End of the run; the file closes with a time stamp there, since
+                                    ///< sigrok drops changes at the last stamp otherwise.
+  bool own{};                       ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
-/// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly (100 ps for
-/// 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place for: the exact tick, the
-/// end of the run, and gaps. Only wired signals are written; what a port does on other pins is lost.
+/// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
+/// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
+/// for: the exact tick, the end of the run, and gaps. Only wired signals are written; what a port does on
+/// other pins is lost.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 
-/// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped. Without
-/// Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become one event.
+/// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped.
+/// Without Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become
+/// one event.
 ///
-/// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin, unknown
-/// identifiers, a wire twice, a controller's pin of `map` that the file lacks, and anything truncated are refused.
-/// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the path.
+/// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin,
+/// unknown identifiers, a wire twice, a controller's pin of `map` that the file lacks, and anything truncated
+/// are refused.
+/// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the
+/// path.
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map);
 
 }  // namespace kerfbench::hil

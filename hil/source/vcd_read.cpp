@@ -83,7 +83,8 @@ class Reader {
 
   /// The next word, or nothing at the end of the file. Words are divided by blanks.
   std::string_view word() {
-    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ') line_ += text_[at_++] == '\n' ? 1U : 0U;
+    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ')
+      line_ += text_[at_++] == '\n' ? 1U : 0U;
     const std::size_t start = at_;
     while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) > ' ') ++at_;
     return text_.substr(start, at_ - start);
@@ -125,7 +126,8 @@ class Reader {
     recording_.own = own_rate_.has_value();
     recording_.rate = own_rate_.value_or(rate);
     scale_ = VcdScale(exponent_, recording_.rate);
-    if (recording_.own && !scale_.exact() && exponent_ < 12) fault("the time scale is too coarse for the tick");
+    if (recording_.own && !scale_.exact() && exponent_ < 12)
+      fault("the time scale is too coarse for the tick");
   }
 
   void timescale(const std::vector<std::string_view>& words) {
@@ -135,7 +137,10 @@ class Reader {
     for (int exponent = -2; exponent <= VcdScale::kFinestExponent; ++exponent) {
       const int unit = (exponent + 2) / 3;
       const int zeros = unit * 3 - exponent;
-      if (text != std::string(zeros == 0 ? "1" : zeros == 1 ? "10" : "100") + kUnits[static_cast<std::size_t>(unit)]) {
+      if (text != std::string(zeros == 0   ? "1"
+                              : zeros == 1 ? "10"
+                                           : "100") +
+                      kUnits[static_cast<std::size_t>(unit)]) {
         continue;
       }
       if (exponent_ >= 0) fault("a second $timescale");
@@ -151,7 +156,8 @@ class Reader {
     if (words[1] == "tick") {
       const auto slash = words[2].find('/');
       const auto num = number<std::uint64_t>(words[2].substr(0, slash));
-      const auto den = slash == std::string_view::npos ? std::nullopt : number<std::uint64_t>(words[2].substr(slash + 1));
+      const auto den =
+          slash == std::string_view::npos ? std::nullopt : number<std::uint64_t>(words[2].substr(slash + 1));
       constexpr std::uint64_t kMax = std::uint64_t{1} << 40U;
       if (!num || !den || *num == 0 || *den == 0 || *num > kMax || *den > kMax) {
         fault("a tick of " + shown(words[2]) + " seconds makes no sense");
@@ -196,15 +202,27 @@ class Reader {
     if (!faults_.empty()) return;  // Nothing below can be judged by a broken header.
     for (auto token = word(); !token.empty(); token = word()) {
       switch (token.front()) {
-        case '#': stamp(token.substr(1)); break;
-        case '0': case '1': case 'x': case 'X': case 'z': case 'Z':
+        case '#':
+          stamp(token.substr(1));
+          break;
+        case '0':
+        case '1':
+        case 'x':
+        case 'X':
+        case 'z':
+        case 'Z':
           if (token.size() == 1) {
             fault("a change without an identifier");
           } else {
             change(token.front(), token.substr(1));
           }
           break;
-        case 'b': case 'B': case 'r': case 'R': vector(token); break;
+        case 'b':
+        case 'B':
+        case 'r':
+        case 'R':
+          vector(token);
+          break;
         case '$':
           if (token == "$comment") {
             section(token);
@@ -212,7 +230,8 @@ class Reader {
             fault("unknown section " + shown(token));
           }
           break;
-        default: fault("neither a stamp nor a change: " + shown(token));
+        default:
+          fault("neither a stamp nor a change: " + shown(token));
       }
     }
     finish();
@@ -251,7 +270,8 @@ class Reader {
     if (id.empty()) giveUp("a change without an identifier: the file is truncated");
     const auto found = wires_.find(id);
     if (found == wires_.end()) return fault("unknown identifier " + shown(id));
-    if (token.size() > kMaxWidthBits + 1) return fault("a value of " + std::to_string(token.size()) + " characters");
+    if (token.size() > kMaxWidthBits + 1)
+      return fault("a value of " + std::to_string(token.size()) + " characters");
     if (found->second.signal) {
       if (token.size() != 2) return fault("a wire of 1 bit has the value " + shown(token));
       change(token[1], id);
@@ -278,7 +298,8 @@ class Reader {
     const Tick last = std::max(recording_.outputs.empty() ? 0 : recording_.outputs.back().tick,
                                recording_.sensors.empty() ? 0 : recording_.sensors.back().tick);
     recording_.end = own_end_.value_or(tick_);
-    if (own_end_ && (*own_end_ < last || tick_ < *own_end_)) fault("the file ends before its end: it is truncated");
+    if (own_end_ && (*own_end_ < last || tick_ < *own_end_))
+      fault("the file ends before its end: it is truncated");
     for (const auto& gap : gaps_) {
       auto& events = recording_.outputs;
       auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
@@ -326,7 +347,8 @@ std::string readWhole(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
   if (size < 0) throw std::system_error(errno, std::generic_category(), path.string());
-  if (static_cast<std::uintmax_t>(size) > kMaxFileBytes) throw std::runtime_error(path.string() + ": larger than 4 GiB");
+  if (static_cast<std::uintmax_t>(size) > kMaxFileBytes)
+    throw std::runtime_error(path.string() + ": larger than 4 GiB");
   std::string text(static_cast<std::size_t>(size), '\0');
   file.seekg(0);
   if (!file.read(text.data(), size)) throw std::system_error(errno, std::generic_category(), path.string());

@@ -11,8 +11,8 @@ namespace kerfbench::hil {
 
 /// The time scale of a VCD file and how ticks map to its stamps. One unit is 10^-exponent s.
 ///
-/// Where no decimal unit holds a tick exactly (12 MHz: 83.3 ns), stamps are rounded to 1 ps, which still tells ticks
-/// apart, so that replay is exact in both cases.
+/// Where no decimal unit holds a tick exactly (12 MHz: 83.3 ns), stamps are rounded to 1 ps, which still
+/// tells ticks apart, so that replay is exact in both cases.
 class VcdScale {
  public:
   static constexpr int kFinestExponent = 15;
@@ -41,7 +41,8 @@ class VcdScale {
   /// @throws std::invalid_argument beyond the 64 bits of a VCD stamp.
   [[nodiscard]] std::uint64_t stampOf(Tick tick) const {
     const Wide stamp = units(tick);
-    if (stamp >> 64U != 0) throw std::invalid_argument("tick " + std::to_string(tick) + " is too late for a VCD file");
+    if (stamp >> 64U != 0)
+      throw std::invalid_argument("tick " + std::to_string(tick) + " is too late for a VCD file");
     return static_cast<std::uint64_t>(stamp);
   }
   /// The tick whose stamp this is; false if there is none.

@@ -35,7 +35,8 @@ class Writer {
     header();
     std::size_t sensor = 0;
     for (const auto& event : recording_.outputs) {
-      while (sensor < recording_.sensors.size() && recording_.sensors[sensor].tick < event.tick) writeSensor(sensor++);
+      while (sensor < recording_.sensors.size() && recording_.sensors[sensor].tick < event.tick)
+        writeSensor(sensor++);
       writeOutput(event);
     }
     while (sensor < recording_.sensors.size()) writeSensor(sensor++);
@@ -48,15 +49,17 @@ class Writer {
  private:
   void header() {
     text_ += "$version kerfbench $end\n$comment kerfbench tick " + std::to_string(recording_.rate.num) + "/" +
-             std::to_string(recording_.rate.den) + " $end\n$comment kerfbench end " + std::to_string(recording_.end) +
-             " $end\n";
+             std::to_string(recording_.rate.den) + " $end\n$comment kerfbench end " +
+             std::to_string(recording_.end) + " $end\n";
     for (const auto& event : recording_.outputs) {
       if ((event.flags & PinEvent::kGap) == 0) continue;
-      text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) + " $end\n";
+      text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) +
+               " $end\n";
     }
     text_ += "$timescale " + scale_.text() + " $end\n$scope module pins $end\n";
     for (const auto signal : wired_) {
-      text_ += std::string("$var wire 1 ") + identifier(signal) + " " + std::string(signalName(signal)) + " $end\n";
+      text_ += std::string("$var wire 1 ") + identifier(signal) + " " + std::string(signalName(signal)) +
+               " $end\n";
     }
     text_ += "$upscope $end\n$enddefinitions $end\n#0\n$dumpvars\n";
     for (const auto signal : wired_) change(signal, false);

@@ -12,7 +12,8 @@ namespace kerfbench::avr_child {
 namespace {
 
 constexpr std::size_t kMaxFileBytes = 16U << 20U;
-constexpr std::uint32_t kEepromAddress = 0x810000;  // Where the GNU linker puts EEPROM in its one address space.
+constexpr std::uint32_t kEepromAddress =
+    0x810000;  // Where the GNU linker puts EEPROM in its one address space.
 constexpr std::uint32_t kDataAddress = 0x800000;
 
 class Placer {
@@ -91,12 +92,23 @@ void readHex(std::string_view text, Placer& placer) {
       return bytes[4] * 256U + bytes[5];
     };
     switch (bytes[3]) {
-      case 0: placer.place(base + offset, bytes.data() + 4, bytes[0], where); break;
-      case 1: ended = true; break;
-      case 2: base = std::uint64_t{wide()} << 4U; break;
-      case 4: base = std::uint64_t{wide()} << 16U; break;
-      case 3: case 5: break;  // Start address: an AVR starts at its reset vector.
-      default: placer.fail(where, "unknown record type " + std::to_string(bytes[3]));
+      case 0:
+        placer.place(base + offset, bytes.data() + 4, bytes[0], where);
+        break;
+      case 1:
+        ended = true;
+        break;
+      case 2:
+        base = std::uint64_t{wide()} << 4U;
+        break;
+      case 4:
+        base = std::uint64_t{wide()} << 16U;
+        break;
+      case 3:
+      case 5:
+        break;  // Start address: an AVR starts at its reset vector.
+      default:
+        placer.fail(where, "unknown record type " + std::to_string(bytes[3]));
     }
   }
   if (!ended) placer.fail("", "no end-of-file record: the file is truncated");
@@ -151,7 +163,8 @@ Image readImage(const std::string& path, std::size_t flash_size, std::size_t eep
   }
   if (file.bad()) throw std::runtime_error(path + ": " + std::strerror(errno));
   Placer placer(path, flash_size, eeprom_size);
-  if (bytes.starts_with("\x7f" "ELF")) {
+  if (bytes.starts_with("\x7f"
+                        "ELF")) {
     readElf(bytes, placer);
   } else {
     readHex(bytes, placer);

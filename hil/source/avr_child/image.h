@@ -13,7 +13,8 @@ struct Image {
   std::vector<std::uint8_t> eeprom;  ///< Empty if the image has none.
 };
 
-/// Reads Intel HEX, or ELF by its magic. Everything is checked: an image that a programmer would refuse is refused.
+/// Reads Intel HEX, or ELF by its magic. Everything is checked: an image that a programmer would refuse is
+/// refused.
 /// @throws std::runtime_error with the file and the line.
 Image readImage(const std::string& path, std::size_t flash_size, std::size_t eeprom_size);
 

@@ -114,11 +114,12 @@ void Machine::hookUart() {
   avr_irq_register_notify(uart_->io.irq + UART_IRQ_OUTPUT, onUartOut, this);
   avr_irq_register_notify(uart_->io.irq + UART_IRQ_OUT_XON, onUartXon, this);
   avr_irq_register_notify(uart_->io.irq + UART_IRQ_OUT_XOFF, onUartXoff, this);
-  for (const unsigned addr : {unsigned{uart_->ubrrl.reg}, unsigned{uart_->ubrrh.reg}, unsigned{uart_->r_ucsra},
-                              unsigned{uart_->r_ucsrb}, unsigned{uart_->r_ucsrc}}) {
+  for (const unsigned addr : {unsigned{uart_->ubrrl.reg}, unsigned{uart_->ubrrh.reg},
+                              unsigned{uart_->r_ucsra}, unsigned{uart_->r_ucsrb}, unsigned{uart_->r_ucsrc}}) {
     if (addr == 0) continue;
     avr_irq_register_notify(
-        avr_iomem_getirq(avr_, static_cast<avr_io_addr_t>(addr), nullptr, AVR_IOMEM_IRQ_ALL), onUartSetup, this);
+        avr_iomem_getirq(avr_, static_cast<avr_io_addr_t>(addr), nullptr, AVR_IOMEM_IRQ_ALL), onUartSetup,
+        this);
   }
 }
 
@@ -151,8 +152,8 @@ std::uint8_t Machine::onCountRead(avr_t* avr, avr_io_addr_t addr, void* param) {
 
 void Machine::onUartOut(avr_irq_t* /*irq*/, std::uint32_t value, void* param) {
   auto& self = *static_cast<Machine*>(param);
-  const std::uint64_t start = self.sent_.empty() ? self.avr_->cycle
-                                                 : std::max(self.avr_->cycle, self.sent_.back().done_at);
+  const std::uint64_t start =
+      self.sent_.empty() ? self.avr_->cycle : std::max(self.avr_->cycle, self.sent_.back().done_at);
   self.sent_.push_back({start + self.uart_->cycles_per_byte, static_cast<std::uint8_t>(value)});
 }
 
@@ -176,7 +177,8 @@ void Machine::setByteTime() {
   const unsigned divider = avr_->data[uart_->r_ucsra] >> uart_->u2x.bit & uart_->u2x.mask ? 8U : 16U;
   const unsigned rate = avr_->data[uart_->ubrrl.reg] | (avr_->data[uart_->ubrrh.reg] & 0x0FU) << 8U;
   static constexpr std::array<unsigned, 8> kDataBits{5, 6, 7, 8, 8, 8, 8, 9};
-  const unsigned size = avr_regbit_get(avr_, uart_->ucsz) | static_cast<unsigned>(avr_regbit_get(avr_, uart_->ucsz2) << 2);
+  const unsigned size =
+      avr_regbit_get(avr_, uart_->ucsz) | static_cast<unsigned>(avr_regbit_get(avr_, uart_->ucsz2) << 2);
   const unsigned parity = uart_->r_ucsrc != 0 && (avr_->data[uart_->r_ucsrc] & 0x30U) != 0 ? 1 : 0;
   uart_->cycles_per_byte =
       divider * (rate + 1) * (1 + kDataBits[size & 7U] + parity + 1 + avr_regbit_get(avr_, uart_->usbs));
@@ -202,11 +204,12 @@ void Machine::onLog(avr_t* avr, int level, const char* format, va_list arguments
 }
 
 std::string Machine::configuration() const {
-  return "simavr 1.6, own stepping; shims: zero-TOP CTC, kept and exact TCNT, late-enabled interrupts, ICR as TOP, "
+  return "simavr 1.6, own stepping; shims: zero-TOP CTC, kept and exact TCNT, late-enabled interrupts, ICR "
+         "as TOP, "
          "compare outputs apart from PORT, buffered fast PWM, single-bit SBI on PIN, external input levels, "
          "10-bit UART, interrupt entry cycles, no strict level interrupts; run_cycle_limit " +
-         std::to_string(kRunCycleLimit) + "; mcu " + options_.mcu + " at " + std::to_string(options_.clock_hz) +
-         " Hz, " + std::to_string(options_.baud) + " baud";
+         std::to_string(kRunCycleLimit) + "; mcu " + options_.mcu + " at " +
+         std::to_string(options_.clock_hz) + " Hz, " + std::to_string(options_.baud) + " baud";
 }
 
 void Machine::drive(std::uint64_t tick, std::uint16_t port, std::uint16_t bit, bool level) {
@@ -269,7 +272,8 @@ void Machine::sleepTo(std::uint64_t until) {
     avr_->cycle += 1;
   } else {
     std::uint64_t next = std::min(until, nextInput());
-    if (avr_->cycle_timers.timer != nullptr) next = std::min<std::uint64_t>(next, avr_->cycle_timers.timer->when);
+    if (avr_->cycle_timers.timer != nullptr)
+      next = std::min<std::uint64_t>(next, avr_->cycle_timers.timer->when);
     avr_->cycle = std::max<std::uint64_t>(avr_->cycle, next);
   }
   service_due_ = true;
@@ -281,7 +285,8 @@ void Machine::runInstructions(std::uint64_t until) {
     avr_cycle_timer_register(avr_, horizon - avr_->cycle, onHorizon, this);
     horizon_ = horizon;
   }
-  avr_->run_cycle_count = std::min<avr_cycle_count_t>(kRunCycleLimit, avr_->cycle_timers.timer->when - avr_->cycle);
+  avr_->run_cycle_count =
+      std::min<avr_cycle_count_t>(kRunCycleLimit, avr_->cycle_timers.timer->when - avr_->cycle);
   avr_->pc = avr_run_one(avr_);
   service_due_ = true;
 }
@@ -295,7 +300,8 @@ RunResult Machine::run(std::uint64_t until) {
   while (result.stop == KB_PS_REACHED) {
     runTimersTo(std::min<std::uint64_t>(avr_->cycle, until));
     if (pins_->flooded()) {
-      finish(KB_PS_FLOODED, "more than " + std::to_string(options_.max_events) + " pin events in one quantum");
+      finish(KB_PS_FLOODED,
+             "more than " + std::to_string(options_.max_events) + " pin events in one quantum");
       break;
     }
     if (avr_->run != avr_callback_run_raw) {  // The watchdog asks for a reset through this pointer.
@@ -331,7 +337,8 @@ RunResult Machine::run(std::uint64_t until) {
     }
   }
   // An instruction may have run on past a stop; nothing at or before its end can follow.
-  result.watermark = result.stop == KB_PS_REACHED ? until : std::clamp<std::uint64_t>(avr_->cycle + 1, watermark_, until);
+  result.watermark =
+      result.stop == KB_PS_REACHED ? until : std::clamp<std::uint64_t>(avr_->cycle + 1, watermark_, until);
   watermark_ = result.watermark;
   result.events = pins_->take();
   std::erase_if(result.events, [&](const PinEvent& event) { return event.tick > result.watermark; });

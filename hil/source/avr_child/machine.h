@@ -37,9 +37,10 @@ struct RunResult {
 
 /// A microcontroller under simavr, stepped so that nothing depends on how a run is cut into quanta.
 ///
-/// simavr's own avr_run() is not used. Here a timer runs at its own cycle instead of at the end of the instruction that
-/// passed it, an interrupt costs its entry cycles, sleep ends on the very cycle, and an instruction that runs over the
-/// end of a quantum leaves its after-work to the next quantum. One Machine per process (simavr's logger is global).
+/// simavr's own avr_run() is not used. Here a timer runs at its own cycle instead of at the end of the
+/// instruction that passed it, an interrupt costs its entry cycles, sleep ends on the very cycle, and an
+/// instruction that runs over the end of a quantum leaves its after-work to the next quantum. One Machine per
+/// process (simavr's logger is global).
 class Machine {
  public:
   /// @throws std::runtime_error if the controller is not known or the image is not fit to run.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// kerfbench-avr: runs an AVR release image under simavr and speaks the pin-stream protocol on file descriptors 0 and 1.
+// kerfbench-avr: runs an AVR release image under simavr and speaks the pin-stream protocol on file
+// descriptors 0 and 1.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -39,7 +40,8 @@ void confine() {
 }
 
 std::vector<std::uint8_t> hello(const Machine& machine, std::uint64_t clock_hz) {
-  constexpr std::uint32_t kStampError = 2;  // the store's cycle inside its instruction, and the interrupt's latency
+  constexpr std::uint32_t kStampError =
+      2;  // the store's cycle inside its instruction, and the interrupt's latency
   std::vector<std::uint8_t> out;
   putInteger<std::uint32_t>(out, KB_PS_VERSION);
   putInteger<std::uint64_t>(out, 1);
@@ -72,11 +74,13 @@ std::unique_ptr<Machine> open(const Message& request, MachineOptions& options) {
   if (request.type != KB_PS_OPEN) throw std::runtime_error("the first request must be OPEN");
   FieldReader in(request.payload);
   const auto version = in.integer<std::uint32_t>();
-  if (version != KB_PS_VERSION) throw std::runtime_error("protocol version " + std::to_string(version) + " is not known");
+  if (version != KB_PS_VERSION)
+    throw std::runtime_error("protocol version " + std::to_string(version) + " is not known");
   options.clock_hz = in.integer<std::uint64_t>();
   options.baud = in.integer<std::uint32_t>();
   // What fits into a reply.
-  options.max_events = std::min<std::uint64_t>(in.integer<std::uint64_t>(), (KB_PS_MAX_PAYLOAD - (1U << 20U)) / 16);
+  options.max_events =
+      std::min<std::uint64_t>(in.integer<std::uint64_t>(), (KB_PS_MAX_PAYLOAD - (1U << 20U)) / 16);
   options.mcu = in.text();
   options.image_path = in.text();
   in.finish();
@@ -112,7 +116,9 @@ void serve(int in_fd, int out_fd) {
         machine->drive(tick, port, bit, level != 0);
         break;
       }
-      case KB_PS_UART: machine->send(request.payload); break;
+      case KB_PS_UART:
+        machine->send(request.payload);
+        break;
       case KB_PS_ADVANCE: {
         const auto until = in.integer<std::uint64_t>();
         in.finish();
@@ -121,8 +127,10 @@ void serve(int in_fd, int out_fd) {
         if (run.stop != KB_PS_REACHED) return;
         break;
       }
-      case KB_PS_QUIT: return;
-      default: throw std::runtime_error("request " + std::to_string(request.type) + " is not known");
+      case KB_PS_QUIT:
+        return;
+      default:
+        throw std::runtime_error("request " + std::to_string(request.type) + " is not known");
     }
   }
 }

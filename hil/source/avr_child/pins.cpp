@@ -39,8 +39,8 @@ void Pins::onDirection(avr_irq_t* /*irq*/, std::uint32_t value, void* param) {
   port.owner->update(port);
 }
 
-// Writing ones to PIN toggles PORT. simavr carries out `sbi PINx, n` as read, or, write, and so toggles every pin that
-// happens to be high; on silicon SBI touches one bit.
+// Writing ones to PIN toggles PORT. simavr carries out `sbi PINx, n` as read, or, write, and so toggles every
+// pin that happens to be high; on silicon SBI touches one bit.
 void Pins::onPinWrite(avr_t* avr, avr_io_addr_t addr, std::uint8_t value, void* param) {
   const auto& port = *static_cast<const Port*>(param);
   const unsigned opcode = avr->flash[avr->pc] | static_cast<unsigned>(avr->flash[avr->pc + 1] << 8);
@@ -109,8 +109,8 @@ std::vector<PinEvent> Pins::take() {
 
 void Pins::drive(std::uint16_t port_index, std::uint16_t bit, bool level) {
   if (port_index >= kPorts || !ports_[port_index] || bit > 7) {
-    throw std::runtime_error("the controller has no pin " + std::string(1, static_cast<char>('A' + port_index % 26)) +
-                             std::to_string(bit));
+    throw std::runtime_error("the controller has no pin " +
+                             std::string(1, static_cast<char>('A' + port_index % 26)) + std::to_string(bit));
   }
   auto& port = *ports_[port_index];
   const auto mask = static_cast<std::uint8_t>(1U << bit);

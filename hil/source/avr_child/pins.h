@@ -21,12 +21,13 @@ struct PinEvent {
 
 /// What the controller's pins do, port by port.
 ///
-/// A pin is driven only if its DDR bit is set; then it follows its PORT bit, unless a timer's compare unit is connected
-/// to it. simavr lets a compare unit write the PORT register, so that a pin stays high after the unit is disconnected;
-/// here the two are kept apart, as on silicon.
+/// A pin is driven only if its DDR bit is set; then it follows its PORT bit, unless a timer's compare unit is
+/// connected to it. simavr lets a compare unit write the PORT register, so that a pin stays high after the
+/// unit is disconnected; here the two are kept apart, as on silicon.
 ///
-/// Ticks. simavr's clock stands at the start of an instruction while its store is carried out, and a pin of the silicon
-/// changes at its end: events of instructions are stamped one cycle later, those of timers at the timer's own cycle.
+/// Ticks. simavr's clock stands at the start of an instruction while its store is carried out, and a pin of
+/// the silicon changes at its end: events of instructions are stamped one cycle later, those of timers at the
+/// timer's own cycle.
 class Pins {
  public:
   Pins(avr_t* avr, std::size_t max_events);
@@ -54,10 +55,10 @@ class Pins {
     Pins* owner{};
     avr_ioport_t* io{};
     std::uint16_t index{};
-    std::uint8_t latch{};       // PORT, as the firmware wrote it
-    std::uint8_t direction{};   // DDR
-    std::uint8_t connected{};   // bits that a compare unit owns
-    std::uint8_t compare{};     // the compare units' levels
+    std::uint8_t latch{};      // PORT, as the firmware wrote it
+    std::uint8_t direction{};  // DDR
+    std::uint8_t connected{};  // bits that a compare unit owns
+    std::uint8_t compare{};    // the compare units' levels
     std::uint8_t level{};
     std::uint8_t driven_mask{};
     std::uint8_t driven_level{};

@@ -31,7 +31,8 @@ void TimerShim::afterReset() {
     if (output.port < 0) continue;
     avr_ioport_getirq_t request{};
     request.bit = output.comp->com_pin;
-    if (avr_ioctl(avr_, AVR_IOCTL_IOPORT_GETIRQ_REGBIT, &request) > 0) avr_unconnect_irq(source, request.irq[0]);
+    if (avr_ioctl(avr_, AVR_IOCTL_IOPORT_GETIRQ_REGBIT, &request) > 0)
+      avr_unconnect_irq(source, request.irq[0]);
     pins_.setCompareOutput(output.port, output.comp->com_pin.bit, false, false);
   }
   pwm_running_ = false;
@@ -65,7 +66,9 @@ std::uint16_t TimerShim::count() const {
 bool TimerShim::watches(avr_io_addr_t addr) const {
   if (addr == 0) return false;
   const auto in = [addr](const avr_regbit_t& bits) { return bits.reg == addr; };
-  const auto vector = [&](const avr_int_vector_t& v) { return v.vector != 0 && (in(v.enable) || in(v.raised)); };
+  const auto vector = [&](const avr_int_vector_t& v) {
+    return v.vector != 0 && (in(v.enable) || in(v.raised));
+  };
   return std::any_of(std::begin(timer_->cs), std::end(timer_->cs), in) ||
          std::any_of(std::begin(timer_->wgm), std::end(timer_->wgm), in) || addr == timer_->r_tcnt ||
          addr == timer_->r_icr || vector(timer_->overflow) || vector(timer_->icr) ||
@@ -111,7 +114,8 @@ void TimerShim::setCount(std::uint16_t value) {
   makeCountExact(value);
 }
 
-// simavr takes count * period / TOP cycles as gone by, which should be count * prescaler: move the timers it has set.
+// simavr takes count * period / TOP cycles as gone by, which should be count * prescaler: move the timers it
+// has set.
 void TimerShim::makeCountExact(std::uint16_t value) {
   if (timer_->tov_cycles <= 1 || value >= timer_->tov_top || !internalClock()) return;
   const std::uint64_t base = avr_->cycle - std::uint64_t{value} * timer_->cs_div_value;
@@ -129,7 +133,8 @@ void TimerShim::makeCountExact(std::uint16_t value) {
 
 void TimerShim::raiseEnabled() {
   const auto raise = [this](avr_int_vector_t& v) {
-    if (v.vector != 0 && v.pending == 0 && avr_regbit_get(avr_, v.enable) != 0 && avr_regbit_get(avr_, v.raised) != 0) {
+    if (v.vector != 0 && v.pending == 0 && avr_regbit_get(avr_, v.enable) != 0 &&
+        avr_regbit_get(avr_, v.raised) != 0) {
       avr_raise_interrupt(avr_, &v);
     }
   };
@@ -164,9 +169,14 @@ void TimerShim::onCompare(avr_irq_t* /*irq*/, std::uint32_t value, void* param) 
   auto& self = *output.owner;
   if (output.port < 0 || self.fastPwm()) return;
   switch (avr_regbit_get(self.avr_, output.comp->com)) {
-    case avr_timer_com_normal: break;
-    case avr_timer_com_toggle: output.level = !output.level; break;
-    default: output.level = (value & 1U) != 0; break;
+    case avr_timer_com_normal:
+      break;
+    case avr_timer_com_toggle:
+      output.level = !output.level;
+      break;
+    default:
+      output.level = (value & 1U) != 0;
+      break;
   }
   self.show(output);
 }

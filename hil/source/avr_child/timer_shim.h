@@ -14,16 +14,18 @@ namespace kerfbench::avr_child {
 /// Makes one of simavr 1.6's timers behave as the silicon in the points that pulse-making firmware relies on:
 ///
 /// - a CTC timer whose TOP is 0 matches at every clock (simavr never starts it);
-/// - a count written, or left behind, while the clock is stopped is where the timer goes on (simavr starts from 0), and a
+/// - a count written, or left behind, while the clock is stopped is where the timer goes on (simavr starts
+/// from 0), and a
 ///   change of prescaler or mode keeps the count;
 /// - a written count is exact (simavr rounds it by up to 7 cycles at a prescaler of 8);
 /// - enabling an interrupt whose flag is set raises it;
 /// - ICRn as TOP takes effect when it is written;
-/// - compare outputs own their pins without touching PORT, and in fast PWM the compare register is double-buffered, so
+/// - compare outputs own their pins without touching PORT, and in fast PWM the compare register is
+/// double-buffered, so
 ///   that a new duty makes no glitch, TOP means always high and 0 means one clock.
 ///
-/// Not modelled better than simavr does: phase-correct PWM (simavr counts up only), fast PWM with OCRnA as TOP, and a
-/// compare value written below the running count (silicon runs on to MAX, simavr matches at once).
+/// Not modelled better than simavr does: phase-correct PWM (simavr counts up only), fast PWM with OCRnA as
+/// TOP, and a compare value written below the running count (silicon runs on to MAX, simavr matches at once).
 class TimerShim {
  public:
   TimerShim(avr_t* avr, avr_timer_t* timer, Pins& pins);
@@ -36,10 +38,16 @@ class TimerShim {
   void afterWrite(avr_io_addr_t addr);
   /// After every reset, including the first: simavr has connected its compare units to the pins again.
   void afterReset();
-  void setCountWriter(avr_io_write_t writer, void* param) { write_count_ = writer, write_count_param_ = param; }
-  void setControlWriter(avr_io_write_t writer, void* param) { write_control_ = writer, write_control_param_ = param; }
+  void setCountWriter(avr_io_write_t writer, void* param) {
+    write_count_ = writer, write_count_param_ = param;
+  }
+  void setControlWriter(avr_io_write_t writer, void* param) {
+    write_control_ = writer, write_control_param_ = param;
+  }
   [[nodiscard]] avr_io_addr_t countRegister() const { return timer_->r_tcnt; }
-  [[nodiscard]] avr_io_addr_t controlRegister() const { return static_cast<avr_io_addr_t>(timer_->cs[0].reg); }
+  [[nodiscard]] avr_io_addr_t controlRegister() const {
+    return static_cast<avr_io_addr_t>(timer_->cs[0].reg);
+  }
   /// False: a stopped counter must be read from its register, where simavr would answer 0.
   [[nodiscard]] bool running() const { return clockSelect() != 0; }
 

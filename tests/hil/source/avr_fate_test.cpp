@@ -82,7 +82,11 @@ TEST_F(Image, WithARecordTooShortIsRefused) { EXPECT_THAT(refusal(":0400000001\n
 TEST_F(Image, BeyondTheFlashIsRefused) {
   EXPECT_THAT(refusal(":020000040010EA\n:02000000FFCF30\n:00000001FF\n", "atmega328p"), HasSubstr("outside"));
 }
-TEST_F(Image, ElfThatIsTruncatedIsRefused) { EXPECT_THAT(refusal("\x7f" "ELF\x01\x01"), HasSubstr("truncated")); }
+TEST_F(Image, ElfThatIsTruncatedIsRefused) {
+  EXPECT_THAT(refusal("\x7f"
+                      "ELF\x01\x01"),
+              HasSubstr("truncated"));
+}
 TEST_F(Image, ForAnUnknownControllerIsRefused) {
   EXPECT_THAT(refusal(":02000000FFCF30\n:00000001FF\n", "z80"), HasSubstr("z80"));
 }
@@ -105,8 +109,8 @@ TEST(AvrImage, SourceSaysWhatARerunNeeds) {
   EXPECT_EQ(info.rate, (TickRate{1, 16'000'000}));
   EXPECT_TRUE(info.deterministic);
   EXPECT_TRUE(info.accepts_input);
-  EXPECT_THAT(info.config_id, AllOf(HasSubstr("simavr"), HasSubstr("atmega2560"), HasSubstr("run_cycle_limit"),
-                                    HasSubstr("sha256")));
+  EXPECT_THAT(info.config_id, AllOf(HasSubstr("simavr"), HasSubstr("atmega2560"),
+                                    HasSubstr("run_cycle_limit"), HasSubstr("sha256")));
 }
 
 }  // namespace

@@ -47,8 +47,10 @@ TEST(AvrInput, ExternalInterruptsSeeEdgesAtTheirTicks) {
   const auto run = runSource(*source, 10 * kMs, kMs / 2);
   ASSERT_EQ(run.events.size(), rises.size() + changes.size());
   for (std::size_t i = 0; i < rises.size(); ++i) {
-    // Five cycles into the interrupt, three for the jump, the store: and at most one instruction of the loop before.
-    for (const auto& [event, tick] : {std::pair{run.events[2 * i], rises[i]}, {run.events[2 * i + 1], changes[i]}}) {
+    // Five cycles into the interrupt, three for the jump, the store: and at most one instruction of the loop
+    // before.
+    for (const auto& [event, tick] :
+         {std::pair{run.events[2 * i], rises[i]}, {run.events[2 * i + 1], changes[i]}}) {
       EXPECT_GE(event.tick, tick + 8);
       EXPECT_LE(event.tick, tick + 24);
     }
@@ -107,7 +109,8 @@ TEST(AvrInput, RunsWithInputsRepeatToTheTickForEveryQuantum) {
   };
   const auto reference = run(kMs / 10);
   EXPECT_GT(reference.size(), 1000U);
-  for (const Tick quantum : {kMs / 10, Tick{13}, kMs, 16 * kMs}) EXPECT_EQ(run(quantum), reference) << quantum;
+  for (const Tick quantum : {kMs / 10, Tick{13}, kMs, 16 * kMs})
+    EXPECT_EQ(run(quantum), reference) << quantum;
 }
 
 TEST(AvrInput, DrivingInThePastIsRefused) {

@@ -17,7 +17,8 @@ inline constexpr PinId kPA0{0, 0};
 inline ChildSourceOptions avrOptions(std::string_view firmware, std::string_view mcu = "atmega2560") {
   ChildSourceOptions options;
   options.child = KERFBENCH_AVR_CHILD;
-  options.image = std::string(KERFBENCH_IMAGES) + "/" + std::string(firmware) + "-" + std::string(mcu) + ".hex";
+  options.image =
+      std::string(KERFBENCH_IMAGES) + "/" + std::string(firmware) + "-" + std::string(mcu) + ".hex";
   options.mcu = mcu;
   return options;
 }
@@ -31,7 +32,8 @@ struct Run {
 };
 
 /// Runs in lockstep; `before` may drive inputs for the quantum that ends at its argument.
-inline Run runSource(SignalSource& source, Tick until, Tick quantum, const std::function<void(Tick)>& before = {}) {
+inline Run runSource(SignalSource& source, Tick until, Tick quantum,
+                     const std::function<void(Tick)>& before = {}) {
   Run run;
   Batch batch;
   for (Tick tick = 0; tick < until && run.stop == Stop::kReached;) {

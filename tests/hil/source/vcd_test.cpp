@@ -30,8 +30,9 @@ TEST_P(VcdRates, RoundTripIsExactToTheTickAndTheByte) {
   EXPECT_EQ(contentOf(file("a.vcd")), contentOf(file("b.vcd")));
 }
 INSTANTIATE_TEST_SUITE_P(Clocks, VcdRates,
-                         ::testing::Values(TickRate{1, 16'000'000}, TickRate{1, 12'000'000}, TickRate{1, 1'000'000},
-                                           TickRate{1, 1'000'000'000}, TickRate{1, 14'745'600}, TickRate{3, 1000}));
+                         ::testing::Values(TickRate{1, 16'000'000}, TickRate{1, 12'000'000},
+                                           TickRate{1, 1'000'000}, TickRate{1, 1'000'000'000},
+                                           TickRate{1, 14'745'600}, TickRate{3, 1000}));
 
 TEST_F(VcdTest, SixteenMegahertzIsWrittenIn100ps) {
   PinRecording recording;
@@ -39,12 +40,13 @@ TEST_F(VcdTest, SixteenMegahertzIsWrittenIn100ps) {
   recording.sensors = {{2, Signal::kPrintMark, true}};
   recording.end = 3;
   writeVcd(file("tiny.vcd"), recording, sampleMap());
-  EXPECT_EQ(contentOf(file("tiny.vcd")),
-            "$version kerfbench $end\n$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 3 $end\n"
-            "$timescale 100 ps $end\n$scope module pins $end\n$var wire 1 ! galvo_x_pul $end\n"
-            "$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n$var wire 1 + laser_gate $end\n"
-            "$var wire 1 - encoder_a $end\n$var wire 1 / print_mark $end\n$upscope $end\n$enddefinitions $end\n"
-            "#0\n$dumpvars\n0!\n0\"\n0#\n0+\n0-\n0/\n$end\n#625\n1!\n1#\n#1250\n1/\n#1875\n0#\n#2500\n");
+  EXPECT_EQ(
+      contentOf(file("tiny.vcd")),
+      "$version kerfbench $end\n$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 3 $end\n"
+      "$timescale 100 ps $end\n$scope module pins $end\n$var wire 1 ! galvo_x_pul $end\n"
+      "$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n$var wire 1 + laser_gate $end\n"
+      "$var wire 1 - encoder_a $end\n$var wire 1 / print_mark $end\n$upscope $end\n$enddefinitions $end\n"
+      "#0\n$dumpvars\n0!\n0\"\n0#\n0+\n0-\n0/\n$end\n#625\n1!\n1#\n#1250\n1/\n#1875\n0#\n#2500\n");
   EXPECT_EQ(readVcd(file("tiny.vcd"), sampleMap()).outputs, recording.outputs);
 }
 
@@ -77,12 +79,13 @@ TEST_F(VcdTest, EventsOutOfOrderAreNotWritten) {
 }
 
 TEST_F(VcdTest, ForeignFileTakesItsTimeScaleForTheTick) {
-  const auto path = put("foreign.vcd",
-                        "$date today $end $version analyser $end\n$timescale 10ns $end\n$scope module logic $end\n"
-                        "$var wire 1 a galvo_x_pul $end $var reg 1 b galvo_x_dir [0] $end\n"
-                        "$var wire 1 c galvo_y_pul $end $var wire 1 d laser_gate $end $var wire 8 e bus $end\n"
-                        "$upscope $end $enddefinitions $end\n#0 $dumpvars 0a 1b 0c 0d bxxxxxxxx e $end\n"
-                        "#100 1a 1c\n#105 0a b00001111 e 0c\n#200\n");
+  const auto path =
+      put("foreign.vcd",
+          "$date today $end $version analyser $end\n$timescale 10ns $end\n$scope module logic $end\n"
+          "$var wire 1 a galvo_x_pul $end $var reg 1 b galvo_x_dir [0] $end\n"
+          "$var wire 1 c galvo_y_pul $end $var wire 1 d laser_gate $end $var wire 8 e bus $end\n"
+          "$upscope $end $enddefinitions $end\n#0 $dumpvars 0a 1b 0c 0d bxxxxxxxx e $end\n"
+          "#100 1a 1c\n#105 0a b00001111 e 0c\n#200\n");
   const auto recording = readVcd(path, sampleMap());
   EXPECT_FALSE(recording.own);
   EXPECT_EQ(recording.rate, (TickRate{1, 100'000'000}));
