@@ -49,8 +49,8 @@ TEST_P(DxfVersion, GivesEachEntityAsDrawn) {
     expectPoint(c[7], 0, {1, 1});
     expectPoint(c[7], 1, {0, 0});
     const Vector2d middle(0.5, 0.5);
-    const Vector2d right =
-        Vector2d(-1, 1).normalized() * (0.25 * std::sqrt(2.0) / 2);  // Of the way (1,1) -> (0,0).
+    // Clockwise, so on the left of (1,1) -> (0,0), by a sagitta of a quarter of half the chord.
+    const Vector2d left = Vector2d(1, -1).normalized() * (0.25 * std::sqrt(2.0) / 2);
     expectPoint(c[7], 0.5, middle + left);
     EXPECT_LT(apart(c[8], EllipseCurve{{1, 2}, {3, 4}, {-2, 1.5}, 0.1, 1.9}), kTiny);
     expectPoint(c[9], 0, {0, 0});
