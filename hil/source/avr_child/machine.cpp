@@ -23,6 +23,20 @@ constexpr unsigned kMaxLogLines = 50;
 
 Machine* g_machine = nullptr;  // simavr's logger has no parameter of its own
 
+/// simavr colours what it says.
+void removeColours(char* text) {
+  char* to = text;
+  for (const char* from = text; *from != '\0';) {
+    if (*from == '\x1b') {
+      while (*from != '\0' && *from != 'm') ++from;
+      if (*from == 'm') ++from;
+    } else {
+      *to++ = *from++;
+    }
+  }
+  *to = '\0';
+}
+
 // Ends simavr's inner loop at a tick; what is due there is done by Machine::run().
 avr_cycle_count_t onHorizon(avr_t* /*avr*/, avr_cycle_count_t /*when*/, void* /*param*/) { return 0; }
 
@@ -189,6 +203,7 @@ void Machine::onLog(avr_t* avr, int level, const char* format, va_list arguments
   char line[256];
   std::vsnprintf(line, sizeof line, format, arguments);
   line[std::strcspn(line, "\n")] = '\0';
+  removeColours(line);
   static unsigned lines = 0;
   if (lines < kMaxLogLines) std::fprintf(stderr, "simavr: %s\n", line);
   if (lines++ == kMaxLogLines) std::fprintf(stderr, "simavr: further lines left out\n");
