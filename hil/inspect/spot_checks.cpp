@@ -220,7 +220,18 @@ Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFra
   // errors even where no kerf lies within reach of a caliper.
   check.limit = limits.path_mm + 4.0 * evidence.spot_u_mm;
   check.value = kNan;
-  const auto judged = [](const LitFrame& f) { return isOffLine(f) || (f.entity >= 0 && !f.ambiguous); };
+  // A spot too faint to be placed well (the laser is weak where the beam is slow) proves nothing here, unless it is
+  // far off; such frames are counted and left to the kerf.
+  const double usable_sigma_mm = 0.1 * limits.path_mm;
+  std::size_t faint = 0;
+  const auto judged = [&](const LitFrame& f) {
+    if (isOffLine(f)) return true;
+    if (f.entity < 0 || f.ambiguous) return false;
+    return spotSigma(evidence, f) <= usable_sigma_mm || std::abs(f.deviation_mm) > 2.0 * check.limit;
+  };
+  for (const LitFrame& frame : lit.frames) {
+    if (!isOffLine(frame) && frame.entity >= 0 && !frame.ambiguous && !judged(frame)) ++faint;
+  }
   const auto count = static_cast<std::size_t>(std::count_if(lit.frames.begin(), lit.frames.end(), judged));
   ExtremeEstimate extreme(count);
   const LitFrame* worst = nullptr;
@@ -251,6 +262,7 @@ Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFra
       "{}; the limit allows for the noise of a single frame.",
       count, std::abs(worst_mm), worst_mm >= kSearch_mm ? " or more" : "", worst->time_s,
       placeOf(worst->p_S_mm));
+  if (faint > 0) check.explanation += fmt::format(" In {} more it was too faint to be placed.", faint);
   if (off > 0) check.explanation += fmt::format(" {} frames show it away from every line.", off);
   return check;
 }
