@@ -101,7 +101,9 @@ void serve(int in_fd, int out_fd) {
     writeMessage(out_fd, KB_PS_ERROR, out);
     return;
   }
-  limit(RLIMIT_NOFILE, 3);  // the image is read: no file or socket can be opened from here on
+#ifndef __SANITIZE_ADDRESS__
+  limit(RLIMIT_NOFILE, 3);  // The image is read: no file or socket can be opened from here on.
+#endif
   writeMessage(out_fd, KB_PS_HELLO, hello(*machine, options.clock_hz));
   for (;;) {
     const Message request = readMessage(in_fd);

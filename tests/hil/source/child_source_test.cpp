@@ -3,6 +3,8 @@
 #include <sys/wait.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <ostream>
 
 #include "hil/source/open.h"
 
@@ -31,6 +33,8 @@ struct Case {
   Stop stop;
   const char* words;
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.how; }
+
 class Misbehaving : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Misbehaving, ChildIsStoppedWithTheReasonAndWithoutEvidence) {
