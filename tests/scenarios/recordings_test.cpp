@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <string>
 
 #include "tests/scenarios/scenario_runs.h"
@@ -32,6 +33,69 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
                             (first / "pins.vcd").string(), scenario, scratch.path().string()));
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
   EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "label-on-belt-replay"));
+}
+
+std::string outputOf(const std::string& command) {
+  std::string output;
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return output;
+  std::array<char, 65536> buffer{};
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    output.append(buffer.data(), n);
+  ::pclose(pipe);
+  return output;
+}
+
+// Rising edges of `wire` in the text of a VCD.
+long risesInVcd(const std::string& vcd, const std::string& wire) {
+  std::istringstream lines(vcd);
+  std::string line;
+  std::string id;
+  long rises = 0;
+  bool high = false;
+  while (std::getline(lines, line)) {
+    if (line.starts_with("$var") && line.find(" " + wire + " ") != std::string::npos) {
+      std::istringstream words(line);
+      std::string word;
+      for (int i = 0; i < 4; ++i) words >> word;
+      id = word;
+    } else if (!id.empty() && line.size() > 1 && line.substr(1) == id && (line[0] == '0' || line[0] == '1')) {
+      rises += line[0] == '1' && !high ? 1 : 0;
+      high = line[0] == '1';
+    }
+  }
+  return rises;
+}
+
+TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
+  for (const char* program : {"sigrok-cli", "vcd2fst", "fst2vcd"}) {
+    if (outputOf(fmt::format("command -v {}", program)).empty())
+      GTEST_SKIP() << program << " is not installed";
+  }
+  const ScratchFolder scratch;
+  const auto run =
+      kerfbench(fmt::format("run '{}' -q --results-dir '{}'",
+                            fixture("scenarios/label-on-belt.yaml").string(), scratch.path().string()));
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const auto results = scratch.path() / "label-on-belt";
+  const std::string vcd = (results / "pins.vcd").string();
+  const std::string fst = (scratch.path() / "pins.fst").string();
+  EXPECT_EQ(outputOf(fmt::format("vcd2fst '{}' '{}' 2>&1 >/dev/null", vcd, fst)), "");
+  const std::string back = outputOf(fmt::format("fst2vcd '{}'", fst));
+  const auto verdict = verdictOf(results);
+  for (const auto& axis : verdict.at("pulses")) {
+    const std::string wire = axis.at("axis").get<std::string>() + "_pul";
+    const long pulses = axis.at("pulses").get<long>();
+    ASSERT_GT(pulses, 1000);
+    EXPECT_EQ(risesInVcd(back, wire), pulses) << "vcd2fst, " << wire;
+    // One sample a microsecond: no pulse is that short, and sigrok makes a sample of every time step.
+    const std::string samples =
+        outputOf(fmt::format("sigrok-cli -I vcd:downsample=10000 -i '{}' -C {} -O binary", vcd, wire));
+    long rises = 0;
+    for (std::size_t i = 1; i < samples.size(); ++i)
+      rises += (samples[i - 1] & 1) == 0 && (samples[i] & 1) != 0 ? 1 : 0;
+    EXPECT_EQ(rises, pulses) << "sigrok-cli, " << wire;
+  }
 }
 
 TEST(Recordings, GiveAnotherDigestForAnotherSeed) {
