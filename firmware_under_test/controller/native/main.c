@@ -14,8 +14,8 @@
 
 enum {
   KB_RISE_CYCLES = 53,  /* tick to the first store */
-  KB_FALL_CYCLES = 180, /* to PUL low */
-  KB_DIR_CYCLES = 184,  /* to DIR */
+  KB_FALL_CYCLES = 163, /* to PUL low */
+  KB_DIR_CYCLES = 167,  /* to DIR */
   KB_BYTE_CYCLES = 640,
   KB_PORT_A = 0,
   KB_PORT_C = 2,
