@@ -282,7 +282,7 @@ class Checker {
     const Item& a = items_[from.item];
     const Item& b = items_[to.item];
     // A pair of loose ends sees itself twice.
-    const auto pair = std::minmax(from.item * 2 + from.sample / 4, to.item * 2 + to.sample / 4);
+    const auto pair = std::minmax({from.item * 2 + from.sample / 4, to.item * 2 + to.sample / 4});
     if (!reported_gaps_.insert({(static_cast<std::uint64_t>(pair.first) << 32U) | pair.second, true}).second)
       return;
     add(Kind::kGap, true, a.samples[from.sample], a,
