@@ -12,7 +12,9 @@ constexpr std::size_t kHistogramBins = 61;  // 0 … 30 us and beyond.
 constexpr double kRounding_s = 1e-12;
 }  // namespace
 
-PulseDecoder::PulseDecoder(std::string axis, const DriverProfile& profile) {
+// Pins are low at first: a drive with a falling active edge then sees its active level without an edge.
+PulseDecoder::PulseDecoder(std::string axis, const DriverProfile& profile)
+    : active_(!profile.active_edge_rising) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   timing_.axis = std::move(axis);
   timing_.profile = profile;
@@ -49,11 +51,12 @@ void PulseDecoder::activeEdge(double time_s) {
 }
 
 void PulseDecoder::idleEdge(double time_s) {
+  idle_s_ = time_s;
+  if (timing_.pulses == 0) return;  // The level that the pin had from the start was no pulse.
   const double width_s = time_s - edge_s_;
   timing_.min_width_s = std::min(timing_.min_width_s, width_s);
   if (width_s < timing_.profile.width_s - kRounding_s) violation(timing_.width_violations, time_s);
   pending_ = false;
-  idle_s_ = time_s;
 }
 
 void PulseDecoder::settle(double time_s, std::vector<StepEdge>& steps) {
@@ -72,7 +75,8 @@ void PulseDecoder::levels(double time_s, bool pul, bool dir, std::vector<StepEdg
       timing_.min_hold_s = std::min(timing_.min_hold_s, hold_s);
       if (hold_s < timing_.profile.hold_s - kRounding_s) violation(timing_.hold_violations, time_s);
     }
-    old_dir_ = dir_;
+    // A level that did not stand for the set-up time never reached the latch.
+    if (time_s - dir_s_ >= timing_.profile.setup_s - kRounding_s) old_dir_ = dir_;
     dir_ = dir;
     dir_s_ = time_s;
   }

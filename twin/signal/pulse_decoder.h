@@ -39,9 +39,9 @@ class PulseDecoder {
   void violation(std::uint64_t& counter, double time_s);
 
   PulseTiming timing_;
-  bool active_{false};  ///< PUL is at its active level.
+  bool active_;  ///< PUL is at its active level.
   bool dir_{false};
-  bool old_dir_{false};
+  bool old_dir_{false};  ///< The last level of DIR before this that stood for the set-up time.
   bool pending_{false};  ///< A pulse has begun and is not yet long enough to be a step.
   int pending_direction_{};
   double edge_s_{-1e9};  ///< Last active edge.
