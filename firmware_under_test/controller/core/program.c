@@ -199,7 +199,7 @@ static bool rampDown(void) {
   bool moving = false;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     p.steps[axis] = (int8_t)(p.previous_steps[axis] / 2);
-    moving = moving || p.steps[axis] != 0;
+    moving = moving || p.previous_steps[axis] != 0; /* the last step comes out before the halt */
   }
   return moving;
 }
@@ -327,6 +327,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
     case KB_PHASE_RAMP:
       power = 0;
       if (!rampDown()) {
+        memcpy(p.steps, p.previous_steps, sizeof(p.steps));
         *fault = KB_FAULT_DRY;
         return KB_STEP_FAULT;
       }

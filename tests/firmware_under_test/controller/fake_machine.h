@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controller's core on a machine of the test's making: inputs set by the test, outputs recorded tick by
+// tick.
+#ifndef KERFBENCH_TESTS_CONTROLLER_FAKE_MACHINE_H
+#define KERFBENCH_TESTS_CONTROLLER_FAKE_MACHINE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct fake_tick {
+  uint8_t first_a, first_c;  // written first, PUL up
+  uint8_t low_a, low_c;      // PUL down
+  uint8_t dir_a, dir_c;      // DIR of the tick to come
+};
+
+struct fake_machine {
+  double belt_count;  // true position
+  double belt_counts_per_tick;
+  double next_mark_count;    // a print mark is here
+  double mark_pitch_counts;  // and the next this far behind
+  uint64_t marks;
+  uint8_t inputs;  // port L
+  uint64_t tick;
+  struct fake_tick last;
+  bool (*from_host)(void* context, uint8_t* byte);  // polled at the pace of the baud rate
+  void (*to_host)(void* context, uint8_t byte);
+  void* context;
+};
+
+extern struct fake_machine fake;
+
+void fakeReset(void);
+void fakeTick(void);
+int32_t fakePosition(int axis);
+int32_t fakeBeltAhead256(uint8_t periods);
+uint16_t fakeQueueFree(void);
+uint16_t fakeCrc(const uint8_t* bytes, int size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
