@@ -17,13 +17,15 @@ ISR(TIMER1_COMPA_vect) {
   }
 #endif
 #ifdef KB_DEFECT_DIR_LATE
-  /* Defect: PUL first, DIR 2 us after it. */
+  /* Defect: DIR is written with the step that needs it, and 2 us after its PUL. */
   static uint8_t shown;
-  PORTA = (uint8_t)((kb_engine.out_a & 0x55U) | shown);
+  const uint8_t steps = kb_engine.out_a & 0x55U;
+  const uint8_t stepping_dirs = (uint8_t)(steps << 1);
+  PORTA = steps | shown;
   PORTC = kb_engine.out_c;
   __builtin_avr_delay_cycles(24);
-  PORTA = kb_engine.out_a;
-  shown = kb_engine.dir_a;
+  shown = (uint8_t)((shown & ~stepping_dirs) | (kb_engine.out_a & stepping_dirs));
+  PORTA = steps | shown;
 #else
   PORTA = kb_engine.out_a;
   PORTC = kb_engine.out_c;
@@ -34,9 +36,13 @@ ISR(TIMER1_COMPA_vect) {
     kb_tick_boundary(TCNT3);
   }
   kb_tick_compute(PINL);
+#ifdef KB_DEFECT_DIR_LATE
+  (void)dir_a;
+  PORTA = shown;
+  PORTC = rest_c;
+#else
   PORTA = dir_a;
   PORTC = rest_c;
-#ifndef KB_DEFECT_DIR_LATE
   PORTA = kb_engine.dir_a;
 #endif
   PORTC = (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c);

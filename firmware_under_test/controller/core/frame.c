@@ -5,7 +5,7 @@
 #include "program.h"
 
 enum state { KB_AT_SYNC, KB_AT_TYPE, KB_AT_SEQ, KB_AT_LENGTH, KB_AT_PAYLOAD, KB_AT_CRC_LOW, KB_AT_CRC_HIGH };
-enum { KB_TX_SIZE = 128 };
+enum { KB_TX_SIZE = 128, KB_HEAD = 4 };
 
 static struct {
   uint8_t state;
@@ -18,10 +18,15 @@ static struct {
 static uint8_t tx_bytes[KB_TX_SIZE];
 static uint8_t tx_first;
 static uint8_t tx_end;
+static uint8_t tx_sent; /* of the frame that goes out, without its CRC */
+static uint8_t tx_length;
+static uint8_t tx_crc_bytes; /* still to follow */
+static uint16_t tx_crc;
 
 void kb_frame_init(void) {
   rx.state = KB_AT_SYNC;
   tx_first = tx_end = 0;
+  tx_sent = tx_length = tx_crc_bytes = 0;
 }
 
 void kb_frame_forget(void) { rx.state = KB_AT_SYNC; }
@@ -97,28 +102,46 @@ static void put(uint8_t byte) {
 
 bool kb_frame_send(uint8_t type, uint8_t seq, const uint8_t* payload, uint8_t length) {
   const uint8_t room = (uint8_t)((uint8_t)(tx_first - tx_end - 1) & (KB_TX_SIZE - 1));
-  if (room < length + 6) {
+  if (room < length + KB_HEAD) {
     return false;
   }
-  const uint8_t head[3] = {type, seq, length};
-  uint16_t crc = 0xFFFF;
   put(KB_SYNC);
-  for (uint8_t i = 0; i < sizeof(head); ++i) {
-    put(head[i]);
-    crc = kb_crc16(crc, head[i]);
-  }
+  put(type);
+  put(seq);
+  put(length);
   for (uint8_t i = 0; i < length; ++i) {
     put(payload[i]);
-    crc = kb_crc16(crc, payload[i]);
   }
-  put((uint8_t)crc);
-  put((uint8_t)(crc >> 8));
   return true;
 }
 
+/* The CRC is worked out byte by byte as the frame goes out: done at once for a long answer, it was measured
+ * to delay the next period beyond its time. */
 void kb_frame_pump(void) {
-  if (tx_first != tx_end && kb_hal_tx_ready()) {
-    kb_hal_tx(tx_bytes[tx_first]);
-    tx_first = (uint8_t)((tx_first + 1U) & (KB_TX_SIZE - 1U));
+  if ((tx_first == tx_end && tx_sent < tx_length) || !kb_hal_tx_ready()) {
+    return;
   }
+  if (tx_sent == tx_length) {
+    if (tx_crc_bytes == 0) {
+      if (tx_first == tx_end) {
+        return;
+      }
+      tx_sent = 0;
+      tx_length = (uint8_t)(tx_bytes[(tx_first + 3U) & (KB_TX_SIZE - 1U)] + KB_HEAD);
+      tx_crc = 0xFFFF;
+      tx_crc_bytes = 2;
+    } else {
+      tx_crc_bytes--;
+      kb_hal_tx((uint8_t)tx_crc);
+      tx_crc >>= 8;
+      return;
+    }
+  }
+  const uint8_t byte = tx_bytes[tx_first];
+  tx_first = (uint8_t)((tx_first + 1U) & (KB_TX_SIZE - 1U));
+  if (tx_sent != 0) {
+    tx_crc = kb_crc16(tx_crc, byte);
+  }
+  tx_sent++;
+  kb_hal_tx(byte);
 }

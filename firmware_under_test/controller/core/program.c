@@ -173,6 +173,8 @@ static bool correct(bool referenced) {
   return pending;
 }
 
+static const uint8_t dir_bits[KB_AXES] = {0x02, 0x08, 0x20, 0x80, KB_FEED_DIR};
+
 static void offer(bool lit, uint8_t power) {
   struct kb_period period;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
@@ -181,7 +183,7 @@ static void offer(bool lit, uint8_t power) {
     p.position[axis] += steps;
     if (steps != 0) {
       uint8_t* const dir = axis == KB_FEED ? &p.dir_c : &p.dir_a;
-      const uint8_t bit = (uint8_t)(axis == KB_FEED ? (unsigned)KB_FEED_DIR : 2U << (2U * axis));
+      const uint8_t bit = dir_bits[axis];
       *dir = steps > 0 ? (uint8_t)(*dir | bit) : (uint8_t)(*dir & (uint8_t)~bit);
     }
   }
