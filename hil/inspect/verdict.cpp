@@ -50,8 +50,10 @@ Verdict combine(const std::vector<Check>& checks, bool evidence_valid) {
   const auto any = [&](Verdict verdict) {
     return std::any_of(checks.begin(), checks.end(), [&](const Check& c) { return c.verdict == verdict; });
   };
-  if (!evidence_valid || checks.empty() || any(Verdict::kInvalid)) return Verdict::kInvalid;
+  if (!evidence_valid || checks.empty()) return Verdict::kInvalid;
+  // A proven fault stays one, even if it kept another check from being measured.
   if (any(Verdict::kFail)) return Verdict::kFail;
+  if (any(Verdict::kInvalid)) return Verdict::kInvalid;
   if (any(Verdict::kNotProven)) return Verdict::kNotProven;
   return Verdict::kPass;
 }

@@ -95,19 +95,19 @@ TEST_F(BadInput, ABeltTooFastIs65AndTheHighestSpeedIsNamed) {
 }
 
 struct BadFirmware {
-  const char* name;
-  const char* image;
+  const char* image;  // From tests/hil/source/firmware.
   const char* words;
 };
 
 TEST_F(BadInput, FirmwareThatDoesNotWorkIsInvalidWithinTheTimeLimit) {
-  for (const BadFirmware& bad : {BadFirmware{"hangs", "conformance-hang.hex", "answer"},
-                                 BadFirmware{"crashes", "conformance-crash.hex", "crash"},
-                                 BadFirmware{"floods", "conformance-flood.hex", "flood"}}) {
-    const auto result = run(scenario(fmt::format("firmware: {{image: {}}}\n", bad.image)), "--time-limit 5");
-    EXPECT_EQ(result.exit_code, 3) << bad.name << "\n" << result.output;
-    EXPECT_THAT(result.output, HasSubstr(bad.words)) << bad.name;
-    EXPECT_EQ(verdictOf(scratch_.path() / "results" / "bad").at("verdict"), "INVALID") << bad.name;
+  for (const BadFirmware& bad : {BadFirmware{"hang", "HELLO"}, BadFirmware{"halt", "halted"},
+                                 BadFirmware{"bad_opcode", "crashed"}, BadFirmware{"flood", "floods"}}) {
+    const auto result = run(scenario(fmt::format("firmware: {{image: {}/{}-atmega2560.hex}}\n",
+                                                 KERFBENCH_CONFORMANCE_IMAGES, bad.image)),
+                            "--time-limit 5");
+    EXPECT_EQ(result.exit_code, 3) << bad.image << "\n" << result.output;
+    EXPECT_THAT(result.output, HasSubstr(bad.words)) << bad.image;
+    EXPECT_EQ(verdictOf(scratch_.path() / "results" / "bad").at("verdict"), "INVALID") << bad.image;
   }
 }
 

@@ -116,7 +116,7 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
   const std::string fst = (scratch.path() / "pins.fst").string();
   EXPECT_EQ(outputOf(fmt::format("vcd2fst '{}' '{}' 2>&1 >/dev/null", vcd, fst)), "");
   const std::string back = outputOf(fmt::format("fst2vcd '{}'", fst));
-  const Wires wires = wiresOf(back);
+  const Wires wires = wiresOf(outputOf(fmt::format("head -c 4000 '{}'", vcd)));
   // One sample a microsecond, though sigrok could take one a tick: no pulse is that short, and samples are
   // large.
   const std::string samples =

@@ -65,7 +65,9 @@ TEST(CombineVerdicts, TheGravestWins) {
   EXPECT_EQ(combine(of({kPass, kPass}), true), kPass);
   EXPECT_EQ(combine(of({kPass, kNotProven}), true), kNotProven);
   EXPECT_EQ(combine(of({kNotProven, kFail, kPass}), true), kFail);
-  EXPECT_EQ(combine(of({kFail, kInvalid}), true), kInvalid);
+  EXPECT_EQ(combine(of({kFail, kInvalid}), true), kFail) << "a proven fault stays one";
+  EXPECT_EQ(combine(of({kNotProven, kInvalid}), true), kInvalid);
+  EXPECT_EQ(combine(of({kFail}), false), kInvalid);
   EXPECT_EQ(combine(of({kPass}), false), kInvalid);
   EXPECT_EQ(combine({}, true), kInvalid) << "nothing is PASS by default";
 }
