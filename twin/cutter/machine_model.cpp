@@ -64,7 +64,8 @@ MachineModel::MachineModel(const MachineDescription& machine, const WebDescripti
   } else {
     Servo line(machine.belt.line_servo, machine.belt.roller_inertia_kg_m2);
     const double speed_rad_s = line_speed_mm_s_ / roller_radius_mm_;
-    line.reset(0.0, speed_rad_s);
+    // The mean command of the step before the first: from any other the drive would start with a jolt.
+    line.reset(lineCommand_rad(-0.5 * kStep_s), speed_rad_s);
     body_.setState(kRoller, 0.0, speed_rad_s);
     driven_.push_back({kRoller, line, std::nullopt});
   }

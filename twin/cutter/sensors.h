@@ -30,14 +30,16 @@ class BeltSensors {
 
  private:
   void encoderEdges(const BeltForecast& forecast, Tick until, std::vector<SensorEdge>& edges);
+  [[nodiscard]] double markEdgeTravel_mm(long long edge) const;
   void markEdges(const BeltForecast& forecast, Tick until, std::vector<SensorEdge>& edges);
 
   TickRate rate_;
   double encoder_count_mm_;
   PrintLayout print_;
   double first_mark_mm_;
-  long long count_{0};       ///< Encoder count that the controller has been told.
-  long long mark_edges_{0};  ///< Of unit 0's begin, unit 0's end, unit 1's begin, …: how many were sent.
+  long long count_{0};  ///< Encoder count that the controller has been told.
+  long long mark_edges_{
+      0};  ///< Of unit 0's begin, unit 0's end, unit 1's begin, …: how many lie behind the belt.
 };
 
 }  // namespace kerfbench::twin

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 
 namespace kerfbench::twin {
@@ -40,6 +41,31 @@ const AxisDescription* fittedAxis(const MachineDescription& machine, const WebDe
   return nullptr;
 }
 
+const MachineDescription& checked(const MachineDescription& machine, const WebDescription& web) {
+  std::string faults;
+  const auto require = [&faults](bool fine, const std::string& rule) {
+    if (!fine) faults += (faults.empty() ? "machine: " : "; ") + rule;
+  };
+  for (const AxisSignals& axis : kAxes) {
+    const AxisDescription* fitted = fittedAxis(machine, web, axis.axis);
+    require(fitted == nullptr ||
+                (fitted->step > 0 && fitted->inertia > 0 && fitted->servo.natural_frequency_rad_s > 0),
+            std::string(axis.name) + " needs a step, an inertia and a bandwidth > 0");
+  }
+  // Joint x moves bridge and carriage, joint y the carriage alone.
+  require(machine.kind != MachineDescription::Kind::kGantry ||
+              machine.gantry_x.inertia > machine.gantry_y.inertia,
+          "gantry_x must move more mass than gantry_y");
+  require(machine.belt.roller_radius_mm > 0 && machine.belt.roller_inertia_kg_m2 > 0 &&
+              machine.belt.encoder_count_mm > 0,
+          "the belt needs a roller and an encoder count > 0");
+  const CameraDescription& camera = machine.spot_camera;
+  require(camera.exposure_s >= 0.999 * MachineModel::kStep_s && camera.exposure_s <= camera.frame_period_s,
+          "the spot camera's exposure must be at least a step and no longer than its frame period");
+  if (!faults.empty()) throw std::invalid_argument(faults);
+  return machine;
+}
+
 double firstMarkTravel_mm(const MachineDescription& machine, const WebDescription& web) {
   return machine.belt.print_mark_sensor_x_mm - (web.start_x_mm + web.print.eye_mark_x_mm);
 }
@@ -47,7 +73,7 @@ double firstMarkTravel_mm(const MachineDescription& machine, const WebDescriptio
 }  // namespace
 
 Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRate rate)
-    : machine_(machine),
+    : machine_(checked(machine, web)),
       web_(web),
       rate_(rate),
       model_(machine, web),
