@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hil/base/yaml_reader.h"
 #include "twin/cutter/machine_model.h"
@@ -23,6 +24,10 @@ using Profiles = std::map<std::string, DriverProfile>;
 // A servo faster than this would be unstable or inexact at the integrator's step (10 us): wn h < 0.2.
 constexpr double kMaxFrequency_hz = 0.2 / twin::MachineModel::kStep_s / (2.0 * std::numbers::pi);
 
+// The cameras of the model take no other.
+constexpr double kMinSide_px = 16;
+constexpr double kMaxSide_px = 32768;
+
 Profiles readProfiles(const std::filesystem::path& path) {
   constexpr double kMicro = 1e-6;
   auto file = YamlReader::openFile(path);
@@ -36,7 +41,9 @@ Profiles readProfiles(const std::filesystem::path& path) {
     profile.width_s = kMicro * entry.number("width_us", {.min = 0, .max = 1000});
     profile.space_s = kMicro * entry.number("space_us", {.min = 0, .max = 1000});
     (void)entry.text("source");  // Where the figures come from; for people.
-    profiles[profile.name] = profile;
+    if (!profiles.emplace(profile.name, profile).second) {
+      entry.fault("name", fmt::format("'{}' is there twice", profile.name));
+    }
   }
   file.finish();
   return profiles;
@@ -83,7 +90,21 @@ std::optional<PinId> pinFromName(const std::string& name) {
   return PinId{static_cast<std::uint16_t>(name[1] - 'A'), static_cast<std::uint16_t>(bit)};
 }
 
-SignalMap readPins(YamlReader& file) {
+// What no machine of this kind can do without; a pin that is forgotten would look like a firmware that is
+// dead.
+std::vector<Signal> neededSignals(MachineDescription::Kind kind) {
+  std::vector<Signal> needed{Signal::kLaserGate, Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark};
+  if (kind == MachineDescription::Kind::kGantry) {
+    needed.insert(needed.end(),
+                  {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir});
+  } else {
+    needed.insert(needed.end(),
+                  {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir});
+  }
+  return needed;
+}
+
+SignalMap readPins(YamlReader& file, MachineDescription::Kind kind) {
   SignalMap map;
   std::map<PinId, std::string> users;
   for (const auto& [name, pin_name] : file.pairs("pins")) {
@@ -98,6 +119,9 @@ SignalMap readPins(YamlReader& file) {
     } else {
       map.assign(*signal, *pin);
     }
+  }
+  for (const Signal signal : neededSignals(kind)) {
+    if (!map.pin(signal)) file.fault("pins", fmt::format("{} has no pin", signalName(signal)));
   }
   return map;
 }
@@ -145,9 +169,27 @@ twin::BeltDescription readBelt(YamlReader belt, const Profiles& profiles) {
   return result;
 }
 
+// An exposure is put together from whole steps of the machine and must end before the next one begins.
+void checkExposure(YamlReader& camera, const twin::CameraDescription& description) {
+  const double steps = description.exposure_s / twin::MachineModel::kStep_s;
+  if (std::abs(steps - std::round(steps)) > 1e-6) {
+    camera.fault("exposure_us", fmt::format("must be a multiple of {:g}, the machine's step",
+                                            1e6 * twin::MachineModel::kStep_s));
+  }
+  if (description.exposure_s > description.frame_period_s) {
+    camera.fault("exposure_us", "is longer than the time from frame to frame");
+  }
+}
+
 twin::CameraDescription readCamera(YamlReader& camera, bool timed) {
   twin::CameraDescription result;
-  const auto size = camera.numbers("size_px", 2);
+  auto size = camera.numbers("size_px", 2);
+  for (double& side_px : size) {
+    if (side_px == std::floor(side_px) && side_px >= kMinSide_px && side_px <= kMaxSide_px) continue;
+    camera.fault("size_px",
+                 fmt::format("{} is no whole number of {} … {}", side_px, kMinSide_px, kMaxSide_px));
+    side_px = kMinSide_px;
+  }
   result.width_px = static_cast<int>(size[0]);
   result.height_px = static_cast<int>(size[1]);
   const double pitch_mm = camera.number("pitch_mm", {.min = 1e-3, .max = 10});
@@ -176,6 +218,7 @@ twin::CameraDescription readCamera(YamlReader& camera, bool timed) {
     result.board_gray = camera.number("board_gray", {.min = 0, .max = 250, .fallback = 110.0});
     result.frame_period_s = 1.0 / camera.number("frames_per_s", {.min = 1, .max = 20000});
     result.exposure_s = 1e-6 * camera.number("exposure_us", {.min = 10, .max = 1e5});
+    checkExposure(camera, result);
   }
   return result;
 }
@@ -191,6 +234,8 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
   }
   const auto x = told.numbers("field_x_mm", 2);
   const auto y = told.numbers("field_y_mm", 2);
+  if (x[0] >= x[1]) told.fault("field_x_mm", "the second value must be the larger");
+  if (y[0] >= y[1]) told.fault("field_y_mm", "the second value must be the larger");
   result.field_min_mm = {x[0], y[0]};
   result.field_max_mm = {x[1], y[1]};
   result.tracking_delay_s = 1e-3 * told.number("tracking_delay_ms", {.min = 0, .max = 5});
@@ -214,7 +259,7 @@ MachineDescription readMachine(const std::filesystem::path& path) {
                      : MachineDescription::Kind::kTwoMirror;
   const std::string drivers = file.text("drivers");
   const Profiles profiles = drivers.empty() ? Profiles{} : readProfiles(file.folderOf("drivers") / drivers);
-  machine.signals = readPins(file);
+  machine.signals = readPins(file, machine.kind);
   if (machine.kind == MachineDescription::Kind::kTwoMirror) {
     readTwoMirror(file, profiles, machine);
   } else {
