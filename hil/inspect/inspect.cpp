@@ -82,7 +82,10 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
     add(checks::laserTimingCheck(evidence, limits, result.entities));
   }
   add(checks::strayCheck(evidence, limits));
-  if (!(blank && dark)) add(checks::laserGateCheck(evidence, limits));
+  if (!(blank && dark)) {
+    add(checks::laserGateCheck(evidence, limits));
+    add(checks::gateLagCheck(evidence, limits, lit));
+  }
   add(checks::pulseTimingCheck(evidence));
   result.verdict = combine(result.checks, result.problems.empty());
   return result;

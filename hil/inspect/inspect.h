@@ -23,6 +23,8 @@ struct Limits {
   double end_gap_mm{0.15};    ///< Longest piece left uncut at the start or the end of an entity.
   double passes{1.5};         ///< An entity along which the spot went more often than this was cut twice.
   double gate_tail_s{0.002};  ///< Longest time the spot may be seen outside the laser gate.
+  double gate_lag_s{
+      0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
   double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
   double perforation_share{0.10};    ///< Largest departure of the measured share from the ordered one.
 };

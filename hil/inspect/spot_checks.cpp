@@ -220,8 +220,8 @@ Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFra
   // errors even where no kerf lies within reach of a caliper.
   check.limit = limits.path_mm + 4.0 * evidence.spot_u_mm;
   check.value = kNan;
-  // A spot too faint to be placed well (the laser is weak where the beam is slow) proves nothing here, unless it is
-  // far off; such frames are counted and left to the kerf.
+  // A spot too faint to be placed well (the laser is weak where the beam is slow) proves nothing here, unless
+  // it is far off; such frames are counted and left to the kerf.
   const double usable_sigma_mm = 0.1 * limits.path_mm;
   std::size_t faint = 0;
   const auto judged = [&](const LitFrame& f) {

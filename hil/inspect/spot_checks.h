@@ -3,6 +3,7 @@
 
 // The parts of inspect() that rest on the spot camera. Private to hil/inspect and its tests.
 
+#include <optional>
 #include <vector>
 
 #include "hil/inspect/inspect.h"
@@ -20,5 +21,8 @@ Check stillnessCheck(const Limits& limits, const LitFrames& lit, const std::vect
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);
+
+/// Gate against the spot's own motion; nullopt if the camera is too slow to see a start.
+std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 
 }  // namespace kerfbench::hil::checks

@@ -30,8 +30,8 @@ struct Check {
 /// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN
 /// between, INVALID for NaN. Sets check.verdict and returns it.
 Verdict decide(Check& check);
-/// INVALID without valid evidence or without any check; else FAIL if any check proves it, INVALID if one could not be
-/// measured, NOT PROVEN if any is; else PASS.
+/// INVALID without valid evidence or without any check; else FAIL if any check proves it, INVALID if one
+/// could not be measured, NOT PROVEN if any is; else PASS.
 Verdict combine(const std::vector<Check>& checks, bool evidence_valid);
 
 }  // namespace kerfbench::hil

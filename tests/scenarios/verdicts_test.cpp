@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
     Faults, BadRelease,
     testing::Values(BadCase{"belt-ignored", "stillness_x"}, BadCase{"encoder-scale", "path"},
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
-                    BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "laser_timing"},
+                    BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
                     BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"}),
     [](const auto& instance) {
       std::string name = instance.param.name;

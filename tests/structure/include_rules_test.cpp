@@ -111,7 +111,6 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"OpenCV", "^opencv2/.*", {"hil/camera", "hil/vision", "hil/report", "twin/camera"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
-      {"dime", "^dime/.*", {"hil/dieline"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
       {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
   };
