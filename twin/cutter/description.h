@@ -3,12 +3,14 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "twin/base/print_layout.h"
 #include "twin/base/pulse_timing.h"
 #include "twin/base/signal_map.h"
 #include "twin/camera/camera.h"
 #include "twin/drive/servo.h"
+#include "twin/drive/speed_profile.h"
 #include "twin/laser/laser.h"
 #include "twin/sheet/sheet.h"
 
@@ -77,7 +79,8 @@ struct WebDescription {
   PrintLayout print;
   BoardDescription board;
   double start_x_mm{};       ///< x_W of unit 0's origin S at t = 0.
-  double belt_speed_mm_s{};  ///< Of the line drive, from t = 0 on; ignored when the controller feeds.
+  double belt_speed_mm_s{};  ///< Of the line drive at t = 0; ignored when the controller feeds.
+  std::vector<SpeedPoint> belt_speed_changes;  ///< Later speeds of the line, see SpeedProfile; none: constant.
   bool fed_by_controller{};  ///< The feed pulses move the belt.
 };
 

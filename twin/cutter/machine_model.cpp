@@ -47,7 +47,7 @@ double jointStep(const MachineDescription& machine, Axis axis) {
 MachineModel::MachineModel(const MachineDescription& machine, const WebDescription& web)
     : gantry_(machine.kind == MachineDescription::Kind::kGantry),
       roller_radius_mm_(machine.belt.roller_radius_mm),
-      line_speed_mm_s_(web.belt_speed_mm_s),
+      line_(web.belt_speed_mm_s, web.belt_speed_changes),
       head_(gantry_ ? kUnusedThrow_mm : machine.throw_mm, gantry_ ? 0.0 : machine.mirror_spacing_mm),
       body_(joints(machine)),
       commands_{
@@ -63,7 +63,7 @@ MachineModel::MachineModel(const MachineDescription& machine, const WebDescripti
         {kRoller, Servo(machine.belt.feed.servo, machine.belt.roller_inertia_kg_m2), Axis::kFeed});
   } else {
     Servo line(machine.belt.line_servo, machine.belt.roller_inertia_kg_m2);
-    const double speed_rad_s = line_speed_mm_s_ / roller_radius_mm_;
+    const double speed_rad_s = line_.speed_mm_s(0.0) / roller_radius_mm_;
     // The mean command of the step before the first: from any other the drive would start with a jolt.
     line.reset(lineCommand_rad(-0.5 * kStep_s), speed_rad_s);
     body_.setState(kRoller, 0.0, speed_rad_s);
@@ -100,7 +100,7 @@ std::vector<JointDescription> MachineModel::joints(const MachineDescription& mac
 }
 
 double MachineModel::lineCommand_rad(double mid_s) const {
-  return line_speed_mm_s_ * mid_s / roller_radius_mm_;
+  return line_.travel_mm(mid_s) / roller_radius_mm_;
 }
 
 void MachineModel::step(double begin_s) {

@@ -49,7 +49,7 @@ class MachineModel {
 
   const bool gantry_;
   const double roller_radius_mm_;
-  const double line_speed_mm_s_;
+  const SpeedProfile line_;
   ScanHead head_;
   Multibody body_;
   std::array<PulseCommand, kAxisCount> commands_;

@@ -155,8 +155,9 @@ void Twin::stepMachine() {
   const double web_before_mm = web_.start_x_mm + model_.beltTravel_mm();
   const auto spot_before = model_.spot();
   model_.step(begin_s);
+  const double heard_s = begin_s - machine_.laser.gate_delay_s;
   const double energy_j =
-      laser_.step(beam_.meanOver(begin_s, begin_s + MachineModel::kStep_s), MachineModel::kStep_s);
+      laser_.step(beam_.meanOver(heard_s, heard_s + MachineModel::kStep_s), MachineModel::kStep_s);
   emitted_j_ += energy_j;
   ++steps_;
   const double web_mm = web_.start_x_mm + model_.beltTravel_mm();
