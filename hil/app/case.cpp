@@ -27,6 +27,10 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   Case the_case;
   the_case.scenario = readScenario(scenario, {firmware_dir});
   the_case.machine = readMachine(the_case.scenario.machine);
+  if (the_case.scenario.belt_by_controller && !(the_case.machine.belt.feed.step > 0)) {
+    throw ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
+                                  the_case.scenario.path.string(), the_case.scenario.machine.string()));
+  }
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
   refuseUnfit(the_case.dieline);
   return the_case;

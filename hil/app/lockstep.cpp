@@ -51,6 +51,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
   Tick now = 0;
   Tick end = limit;
   bool finishing = false;
+  bool ended = false;
   Batch batch;
   for (int round = 0; now < end; ++round) {
     const Tick until = std::min(now + quantum, end);
@@ -62,7 +63,8 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
     }
     twin.advance(now, batch.events);
     result.recording.outputs.insert(result.recording.outputs.end(), batch.events.begin(), batch.events.end());
-    if (stop == Stop::kEnded && dialog == nullptr) break;
+    ended = stop == Stop::kEnded;
+    if (ended && dialog == nullptr) break;
     if (stop != Stop::kReached) {
       result.problems.push_back(describe(stop, source, info.rate.seconds(now)));
       break;
@@ -84,6 +86,10 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
   if (dialog != nullptr && !finishing && result.problems.empty()) {
     result.problems.push_back(
         fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
+  }
+  if (dialog == nullptr && !ended && result.problems.empty()) {
+    result.problems.push_back(fmt::format(
+        "the time limit of {} s was reached before the end of the recording", options.time_limit_s));
   }
   result.recording.end = now;
   return result;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/base/yaml_reader.h"
@@ -104,24 +105,26 @@ std::vector<Signal> neededSignals(MachineDescription::Kind kind) {
   return needed;
 }
 
-SignalMap readPins(YamlReader& file, MachineDescription::Kind kind) {
+SignalMap readPins(YamlReader pins, MachineDescription::Kind kind) {
   SignalMap map;
-  std::map<PinId, std::string> users;
-  for (const auto& [name, pin_name] : file.pairs("pins")) {
-    const auto signal = signalFromName(name);
-    const auto pin = pinFromName(pin_name);
-    if (!signal) {
-      file.fault("pins", fmt::format("'{}' is no signal", name));
-    } else if (!pin) {
-      file.fault("pins", fmt::format("'{}: {}' is no pin like PA0", name, pin_name));
-    } else if (!users.emplace(*pin, name).second) {
-      file.fault("pins", fmt::format("{} is given to {} and to {}", pin_name, users[*pin], name));
-    } else {
-      map.assign(*signal, *pin);
+  std::map<PinId, std::string_view> users;
+  const std::vector<Signal> needed = neededSignals(kind);
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
+    const auto signal = static_cast<Signal>(i);
+    const std::string_view name = signalName(signal);
+    if (!pins.has(name)) {
+      if (std::ranges::find(needed, signal) != needed.end()) pins.fault(name, "has no pin");
+      continue;
     }
-  }
-  for (const Signal signal : neededSignals(kind)) {
-    if (!map.pin(signal)) file.fault("pins", fmt::format("{} has no pin", signalName(signal)));
+    const std::string pin_name = pins.text(name);
+    const auto pin = pinFromName(pin_name);
+    if (!pin) {
+      pins.fault(name, fmt::format("'{}' is no pin like PA0", pin_name));
+    } else if (!users.emplace(*pin, name).second) {
+      pins.fault(name, fmt::format("{} is given to {} and to {}", pin_name, users[*pin], name));
+    } else {
+      map.assign(signal, *pin);
+    }
   }
   return map;
 }
@@ -259,7 +262,7 @@ MachineDescription readMachine(const std::filesystem::path& path) {
                      : MachineDescription::Kind::kTwoMirror;
   const std::string drivers = file.text("drivers");
   const Profiles profiles = drivers.empty() ? Profiles{} : readProfiles(file.folderOf("drivers") / drivers);
-  machine.signals = readPins(file, machine.kind);
+  machine.signals = readPins(file.section("pins"), machine.kind);
   if (machine.kind == MachineDescription::Kind::kTwoMirror) {
     readTwoMirror(file, profiles, machine);
   } else {

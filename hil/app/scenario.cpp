@@ -71,6 +71,10 @@ PrintLayout readPrint(YamlReader print) {
   result.pitch_mm = print.number("pitch_mm", {.min = 1.0, .max = 10000.0});
   result.eye_mark_x_mm = print.number("eye_mark_x_mm", {.min = -10000.0, .max = 10000.0, .fallback = 0.0});
   result.eye_mark_length_mm = print.number("eye_mark_length_mm", {.min = 0.5, .max = 100.0, .fallback = 5.0});
+  if (print.has("pitch_mm") && result.eye_mark_length_mm >= result.pitch_mm) {
+    print.fault("eye_mark_length_mm",
+                "must be less than pitch_mm: the sensor would see one mark without end");
+  }
   for (YamlReader& mark : print.list("marks")) {
     RegistrationMark m;
     m.p_SM_mm = {mark.number("x_mm", {.min = -kHuge, .max = kHuge}),
