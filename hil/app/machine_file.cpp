@@ -272,6 +272,7 @@ MachineDescription readMachine(const std::filesystem::path& path) {
   auto laser = file.section("laser");
   machine.laser.full_power_w = laser.number("full_power_w", {.min = 0.1, .max = 1e5});
   machine.laser.rise_time_s = 1e-6 * laser.number("rise_time_us", {.min = 0, .max = 1e4});
+  machine.laser.gate_delay_s = 1e-6 * laser.number("gate_delay_us", {.min = 0, .max = 1e4, .fallback = 0.0});
   machine.spot_radius_mm = laser.number("spot_radius_mm", {.min = 0.032, .max = 5});
   auto cameras = file.section("cameras");
   auto spot = cameras.section("spot");

@@ -75,12 +75,14 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
   // From which end: the way must grow. On a closed curve both ends are one place.
   const bool forward = nearestOn(curve, frames[2]->p_S_mm).u > nearestOn(curve, first.p_S_mm).u ||
                        (isClosed(curve) && nearestOn(curve, frames[2]->p_S_mm).u < 0.5);
+  // A line that ends in a corner is braked from its middle on.
+  const double farthest_mm = std::min(kFarthest_mm, 0.4 * length_mm);
   double sw = 0, st = 0, sy = 0, stt = 0, sty = 0;
   std::vector<std::array<double, 3>> points;  // t, sqrt(s), weight
   for (const LitFrame* it : frames) {
     const LitFrame& frame = *it;
     const double way_mm = wayFromEnd(curve, forward, frame.p_S_mm, length_mm);
-    if (way_mm > kFarthest_mm) continue;
+    if (way_mm > farthest_mm) continue;
     if (way_mm < kNearest_mm) continue;
     const double sigma_mm = std::hypot(std::max(frame.sigma_mm, evidence.spot_u_mm), kRoughness_mm);
     const double weight = 4.0 * way_mm / (sigma_mm * sigma_mm);
