@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The controller's language on its UART (8N1, 250 000 baud), used by the firmware (C) and by its host half (C++).
+/* The controller's language on its UART (8N1, 250 000 baud), used by the firmware (C) and by its host half
+ * (C++).
  *
  * Frame:  SYNC  TYPE  SEQ  LEN  payload[LEN]  CRC16
  *   SYNC  0xA5.   SEQ counts frames of the host, modulo 256; the answer repeats it.
  *   CRC16 CCITT (poly 0x1021, start 0xFFFF), low byte first, over TYPE … payload.
- * All integers little-endian. The host may have as many program bytes under way as the last answer's free bytes
- * allow, and one frame at a time; a NAK or a silence of KB_REPLY_TIMEOUT_MS repeats the frame.
+ * All integers little-endian. The host may have as many program bytes under way as the last answer's free
+ * bytes allow, and one frame at a time; a NAK or a silence of KB_REPLY_TIMEOUT_MS repeats the frame.
  */
 #ifndef KERFBENCH_CONTROLLER_PROTOCOL_H
 #define KERFBENCH_CONTROLLER_PROTOCOL_H
@@ -15,8 +16,8 @@
 #define KB_PAYLOAD_MAX 128
 #define KB_REPLY_TIMEOUT_MS 50
 
-/* Time base: a step tick of 400 CPU cycles (25 us); an interpolation period of 32 ticks (0.8 ms). An axis makes at
- * most one step in a tick and at most 31 in a period. */
+/* Time base: a step tick of 400 CPU cycles (25 us); an interpolation period of 32 ticks (0.8 ms). An axis
+ * makes at most one step in a tick and at most 31 in a period. */
 #define KB_CPU_HZ 16000000UL
 #define KB_TICK_CYCLES 400U
 #define KB_TICKS_PER_PERIOD 32U
@@ -26,24 +27,31 @@ enum kb_axis { KB_GALVO_X, KB_GALVO_Y, KB_GANTRY_X, KB_GANTRY_Y, KB_FEED, KB_AXE
 
 /* Host -> controller. Each is answered by KB_ACK or KB_NAK. */
 enum kb_request {
-  KB_HELLO = 0x01,   /* -                                        -> ACK, then INFO */
-  KB_CONFIG = 0x02,  /* struct kb_config, field by field */
-  KB_DATA = 0x03,    /* program bytes, whole operations only */
-  KB_START = 0x04,   /* run the queue */
-  KB_STOP = 0x05,    /* stop now, laser off, queue emptied */
-  KB_STATUS = 0x06   /* -                                        -> ACK, then STATE */
+  KB_HELLO = 0x01,  /* -                                        -> ACK, then INFO */
+  KB_CONFIG = 0x02, /* struct kb_config, field by field */
+  KB_DATA = 0x03,   /* program bytes, whole operations only */
+  KB_START = 0x04,  /* run the queue */
+  KB_STOP = 0x05,   /* stop now, laser off, queue emptied */
+  KB_STATUS = 0x06  /* -                                        -> ACK, then STATE */
 };
 
 /* Controller -> host. */
 enum kb_reply {
-  KB_ACK = 0x81,   /* u16 free bytes of the queue */
-  KB_NAK = 0x82,   /* u8 reason */
-  KB_INFO = 0x83,  /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
-  KB_STATE = 0x84, /* u8 state, u8 fault, u16 free bytes, i32 belt counts, i32 position of each axis in steps */
-  KB_EVENT = 0x85  /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
+  KB_ACK = 0x81,  /* u16 free bytes of the queue */
+  KB_NAK = 0x82,  /* u8 reason */
+  KB_INFO = 0x83, /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
+  KB_STATE = 0x84, /* u8 state, u8 fault, u16 free bytes, i32 belt counts, i32 steps of each axis */
+  KB_EVENT = 0x85 /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
 };
 
-enum kb_nak { KB_NAK_CRC = 1, KB_NAK_TYPE = 2, KB_NAK_LENGTH = 3, KB_NAK_FULL = 4, KB_NAK_STATE = 5, KB_NAK_VALUE = 6 };
+enum kb_nak {
+  KB_NAK_CRC = 1,
+  KB_NAK_TYPE = 2,
+  KB_NAK_LENGTH = 3,
+  KB_NAK_FULL = 4,
+  KB_NAK_STATE = 5,
+  KB_NAK_VALUE = 6
+};
 enum kb_state { KB_IDLE, KB_RUNNING, KB_DONE, KB_STOPPED };
 enum kb_fault {
   KB_OK,
@@ -56,55 +64,60 @@ enum kb_fault {
   KB_FAULT_MARKS      /* more print marks waited than KB_MARKS_MAX - 1: a unit would be lost */
 };
 
-/* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START are refused
- * while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE and KB_STOPPED: a new
- * program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from any other state to KB_IDLE. A frame
- * with the type and SEQ of the last one accepted since HELLO is answered again and not executed again. A frame that
- * pauses for more than 20 ms is forgotten. */
+/* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START
+ * are refused while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE
+ * and KB_STOPPED: a new program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from
+ * any other state to KB_IDLE. A frame with the type and SEQ of the last one accepted since HELLO is answered
+ * again and not executed again. A frame that pauses for more than 20 ms is forgotten. */
 #define KB_PROTOCOL_VERSION 1
 #define KB_QUEUE_SIZE 4096U /* one byte less can be filled */
 #define KB_MARKS_MAX 8
 
 /* Program: a stream of operations.
  *
- * KB_OP_MOVE | mask  one interpolation period. mask bits 0…4: an int8 count of steps follows for each axis named, in
- *                    axis order. KB_OP_POWER: a u8 power follows and the laser gate is open for this period.
+ * KB_OP_MOVE | mask  one interpolation period. mask bits 0…4: an int8 count of steps follows for each
+ *                    axis named, in axis order.
+ *                    KB_OP_POWER: a u8 power follows and the laser gate is open for this period.
  *                    KB_OP_GAIN: an i16 follow gain follows (it holds for later periods too).
  *                    Order of the bytes after the op: steps, power, gain.
  *
- * Follow: at each period boundary the controller takes the tracked belt position b (counts since the reference) and
- * the nominal one n (which advances by config.nominal_per_period), and moves the follow axis by the change of
- * round((b - n) * gain / 4096) in addition to the program's own steps.
- *   In full: the period i ends at n = offset + (i + 1) * nominal, and the correction at its end is that of the belt
- *   position predicted for that instant with its gain: at constant belt speed there is no lag. What does not fit into
- *   KB_MAX_STEPS_PER_PERIOD beside the program's steps follows in the next periods. Before a WAIT_MARK the reference is
- *   the belt at START. While a WAIT_MARK waits, and after END, the correction returns to zero, so that at KB_DONE each
- *   axis is where the program's own steps have led it. Counts follow from edges of A and the time since.
+ * Follow: at each period boundary the controller takes the tracked belt position b (counts since the
+ * reference) and the nominal one n (which advances by config.nominal_per_period), and moves the follow axis
+ * by the change of round((b - n) * gain / 4096) in addition to the program's own steps.
+ *
+ * In full: the period i ends at n = offset + (i + 1) * nominal, and the correction at its end is that of the
+ * belt position predicted for that instant with its gain: at constant belt speed there is no lag. What does
+ * not fit into KB_MAX_STEPS_PER_PERIOD beside the program's steps follows in the next periods. Before a
+ * WAIT_MARK the reference is the belt at START. While a WAIT_MARK waits, and after END, the correction
+ * returns to zero, so that at KB_DONE each axis is where the program's own steps have led it. Counts follow
+ * from edges of A and the time since.
  */
 #define KB_OP_MOVE 0x80
 #define KB_OP_POWER 0x20
 #define KB_OP_GAIN 0x40
 enum kb_op {
-  KB_OP_END = 0x00,       /* - : done */
-  KB_OP_WAIT_MARK = 0x01, /* i32 offset in belt counts: wait for the next print mark, then until the belt is that far
-                             beyond it; this instant is the belt reference n = 0 + offset of the periods that follow */
-  KB_OP_WAIT = 0x02,      /* u16 periods: stand still */
-  KB_OP_FOLLOW = 0x03     /* u8 axis + 1, or 0: follow off, the correction returns to zero */
+  KB_OP_END = 0x00, /* - : done */
+  /* i32 offset in belt counts: wait for the next print mark, then until the belt is that far beyond it; this
+   * instant is the belt reference n = 0 + offset of the periods that follow */
+  KB_OP_WAIT_MARK = 0x01,
+  KB_OP_WAIT = 0x02,  /* u16 periods: stand still */
+  KB_OP_FOLLOW = 0x03 /* u8 axis + 1, or 0: follow off, the correction returns to zero */
 };
 
 /* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
- * u8 gate_off_delay_ticks, u8 idle_power. Delays count from the period boundary and let the laser wait for the
- * mirrors' tracking delay; power follows with the same delay as the gate. */
+ * u8 gate_off_delay_ticks, u8 idle_power. Delays count from the period boundary and let the laser wait for
+ * the mirrors' tracking delay; power follows with the same delay as the gate. */
 #define KB_CONFIG_LEN 7
 
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7
  * port C: feed PUL C0 DIR C1, laser gate C2, laser PWM C3
- * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1, interlock L2 (high: closed)
+ * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1,
+ *         interlock L2 (high: closed)
  * DIR high is the positive direction; the rising edge of PUL steps.
  *
- * Laser PWM is a first-order sigma-delta: each tick (40 kHz) carries one bit, a power p gives p high ticks in each 255, and
- * p = 255 is always high. Why not OC0A: fast PWM at 62.5 kHz works in simavr 1.6, but makes 125 000 edges/s where this makes
- * at most 40 000, gives p + 1 cycles of 256 (a spike at 0), and its edges move with the phase of Timer0; these are written
- * with the gate, in one store. */
+ * Laser PWM is a first-order sigma-delta: each tick (40 kHz) carries one bit, a power p gives p high ticks in
+ * each 255, and p = 255 is always high. Why not OC0A: fast PWM at 62.5 kHz works in simavr 1.6, but makes
+ * 125 000 edges/s where this makes at most 40 000, gives p + 1 cycles of 256 (a spike at 0), and its edges
+ * move with the phase of Timer0; these are written with the gate, in one store. */
 #endif

@@ -18,8 +18,9 @@ constexpr double kRecordMargin_s = 0.05;
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
 constexpr double kStationPitch_mm = 0.1;
 
-// Standard uncertainties. The cameras of the twin are calibrated by their own description until calibration from images
-// takes over; what remains is the estimators' noise, which tests/hil/vision and tests/hil/app measure against the truth.
+// Standard uncertainties. The cameras of the twin are calibrated by their own description until calibration
+// from images takes over; what remains is the estimators' noise, which tests/hil/vision and tests/hil/app
+// measure against the truth.
 constexpr double kSpotMapU_mm = 0.0005;
 constexpr double kKerfMapU_mm = 0.0003;
 constexpr double kSpotU_mm = 0.0030;  // One spot, per axis, at the mean brightness of a job.

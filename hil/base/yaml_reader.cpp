@@ -222,7 +222,8 @@ YamlReader YamlReader::section(std::string_view key) {
   std::shared_ptr<Node> below = node_->base ? YamlReader(node_->base).section(key).node_ : nullptr;
   node_->book->asked.emplace(key);
   const YAML::Node constant = node_->yaml;
-  const YAML::Node value = constant.IsMap() ? constant[std::string(key)] : YAML::Node(YAML::NodeType::Undefined);
+  const YAML::Node value =
+      constant.IsMap() ? constant[std::string(key)] : YAML::Node(YAML::NodeType::Undefined);
   const bool is_given = given(value);
   if (is_given && !value.IsMap()) node_->fault(key, "expected 'key: value' lines under it");
   KeyBook book{

@@ -12,8 +12,8 @@ namespace kerfbench::hil {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next frames in order of sequence, at most `max`; empty at the end. May use several threads inside; the
-  /// frames are the same at any number of them.
+  /// The next frames in order of sequence, at most `max`; empty at the end. May use several threads inside;
+  /// the frames are the same at any number of them.
   virtual std::vector<Frame> nextBatch(std::size_t max) = 0;
 };
 

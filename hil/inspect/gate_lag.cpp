@@ -114,7 +114,12 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
 std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
   std::vector<Start> starts;
   for (const GateInterval& gate : evidence.gates) {
-    if (const auto start = startOf(evidence, lit, gate)) starts.push_back(*start);
+    const auto start = startOf(evidence, lit, gate);
+    if (!start) continue;
+    // A start that few frames saw is known too loosely to prove anything, unless it is far off.
+    const bool usable = start->sigma_s <= 0.2 * limits.gate_lag_s;
+    const bool far_off = std::abs(start->lag_s) - 4.0 * start->sigma_s > limits.gate_lag_s;
+    if (usable || far_off) starts.push_back(*start);
   }
   if (starts.empty()) return std::nullopt;
   Check check{.name = "gate_lag", .title = "The laser comes on as the beam sets off", .unit = "ms"};

@@ -119,7 +119,8 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     if (pairs.empty()) continue;
     const MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
     measured[unit] = fit.motion;
-    // A first mark alone tells a place but no direction; far from it the pose would be wrong by tenths of a mm.
+    // A first mark alone tells a place but no direction; far from it the pose would be wrong by tenths of a
+    // mm.
     angle_known_ = angle_known_ || fit.pairs > 1 || print_.marks.size() == 1;
     if (!angle_known_) continue;
     poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs});

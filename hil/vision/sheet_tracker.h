@@ -60,7 +60,7 @@ class SheetTracker {
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
   double contrast_gray_{80.0};
-  bool angle_known_{};        ///< Two marks of a unit were seen at once, ever.
+  bool angle_known_{};  ///< Two marks of a unit were seen at once, ever.
   double time_s_{};
 };
 

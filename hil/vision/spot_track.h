@@ -26,8 +26,8 @@ struct FrameMeasurement {
   std::uint64_t sequence{};
   double mid_s{};                            ///< Middle of the exposure.
   std::optional<Eigen::Vector2d> spot_W_mm;  ///< Centre of the glowing spot; absent when the laser was dark.
-  double spot_sigma_mm{};                    ///< Estimated standard uncertainty per axis; noise only, without map_u_mm.
-  std::vector<SheetPose> sheet;              ///< One pose for each unit with marks in view.
+  double spot_sigma_mm{};        ///< Estimated standard uncertainty per axis; noise only, without map_u_mm.
+  std::vector<SheetPose> sheet;  ///< One pose for each unit with marks in view.
 };
 
 struct SpotTrackOptions {

@@ -80,7 +80,8 @@ struct WebDescription {
   BoardDescription board;
   double start_x_mm{};       ///< x_W of unit 0's origin S at t = 0.
   double belt_speed_mm_s{};  ///< Of the line drive at t = 0; ignored when the controller feeds.
-  std::vector<SpeedPoint> belt_speed_changes;  ///< Later speeds of the line, see SpeedProfile; none: constant.
+  std::vector<SpeedPoint>
+      belt_speed_changes;    ///< Later speeds of the line, see SpeedProfile; none: constant.
   bool fed_by_controller{};  ///< The feed pulses move the belt.
 };
 

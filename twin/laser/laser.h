@@ -6,7 +6,7 @@ namespace kerfbench::twin {
 struct LaserDescription {
   double full_power_w{100.0};  ///< At duty 1; > 0.
   double rise_time_s{20e-6};   ///< Time constant of the tube's first-order response; >= 0.
-  double gate_delay_s{0.0};    ///< From the pins to the tube's demand; >= 0. Applied by whoever reads the pins.
+  double gate_delay_s{0.0};  ///< From the pins to the tube's demand; >= 0. Applied by whoever reads the pins.
 };
 
 /// A CO2 tube: gate and PWM in, power out.

@@ -4,7 +4,7 @@
 
 int main(void) {
   _delay_ms(1);
-  *(volatile uint8_t *)0xF000 = 1;
+  *(volatile uint8_t*)0xF000 = 1;
   for (;;) {
   }
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pulses of 20 us whose end is timed by timer 0: the count is written while the clock is stopped. One each ms. */
+/* Pulses of 20 us whose end is timed by timer 0: the count is written while the clock is stopped. One each
+ * ms. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 

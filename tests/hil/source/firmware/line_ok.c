@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A tiny relative of Grbl: a banner, lines answered with ok, X<n> makes n pulses on PA0, '?' reports, E is an error. */
+/* A tiny relative of Grbl: a banner, lines answered with ok, X<n> makes n pulses on PA0, '?' reports, E is an
+ * error. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <util/delay.h>
@@ -9,7 +10,7 @@ static volatile uint8_t ring[256];
 static volatile uint8_t head;
 static uint8_t tail;
 
-static void put(const char *text) {
+static void put(const char* text) {
   for (; *text; ++text) {
     while (!(UCSR0A & (1 << UDRE0))) {
     }

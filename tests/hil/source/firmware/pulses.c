@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* 1000 pulses on PA0 and PA2 at once, 25 kHz, DIR PA1 set first, period written in each interrupt; then 'D' on the UART. */
+/* 1000 pulses on PA0 and PA2 at once, 25 kHz, DIR PA1 set first, period written in each interrupt; then 'D'
+ * on the UART. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Laser power on OC0A (PB7), 62.5 kHz: 25 % for 1 ms, 75 % for 1 ms, always on for 1 ms, then disconnected. PB6 steps
- * with each phase by a write to the whole port, which must not disturb the PWM. */
+/* Laser power on OC0A (PB7), 62.5 kHz: 25 % for 1 ms, 75 % for 1 ms, always on for 1 ms, then disconnected.
+ * PB6 steps with each phase by a write to the whole port, which must not disturb the PWM. */
 #include <avr/io.h>
 #include <util/delay.h>
 

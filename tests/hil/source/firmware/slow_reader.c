@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads a byte only every 200 us, which is five byte times: flow control must hold the line. Answers each byte. */
+/* Reads a byte only every 200 us, which is five byte times: flow control must hold the line. Answers each
+ * byte. */
 #include <avr/io.h>
 #include <util/delay.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Grbl's way to start its step timer: the interrupt is enabled with OCR1A still 0, and the first interrupt sets the
- * period. PB0 toggles in each interrupt, PB1 is high in the first one. */
+/* Grbl's way to start its step timer: the interrupt is enabled with OCR1A still 0, and the first interrupt
+ * sets the period. PB0 toggles in each interrupt, PB1 is high in the first one. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 
