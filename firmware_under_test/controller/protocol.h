@@ -37,11 +37,11 @@ enum kb_request {
 
 /* Controller -> host. */
 enum kb_reply {
-  KB_ACK = 0x81,  /* u16 free bytes of the queue */
-  KB_NAK = 0x82,  /* u8 reason */
-  KB_INFO = 0x83, /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
+  KB_ACK = 0x81,   /* u16 free bytes of the queue */
+  KB_NAK = 0x82,   /* u8 reason */
+  KB_INFO = 0x83,  /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
   KB_STATE = 0x84, /* u8 state, u8 fault, u16 free bytes, i32 belt counts, i32 steps of each axis */
-  KB_EVENT = 0x85 /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
+  KB_EVENT = 0x85  /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
 };
 
 enum kb_nak {

@@ -13,13 +13,15 @@
  *   bench -> child
  *     OPEN     u32 version, u64 clock_hz, u32 baud, u64 max_events, text mcu, text image path
  *              -> HELLO or ERROR
- *     DRIVE    u64 tick, u16 port, u16 bit, u8 level       an input pin takes this level at this tick (>
- * watermark) UART     bytes for the controller, sent at its baud rate, flow control honoured; no reply
+ *     DRIVE    u64 tick, u16 port, u16 bit, u8 level
+ *              an input pin takes this level at this tick (> watermark)
+ *     UART     bytes for the controller, sent at its baud rate, flow control honoured; no reply
  *     ADVANCE  u64 until                                   run until this tick -> BATCH
  *     QUIT     the child exits with 0
  *   child -> bench
- *     HELLO    u32 version, u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks, text
- * configuration ERROR    text                                        the image cannot be run; the child exits
+ *     HELLO    u32 version, u64 tick_num, u64 tick_den (seconds per tick), u32 stamp_err_ticks,
+ *              text configuration
+ *     ERROR    text                                        the image cannot be run; the child exits
  *     BATCH    u8 stop, u64 watermark, u32 n, n events, u32 m, m UART bytes, text message
  *              event: u64 tick, u16 port, u16 changed, u16 level, u16 flags (twin/base/pin_event.h)
  *
