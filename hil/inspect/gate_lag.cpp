@@ -17,9 +17,10 @@
 namespace kerfbench::hil::checks {
 namespace {
 
-/// Stretch of the way from the start of a line in which the beam is taken to speed up evenly.
+/// Stretch of the way from the start of a line in which the beam is taken to speed up evenly; the longer one
+/// is tried first.
 constexpr double kNearest_mm = 0.04;
-constexpr double kFarthest_mm = 1.0;
+constexpr std::array kFarthest_mm{2.0, 1.0};
 constexpr std::size_t kMinFrames = 4;
 /// Steps and servo make the motion this rough, whatever the camera sees; standard deviation.
 constexpr double kRoughness_mm = 0.005;
@@ -65,7 +66,8 @@ std::vector<const LitFrame*> framesOf(const LitFrames& lit, const GateInterval& 
 
 /// s = a (t - t0)² / 2, so sqrt(s) is a straight line in time that meets zero at t0. Weighted least squares
 /// over the frames of the first millimetre.
-std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate) {
+std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
+                                 const GateInterval& gate) {
   const double on_s = gate.on_s;
   const auto frames = framesOf(lit, gate);
   if (frames.size() < kMinFrames) return std::nullopt;
@@ -76,7 +78,7 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
   const bool forward = nearestOn(curve, frames[2]->p_S_mm).u > nearestOn(curve, first.p_S_mm).u ||
                        (isClosed(curve) && nearestOn(curve, frames[2]->p_S_mm).u < 0.5);
   // A line that ends in a corner is braked from its middle on.
-  const double farthest_mm = std::min(kFarthest_mm, 0.4 * length_mm);
+  const double farthest_mm = std::min(stretch_mm, 0.4 * length_mm);
   double sw = 0, st = 0, sy = 0, stt = 0, sty = 0;
   std::vector<std::array<double, 3>> points;  // t, sqrt(s), weight
   for (const LitFrame* it : frames) {
@@ -107,6 +109,13 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
   const double t0 = -offset / slope;
   const double variance = (stt + sw * t0 * t0 - 2.0 * st * t0) / determinant / (slope * slope);
   return Start{-t0, std::sqrt(std::max(variance, 0.0)), first.unit, first.entity, on_s};
+}
+
+std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate) {
+  for (const double stretch_mm : kFarthest_mm) {
+    if (const auto start = startWithin(stretch_mm, evidence, lit, gate)) return start;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
