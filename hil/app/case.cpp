@@ -62,6 +62,7 @@ namespace {
 
 double webStartX_mm(const Case& the_case) {
   const Scenario& scenario = the_case.scenario;
+  if (scenario.web_start_x_mm) return *scenario.web_start_x_mm;
   // Upstream of the sensor by what the belt runs during the lead time, in which the controller boots and is
   // loaded.
   return the_case.machine.controller.print_mark_sensor_x_mm - scenario.print.eye_mark_x_mm -

@@ -117,7 +117,10 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
       planner.number("jump_speed_mm_s", {.min = 1, .max = 5000, .fallback = job.jump_speed_mm_s});
   job.acceleration_mm_s2 =
       planner.number("acceleration_mm_s2", {.min = 10, .max = 1e6, .fallback = job.acceleration_mm_s2});
-  job.cut_energy_j_per_mm = planner.number("cut_energy_j_per_mm", {1e-4, 10, std::nullopt});
+  // Who sends G-code of his own needs no planner.
+  const bool planned = scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench;
+  job.cut_energy_j_per_mm = planner.number(
+      "cut_energy_j_per_mm", {1e-4, 10, planned ? std::nullopt : std::optional(job.cut_energy_j_per_mm)});
   job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
   job.perforation_cut_mm =
       planner.number("perforation_cut_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_cut_mm});
@@ -183,6 +186,12 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   belt.choice("profile", {"constant"}, "constant");
   s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
   s.belt_lead_s = belt.number("lead_s", {.min = 0.05, .max = 60, .fallback = 0.8});
+  if (belt.has("start_x_mm")) {
+    s.web_start_x_mm = belt.number("start_x_mm", {.min = -1e5, .max = 1e5});
+  } else if (s.belt_speed_mm_s == 0 && !s.belt_by_controller) {
+    belt.fault("speed_mm_s",
+               "a belt at rest brings no sheet under the head: say where it lies with start_x_mm");
+  }
   s.firmware = readFirmware(file.section("firmware"), images);
   auto planner = file.section("planner");
   s.job = readJob(planner, s);

@@ -44,9 +44,10 @@ struct Scenario {
   twin::BoardDescription board;
   PrintLayout print;
   double belt_speed_mm_s{};
-  bool belt_by_controller{};  ///< The controller's feed pulses move the belt, not the line.
-  double belt_lead_s{};       ///< Until the first eye mark reaches the sensor (line), or the unit its start
-                              ///< (controller).
+  bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
+  std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
+  double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
+                         ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;
   planner::PlannerFaults planner_faults;
