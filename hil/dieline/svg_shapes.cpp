@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <pugixml.hpp>
 
 #include "hil/dieline/svg_path.h"
 #include "hil/dieline/svg_style.h"

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <pugixml.hpp>
-
 #include "hil/dieline/geometry.h"
+
+namespace pugi {
+class xml_node;
+}  // namespace pugi
 
 namespace kerfbench::hil {
 

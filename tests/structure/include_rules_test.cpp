@@ -118,7 +118,9 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
     const std::regex pattern(library.header);
     EXPECT_EQ(offenders([&](const Include& i) {
                 if (in(i.file, "tests") || !std::regex_match(i.target, pattern)) return false;
-                const bool is_source = i.file.ends_with(".cpp") || i.file.ends_with(".c");
+                // The AVR child as a whole is the adapter to simavr, its own headers included.
+                const bool is_source =
+                    i.file.ends_with(".cpp") || i.file.ends_with(".c") || in(i.file, "hil/source/avr_child");
                 return !is_source ||
                        std::ranges::none_of(library.folders, [&](const auto& f) { return in(i.file, f); });
               }),
