@@ -24,7 +24,7 @@ constexpr std::array kFarthest_mm{2.0, 1.0};
 constexpr std::size_t kMinFrames = 4;
 /// Steps and servo make the motion this rough, whatever the camera sees; standard deviation.
 constexpr double kRoughness_mm = 0.005;
-/// Above this the motion was no even acceleration: a jerk-limited start, or a cut that goes on from another.
+/// Above this the motion was neither of the two: a jerk-limited start, or a cut that goes on from another.
 constexpr double kMaxChiSquare = 9.0;
 
 struct Start {
@@ -36,18 +36,20 @@ struct Start {
 };
 
 /// Arc length between an end of the curve (u = 0 or 1) and the place nearest to p.
-double wayFromEnd(const Curve& curve, bool from_start, const Eigen::Vector2d& p_mm, double length_mm) {
+double wayFromEnd(const Curve& curve, bool from_start, const Eigen::Vector2d& p_mm) {
   constexpr int kPieces = 32;
-  const double u = nearestOn(curve, p_mm).u;
-  // Chords of a piece this short differ from the arc by far less than the camera sees.
+  const double end = from_start ? 0.0 : 1.0;
+  const double span = nearestOn(curve, p_mm).u - end;
+  // Over the two millimetres that count, chords this short differ from the arc by far less than the camera
+  // sees; round a whole circle they do not.
   double way_mm = 0.0;
-  Eigen::Vector2d last = pointAt(curve, 0.0);
+  Eigen::Vector2d last = pointAt(curve, end);
   for (int i = 1; i <= kPieces; ++i) {
-    const Eigen::Vector2d next = pointAt(curve, u * i / kPieces);
+    const Eigen::Vector2d next = pointAt(curve, end + span * i / kPieces);
     way_mm += (next - last).norm();
     last = next;
   }
-  return from_start ? way_mm : length_mm - way_mm;
+  return way_mm;
 }
 
 /// The frames of one gate interval that lie on the entity with which it begins, in order of time. Not one
@@ -64,51 +66,93 @@ std::vector<const LitFrame*> framesOf(const LitFrames& lit, const GateInterval& 
   return frames;
 }
 
-/// s = a (t - t0)² / 2, so sqrt(s) is a straight line in time that meets zero at t0. Weighted least squares
-/// over the frames of the first millimetre.
-std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
-                                 const GateInterval& gate) {
-  const double on_s = gate.on_s;
-  const auto frames = framesOf(lit, gate);
-  if (frames.size() < kMinFrames) return std::nullopt;
-  const LitFrame& first = *frames.front();
-  const Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(first.entity)].curve;
-  const double length_mm = lengthOf(curve);
-  // From which end: the way must grow. On a closed curve both ends are one place.
-  const bool forward = nearestOn(curve, frames[2]->p_S_mm).u > nearestOn(curve, first.p_S_mm).u ||
-                       (isClosed(curve) && nearestOn(curve, frames[2]->p_S_mm).u < 0.5);
-  // A line that ends in a corner is braked from its middle on.
-  const double farthest_mm = std::min(stretch_mm, 0.4 * length_mm);
+/// How the beam sets off: from rest, speeding up evenly, s = a (t - t0)² / 2, or at once with its full speed,
+/// s = v (t - t0), as a firmware without ramps moves mirrors. Either way s^(1/power) is a straight line in
+/// time that meets zero at t0.
+struct Place {
+  double t_s{};     ///< Since the gate opened.
+  double way_mm{};  ///< From the start of the line.
+  double sigma_mm{};
+};
+
+struct Fit {
+  double t0_s{};
+  double sigma_s{};
+  double chi_square{std::numeric_limits<double>::infinity()};
+};
+
+/// Weighted least squares over the places beyond kNearest_mm; those before must fit in as well.
+Fit fitMotion(const std::vector<Place>& places, double power) {
   double sw = 0, st = 0, sy = 0, stt = 0, sty = 0;
-  std::vector<std::array<double, 3>> points;  // t, sqrt(s), weight
-  for (const LitFrame* it : frames) {
-    const LitFrame& frame = *it;
-    const double way_mm = wayFromEnd(curve, forward, frame.p_S_mm, length_mm);
-    if (way_mm > farthest_mm) continue;
-    if (way_mm < kNearest_mm) continue;
-    const double sigma_mm = std::hypot(std::max(frame.sigma_mm, evidence.spot_u_mm), kRoughness_mm);
-    const double weight = 4.0 * way_mm / (sigma_mm * sigma_mm);
-    const double t = frame.time_s - on_s;
-    const double y = std::sqrt(way_mm);
-    points.push_back({t, y, weight});
+  const auto weightOf = [&](const Place& p) {
+    const double slope = power * std::pow(p.way_mm, 1.0 - 1.0 / power) / p.sigma_mm;
+    return slope * slope;
+  };
+  for (const Place& p : places) {
+    if (p.way_mm < kNearest_mm) continue;
+    const double weight = weightOf(p);
+    const double y = std::pow(p.way_mm, 1.0 / power);
     sw += weight;
-    st += weight * t;
+    st += weight * p.t_s;
     sy += weight * y;
-    stt += weight * t * t;
-    sty += weight * t * y;
+    stt += weight * p.t_s * p.t_s;
+    sty += weight * p.t_s * y;
   }
-  if (points.size() < kMinFrames) return std::nullopt;
   const double determinant = sw * stt - st * st;
   const double slope = (sw * sty - st * sy) / determinant;
   const double offset = (stt * sy - st * sty) / determinant;
-  if (!(slope > 0)) return std::nullopt;
-  double chi_square = 0.0;
-  for (const auto& [t, y, weight] : points)
-    chi_square += weight * (y - offset - slope * t) * (y - offset - slope * t);
-  if (chi_square > kMaxChiSquare * static_cast<double>(points.size() - 2)) return std::nullopt;
-  const double t0 = -offset / slope;
-  const double variance = (stt + sw * t0 * t0 - 2.0 * st * t0) / determinant / (slope * slope);
-  return Start{-t0, std::sqrt(std::max(variance, 0.0)), first.unit, first.entity, on_s};
+  if (!(slope > 0)) return {};
+  Fit fit{-offset / slope, 0.0, 0.0};
+  for (const Place& p : places) {
+    const double expected = std::max(offset + slope * p.t_s, 0.0);
+    if (p.way_mm < kNearest_mm) {
+      const double off = (p.way_mm - std::pow(expected, power)) / p.sigma_mm;
+      fit.chi_square += off * off;
+    } else {
+      const double off = std::pow(p.way_mm, 1.0 / power) - offset - slope * p.t_s;
+      fit.chi_square += weightOf(p) * off * off;
+    }
+  }
+  const double variance =
+      (stt + sw * fit.t0_s * fit.t0_s - 2.0 * st * fit.t0_s) / determinant / (slope * slope);
+  fit.sigma_s = std::sqrt(std::max(variance, 0.0));
+  return fit;
+}
+
+std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
+                                 const GateInterval& gate) {
+  const auto frames = framesOf(lit, gate);
+  if (frames.size() < kMinFrames) return std::nullopt;
+  const LitFrame& first = *frames.front();
+  const Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(first.entity)];
+  // The teeth of a perforation begin in full run.
+  if (entity.process == Process::kPerforation) return std::nullopt;
+  const Curve& curve = entity.curve;
+  const double length_mm = lengthOf(curve);
+  // From which end: the way must grow. On a closed curve both ends are one place.
+  const double third_u = nearestOn(curve, frames[2]->p_S_mm).u;
+  const bool forward = isClosed(curve) ? third_u < 0.5 : third_u > nearestOn(curve, first.p_S_mm).u;
+  // A line that ends in a corner is braked from its middle on.
+  const double farthest_mm = std::min(stretch_mm, 0.4 * length_mm);
+  std::vector<Place> places;
+  std::size_t fitted = 0;
+  for (const LitFrame* frame : frames) {
+    const double way_mm = wayFromEnd(curve, forward, frame->p_S_mm);
+    if (way_mm > farthest_mm) continue;
+    const double sigma_mm = std::hypot(std::max(frame->sigma_mm, evidence.spot_u_mm), kRoughness_mm);
+    places.push_back({frame->time_s - gate.on_s, way_mm, sigma_mm});
+    fitted += way_mm >= kNearest_mm ? 1 : 0;
+  }
+  if (fitted < kMinFrames) return std::nullopt;
+  const Fit ramp = fitMotion(places, 2.0);
+  const Fit dash = fitMotion(places, 1.0);
+  // A start with limited jerk, s ~ t³, passes for an even one where few frames saw it, with a wrong t0.
+  if (fitMotion(places, 3.0).chi_square < std::min(ramp.chi_square, dash.chi_square)) return std::nullopt;
+  const double worst_chi_square = kMaxChiSquare * static_cast<double>(fitted - 2);
+  // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
+  if ((ramp.chi_square <= worst_chi_square) == (dash.chi_square <= worst_chi_square)) return std::nullopt;
+  const Fit& better = dash.chi_square < ramp.chi_square ? dash : ramp;
+  return Start{-better.t0_s, better.sigma_s, first.unit, first.entity, gate.on_s};
 }
 
 std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate) {

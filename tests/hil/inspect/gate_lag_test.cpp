@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "hil/inspect/spot_checks.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kAcceleration_mm_s2 = 20000.0;
+constexpr double kTop_mm_s = 300.0;
+constexpr double kGate_s = 1.0;
+constexpr double kSpotU_mm = 0.003;
+
+/// Way since the beam set off.
+using Motion = double (*)(double t_s);
+
+double ramp(double t_s) {
+  const double ramp_s = kTop_mm_s / kAcceleration_mm_s2;
+  return t_s < ramp_s ? 0.5 * kAcceleration_mm_s2 * t_s * t_s : kTop_mm_s * (t_s - 0.5 * ramp_s);
+}
+double dash(double t_s) { return 150.0 * t_s; }
+double jerk(double t_s) { return 1e6 * t_s * t_s * t_s; }
+
+/// A beam that follows one curve, seen once in a millisecond while the gate is open.
+class Start {
+ public:
+  explicit Start(Curve curve, bool backwards = false, Process process = Process::kCut)
+      : backwards_(backwards) {
+    dieline_.entities.push_back({0, std::move(curve), process, "CUT", "line 4: LINE"});
+    evidence_.dieline = &dieline_;
+    evidence_.spot_u_mm = kSpotU_mm;
+  }
+  Start(const Start&) = delete;
+  Start& operator=(const Start&) = delete;
+
+  /// `lag_s` > 0: the gate opens after the beam sets off.
+  std::optional<Check> seen(double lag_s, Motion motion = ramp, unsigned seed = 0, int frames = 1000) {
+    const Curve& curve = dieline_.entities.front().curve;
+    const double length_mm = lengthOf(curve);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, seed == 0 ? 0.0 : kSpotU_mm);
+    LitFrames lit;
+    double off_s = kGate_s;
+    // Where in the camera's period the gate opens differs from start to start.
+    for (double t_s = kGate_s + 1e-4 * (1 + seed % 9); std::cmp_less(lit.frames.size(), frames);
+         t_s += 1e-3) {
+      const double since_s = t_s - kGate_s + lag_s;
+      const double way_mm = since_s > 0 ? motion(since_s) : 0.0;
+      if (way_mm > length_mm) break;
+      const double share = way_mm / length_mm;
+      LitFrame frame;
+      frame.time_s = off_s = t_s;
+      frame.entity = 0;
+      frame.sigma_mm = kSpotU_mm;
+      frame.p_S_mm = pointAt(curve, backwards_ ? 1.0 - share : share);
+      frame.p_S_mm += Eigen::Vector2d(noise(random), noise(random));
+      lit.frames.push_back(frame);
+    }
+    evidence_.gates = {{kGate_s, off_s + 1e-4}};
+    return checks::gateLagCheck(evidence_, limits_, lit);
+  }
+
+ private:
+  Dieline dieline_;
+  Evidence evidence_;
+  Limits limits_;
+  bool backwards_;
+};
+
+const Curve kLine = LineCurve{{0, 0}, {40, 30}};
+const Curve kCircle = ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
+
+TEST(GateLag, FindsTheLagOnLinesAndCirclesEitherWay) {
+  for (const Curve& curve : {kLine, kCircle}) {
+    for (const bool backwards : {false, true}) {
+      for (const Motion motion : {ramp, dash}) {
+        SCOPED_TRACE(isClosed(curve) ? "circle" : "line");
+        SCOPED_TRACE(backwards ? "backwards" : "forwards");
+        SCOPED_TRACE(motion == ramp ? "ramp" : "dash");
+        Start start(curve, backwards);
+        const auto in_time = start.seen(0.0, motion);
+        ASSERT_TRUE(in_time);
+        EXPECT_LT(in_time->value, 0.2);
+        EXPECT_EQ(in_time->verdict, Verdict::kPass) << in_time->explanation;
+
+        const auto late = start.seen(0.002, motion);
+        ASSERT_TRUE(late);
+        EXPECT_NEAR(late->value, 2.0, 0.2);
+        EXPECT_EQ(late->verdict, Verdict::kFail);
+        EXPECT_NE(late->explanation.find("after the beam set off"), std::string::npos) << late->explanation;
+
+        const auto early = start.seen(-0.002, motion);
+        ASSERT_TRUE(early);
+        EXPECT_NEAR(early->value, 2.0, 0.2);
+        EXPECT_EQ(early->verdict, Verdict::kFail);
+        EXPECT_NE(early->explanation.find("before the beam set off"), std::string::npos)
+            << early->explanation;
+      }
+    }
+  }
+}
+
+TEST(GateLag, ItsIntervalHoldsTheTrueLagInNineteenOfTwenty) {
+  for (const Motion motion : {ramp, dash}) {
+    for (const double lag_s : {0.0003, 0.002}) {
+      int inside = 0;
+      int seen = 0;
+      for (unsigned seed = 1; seed <= 200; ++seed) {
+        const auto check = Start(kLine).seen(lag_s, motion, seed);
+        if (!check) continue;
+        ++seen;
+        inside += std::abs(check->value - 1e3 * lag_s) <= check->u ? 1 : 0;
+      }
+      EXPECT_GE(seen, 180);
+      EXPECT_GE(inside, seen * 19 / 20) << (motion == ramp ? "ramp " : "dash ") << lag_s;
+    }
+  }
+}
+
+TEST(GateLag, TooFewFramesSayNothing) {
+  for (int frames = 0; frames < 4; ++frames) EXPECT_FALSE(Start(kLine).seen(0.0, ramp, 0, frames)) << frames;
+  EXPECT_FALSE(Start(kLine).seen(0.002, dash, 0, 3));
+}
+
+TEST(GateLag, AStartWithLimitedJerkIsNotJudged) { EXPECT_FALSE(Start(kLine).seen(0.0, jerk)); }
+
+TEST(GateLag, TheTeethOfAPerforationBeginInFullRun) {
+  EXPECT_FALSE(Start(kLine, false, Process::kPerforation).seen(0.003));
+}
+
+TEST(GateLag, WithoutAGateThereIsNoCheck) {
+  const Dieline dieline;
+  Evidence evidence;
+  evidence.dieline = &dieline;
+  EXPECT_FALSE(checks::gateLagCheck(evidence, Limits{}, LitFrames{}));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
