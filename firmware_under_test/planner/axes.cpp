@@ -10,7 +10,8 @@ namespace kerfbench::planner {
 
 using Eigen::Vector2d;
 
-static_assert(KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 8, "kPeriodS is the controller's");
+static_assert(1UL * KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 8,
+              "kPeriodS is the controller's");
 static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
 
 Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)

@@ -49,9 +49,10 @@ struct YamlReader::File {
 
 // One mapping, and below it the mapping that it extends, if any.
 struct YamlReader::Node {
-  Node(std::shared_ptr<File> the_file, YAML::Node the_yaml, KeyBook the_book, std::shared_ptr<Node> the_base)
+  Node(std::shared_ptr<File> the_file, const YAML::Node& the_yaml, KeyBook the_book,
+       std::shared_ptr<Node> the_base)
       : file(std::move(the_file)),
-        yaml(std::move(the_yaml)),
+        yaml(the_yaml),
         book(std::make_shared<KeyBook>(std::move(the_book))),
         base(std::move(the_base)) {
     if (yaml.IsMap()) {
@@ -271,7 +272,7 @@ std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_v
   return result;
 }
 
-void YamlReader::fault(std::string_view key, std::string message) { node_->fault(key, message); }
+void YamlReader::fault(std::string_view key, std::string_view message) { node_->fault(key, message); }
 
 const std::filesystem::path& YamlReader::path() const { return node_->file->path; }
 

@@ -57,7 +57,7 @@ class YamlReader {
   std::vector<std::pair<std::string, std::string>> pairs(std::string_view key);
 
   /// Adds a fault of the caller's own at a key.
-  void fault(std::string_view key, std::string message);
+  void fault(std::string_view key, std::string_view message);
   [[nodiscard]] const std::filesystem::path& path() const;
   /// The folder of the file that gives `key`, for file names relative to it.
   [[nodiscard]] std::filesystem::path folderOf(std::string_view key) const;

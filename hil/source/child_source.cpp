@@ -114,9 +114,13 @@ class ChildSource final : public SignalSource {
 
   ~ChildSource() override {
     if (stop_ != Stop::kReached) return;
-    Request(outgoing_, KB_PS_QUIT);
-    (void)child_.write(outgoing_, ChildProcess::Clock::now() + kFarewell);
-    (void)child_.finish(kFarewell);
+    try {
+      { const Request quit(outgoing_, KB_PS_QUIT); }
+      (void)child_.write(outgoing_, ChildProcess::Clock::now() + kFarewell);
+      (void)child_.finish(kFarewell);
+    } catch (...) {
+      // Only the farewell is lost: ~ChildProcess kills and reaps the child.
+    }
   }
 
   [[nodiscard]] SourceInfo info() const override { return info_; }

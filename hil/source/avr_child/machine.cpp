@@ -194,8 +194,8 @@ void Machine::setByteTime() {
   const unsigned size =
       avr_regbit_get(avr_, uart_->ucsz) | static_cast<unsigned>(avr_regbit_get(avr_, uart_->ucsz2) << 2);
   const unsigned parity = uart_->r_ucsrc != 0 && (avr_->data[uart_->r_ucsrc] & 0x30U) != 0 ? 1 : 0;
-  uart_->cycles_per_byte =
-      divider * (rate + 1) * (1 + kDataBits[size & 7U] + parity + 1 + avr_regbit_get(avr_, uart_->usbs));
+  uart_->cycles_per_byte = avr_cycle_count_t{divider} * (rate + 1) *
+                           (1 + kDataBits[size & 7U] + parity + 1 + avr_regbit_get(avr_, uart_->usbs));
 }
 
 void Machine::onLog(avr_t* avr, int level, const char* format, va_list arguments) {

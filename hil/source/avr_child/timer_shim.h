@@ -71,8 +71,8 @@ class TimerShim {
   [[nodiscard]] bool zeroTop() const;
   [[nodiscard]] std::uint32_t compareValue(const avr_timer_comp_t& comp) const;
   [[nodiscard]] std::uint16_t count() const;
-  void setCount(std::uint16_t count);
-  void makeCountExact(std::uint16_t count);
+  void setCount(std::uint16_t value);
+  void makeCountExact(std::uint16_t value);
   void raiseEnabled();
   void raiseZeroTop();
   void followPwm();
