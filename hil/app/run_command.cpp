@@ -20,6 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Events in a quantum of 0.5 ms that no controller of a die-cutter makes: 2 million a second, 20 times what
+// the reference controller makes with all axes at full speed.
+constexpr std::uint64_t kFlood = 1000;
+
 // A release image or a recording that cannot be used.
 struct InputFault : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -47,6 +51,7 @@ std::unique_ptr<SignalSource> openRelease(const FirmwareChoice& firmware, const 
   options.mcu = firmware.mcu;
   options.clock_hz = firmware.clock_hz;
   options.baud = firmware.baud;
+  options.max_events_per_quantum = kFlood;
   try {
     return openChild(options);
   } catch (const std::runtime_error& e) {

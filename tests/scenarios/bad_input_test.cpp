@@ -100,7 +100,7 @@ struct BadFirmware {
 };
 
 TEST_F(BadInput, FirmwareThatDoesNotWorkIsInvalidWithinTheTimeLimit) {
-  for (const BadFirmware& bad : {BadFirmware{"hang", "HELLO"}, BadFirmware{"halt", "halted"},
+  for (const BadFirmware& bad : {BadFirmware{"hang", "does not answer"}, BadFirmware{"halt", "halted"},
                                  BadFirmware{"bad_opcode", "crashed"}, BadFirmware{"flood", "floods"}}) {
     const auto result = run(scenario(fmt::format("firmware: {{image: {}/{}-atmega2560.hex}}\n",
                                                  KERFBENCH_CONFORMANCE_IMAGES, bad.image)),
