@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hil/camera/parallel.h"
+#include "hil/base/parallel.h"
 
 namespace kerfbench::hil {
 

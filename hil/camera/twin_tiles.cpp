@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "hil/camera/parallel.h"
+#include "hil/base/parallel.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::hil {

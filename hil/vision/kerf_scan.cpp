@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hil/base/parallel.h"
 #include "hil/vision/kerf_caliper.h"
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_stray.h"
 #include "hil/vision/kerf_tiles.h"
-#include "hil/vision/parallel.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -103,7 +103,7 @@ class UnitScan {
     std::vector<EntityKerf> kerfs(plans_.size());
     std::vector<std::size_t> unseen(plans_.size(), 0);
     const double border_px = (options_.reach_mm + 0.1) / calibration_.pitchMm() * 1.05 + kBorderPx;
-    parallelFor(plans_.size(), options_.threads, [&](std::size_t e) {
+    forEachIndex(plans_.size(), options_.threads, [&](std::size_t e) {
       const EntityPlan& plan = plans_[e];
       kerfs[e] = {unit_, plan.entity, {}};
       Profile profile;
@@ -138,7 +138,7 @@ class UnitScan {
 
   void strays(KerfScan& scan) const {
     std::vector<std::vector<StrayBox>> per_tile(tiles_.size());
-    parallelFor(tiles_.size(), options_.threads, [&](std::size_t t) {
+    forEachIndex(tiles_.size(), options_.threads, [&](std::size_t t) {
       per_tile[t] = findStrays(tiles_[t], t, calibration_, X_TS_, plans_, options_.open_gray);
     });
     std::vector<StrayBox> boxes;
@@ -236,7 +236,7 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
       continue;
     }
     std::vector<TileView> views(of_unit.size());
-    parallelFor(of_unit.size(), options.threads, [&](std::size_t i) {
+    forEachIndex(of_unit.size(), options.threads, [&](std::size_t i) {
       views[i] = viewTile(std::move(of_unit[i]), calibration, diameters_mm);
     });
     const std::optional<UnitPlace> place = placeUnit(views, unit, print, calibration, scan.problems);

@@ -8,9 +8,9 @@
 
 #include <Eigen/LU>
 
+#include "hil/base/parallel.h"
 #include "hil/vision/brightness_scan.h"
 #include "hil/vision/mark_finder.h"
-#include "hil/vision/parallel.h"
 #include "hil/vision/sheet_tracker.h"
 #include "hil/vision/spot_fit.h"
 
@@ -113,7 +113,7 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
     if (stride == 0) stride = searchStride(batch, options.nominal_speed_mm_s);
 
     std::vector<Glance> glances(batch.size());
-    parallelFor(batch.size(), options.threads, [&](std::size_t i) {
+    forEachIndex(batch.size(), options.threads, [&](std::size_t i) {
       glances[i] = glanceAt(batch[i], calibration, diameters_mm, (done + i) % stride == 0);
     });
 

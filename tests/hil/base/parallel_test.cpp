@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/camera/parallel.h"
+#include "hil/base/parallel.h"
 
 #include <stdexcept>
 #include <string>
