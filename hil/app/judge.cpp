@@ -19,8 +19,8 @@ constexpr double kRecordMargin_s = 0.05;
 constexpr double kStationPitch_mm = 0.1;
 
 // Standard uncertainties. The cameras of the twin are calibrated by their own description until calibration
-// from images takes over; what remains is the estimators' noise, which tests/hil/vision and tests/hil/app
-// measure against the truth.
+// from images takes over; what remains is the estimators' noise, which tests/hil/vision measures
+// against known truth.
 constexpr double kSpotMapU_mm = 0.0005;
 constexpr double kKerfMapU_mm = 0.0003;
 constexpr double kSpotU_mm = 0.0030;  // One spot, per axis, at the mean brightness of a job.

@@ -276,8 +276,10 @@ void SpotCamera::Model::addMark(const MarkImage& mark, const PixelBox& box, std:
   const PixelBox& own = mark.box;
   PlanePatch::Nodes nodes;
   for (std::size_t n = 0; n < 9; ++n) {
-    const Vector2d pixel(own.x0 + 0.5 * static_cast<double>(n % 3) * (own.x1 - own.x0),
-                         own.y0 + 0.5 * static_cast<double>(n / 3) * (own.y1 - own.y0));
+    const std::size_t column = n % 3;
+    const std::size_t row = n / 3;
+    const Vector2d pixel(own.x0 + 0.5 * static_cast<double>(column) * (own.x1 - own.x0),
+                         own.y0 + 0.5 * static_cast<double>(row) * (own.y1 - own.y0));
     const std::optional<Vector2d> point = projection.planePointOf(pixel);
     if (!point) return;
     nodes[n] = *point;

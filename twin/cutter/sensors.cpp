@@ -41,7 +41,8 @@ BeltSensors::BeltSensors(TickRate rate, double encoder_count_mm, const PrintLayo
 }
 
 double BeltSensors::markEdgeTravel_mm(long long edge) const {
-  return first_mark_mm_ + static_cast<double>(edge / 2) * print_.pitch_mm +
+  const long long mark = edge / 2;
+  return first_mark_mm_ + static_cast<double>(mark) * print_.pitch_mm +
          (edge % 2 == 0 ? 0.0 : print_.eye_mark_length_mm);
 }
 
