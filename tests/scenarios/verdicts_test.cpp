@@ -30,6 +30,7 @@ TEST_P(GoodRelease, PassesAndSaysSo) {
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, GoodRelease,
                          testing::Values(GoodCase{"label_avr", "scenarios/label-on-belt.yaml"},
+                                         GoodCase{"label_fed", "scenarios/label-fed.yaml"},
                                          GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
                                          GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
                                          GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
