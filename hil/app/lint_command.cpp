@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
 #include "hil/app/commands.h"
@@ -26,14 +25,10 @@ bool isDrawing(const fs::path& path) {
   return extension == ".dxf" || extension == ".svg";
 }
 
-// A scenario names a dieline; a machine does not.
+// A scenario names a dieline; a machine does not. What it extends counts as well.
 bool isScenario(const fs::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.starts_with("dieline:") || line.starts_with("firmware:")) return true;
-  }
-  return false;
+  const auto file = YamlReader::openFile(path);
+  return file.has("dieline") || file.has("firmware");
 }
 
 // Returns the number of errors.

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Another house's firmware (tests/scenarios/firmware/linecutter.c), from its G-code to a verdict.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kStepsPerUnit = 80.0;  // Of the firmware.
+
+// Steps of each axis that a program asks for.
+std::map<std::string, long> stepsOf(const std::filesystem::path& gcode) {
+  std::ifstream file(gcode);
+  const std::array<std::string, 2> axes{"galvo_x", "galvo_y"};
+  std::array<long, 2> at{};
+  std::map<std::string, long> steps;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with(';')) continue;
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      const auto word = line.find(axis == 0 ? 'X' : 'Y');
+      if (word == std::string::npos) continue;
+      const long to = std::lround(kStepsPerUnit * std::strtod(line.c_str() + word + 1, nullptr));
+      steps[axes.at(axis)] += std::abs(to - at.at(axis));
+      at.at(axis) = to;
+    }
+  }
+  return steps;
+}
+
+class LineOkFirmware : public testing::Test {
+ protected:
+  // The plate scenario with these lines of its own.
+  ProgramRun run(const std::string& lines, const std::string& options = "") const {
+    const auto path = scratch_.path() / "changed.yaml";
+    std::ofstream(path) << "extends: " << plate().string() << "\nname: changed\n" << lines;
+    return kerfbench(fmt::format("run '{}' --results-dir '{}/results' {}", path.string(),
+                                 scratch_.path().string(), options));
+  }
+  ProgramRun runGcode(const std::string& program) const {
+    std::ofstream(scratch_.path() / "job.gcode") << program;
+    return run("firmware: {gcode: job.gcode}\n");
+  }
+  static std::filesystem::path plate() { return fixture("scenarios/line-ok/plate.yaml"); }
+  [[nodiscard]] nlohmann::json verdict() const { return verdictOf(scratch_.path() / "results" / "changed"); }
+  ScratchFolder scratch_;
+};
+
+TEST_F(LineOkFirmware, CutsASheetAtRestAndPasses) {
+  const auto result = run("");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const auto said = verdict();
+  EXPECT_THAT(checksThat(said, "FAIL"), IsEmpty());
+  const auto asked = stepsOf(plate().parent_path() / "plate.gcode");
+  ASSERT_EQ(said.at("pulses").size(), 2U);
+  for (const auto& axis : said.at("pulses")) {
+    const std::string name = axis.at("axis");
+    EXPECT_EQ(axis.at("pulses").get<long>(), asked.at(name)) << name;
+    EXPECT_GT(asked.at(name), 10000) << name;
+  }
+}
+
+TEST_F(LineOkFirmware, ALineThatItRefusesMakesTheRunInvalidAndIsNamed) {
+  const auto result = runGcode("G90\n; so far so good\nM3 S160\nG1 X2 Y0 F9000\nG2 X4 Y0 I1\nG1 X6\nM5\n");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("error:20 to line 5: G2 X4 Y0 I1"));
+  EXPECT_EQ(verdict().at("verdict"), "INVALID");
+}
+
+TEST_F(LineOkFirmware, AProgramThatCutsNothingIsInvalid) {
+  const auto result = runGcode("G90\nG0 X10 Y10\nG0 X0 Y0\n");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("nothing was cut"));
+}
+
+TEST_F(LineOkFirmware, AWrongDistanceOfTheHeadFailsByThePath) {
+  // The same program on a machine whose head hangs 2 mm lower than plate.py takes it to.
+  std::ofstream(scratch_.path() / "low.yaml")
+      << "extends: " << fixture("machines/two-mirror-linecutter.yaml").string()
+      << "\nname: low\noptics: {throw_mm: 498}\n";
+  const auto result = run("machine: low.yaml\n");
+  EXPECT_EQ(result.exit_code, 1) << result.output;
+  const auto said = verdict();
+  EXPECT_THAT(checksThat(said, "FAIL"), testing::Contains("path"));
+  for (const auto& check : said.at("checks")) {
+    if (check.at("name") != "path") continue;
+    // The right side, at x = 45 mm, comes in by 2 / 515 of that.
+    EXPECT_NEAR(check.at("value").get<double>(), 45.0 * 2 / 515, 0.02);
+  }
+}
+
+TEST_F(LineOkFirmware, ABeltAtRestMustSayWhereTheSheetLies) {
+  const auto label = fixture("scenarios/label-on-belt.yaml").string();
+  std::ofstream(scratch_.path() / "rest.yaml")
+      << "extends: " << label << "\nname: rest\nbelt: {speed_mm_s: 0}\n";
+  const auto result = kerfbench(fmt::format("lint '{}'", (scratch_.path() / "rest.yaml").string()));
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr("rest.yaml:3: belt.speed_mm_s: "));
+  EXPECT_THAT(result.output, HasSubstr("start_x_mm"));
+}
+
+}  // namespace
+}  // namespace kerfbench::test

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// kerfbench lint: what is good is called good, what is bad is named with its place.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+std::string lineEntity(const std::string& layer, double x0, double y0, double x1, double y1) {
+  return fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", layer, x0, y0, x1, y1);
+}
+
+class Lint : public testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& name, const std::string& content) const {
+    std::ofstream(scratch_.path() / name) << content;
+    return scratch_.path() / name;
+  }
+  std::filesystem::path drawing(const std::string& name, const std::string& entities) const {
+    return file(name, "0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n");
+  }
+  static ProgramRun lint(const std::filesystem::path& path, const std::string& options = "") {
+    return kerfbench(fmt::format("lint '{}' {}", path.string(), options));
+  }
+  ScratchFolder scratch_;
+};
+
+TEST_F(Lint, EveryFixtureIsGood) {
+  std::vector<std::filesystem::path> files;
+  for (const char* folder : {"scenarios", "machines", "dielines"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(fixture(folder))) {
+      const auto path = entry.path();
+      if (path.string().find("generate") != std::string::npos || path.filename() == "drivers.yaml") continue;
+      if (path.string().find("dielines/reader") != std::string::npos) continue;
+      const auto extension = path.extension();
+      if (extension == ".yaml" || extension == ".dxf" || extension == ".svg") files.push_back(path);
+    }
+  }
+  EXPECT_GE(files.size(), 20U);
+  for (const auto& path : files) {
+    const auto result = lint(path);
+    EXPECT_EQ(result.exit_code, 0) << path << "\n" << result.output;
+    EXPECT_THAT(result.output, HasSubstr(path.string() + ": good\n"));
+  }
+}
+
+TEST_F(Lint, QuietSaysNothingOfWhatIsGood) {
+  const auto result = lint(fixture("scenarios/label-on-belt.yaml"), "-q");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.output, "");
+}
+
+TEST_F(Lint, ALineDrawnTwiceIsNamedWithPlaceAndLayer) {
+  const std::string square = lineEntity("CUT", 0, 0, 20, 0) + lineEntity("CUT", 20, 0, 20, 20) +
+                             lineEntity("CUT", 20, 20, 0, 20) + lineEntity("CUT", 0, 20, 0, 0);
+  EXPECT_EQ(lint(drawing("square.dxf", square)).exit_code, 0);
+  const auto path = drawing("twice.dxf", square + lineEntity("CUT", 20, 20, 20, 0));
+  const auto result = lint(path, "-q");
+  EXPECT_EQ(result.exit_code, 65) << result.output;
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr(path.string() + ": error at (20.000, "), HasSubstr("layer CUT")));
+
+  // A scenario that names it is as bad, and is not run either.
+  const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/label-on-belt.yaml").string() +
+                                           "\nname: twice\ndieline: twice.dxf\n");
+  EXPECT_EQ(lint(scenario).exit_code, 65);
+  const auto run = kerfbench(
+      fmt::format("run '{}' --results-dir '{}/results'", scenario.string(), scratch_.path().string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output, AllOf(HasSubstr("twice.dxf: at (20.000, "), HasSubstr("layer CUT")));
+}
+
+TEST_F(Lint, ALayerWithoutARuleIs65) {
+  const auto result = lint(drawing("layer.dxf", lineEntity("SECRET", 0, 0, 20, 0)));
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr("SECRET"));
+}
+
+TEST_F(Lint, EveryFaultOfAMachineIsNamedWithItsLine) {
+  const auto path = file(
+      "bad.yaml", "extends: " + fixture("machines/two-mirror.yaml").string() +
+                      "\npins: {galvo_x_pul: Q7, galvo_y_pul: PA1}\noptics:\n  throw_mm: -5\n  lens: 1\n");
+  const auto result = lint(path);
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr("bad.yaml:2: pins.galvo_x_pul: 'Q7' is no pin like PA0"));
+  EXPECT_THAT(result.output, HasSubstr("PA1 is given to galvo_x_dir and to galvo_y_pul"));
+  EXPECT_THAT(result.output, ContainsRegex("bad.yaml:4: optics.throw_mm: "));
+  EXPECT_THAT(result.output, HasSubstr("bad.yaml:5: optics.lens: unknown key"));
+}
+
+TEST_F(Lint, OneBadFileOfSeveralDecides) {
+  const auto bad = file("bad.yaml", "version: 1\n");
+  const auto result =
+      kerfbench(fmt::format("lint '{}' '{}'", fixture("machines/two-mirror.yaml").string(), bad.string()));
+  EXPECT_EQ(result.exit_code, 65);
+  EXPECT_THAT(result.output, HasSubstr("two-mirror.yaml: good"));
+  EXPECT_EQ(lint("/nonexistent.dxf").exit_code, 65);
+}
+
+}  // namespace
+}  // namespace kerfbench::test
