@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A laser cutter's firmware as some other house would write it: ATmega328P, G-code a line at a time with ok, Grbl's pins
- * for its two axes. It knows nothing of belts, sheets or lenses; its unit is the milliradian of a mirror.
+/* A laser cutter's firmware as some other house would write it: ATmega328P, G-code a line at a time with ok,
+ * Grbl's pins for its two axes. It knows nothing of belts, sheets or lenses; its unit is the milliradian of a
+ * mirror.
  *
  *   G0 X Y          dark, at RAPID         G1 X Y F        at F units a minute, lit after M3
  *   M3 S0…1000      laser armed, S of 1000 M5, M2          laser off
  *   G90             accepted               ?               <Idle> or <Run>
- *   error:1 no such word, error:2 bad number, error:15 outside the travel, error:20 no such command, error:22 bad feed
+ *   error:1 no such word, error:2 bad number, error:15 outside the travel
+ *   error:20 no such command, error:22 bad feed
  *
  * PD2, PD3 step of X and Y; PD5, PD6 direction, high: plus. PB4 laser gate, PB3 (OC2A) laser power.
  */
@@ -16,8 +18,8 @@
 #include <util/delay.h>
 
 #define STEPS_PER_UNIT 80L
-#define MAX_STEPS 14400L  /* 180 units either way: differences fit 16 bits with their Bresenham sum */
-#define MIN_FEED 300L     /* units a minute; slower than this a period overflows timer 1 */
+#define MAX_STEPS 14400L /* 180 units either way: differences fit 16 bits with their Bresenham sum */
+#define MIN_FEED 300L    /* units a minute; slower than this a period overflows timer 1 */
 #define MAX_FEED 15000L
 #define RAPID 9000L
 #define ARRIVE_CYCLES 16000 /* mirrors swing out before the laser comes on: 1 ms */
@@ -76,8 +78,8 @@ static void begin_block(void) {
     OCR1A = IDLE_CYCLES - 1;
     return;
   }
-  const struct block *b = &queue[queue_tail];
-  const uint8_t directions = (uint8_t)((PORTD & (uint8_t)~(DIR_X | DIR_Y)) | b->directions);
+  const struct block* b = &queue[queue_tail];
+  const uint8_t directions = (uint8_t)((PORTD & (uint8_t) ~(DIR_X | DIR_Y)) | b->directions);
   if (directions != PORTD) {
     _delay_us(4); /* the drives want 5 us of hold after the last step; the way here took the rest */
     PORTD = directions;
@@ -95,7 +97,7 @@ ISR(TIMER1_COMPA_vect) {
     return;
   }
   if (steps_left != 0) {
-    const struct block *b = &queue[queue_tail];
+    const struct block* b = &queue[queue_tail];
     uint8_t pulses = 0;
     sum_x += b->dx;
     if (sum_x >= b->steps) {
@@ -109,14 +111,14 @@ ISR(TIMER1_COMPA_vect) {
     }
     PORTD |= pulses;
     _delay_us(3);
-    PORTD &= (uint8_t)~(STEP_X | STEP_Y);
+    PORTD &= (uint8_t) ~(STEP_X | STEP_Y);
     if (--steps_left != 0) return;
   }
   queue_tail = (uint8_t)((queue_tail + 1U) % (sizeof queue / sizeof queue[0]));
   begin_block();
 }
 
-static void put(const char *text) {
+static void put(const char* text) {
   for (; *text; ++text) {
     while (!(UCSR0A & (1 << UDRE0))) {
     }
@@ -130,7 +132,7 @@ static void answer_question(void) {
   put(running || queue_head != queue_tail ? "<Run>\r\n" : "<Idle>\r\n");
 }
 
-static void push(const struct block *b) {
+static void push(const struct block* b) {
   const uint8_t next = (uint8_t)((queue_head + 1U) % (sizeof queue / sizeof queue[0]));
   while (next == queue_tail) answer_question();
   queue[queue_head] = *b;
@@ -153,7 +155,7 @@ static void go_dark(void) {
   last_lit = 0;
 }
 
-static const char *move(int16_t x, int16_t y, uint8_t cutting) {
+static const char* move(int16_t x, int16_t y, uint8_t cutting) {
   const int32_t speed = cutting ? feed : RAPID;
   if (speed < MIN_FEED || speed > MAX_FEED) return "error:22\r\n";
   struct block b = {.directions = (uint8_t)((x > at_x ? DIR_X : 0) | (y > at_y ? DIR_Y : 0))};
@@ -162,7 +164,9 @@ static const char *move(int16_t x, int16_t y, uint8_t cutting) {
   b.steps = b.dx > b.dy ? b.dx : b.dy;
   if (b.steps == 0) return "ok\r\n";
   const float steps = sqrtf((float)b.dx * (float)b.dx + (float)b.dy * (float)b.dy);
-  b.cycles = (uint16_t)((float)F_CPU * 60.0f / (float)STEPS_PER_UNIT * steps / ((float)speed * (float)b.steps) + 0.5f);
+  b.cycles =
+      (uint16_t)((float)F_CPU * 60.0f / (float)STEPS_PER_UNIT * steps / ((float)speed * (float)b.steps) +
+                 0.5f);
   b.lit = cutting && armed;
   b.duty = duty;
   if (!b.lit) go_dark();
@@ -177,8 +181,8 @@ static const char *move(int16_t x, int16_t y, uint8_t cutting) {
 }
 
 /* A decimal number in ten-thousandths; 0 if there is none, or it is too long. */
-static uint8_t number(const char **text, int32_t *value) {
-  const char *c = *text;
+static uint8_t number(const char** text, int32_t* value) {
+  const char* c = *text;
   const uint8_t negative = *c == '-';
   if (*c == '-' || *c == '+') ++c;
   int32_t whole = 0;
@@ -196,7 +200,7 @@ static uint8_t number(const char **text, int32_t *value) {
 }
 
 /* Ten-thousandths of a unit to steps. */
-static uint8_t steps_of(int32_t value, int16_t *steps) {
+static uint8_t steps_of(int32_t value, int16_t* steps) {
   const int32_t per_step = 10000L / STEPS_PER_UNIT;
   const int32_t rounded = (value >= 0 ? value + per_step / 2 : value - per_step / 2) / per_step;
   if (rounded > MAX_STEPS || rounded < -MAX_STEPS) return 0;
@@ -204,7 +208,7 @@ static uint8_t steps_of(int32_t value, int16_t *steps) {
   return 1;
 }
 
-static const char *execute(const char *line) {
+static const char* execute(const char* line) {
   int16_t x = at_x, y = at_y;
   uint8_t moves = 0;
   static uint8_t mode; /* G0 or G1 stays until the other comes */
