@@ -17,7 +17,7 @@ double foldSlope2(const std::array<double, 5>& k) {
   const auto growth = [&k](double s) { return 1.0 + s * (3.0 * k[0] + s * (5.0 * k[1] + s * 7.0 * k[4])); };
   constexpr double kStep = 0.005;
   double s = 0.0;
-  for (int step = 0; step < 6400; ++step, s += kStep) {
+  for (int step = 0; step <= 6400; ++step, s += kStep) {
     if (growth(s + kStep) > 0.0) continue;
     double grows = s;
     double folds = s + kStep;
