@@ -119,8 +119,7 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
   const Wires wires = wiresOf(outputOf(fmt::format("head -c 4000 '{}'", vcd)));
   // One sample a microsecond, though sigrok could take one a tick: no pulse is that short, and samples are
   // large.
-  std::string samples =
-      outputOf(fmt::format("sigrok-cli -I vcd:downsample=10000 -i '{}' -O binary", vcd));
+  std::string samples = outputOf(fmt::format("sigrok-cli -I vcd:downsample=10000 -i '{}' -O binary", vcd));
   ASSERT_TRUE(samples.starts_with("META samplerate: 1000000\n"));
   samples.erase(0, samples.find('\n') + 1);
   const auto verdict = verdictOf(results);
