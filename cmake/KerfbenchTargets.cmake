@@ -17,7 +17,7 @@ target_compile_options(kerfbench_options INTERFACE
 target_include_directories(kerfbench_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(KERFBENCH_SANITIZE)
   target_compile_options(kerfbench_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  # With sanitizers GCC 12 takes the std::function in std::regex for uninitialized (GCC bug 105562).
+  # With sanitizers GCC 12 takes the std::function in std::regex for uninitialized.
   target_compile_options(kerfbench_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   target_link_options(kerfbench_options INTERFACE -fsanitize=address,undefined)
 endif()
