@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The core as a program that speaks hil/source/pin_stream.h: the same steps as on the AVR, at the same ticks,
- * without an emulator. Interrupts take no time here; pins change at distances from the tick that are estimated
- * from the AVR release's timing under simavr. */
+ * without an emulator. Interrupts take no time here; pins change at distances from the tick that are
+ * estimated from the AVR release's timing under simavr. */
 #include <stdio.h>
 #include <string.h>
 
