@@ -52,6 +52,14 @@ TEST(Svg, LabelOfInkscapeAgreesWithTheDxf) {
   EXPECT_EQ(svg_label.entities[0].layer, "Cut");  // The label of Inkscape's layer, not the stroke.
 }
 
+TEST(Dxf, LabelSavedByLibreCadIsTheLabel) {
+  const Dieline drawn = readDieline(fixture("label-60x40.dxf"), defaultLayerProfile());
+  const Dieline saved = readDieline(fixture("label-60x40-librecad.dxf"), defaultLayerProfile());
+  const Eigen::Affine2d unmoved = Eigen::Affine2d::Identity();
+  EXPECT_LT(farthest(drawn, saved, unmoved), 1e-6);
+  EXPECT_LT(farthest(saved, drawn, unmoved), 1e-6);
+}
+
 TEST(Svg, LabelThatInkscapeTurnedAgreesWithTheTurnedDxf) {
   const Dieline drawn = readDieline(fixture("label-60x40.dxf"), defaultLayerProfile());
   const Dieline turned_label = readDieline(fixture("label-60x40-turned.svg"), defaultLayerProfile());
