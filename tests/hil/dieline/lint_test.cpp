@@ -41,8 +41,9 @@ std::vector<Curve> squareAnd(const Curve& curve) {
 TEST(Lint, ASoundSquareIsClean) { EXPECT_TRUE(lintDieline(dielineOf(kSquare)).empty()); }
 
 TEST(Lint, FixturesAreClean) {
-  for (const char* name : {"label-60x40.dxf", "tuck-end-carton.dxf", "coupon-perforated.dxf",
-                           "label-60x40-librecad.dxf", "label-60x40.svg", "label-60x40-turned.svg", "label-60x40-paths.svg"}) {
+  for (const char* name :
+       {"label-60x40.dxf", "tuck-end-carton.dxf", "coupon-perforated.dxf", "label-60x40-librecad.dxf",
+        "label-60x40.svg", "label-60x40-turned.svg", "label-60x40-paths.svg"}) {
     for (const LintFinding& finding : lintDieline(readDieline(fixture(name), defaultLayerProfile()))) {
       ADD_FAILURE() << name << ": " << finding.message;
     }
