@@ -29,6 +29,7 @@ class Axes {
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
   /// Number of the x axis in the protocol; y is the next.
   [[nodiscard]] int firstAxis() const;
+  [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
 
  private:
   MachineParameters machine_;

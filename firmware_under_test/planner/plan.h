@@ -62,6 +62,8 @@ struct PlannerFaults {
   bool no_pincushion{false};  ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
   int skip_entity{-1};        ///< Never cut; makeGcode leaves it out.
   int repeat_entity{-1};      ///< Cut twice; makeGcode writes it again at the end.
+  /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
+  bool return_unchecked{false};
 };
 
 /// A job that cannot be done; what() lists every reason, and the highest belt speed if that is one.

@@ -135,6 +135,7 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
     if (auto fault = marksFault(layout, machine, job)) return {std::nullopt, *fault};
   }
   for (int k = 0; k + 1 < job.units && k < 2; ++k) {
+    if (axes.faults().return_unchecked) break;
     if (auto fault = pitchFault(solution, k, job, axes)) return {std::nullopt, *fault};
   }
   return {std::move(solution), {}};

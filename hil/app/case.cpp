@@ -2,10 +2,13 @@
 #include "hil/app/case.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <string>
 
+#include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
+#include "twin/cutter/machine_faults.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -26,14 +29,30 @@ void refuseUnfit(const Dieline& dieline) {
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
   Case the_case;
   the_case.scenario = readScenario(scenario, {firmware_dir});
-  the_case.machine = readMachine(the_case.scenario.machine);
+  const MachineFile file = readMachineFile(the_case.scenario.machine);
+  the_case.machine = file.machine;
+  the_case.spread = file.spread;
   if (the_case.scenario.belt_by_controller && !(the_case.machine.belt.feed.step > 0)) {
     throw ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
                                   the_case.scenario.path.string(), the_case.scenario.machine.string()));
   }
+  refuseUnfit(file, webOf(the_case));
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
   refuseUnfit(the_case.dieline);
   return the_case;
+}
+
+twin::DrawnMachine drawnMachine(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  twin::DrawnMachine drawn =
+      twin::drawImperfections(the_case.machine, the_case.spread, scenario.imperfections, scenario.seed);
+  // The description was fit: a draw that is not comes from a spread too wide.
+  const auto faults = twin::faultsOf(drawn.machine, webOf(the_case));
+  if (!faults.empty()) {
+    throw ConfigError(fmt::format("{}: imperfections: the machine that seed {} draws cannot run: {}",
+                                  scenario.machine.string(), scenario.seed, fmt::join(faults, "; ")));
+  }
+  return drawn;
 }
 
 planner::MachineParameters plannerMachine(const Case& the_case) {
@@ -84,6 +103,7 @@ twin::WebDescription webOf(const Case& the_case) {
   web.board = scenario.board;
   web.start_x_mm = webStartX_mm(the_case);
   web.belt_speed_mm_s = scenario.belt_speed_mm_s;
+  web.belt_speed_changes = scenario.belt_speed_changes;
   web.fed_by_controller = scenario.belt_by_controller;
   return web;
 }

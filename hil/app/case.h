@@ -13,13 +13,18 @@ namespace kerfbench::hil {
 /// A scenario with all files that it names, read and checked.
 struct Case {
   Scenario scenario;
-  twin::MachineDescription machine;
+  twin::MachineDescription machine;  ///< As described; drawnMachine() is the one that runs.
+  twin::ImperfectionSpread spread;
   Dieline dieline;
 };
 
 /// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as
-/// well for a dieline that is unfit to cut (see lintDieline).
+/// well for a machine that the twin cannot run, and for a dieline that is unfit to cut (see lintDieline).
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
+
+/// The machine that runs: around its description, as far as the scenario's preset and seed take it.
+/// @throws ConfigError if the seed draws a machine that the twin cannot run.
+twin::DrawnMachine drawnMachine(const Case& the_case);
 
 /// What the planner is told of the machine.
 planner::MachineParameters plannerMachine(const Case& the_case);

@@ -12,13 +12,29 @@ namespace kerfbench::hil {
 /// What all commands that judge have in common. See DESIGN: the program.
 struct CommonOptions {
   std::filesystem::path results_dir{"results"};
-  std::optional<std::uint64_t> seed;   ///< Instead of the scenario's.
-  std::optional<double> time_limit_s;  ///< Virtual; instead of the scenario's.
+  std::optional<std::uint64_t> seed;         ///< Instead of the scenario's.
+  std::optional<double> time_limit_s;        ///< Virtual; instead of the scenario's.
+  std::optional<std::string> imperfections;  ///< Name of a preset; instead of the scenario's.
+  std::optional<std::string> twin;           ///< Name of a fidelity; instead of the scenario's.
   int jobs{1};
   bool quiet{};
   bool timing{};
+  bool pictures{true};            ///< Of the machine, in the report.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
   std::string command_line;       ///< As typed, for the report.
+};
+
+/// A picture of a machine, see showCommand().
+struct ShowOptions {
+  std::filesystem::path machine;   ///< May be empty where the scenario names it.
+  std::filesystem::path scenario;  ///< Empty: the machine at rest.
+  std::vector<double> at_s;        ///< Virtual times; none: the middle of the longest cut.
+  std::filesystem::path out;       ///< Empty: named after machine or scenario, in the current folder.
+  int width_px{1280};
+  int height_px{800};
+  std::string view{"overall"};  ///< overall, head, sheet.
+  bool quiet{};
+  std::filesystem::path bin_dir;
 };
 
 inline constexpr int kExitBroken = 2;  ///< The bench itself broke.
@@ -32,5 +48,9 @@ int replayCommand(const std::filesystem::path& recording, const std::filesystem:
                   const CommonOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
+/// Draws a machine at rest, or as a run of the scenario has it at given times (by the fast twin). Several
+/// times make several files, with the time in the name. Returns 0, kExitUsage, kExitInput, or kExitBroken
+/// when POV-Ray is missing or fails.
+int showCommand(const ShowOptions& options);
 
 }  // namespace kerfbench::hil

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hil/app/judge.h"
+#include "hil/app/machine_pictures.h"
 #include "hil/app/results_folder.h"
 #include "hil/base/atomic_file.h"
 #include "hil/report/run_report.h"
@@ -18,8 +19,24 @@ std::string checkLine(const Check& check) {
                      check.value, check.unit, check.upper ? "" : "at least ", check.limit, subject);
 }
 
+// What the run was made with, and what the model alone knows. It tells people why; nothing of it is judged.
+ModelFacts modelFacts(const Scenario& scenario, const std::vector<twin::Imperfection>& imperfections,
+                      const std::vector<twin::LostSteps>& lost_steps) {
+  ModelFacts facts;
+  facts.imperfections = nameOf(scenario.imperfections);
+  facts.twin = nameOf(scenario.fidelity);
+  for (const twin::Imperfection& drawn : imperfections)
+    facts.drawn.push_back({drawn.name, drawn.value, drawn.unit});
+  for (const twin::LostSteps& lost : lost_steps) {
+    facts.lost_steps.push_back(
+        {lost.axis, lost.time_s, lost.place, lost.axis.starts_with("galvo") ? "rad" : "mm", lost.full_steps});
+  }
+  return facts;
+}
+
 void tell(const RunReport& report, const std::filesystem::path& folder, Console& console) {
   for (const Check& check : report.result.checks) console.say(checkLine(check));
+  if (!report.model.lost_steps.empty()) console.result("  " + lostStepsSentence(report.model));
   for (const std::string& problem : report.result.problems) console.result("  INVALID: " + problem);
   console.result(fmt::format("{}: {}", report.scenario, verdictName(report.result.verdict)));
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
@@ -48,6 +65,7 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   report.source_id = conclusion.source_id;
   report.repeat_command = options.command_line;
   report.seed = scenario.seed;
+  report.model = modelFacts(scenario, conclusion.drawn->imperfections, twin.lostSteps());
   report.virtual_s = run.recording.rate.seconds(run.recording.end);
   report.versions = {{"kerfbench", KERFBENCH_VERSION}};
   if (!conclusion.firmware_sha256.empty())
@@ -61,6 +79,13 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
   if (!conclusion.gcode.empty()) writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
   stopwatch.lap("recording of the pins");
+  if (options.pictures) {
+    std::string trouble;
+    report.pictures = writeMachinePictures(*conclusion.film, the_case, conclusion.drawn->machine,
+                                           folder.staging(), trouble);
+    if (!trouble.empty()) console.say(trouble);
+    stopwatch.lap("pictures of the machine");
+  }
   report.timing = stopwatch.stages();
   writeReports(report, folder.staging());
   folder.commit();

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
 #include "hil/app/lockstep.h"
+#include "hil/app/machine_film.h"
 #include "hil/app/stopwatch.h"
 
 namespace kerfbench::hil {
@@ -18,7 +20,9 @@ struct Conclusion {
   std::string firmware;     ///< For people.
   std::string source_id;
   std::string firmware_sha256;
-  std::string gcode;  ///< Written to the results folder unless empty.
+  const twin::DrawnMachine* drawn{};  ///< The machine that ran; not null.
+  const MachineFilm* film{};          ///< For the report's pictures; not null.
+  std::string gcode;                  ///< Written to the results folder unless empty.
 };
 /// Returns the exit code of the verdict.
 int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const Conclusion& conclusion,

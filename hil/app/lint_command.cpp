@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <string>
 
+#include "hil/app/case.h"
 #include "hil/app/commands.h"
-#include "hil/app/machine_file.h"
-#include "hil/app/scenario.h"
+#include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/dieline/read.h"
 
@@ -55,11 +55,14 @@ int lintDrawing(const fs::path& path, const LayerProfile& layers, bool quiet) {
 int lintFile(const fs::path& path, const CommonOptions& options) {
   if (isDrawing(path)) return lintDrawing(path, defaultLayerProfile(), options.quiet);
   if (isScenario(path)) {
-    const Scenario scenario = readScenario(path, {options.bin_dir.parent_path() / "firmware"});
-    (void)readMachine(scenario.machine);
-    return lintDrawing(scenario.dieline, scenario.layers, options.quiet);
+    Case the_case;
+    the_case.scenario = readScenario(path, {options.bin_dir.parent_path() / "firmware"});
+    const MachineFile file = readMachineFile(the_case.scenario.machine);
+    the_case.machine = file.machine;
+    refuseUnfit(file, webOf(the_case));
+    return lintDrawing(the_case.scenario.dieline, the_case.scenario.layers, options.quiet);
   }
-  (void)readMachine(path);
+  refuseUnfit(readMachineFile(path));
   return 0;
 }
 

@@ -44,7 +44,8 @@ bool hasGap(const std::vector<PinEvent>& events) {
 LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
                            const LockstepOptions& options, const ProgressFn& progress) {
   const SourceInfo info = source.info();
-  const Tick quantum = std::max<Tick>(1, info.rate.ticksAt(options.quantum_s));
+  const Tick quantum =
+      std::max<Tick>(1, info.rate.ticksAt(std::min(options.quantum_s, twin.longestQuantum_s())));
   const Tick limit = info.rate.ticksAt(options.time_limit_s);
   LockstepResult result;
   result.recording.rate = info.rate;

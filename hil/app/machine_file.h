@@ -2,13 +2,35 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
 
+#include "hil/base/yaml_reader.h"
 #include "twin/cutter/description.h"
+#include "twin/cutter/imperfections.h"
 
 namespace kerfbench::hil {
 
-/// Reads a machine (fixtures/machines/two-mirror.yaml explains every key). Drive profiles are named there and
-/// looked up in the file that `drivers` names. @throws ConfigError with every fault, each with file and line.
+/// A machine file, read and checked. docs/MACHINES.md explains every key.
+struct MachineFile {
+  twin::MachineDescription machine;
+  twin::ImperfectionSpread spread;  ///< Section `imperfections`.
+  /// Every key that was asked for, the given and the others.
+  std::vector<YamlReader::Asked> keys;
+  /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,
+  /// or the file, where there is no such key.
+  [[nodiscard]] std::string placeOf(const std::string& field) const;
+  std::map<std::string, std::string> places;  ///< "file:line" of every key asked for, of every section.
+  std::set<std::string> given;                ///< Those of them that the file gives.
+};
+
+/// Drives are named in the machine and looked up in the catalogue that its `drivers` names.
+/// @throws ConfigError with every fault, each with file and line.
+MachineFile readMachineFile(const std::filesystem::path& path);
+
+/// The description alone.
 twin::MachineDescription readMachine(const std::filesystem::path& path);
 
 }  // namespace kerfbench::hil

@@ -9,8 +9,10 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "hil/app/commands.h"
+#include "hil/app/scenario.h"
 
 namespace {
 
@@ -29,14 +31,68 @@ std::string commandLine(int argc, char** argv) {
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of all noise, instead of the scenario's");
+  command.add_option("--seed", options.seed,
+                     "Seed of all noise and of what the imperfections draw, instead of the scenario's");
   command.add_option("--time-limit", options.time_limit_s, "Virtual seconds after which a run is INVALID")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--imperfections", options.imperfections,
+                  "How far the machine is from its description: ideal, static (set-up),\n"
+                  "dynamic (static, and lag, play, slip, flutter, noise); instead of the scenario's")
+      ->check(CLI::IsMember(std::vector<std::string>(kPresetNames.begin(), kPresetNames.end())));
+  command
+      .add_option("--twin", options.twin,
+                  "How the equations of motion are solved: reference (Bullet, step by step)\nor fast; "
+                  "instead of the scenario's")
+      ->check(CLI::IsMember(std::vector<std::string>(kFidelityNames.begin(), kFidelityNames.end())));
   command.add_option("--jobs,-j", options.jobs, "Threads; the results are the same at any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command.add_flag("--quiet,-q", options.quiet, "Only the verdict");
   command.add_flag("--timing", options.timing, "Say where the time went");
+  command.add_flag("!--no-pictures", options.pictures,
+                   "No pictures of the machine in the report: saves a few seconds");
+}
+
+// "1280x800"
+std::string readSize(const std::string& text, ShowOptions& options) {
+  const auto cross = text.find('x');
+  const auto number = [](const std::string& digits) {
+    const bool plain =
+        !digits.empty() && digits.size() <= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
+    return plain ? std::stoi(digits) : 0;
+  };
+  options.width_px = cross == std::string::npos ? 0 : number(text.substr(0, cross));
+  options.height_px = cross == std::string::npos ? 0 : number(text.substr(cross + 1));
+  const bool good = std::min(options.width_px, options.height_px) >= 64 &&
+                    std::max(options.width_px, options.height_px) <= 8192;
+  return good ? "" : "is to be WIDTHxHEIGHT in pixels, 64 to 8192 each";
+}
+
+CLI::App* addShow(CLI::App& app, ShowOptions& options) {
+  CLI::App* show = app.add_subcommand("show", "Draw a machine (PNG): at rest, or in the middle of a run");
+  show->add_option("MACHINE", options.machine, "Machine file; may be left out where --scenario names it");
+  CLI::Option* scenario =
+      show->add_option("--scenario", options.scenario, "Run this, and draw the machine as it is then");
+  show->add_option("--at", options.at_s,
+                   "Virtual seconds, one or several; otherwise in the middle of the longest cut")
+      ->needs(scenario)
+      ->check(CLI::NonNegativeNumber);
+  show->add_option("--out", options.out, "PNG file; several times are added to its name");
+  show->add_option_function<std::string>(
+          "--size",
+          [&options](const std::string& text) {
+            const std::string fault = readSize(text, options);
+            if (!fault.empty()) throw CLI::ValidationError("--size", fault);
+          },
+          "Pixels, 1280x800 unless told")
+      ->type_name("WxH");
+  show->add_option("--view", options.view,
+                   "overall, head (mirrors or carriage) or sheet (the board from above)")
+      ->check(CLI::IsMember({"overall", "head", "sheet"}))
+      ->capture_default_str();
+  show->add_flag("--quiet,-q", options.quiet, "Only the names of the files");
+  return show;
 }
 
 int dispatch(int argc, char** argv) {
@@ -76,6 +132,10 @@ int dispatch(int argc, char** argv) {
   lint->add_option("FILE", lint_files, "Files to check")->required();
   lint->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
 
+  ShowOptions show_options;
+  show_options.bin_dir = options.bin_dir;
+  const CLI::App* show = addShow(app, show_options);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -84,6 +144,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run->parsed()) return runCommand(scenarios, options);
   if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
+  if (show->parsed()) return showCommand(show_options);
   return lintCommand(lint_files, options);
 }
 

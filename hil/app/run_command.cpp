@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 
 #include "hil/app/commands.h"
 #include "hil/app/conclude.h"
 #include "hil/app/dialogs.h"
+#include "hil/app/exit_codes.h"
+#include "hil/app/machine_film.h"
+#include "hil/app/release.h"
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/source/open.h"
@@ -19,15 +19,6 @@ namespace kerfbench::hil {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Events in a quantum of 0.5 ms that no controller of a die-cutter makes: 2 million a second, 20 times what
-// the reference controller makes with all axes at full speed.
-constexpr std::uint64_t kFlood = 1000;
-
-// A release image or a recording that cannot be used.
-struct InputFault : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 std::string sourceName(FirmwareChoice::Source source) {
   switch (source) {
@@ -41,29 +32,20 @@ std::string sourceName(FirmwareChoice::Source source) {
   return "child process";
 }
 
-std::unique_ptr<SignalSource> openRelease(const FirmwareChoice& firmware, const fs::path& bin_dir) {
-  ChildSourceOptions options;
-  options.image = firmware.image;
-  // A native release is itself the child that speaks the protocol.
-  options.child = firmware.source == FirmwareChoice::Source::kAvr      ? bin_dir / "kerfbench-avr"
-                  : firmware.source == FirmwareChoice::Source::kNative ? firmware.image
-                                                                       : firmware.child;
-  options.mcu = firmware.mcu;
-  options.clock_hz = firmware.clock_hz;
-  options.baud = firmware.baud;
-  options.max_events_per_quantum = kFlood;
-  try {
-    return openChild(options);
-  } catch (const std::runtime_error& e) {
-    throw InputFault(fmt::format("{}: {}", firmware.image.string(), e.what()));
-  }
-}
-
 Case caseWithOptions(const fs::path& path, const CommonOptions& options) {
   Case the_case = readCase(path, options.bin_dir.parent_path() / "firmware");
   if (options.seed) the_case.scenario.seed = *options.seed;
+  if (options.imperfections) the_case.scenario.imperfections = presetFromName(*options.imperfections);
+  if (options.twin) the_case.scenario.fidelity = fidelityFromName(*options.twin);
   if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
   return the_case;
+}
+
+twin::TwinOptions twinOptions(const Scenario& scenario) {
+  twin::TwinOptions options;
+  options.fidelity = scenario.fidelity;
+  options.seed = scenario.seed;
+  return options;
 }
 
 ProgressFn progressOn(Console& console) {
@@ -76,17 +58,21 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
   stopwatch.lap("reading and planning");
 
   const auto source = openRelease(scenario.firmware, options.bin_dir);
   const SourceInfo info = source->info();
-  twin::Twin twin(the_case.machine, webOf(the_case), info.rate);
+  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case.scenario));
+  MachineFilm film(drawn.machine.laser.full_power_w);
+  FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
   const LockstepResult run =
-      runLockstep(*source, twin, the_case.machine.signals, job.dialog.get(), lockstep, progressOn(console));
+      runLockstep(filmed, twin, the_case.machine.signals, job.dialog.get(), lockstep, progressOn(console));
+  film.add(twin);
   stopwatch.lap("firmware and machine");
 
   Conclusion conclusion;
@@ -94,6 +80,8 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.firmware = fmt::format("{} ({})", scenario.firmware.image.filename().string(),
                                     sourceName(scenario.firmware.source));
   conclusion.source_id = info.config_id;
+  conclusion.drawn = &drawn;
+  conclusion.film = &film;
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
   conclusion.gcode = std::move(job.gcode);
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
@@ -105,6 +93,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   const Case the_case = caseWithOptions(scenario, options);
   console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
                           recording.string()));
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
   std::unique_ptr<SignalSource> source;
   try {
     source = openVcd(recording, the_case.machine.signals);
@@ -114,41 +103,23 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   stopwatch.lap("reading");
 
   const SourceInfo info = source->info();
-  twin::Twin twin(the_case.machine, webOf(the_case), info.rate);
+  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case.scenario));
+  MachineFilm film(drawn.machine.laser.full_power_w);
+  FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
   const LockstepResult run =
-      runLockstep(*source, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+      runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+  film.add(twin);
   stopwatch.lap("machine");
 
   Conclusion conclusion;
   conclusion.folder_name = the_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
   conclusion.source_id = info.config_id;
+  conclusion.drawn = &drawn;
+  conclusion.film = &film;
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
-}
-
-// Bad input of the user, told in his words, with its exit code.
-int guarded(const std::function<int()>& work) {
-  try {
-    return work();
-  } catch (const ConfigError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-  } catch (const DielineError& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-  } catch (const planner::PlanError& e) {
-    std::fputs(fmt::format("the job cannot be planned: {}\n", e.what()).c_str(), stderr);
-  } catch (const InputFault& e) {
-    std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
-  }
-  return kExitInput;
-}
-
-// Of several runs the gravest counts.
-int gravest(int a, int b) {
-  constexpr std::array kGravity{0, 4, 1, 3, kExitInput, kExitBroken};
-  const auto rank = [&](int code) { return std::ranges::find(kGravity, code) - kGravity.begin(); };
-  return rank(a) >= rank(b) ? a : b;
 }
 
 }  // namespace
@@ -156,13 +127,13 @@ int gravest(int a, int b) {
 int runCommand(const std::vector<fs::path>& scenarios, const CommonOptions& options) {
   int code = 0;
   for (const fs::path& scenario : scenarios) {
-    code = gravest(code, guarded([&] { return runOne(scenario, options); }));
+    code = gravest(code, guarded(scenario, [&] { return runOne(scenario, options); }));
   }
   return code;
 }
 
 int replayCommand(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
-  return guarded([&] { return replayOne(recording, scenario, options); });
+  return guarded(scenario, [&] { return replayOne(recording, scenario, options); });
 }
 
 }  // namespace kerfbench::hil

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <numbers>
+#include <stdexcept>
 
 #include "hil/base/yaml_reader.h"
 
@@ -15,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kHuge = 1e9;
+constexpr std::size_t kMostPoints = 1000;  // Of a list.
 
 const std::map<std::string, Process> kProcesses{{"cut", Process::kCut},
                                                 {"half-cut", Process::kHalfCut},
@@ -52,6 +56,40 @@ LayerProfile readLayers(YamlReader& file) {
   return profile;
 }
 
+std::vector<twin::DepthPoint> readDepthCurve(YamlReader& board) {
+  std::vector<twin::DepthPoint> curve;
+  auto points = board.list("depth_curve");
+  if (points.size() > kMostPoints) {
+    board.fault("depth_curve", fmt::format("has more than {} points", kMostPoints));
+    return curve;
+  }
+  bool ascends = true;
+  for (YamlReader& point : points) {
+    const twin::DepthPoint next{point.number("fluence_share", {.min = 0, .max = 1}),
+                                point.number("depth_share", {.min = 0, .max = 1})};
+    ascends = ascends && (curve.empty() || (next.fluence_share > curve.back().fluence_share &&
+                                            next.depth_share > curve.back().depth_share));
+    curve.push_back(next);
+  }
+  if (!ascends) board.fault("depth_curve", "must ascend in both shares");
+  if (!curve.empty() &&
+      (curve.front().depth_share != 0 || curve.back().depth_share != 1 || curve.back().fluence_share != 1)) {
+    board.fault(
+        "depth_curve",
+        "must go from depth_share 0 to {fluence_share: 1, depth_share: 1}: there the board is through");
+  }
+  return curve;
+}
+
+twin::ScorchDescription readScorch(YamlReader scorch) {
+  twin::ScorchDescription result;
+  result.fluence_j_mm2 = scorch.number("fluence_j_mm2", {.min = 0, .max = 100, .fallback = 0.0});
+  result.darkening = scorch.number("darkening", {.min = 0, .max = 1, .fallback = result.darkening});
+  const auto shift = scorch.numbers("shift_mm", 2, {.min = -1, .max = 1, .fallback = 0.0});
+  result.shift_mm = {shift[0], shift[1]};
+  return result;
+}
+
 twin::BoardDescription readBoard(YamlReader board) {
   twin::BoardDescription result;
   result.thickness_mm =
@@ -62,7 +100,31 @@ twin::BoardDescription readBoard(YamlReader board) {
       board.number("transmission", {.min = 0.01, .max = 0.5, .fallback = result.transmission});
   result.print_transmission =
       board.number("print_transmission", {.min = 0.0, .max = 0.5, .fallback = result.print_transmission});
+  result.depth_curve = readDepthCurve(board);
+  result.scorch = readScorch(board.section("scorch"));
   return result;
+}
+
+// Other print beside the marks.
+std::vector<PrintedArea> readAreas(YamlReader& print) {
+  std::vector<PrintedArea> areas;
+  auto entries = print.list("areas");
+  if (entries.size() > kMostPoints) {
+    print.fault("areas", fmt::format("has more than {} areas", kMostPoints));
+    return areas;
+  }
+  for (YamlReader& entry : entries) {
+    PrintedArea area;
+    area.p_SA_mm = {entry.number("x_mm", {.min = -1e4, .max = 1e4}),
+                    entry.number("y_mm", {.min = -1e4, .max = 1e4})};
+    const auto size = entry.numbers("size_mm", 2, {.min = 0.01, .max = 1e4});
+    area.size_mm = {size[0], size[1]};
+    area.angle_rad =
+        std::numbers::pi / 180.0 * entry.number("angle_deg", {.min = -360, .max = 360, .fallback = 0.0});
+    area.ink = entry.number("ink", {.min = 0, .max = 1, .fallback = 1.0});
+    areas.push_back(area);
+  }
+  return areas;
 }
 
 PrintLayout readPrint(YamlReader print) {
@@ -75,16 +137,73 @@ PrintLayout readPrint(YamlReader print) {
     print.fault("eye_mark_length_mm",
                 "must be less than pitch_mm: the sensor would see one mark without end");
   }
-  for (YamlReader& mark : print.list("marks")) {
+  auto marks = print.list("marks");
+  if (marks.size() > kMostPoints) {
+    print.fault("marks", fmt::format("has more than {} marks", kMostPoints));
+    marks.erase(marks.begin() + kMostPoints, marks.end());
+  }
+  for (YamlReader& mark : marks) {
     RegistrationMark m;
     m.p_SM_mm = {mark.number("x_mm", {.min = -kHuge, .max = kHuge}),
                  mark.number("y_mm", {.min = -kHuge, .max = kHuge})};
     m.diameter_mm = mark.number("diameter_mm", {.min = 1.0, .max = 20.0, .fallback = 3.0});
     result.marks.push_back(m);
   }
+  result.areas = readAreas(print);
   if (result.marks.size() < 3)
     print.fault("marks", "needs at least three registration marks: they define the sheet's frame");
   return result;
+}
+
+// A word, or the speeds of the line that are to come.
+std::vector<twin::SpeedPoint> readSpeedChanges(YamlReader& belt) {
+  if (!belt.isList("profile")) {
+    belt.choice("profile", {"constant"}, "constant");
+    return {};
+  }
+  std::vector<twin::SpeedPoint> changes;
+  auto points = belt.list("profile");
+  if (points.size() > kMostPoints) {
+    belt.fault("profile", fmt::format("has more than {} points", kMostPoints));
+    return changes;
+  }
+  for (YamlReader& point : points) {
+    const twin::SpeedPoint next{point.number("at_s", {.min = 1e-6, .max = 36000}),
+                                point.number("speed_mm_s", {.min = -5000, .max = 5000})};
+    if (!changes.empty() && next.time_s <= changes.back().time_s)
+      point.fault("at_s", "must be later than the point before");
+    changes.push_back(next);
+  }
+  return changes;
+}
+
+void readBelt(YamlReader belt, Scenario& s) {
+  s.belt_speed_mm_s = belt.number("speed_mm_s", {.min = 0, .max = 5000});
+  s.belt_speed_changes = readSpeedChanges(belt);
+  s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
+  if (s.belt_by_controller && !s.belt_speed_changes.empty())
+    belt.fault("profile", "is the line's; here the controller feeds");
+  s.belt_lead_s = belt.number("lead_s", {.min = 0.05, .max = 60, .fallback = 0.8});
+  if (belt.has("start_x_mm")) {
+    s.web_start_x_mm = belt.number("start_x_mm", {.min = -1e5, .max = 1e5});
+  } else if (s.belt_speed_mm_s == 0 && !s.belt_by_controller) {
+    belt.fault("speed_mm_s",
+               "a belt at rest brings no sheet under the head: say where it lies with start_x_mm");
+  }
+}
+
+template <typename Value, std::size_t n>
+Value fromName(const std::array<const char*, n>& names, const std::string& name) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) throw std::out_of_range("no such name: " + name);
+  return static_cast<Value>(found - names.begin());
+}
+
+template <std::size_t n>
+std::string readName(YamlReader& file, std::string_view key, const std::array<const char*, n>& names) {
+  const std::vector<std::string> allowed(names.begin(), names.end());
+  const std::string name = file.choice(key, allowed, allowed.front());
+  return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
 }
 
 FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
@@ -138,6 +257,7 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   planner::PlannerFaults result;
   result.ignore_belt = faults.boolean("ignore_belt", false);
   result.no_pincushion = faults.boolean("no_pincushion", false);
+  result.return_unchecked = faults.boolean("return_unchecked", false);
   result.skip_entity =
       static_cast<int>(faults.integer("skip_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
   result.repeat_entity =
@@ -160,6 +280,11 @@ Limits readLimits(YamlReader checks) {
 
 }  // namespace
 
+twin::Preset presetFromName(const std::string& name) { return fromName<twin::Preset>(kPresetNames, name); }
+twin::Fidelity fidelityFromName(const std::string& name) {
+  return fromName<twin::Fidelity>(kFidelityNames, name);
+}
+
 Scenario readScenario(const fs::path& path, const ImagePath& images) {
   auto file = YamlReader::openFile(path);
   Scenario s;
@@ -181,17 +306,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.layers = readLayers(file);
   s.board = readBoard(file.section("board"));
   s.print = readPrint(file.section("print"));
-  auto belt = file.section("belt");
-  s.belt_speed_mm_s = belt.number("speed_mm_s", {.min = 0, .max = 5000});
-  belt.choice("profile", {"constant"}, "constant");
-  s.belt_by_controller = belt.choice("drive", {"line", "controller"}, "line") == "controller";
-  s.belt_lead_s = belt.number("lead_s", {.min = 0.05, .max = 60, .fallback = 0.8});
-  if (belt.has("start_x_mm")) {
-    s.web_start_x_mm = belt.number("start_x_mm", {.min = -1e5, .max = 1e5});
-  } else if (s.belt_speed_mm_s == 0 && !s.belt_by_controller) {
-    belt.fault("speed_mm_s",
-               "a belt at rest brings no sheet under the head: say where it lies with start_x_mm");
-  }
+  readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
@@ -199,6 +314,8 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.limits = readLimits(file.section("checks"));
   s.time_limit_s = file.number("time_limit_s", {.min = 0.01, .max = 3600, .fallback = 60.0});
   s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
+  s.imperfections = presetFromName(readName(file, "imperfections", kPresetNames));
+  s.fidelity = fidelityFromName(readName(file, "twin", kFidelityNames));
   file.finish();
   return s;
 }

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware_under_test/planner/plan.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
 #include "twin/base/print_layout.h"
+#include "twin/cutter/fidelity.h"
+#include "twin/cutter/imperfections.h"
+#include "twin/drive/speed_profile.h"
 #include "twin/sheet/sheet.h"
 
 namespace kerfbench::hil {
@@ -43,7 +48,8 @@ struct Scenario {
   LayerProfile layers;
   twin::BoardDescription board;
   PrintLayout print;
-  double belt_speed_mm_s{};
+  double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
+  std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Of the line.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
   double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
@@ -54,7 +60,20 @@ struct Scenario {
   Limits limits;
   double time_limit_s{};
   std::uint64_t seed{1};
+  twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.
+  twin::Fidelity fidelity{twin::Fidelity::kReference};
 };
+
+/// As in scenarios and on the command line: "ideal", "static", "dynamic"; "reference", "fast".
+inline constexpr std::array kPresetNames{"ideal", "static", "dynamic"};
+inline constexpr std::array kFidelityNames{"reference", "fast"};
+inline const char* nameOf(twin::Preset preset) { return kPresetNames.at(static_cast<std::size_t>(preset)); }
+inline const char* nameOf(twin::Fidelity fidelity) {
+  return kFidelityNames.at(static_cast<std::size_t>(fidelity));
+}
+/// The one of this name. @throws std::out_of_range for any other.
+twin::Preset presetFromName(const std::string& name);
+twin::Fidelity fidelityFromName(const std::string& name);
 
 /// Where release images named without a folder are looked for: beside the scenario, then here.
 struct ImagePath {

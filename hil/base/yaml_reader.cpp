@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -31,6 +32,17 @@ struct KeyBook {
   }
 };
 
+std::string withoutIndices(const std::string& prefix) {
+  std::string result;
+  bool inside = false;
+  for (const char c : prefix) {
+    if (c == ']') inside = false;
+    if (!inside) result += c;
+    if (c == '[') inside = true;
+  }
+  return result;
+}
+
 bool given(const YAML::Node& node) { return node.IsDefined() && !node.IsNull(); }
 
 }  // namespace
@@ -45,6 +57,7 @@ struct YamlReader::File {
       path;  // Of the file that was opened; a file that it extends has its own in its books.
   std::vector<Fault> faults;
   std::vector<std::shared_ptr<KeyBook>> books;
+  std::map<std::string, Asked> asked;
 };
 
 // One mapping, and below it the mapping that it extends, if any.
@@ -80,11 +93,15 @@ struct YamlReader::Node {
         {owner.path, owner.lineOf(key), fmt::format("{}{}: {}", owner.prefix, key, message)});
   }
   // The value at `key`, or an undefined node; notes that the key is known.
-  YAML::Node take(std::string_view key) {
+  YAML::Node take(std::string_view key, const std::optional<Range>& range = std::nullopt) {
     for (Node* node = this; node != nullptr; node = node->base.get()) node->book->asked.emplace(key);
     const YAML::Node constant = ownerOf(key).yaml;
-    if (!constant.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
-    return constant[std::string(key)];
+    const YAML::Node value =
+        constant.IsMap() ? constant[std::string(key)] : YAML::Node(YAML::NodeType::Undefined);
+    Asked& asked = file->asked[withoutIndices(book->prefix) + std::string(key)];
+    if (!asked.range) asked.range = range;
+    asked.given = asked.given || given(value);
+    return value;
   }
 };
 
@@ -137,7 +154,7 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
 }
 
 double YamlReader::number(std::string_view key, const Range& range) {
-  const YAML::Node value = node_->take(key);
+  const YAML::Node value = node_->take(key, range);
   if (!given(value)) {
     if (range.fallback) return *range.fallback;
     node_->fault(key, "missing");
@@ -218,6 +235,18 @@ std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count,
   return result;
 }
 
+std::vector<double> YamlReader::numbers(std::string_view key, std::size_t count, const Range& each) {
+  (void)node_->take(key, each);
+  std::optional<std::vector<double>> fallback;
+  if (each.fallback) fallback = std::vector<double>(count, *each.fallback);
+  std::vector<double> result = numbers(key, count, std::move(fallback));
+  for (const double value : result) {
+    if (!has(key) || (value >= each.min && value <= each.max)) continue;
+    node_->fault(key, fmt::format("{} is outside {} … {}", value, each.min, each.max));
+  }
+  return result;
+}
+
 YamlReader YamlReader::section(std::string_view key) {
   // Sections of the files extended come below, key by key.
   std::shared_ptr<Node> below = node_->base ? YamlReader(node_->base).section(key).node_ : nullptr;
@@ -234,6 +263,11 @@ YamlReader YamlReader::section(std::string_view key) {
 }
 
 bool YamlReader::has(std::string_view key) const { return given(node_->take(key)); }
+
+bool YamlReader::isList(std::string_view key) const {
+  const YAML::Node value = node_->take(key);
+  return given(value) && value.IsSequence();
+}
 
 std::vector<YamlReader> YamlReader::list(std::string_view key) {
   const YAML::Node value = node_->take(key);
@@ -270,6 +304,26 @@ std::vector<std::pair<std::string, std::string>> YamlReader::pairs(std::string_v
     }
   }
   return result;
+}
+
+std::vector<YamlReader::Asked> YamlReader::asked() const {
+  std::vector<Asked> result;
+  for (const auto& [key, asked] : node_->file->asked) result.push_back({key, asked.range, asked.given});
+  return result;
+}
+
+std::string YamlReader::placeOf(std::string_view whole_key) const {
+  const std::string key(whole_key);
+  const auto dot = key.rfind('.');
+  const std::string prefix = dot == std::string::npos ? "" : key.substr(0, dot + 1);
+  const std::string last = dot == std::string::npos ? key : key.substr(dot + 1);
+  // What extends a file has its books after those of that file.
+  for (auto book = node_->file->books.rbegin(); book != node_->file->books.rend(); ++book) {
+    if ((*book)->prefix == prefix && (*book)->has(last))
+      return fmt::format("{}:{}", (*book)->path.string(), (*book)->lineOf(last));
+  }
+  if (dot != std::string::npos) return placeOf(key.substr(0, dot));
+  return fmt::format("{}:1", path().string());
 }
 
 void YamlReader::fault(std::string_view key, std::string_view message) { node_->fault(key, message); }

@@ -48,13 +48,29 @@ class YamlReader {
                      std::optional<std::string> fallback = std::nullopt);
   std::vector<double> numbers(std::string_view key, std::size_t count,
                               std::optional<std::vector<double>> fallback = std::nullopt);
+  /// A list of `count` numbers, each within the range; the fallback, if any, is that of each.
+  std::vector<double> numbers(std::string_view key, std::size_t count, const Range& each);
   /// A nested mapping; a missing one reads as empty (its required keys then complain).
   YamlReader section(std::string_view key);
   [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] bool isList(std::string_view key) const;
   /// Each element of a list of mappings.
   std::vector<YamlReader> list(std::string_view key);
   /// All keys and texts of a nested mapping of free keys (layer names, say).
   std::vector<std::pair<std::string, std::string>> pairs(std::string_view key);
+
+  /// A key that was asked for, in this file or one that it extends; elements of lists have no number:
+  /// "a[].b".
+  struct Asked {
+    std::string key;
+    std::optional<Range> range;  ///< Of a number; nullopt for anything else.
+    bool given{};                ///< Somewhere in the file.
+  };
+  /// Every key asked for so far, sorted, each once (with the range of the first time).
+  [[nodiscard]] std::vector<Asked> asked() const;
+  /// "file:line" of a key, with its sections ("belt.encoder.count_mm"); where it is not given, of the section
+  /// that would hold it, else of the file's first line.
+  [[nodiscard]] std::string placeOf(std::string_view whole_key) const;
 
   /// Adds a fault of the caller's own at a key.
   void fault(std::string_view key, std::string_view message);

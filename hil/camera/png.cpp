@@ -2,23 +2,96 @@
 #include "hil/camera/png.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 namespace kerfbench::hil {
+namespace {
 
-std::vector<std::uint8_t> encodePng(const GrayImage& image) {
-  if (image.width <= 0 || image.height <= 0 ||
-      image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
-    throw std::invalid_argument("encodePng: an image without pixels");
+// A PNG is a signature, then chunks: length, name, data, checksum of name and data. IHDR comes first.
+constexpr std::size_t kSignature = 8;
+constexpr std::size_t kChunkFrame = 12;
+constexpr std::size_t kHeaderEnd = kSignature + kChunkFrame + 13;
+constexpr std::string_view kSignificantBits = "sBIT";
+
+std::uint32_t crcOf(std::span<const std::uint8_t> bytes) {
+  std::uint32_t crc = 0xffffffffU;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0U ? 0xedb88320U : 0U);
   }
-  // OpenCV has no read-only Mat; imencode only reads.
-  const cv::Mat mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
+  return crc ^ 0xffffffffU;
+}
+
+void appendBigEndian(std::vector<std::uint8_t>& to, std::uint32_t value) {
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) to.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+std::vector<std::uint8_t> significantBitsChunk(int bits) {
+  std::vector<std::uint8_t> chunk;
+  appendBigEndian(chunk, 1);
+  chunk.insert(chunk.end(), kSignificantBits.begin(), kSignificantBits.end());
+  chunk.push_back(static_cast<std::uint8_t>(bits));
+  appendBigEndian(chunk, crcOf(std::span(chunk).subspan(4)));
+  return chunk;
+}
+
+/// Depth of the first channel by sBIT; 16 if there is none.
+int significantBits(std::span<const std::uint8_t> bytes) {
+  for (std::size_t at = kSignature; at + kChunkFrame < bytes.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8U | bytes[at + i];
+    if (std::equal(kSignificantBits.begin(), kSignificantBits.end(),
+                   bytes.begin() + static_cast<long>(at) + 4))
+      return length > 0 ? bytes[at + 8] : 16;
+    at += kChunkFrame + length;
+  }
+  return 16;
+}
+
+std::vector<std::uint8_t> encode(const cv::Mat& mat) {
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(".png", mat, bytes)) throw std::invalid_argument("encodePng: OpenCV refused the image");
+  return bytes;
+}
+
+GrayImage deepImage(const cv::Mat& mat, int bits) {
+  const int depth = bits <= 10 ? 10 : 12;
+  std::vector<std::uint16_t> levels;
+  levels.reserve(mat.total());
+  for (int r = 0; r < mat.rows; ++r) {
+    const std::uint16_t* const line = mat.ptr<std::uint16_t>(r);
+    for (int c = 0; c < mat.cols; ++c) levels.push_back(static_cast<std::uint16_t>(line[c] >> (16 - depth)));
+  }
+  return GrayImage::ofLevels(mat.cols, mat.rows, depth, std::move(levels));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encodePng(const GrayImage& image) {
+  const auto area = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (image.width <= 0 || image.height <= 0 || image.pixels.size() != area ||
+      image.levels.size() != (image.bits == 8 ? 0 : area)) {
+    throw std::invalid_argument("encodePng: an image without pixels");
+  }
+  if (image.bits == 8) {
+    // OpenCV has no read-only Mat; imencode only reads.
+    return encode({image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())});
+  }
+  std::vector<std::uint16_t> scaled;
+  scaled.reserve(area);
+  for (const std::uint16_t level : image.levels) {
+    scaled.push_back(static_cast<std::uint16_t>(level << (16 - image.bits) | level >> (2 * image.bits - 16)));
+  }
+  std::vector<std::uint8_t> bytes = encode({image.height, image.width, CV_16UC1, scaled.data()});
+  const std::vector<std::uint8_t> chunk = significantBitsChunk(image.bits);
+  bytes.insert(bytes.begin() + kHeaderEnd, chunk.begin(), chunk.end());
   return bytes;
 }
 
@@ -26,11 +99,14 @@ GrayImage decodeImage(std::span<const std::uint8_t> bytes) {
   const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
   cv::Mat mat;
   try {
-    if (!copy.empty()) mat = cv::imdecode(copy, cv::IMREAD_GRAYSCALE);
+    if (!copy.empty()) mat = cv::imdecode(copy, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
   } catch (const cv::Exception&) {
     mat.release();
   }
-  if (mat.empty()) throw std::invalid_argument("decodeImage: not a picture that can be read");
+  if (mat.depth() == CV_16U && mat.channels() == 1 && !mat.empty())
+    return deepImage(mat, significantBits(bytes));
+  if (mat.empty() || mat.type() != CV_8UC1)
+    throw std::invalid_argument("decodeImage: not a picture that can be read");
   GrayImage image(mat.cols, mat.rows);
   for (int r = 0; r < mat.rows; ++r) {
     const std::uint8_t* const line = mat.ptr<std::uint8_t>(r);

@@ -9,11 +9,14 @@
 
 namespace kerfbench::hil {
 
-/// The image as the bytes of a PNG file; the caller writes them whole or not at all.
+/// The image as the bytes of a PNG file; the caller writes them whole or not at all. Pictures of 10 and 12
+/// bits become PNGs of 16 bits, scaled to the whole range as the PNG specification asks for (the upper bits
+/// are repeated below), with their true depth in the sBIT chunk.
 /// @throws std::invalid_argument for an empty image or one whose size and pixels disagree.
 std::vector<std::uint8_t> encodePng(const GrayImage& image);
 
-/// The grey image in the bytes of a PNG (or any other picture file that OpenCV reads); colour becomes grey.
+/// The grey image in the bytes of a PNG (or any other picture file that OpenCV reads); colour becomes grey. A
+/// picture of 16 bits has the depth that its sBIT says, 12 bits if it says none or more, 10 if it says fewer.
 /// @throws std::invalid_argument if it cannot be read.
 GrayImage decodeImage(std::span<const std::uint8_t> bytes);
 

@@ -17,12 +17,18 @@ TwinFrameSource::TwinFrameSource(twin::SpotCamera camera, std::vector<twin::Expo
   if (std::adjacent_find(exposures_.begin(), exposures_.end(), notAfter) != exposures_.end()) {
     throw std::invalid_argument("TwinFrameSource: exposures out of order");
   }
+  std::erase_if(exposures_,
+                [this](const twin::Exposure& exposure) { return camera_.fateOf(exposure.sequence).dropped; });
 }
 
 std::vector<Frame> TwinFrameSource::nextBatch(std::size_t max) {
   const std::size_t count = std::min(max, exposures_.size() - next_);
   std::vector<Frame> frames(count);
-  forEachIndex(count, threads_, [&](std::size_t i) { frames[i] = camera_.render(exposures_[next_ + i]); });
+  forEachIndex(count, threads_, [&](std::size_t i) {
+    const twin::Exposure& exposure = exposures_[next_ + i];
+    frames[i] = camera_.render(exposure);
+    frames[i].start_s += camera_.fateOf(exposure.sequence).stamp_error_s;
+  });
   next_ += count;
   return frames;
 }

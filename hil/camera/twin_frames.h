@@ -9,11 +9,13 @@
 
 namespace kerfbench::hil {
 
-/// Frames of the modelled spot camera, one per exposure, rendered on demand by several threads. The bytes are
-/// the same at any number of threads and for any size of batch.
+/// Frames of the modelled spot camera, one per exposure, rendered on demand by several threads: those that
+/// its link does not lose, with the time stamps that it gives them. The bytes are the same at any number of
+/// threads and for any size of batch.
 class TwinFrameSource final : public FrameSource {
  public:
-  /// `exposures` in order of sequence; throws std::invalid_argument otherwise.
+  /// `exposures` in order of sequence; throws std::invalid_argument otherwise. A frame that is lost leaves a
+  /// gap in the sequence.
   TwinFrameSource(twin::SpotCamera camera, std::vector<twin::Exposure> exposures, int threads);
 
   std::vector<Frame> nextBatch(std::size_t max) override;

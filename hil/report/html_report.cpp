@@ -35,7 +35,8 @@ table.checks td:first-child{width:44%}.checks .num,.checks td.v{font-size:13px}t
 td.v{font-weight:700;white-space:nowrap} td .why{color:var(--mute);font-size:13px;display:block;margin-top:2px}
 .note{color:var(--mute);font-size:13px;margin:6px 0 0}
 ul.problems{border-left:5px solid var(--inv);background:var(--card);padding:10px 10px 10px 30px;margin:12px 0}
-figure{margin:0} figcaption{font-size:13px;color:var(--mute);margin-top:3px}
+ul.lost{border-left-color:var(--np)}
+figure{margin:0} .shown{max-width:100%;height:auto} figcaption{font-size:13px;color:var(--mute);margin-top:3px}
 .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(330px,1fr));gap:16px}
 .plots{display:grid;grid-template-columns:repeat(auto-fill,minmax(310px,1fr));gap:14px;margin:10px 0}
 .patches{display:grid;grid-template-columns:repeat(auto-fill,minmax(165px,1fr));gap:14px}
@@ -179,6 +180,19 @@ std::string timing(const RunReport& report) {
   return html;
 }
 
+std::string shownPictures(const RunReport& report) {
+  std::string html;
+  for (const ReportPicture& picture : report.pictures) {
+    if (picture.png.empty()) continue;
+    const std::string caption = escapeHtml(picture.caption);
+    html += fmt::format(
+        "<figure><img class=shown alt='{}' "
+        "src='data:image/png;base64,{}'><figcaption>{}</figcaption></figure>",
+        caption, base64(picture.png), caption);
+  }
+  return html;
+}
+
 void section(std::string& page, std::string_view title, const std::string& body) {
   if (!body.empty()) page += fmt::format("<section><h2>{}</h2>{}</section>\n", title, body);
 }
@@ -198,6 +212,8 @@ std::string htmlReport(const RunReport& report) {
                                    {"Firmware", report.firmware},
                                    {"Machine", report.machine},
                                    {"Seed", std::to_string(report.seed)},
+                                   {"Imperfections", report.model.imperfections},
+                                   {"Model", report.model.twin},
                                    {"Finished", report.finished}}) {
     if (!value.empty())
       facts += fmt::format("{}{} <b>{}</b>", facts.empty() ? "" : " · ", key, escapeHtml(value));
@@ -205,6 +221,7 @@ std::string htmlReport(const RunReport& report) {
   page += fmt::format("<header class={}><div class=big>{}</div><p>{}</p><div class=facts>{}</div></header>\n",
                       verdictClass(result.verdict), verdictName(result.verdict),
                       escapeHtml(verdictSentence(report)), facts);
+  page += lostStepsBanner(report);
   if (!result.problems.empty()) {
     std::string list = "<ul class=problems>";
     for (const std::string& problem : result.problems) list += "<li>" + escapeHtml(problem) + "</li>";
@@ -216,12 +233,14 @@ std::string htmlReport(const RunReport& report) {
   section(page, "Stillness along x, cut by cut", stillnessFigures(report));
   section(page, "Pulse timing", pulseFigures(report));
   if (!result.entities.empty()) section(page, "Entities", entityTable(report));
+  section(page, "Pictures of the machine", shownPictures(report));
   std::string pictures;
   for (const ReportPicture& picture : report.pictures) {
     pictures += fmt::format("<li><a href='{}'>{}</a> {}</li>", escapeHtml(picture.file),
                             escapeHtml(picture.file), escapeHtml(picture.caption));
   }
   if (!pictures.empty()) section(page, "Files beside this report", "<ul>" + pictures + "</ul>");
+  section(page, "Machine", modelSection(report));
   section(page, "What was run", environment(report));
   section(page, "Where the time went", timing(report));
   return page + "</main></body></html>\n";

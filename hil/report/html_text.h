@@ -33,5 +33,9 @@ std::string dielineFigures(const RunReport& report);
 std::string worstPlaces(const RunReport& report);
 std::string stillnessFigures(const RunReport& report);
 std::string pulseFigures(const RunReport& report);
+/// Steps that the machine lost, below the verdict.
+std::string lostStepsBanner(const RunReport& report);
+/// Preset, seed, model, what was drawn, what was lost.
+std::string modelSection(const RunReport& report);
 
 }  // namespace kerfbench::hil

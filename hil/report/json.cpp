@@ -3,6 +3,8 @@
 #include <cmath>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "hil/base/digest.h"
@@ -98,6 +100,31 @@ J pulseJson(const PulseTiming& t) {
   return j;
 }
 
+// 12 digits: zeros of mirrors are a few urad.
+OrderedJson digits(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::stod(fmt::format("{:.12g}", value));
+}
+
+OrderedJson modelJson(const ModelFacts& model) {
+  OrderedJson j;
+  j["twin"] = model.twin;
+  j["imperfections"] = model.imperfections;
+  j["drawn"] = OrderedJson::array();
+  for (const DrawnValue& drawn : model.drawn) {
+    j["drawn"].push_back({{"name", drawn.name}, {"value", digits(drawn.value)}, {"unit", drawn.unit}});
+  }
+  j["lost_steps"] = OrderedJson::array();
+  for (const LostStepsNote& lost : model.lost_steps) {
+    j["lost_steps"].push_back({{"axis", lost.axis},
+                               {"time_s", rounded(lost.time_s)},
+                               {"place", digits(lost.place)},
+                               {"unit", lost.unit},
+                               {"full_steps", lost.full_steps}});
+  }
+  return j;
+}
+
 Json kerfJson(const EntityKerf& kerf) {
   Json calipers = Json::array();
   for (const Caliper& c : kerf.calipers) {
@@ -160,6 +187,7 @@ std::string verdictJson(const RunReport& report) {
   root["firmware"] = report.firmware;
   root["source"] = report.source_id;
   root["seed"] = report.seed;
+  root["model"] = modelJson(report.model);
   root["virtual_s"] = rounded(report.virtual_s);
   root["problems"] = result.problems;
   root["checks"] = OrderedJson::array();

@@ -61,6 +61,9 @@ std::string junitXml(const RunReport& report) {
   property("firmware", report.firmware);
   property("machine", report.machine);
   property("seed", std::to_string(report.seed));
+  property("imperfections", report.model.imperfections);
+  property("twin", report.model.twin);
+  if (!report.model.lost_steps.empty()) property("lost_steps", lostStepsSentence(report.model));
   property("repeat_command", report.repeat_command);
 
   const auto testCase = [&](const std::string& case_name) {

@@ -21,11 +21,40 @@ struct StageTime {
   double wall_s{};
 };
 
-/// A picture in the results folder that the report links to by name, and shows if it is small.
+/// A picture in the results folder. Never part of the digest.
 struct ReportPicture {
   std::string file;     ///< Name relative to the results folder.
   std::string caption;  ///< One line.
+  std::string png{};    ///< Its bytes, if the page is to show it; empty: the page only links to it.
 };
+
+/// One value of the machine that was drawn for the run.
+struct DrawnValue {
+  std::string name;  ///< E.g. "galvo_x.zero".
+  double value{};    ///< Added to the machine file's value.
+  std::string unit;
+};
+
+/// A stepper let go.
+struct LostStepsNote {
+  std::string axis;
+  double time_s{};
+  double place{};  ///< Commanded then.
+  std::string unit;
+  long long full_steps{};  ///< > 0: it stayed behind in the direction of +.
+};
+
+/// How the model ran, and what it alone knows: for people who look for a reason. Neither judged nor part of
+/// the digest.
+struct ModelFacts {
+  std::string imperfections;  ///< "ideal", "static", "dynamic".
+  std::string twin;           ///< "reference", "fast".
+  std::vector<DrawnValue> drawn;
+  std::vector<LostStepsNote> lost_steps;  ///< By time.
+};
+
+/// "The machine lost steps: galvo_x 8 at 1.234 s (first of 3)."; empty if it lost none.
+std::string lostStepsSentence(const ModelFacts& model);
 
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
@@ -39,6 +68,7 @@ struct RunReport {
       source_id;  ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
   std::string repeat_command;  ///< The command line that does it again.
   std::uint64_t seed{};
+  ModelFacts model;
   double virtual_s{};  ///< Duration on the clock of the pins.
   std::vector<std::pair<std::string, std::string>>
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
@@ -58,8 +88,8 @@ struct RunReport {
 };
 
 /// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order
-/// of the entities, the host, the paths and the time that the run took. Lengths enter rounded to 1 nm, the
-/// rest to 1e-6.
+/// of the entities, the model's own knowledge, the host, the paths and the time that the run took. Lengths
+/// enter rounded to 1 nm, the rest to 1e-6.
 std::string digestOf(const RunReport& report);
 
 /// verdict.json, schema_version 1.

@@ -24,20 +24,26 @@ std::array<double, 4> cubicWeights(double t) {
           0.5 * (t3 - t2)};
 }
 
-double sampleCubic(const GrayImage& image, const Eigen::Vector2d& p) {
+template <typename Level>
+double sampleCubic(const Level* pixels, int width, const Eigen::Vector2d& p) {
   const double fx = std::floor(p.x());
   const double fy = std::floor(p.y());
   const int c = static_cast<int>(fx) - 1;
   const int r = static_cast<int>(fy) - 1;
   const auto wx = cubicWeights(p.x() - fx);
   const auto wy = cubicWeights(p.y() - fy);
-  const auto stride = static_cast<std::size_t>(image.width);
-  const std::uint8_t* row = image.pixels.data() + static_cast<std::size_t>(r) * stride + c;
+  const auto stride = static_cast<std::size_t>(width);
+  const Level* row = pixels + static_cast<std::size_t>(r) * stride + c;
   double sum = 0.0;
   for (std::size_t j = 0; j < 4; ++j, row += stride) {
     sum += wy[j] * (wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2] + wx[3] * row[3]);
   }
   return sum;
+}
+
+double sampleGray(const GrayImage& image, const Eigen::Vector2d& p) {
+  if (image.bits == 8) return sampleCubic(image.pixels.data(), image.width, p);
+  return sampleCubic(image.levels.data(), image.width, p) / image.levelsPerGray();
 }
 
 struct Peak {
@@ -113,7 +119,7 @@ void readProfile(const TileView& view, const CameraCalibration& calibration, con
     const Eigen::Vector2d step_px = pixel_per_S * direction * profile.step_mm;
     const Eigen::Vector2d from_px = map.pixel + pixel_per_S * (start_mm + profile.first_mm * direction);
     for (std::size_t i = 0; i < profile.gray.size(); ++i) {
-      profile.gray[i] += sampleCubic(view.tile.image, from_px + static_cast<double>(i) * step_px);
+      profile.gray[i] += sampleGray(view.tile.image, from_px + static_cast<double>(i) * step_px);
     }
   }
   for (double& g : profile.gray) g /= kLines;

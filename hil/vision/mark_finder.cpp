@@ -102,7 +102,7 @@ Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centr
       const Eigen::Vector2d d = circle * from;
       const double distance2 = d.squaredNorm();
       if (distance2 > outer2) continue;
-      const double value = image.at(c, r);
+      const double value = image.gray(c, r);
       const double darkness = (levels.board - value) / contrast;
       if (distance2 < inner2) {
         ++inner;
@@ -159,7 +159,7 @@ std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const Box& b
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int r = box.top; r <= box.bottom; ++r) {
     for (int c = box.left; c <= box.right; ++c) {
-      if (image.at(c, r) >= threshold) continue;
+      if (image.gray(c, r) >= threshold) continue;
       const Eigen::Vector2d p(c, r);
       if ((p - centre).squaredNorm() > within_px * within_px) continue;
       n += 1.0;

@@ -35,7 +35,7 @@ struct Start {
 
 /// The picture as if nothing were printed.
 double withoutPrint(const GrayImage& image, int c, int r, std::span<const DiscInPicture> discs) {
-  double value = image.at(c, r);
+  double value = image.gray(c, r);
   for (const DiscInPicture& disc : discs) value += disc.contrast_gray * coverOf(disc, Eigen::Vector2d(c, r));
   return value;
 }
@@ -133,7 +133,7 @@ Sums accumulate(const GrayImage& image, const Window& w, const std::vector<doubl
     for (int c = w.left; c <= w.right; ++c) {
       const double m = coverAt(cover, w, c, r);
       const PixelModel at(q, c, r, m);
-      const double value = image.at(c, r);
+      const double value = image.gray(c, r);
       if (value >= kSaturated &&
           at.value >= kSaturated) {  // As bright as it can be: agrees, and tells no more.
         ++sums.saturated;
@@ -166,7 +166,7 @@ Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const 
                                  const Vector& q, const Matrix& inverse, double noise) {
   const auto residualAt = [&](int c, int r) {
     const double model = PixelModel(q, c, r, coverAt(cover, w, c, r)).value;
-    const double value = image.at(c, r);
+    const double value = image.gray(c, r);
     return value >= kSaturated && model >= kSaturated ? 0.0 : value - std::min(model, 255.0);
   };
   Matrix seen = Matrix::Zero();
@@ -310,7 +310,7 @@ std::optional<BrightPeak> peakOnDisc(const GrayImage& image, const DiscInPicture
           ((disc.mm_per_pixel * (middle - disc.pixel)).norm() - disc.radius_mm) / pitch_mm;
       if (outside_px > 3.0) continue;
       const double mean =
-          0.25 * (image.at(c, r) + image.at(c + 1, r) + image.at(c, r + 1) + image.at(c + 1, r + 1));
+          0.25 * (image.gray(c, r) + image.gray(c + 1, r) + image.gray(c, r + 1) + image.gray(c + 1, r + 1));
       const double height = mean + disc.contrast_gray * coverOf(disc, middle) - board_gray;
       const double excess = height - (outside_px > -3.0 ? least_at_rim : least);
       if (excess <= best_excess) continue;

@@ -28,7 +28,7 @@ class BadInput : public testing::Test {
     return scratch_.path() / name;
   }
   ProgramRun run(const std::filesystem::path& path, const std::string& options = "") const {
-    return kerfbench(fmt::format("run '{}' --results-dir '{}/results' {}", path.string(),
+    return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}/results' {}", path.string(),
                                  scratch_.path().string(), options));
   }
   void expectNothingWritten() const {

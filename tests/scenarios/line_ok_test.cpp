@@ -46,7 +46,7 @@ class LineOkFirmware : public testing::Test {
   ProgramRun run(const std::string& lines, const std::string& options = "") const {
     const auto path = scratch_.path() / "changed.yaml";
     std::ofstream(path) << "extends: " << plate().string() << "\nname: changed\n" << lines;
-    return kerfbench(fmt::format("run '{}' --results-dir '{}/results' {}", path.string(),
+    return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}/results' {}", path.string(),
                                  scratch_.path().string(), options));
   }
   ProgramRun runGcode(const std::string& program) const {

@@ -91,13 +91,13 @@ TEST_F(Lint, ALayerWithoutARuleIs65) {
 TEST_F(Lint, EveryFaultOfAMachineIsNamedWithItsLine) {
   const auto path = file(
       "bad.yaml", "extends: " + fixture("machines/two-mirror.yaml").string() +
-                      "\npins: {galvo_x_pul: Q7, galvo_y_pul: PA1}\noptics:\n  throw_mm: -5\n  lens: 1\n");
+                      "\npins: {galvo_x_pul: Q7, galvo_y_pul: PA1}\noptics:\n  throw_mm: -5\n  lenses: 1\n");
   const auto result = lint(path);
   EXPECT_EQ(result.exit_code, 65);
   EXPECT_THAT(result.output, HasSubstr("bad.yaml:2: pins.galvo_x_pul: 'Q7' is no pin like PA0"));
   EXPECT_THAT(result.output, HasSubstr("PA1 is given to galvo_x_dir and to galvo_y_pul"));
   EXPECT_THAT(result.output, ContainsRegex("bad.yaml:4: optics.throw_mm: "));
-  EXPECT_THAT(result.output, HasSubstr("bad.yaml:5: optics.lens: unknown key"));
+  EXPECT_THAT(result.output, HasSubstr("bad.yaml:5: optics.lenses: unknown key"));
 }
 
 TEST_F(Lint, OneBadFileOfSeveralDecides) {

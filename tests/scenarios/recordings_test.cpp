@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -23,15 +24,21 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   const std::string scenario = fixture("scenarios/label-on-belt.yaml").string();
   const auto one = kerfbench(
       fmt::format("run '{}' -q --jobs 1 --results-dir '{}/one'", scenario, scratch.path().string()));
-  const auto two = kerfbench(
-      fmt::format("run '{}' -q --jobs 2 --results-dir '{}/two'", scenario, scratch.path().string()));
+  const auto two = kerfbench(fmt::format("run '{}' -q --jobs 2 --no-pictures --results-dir '{}/two'",
+                                         scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
   const auto first = scratch.path() / "one" / "label-on-belt";
-  EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "two" / "label-on-belt"));
+  const auto second = scratch.path() / "two" / "label-on-belt";
+  EXPECT_EQ(digestOf(first), digestOf(second));
+  // The first has pictures, the second has none: they are no part of the digest.
+  for (const char* picture : {"machine.png", "board.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(first / picture)) << one.output;
+    EXPECT_FALSE(std::filesystem::exists(second / picture));
+  }
 
   const auto replay =
-      kerfbench(fmt::format("replay '{}' --scenario '{}' -q --results-dir '{}/three'",
+      kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}/three'",
                             (first / "pins.vcd").string(), scenario, scratch.path().string()));
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
   EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "label-on-belt-replay"));
@@ -108,7 +115,7 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
   }
   const ScratchFolder scratch;
   const auto run =
-      kerfbench(fmt::format("run '{}' -q --results-dir '{}'",
+      kerfbench(fmt::format("run '{}' -q --no-pictures --results-dir '{}'",
                             fixture("scenarios/label-on-belt.yaml").string(), scratch.path().string()));
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const auto results = scratch.path() / "label-on-belt";
@@ -135,10 +142,10 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
 TEST(Recordings, GiveAnotherDigestForAnotherSeed) {
   const ScratchFolder scratch;
   const std::string scenario = fixture("scenarios/label-on-belt.yaml").string();
-  const auto one = kerfbench(
-      fmt::format("run '{}' -q --seed 1 --results-dir '{}/one'", scenario, scratch.path().string()));
-  const auto two = kerfbench(
-      fmt::format("run '{}' -q --seed 2 --results-dir '{}/two'", scenario, scratch.path().string()));
+  const auto one = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 1 --results-dir '{}/one'",
+                                         scenario, scratch.path().string()));
+  const auto two = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 2 --results-dir '{}/two'",
+                                         scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
   EXPECT_NE(digestOf(scratch.path() / "one" / "label-on-belt"),

@@ -13,6 +13,14 @@ struct RegistrationMark {
   double diameter_mm{3.0};
 };
 
+/// Other print, dark as a mark or paler: a stroke of a letter, a bar, a solid area. Neither mark nor cut.
+struct PrintedArea {
+  Eigen::Vector2d p_SA_mm{Eigen::Vector2d::Zero()};  ///< Centre of the rectangle, in the frame S of its unit.
+  Eigen::Vector2d size_mm{Eigen::Vector2d::Zero()};  ///< Along its own axes; > 0.
+  double angle_rad{};                                ///< Of its axes in S.
+  double ink{1.0};                                   ///< 0 none … 1 as dark as a mark.
+};
+
 /// What is printed on the web for each unit (a label, a carton, a piece of strip). The design of the print is
 /// known to everybody: the dieline, the bench and the customer. Unit k lies at x_S = -k * pitch_mm on the
 /// web, so unit 0 passes the head first when the belt runs along +Wx.
@@ -23,6 +31,7 @@ struct PrintLayout {
       eye_mark_x_mm{};  ///< Leading edge of the eye mark that the print-mark sensor sees, in S of the unit.
   double eye_mark_length_mm{5.0};       ///< Along x, upstream of the leading edge.
   std::vector<RegistrationMark> marks;  ///< Of one unit.
+  std::vector<PrintedArea> areas{};     ///< Of one unit.
 };
 
 }  // namespace kerfbench

@@ -28,8 +28,9 @@ enum class Signal : std::size_t {
   kEncoderB,   ///< Quadrature of the belt's roller; A leads B when the belt runs along +Wx.
   kPrintMark,  ///< High while a printed eye mark is under the sensor.
   kLimitX,
-  kLimitY,     ///< High at the end of travel of the gantry.
-  kInterlock,  ///< High: guard closed, the laser may be armed.
+  kLimitY,        ///< High at the end of travel of the gantry.
+  kInterlock,     ///< High: guard closed, the laser may be armed.
+  kPowerMonitor,  ///< Toggles for each quantum of energy that the laser has emitted.
   kCount
 };
 inline constexpr std::size_t kSignalCount = static_cast<std::size_t>(Signal::kCount);

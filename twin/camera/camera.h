@@ -13,6 +13,7 @@
 
 #include "twin/base/image.h"
 #include "twin/base/print_layout.h"
+#include "twin/camera/camera_imperfections.h"
 #include "twin/sheet/sheet.h"
 
 namespace kerfbench::twin {
@@ -30,12 +31,23 @@ struct CameraDescription {
   double fx_px{}, fy_px{}, cx_px{}, cy_px{};
   std::array<double, 5> distortion{};
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};
-  double psf_sigma_px{0.6};           ///< Of the whole blur, the pixel's own area (0.29) included; >= 0.
-  double read_noise{0.8};             ///< Grey levels, standard deviation.
+  int bits{8};               ///< Depth of the pictures: 8, 10 or 12. Grey is always of the 8-bit scale.
+  double psf_sigma_px{0.6};  ///< Of the whole blur, the pixel's own area (0.29) included; >= 0.
+  double read_noise{0.8};    ///< Grey levels, standard deviation.
   double full_well_electrons{10000};  ///< At grey level 255: sets the shot noise. Infinity: none.
   double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
   double frame_period_s{0.001};  ///< Spot camera only.
   double exposure_s{50e-6};      ///< Spot camera only; in (0, frame_period_s].
+
+  /// Which piece of board is looked at: texture and roughness. Pictures by another seed of the camera, but of
+  /// the same board, differ in noise alone.
+  std::uint64_t board_seed{1};
+  BoardTexture texture{};
+  EdgeRoughness roughness{};
+  Plume plume{};
+  UnevenLight light{};
+  HotPixels hot{};
+  FrameLink link{};
 };
 
 /// Everything that is wrong with a description, or what is printed, in one line; empty when nothing is.
@@ -57,16 +69,24 @@ struct Exposure {
   std::vector<ExposureSample> samples;  ///< >= 1
 };
 
+/// What becomes of a frame on its way to the bench.
+struct FrameFate {
+  bool dropped{};
+  double stamp_error_s{};  ///< Added to its time stamp.
+};
+
 /// Renders what the spot camera sees: board, printed marks of every unit in view, the glowing spot smeared
 /// over the exposure, blur, shot and read noise (drawn from seed and sequence: any frame can be rendered
 /// alone, in any order, from any thread).
 ///
 /// The spot glows as a Gaussian of half its radius. `glow_gray_per_w` is the grey level per watt that it adds
 /// at the centre of a spot that rests, as imaged; a spot that moves spreads the same light along its way.
-/// Levels above 255 saturate. Noise is fresh for each frame around the marks and the spot; elsewhere it comes
-/// from a few prepared backgrounds, shifted at random from frame to frame.
+/// Levels above the top of the scale saturate. Noise is fresh for each frame around the print and the spot;
+/// elsewhere each row of plain board is cut from a long prepared strip of noise at a place of its own, drawn
+/// for each row of each frame: nothing repeats in a frame or from frame to frame but, rarely, a part of a
+/// row. With uneven light, or grain everywhere, the whole frame is drawn afresh.
 ///
-/// Immutable; copies share the backgrounds.
+/// Immutable; copies share the strip.
 class SpotCamera {
  public:
   /// @throws std::invalid_argument that names everything wrong.
@@ -74,6 +94,8 @@ class SpotCamera {
              std::uint64_t seed);
   /// @throws std::invalid_argument for an exposure without samples or with values that are not finite.
   [[nodiscard]] Frame render(const Exposure& exposure) const;
+  /// By the description's link; render() itself neither drops nor delays.
+  [[nodiscard]] FrameFate fateOf(std::uint64_t sequence) const;
   [[nodiscard]] const CameraDescription& description() const;
 
  private:
@@ -92,7 +114,8 @@ struct PieceSpan {
 /// transmission^(1 - d) of the light through, print_transmission^(1 - d) under a mark.
 ///
 /// Noise is drawn from seed, unit and place of the tile: a tile is the same however often and wherever it is
-/// rendered. Immutable, so safe to share between threads.
+/// rendered. Another seed with the same board_seed is another look at the same board. Immutable, so safe to
+/// share between threads.
 class KerfCamera {
  public:
   /// @throws std::invalid_argument that names everything wrong.

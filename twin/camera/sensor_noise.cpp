@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace kerfbench::twin {
 namespace {
@@ -34,11 +36,6 @@ std::array<float, kQuantiles> makeQuantiles() {
   return out;
 }
 
-const std::array<float, kQuantiles>& quantiles() {
-  static const std::array<float, kQuantiles> table = makeQuantiles();
-  return table;
-}
-
 /// Four pixels share 64 random bits, 16 each, of which the lower 12 are used.
 void drawNormals(const std::array<float, kQuantiles>& table, const CounterRandom& random, std::uint64_t index,
                  std::size_t count, float* out) {
@@ -57,27 +54,59 @@ void drawNormals(const std::array<float, kQuantiles>& table, const CounterRandom
 
 }  // namespace
 
-SensorNoise::SensorNoise(double read_noise, double full_well_electrons)
-    : read_variance_(static_cast<float>(read_noise * read_noise)),
-      shot_variance_per_gray_(static_cast<float>(255.0 / full_well_electrons)) {}
+const std::array<float, kQuantiles>& normalQuantiles() {
+  static const std::array<float, kQuantiles> table = makeQuantiles();
+  return table;
+}
 
-void SensorNoise::expose(std::span<const float> light, const CounterRandom& random, std::uint64_t first_index,
-                         std::uint8_t* out) const {
-  const auto& table = quantiles();
+SensorNoise::SensorNoise(double read_noise, double full_well_electrons, int bits)
+    : read_variance_(static_cast<float>(read_noise * read_noise)),
+      shot_variance_per_gray_(static_cast<float>(255.0 / full_well_electrons)),
+      bits_(bits) {}
+
+template <typename Level>
+void SensorNoise::exposeAs(std::span<const float> light, const CounterRandom& random,
+                           std::uint64_t first_index, Level* out) const {
+  const auto& table = normalQuantiles();
+  const auto levels_per_gray = static_cast<float>(1 << (bits_ - 8));
+  const auto top = static_cast<float>((1 << bits_) - 1);
   std::array<float, kChunk> normal;
   for (std::size_t begin = 0; begin < light.size(); begin += kChunk) {
     const std::size_t count = std::min(kChunk, light.size() - begin);
     drawNormals(table, random, first_index + begin, count, normal.data());
     const float* const in = light.data() + begin;
-    std::uint8_t* const to = out + begin;
+    Level* const to = out + begin;
     for (std::size_t i = 0; i < count; ++i) {
       const float variance = in[i] * shot_variance_per_gray_ + read_variance_;
-      float gray = in[i] + std::sqrt(variance > 0.0F ? variance : 0.0F) * normal[i];
-      gray = gray > 0.0F ? gray : 0.0F;
-      gray = gray < 255.0F ? gray : 255.0F;
-      to[i] = static_cast<std::uint8_t>(static_cast<int>(gray + 0.5F));
+      float level = in[i] + std::sqrt(variance > 0.0F ? variance : 0.0F) * normal[i];
+      if constexpr (sizeof(Level) > 1) level *= levels_per_gray;
+      level = level > 0.0F ? level : 0.0F;
+      level = level < top ? level : top;
+      to[i] = static_cast<Level>(static_cast<int>(level + 0.5F));
     }
   }
+}
+
+void SensorNoise::expose(std::span<const float> light, const CounterRandom& random, std::uint64_t first_index,
+                         std::uint8_t* out) const {
+  exposeAs(light, random, first_index, out);
+}
+
+void SensorNoise::expose(std::span<const float> light, const CounterRandom& random, std::uint64_t first_index,
+                         std::uint16_t* out) const {
+  exposeAs(light, random, first_index, out);
+}
+
+GrayImage SensorNoise::picture(std::span<const float> light, int width, int height,
+                               const CounterRandom& random) const {
+  if (bits_ == 8) {
+    GrayImage image(width, height);
+    expose(light, random, 0, image.pixels.data());
+    return image;
+  }
+  std::vector<std::uint16_t> levels(light.size());
+  expose(light, random, 0, levels.data());
+  return GrayImage::ofLevels(width, height, bits_, std::move(levels));
 }
 
 }  // namespace kerfbench::twin

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,29 +10,58 @@
 #include "twin/base/pulse_timing.h"
 #include "twin/base/signal_map.h"
 #include "twin/camera/camera.h"
-#include "twin/drive/servo.h"
+#include "twin/drive/drive_description.h"
 #include "twin/drive/speed_profile.h"
 #include "twin/laser/laser.h"
+#include "twin/optics/optics_description.h"
 #include "twin/sheet/sheet.h"
 
 namespace kerfbench::twin {
 
-/// A drive with PUL/DIR input and the axis behind it.
-struct AxisDescription {
-  DriverProfile profile;
-  ServoDescription servo;
-  double step{};     ///< One PUL: rad of a mirror, mm of a gantry or of the belt; > 0.
-  double inertia{};  ///< kg m² of rotor and mirror; kg of a gantry's moving part; > 0.
+/// The frame that carries the head, on its feet: the gantry's reaction shakes it.
+struct FrameDescription {
+  double mass_kg{};                       ///< Without the gantry's moving parts; > 0.
+  std::array<double, 2> stiffness_n_m{};  ///< Of all feet together, along x and y; > 0.
+  std::array<double, 2> damping_n_s_m{};  ///< >= 0
 };
 
-/// Conveyor with its drive roller and encoder.
+/// Quadrature encoder on the belt's roller. It sees neither the belt's stretch nor the sheet's slip.
+struct EncoderDescription {
+  double count_mm{0.01};   ///< Belt travel of one count (four a line); > 0.
+  double jitter_counts{};  ///< Standard deviation of each edge's place, in counts; 0 … 0.2.
+  double runout_mm{};      ///< Eccentric mounting: amplitude of the error once a turn, of belt travel.
+  double runout_phase_rad{};
+};
+
+/// Sees the printed eye mark of each unit.
+struct PrintMarkSensorDescription {
+  double x_mm{};           ///< Place in W.
+  double jitter_mm{};      ///< Standard deviation of the place where an edge is seen.
+  double hysteresis_mm{};  ///< Backwards an edge is seen so much later.
+};
+
+/// Counts of a power meter behind a mirror: it toggles a pin for each quantum of emitted energy.
+struct PowerMonitorDescription {
+  double quantum_j{5e-3};  ///< > 0
+  double delay_s{1e-3};    ///< From emission to edge; at least the lockstep's quantum.
+  double scale{1.0};       ///< Of its calibration.
+};
+
+/// Conveyor: drive roller, belt, and the sheet that lies on it.
 struct BeltDescription {
   double roller_radius_mm{30.0};
-  double roller_inertia_kg_m2{2e-3};  ///< With the belt and the sheet on it.
-  ServoDescription line_servo;        ///< Of the line's own drive.
-  AxisDescription feed;               ///< Of the drive that the controller's feed pulses move.
-  double encoder_count_mm{0.01};      ///< Belt travel of one quadrature count.
-  double print_mark_sensor_x_mm{};    ///< In W.
+  double roller_inertia_kg_m2{2e-3};  ///< With the motor, at the roller; without the belt. > 0.
+  double mass_kg{0.5};                ///< Of the belt; > 0.
+  double stiffness_n_m{2e5};          ///< Between roller and belt, elastic creep; > 0.
+  double damping_n_s_m{200.0};
+  FrictionDescription bed_friction;  ///< Of the belt on its bed, N.
+  double sheet_mass_kg{0.05};        ///< Of the board that lies on the belt; > 0.
+  double sheet_friction{0.6};        ///< Coulomb coefficient of sheet on belt (vacuum counts as more); > 0.
+  std::array<double, 2> sheet_drag_n{};  ///< What pulls at the sheet: a brush, a doctor blade; along x and y.
+  ServoDescription line_servo;           ///< Of the line's own drive, on the roller.
+  AxisDescription feed;                  ///< Of the drive that the controller's feed pulses move.
+  EncoderDescription encoder;
+  PrintMarkSensorDescription print_mark_sensor;
 };
 
 /// What the reference controller is told of this machine: the data sheet, not the truth. A difference from
@@ -56,18 +86,21 @@ struct MachineDescription {
   std::string name;
   Kind kind{Kind::kTwoMirror};
   SignalMap signals;
+  std::optional<FrameDescription> frame;  ///< Absent: the head stands on rock.
   // Two mirrors
-  double throw_mm{};
-  double mirror_spacing_mm{};
+  ScanHeadDescription head;
   AxisDescription galvo_x, galvo_y;
   // Gantry
   AxisDescription gantry_x, gantry_y;
+  double squareness_rad{};                ///< Gantry y leans towards -x by this.
   std::array<double, 2> travel_min_mm{};  ///< Limit switches trip beyond.
   std::array<double, 2> travel_max_mm{};
-  // Both
+  // All
   BeltDescription belt;
+  BeamDescription beam;
+  SurfaceDescription surface;
   LaserDescription laser;
-  double spot_radius_mm{0.105};  ///< 1/e² radius of the beam on the sheet at normal incidence.
+  PowerMonitorDescription power_monitor;
   CameraDescription spot_camera;
   CameraDescription kerf_camera;
   double glow_gray_per_w{4.0};  ///< Peak grey that the glowing spot adds for each watt, in the spot camera.

@@ -2,59 +2,88 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "twin/cutter/description.h"
+#include "twin/cutter/fidelity.h"
+#include "twin/cutter/machine_mechanism.h"
+#include "twin/cutter/machine_pose.h"
 #include "twin/drive/pulse_command.h"
-#include "twin/machine/multibody.h"
+#include "twin/drive/speed_profile.h"
+#include "twin/machine/solver.h"
 #include "twin/optics/scan_head.h"
+#include "twin/optics/surface.h"
 
 namespace kerfbench::twin {
 
-/// The axes that pulses can move.
-enum class Axis : std::size_t { kGalvoX, kGalvoY, kGantryX, kGantryY, kFeed, kCount };
-inline constexpr std::size_t kAxisCount = static_cast<std::size_t>(Axis::kCount);
-
-/// Belt, gantry or mirrors with their drives: the moving part of the twin, in steps of fixed length.
+/// Conveyor, frame, gantry or mirrors with their drives: the moving part of the twin, in steps of fixed
+/// length. A pulse acts through the area mean of its input over a step.
 class MachineModel {
  public:
   static constexpr double kStep_s = 10e-6;
 
-  MachineModel(const MachineDescription& machine, const WebDescription& web);
+  /// @throws std::invalid_argument for a machine that cannot be, or one too fast for the step.
+  MachineModel(const MachineDescription& machine, const WebDescription& web,
+               Fidelity fidelity = Fidelity::kReference);
 
   /// Commands that pulses write to.
   [[nodiscard]] PulseCommand& command(Axis axis) { return commands_[static_cast<std::size_t>(axis)]; }
-  /// One step from `begin_s`; every pulse before its end must be in the commands.
+  /// One step from `begin_s`, the end of the last; every pulse before its end must be in the commands.
+  /// @throws DivergenceError with time and joint.
   void step(double begin_s);
 
-  /// Belt travel since t = 0, mm, its speed mm/s and its acceleration over the last step.
-  [[nodiscard]] double beltTravel_mm() const;
-  [[nodiscard]] double beltSpeed_mm_s() const;
-  [[nodiscard]] double beltAcceleration_mm_s2() const { return belt_acceleration_mm_s2_; }
-  /// Gantry position, mm; zero without a gantry.
-  [[nodiscard]] Eigen::Vector2d gantry_mm() const;
-  /// Where the beam meets the work plane; nullopt when it misses it.
+  // All that follows is at the end of the last step.
+
+  [[nodiscard]] MachinePose pose() const;
+  /// What the encoder sees; accelerations are means over the last step.
+  [[nodiscard]] double rollerSpeed_mm_s() const { return roller_.speed_mm_s; }
+  [[nodiscard]] double rollerAcceleration_mm_s2() const { return roller_.acceleration_mm_s2; }
+  /// Of the board, slip on the belt included: what the mark sensor and the beam see.
+  [[nodiscard]] double sheetSpeed_mm_s() const { return sheet_.speed_mm_s; }
+  [[nodiscard]] double sheetAcceleration_mm_s2() const { return sheet_.acceleration_mm_s2; }
+  /// Where the beam meets the board's surface; nullopt when it misses it.
   [[nodiscard]] std::optional<BeamSpot> spot() const;
+  /// All so far, by time; of steps in the same 10 us by axis.
+  [[nodiscard]] const std::vector<LostSteps>& lostSteps() const { return lost_; }
 
  private:
-  struct Driven {
+  struct Motion {
+    double speed_mm_s{};
+    double acceleration_mm_s2{};
+    void follow(double speed_now_mm_s);
+  };
+  /// Which tooth a stepper's rotor is at, against the one it began with.
+  struct ToothWatch {
+    std::size_t drive{};  ///< Of the mechanism, and of machine_.pulse_drives.
     std::size_t joint{};
-    Servo servo;
-    std::optional<Axis> axis;  ///< nullopt: the line drive.
+    double pitch_rad{};
+    double offset_rad{};  ///< Of its command.
+    long long behind{};
   };
 
-  std::vector<JointDescription> joints(const MachineDescription& machine) const;
-  double lineCommand_rad(double mid_s) const;
+  [[nodiscard]] double lineCommand_rad(double time_s) const;
+  void watchTeeth();
+  void followMotion();
 
-  const bool gantry_;
-  const double roller_radius_mm_;
-  const SpeedProfile line_;
-  ScanHead head_;
-  Multibody body_;
+  MachineMechanism machine_;
+  bool gantry_;
+  double roller_radius_mm_;
+  double squareness_sin_, squareness_cos_;
+  SpeedProfile line_;
+  BeamDescription beam_;
+  Surface surface_;
+  std::optional<ScanHead> head_;
   std::array<PulseCommand, kAxisCount> commands_;
-  std::vector<Driven> driven_;
-  double belt_acceleration_mm_s2_{0.0};
+  std::unique_ptr<Solver> solver_;
+  std::vector<DriveCommand> inputs_;
+  std::vector<ToothWatch> watches_;
+  std::vector<LostSteps> lost_;
+  double time_s_{0.0};
+  Motion roller_, sheet_;
 };
 
 }  // namespace kerfbench::twin

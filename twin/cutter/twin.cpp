@@ -3,208 +3,219 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "twin/cutter/machine_faults.h"
 
 namespace kerfbench::twin {
 namespace {
 
-struct AxisSignals {
-  Axis axis;
-  const char* name;
-  Signal pul, dir;
-};
-constexpr std::array<AxisSignals, kAxisCount> kAxes{{
-    {Axis::kGalvoX, "galvo_x", Signal::kGalvoXPul, Signal::kGalvoXDir},
-    {Axis::kGalvoY, "galvo_y", Signal::kGalvoYPul, Signal::kGalvoYDir},
-    {Axis::kGantryX, "gantry_x", Signal::kGantryXPul, Signal::kGantryXDir},
-    {Axis::kGantryY, "gantry_y", Signal::kGantryYPul, Signal::kGantryYDir},
-    {Axis::kFeed, "feed", Signal::kFeedPul, Signal::kFeedDir},
-}};
-
-const AxisDescription* fittedAxis(const MachineDescription& machine, const WebDescription& web, Axis axis) {
-  const bool gantry = machine.kind == MachineDescription::Kind::kGantry;
-  switch (axis) {
-    case Axis::kGalvoX:
-      return gantry ? nullptr : &machine.galvo_x;
-    case Axis::kGalvoY:
-      return gantry ? nullptr : &machine.galvo_y;
-    case Axis::kGantryX:
-      return gantry ? &machine.gantry_x : nullptr;
-    case Axis::kGantryY:
-      return gantry ? &machine.gantry_y : nullptr;
-    case Axis::kFeed:
-      return web.fed_by_controller ? &machine.belt.feed : nullptr;
-    case Axis::kCount:
-      break;
-  }
-  return nullptr;
-}
+constexpr double kStep_s = MachineModel::kStep_s;
+constexpr std::uint64_t kStepsPerSecond = 100'000;
 
 const MachineDescription& checked(const MachineDescription& machine, const WebDescription& web) {
-  std::string faults;
-  const auto require = [&faults](bool fine, const std::string& rule) {
-    if (!fine) faults += (faults.empty() ? "machine: " : "; ") + rule;
-  };
-  for (const AxisSignals& axis : kAxes) {
-    const AxisDescription* fitted = fittedAxis(machine, web, axis.axis);
-    require(fitted == nullptr ||
-                (fitted->step > 0 && fitted->inertia > 0 && fitted->servo.natural_frequency_rad_s > 0),
-            std::string(axis.name) + " needs a step, an inertia and a bandwidth > 0");
-  }
-  // Joint x moves bridge and carriage, joint y the carriage alone.
-  require(machine.kind != MachineDescription::Kind::kGantry ||
-              machine.gantry_x.inertia > machine.gantry_y.inertia,
-          "gantry_x must move more mass than gantry_y");
-  require(machine.belt.roller_radius_mm > 0 && machine.belt.roller_inertia_kg_m2 > 0 &&
-              machine.belt.encoder_count_mm > 0,
-          "the belt needs a roller and an encoder count > 0");
-  const CameraDescription& camera = machine.spot_camera;
-  require(camera.exposure_s >= 0.999 * MachineModel::kStep_s && camera.exposure_s <= camera.frame_period_s,
-          "the spot camera's exposure must be at least a step and no longer than its frame period");
-  if (!faults.empty()) throw std::invalid_argument(faults);
+  std::string text;
+  for (const std::string& fault : faultsOf(machine, web)) text += (text.empty() ? "machine: " : "; ") + fault;
+  if (!text.empty()) throw std::invalid_argument(text);
   return machine;
 }
 
 double firstMarkTravel_mm(const MachineDescription& machine, const WebDescription& web) {
-  return machine.belt.print_mark_sensor_x_mm - (web.start_x_mm + web.print.eye_mark_x_mm);
+  return machine.belt.print_mark_sensor.x_mm - (web.start_x_mm + web.print.eye_mark_x_mm);
+}
+
+double between(double a, double b, double share) { return a + share * (b - a); }
+
+Footprint between(const Footprint& a, const Footprint& b, double share) {
+  return {a.p_SQ_mm + share * (b.p_SQ_mm - a.p_SQ_mm), between(a.radius_x_mm, b.radius_x_mm, share),
+          between(a.radius_y_mm, b.radius_y_mm, share), between(a.correlation, b.correlation, share)};
+}
+
+Footprint footprint(const BeamSpot& spot, const Eigen::Vector2d& p_WS_mm) {
+  return {spot.p_WQ_mm - p_WS_mm, spot.radius_x_mm, spot.radius_y_mm, spot.correlation};
+}
+
+/// Radius of the round spot with the same area.
+double roundRadius_mm(const BeamSpot& spot) {
+  return std::sqrt(spot.radius_x_mm * spot.radius_y_mm *
+                   std::sqrt(1.0 - spot.correlation * spot.correlation));
 }
 
 }  // namespace
 
-Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRate rate)
+Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRate rate,
+           const TwinOptions& options)
     : machine_(checked(machine, web)),
       web_(web),
       rate_(rate),
-      model_(machine, web),
-      sensors_(rate, machine.belt.encoder_count_mm, web.print, firstMarkTravel_mm(machine, web)),
-      laser_(machine.laser),
-      sheet_(web.board) {
-  std::uint16_t last_port = 0;
-  for (const AxisSignals& axis : kAxes) {
-    const AxisDescription* fitted = fittedAxis(machine_, web_, axis.axis);
-    const auto pul = machine_.signals.pin(axis.pul);
-    const auto dir = machine_.signals.pin(axis.dir);
-    if (fitted == nullptr || !pul || !dir) continue;
-    inputs_.push_back({axis.axis, *pul, *dir, PulseDecoder(axis.name, fitted->profile)});
-  }
-  for (std::size_t i = 0; i < kSignalCount; ++i) {
-    const auto pin = machine_.signals.pin(static_cast<Signal>(i));
-    if (pin) last_port = std::max(last_port, pin->port);
-  }
-  ports_.assign(static_cast<std::size_t>(last_port) + 1, 0);
+      record_exposures_(options.record_exposures),
+      monitor_wired_(machine.signals.pin(Signal::kPowerMonitor).has_value()),
+      model_(machine, web, options.fidelity),
+      pins_(machine, web, rate),
+      laser_(machine.laser, options.seed),
+      burner_(web.board),
+      exposures_(machine.spot_camera, kStep_s),
+      encoder_(rate, machine.belt.encoder, machine.belt.roller_radius_mm, options.seed),
+      mark_sensor_(rate, machine.belt.print_mark_sensor, web.print, firstMarkTravel_mm(machine, web),
+                   options.seed),
+      limits_(rate, machine.travel_min_mm, machine.travel_max_mm),
+      monitor_(rate, machine.power_monitor),
+      gantry_before_mm_(model_.pose().gantry_mm) {}
+
+double Twin::longestQuantum_s() const {
+  // The last step of the machine ends up to a step before now.
+  return monitor_wired_ ? machine_.power_monitor.delay_s - kStep_s : std::numeric_limits<double>::infinity();
 }
 
 std::vector<SensorEdge> Twin::predictSensors(Tick until) {
   std::vector<SensorEdge> edges;
-  if (!sensors_started_) {
-    sensors_started_ = true;
-    edges.push_back({now_ + 1, Signal::kInterlock, true});
-  }
-  const Eigen::Vector2d gantry = model_.gantry_mm();
-  for (std::size_t i = 0; i < limits_.size(); ++i) {
-    const auto axis = static_cast<Eigen::Index>(i);
-    const bool tripped =
-        machine_.kind == MachineDescription::Kind::kGantry &&
-        (gantry[axis] < machine_.travel_min_mm.at(i) || gantry[axis] > machine_.travel_max_mm.at(i));
-    if (tripped != limits_.at(i)) {
-      limits_.at(i) = tripped;
-      edges.push_back({now_ + 1, i == 0 ? Signal::kLimitX : Signal::kLimitY, tripped});
-    }
-  }
+  if (!predicting_) edges.push_back({now_ + 1, Signal::kInterlock, true});
+  predicting_ = true;
   // The machine's state is that of its last whole step, a fraction of a step before now.
-  const double behind_s = now_s() - static_cast<double>(steps_) * MachineModel::kStep_s;
-  const BeltForecast forecast{now_, model_.beltTravel_mm() + model_.beltSpeed_mm_s() * behind_s,
-                              model_.beltSpeed_mm_s(), model_.beltAcceleration_mm_s2()};
-  const auto belt = sensors_.edges(forecast, until);
-  edges.insert(edges.end(), belt.begin(), belt.end());
+  const double behind_s = now_s() - time_s();
+  const MachinePose pose = model_.pose();
+  const auto forecast = [&](double place_mm, double speed_mm_s, double acceleration_mm_s2) {
+    return MotionForecast{now_, place_mm + speed_mm_s * behind_s, speed_mm_s, acceleration_mm_s2};
+  };
+  encoder_.predict(forecast(pose.roller_mm, model_.rollerSpeed_mm_s(), model_.rollerAcceleration_mm_s2()),
+                   until, edges);
+  mark_sensor_.predict(forecast(pose.belt_travel_mm + pose.sheet_slip_mm.x(), model_.sheetSpeed_mm_s(),
+                                model_.sheetAcceleration_mm_s2()),
+                       until, edges);
+  if (machine_.kind == MachineDescription::Kind::kGantry) {
+    const Eigen::Vector2d speed_mm_s = (pose.gantry_mm - gantry_before_mm_) / kStep_s;
+    limits_.predict({forecast(pose.gantry_mm.x(), speed_mm_s.x(), 0.0),
+                     forecast(pose.gantry_mm.y(), speed_mm_s.y(), 0.0)},
+                    until, edges);
+  }
+  if (monitor_wired_) monitor_.predict(now_, until, edges);
   std::ranges::stable_sort(edges, {}, &SensorEdge::tick);
   return edges;
 }
 
-bool Twin::pinLevel(PinId pin) const {
-  return pin.port < ports_.size() && ((static_cast<unsigned>(ports_[pin.port]) >> pin.bit) & 1U) != 0;
-}
-
-void Twin::decode(const PinEvent& event) {
-  if (event.port >= ports_.size()) return;  // A port without any of the machine's signals.
-  ports_[event.port] = event.level;
-  const double time_s = rate_.seconds(event.tick);
-  for (Input& input : inputs_) {
-    if (input.pul.port != event.port && input.dir.port != event.port) continue;
-    input.decoder.levels(time_s, pinLevel(input.pul), pinLevel(input.dir),
-                         model_.command(input.axis).incoming());
-  }
-  const auto gate = machine_.signals.pin(Signal::kLaserGate);
-  const auto pwm = machine_.signals.pin(Signal::kLaserPwm);
-  const bool open = gate && pinLevel(*gate);
-  gate_.set(time_s, open);
-  beam_.set(time_s, open && (!pwm || pinLevel(*pwm)));
+std::uint64_t Twin::wholeSteps(Tick tick) const {
+  // Exact: whole seconds' worth of `num` first, so that nothing overflows within a century.
+  const std::uint64_t whole = tick / rate_.den;
+  const std::uint64_t rest = tick % rate_.den;
+  return whole * rate_.num * kStepsPerSecond + rest * rate_.num * kStepsPerSecond / rate_.den;
 }
 
 void Twin::advance(Tick until, std::span<const PinEvent> events) {
-  for (const PinEvent& event : events) decode(event);
+  for (const PinEvent& event : events) pins_.decode(event, model_);
   now_ = until;
-  for (Input& input : inputs_) input.decoder.settle(now_s(), model_.command(input.axis).incoming());
+  pins_.settle(until, model_);
   // Only whole steps: what is left over belongs to the next quantum, so that quanta leave no trace.
-  while (static_cast<double>(steps_ + 1) * MachineModel::kStep_s <= now_s() + 1e-12) stepMachine();
+  const std::uint64_t end = wholeSteps(until);
+  while (steps_ < end) {
+    if (steps_ + 1 == end) gantry_before_mm_ = model_.pose().gantry_mm;
+    stepMachine();
+  }
 }
 
 void Twin::stepMachine() {
-  const double begin_s = static_cast<double>(steps_) * MachineModel::kStep_s;
-  const double web_before_mm = web_.start_x_mm + model_.beltTravel_mm();
-  const auto spot_before = model_.spot();
+  const double begin_s = time_s();
+  emit(begin_s);
+  const bool exposing = record_exposures_ && exposures_.nextStep();
+  const bool whole = emissions_.size() == 1 && emissions_[0].begin == 0.0 && emissions_[0].end == 1.0;
+  const bool parts = !emissions_.empty() && !whole;
+  if (burner_.chordOpen() && !whole) closeChord();
+  // Where the beam is costs as much as half of the dynamics: nobody asks while it is dark or amid a chord.
+  View before;
+  if (exposing || parts) before = view();
+  if (whole && !burner_.chordOpen()) openChord();
   model_.step(begin_s);
-  const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double energy_j =
-      laser_.step(beam_.meanOver(heard_s, heard_s + MachineModel::kStep_s), MachineModel::kStep_s);
-  emitted_j_ += energy_j;
   ++steps_;
-  const double web_mm = web_.start_x_mm + model_.beltTravel_mm();
-  const auto spot = model_.spot();
-  if (energy_j > 0 && spot && spot_before) {
-    const auto footprint = [&](const BeamSpot& s, double web_x_mm) {
-      return Footprint{{s.p_WQ_mm.x() - web_x_mm, s.p_WQ_mm.y()},
-                       machine_.spot_radius_mm * s.stretch_x,
-                       machine_.spot_radius_mm * s.stretch_y};
-    };
-    sheet_.burn(footprint(*spot_before, web_before_mm), footprint(*spot, web_mm), energy_j);
+  if (burner_.chordOpen() && burner_.add(emissions_[0].energy_j)) closeChord();
+  if (parts) burnParts(before, view());
+  if (exposing) expose(before, view());
+}
+
+void Twin::emit(double begin_s) {
+  emissions_.clear();
+  const double heard_s = begin_s - machine_.laser.gate_delay_s;
+  const double end_s = heard_s + kStep_s;
+  double from_s = heard_s;
+  // A step in which the gate moves is cut there, so that its energy falls where the beam was.
+  for (EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
+    const double edge_s = edges.front_s();
+    if (edge_s > from_s) {
+      emitPart(heard_s, from_s, edge_s);
+      from_s = edge_s;
+    }
+    gate_open_ = !gate_open_;
   }
-  const Eigen::Vector2d mean_spot = spot && spot_before
-                                        ? Eigen::Vector2d(0.5 * (spot->p_WQ_mm + spot_before->p_WQ_mm))
-                                        : Eigen::Vector2d::Zero();
-  expose(mean_spot, machine_.spot_radius_mm, spot && spot_before ? energy_j : 0.0,
-         0.5 * (web_before_mm + web_mm));
+  emitPart(heard_s, from_s, end_s);
 }
 
-void Twin::expose(const Eigen::Vector2d& p_WQ_mm, double radius_mm, double energy_j, double web_x_mm) {
-  const CameraDescription& camera = machine_.spot_camera;
-  const auto period = static_cast<std::uint64_t>(std::llround(camera.frame_period_s / MachineModel::kStep_s));
-  const auto length = static_cast<std::uint64_t>(std::llround(camera.exposure_s / MachineModel::kStep_s));
-  const std::uint64_t index = (steps_ - 1) % period;
-  if (index >= length) return;
-  if (index == 0) {
-    exposure_.sequence = frame_++;
-    exposure_.start_s = static_cast<double>(steps_ - 1) * MachineModel::kStep_s;
-    exposure_.samples.clear();
+void Twin::emitPart(double heard_s, double from_s, double to_s) {
+  const double duty = pins_.pwm().meanOver(from_s, to_s);
+  const bool begins = from_s == heard_s;
+  const bool ends = to_s == heard_s + kStep_s;
+  const double begin = begins ? 0.0 : (from_s - heard_s) / kStep_s;
+  const double end = ends ? 1.0 : (to_s - heard_s) / kStep_s;
+  const double part_s = begins && ends ? kStep_s : to_s - from_s;
+  const double part_begin_s = time_s() + begin * kStep_s;
+  const double energy_j = laser_.step(gate_open_ ? 1.0 : 0.0, duty, part_begin_s, part_s);
+  if (energy_j <= 0.0) return;
+  emitted_j_ += energy_j;
+  emissions_.push_back({begin, end, energy_j});
+  if (monitor_wired_ && predicting_) monitor_.emitted(energy_j, part_begin_s, part_s);
+}
+
+const Twin::View& Twin::view() {
+  if (viewed_step_ == steps_) return view_;
+  const MachinePose pose = model_.pose();
+  view_ = {model_.spot(),
+           {web_.start_x_mm + pose.belt_travel_mm + pose.sheet_slip_mm.x(), pose.sheet_slip_mm.y()}};
+  viewed_step_ = steps_;
+  return view_;
+}
+
+const Sheet& Twin::sheet() {
+  if (burner_.chordOpen()) closeChord();
+  return burner_.sheet();
+}
+
+void Twin::openChord() {
+  if (view().spot) burner_.open(footprint(view().spot.value(), view().p_WS_mm));
+}
+
+void Twin::closeChord() {
+  if (view().spot) {
+    burner_.close(footprint(view().spot.value(), view().p_WS_mm));
+  } else {
+    burner_.drop();
   }
-  exposure_.samples.push_back({p_WQ_mm, radius_mm, energy_j / MachineModel::kStep_s, {web_x_mm, 0.0}, 0.0});
-  if (index + 1 == length) exposures_.push_back(exposure_);
 }
 
-std::vector<PulseTiming> Twin::pulseTiming() const {
-  std::vector<PulseTiming> timing;
-  for (const Input& input : inputs_) timing.push_back(input.decoder.timing());
-  return timing;
+void Twin::burnParts(const View& before, const View& after) {
+  if (!before.spot || !after.spot) return;
+  const Footprint from = footprint(*before.spot, before.p_WS_mm);
+  const Footprint to = footprint(*after.spot, after.p_WS_mm);
+  for (const Emission& part : emissions_) {
+    burner_.burn(between(from, to, part.begin), between(from, to, part.end), part.energy_j);
+  }
 }
 
-std::vector<std::pair<double, double>> Twin::gateIntervals() const { return gate_.highIntervals(now_s()); }
-
-std::vector<Exposure> Twin::takeExposures() { return std::exchange(exposures_, {}); }
+void Twin::expose(const View& before, const View& after) {
+  ExposureSample sample;
+  sample.p_WS_mm = 0.5 * (before.p_WS_mm + after.p_WS_mm);
+  sample.radius_mm = machine_.beam.waist_radius_mm;
+  if (before.spot && after.spot) {
+    double energy_j = 0.0;
+    for (const Emission& part : emissions_) energy_j += part.energy_j;
+    sample.p_WQ_mm = 0.5 * (before.spot->p_WQ_mm + after.spot->p_WQ_mm);
+    sample.radius_mm = 0.5 * (roundRadius_mm(*before.spot) + roundRadius_mm(*after.spot));
+    sample.power_w = energy_j / kStep_s;
+  }
+  exposures_.record(sample);
+}
 
 Twin::Truth Twin::truth() const {
   const auto spot = model_.spot();
-  return {static_cast<double>(steps_) * MachineModel::kStep_s, model_.beltTravel_mm(), emitted_j_,
+  return {time_s(), model_.pose().belt_travel_mm, emitted_j_,
           spot ? spot->p_WQ_mm : Eigen::Vector2d::Constant(std::nan(""))};
 }
 

@@ -15,7 +15,7 @@ double PulseCommand::meanOver(double begin_s, double end_s) {
     count_ += edge.direction;
   }
   constexpr std::size_t kCompactAbove = 4096;
-  if (next_ > kCompactAbove) {
+  if (next_ > kCompactAbove && 2 * next_ > edges_.size()) {  // Moves each edge once at most, on average.
     edges_.erase(edges_.begin(), edges_.begin() + static_cast<std::ptrdiff_t>(next_));
     next_ = 0;
   }

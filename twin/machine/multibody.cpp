@@ -4,6 +4,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <LinearMath/btScalar.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace kerfbench::twin {
@@ -13,41 +14,22 @@ static_assert(sizeof(btScalar) == 8, "Kerfbench needs Bullet in double precision
 
 namespace {
 
+constexpr std::size_t kBase = 6;  // Bullet's vectors begin with the base's six entries, fixed or not.
+
 btVector3 toBullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
 struct Multibody::Bodies {
   std::unique_ptr<btMultiBody> multibody;
-  std::vector<double> q, qd, q_mid, qd_mid, torque, acceleration;
+  std::size_t size{};
   btVector3 gravity{0, 0, -9.80665};
+  std::vector<btScalar> force, delta;
   btAlignedObjectArray<btScalar> scratch_r;
   btAlignedObjectArray<btVector3> scratch_v;
   btAlignedObjectArray<btMatrix3x3> scratch_m;
-  mutable btAlignedObjectArray<btQuaternion> world_to_local;
-  mutable btAlignedObjectArray<btVector3> local_origin;
-
-  // Articulated-body accelerations in the state (positions, velocities) under these torques.
-  void accelerate(std::span<const double> positions, std::span<const double> velocities,
-                  std::span<const double> torques) {
-    const int n = static_cast<int>(q.size());
-    for (int i = 0; i < n; ++i) {
-      const auto index = static_cast<std::size_t>(i);
-      multibody->setJointPos(i, positions[index]);
-      multibody->setJointVel(i, velocities[index]);
-    }
-    multibody->clearForcesAndTorques();  // Wipes gravity as well, so it is added by hand.
-    for (int i = 0; i < n; ++i) {
-      multibody->addJointTorque(i, torques[static_cast<std::size_t>(i)]);
-      multibody->addLinkForce(i, gravity * multibody->getLinkMass(i));
-    }
-    // A step of zero leaves the velocities alone and the accelerations in the scratch memory.
-    multibody->computeAccelerationsArticulatedBodyAlgorithmMultiDof(0, scratch_r, scratch_v, scratch_m, false,
-                                                                    false, false);
-    for (int i = 0; i < n; ++i) {
-      acceleration[static_cast<std::size_t>(i)] = scratch_r[multibody->getNumDofs() + 6 + i];
-    }
-  }
+  btAlignedObjectArray<btQuaternion> world_to_local;
+  btAlignedObjectArray<btVector3> local_origin;
 };
 
 Multibody::Multibody(const std::vector<JointDescription>& joints) : bodies_(std::make_unique<Bodies>()) {
@@ -56,7 +38,13 @@ Multibody::Multibody(const std::vector<JointDescription>& joints) : bodies_(std:
   btMultiBody& mb = *bodies_->multibody;
   for (int i = 0; i < n; ++i) {
     const JointDescription& joint = joints[static_cast<std::size_t>(i)];
-    if (joint.parent >= i) throw std::invalid_argument("Multibody: a parent must come before its children");
+    if (joint.parent >= i) {
+      throw std::invalid_argument("Multibody: " + joint.name + ": a parent must come before its children");
+    }
+    if (!(joint.mass_kg >= 0 && std::isfinite(joint.mass_kg)) ||
+        !(joint.inertia_kg_m2 > 0 && std::isfinite(joint.inertia_kg_m2))) {
+      throw std::invalid_argument("Multibody: " + joint.name + ": mass must be >= 0 and inertia > 0");
+    }
     const btVector3 inertia(joint.inertia_kg_m2, joint.inertia_kg_m2, joint.inertia_kg_m2);
     const btVector3 axis = toBullet(joint.axis.normalized());
     const btVector3 place = toBullet(joint.p_PJ_m);
@@ -75,54 +63,49 @@ Multibody::Multibody(const std::vector<JointDescription>& joints) : bodies_(std:
   mb.setAngularDamping(0);
   mb.setMaxCoordinateVelocity(1e12);
   mb.setCanSleep(false);
-  const auto size = joints.size();
-  for (auto* values : {&bodies_->q, &bodies_->qd, &bodies_->q_mid, &bodies_->qd_mid, &bodies_->torque,
-                       &bodies_->acceleration}) {
-    values->assign(size, 0.0);
-  }
+  bodies_->size = joints.size();
+  bodies_->force.assign(kBase + joints.size(), 0.0);
+  bodies_->delta.assign(kBase + joints.size(), 0.0);
 }
 
 Multibody::~Multibody() = default;
 Multibody::Multibody(Multibody&&) noexcept = default;
 Multibody& Multibody::operator=(Multibody&&) noexcept = default;
 
-std::size_t Multibody::size() const { return bodies_->q.size(); }
-std::span<const double> Multibody::q() const { return bodies_->q; }
-std::span<const double> Multibody::qd() const { return bodies_->qd; }
+std::size_t Multibody::size() const { return bodies_->size; }
 
-void Multibody::setState(std::size_t joint, double q, double qd) {
-  bodies_->q.at(joint) = q;
-  bodies_->qd.at(joint) = qd;
-}
-
-void Multibody::step(double step_s, const TorqueFn& torques) {
+void Multibody::accelerations(std::span<const double> q, std::span<const double> v,
+                              std::span<const double> force, std::span<double> acceleration) {
   Bodies& b = *bodies_;
-  const double half_s = 0.5 * step_s;
-  for (std::size_t i = 0; i < b.q.size(); ++i) {
-    b.q_mid[i] = b.q[i] + half_s * b.qd[i];
-    b.qd_mid[i] =
-        b.qd[i] + half_s * b.acceleration[i];  // The last step's acceleration: good to second order.
+  btMultiBody& mb = *b.multibody;
+  const int n = static_cast<int>(b.size);
+  for (int i = 0; i < n; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    mb.setJointPos(i, q[index]);
+    mb.setJointVel(i, v[index]);
   }
-  torques(b.q_mid, b.qd_mid, b.torque);
-  b.accelerate(b.q_mid, b.qd_mid, b.torque);
-  for (std::size_t i = 0; i < b.q.size(); ++i) {
-    b.qd[i] += step_s * b.acceleration[i];
-    b.q[i] = b.q_mid[i] + half_s * b.qd[i];
+  mb.clearForcesAndTorques();  // Wipes gravity as well, so it is added by hand.
+  for (int i = 0; i < n; ++i) {
+    mb.addJointTorque(i, force[static_cast<std::size_t>(i)]);
+    mb.addLinkForce(i, b.gravity * mb.getLinkMass(i));
   }
+  // A step of zero leaves the velocities alone and the accelerations in the scratch memory.
+  mb.computeAccelerationsArticulatedBodyAlgorithmMultiDof(0, b.scratch_r, b.scratch_v, b.scratch_m, false,
+                                                          false, false);
+  const int first = mb.getNumDofs() + static_cast<int>(kBase);
+  for (int i = 0; i < n; ++i) acceleration[static_cast<std::size_t>(i)] = b.scratch_r[first + i];
 }
 
-std::vector<double> Multibody::accelerations(std::span<const double> torque) {
+void Multibody::accelerationDeltas(std::span<const double> force, std::span<double> delta) {
   Bodies& b = *bodies_;
-  const std::vector<double> kept = b.acceleration;
-  b.accelerate(b.q, b.qd, torque);
-  std::vector<double> result = b.acceleration;
-  b.acceleration = kept;
-  return result;
+  for (std::size_t i = 0; i < b.size; ++i) b.force[kBase + i] = force[i];
+  b.multibody->calcAccelerationDeltasMultiDof(b.force.data(), b.delta.data(), b.scratch_r, b.scratch_v);
+  for (std::size_t i = 0; i < b.size; ++i) delta[i] = b.delta[kBase + i];
 }
 
-Eigen::Isometry3d Multibody::pose(std::size_t body) const {
-  const Bodies& b = *bodies_;
-  for (std::size_t i = 0; i < b.q.size(); ++i) b.multibody->setJointPos(static_cast<int>(i), b.q[i]);
+Eigen::Isometry3d Multibody::pose(std::span<const double> q, std::size_t body) {
+  Bodies& b = *bodies_;
+  for (std::size_t i = 0; i < b.size; ++i) b.multibody->setJointPos(static_cast<int>(i), q[i]);
   b.multibody->forwardKinematics(b.world_to_local, b.local_origin);
   const btTransform& transform = b.multibody->getLink(static_cast<int>(body)).m_cachedWorldTransform;
   const btMatrix3x3& r = transform.getBasis();
@@ -132,6 +115,30 @@ Eigen::Isometry3d Multibody::pose(std::size_t body) const {
     X_WB.translation()(i) = transform.getOrigin()[i];
   }
   return X_WB;
+}
+
+Eigen::MatrixXd inverseMassMatrix(Multibody& body) {
+  const std::size_t n = body.size();
+  const std::vector<double> zero(n, 0.0);
+  std::vector<double> unit(n, 0.0);
+  std::vector<double> column(n, 0.0);
+  body.accelerations(zero, zero, zero, column);  // The deltas need its articulated inertias.
+  Eigen::MatrixXd inverse(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  for (std::size_t j = 0; j < n; ++j) {
+    unit[j] = 1.0;
+    body.accelerationDeltas(unit, column);
+    unit[j] = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = column[i];
+    }
+  }
+  constexpr double kRounding = 1e-12;
+  for (Eigen::Index i = 0; i < inverse.rows(); ++i) {
+    for (Eigen::Index j = 0; j < inverse.cols(); ++j) {
+      if (std::abs(inverse(i, j)) < kRounding * std::sqrt(inverse(i, i) * inverse(j, j))) inverse(i, j) = 0.0;
+    }
+  }
+  return inverse;
 }
 
 }  // namespace kerfbench::twin

@@ -27,6 +27,15 @@ inline Quad splineWeights(float t) {
   return Quad{outer_left, inner_left, 1.0F - outer_left - inner_left - outer_right, outer_right};
 }
 
+/// Derivatives of splineWeights() by t.
+inline Quad splineSlopeWeights(float t) {
+  const float s = 1.0F - t;
+  const float outer_left = -0.5F * s * s;
+  const float outer_right = 0.5F * t * t;
+  const float inner_left = t * (1.5F * t - 2.0F);
+  return Quad{outer_left, inner_left, -(outer_left + inner_left + outer_right), outer_right};
+}
+
 /// Variance of the cubic B-spline in node spacings squared: what it adds to a bell that was laid down as
 /// coefficients.
 inline constexpr double kSplineVariance = 1.0 / 3.0;

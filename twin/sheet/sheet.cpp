@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -11,12 +12,10 @@
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kReachRadii = 2.4;
-constexpr double kMinVariance =
-    0.25;  // Of a laid-down bell, in nodes²; below it the samples no longer add up evenly.
-constexpr double kMaxStepRadii =
-    0.2;  // Leaves 2e-3 of the peak at the ends of a long move; along it there is no ripple.
-constexpr double kMinRadiusMm = 0.03;  // For the length of a step only.
+/// Of the smallest radius. A part is laid down as one bell that carries the part's own length as variance,
+/// which leaves no ripple along a line and 2e-4 of the peak at its ends.
+constexpr double kPartRadii = 0.5;
+constexpr double kMinRadiusMm = 0.03;  // For the length of a part only.
 constexpr double kFarMm = 1e6;
 
 int floorDiv(int value, int divisor) {
@@ -24,107 +23,156 @@ int floorDiv(int value, int divisor) {
   return value % divisor < 0 ? quotient - 1 : quotient;
 }
 
-/// The 1/e² radius, in nodes, of the bell that the spline spreads to one of `radius_mm`.
-double laidRadius(double radius_mm) {
-  const double radius = radius_mm / Sheet::kCellMm;
-  return 2.0 * std::sqrt(std::max(0.25 * radius * radius - kSplineVariance, kMinVariance));
+Footprint between(const Footprint& from, const Footprint& to, double u) {
+  return {from.p_SQ_mm + u * (to.p_SQ_mm - from.p_SQ_mm),
+          from.radius_x_mm + u * (to.radius_x_mm - from.radius_x_mm),
+          from.radius_y_mm + u * (to.radius_y_mm - from.radius_y_mm),
+          from.correlation + u * (to.correlation - from.correlation)};
 }
 
-/// The Gaussian exp(-2 x²/w²) at nodes first, first + 1, …; returns the sum. By recurrence: the ratio of
-/// neighbours itself changes by a constant factor, so three exponentials are enough for any number of nodes.
-double gaussianProfile(double centre_nodes, double radius_nodes, int first, std::vector<float>& out) {
-  const double a = 2.0 / (radius_nodes * radius_nodes);
-  const double x = first - centre_nodes;
-  double value = std::exp(-a * x * x);
-  double ratio = std::exp(-a * (2.0 * x + 1.0));
-  const double ratio_change = std::exp(-2.0 * a);
-  double sum = 0.0;
-  for (float& node : out) {
-    // Smaller ones would be denormal once multiplied, and slow.
-    const double kept = value < 1e-12 ? 0.0 : value;
-    node = static_cast<float>(kept);
-    sum += kept;
-    value *= ratio;
-    ratio *= ratio_change;
-  }
-  return sum;
+/// Square of the smaller radius of the ellipse, or less.
+double smallSquare_mm2(const Footprint& footprint) {
+  const double smaller_mm = std::min(footprint.radius_x_mm, footprint.radius_y_mm);
+  return smaller_mm * smaller_mm * (1.0 - std::abs(footprint.correlation));
+}
+
+/// Into how many parts a move is cut.
+int partsOf(const Footprint& from, const Footprint& to) {
+  const double small_mm2 =
+      std::max(std::min(smallSquare_mm2(from), smallSquare_mm2(to)), kMinRadiusMm * kMinRadiusMm);
+  const double parts2 = (to.p_SQ_mm - from.p_SQ_mm).squaredNorm() / (kPartRadii * kPartRadii * small_mm2);
+  return parts2 <= 1.0 ? 1 : static_cast<int>(std::ceil(std::sqrt(parts2)));
+}
+
+/// The footprint smeared along `move_mm`; a line of length L has the variance L²/12 along itself.
+Bell smeared(const Footprint& footprint, const Eigen::Vector2d& move_mm) {
+  constexpr double kNodesPerMm = 1.0 / Sheet::kCellMm;
+  const Eigen::Vector2d centre = footprint.p_SQ_mm * kNodesPerMm;
+  const Eigen::Vector2d move = move_mm * kNodesPerMm;
+  const double sigma_x = 0.5 * kNodesPerMm * footprint.radius_x_mm;
+  const double sigma_y = 0.5 * kNodesPerMm * footprint.radius_y_mm;
+  return {centre, sigma_x * sigma_x + move.x() * move.x() / 12.0,
+          sigma_y * sigma_y + move.y() * move.y() / 12.0,
+          footprint.correlation * sigma_x * sigma_y + move.x() * move.y() / 12.0};
 }
 
 bool inRange(const Footprint& footprint) {
   const auto radiusFits = [](double radius_mm) { return radius_mm > 0.0 && radius_mm <= 100.0; };
   return std::abs(footprint.p_SQ_mm.x()) <= kFarMm && std::abs(footprint.p_SQ_mm.y()) <= kFarMm &&
-         radiusFits(footprint.radius_x_mm) && radiusFits(footprint.radius_y_mm);
+         radiusFits(footprint.radius_x_mm) && radiusFits(footprint.radius_y_mm) &&
+         std::abs(footprint.correlation) < 1.0;
+}
+
+bool scorches(const BoardDescription& board) {
+  return board.scorch.fluence_j_mm2 > 0.0 && board.scorch.darkening > 0.0;
+}
+
+const BoardDescription& checked(const BoardDescription& board) {
+  const std::string faults = faultsOf(board);
+  if (!faults.empty()) throw std::invalid_argument(faults);
+  return board;
 }
 
 }  // namespace
 
-Sheet::Sheet(const BoardDescription& board) : board_(board) {
-  std::string faults;
-  const auto require = [&faults](bool fine, const char* rule) {
-    if (!fine) faults += (faults.empty() ? "board: " : "; ") + std::string(rule);
-  };
-  require(board.thickness_mm > 0.0 && std::isfinite(board.thickness_mm), "thickness_mm must be > 0");
-  require(board.cut_fluence_j_mm2 > 0.0 && std::isfinite(board.cut_fluence_j_mm2),
-          "cut_fluence_j_mm2 must be > 0");
-  require(board.transmission > 0.0 && board.transmission < 1.0, "transmission must be in (0, 1)");
-  require(board.print_transmission > 0.0 && board.print_transmission <= board.transmission,
-          "print_transmission must be in (0, transmission]");
-  if (!faults.empty()) throw std::invalid_argument(faults);
-}
+Sheet::Sheet(const BoardDescription& board)
+    : board_(checked(board)),
+      depth_(board),
+      untouched_burn_j_mm2_(depth_.fluenceFor_j_mm2(kUntouchedDepth)),
+      untouched_scorch_j_mm2_(scorches(board)
+                                  ? board.scorch.fluence_j_mm2 * kUntouchedDepth / board.scorch.darkening
+                                  : std::numeric_limits<double>::infinity()) {}
 
 void Sheet::burn(const Footprint& from, const Footprint& to, double energy_j) {
   if (energy_j == 0.0) return;
   if (!(energy_j > 0.0 && std::isfinite(energy_j)) || !inRange(from) || !inRange(to)) {
     throw std::invalid_argument("Sheet::burn: energy, place or radius out of range");
   }
-  const double smallest_mm =
-      std::max(std::min({from.radius_x_mm, from.radius_y_mm, to.radius_x_mm, to.radius_y_mm}), kMinRadiusMm);
-  const double length_mm = (to.p_SQ_mm - from.p_SQ_mm).norm();
-  const int parts = std::max(1, static_cast<int>(std::ceil(length_mm / (kMaxStepRadii * smallest_mm))));
+  const Eigen::Vector2d move_mm = to.p_SQ_mm - from.p_SQ_mm;
+  const int parts = partsOf(from, to);
   for (int part = 0; part < parts; ++part) {
-    const double u = (part + 0.5) / parts;
-    deposit({from.p_SQ_mm + u * (to.p_SQ_mm - from.p_SQ_mm),
-             from.radius_x_mm + u * (to.radius_x_mm - from.radius_x_mm),
-             from.radius_y_mm + u * (to.radius_y_mm - from.radius_y_mm)},
-            energy_j / parts);
+    const Footprint middle = between(from, to, (part + 0.5) / parts);
+    lay(laidDown(smeared(middle, move_mm / parts)), energy_j / parts);
   }
 }
 
-void Sheet::deposit(const Footprint& footprint, double energy_j) {
-  const double x = footprint.p_SQ_mm.x() / kCellMm;
-  const double y = footprint.p_SQ_mm.y() / kCellMm;
-  const double radius_x = laidRadius(footprint.radius_x_mm);
-  const double radius_y = laidRadius(footprint.radius_y_mm);
-  // Columns in whole quads, which never straddle two tiles.
-  const int first_x = 4 * static_cast<int>(std::floor((x - kReachRadii * radius_x) / 4.0));
-  const int last_x = 4 * static_cast<int>(std::floor((x + kReachRadii * radius_x) / 4.0)) + 4;
-  const int first_y = static_cast<int>(std::ceil(y - kReachRadii * radius_y));
-  const int last_y = static_cast<int>(std::floor(y + kReachRadii * radius_y)) + 1;
-  profile_x_.resize(static_cast<std::size_t>(last_x - first_x));
-  profile_y_.resize(static_cast<std::size_t>(std::max(last_y - first_y, 1)));
-  const double sum_x = gaussianProfile(x, radius_x, first_x, profile_x_);
-  const double sum_y = gaussianProfile(y, radius_y, first_y, profile_y_);
-  const double scale = energy_j / (kCellMm * kCellMm * sum_x * sum_y);
-  for (float& node : profile_y_) node = static_cast<float>(node * scale);
+void Sheet::lay(const Bell& bell, double energy_j) {
+  constexpr double kMost = SampledBell::kMaxCorrelation * SampledBell::kMaxCorrelation;
+  if (bell.covariance * bell.covariance <= kMost * bell.variance_x * bell.variance_y) {
+    return add(bell, energy_j);
+  }
+  // A slim ellipse is a row of plumper ones along its major axis, their energies a bell themselves. With the
+  // axes in the ratio sqrt 3 the correlation is kMaxCorrelation at most.
+  const double half = 0.5 * (bell.variance_x - bell.variance_y);
+  const double spread = std::sqrt(half * half + bell.covariance * bell.covariance);
+  const double mean = 0.5 * (bell.variance_x + bell.variance_y);
+  const double minor = mean - spread;
+  const double kept = 3.0 * minor;
+  const double taken = mean + spread - kept;
+  const double cos2 = half / spread;  // Of twice the angle of the major axis.
+  const double sin2 = bell.covariance / spread;
+  const Eigen::Vector2d axis(std::sqrt(0.5 * (1.0 + cos2)),
+                             std::copysign(std::sqrt(0.5 * (1.0 - cos2)), sin2));
+  Bell piece{bell.centre, bell.variance_x - 0.5 * taken * (1.0 + cos2),
+             bell.variance_y - 0.5 * taken * (1.0 - cos2), bell.covariance - 0.5 * taken * sin2};
+  const double spacing = std::sqrt(std::min(kept, taken));
+  const int side = static_cast<int>(std::ceil(SampledBell::kReach * std::sqrt(taken) / spacing));
+  const auto weight = [&](int i) { return std::exp(-0.5 * (i * spacing) * (i * spacing) / taken); };
+  double sum = 0.0;
+  for (int i = -side; i <= side; ++i) sum += weight(i);
+  for (int i = -side; i <= side; ++i) {
+    piece.centre = bell.centre + i * spacing * axis;
+    add(piece, energy_j * weight(i) / sum);
+  }
+}
 
+void Sheet::add(const Bell& bell, double energy_j) {
+  sampled_.sample(bell, energy_j / (kCellMm * kCellMm));
+  const int first_x = sampled_.firstColumn();
+  const int last_x = first_x + 4 * static_cast<int>(sampled_.columns().size());
+  const int first_y = sampled_.firstRow();
+  const int last_y = first_y + static_cast<int>(sampled_.rows().size());
   for (int y_begin = first_y; y_begin < last_y;) {
     const int tile_y = floorDiv(y_begin, kTileNodes);
     const int y_end = std::min(last_y, (tile_y + 1) * kTileNodes);
+    spans_.clear();
     for (int x_begin = first_x; x_begin < last_x;) {
       const int tile_x = floorDiv(x_begin, kTileNodes);
       const int x_end = std::min(last_x, (tile_x + 1) * kTileNodes);
-      float* nodes = tileFor(tile_x, tile_y).j_mm2.data() + (x_begin - tile_x * kTileNodes);
-      const float* const along = profile_x_.data() + (x_begin - first_x);
-      for (int row = y_begin; row < y_end; ++row) {
-        float* const line = nodes + (row - tile_y * kTileNodes) * kTileNodes;
-        const float across = profile_y_[static_cast<std::size_t>(row - first_y)];
-        for (int column = 0; column < x_end - x_begin; column += 4) {
-          storeQuad(line + column, loadQuad(line + column) + loadQuad(along + column) * across);
-        }
-      }
+      spans_.push_back(
+          {tileFor(tile_x, tile_y).j_mm2.data() + (x_begin - tile_x * kTileNodes), (x_end - x_begin) / 4});
       x_begin = x_end;
     }
+    for (int y = y_begin; y < y_end;) {
+      const SampledBell::Row* const rows = sampled_.rows().data() + (y - first_y);
+      const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y - tile_y * kTileNodes) * kTileNodes;
+      const int together = std::min(y_end - y, 2);
+      together == 2 ? addRows<2>(rows, line) : addRows<1>(rows, line);
+      y += together;
+    }
     y_begin = y_end;
+  }
+}
+
+template <int kRows>
+void Sheet::addRows(const SampledBell::Row* rows, std::ptrdiff_t line) {
+  std::array<Quad, kRows> factor, step;
+  for (std::size_t r = 0; r < kRows; ++r) {
+    factor[r] = rows[r].start;
+    step[r] = Quad{} + rows[r].step;
+  }
+  const Quad* column = sampled_.columns().data();
+  for (const Span& span : spans_) {
+    float* const nodes = span.nodes + line;
+    const int quads = span.quads;
+    for (int quad = 0; quad < quads; ++quad) {
+      for (std::size_t r = 0; r < kRows; ++r) {
+        float* const node = nodes + r * kTileNodes + 4 * static_cast<std::size_t>(quad);
+        storeQuad(node, loadQuad(node) + column[quad] * factor[r]);
+        factor[r] *= step[r];
+      }
+    }
+    column += quads;
   }
 }
 
@@ -153,18 +201,30 @@ double Sheet::fluenceAt(const Eigen::Vector2d& p_S_mm) const {
   return std::max(0.0, static_cast<double>(value));
 }
 
-double Sheet::depthAt(const Eigen::Vector2d& p_S_mm) const {
-  return std::min(1.0, fluenceAt(p_S_mm) / board_.cut_fluence_j_mm2);
+double Sheet::depthAt(const Eigen::Vector2d& p_S_mm) const { return depth_.depthAt(fluenceAt(p_S_mm)); }
+
+double Sheet::scorchAt(const Eigen::Vector2d& p_S_mm) const {
+  if (board_.scorch.fluence_j_mm2 == 0.0) return 0.0;
+  const Eigen::Vector2d shift_mm(board_.scorch.shift_mm[0], board_.scorch.shift_mm[1]);
+  return std::min(1.0, fluenceAt(p_S_mm - shift_mm) / board_.scorch.fluence_j_mm2);
 }
 
 bool Sheet::untouched(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm) const {
+  if (!below(min_S_mm, max_S_mm, untouched_burn_j_mm2_)) return false;
+  if (!scorches(board_)) return true;
+  const Eigen::Vector2d shift_mm(board_.scorch.shift_mm[0], board_.scorch.shift_mm[1]);
+  return below(min_S_mm - shift_mm, max_S_mm - shift_mm, untouched_scorch_j_mm2_);
+}
+
+bool Sheet::below(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm,
+                  double limit_j_mm2) const {
   const auto node = [](double mm) { return static_cast<int>(std::clamp(mm / kCellMm, -1e9, 1e9)); };
   // Widened by the reach of the interpolation.
   const int first_x = node(min_S_mm.x()) - 2;
   const int first_y = node(min_S_mm.y()) - 2;
   const int last_x = node(max_S_mm.x()) + 2;
   const int last_y = node(max_S_mm.y()) + 2;
-  const auto limit = static_cast<float>(kUntouchedDepth * board_.cut_fluence_j_mm2);
+  const auto limit = static_cast<float>(limit_j_mm2);
   const auto touchedIn = [&](int tile_x, int tile_y, const Tile& tile) {
     const int x0 = std::max(first_x - tile_x * kTileNodes, 0);
     const int x1 = std::min(last_x - tile_x * kTileNodes, kTileNodes - 1);
@@ -184,12 +244,10 @@ bool Sheet::untouched(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& ma
   const int tile_y1 = floorDiv(last_y, kTileNodes);
   const double boxes = (tile_x1 - tile_x0 + 1.0) * (tile_y1 - tile_y0 + 1.0);
   if (boxes > static_cast<double>(tiles_.size())) {
-    // A large box: cheaper to look at every tile there is. The answer does not depend on the order.
-    return std::none_of(tile_index_.begin(), tile_index_.end(), [&](const auto& entry) {
-      const auto tile_x = static_cast<int>(static_cast<std::uint32_t>(entry.first >> 32U));
-      const auto tile_y = static_cast<int>(static_cast<std::uint32_t>(entry.first));
-      return tile_x >= tile_x0 && tile_x <= tile_x1 && tile_y >= tile_y0 && tile_y <= tile_y1 &&
-             touchedIn(tile_x, tile_y, tiles_[entry.second]);
+    // A large box: cheaper to look at every tile there is.
+    return std::ranges::none_of(tiles_, [&](const Tile& tile) {
+      return tile.x >= tile_x0 && tile.x <= tile_x1 && tile.y >= tile_y0 && tile.y <= tile_y1 &&
+             touchedIn(tile.x, tile.y, tile);
     });
   }
   for (int tile_y = tile_y0; tile_y <= tile_y1; ++tile_y) {
@@ -252,7 +310,11 @@ Sheet::Tile& Sheet::tileFor(int tile_x, int tile_y) {
   Recent& recent = recent_[static_cast<std::size_t>((tile_x & 3) | (tile_y & 3) << 2)];
   if (!recent.used || recent.key != key) {
     const auto [entry, fresh] = tile_index_.try_emplace(key, tiles_.size());
-    if (fresh) tiles_.emplace_back();
+    if (fresh) {
+      tiles_.emplace_back();
+      tiles_.back().x = tile_x;
+      tiles_.back().y = tile_y;
+    }
     recent = {key, entry->second, true};
   }
   return tiles_[recent.tile];

@@ -11,29 +11,27 @@
 
 #include <Eigen/Core>
 
-namespace kerfbench::twin {
+#include "twin/sheet/bell.h"
+#include "twin/sheet/board_description.h"
+#include "twin/sheet/depth_curve.h"
 
-/// The board and how a CO2 beam eats it.
-struct BoardDescription {
-  double thickness_mm{0.4};
-  /// Energy per area (J/mm²), summed over all passes, at which the board is just cut through. Depth grows
-  /// linearly with it up to there (S3: D = f(P_ua), linear before saturation).
-  double cut_fluence_j_mm2{0.5};
-  double transmission{0.12};        ///< Of the back light through uncut board, 0…1.
-  double print_transmission{0.02};  ///< Through board under a registration mark.
-};
+namespace kerfbench::twin {
 
 /// The beam on the sheet during a short time: an elliptical Gaussian.
 struct Footprint {
   Eigen::Vector2d p_SQ_mm{Eigen::Vector2d::Zero()};  ///< Centre on the web, in S of unit 0.
   double radius_x_mm{0.105};  ///< 1/e² radius along Sx, in (0, 100]; drawn no smaller than 0.031 mm.
   double radius_y_mm{0.105};
+  /// Of the two: an ellipse whose axes are not those of S (oblique incidence at a corner of the field); |.|
+  /// < 1.
+  double correlation{};
 };
 
 /// The web as a map of absorbed energy, sparse: a uniform cubic B-spline whose coefficient (i, j) sits at
 /// p_S = (i, j) * kCellMm. A spot is laid down narrower by the spline's own variance (kCellMm²/3), so that
 /// the smooth surface is the spot: within 2e-4 of the peak for a radius of 0.1 mm, without any filter. The
-/// peak of a line cut at power P and speed v is P/v * sqrt(2/pi) / w for a round spot of radius w.
+/// peak of a line cut at power P and speed F is sqrt(2/pi) P / (F w) for a round spot of radius w: with d = 2
+/// w that is 2 sqrt(2/pi) P_ua of S3.
 ///
 /// Reading is const and safe from any number of threads while nobody burns. Memory: 4 KiB per burnt square of
 /// 0.64 mm, about 10 MB per metre of cut.
@@ -47,7 +45,13 @@ class Sheet {
   explicit Sheet(const BoardDescription& board);
 
   /// The beam moved straight from `from` to `to` while it delivered `energy_j`, evenly. No energy, no burn.
-  /// All of the energy stays on the sheet: the tails beyond 2.4 radii (1e-5) are folded in.
+  /// All of the energy stays on the sheet, to 1e-5.
+  ///
+  /// One bell is laid down for each half radius of the way, with the way's own variance, so a move of up to
+  /// half a radius costs as much as a spot that rests. Instead of many short moves the caller may hand over
+  /// their chord: on a straight line at even power nothing changes but the ends (2e-4 of the peak); a bend of
+  /// radius R shifts the cut inwards by L²/(12 R) for chords of L, 0.02 µm for 10 µm at R = 0.5 mm; power
+  /// that rises within the chord is evened out over it.
   /// @throws std::invalid_argument for values that are not finite, out of range (|p| > 1e6 mm).
   void burn(const Footprint& from, const Footprint& to, double energy_j);
 
@@ -55,9 +59,18 @@ class Sheet {
   [[nodiscard]] double fluenceAt(const Eigen::Vector2d& p_S_mm) const;
   /// Burnt depth over thickness, 0 untouched … 1 cut through.
   [[nodiscard]] double depthAt(const Eigen::Vector2d& p_S_mm) const;
+  /// How far the board is discoloured, 0 not at all … 1 fully: by the fluence that the air has blown here,
+  /// from p_S_mm - scorch.shift_mm. Always 0 for board without scorch.
+  [[nodiscard]] double scorchAt(const Eigen::Vector2d& p_S_mm) const;
   [[nodiscard]] const BoardDescription& board() const { return board_; }
-  /// True if nothing was burnt within the box (deeper than kUntouchedDepth).
+  [[nodiscard]] const DepthCurve& depthCurve() const { return depth_; }
+  /// True if nothing was burnt within the box (deeper than kUntouchedDepth), nor scorched so that a picture
+  /// shows more than that.
   [[nodiscard]] bool untouched(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm) const;
+  /// Where no fluence is higher, board counts as not burnt, and board beside it (by scorch.shift_mm) as not
+  /// scorched.
+  [[nodiscard]] double untouchedFluence_j_mm2() const { return untouched_burn_j_mm2_; }
+  [[nodiscard]] double unscorchedFluence_j_mm2() const { return untouched_scorch_j_mm2_; }
 
   /// Copies the spline's coefficients [column, column + columns) x [row, row + rows), row-major, into `out`
   /// (columns * rows values, J/mm²) and returns the largest: no fluence between them is higher.
@@ -71,6 +84,7 @@ class Sheet {
   static constexpr int kTileNodes = 32;
   struct Tile {
     alignas(16) std::array<float, static_cast<std::size_t>(kTileNodes* kTileNodes)> j_mm2{};
+    int x{}, y{};  ///< Its place, in tiles.
   };
   struct Recent {
     std::uint64_t key{};
@@ -78,17 +92,33 @@ class Sheet {
     bool used{};
   };
 
+  /// Nodes of one row that lie in one tile.
+  struct Span {
+    float* nodes{};
+    int quads{};
+  };
+
   static std::uint64_t keyOf(int tile_x, int tile_y);
   Tile& tileFor(int tile_x, int tile_y);
   [[nodiscard]] const Tile* findTile(int tile_x, int tile_y) const;
-  void deposit(const Footprint& footprint, double energy_j);
+  void lay(const Bell& bell, double energy_j);
+  void add(const Bell& bell, double energy_j);
+  /// Adds the first kRows of `rows` to the spans, `line` nodes below their first row.
+  template <int kRows>
+  void addRows(const SampledBell::Row* rows, std::ptrdiff_t line);
+  /// True if no coefficient that matters within the box is above `limit_j_mm2`.
+  [[nodiscard]] bool below(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm,
+                           double limit_j_mm2) const;
 
   BoardDescription board_;
+  DepthCurve depth_;
+  double untouched_burn_j_mm2_;
+  double untouched_scorch_j_mm2_;
   std::deque<Tile> tiles_;  ///< In order of first touch: sums over it never depend on the hash.
   std::unordered_map<std::uint64_t, std::size_t> tile_index_;
   std::array<Recent, 16> recent_{};  ///< Tiles lately burnt: a cut stays within a few for long.
-  std::vector<float> profile_x_;     ///< Scratch of deposit().
-  std::vector<float> profile_y_;
+  SampledBell sampled_;              ///< Scratch of add().
+  std::vector<Span> spans_;
 };
 
 }  // namespace kerfbench::twin

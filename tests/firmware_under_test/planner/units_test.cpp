@@ -55,6 +55,23 @@ TEST(Strip, AReturnTooSlowForThePitchIsRefused) {
   EXPECT_THAT(why, HasSubstr("200 mm/s is too high"));
 }
 
+TEST(Strip, AReleaseThatDoesNotCheckTheReturnComesLate) {
+  JobParameters job = stripJob();
+  job.jump_speed_mm_s = 250.0;
+  const PlannerFaults unchecked{.return_unchecked = true};
+  const Plan late = planner::plan(test::strip(), test::gantry(), job, unchecked);
+  EXPECT_GT(late.cycle_time_s, job.pitch_mm / job.belt_speed_mm_s);
+  EXPECT_EQ(play(late.program, test::gantry(), job).marks_waited, 4);
+}
+
+TEST(Strip, TheReturnUncheckedIsNoFaultWhereItIsFastEnough) {
+  const Plan checked = planner::plan(test::strip(), test::gantry(), stripJob());
+  const Plan unchecked =
+      planner::plan(test::strip(), test::gantry(), stripJob(), PlannerFaults{.return_unchecked = true});
+  EXPECT_EQ(checked.program.config, unchecked.program.config);
+  EXPECT_EQ(checked.program.ops, unchecked.program.ops);
+}
+
 TEST(Strip, AFieldTooShortForTheCutIsRefused) {
   MachineParameters machine = test::gantry();
   machine.field_max_mm[0] = 660.0;  // 680 mm of travel; the paper asks for 695.7 mm

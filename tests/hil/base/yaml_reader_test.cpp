@@ -101,5 +101,55 @@ TEST_F(YamlReaderTest, RefusesAFileThatExtendsItself) {
   EXPECT_THROW(open("extends: kerfbench_yaml_reader.yaml\n"), ConfigError);
 }
 
+TEST_F(YamlReaderTest, ChecksEachNumberOfAList) {
+  auto file = open("a: [1, 5]\nb: [1, -2]\n");
+  EXPECT_EQ(file.numbers("a", 2, {.min = 0, .max = 5}), (std::vector<double>{1, 5}));
+  EXPECT_EQ(file.numbers("missing", 3, {.min = 1, .max = 5, .fallback = 2.0}),
+            (std::vector<double>{2, 2, 2}));
+  file.numbers("b", 2, {.min = 0, .max = 5});
+  EXPECT_THAT(faultsOf(file), HasSubstr(":2: b: -2 is outside 0 … 5"));
+}
+
+TEST_F(YamlReaderTest, RemembersWhatWasAskedForWithItsRange) {
+  auto file = open("a: 1\nlist:\n  - {x: 1}\n  - {x: 2}\n");
+  EXPECT_TRUE(file.has("a"));
+  file.number("a", {.min = 0, .max = 2});
+  file.section("b").number("c", {.min = 3, .max = 4, .fallback = 3.5});
+  for (auto& element : file.list("list")) element.number("x", {.min = 1, .max = 9});
+  const auto asked = file.asked();
+  ASSERT_EQ(asked.size(), 4U);
+  EXPECT_EQ(asked[0].key, "a");
+  EXPECT_TRUE(asked[0].given);
+  EXPECT_EQ(asked[0].range.value().max, 2.0);
+  EXPECT_EQ(asked[1].key, "b.c");
+  EXPECT_FALSE(asked[1].given);
+  EXPECT_EQ(asked[1].range.value().fallback, 3.5);
+  EXPECT_EQ(asked[2].key, "list");
+  EXPECT_EQ(asked[3].key, "list[].x");
+}
+
+TEST_F(YamlReaderTest, NamesThePlaceOfAKeyInWhicheverFileGivesIt) {
+  const auto base = path_.parent_path() / "kerfbench_yaml_base.yaml";
+  std::ofstream(base) << "a: {b: 1,\n    c: 2}\n";
+  auto file = open("extends: " + base.string() + "\n\na: {b: 3}\n");
+  auto a = file.section("a");
+  a.number("b", {});
+  a.number("c", {});
+  EXPECT_EQ(file.placeOf("a.b"), path_.string() + ":3");
+  EXPECT_EQ(file.placeOf("a.c"), base.string() + ":2");
+  EXPECT_EQ(file.placeOf("a.nothing"), path_.string() + ":3");
+  EXPECT_EQ(file.placeOf("nothing"), path_.string() + ":1");
+}
+
+TEST_F(YamlReaderTest, AKeyThatIsTakenAwayIsAsIfItWereNotThere) {
+  const auto base = path_.parent_path() / "kerfbench_yaml_base.yaml";
+  std::ofstream(base) << "a: 1\nb: {c: 2}\n";
+  auto file = open("extends: " + base.string() + "\na: ~\nb: ~\n");
+  EXPECT_FALSE(file.has("a"));
+  EXPECT_FALSE(file.has("b"));
+  EXPECT_EQ(file.number("a", {.fallback = 9.0}), 9.0);
+  EXPECT_EQ(faultsOf(file), "");
+}
+
 }  // namespace
 }  // namespace kerfbench::hil

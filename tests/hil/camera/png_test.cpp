@@ -4,6 +4,8 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 namespace kerfbench::hil {
 namespace {
@@ -21,11 +23,59 @@ TEST(Png, GivesBackEveryPixel) {
   EXPECT_EQ(back.pixels, image.pixels);
 }
 
+class DeepPng : public testing::TestWithParam<int> {};
+
+TEST_P(DeepPng, GivesBackEveryLevelAndTheDepth) {
+  const int bits = GetParam();
+  std::vector<std::uint16_t> levels;
+  for (int i = 0; i < 64 * 64; ++i) levels.push_back(static_cast<std::uint16_t>(i % (1 << bits)));
+  const GrayImage image = GrayImage::ofLevels(64, 64, bits, levels);
+  const GrayImage back = decodeImage(encodePng(image));
+  EXPECT_EQ(back.bits, bits);
+  EXPECT_EQ(back.width, 64);
+  EXPECT_EQ(back.levels, levels);
+  EXPECT_EQ(back.pixels, image.pixels);
+}
+
+TEST_P(DeepPng, SpansTheWholeRangeForOtherReaders) {
+  const auto white = static_cast<std::uint16_t>((1 << GetParam()) - 1);
+  const auto bytes = encodePng(GrayImage::ofLevels(2, 1, GetParam(), {white, 0}));
+  const cv::Mat mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(mat.type(), CV_16UC1);
+  EXPECT_EQ(mat.at<std::uint16_t>(0, 0), 65535);
+  EXPECT_EQ(mat.at<std::uint16_t>(0, 1), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bits, DeepPng, testing::Values(10, 12));
+
+TEST(Png, ReadsSixteenBitsFromElsewhereAsTwelve) {
+  const cv::Mat mat = (cv::Mat_<std::uint16_t>(1, 2) << 65535, 0x1230);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", mat, bytes);
+  const GrayImage image = decodeImage(bytes);
+  EXPECT_EQ(image.bits, 12);
+  EXPECT_EQ(image.levels, (std::vector<std::uint16_t>{4095, 0x123}));
+}
+
+TEST(GrayImage, TellsGrayInUnitsOfTheEightBitScale) {
+  const GrayImage twelve = GrayImage::ofLevels(3, 1, 12, {16 * 100 + 8, 16 * 100 + 7, 4095});
+  EXPECT_EQ(twelve.gray(0, 0), 100.5);
+  EXPECT_EQ(twelve.gray(2, 0), 256.0 - 1.0 / 16.0);
+  EXPECT_EQ(twelve.pixels, (std::vector<std::uint8_t>{101, 100, 255}));
+  EXPECT_EQ(GrayImage(2, 2, 77).gray(1, 1), 77.0);
+  EXPECT_THROW(GrayImage::ofLevels(1, 1, 10, {1024}), std::invalid_argument);
+  EXPECT_THROW(GrayImage::ofLevels(2, 1, 10, {1}), std::invalid_argument);
+  EXPECT_THROW(GrayImage::ofLevels(1, 1, 11, {1}), std::invalid_argument);
+}
+
 TEST(Png, RefusesWhatIsNoPicture) {
   EXPECT_THROW(encodePng(GrayImage{}), std::invalid_argument);
   GrayImage torn(4, 4);
   torn.pixels.pop_back();
   EXPECT_THROW(encodePng(torn), std::invalid_argument);
+  GrayImage shallow(4, 4);
+  shallow.bits = 10;
+  EXPECT_THROW(encodePng(shallow), std::invalid_argument);
   EXPECT_THROW(decodeImage({}), std::invalid_argument);
   const std::vector<std::uint8_t> noise{1, 2, 3, 4, 5};
   EXPECT_THROW(decodeImage(noise), std::invalid_argument);

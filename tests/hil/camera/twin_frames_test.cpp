@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/twin_frames.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -53,6 +54,52 @@ TEST(TwinFrameSource, GivesTheSameFramesAtAnyNumberOfThreadsAndAnyBatch) {
       }
     }
   }
+}
+
+TwinFrameSource withLink(const twin::FrameLink& link, std::size_t count, int threads = 1) {
+  twin::CameraDescription description = smallCamera(64, 48, 0.5);
+  description.link = link;
+  PrintLayout print;
+  print.pitch_mm = 100.0;
+  return {twin::SpotCamera(description, print, 4.0, 9), exposures(count), threads};
+}
+
+TEST(TwinFrameSource, LosesTheFramesOfTheListAndLeavesAGap) {
+  const std::vector<Frame> frames = readAll(withLink({.dropped = {10, 14, 15, 32}}, 23), 2);
+  ASSERT_EQ(frames.size(), 19U);
+  EXPECT_EQ(frames[0].sequence, 11U);
+  EXPECT_EQ(frames[2].sequence, 13U);
+  EXPECT_EQ(frames[3].sequence, 16U);
+  EXPECT_EQ(frames.back().sequence, 31U);
+}
+
+TEST(TwinFrameSource, LosesFramesAsOftenAsTheLinkSaysTheSameAtAnyNumberOfThreads) {
+  const std::vector<Frame> one = readAll(withLink({.drop_share = 0.3}, 1000), 50);
+  EXPECT_NEAR(static_cast<double>(one.size()), 700.0, 60.0);
+  const std::vector<Frame> two = readAll(withLink({.drop_share = 0.3}, 1000, 2), 7);
+  ASSERT_EQ(two.size(), one.size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(two[i].sequence, one[i].sequence);
+  EXPECT_TRUE(readAll(withLink({.drop_share = 1.0}, 20), 5).empty());
+}
+
+TEST(TwinFrameSource, StampsFramesEarlyAndLateAsTheLinkSays) {
+  const std::vector<Frame> frames =
+      readAll(withLink({.stamp_jitter_s = 2e-5, .late_share = 0.1, .late_s = 5e-4}, 1000), 50);
+  double sum = 0.0, squares = 0.0;
+  int late = 0, punctual = 0;
+  for (const Frame& frame : frames) {
+    const double error_s = frame.start_s - 1e-3 * static_cast<double>(frame.sequence - 10);
+    if (error_s > 2.5e-4) {
+      ++late;
+      continue;
+    }
+    ++punctual;
+    sum += error_s;
+    squares += error_s * error_s;
+  }
+  EXPECT_NEAR(late, 100, 40);
+  EXPECT_NEAR(sum / punctual, 0.0, 3e-6);
+  EXPECT_NEAR(std::sqrt(squares / punctual), 2e-5, 2e-6);
 }
 
 TEST(TwinFrameSource, RefusesExposuresOutOfOrder) {

@@ -50,6 +50,9 @@ RunReport reportOf(const SyntheticRun& run) {
   report.source_id = "avr atmega2560 16 MHz";
   report.repeat_command = "kerfbench run carton-on-belt.yaml --seed 42";
   report.seed = 42;
+  report.model.imperfections = "static";
+  report.model.twin = "reference";
+  report.model.drawn = {{"galvo_x.zero", 4.5e-6, "rad"}, {"belt.roller_radius", -2e-5, "<relative>"}};
   report.virtual_s = 4.25;
   report.versions = {{"kerfbench", "0.1.0"}, {"OpenCV", "4.6.0"}};
   report.limits = run.limits;
@@ -98,9 +101,10 @@ TEST(VerdictJson, HasTheKeysOfItsSchema) {
   const SyntheticRun run;
   const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
   for (const char* key :
-       {"schema_version", "verdict", "exit_code", "summary",          "digest",   "scenario",      "machine",
-        "firmware",       "source",  "seed",      "virtual_s",        "problems", "checks",        "entities",
-        "cuts",           "pulses",  "frames",    "mark_residual_mm", "versions", "repeat_command"}) {
+       {"schema_version", "verdict",        "exit_code", "summary", "digest",    "scenario",
+        "machine",        "firmware",       "source",    "seed",    "virtual_s", "problems",
+        "checks",         "entities",       "cuts",      "pulses",  "frames",    "mark_residual_mm",
+        "versions",       "repeat_command", "model"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json["schema_version"], 1);
@@ -168,6 +172,56 @@ TEST(Digest, ChangesWithAnyMeasurement) {
   b = a;
   ++b.pulses[0].setup_histogram[30];
   EXPECT_NE(digest, digestOf(b));
+}
+
+TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
+  const SyntheticRun run;
+  const RunReport a = reportOf(run);
+  RunReport b = a;
+  b.model.drawn[0].value = 0.1;
+  b.model.lost_steps.push_back({"galvo_x", 1.0, 0.2, "rad", 4});
+  b.model.imperfections = "dynamic";
+  b.model.twin = "fast";
+  EXPECT_EQ(digestOf(a), digestOf(b));
+  EXPECT_NE(verdictJson(a), verdictJson(b));
+}
+
+TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
+  const SyntheticRun run;
+  RunReport report = reportOf(run);
+  EXPECT_EQ(lostStepsSentence(report.model), "");
+  EXPECT_THAT(htmlReport(report), Not(HasSubstr("The machine lost steps")));
+  report.model.lost_steps = {{"galvo_x", 1.25, 0.012345, "rad", 8}, {"galvo_y", 1.5, -0.01, "rad", -4}};
+  const auto json = nlohmann::json::parse(verdictJson(report));
+  EXPECT_EQ(json["verdict"], "PASS");
+  EXPECT_EQ(json["exit_code"], 0);
+  const auto& lost = json["model"]["lost_steps"];
+  ASSERT_EQ(lost.size(), 2U);
+  EXPECT_EQ(lost[0]["axis"], "galvo_x");
+  EXPECT_EQ(lost[0]["time_s"], 1.25);
+  EXPECT_EQ(lost[0]["place"], 0.012345);
+  EXPECT_EQ(lost[1]["full_steps"], -4);
+  const std::string html = htmlReport(report);
+  const auto sentence =
+      html.find("The machine lost steps: galvo_x 8 full steps at 1.250 s (the first of 2 times).");
+  ASSERT_NE(sentence, std::string::npos);
+  EXPECT_LT(sentence, html.find("<h2>Checks"));  // Where nobody misses it.
+  EXPECT_THAT(html,
+              HasSubstr("<td>galvo_y<td class=num>1.50000<td class=num>-0.01<td>rad<td class='num hit'>-4"));
+}
+
+TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
+  RunReport report = reportOf(SyntheticRun());
+  const auto json = nlohmann::json::parse(verdictJson(report));
+  EXPECT_EQ(json["model"]["imperfections"], "static");
+  EXPECT_EQ(json["model"]["twin"], "reference");
+  EXPECT_EQ(json["model"]["drawn"][0]["name"], "galvo_x.zero");
+  EXPECT_EQ(json["model"]["drawn"][0]["value"], 4.5e-6);
+  EXPECT_EQ(json["model"]["drawn"][0]["unit"], "rad");
+  const std::string html = htmlReport(report);
+  EXPECT_THAT(html, HasSubstr("Imperfections <b>static</b>, seed 42, model <b>reference</b>"));
+  EXPECT_THAT(html, HasSubstr("<td>galvo_x.zero<td class=num>4.5e-06<td>rad"));
+  EXPECT_THAT(html, HasSubstr("&lt;relative&gt;"));
 }
 
 TEST(JunitXml, CountsWhatItLists) {

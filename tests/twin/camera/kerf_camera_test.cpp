@@ -123,6 +123,111 @@ TEST(KerfCamera, AWholeKerfHasTheLightOfItsWidth) {
   EXPECT_NEAR(light / columns / std::abs(px_per_mm), expected_mm, 0.02 * expected_mm);
 }
 
+/// Thresholds at a fifth of what cuts; scorches at half of that, half a millimetre away.
+BoardDescription scorchingBoard() {
+  BoardDescription board;
+  board.depth_curve = {{0.2, 0.0}, {0.4, 0.5}, {1.0, 1.0}};
+  board.scorch = {.fluence_j_mm2 = 0.05, .darkening = 0.3, .shift_mm = {0.5, -0.2}};
+  return board;
+}
+
+TEST(KerfCamera, HalfDepthLetsTheSquareRootOfTheLightThroughWhateverTheCurve) {
+  const CameraDescription description = withoutNoise(camera40um());
+  const KerfCamera camera(description, blank(), 1);
+  const PlaneProjection projection(description);
+  BoardDescription board = scorchingBoard();
+  board.scorch = {};
+  for (const double depth : {0.0, 0.25, 0.5, 0.75}) {
+    Sheet sheet{board};
+    // burnPatch() gives a share of the fluence that cuts: 0.4 of it burns half through.
+    burnPatch(sheet, {1.0, 2.0}, sheet.depthCurve().fluenceFor_j_mm2(depth) / board.cut_fluence_j_mm2);
+    const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
+    const Vector2d pixel = *projection.pixelOf({1.0, 2.0});
+    EXPECT_NEAR(image.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())),
+                kOpenKerfGray * std::pow(0.12, 1.0 - depth), 1.0)
+        << depth;
+  }
+}
+
+TEST(KerfCamera, ScorchDarkensBoardAndMarksBesideTheBurn) {
+  const CameraDescription description = withoutNoise(camera40um());
+  PrintLayout print = blank();
+  print.marks = {{{2.5, 1.8}, 1.0}};
+  const KerfCamera camera(description, print, 1);
+  const PlaneProjection projection(description);
+  Sheet sheet{scorchingBoard()};
+  burnPatch(sheet, {1.0, 2.0}, 0.15);  // Below the threshold: scorched, not burnt.
+  const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
+  const auto grayAt = [&](const Vector2d& p_S_mm) {
+    const Vector2d pixel = *projection.pixelOf(p_S_mm);
+    return static_cast<double>(
+        image.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))));
+  };
+  EXPECT_NEAR(grayAt({1.5, 1.8}), 0.7 * kBoardGray, 0.6);
+  EXPECT_NEAR(grayAt({3.3, 1.8}), 0.7 * kBoardGray, 0.6);
+  EXPECT_NEAR(grayAt({-1.2, 1.8}), kBoardGray, 0.6);
+  EXPECT_NEAR(grayAt({3.8, 1.8}), kBoardGray, 0.6);
+  EXPECT_NEAR(grayAt({2.5, 1.8}), 0.7 * 0.02 * kOpenKerfGray, 0.6);
+  // The web was parted after the burning: the scorch stays on its piece, whichever side its cause lay on.
+  const GrayImage piece = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity(), {.min_x_S_mm = 3.2});
+  const auto pieceAt = [&](double x_mm) {
+    const Vector2d pixel = *projection.pixelOf({x_mm, 1.8});
+    return static_cast<double>(
+        piece.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))));
+  };
+  EXPECT_NEAR(pieceAt(3.35), 0.7 * kBoardGray, 0.6);
+  EXPECT_NEAR(pieceAt(1.5), kBoardGray, 0.6);
+}
+
+/// Straight above the table, its rows along the kerf: nothing but the camera itself smooths the kerf's edges.
+CameraDescription squareCamera() {
+  CameraDescription camera = withoutNoise(cameraAbove(1024, 768, 0.04, 0.0));
+  camera.distortion = {};
+  camera.fy_px = camera.fx_px;
+  return camera;
+}
+
+/// Where the kerf lies, mm.
+class ScorchedKerf : public testing::TestWithParam<double> {};
+
+TEST_P(ScorchedKerf, HasTheLightOfItsWidthLessTheScorchOnOneSide) {
+  const CameraDescription description = squareCamera();
+  const KerfCamera camera(description, blank(), 1);
+  const PlaneProjection projection(description);
+  BoardDescription board;
+  board.scorch = {.fluence_j_mm2 = 0.25, .darkening = 0.5, .shift_mm = {0.0, 0.08}};
+  Sheet sheet{board};
+  cut(sheet, {-30.0, GetParam()}, {30.0, GetParam()}, 1.0);
+  const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
+  double expected_mm = 0.0, expected_moment_mm2 = 0.0;
+  for (double y = -0.5; y < 0.5; y += 1e-4) {
+    const auto line = [](double across_mm) {
+      return std::exp(-2.0 * across_mm * across_mm / (0.105 * 0.105));
+    };
+    const double depth = std::min(1.0, 2.0 * line(y));
+    const double scorch = std::min(1.0, 4.0 * line(y - 0.08));
+    const double light = depth < 1.0 ? std::pow(0.12, 1.0 - depth) * (1.0 - 0.5 * scorch) : 1.0;
+    expected_mm += (light - 0.12) * 1e-4;
+    expected_moment_mm2 += (light - 0.12) * y * 1e-4;
+  }
+  ASSERT_LT(expected_moment_mm2 / expected_mm, -0.004);  // A scorch that would not be seen proves nothing.
+  double light = 0.0, moment = 0.0;
+  int columns = 0;
+  for (int x = 300; x < 700; ++x, ++columns) {
+    const double row = projection.pixelOf({projection.planePointOf({x * 1.0, 384.0})->x(), GetParam()})->y();
+    for (int y = static_cast<int>(row) - 25; y < static_cast<int>(row) + 26; ++y) {
+      const double above = (image.at(x, y) - std::round(kBoardGray)) / kOpenKerfGray;
+      light += above;
+      moment += above * (y - row);
+    }
+  }
+  const double px_per_mm = projection.jacobianAt({0.0, GetParam()})(1, 1);
+  EXPECT_NEAR(light / columns / std::abs(px_per_mm), expected_mm, 0.01 * expected_mm);
+  EXPECT_NEAR(moment / light / px_per_mm, expected_moment_mm2 / expected_mm, 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, ScorchedKerf, testing::Values(0.3, 0.307, 0.313, 0.32, 0.329));
+
 TEST(KerfCamera, MarksAreDarkerThanTheBoardAndInPlace) {
   const CameraDescription description = withoutNoise(camera40um());
   PrintLayout print = blank(3);

@@ -17,8 +17,50 @@ ServoDescription servo(double bandwidth_hz, double damping, double feedforward) 
   return result;
 }
 
-MachineDescription common() {
+// Stiffness and damping between motor and load: their resonance against each other, both free.
+void couple(AxisDescription& axis, double load_per_motor_si, double resonance_hz, double damping) {
+  const double w = 2.0 * std::numbers::pi * resonance_hz;
+  const double motor = axis.motor_inertia_kg_m2 / (load_per_motor_si * load_per_motor_si);  // At the load.
+  const double reduced = motor * axis.load_inertia / (motor + axis.load_inertia);
+  axis.stiffness = reduced * w * w;
+  axis.stiffness_damping = 2.0 * damping * reduced * w;
+}
+
+AxisDescription galvo(const ServoDescription& drive) {
   constexpr double kUs = 1e-6;
+  AxisDescription result;
+  result.profile = {"galvo-pul-dir", true, 5 * kUs, 2.5 * kUs, 2.5 * kUs, 2.5 * kUs};
+  result.drive = drive;
+  result.step = kGalvoStepRad;
+  result.motor_inertia_kg_m2 = 3e-7;
+  result.load_inertia = 2e-7;
+  couple(result, 1.0, 6000.0, 0.02);
+  return result;
+}
+
+// A belt over a pulley of 40 mm a turn.
+AxisDescription slide(const ServoDescription& drive, double mass_kg) {
+  constexpr double kUs = 1e-6;
+  AxisDescription result;
+  result.profile = {"DM556", true, 5 * kUs, 10 * kUs, 2.5 * kUs, 2.5 * kUs};
+  result.drive = drive;
+  result.step = kTravelStepMm;
+  result.load_per_motor = 40.0 / (2.0 * std::numbers::pi);
+  result.motor_inertia_kg_m2 = 1e-4;
+  result.load_inertia = mass_kg;
+  couple(result, 1e-3 * result.load_per_motor, 400.0, 0.05);
+  return result;
+}
+
+// Geared one to four on the roller.
+AxisDescription feedOf(const ServoDescription& drive, double roller_inertia_kg_m2) {
+  AxisDescription result = slide(drive, roller_inertia_kg_m2);
+  result.load_per_motor = 0.25;
+  couple(result, result.load_per_motor, 400.0, 0.05);
+  return result;
+}
+
+MachineDescription common() {
   MachineDescription machine;
   constexpr std::array kPortA{Signal::kGalvoXPul,  Signal::kGalvoXDir,  Signal::kGalvoYPul,
                               Signal::kGalvoYDir,  Signal::kGantryXPul, Signal::kGantryXDir,
@@ -27,35 +69,29 @@ MachineDescription common() {
   for (std::uint16_t bit = 0; bit < kPortA.size(); ++bit) machine.signals.assign(kPortA.at(bit), {0, bit});
   for (std::uint16_t bit = 0; bit < kPortC.size(); ++bit) machine.signals.assign(kPortC.at(bit), {2, bit});
   machine.belt.line_servo = servo(20, 1.0, 1.0);
-  machine.belt.feed = {{"DM556", true, 5 * kUs, 10 * kUs, 2.5 * kUs, 2.5 * kUs},
-                       servo(40, 1.0, 1.0),
-                       kTravelStepMm,
-                       machine.belt.roller_inertia_kg_m2};
-  machine.belt.print_mark_sensor_x_mm = -150.0;
-  machine.laser = {100.0, 20e-6};
+  machine.belt.feed = feedOf(servo(40, 1.0, 1.0), machine.belt.roller_inertia_kg_m2);
+  machine.belt.print_mark_sensor.x_mm = -150.0;
+  machine.laser.full_power_w = 100.0;
+  machine.laser.rise_time_s = 20e-6;
   return machine;
 }
 
 }  // namespace
 
 MachineDescription twoMirror() {
-  constexpr double kUs = 1e-6;
   MachineDescription machine = common();
   machine.kind = MachineDescription::Kind::kTwoMirror;
-  machine.throw_mm = 500.0;
-  machine.mirror_spacing_mm = 15.0;
-  machine.galvo_x = machine.galvo_y = {{"galvo-pul-dir", true, 5 * kUs, 2.5 * kUs, 2.5 * kUs, 2.5 * kUs},
-                                       servo(1200, 0.7, 0.0),
-                                       kGalvoStepRad,
-                                       5e-7};
+  machine.head.throw_mm = 500.0;
+  machine.head.mirror_spacing_mm = 15.0;
+  machine.galvo_x = machine.galvo_y = galvo(servo(1200, 0.7, 0.0));
   return machine;
 }
 
 MachineDescription gantry() {
   MachineDescription machine = common();
   machine.kind = MachineDescription::Kind::kGantry;
-  machine.gantry_x = machine.gantry_y = {machine.belt.feed.profile, servo(80, 0.9, 1.0), kTravelStepMm, 12.0};
-  machine.gantry_y.inertia = 3.0;
+  machine.gantry_x = slide(servo(80, 0.9, 1.0), 12.0);
+  machine.gantry_y = slide(servo(80, 0.9, 1.0), 3.0);
   machine.travel_min_mm = {-2.0, -3.0};
   machine.travel_max_mm = {2.0, 3.0};
   return machine;
@@ -63,7 +99,10 @@ MachineDescription gantry() {
 
 WebDescription lineWeb() {
   WebDescription web;
-  web.print = {.units = 3, .pitch_mm = 50.0, .eye_mark_x_mm = 4.0, .eye_mark_length_mm = 4.0, .marks = {}};
+  web.print.units = 3;
+  web.print.pitch_mm = 50.0;
+  web.print.eye_mark_x_mm = 4.0;
+  web.print.eye_mark_length_mm = 4.0;
   web.start_x_mm = -157.0;
   web.belt_speed_mm_s = 60.0;
   return web;

@@ -36,7 +36,8 @@ TEST(TwinMotion, TheSpotTrailsItsPulsesByTheTrackingDelay) {
   Twin twin(machine, lineWeb(), kRate);
   run(twin, pins.events(), 0, ticks(0.045), kQuantum);
   // A pulse counts from 2.5 us after its edge; half a step is the staircase's own mean.
-  const double delay_s = 2.0 * 0.7 / machine.galvo_y.servo.natural_frequency_rad_s;
+  const double delay_s =
+      2.0 * 0.7 / std::get<ServoDescription>(machine.galvo_y.drive).natural_frequency_rad_s;
   const double angle = kGalvoStepRad * ((0.045 - delay_s - 1e-3 - 2.5e-6) / kPeriodS + 0.5);
   EXPECT_NEAR(twin.truth().p_WQ_mm.y(), 500.0 * std::tan(2.0 * angle), 0.5e-3);
 }
@@ -110,7 +111,7 @@ TEST(TwinMotion, ASpotThatRestsBurnsALineOnTheMovingWeb) {
   Twin twin(machine, lineWeb(), kRate);
   run(twin, pins.events(), 0, ticks(0.2), kQuantum);
   // At 10 ms the web's S is at -157 + 0.6 mm, so the beam at W's origin meets x_S = 156.4, and runs to 150.4.
-  const double peak = std::sqrt(2.0 / M_PI) * 100.0 / 60.0 / machine.spot_radius_mm;
+  const double peak = std::sqrt(2.0 / M_PI) * 100.0 / 60.0 / machine.beam.waist_radius_mm;
   EXPECT_NEAR(twin.sheet().fluenceAt({153.4, 0.0}), peak, 1e-3 * peak);
   EXPECT_TRUE(twin.sheet().untouched({156.7, -1.0}, {200.0, 1.0}));
   EXPECT_TRUE(twin.sheet().untouched({100.0, -1.0}, {150.1, 1.0}));
@@ -189,7 +190,7 @@ TEST(TwinMotion, RefusesAMachineThatCannotBe) {
   EXPECT_THROW(Twin(no_feed, fedWeb(), kRate), std::invalid_argument);
   EXPECT_NO_THROW(Twin(no_feed, lineWeb(), kRate));
   auto light_bridge = gantry();
-  light_bridge.gantry_x.inertia = light_bridge.gantry_y.inertia;
+  light_bridge.gantry_x.load_inertia = light_bridge.gantry_y.load_inertia;
   EXPECT_THROW(Twin(light_bridge, lineWeb(), kRate), std::invalid_argument);
   auto blind = twoMirror();
   blind.spot_camera.frame_period_s = 1e-6;

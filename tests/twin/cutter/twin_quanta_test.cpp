@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The twin's state depends on the pin events alone, bit by bit.
+// The twin's state depends on description, seed and pin events alone, bit by bit.
 #include <algorithm>
 #include <cmath>
+
+#include <bit>
+#include <cstdint>
+#include <span>
 
 #include <gtest/gtest.h>
 
 #include "tests/twin/cutter/machines.h"
 #include "twin/base/random.h"
+#include "twin/cutter/imperfections.h"
 
 namespace kerfbench::twin {
 namespace {
@@ -49,7 +54,21 @@ std::vector<PinEvent> jog(const MachineDescription& machine) {
   return pins.events();
 }
 
+// FNV-1a over the bytes of numbers.
+class Digest {
+ public:
+  void add(std::uint64_t bits) {
+    for (int i = 0; i < 8; ++i) value_ = (value_ ^ (bits >> (8 * i) & 0xffU)) * 0x100000001b3ULL;
+  }
+  void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_{0xcbf29ce484222325ULL};
+};
+
 struct Outcome {
+  std::uint64_t sensors{};  ///< Digest of all edges; of no meaning without prediction.
   Twin::Truth truth;
   std::vector<float> nodes;
   std::vector<Exposure> exposures;
@@ -58,14 +77,20 @@ struct Outcome {
 };
 
 Outcome outcome(const MachineDescription& machine, const WebDescription& web,
-                const std::vector<PinEvent>& events, Tick quantum, bool predict) {
-  Twin twin(machine, web, kRate);
+                const std::vector<PinEvent>& events, Tick quantum, bool predict, const TwinOptions& options) {
+  Twin twin(machine, web, kRate, options);
   Outcome result;
-  const auto collect = [&](Tick, Tick, const std::vector<SensorEdge>&) {
+  Digest sensors;
+  const auto collect = [&](Tick, Tick, const std::vector<SensorEdge>& edges) {
+    for (const SensorEdge& e : edges) {
+      sensors.add(e.tick);
+      sensors.add(static_cast<std::uint64_t>(e.signal) << 1U | (e.level ? 1U : 0U));
+    }
     for (Exposure& e : twin.takeExposures()) result.exposures.push_back(std::move(e));
   };
   run(twin, events, 0, ticks(kEndS), quantum, predict ? QuantumFn(collect) : QuantumFn());
   collect(0, 0, {});
+  result.sensors = sensors.value();
   result.truth = twin.truth();
   constexpr int kColumns = 1200;
   constexpr int kRows = 1200;
@@ -109,33 +134,69 @@ struct Setup {
   const char* name;
   MachineDescription (*machine)();
   WebDescription (*web)();
+  Fidelity fidelity;
+  Preset preset;
 };
 
-class TwinQuanta : public testing::TestWithParam<Setup> {};
+class TwinQuanta : public testing::TestWithParam<Setup> {
+ protected:
+  [[nodiscard]] MachineDescription drawn(std::uint64_t seed) const {
+    MachineDescription machine = drawImperfections(GetParam().machine(), {}, GetParam().preset, seed).machine;
+    machine.signals.assign(Signal::kPowerMonitor, {4, 0});
+    return machine;
+  }
+  const WebDescription web = GetParam().web();
+  const std::vector<PinEvent> events = jog(GetParam().machine());
+};
 
 TEST_P(TwinQuanta, TheEndIsTheSameBitByBitForAnyQuantaWithAndWithoutPrediction) {
-  const auto machine = GetParam().machine();
-  const auto web = GetParam().web();
-  const auto events = jog(machine);
-  const Outcome reference = outcome(machine, web, events, ticks(500e-6), false);
+  const auto machine = drawn(1);
+  const TwinOptions options{.fidelity = GetParam().fidelity, .seed = 1};
+  const Outcome reference = outcome(machine, web, events, ticks(500e-6), false, options);
   EXPECT_GT(reference.truth.emitted_j, 1.0);
   EXPECT_GT(*std::ranges::max_element(reference.nodes), 0.1F);
   EXPECT_EQ(reference.exposures.size(), 60U);
   EXPECT_GT(reference.timing[0].pulses, 500U);
   EXPECT_GT(reference.timing[0].first_violation_s, 0.0);
-  for (const Tick quantum : {ticks(100e-6), ticks(500e-6), ticks(1e-3), Tick{1237}, ticks(kEndS)}) {
-    for (const bool predict : {false, true}) {
-      SCOPED_TRACE(testing::Message() << quantum << " ticks, prediction " << predict);
-      expectSame(outcome(machine, web, events, quantum, predict), reference);
-    }
+  for (const auto& [quantum, predict] : {std::pair(ticks(100e-6), true),
+                                         {ticks(500e-6), true},
+                                         {ticks(1e-3), false},
+                                         {Tick{1237}, true},
+                                         {ticks(kEndS), false},
+                                         {ticks(kEndS), true}}) {
+    SCOPED_TRACE(testing::Message() << quantum << " ticks, prediction " << predict);
+    expectSame(outcome(machine, web, events, quantum, predict, options), reference);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, TwinQuanta,
-                         testing::Values(Setup{"MirrorsOnLine", twoMirror, lineWeb},
-                                         Setup{"MirrorsFed", twoMirror, fedWeb},
-                                         Setup{"GantryOnLine", gantry, lineWeb}),
-                         [](const auto& test) { return std::string(test.param.name); });
+TEST_P(TwinQuanta, TheSameSeedGivesTheSameBytesAndSensorsEachTimeAndAnotherSeedDoesNot) {
+  const auto run = [&](std::uint64_t seed) {
+    return outcome(drawn(seed), web, events, ticks(500e-6), true,
+                   {.fidelity = GetParam().fidelity, .seed = seed});
+  };
+  const Outcome first = run(5);
+  for (int i = 0; i < 2; ++i) {
+    const Outcome again = run(5);
+    expectSame(again, first);
+    EXPECT_EQ(again.sensors, first.sensors);
+  }
+  const Outcome other = run(6);
+  const bool ideal = GetParam().preset == Preset::kIdeal;
+  // Nothing is drawn for an ideal machine, and nothing of it is noise.
+  EXPECT_EQ(other.sensors == first.sensors, ideal);
+  EXPECT_EQ(other.truth.emitted_j == first.truth.emitted_j, ideal);
+  EXPECT_EQ(other.nodes == first.nodes, ideal);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Machines, TwinQuanta,
+    testing::Values(Setup{"MirrorsOnLine", twoMirror, lineWeb, Fidelity::kReference, Preset::kIdeal},
+                    Setup{"MirrorsOnLineDrawn", twoMirror, lineWeb, Fidelity::kReference, Preset::kDynamic},
+                    Setup{"MirrorsOnLineFast", twoMirror, lineWeb, Fidelity::kFast, Preset::kDynamic},
+                    Setup{"MirrorsFedFast", twoMirror, fedWeb, Fidelity::kFast, Preset::kIdeal},
+                    Setup{"GantryOnLine", gantry, lineWeb, Fidelity::kReference, Preset::kIdeal},
+                    Setup{"GantryOnLineFast", gantry, lineWeb, Fidelity::kFast, Preset::kDynamic}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace kerfbench::twin

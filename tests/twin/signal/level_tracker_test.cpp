@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "twin/base/random.h"
+#include "twin/signal/high_intervals.h"
 
 namespace kerfbench::twin {
 namespace {
@@ -56,23 +57,39 @@ TEST(LevelTracker, ItsMeanIsTheShareOfHighTimeForAnyChanges) {
   }
 }
 
-TEST(LevelTracker, ListsTheIntervalsInWhichThePinWasHigh) {
+TEST(LevelTracker, KnowsWhenThePinChangesNext) {
   LevelTracker tracker;
-  tracker.set(0.5, false);
+  EXPECT_TRUE(std::isinf(tracker.nextChange_s()));
   tracker.set(1.0, true);
-  tracker.set(1.2, true);
+  tracker.set(1.5, true);
   tracker.set(2.0, false);
-  tracker.set(2.5, false);
-  tracker.set(3.0, true);
-  EXPECT_EQ(tracker.highIntervals(4.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 4.0}}));
-  tracker.set(5.0, false);
-  EXPECT_EQ(tracker.highIntervals(9.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 5.0}}));
+  EXPECT_EQ(tracker.nextChange_s(), 1.0);
+  (void)tracker.meanOver(0.0, 1.0);
+  EXPECT_EQ(tracker.nextChange_s(), 1.0);
+  (void)tracker.meanOver(1.0, 1.25);
+  EXPECT_EQ(tracker.nextChange_s(), 2.0);
+  (void)tracker.meanOver(1.25, 4.0);
+  EXPECT_TRUE(std::isinf(tracker.nextChange_s()));
+  tracker.set(5.0, true);
+  EXPECT_EQ(tracker.nextChange_s(), 5.0);
+}
+
+TEST(HighIntervals, AreThoseInWhichThePinWasHigh) {
+  HighIntervals intervals;
+  intervals.set(0.5, false);
+  intervals.set(1.0, true);
+  intervals.set(1.2, true);
+  intervals.set(2.0, false);
+  intervals.set(2.5, false);
+  intervals.set(3.0, true);
+  EXPECT_EQ(intervals.until(4.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 4.0}}));
+  intervals.set(5.0, false);
+  EXPECT_EQ(intervals.until(9.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 5.0}}));
 }
 
 TEST(LevelTracker, IsLowUntilItIsTold) {
   LevelTracker tracker;
   EXPECT_EQ(tracker.meanOver(0.0, 1.0), 0.0);
-  EXPECT_TRUE(tracker.highIntervals(1.0).empty());
 }
 
 }  // namespace

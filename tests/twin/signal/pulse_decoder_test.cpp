@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "twin/base/pin_event.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::twin {
@@ -102,6 +103,30 @@ TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsNoViolation) {
   wires.dir(100, true).pulse(105, 2.5).pulse(110, 2.5).dir(120, false).pulse(125, 2.5);
   EXPECT_EQ(wires.directions(), (Directions{1, 1, -1}));
   EXPECT_EQ(wires.violations(), 0U);
+}
+
+TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsNoViolationAfterADayEither) {
+  // Ticks of 62.5 ns: width 2.5 us, space 2.5 us, set-up 5 us and hold 10 us are whole numbers of them.
+  PulseDecoder decoder("axis", dm556());
+  std::vector<StepEdge> steps;
+  const TickRate rate{1, 16'000'000};
+  Tick tick = 86'400ULL * 16'000'000ULL + 7;
+  const auto set = [&](Tick after, bool pul, bool dir) {
+    tick += after;
+    decoder.levels(rate.seconds(tick), pul, dir, steps);
+  };
+  bool dir = false;
+  for (int i = 0; i < 5000; ++i) {
+    set(120, false, dir = !dir);  // Hold: 40 + 120 ticks.
+    set(80, true, dir);
+    set(40, false, dir);
+    set(40, true, dir);
+    set(40, false, dir);
+    tick += static_cast<Tick>(i % 13);
+  }
+  const PulseTiming& t = decoder.timing();
+  EXPECT_EQ(t.setup_violations + t.hold_violations + t.width_violations + t.space_violations, 0U);
+  EXPECT_EQ(steps.size(), 10000U);
 }
 
 TEST(PulseDecoder, AGlitchOfDirWithinTheSetupTimeIsCountedButTheDriveStillKnowsTheLevelBefore) {

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "hil/app/case.h"
+#include "hil/app/commands.h"
+#include "hil/app/console.h"
+#include "hil/app/dialogs.h"
+#include "hil/app/lockstep.h"
+#include "hil/app/machine_check.h"
+#include "hil/app/machine_film.h"
+#include "hil/app/machine_pictures.h"
+#include "hil/app/release.h"
+#include "hil/base/atomic_file.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/scene/picture.h"
+#include "twin/machine/divergence.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+void complain(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+
+PictureOptions pictureOptions(const ShowOptions& options) {
+  PictureOptions picture;
+  picture.width_px = options.width_px;
+  picture.height_px = options.height_px;
+  picture.view = options.view == "head"    ? SceneView::kHead
+                 : options.view == "sheet" ? SceneView::kSheet
+                                           : SceneView::kOverall;
+  return picture;
+}
+
+void save(const twin::Scene& scene, const PictureOptions& picture, const fs::path& path) {
+  const auto png = renderPng(scene, picture);
+  writeFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+  std::fputs((path.string() + "\n").c_str(), stdout);
+}
+
+// At rest, with a plain sheet as large as the field.
+twin::Scene atRest(const twin::MachineDescription& machine) {
+  const auto& told = machine.controller;
+  twin::SceneContent content;
+  content.unit_S_mm = Eigen::AlignedBox2d(Eigen::Vector2d(told.field_min_mm[0], told.field_min_mm[1]),
+                                          Eigen::Vector2d(told.field_max_mm[0], told.field_max_mm[1]));
+  return twin::sceneOf(machine, twin::WebDescription{}, twin::MachinePose{}, content);
+}
+
+int showAtRest(const ShowOptions& options) {
+  const MachineFile file = readMachineFile(options.machine);
+  refuseUnfit(file);
+  const twin::MachineDescription& machine = file.machine;
+  PictureOptions picture = pictureOptions(options);
+  picture.caption = machine.name + "  at rest";
+  save(atRest(machine), picture, options.out.empty() ? fs::path(machine.name + ".png") : options.out);
+  return 0;
+}
+
+// The name for one of several times.
+fs::path nameAt(const fs::path& out, double time_s, bool several) {
+  if (!several) return out;
+  return out.parent_path() /
+         fmt::format("{}-{:.4f}s{}", out.stem().string(), time_s, out.extension().string());
+}
+
+MachineFilm filmed(const Case& the_case, const twin::MachineDescription& machine,
+                   const ShowOptions& options) {
+  const Scenario& scenario = the_case.scenario;
+  Console console(options.quiet);
+  PreparedJob job = prepareJob(the_case);
+  console.say(fmt::format("{}: {}", scenario.name, job.summary));
+  const auto source = openRelease(scenario.firmware, options.bin_dir);
+  twin::TwinOptions twin_options;
+  twin_options.fidelity = twin::Fidelity::kFast;
+  twin_options.seed = scenario.seed;
+  twin_options.record_exposures = false;
+  twin::Twin twin(machine, webOf(the_case), source->info().rate, twin_options);
+  MachineFilm film(machine.laser.full_power_w);
+  FilmedSource filmed_source(*source, twin, film);
+  LockstepOptions lockstep;
+  lockstep.time_limit_s = scenario.time_limit_s;
+  const bool to_the_end = options.at_s.empty();
+  if (!to_the_end) {
+    lockstep.time_limit_s =
+        std::min(lockstep.time_limit_s, std::ranges::max(options.at_s) + lockstep.quantum_s);
+  }
+  const LockstepResult run =
+      runLockstep(filmed_source, twin, machine.signals, job.dialog.get(), lockstep,
+                  [&](double now_s, const std::string& what) { console.progress(now_s, what); });
+  film.add(twin);
+  // Where the last time asked for ends the run, the job is not done, and that is no fault.
+  const bool cut_short = !to_the_end && film.end_s() + 1e-9 >= std::ranges::max(options.at_s);
+  if (!cut_short) {
+    for (const std::string& problem : run.problems) complain(fmt::format("{}: {}", scenario.name, problem));
+  }
+  return film;
+}
+
+int showScenario(const ShowOptions& options) {
+  Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+  if (!options.machine.empty() &&
+      fs::weakly_canonical(options.machine) != fs::weakly_canonical(the_case.scenario.machine)) {
+    complain(fmt::format("show: {} runs on {}, not on {}", options.scenario.string(),
+                         the_case.scenario.machine.string(), options.machine.string()));
+    return kExitUsage;
+  }
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  const MachineFilm film = filmed(the_case, drawn.machine, options);
+  std::vector<double> times_s = options.at_s;
+  if (times_s.empty()) times_s.push_back(film.middleOfLongestCut_s());
+  const fs::path out = options.out.empty() ? fs::path(the_case.scenario.name + ".png") : options.out;
+  for (const double time_s : times_s) {
+    if (time_s > film.end_s() + 1e-9) {
+      complain(fmt::format("show: the run ended at {:.4f} s; shown is its end instead of {:g} s",
+                           film.end_s(), time_s));
+    }
+    save(film.sceneAt(time_s, drawn.machine, webOf(the_case), unitOf(the_case.dieline)),
+         pictureOptions(options), nameAt(out, time_s, times_s.size() > 1));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int showCommand(const ShowOptions& options) {
+  if (options.machine.empty() && options.scenario.empty()) {
+    complain("show: name a machine, or --scenario (show --help)");
+    return kExitUsage;
+  }
+  if (!std::ranges::all_of(options.at_s, [](double time_s) { return std::isfinite(time_s); })) {
+    complain("show: --at takes seconds");
+    return kExitUsage;
+  }
+  if (!povrayFound()) {
+    complain("show: pictures need POV-Ray: install it (apt-get install povray)");
+    return kExitBroken;
+  }
+  try {
+    return options.scenario.empty() ? showAtRest(options) : showScenario(options);
+  } catch (const ConfigError& e) {
+    complain(e.what());
+  } catch (const DielineError& e) {
+    complain(e.what());
+  } catch (const planner::PlanError& e) {
+    complain(fmt::format("the job cannot be planned: {}", e.what()));
+  } catch (const InputFault& e) {
+    complain(e.what());
+  } catch (const PictureError& e) {
+    complain(fmt::format("show: {}", e.what()));
+    return kExitBroken;
+  } catch (const twin::DivergenceError& e) {
+    complain(fmt::format("show: {}", e.what()));
+    return kExitBroken;
+  }
+  return kExitInput;
+}
+
+}  // namespace kerfbench::hil

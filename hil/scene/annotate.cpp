@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/scene/annotate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "hil/scene/povray.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+const cv::Scalar kInk(40, 32, 28);
+const cv::Scalar kPaper(250, 248, 246);
+
+cv::Mat decode(const std::vector<std::uint8_t>& png) {
+  cv::Mat picture;
+  try {
+    picture = cv::imdecode(png, cv::IMREAD_COLOR);
+  } catch (const cv::Exception&) {
+    picture.release();
+  }
+  if (picture.empty()) throw PictureError("POV-Ray's picture cannot be read");
+  return picture;
+}
+
+// Dark on a light rim: readable on belt and floor alike.
+void write(cv::Mat& picture, const std::string& text, const cv::Point& at, double scale) {
+  const int thick = std::max(1, static_cast<int>(std::lround(2.0 * scale)));
+  cv::putText(picture, text, at, kFont, scale, kPaper, thick + (scale < 0.5 ? 2 : 3), cv::LINE_AA);
+  cv::putText(picture, text, at, kFont, scale, kInk, thick, cv::LINE_AA);
+}
+
+cv::Size sizeOf(const std::string& text, double scale) {
+  int baseline = 0;
+  return cv::getTextSize(text, kFont, scale, 1, &baseline);
+}
+
+void writeLabels(cv::Mat& picture, const std::vector<twin::SceneLabel>& labels, const Viewpoint& view,
+                 double scale) {
+  for (const twin::SceneLabel& label : labels) {
+    const auto place = view.project(label.p_W_mm);
+    if (!place || place->x() < 0 || place->y() < 0 || place->x() >= picture.cols ||
+        place->y() >= picture.rows) {
+      continue;
+    }
+    const cv::Size size = sizeOf(label.text, scale);
+    // A single letter is centred on its place; a longer text begins beside it.
+    const int left = static_cast<int>(std::lround(place->x())) +
+                     (label.text.size() > 1 ? size.height / 2 : -size.width / 2);
+    write(picture, label.text, {left, static_cast<int>(std::lround(place->y())) + size.height / 2}, scale);
+  }
+}
+
+void setIn(cv::Mat& picture, const Inset& inset, double scale) {
+  if (inset.png.empty()) return;
+  cv::Mat small = decode(inset.png);
+  if (inset.view) writeLabels(small, inset.labels, *inset.view, 0.8 * scale);
+  const int margin = std::max(4, picture.cols / 80);
+  const cv::Rect place(picture.cols - small.cols - margin, margin, small.cols, small.rows);
+  small.copyTo(picture(place));
+  cv::rectangle(picture, place, kPaper, 3, cv::LINE_8);
+  cv::rectangle(picture, place, kInk, 1, cv::LINE_8);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
+                                   const std::vector<twin::SceneLabel>& labels, const Viewpoint& view,
+                                   const std::string& caption, const Inset& inset) {
+  cv::Mat picture = decode(png);
+  const double scale = std::clamp(picture.cols / 1900.0, 0.35, 1.6);
+  writeLabels(picture, labels, view, scale);
+  setIn(picture, inset, scale);
+  write(picture, caption, {static_cast<int>(14 * scale) + 6, picture.rows - static_cast<int>(12 * scale) - 6},
+        scale);
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9})) {
+    throw PictureError("OpenCV refuses to encode the picture");
+  }
+  return bytes;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/scene/povray.h"
+#include "hil/scene/view.h"
+#include "twin/cutter/scene.h"
+
+namespace kerfbench::hil {
+
+/// Which part of the machine a picture shows.
+enum class SceneView {
+  kOverall,  ///< All of it.
+  kHead,     ///< Mirrors and motors of the head, or the carriage of a gantry.
+  kSheet,    ///< The board from above, without what hangs over it.
+};
+
+struct PictureOptions {
+  SceneView view{SceneView::kOverall};
+  int width_px{1280};   ///< 64 … 8192
+  int height_px{800};   ///< 64 … 8192
+  bool inset{true};     ///< The head, small, in a corner of kOverall.
+  std::string caption;  ///< Along the lower edge; ASCII. Empty: machine and time.
+  std::filesystem::path povray{"povray"};
+};
+
+/// From where a picture is taken. `inset`: kOverall leaves room for it.
+Viewpoint viewpointOf(const twin::Scene& scene, SceneView view, int width_px, int height_px,
+                      bool inset = false);
+
+/// A ray-traced picture as a PNG file's bytes: the same for the same scene and options, whatever the host's
+/// settings (one version of POV-Ray and OpenCV assumed).
+/// @throws PictureError without POV-Ray, when it fails, or for a size out of range.
+std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptions& options);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "twin/cutter/scene.h"
+
+namespace kerfbench::hil {
+
+/// Settings, materials and the rounded box, in POV-Ray's language.
+extern const char* const kPovMaterials;
+
+/// What a material is called there.
+const char* materialName(twin::Material material);
+
+}  // namespace kerfbench::hil

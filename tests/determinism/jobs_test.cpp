@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The number of threads changes nothing that is measured or judged.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hil/app/case.h"
+#include "hil/app/dialogs.h"
+#include "hil/app/judge.h"
+#include "hil/app/lockstep.h"
+#include "hil/app/release.h"
+#include "hil/report/run_report.h"
+
+namespace kerfbench::determinism {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A label on the fast twin with all its imperfections, run once and played again for each judgement.
+class LabelRun {
+ public:
+  LabelRun() : case_(readLabel()), machine_(hil::drawnMachine(case_).machine) {
+    hil::PreparedJob job = hil::prepareJob(case_);
+    const auto source = hil::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
+    rate_ = source->info().rate;
+    twin::Twin twin = newTwin();
+    run_ = hil::runLockstep(*source, twin, machine_.signals, job.dialog.get(), {}, {});
+  }
+
+  [[nodiscard]] const std::vector<std::string>& problems() const { return run_.problems; }
+  [[nodiscard]] hil::RunReport judged(int jobs) const {
+    twin::Twin twin = newTwin();
+    twin.advance(run_.recording.end, run_.recording.outputs);
+    hil::Stopwatch stopwatch;
+    hil::RunReport report;
+    hil::judge(
+        case_, twin, {}, jobs, stopwatch, [](double, const std::string&) {}, report);
+    return report;
+  }
+
+ private:
+  static hil::Case readLabel() {
+    hil::Case label =
+        hil::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/label-on-belt.yaml",
+                      fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    label.scenario.fidelity = twin::Fidelity::kFast;
+    label.scenario.imperfections = twin::Preset::kDynamic;
+    return label;
+  }
+  [[nodiscard]] twin::Twin newTwin() const {
+    return {machine_,
+            hil::webOf(case_),
+            rate_,
+            {.fidelity = case_.scenario.fidelity, .seed = case_.scenario.seed}};
+  }
+
+  hil::Case case_;
+  twin::MachineDescription machine_;
+  TickRate rate_;
+  hil::LockstepResult run_;
+};
+
+TEST(Jobs, OneTwoAndSevenThreadsMeasureAndJudgeTheSame) {
+  const LabelRun label;
+  ASSERT_TRUE(label.problems().empty()) << label.problems().front();
+  const hil::RunReport one = label.judged(1);
+  ASSERT_FALSE(one.result.checks.empty());
+  for (const int jobs : {2, 7}) {
+    const hil::RunReport many = label.judged(jobs);
+    EXPECT_EQ(hil::digestOf(many), hil::digestOf(one)) << jobs << " threads";
+  }
+}
+
+}  // namespace
+}  // namespace kerfbench::determinism

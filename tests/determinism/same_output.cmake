@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+# Fails unless the programs FIRST and SECOND end well and print the same, and something at all.
+foreach(program IN ITEMS FIRST SECOND)
+  execute_process(COMMAND ${${program}} OUTPUT_VARIABLE text_${program} RESULT_VARIABLE code)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${${program}} ends with ${code}")
+  endif()
+endforeach()
+string(LENGTH "${text_FIRST}" length)
+if(length LESS 100)
+  message(FATAL_ERROR "${FIRST} prints next to nothing")
+endif()
+if(NOT text_FIRST STREQUAL text_SECOND)
+  message(FATAL_ERROR "The two builds compute different bytes.\n${FIRST}:\n${text_FIRST}\n${SECOND}:\n${text_SECOND}")
+endif()
+message("${text_FIRST}")

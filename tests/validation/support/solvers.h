@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "twin/cutter/fidelity.h"
+#include "twin/machine/solver.h"
+
+namespace kerfbench::validation {
+
+/// The solver of a fidelity, as the machine would have it.
+std::unique_ptr<twin::Solver> solverOf(std::shared_ptr<const twin::Mechanism> mechanism, double step_s,
+                                       twin::Fidelity fidelity);
+
+/// "reference", "fast".
+std::string nameOf(twin::Fidelity fidelity);
+
+}  // namespace kerfbench::validation

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace kerfbench::validation {
+
+/// An axis of a plot; low == high: fitted to the data.
+struct PlotAxis {
+  std::string label;
+  bool log{false};
+  double low{}, high{};
+};
+
+struct PlotLine {
+  std::string name;
+  std::vector<Eigen::Vector2d> points;  ///< A point that is not finite breaks the line.
+  bool line{true};
+  bool dots{false};
+};
+
+struct PlotLimit {
+  double value{};  ///< On the y axis.
+  std::string name;
+};
+
+/// Curves over an axis.
+struct LinePlot {
+  std::string title;
+  PlotAxis x, y;
+  std::vector<PlotLine> lines;
+  std::vector<PlotLimit> limits{};
+  bool equal_scales{false};  ///< One unit is as long along y as along x: a picture of a path.
+};
+
+/// A field of numbered cells, coloured from good (limit or less) to bad.
+struct CellPlot {
+  std::string title, x_label, y_label;
+  std::vector<std::string> columns, rows;
+  std::vector<std::vector<double>> value;      ///< [row][column]
+  std::vector<std::vector<std::string>> text;  ///< What stands in the cell.
+  double limit{};                              ///< Cells above it are drawn in red tones.
+};
+
+/// A whole SVG document, the same bytes for the same plot.
+std::string drawn(const LinePlot& plot);
+std::string drawn(const CellPlot& plot);
+
+}  // namespace kerfbench::validation

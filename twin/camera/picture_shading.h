@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "twin/camera/camera.h"
+
+namespace kerfbench::twin {
+
+/// What lamp, lens and sensor do to whole pictures of light: uneven light and hot pixels.
+class PictureShading {
+ public:
+  explicit PictureShading(const CameraDescription& camera);
+
+  struct HotPixel {
+    int x{}, y{};
+    float gray{};  ///< What it adds.
+  };
+
+  /// True if light is the same all over the picture.
+  [[nodiscard]] bool even() const { return !lamp_ && !lens_; }
+  /// On a whole picture of light that the lamp throws: board and print, not the glowing spot.
+  void shadeByLamp(std::span<float> picture) const;
+  /// On a whole picture of all light.
+  void shadeByLens(std::span<float> picture) const;
+  /// Comes last, on a whole picture.
+  void addHotPixels(std::span<float> picture) const;
+  /// In order of row and column, each once.
+  [[nodiscard]] const std::vector<HotPixel>& hotPixels() const { return hot_; }
+
+ private:
+  int width_, height_;
+  UnevenLight light_;
+  bool lamp_, lens_;
+  std::vector<HotPixel> hot_;
+};
+
+}  // namespace kerfbench::twin

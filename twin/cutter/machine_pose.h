@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace kerfbench::twin {
+
+/// Where everything of a machine is at one moment, in W.
+struct MachinePose {
+  double time_s{};
+  double roller_mm{};       ///< Roller angle times radius: what the encoder sees.
+  double belt_travel_mm{};  ///< Of the belt's surface since t = 0.
+  Eigen::Vector2d sheet_slip_mm{Eigen::Vector2d::Zero()};  ///< Of the sheet on the belt.
+  Eigen::Vector2d frame_mm{
+      Eigen::Vector2d::Zero()};  ///< Displacement of the frame, and with it of head and gantry.
+  Eigen::Vector2d gantry_mm{Eigen::Vector2d::Zero()};  ///< On the frame; zero without a gantry.
+  Eigen::Vector2d mirror_rad{
+      Eigen::Vector2d::Zero()};  ///< Mechanical angles of X and Y mirror from rest; zero without.
+};
+
+}  // namespace kerfbench::twin

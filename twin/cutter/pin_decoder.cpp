@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "twin/cutter/pin_decoder.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <tuple>
+
+namespace kerfbench::twin {
+namespace {
+
+struct AxisSignals {
+  Axis axis;
+  Signal pul, dir;
+};
+constexpr std::array<AxisSignals, kAxisCount> kAxes{{
+    {Axis::kGalvoX, Signal::kGalvoXPul, Signal::kGalvoXDir},
+    {Axis::kGalvoY, Signal::kGalvoYPul, Signal::kGalvoYDir},
+    {Axis::kGantryX, Signal::kGantryXPul, Signal::kGantryXDir},
+    {Axis::kGantryY, Signal::kGantryYPul, Signal::kGantryYDir},
+    {Axis::kFeed, Signal::kFeedPul, Signal::kFeedDir},
+}};
+
+bool isFitted(const MachineDescription& machine, const WebDescription& web, Axis axis) {
+  if (axis == Axis::kFeed) return web.fed_by_controller;
+  const bool of_gantry = axis == Axis::kGantryX || axis == Axis::kGantryY;
+  return of_gantry == (machine.kind == MachineDescription::Kind::kGantry);
+}
+
+}  // namespace
+
+PinDecoder::Wire PinDecoder::wire(const SignalMap& map, Signal signal) {
+  const auto pin = map.pin(signal);
+  return pin ? Wire{pin->port, static_cast<std::uint16_t>(1U << pin->bit)} : Wire{};
+}
+
+PinDecoder::PinDecoder(const MachineDescription& machine, const WebDescription& web, TickRate rate)
+    : rate_(rate),
+      gate_wire_(wire(machine.signals, Signal::kLaserGate)),
+      pwm_wire_(wire(machine.signals, Signal::kLaserPwm)) {
+  if (pwm_wire_.mask == 0) pwm_.set(-std::numeric_limits<double>::max(), true);
+  for (const auto& [axis, pul, dir] : kAxes) {
+    const bool wired = machine.signals.pin(pul) && machine.signals.pin(dir);
+    if (!wired || !isFitted(machine, web, axis)) continue;
+    inputs_.push_back({axis, wire(machine.signals, pul), wire(machine.signals, dir),
+                       PulseDecoder(nameOf(axis), axisOf(machine, axis).profile)});
+  }
+  std::uint16_t last_port = 0;
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
+    last_port = std::max(last_port, wire(machine.signals, static_cast<Signal>(i)).port);
+  }
+  ports_.assign(static_cast<std::size_t>(last_port) + 1, 0);
+}
+
+void PinDecoder::decode(const PinEvent& event, MachineModel& model) {
+  if (event.port >= ports_.size()) return;  // A port without any of the machine's signals.
+  const auto changed = static_cast<std::uint16_t>(ports_[event.port] ^ event.level);
+  if (changed == 0) return;
+  ports_[event.port] = event.level;
+  const double time_s = rate_.seconds(event.tick);
+  const auto moved = [&](Wire wire) { return wire.port == event.port && (wire.mask & changed) != 0; };
+  for (Input& input : inputs_) {
+    if (!moved(input.pul) && !moved(input.dir)) continue;
+    input.decoder.levels(time_s, high(input.pul), high(input.dir), model.command(input.axis).incoming());
+  }
+  if (moved(pwm_wire_)) pwm_.set(time_s, high(pwm_wire_));
+  if (!moved(gate_wire_)) return;
+  gate_edges_.push(time_s);
+  gate_intervals_.set(time_s, high(gate_wire_));
+}
+
+void PinDecoder::settle(Tick now, MachineModel& model) {
+  const double now_s = rate_.seconds(now);
+  for (Input& input : inputs_) input.decoder.settle(now_s, model.command(input.axis).incoming());
+}
+
+std::vector<PulseTiming> PinDecoder::pulseTiming() const {
+  std::vector<PulseTiming> timing;
+  for (const Input& input : inputs_) timing.push_back(input.decoder.timing());
+  return timing;
+}
+
+}  // namespace kerfbench::twin

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "twin/base/pin_event.h"
+#include "twin/base/pulse_timing.h"
+#include "twin/base/signal_map.h"
+#include "twin/cutter/description.h"
+#include "twin/cutter/machine_model.h"
+#include "twin/signal/edge_queue.h"
+#include "twin/signal/high_intervals.h"
+#include "twin/signal/level_tracker.h"
+#include "twin/signal/pulse_decoder.h"
+
+namespace kerfbench::twin {
+
+/// The machine's end of the controller's wires: writes to ports become steps of the axes, and what gate and
+/// PWM ask of the laser. Memory: 16 bytes for each time the gate opens, nothing else grows.
+class PinDecoder {
+ public:
+  PinDecoder(const MachineDescription& machine, const WebDescription& web, TickRate rate);
+
+  /// Events by tick; steps that are certain by then go to the model's commands.
+  void decode(const PinEvent& event, MachineModel& model);
+  /// No event until this tick.
+  void settle(Tick now, MachineModel& model);
+
+  /// The PWM's share of the time; a PWM that nobody wired is always high.
+  [[nodiscard]] LevelTracker& pwm() { return pwm_; }
+  /// When the gate opened or closed, in turn; whoever reads them takes them away.
+  [[nodiscard]] EdgeQueue& gateEdges() { return gate_edges_; }
+  [[nodiscard]] std::vector<std::pair<double, double>> gateIntervals(double now_s) const {
+    return gate_intervals_.until(now_s);
+  }
+  [[nodiscard]] std::vector<PulseTiming> pulseTiming() const;
+
+ private:
+  /// A pin that nobody wired has an empty mask: it is low for ever.
+  struct Wire {
+    std::uint16_t port{};
+    std::uint16_t mask{};
+  };
+  struct Input {
+    Axis axis{};
+    Wire pul, dir;
+    PulseDecoder decoder;
+  };
+
+  [[nodiscard]] static Wire wire(const SignalMap& map, Signal signal);
+  [[nodiscard]] bool high(Wire wire) const { return (ports_[wire.port] & wire.mask) != 0; }
+
+  TickRate rate_;
+  std::vector<Input> inputs_;
+  Wire gate_wire_, pwm_wire_;
+  std::vector<std::uint16_t> ports_;  ///< Levels now.
+  LevelTracker pwm_;
+  EdgeQueue gate_edges_;
+  HighIntervals gate_intervals_;
+};
+
+}  // namespace kerfbench::twin

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "twin/machine/part_flow.h"
+#include "twin/machine/solver.h"
+
+namespace kerfbench::twin {
+
+/// Exact propagation of what is linear, part by part, see PartFlow. Masses come from Bullet and forces from
+/// the same ForceLaw as the reference's.
+class FastSolver final : public Solver {
+ public:
+  /// @throws std::invalid_argument if the mechanism is too fast for the step, or a part too large.
+  FastSolver(std::shared_ptr<const Mechanism> mechanism, double step_s);
+
+  void step(double begin_s, std::span<const DriveCommand> commands) override;
+
+  [[nodiscard]] std::span<const double> q() const override { return q_; }
+  [[nodiscard]] std::span<const double> v() const override { return v_; }
+  /// Steps of all parts that had to be done by Runge-Kutta.
+  [[nodiscard]] std::uint64_t substepped() const;
+
+ private:
+  void gather();
+
+  std::shared_ptr<const Mechanism> mechanism_;
+  double step_s_;
+  std::vector<PartFlow> parts_;
+  std::vector<double> q_, v_;
+};
+
+}  // namespace kerfbench::twin

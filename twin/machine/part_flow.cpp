@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "twin/machine/part_flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace kerfbench::twin {
+namespace {
+
+constexpr std::uint64_t kPieces = 5;  // -2 … 2 of each element: a regime's key counts them as digits.
+constexpr std::size_t kMostDigits = 27;
+constexpr std::size_t kMostSteppers = 4;
+
+bool hasPieces(const ForceLaw& law) {
+  return std::ranges::any_of(law.springs, [](const SpringLaw& s) { return s.half_play > 0; }) ||
+         std::ranges::any_of(law.frictions, [](const FrictionLaw& f) { return f.limit > 0; }) ||
+         std::ranges::any_of(law.servos, [](const ServoLaw& s) { return s.limited; });
+}
+
+}  // namespace
+
+PartFlow::PartFlow(MechanismPart part, double step_s)
+    : part_(std::move(part)),
+      step_s_(step_s),
+      states_(part_.law.stateSize()),
+      has_pieces_(hasPieces(part_.law)),
+      state_(part_.start),
+      u_begin_(part_.law.inputs, 0.0),
+      u_end_(part_.law.inputs, 0.0),
+      pieces_(part_.law.pieceCount(), 0),
+      stage_(states_, 0.0),
+      force_(part_.law.joints, 0.0),
+      u_stage_(part_.law.inputs, 0.0) {
+  if (pieces_.size() > kMostDigits || part_.law.steppers.size() > kMostSteppers)
+    throw std::invalid_argument("PartFlow: too many elements");
+  const std::size_t columns = states_ + 1 + part_.law.inputs + part_.law.steppers.size();
+  state_.resize(std::max(columns, LinearFlow::kMostRows), 0.0);
+  next_ = state_;
+  rates_.fill(std::vector<double>(states_, 0.0));
+  for (const StepperLaw& stepper : part_.law.steppers) teeth_.push_back({stepper.pitch(), 0});
+}
+
+std::uint64_t PartFlow::regimeAt(const double* x, const double* u) {
+  if (!has_pieces_) return 0;
+  part_.law.observe(x, u, pieces_.data());
+  std::uint64_t key = 0;
+  for (const ForceLaw::Piece piece : pieces_) {
+    key = kPieces * key + static_cast<std::uint64_t>(piece + 2);
+  }
+  return key;
+}
+
+const LinearFlow* PartFlow::flowOf(std::uint64_t key) {
+  if (last_ != nullptr && last_->key == key) return &last_->flow;
+  if (!part_.law.isAffine(pieces_.data())) return nullptr;
+  for (const auto& regime : regimes_) {
+    if (regime->key != key) continue;
+    last_ = regime.get();
+    return &last_->flow;
+  }
+  const AffineRate affine = affineRate(part_.law, part_.inverse_mass, pieces_.data());
+  const auto n = static_cast<Eigen::Index>(states_);
+  const auto joints = static_cast<Eigen::Index>(part_.law.joints);
+  const auto inputs = static_cast<Eigen::Index>(part_.law.inputs);
+  const auto fields = static_cast<Eigen::Index>(teeth_.size());
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(n, 1 + inputs + fields);
+  B.col(0) = affine.c;
+  B.middleCols(1, inputs) = affine.B;
+  for (Eigen::Index i = 0; i < fields; ++i) {
+    const std::size_t joint = part_.law.steppers[static_cast<std::size_t>(i)].joint;
+    B.col(1 + inputs + i).segment(joints, joints) = part_.inverse_mass.col(static_cast<Eigen::Index>(joint));
+  }
+  regimes_.push_back(std::make_unique<Regime>(Regime{key, LinearFlow(affine.A, B, step_s_)}));
+  last_ = regimes_.back().get();
+  return &last_->flow;
+}
+
+void PartFlow::meetTeeth() {
+  for (std::size_t i = 0; i < teeth_.size(); ++i) {
+    const StepperLaw& law = part_.law.steppers[i];
+    Field& field = teeth_[i];
+    const double lag = q()[law.joint] - u_end_[law.input] - law.offset;
+    const double teeth = lag / field.pitch;
+    if (std::abs(teeth - static_cast<double>(field.tooth)) > 0.5) field.tooth = std::llround(teeth);
+    inputs()[law.input] = u_end_[law.input] + static_cast<double>(field.tooth) * field.pitch;
+    fields()[i] = beyondSpring(law, q()[law.joint], v()[law.joint]);
+  }
+}
+
+double PartFlow::beyondSpring(const StepperLaw& law, double q, double v) {
+  return law.fieldTorque(q, v, u_end_[law.input]) - law.springTorque(q, inputs()[law.input]);
+}
+
+void PartFlow::addFields(const LinearFlow& flow) {
+  // All from the predicted state, so that no stepper of a part comes before another.
+  std::array<double, kMostSteppers> ramp{};
+  std::array<double, kMostSteppers> bend{};
+  for (std::size_t i = 0; i < teeth_.size(); ++i) {
+    const StepperLaw& law = part_.law.steppers[i];
+    const double q0 = q()[law.joint];
+    const double v0 = v()[law.joint];
+    const double q1 = next_[law.joint];
+    const double v1 = next_[part_.law.joints + law.joint];
+    // The middle of the cubic with these ends.
+    const double q_middle = 0.5 * (q0 + q1) + 0.125 * step_s_ * (v0 - v1);
+    const double v_middle = 1.5 * (q1 - q0) / step_s_ - 0.25 * (v0 + v1);
+    const double begin = fields()[i];
+    const double middle = beyondSpring(law, q_middle, v_middle);
+    const double end = beyondSpring(law, q1, v1);
+    ramp.at(i) = 4.0 * middle - 3.0 * begin - end;
+    bend.at(i) = 2.0 * (begin - 2.0 * middle + end);
+  }
+  for (std::size_t i = 0; i < teeth_.size(); ++i) {
+    const std::size_t input = 1 + part_.law.inputs + i;
+    flow.addRamp(input, ramp.at(i), next_.data());
+    flow.addBend(input, bend.at(i), next_.data());
+  }
+}
+
+void PartFlow::step(std::span<const DriveCommand> commands) {
+  state_[states_] = 1.0;
+  for (std::size_t i = 0; i < u_end_.size(); ++i) {
+    const DriveCommand& command = commands[part_.drives[i]];
+    u_begin_[i] = inputs()[i] = command.begin;
+    u_end_[i] = command.end;
+  }
+  const std::uint64_t before = regimeAt(state_.data(), u_begin_.data());
+  const LinearFlow* flow = flowOf(before);
+  if (flow == nullptr) return substep();
+  if (!teeth_.empty()) meetTeeth();
+  flow->advance(state_.data(), next_.data());
+  for (std::size_t i = 0; i < u_end_.size(); ++i) {
+    if (u_end_[i] != u_begin_[i]) flow->addRamp(1 + i, u_end_[i] - u_begin_[i], next_.data());
+  }
+  if (!teeth_.empty()) addFields(*flow);
+  if (regimeAt(next_.data(), u_end_.data()) != before) return substep();
+  state_.swap(next_);
+}
+
+void PartFlow::rate(const double* x, const double* u, double* rate) {
+  const std::size_t n = part_.law.joints;
+  part_.law.evaluate(x, u, force_.data(), rate + 2 * n);
+  std::copy_n(x + n, n, rate);
+  for (std::size_t i = 0; i < n; ++i) {
+    double acceleration = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      acceleration +=
+          part_.inverse_mass(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * force_[j];
+    }
+    rate[n + i] = acceleration;
+  }
+}
+
+void PartFlow::substep() {
+  ++substepped_;
+  const double h = step_s_ / kSubsteps;
+  const auto stage = [&](const std::vector<double>& from_rate, double by_s) {
+    for (std::size_t i = 0; i < states_; ++i) stage_[i] = state_[i] + by_s * from_rate[i];
+  };
+  const auto commandAt = [&](double substeps) {
+    const double share = substeps / kSubsteps;
+    for (std::size_t i = 0; i < u_stage_.size(); ++i) {
+      u_stage_[i] = u_begin_[i] + share * (u_end_[i] - u_begin_[i]);
+    }
+    return u_stage_.data();
+  };
+  for (int k = 0; k < kSubsteps; ++k) {
+    rate(state_.data(), commandAt(k), rates_[0].data());
+    stage(rates_[0], 0.5 * h);
+    const double* middle = commandAt(k + 0.5);
+    rate(stage_.data(), middle, rates_[1].data());
+    stage(rates_[1], 0.5 * h);
+    rate(stage_.data(), middle, rates_[2].data());
+    stage(rates_[2], h);
+    rate(stage_.data(), commandAt(k + 1), rates_[3].data());
+    for (std::size_t i = 0; i < states_; ++i) {
+      state_[i] += h / 6.0 * (rates_[0][i] + 2.0 * (rates_[1][i] + rates_[2][i]) + rates_[3][i]);
+    }
+  }
+}
+
+}  // namespace kerfbench::twin

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "twin/machine/solver.h"
+
+namespace kerfbench::twin {
+
+/// Classical fourth-order Runge-Kutta over Bullet's articulated-body algorithm. A step in which a force has a
+/// kink (it begins and ends in different pieces, see ForceLaw) is done again in kSubsteps, because there
+/// Runge-Kutta falls back to second order.
+class ReferenceSolver final : public Solver {
+ public:
+  enum class Accelerations {
+    /// Articulated bodies at the first stage of a step, M^-1 of that configuration times the change of force
+    /// at the others. Exact for a Mechanism, whose mass matrix is constant, at half the price.
+    kOnceAStep,
+    kEveryStage,  ///< Assumes nothing.
+  };
+
+  static constexpr int kSubsteps = 8;
+
+  /// @throws std::invalid_argument if the mechanism is too fast for the step.
+  ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, double step_s,
+                  Accelerations accelerations = Accelerations::kOnceAStep);
+
+  void step(double begin_s, std::span<const DriveCommand> commands) override;
+  /// A step of another length, not above the solver's own.
+  void stepBy(double begin_s, double step_s, std::span<const DriveCommand> commands);
+
+  [[nodiscard]] std::span<const double> q() const override { return {x_.data(), n_}; }
+  [[nodiscard]] std::span<const double> v() const override { return {x_.data() + n_, n_}; }
+  /// For tests: the whole state, see ForceLaw.
+  [[nodiscard]] std::span<double> state() { return x_; }
+
+ private:
+  void rungeKutta(double step_s);
+  void commandsAt(std::span<const DriveCommand> commands, double share, std::vector<double>& u) const;
+  void firstRate(const double* u);
+  void laterRate(const std::vector<double>& x, const double* u, std::vector<double>& rate);
+
+  std::shared_ptr<const Mechanism> mechanism_;
+  Multibody body_;
+  std::size_t n_;
+  double step_s_;
+  Accelerations accelerations_;
+  std::vector<double> x_, start_, stage_;
+  std::array<std::vector<double>, 4> rates_;
+  std::vector<double> first_force_, force_, change_, delta_;
+  std::vector<double> u_begin_, u_middle_, u_end_;
+  std::vector<ForceLaw::Piece> pieces_before_, pieces_after_;
+};
+
+}  // namespace kerfbench::twin

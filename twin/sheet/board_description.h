@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace kerfbench::twin {
+
+/// A point of a material's depth curve (S3: D = f(P_ua), piecewise linear).
+struct DepthPoint {
+  double fluence_share{};  ///< Fluence over cut_fluence_j_mm2.
+  double depth_share{};    ///< Depth over the board's thickness.
+};
+
+/// Discoloured board beside the kerf. Air that blows across carries it to one side.
+struct ScorchDescription {
+  double fluence_j_mm2{};            ///< Board that took this much is fully scorched; 0: no scorch.
+  double darkening{0.3};             ///< Share of the light that full scorch takes away; 0…1.
+  std::array<double, 2> shift_mm{};  ///< The scorch lies off the burn by this: asymmetric; |.| <= 1.
+};
+
+/// The board and how a CO2 beam eats it.
+struct BoardDescription {
+  double thickness_mm{0.4};
+  /// Energy per area (J/mm²), summed over all passes, at which the board is just cut through. For a line of
+  /// speed F cut by a spot of diameter d = 2 w at power P, S3's power per area is P_ua = P / (F d), and the
+  /// fluence at the line's centre is 2 sqrt(2/pi) P_ua.
+  double cut_fluence_j_mm2{0.5};
+  /// Depth over fluence, both ascending strictly, the first at depth 0 (its fluence is the threshold), the
+  /// last at (1, 1). Empty: the straight line from (0, 0) to (1, 1).
+  std::vector<DepthPoint> depth_curve{};
+  ScorchDescription scorch{};
+  double transmission{0.12};        ///< Of the back light through uncut board, 0…1.
+  double print_transmission{0.02};  ///< Through board under a registration mark.
+};
+
+/// Everything that is wrong with a board, in one line; empty when nothing is.
+std::string faultsOf(const BoardDescription& board);
+
+}  // namespace kerfbench::twin
