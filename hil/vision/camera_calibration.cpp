@@ -88,6 +88,24 @@ void CameraCalibration::planeFromPixels(std::span<const Eigen::Vector2d> pixels,
   }
 }
 
+Eigen::Vector2d CameraCalibration::mapError(std::size_t mode, const Eigen::Vector2d& p_mm) const {
+  const Eigen::Matrix<double, kParameters, 1>& e = error_modes.at(mode);
+  CameraCalibration other = *this;
+  other.fx_px += e[0];
+  other.fy_px += e[1];
+  other.cx_px += e[2];
+  other.cy_px += e[3];
+  for (Eigen::Index i = 0; i < 5; ++i) other.distortion.at(static_cast<std::size_t>(i)) += e[4 + i];
+  const Eigen::Vector3d turn = e.segment<3>(9);
+  const double angle_rad = turn.norm();
+  if (angle_rad > 0.0) {
+    other.X_CP.linear() =
+        Eigen::AngleAxisd(angle_rad, turn / angle_rad).toRotationMatrix() * other.X_CP.linear();
+  }
+  other.X_CP.translation() += e.tail<3>();
+  return other.planeFromPixel(pixelFromPlane(p_mm)) - p_mm;
+}
+
 Eigen::Vector2d CameraCalibration::pixelFromPlane(const Eigen::Vector2d& p_mm) const {
   const Eigen::Vector3d c = inCamera(X_CP, p_mm);
   const Eigen::Vector2d d = distort(distortion, c.head<2>() / c.z()).point;

@@ -4,6 +4,8 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -26,6 +28,18 @@ struct CameraCalibration {
   std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};  ///< Pose of the plane in the camera; lengths in mm.
   double map_u_mm{};  ///< Standard uncertainty of a mapped point within the board area of the calibration.
+
+  std::string camera_id{};  ///< Serial number or name; pictures of another camera must not be read with this.
+  std::string date{};       ///< ISO 8601 day of the views, "2026-11-21".
+  double rms_px{};          ///< Reprojection residual of all corners, per axis.
+  Eigen::AlignedBox2d area_mm{};  ///< Of plane P that the target covered: outside, map_u_mm says nothing.
+  /// How the map may be wrong, as independent standard normal draws e_k would show it: the covariance of the
+  /// parameters of planeFromPixel, its columns scaled by their standard deviations. Order of the parameters:
+  /// fx fy cx cy, k1 k2 p1 p2 k3, rotation vector of the plane (rad, left-multiplied), its translation (mm).
+  static constexpr int kParameters = 15;
+  std::vector<Eigen::Matrix<double, kParameters, 1>> error_modes{};
+  /// Shift of the point of the plane seen at p_mm for one standard deviation of error mode k, mm.
+  [[nodiscard]] Eigen::Vector2d mapError(std::size_t mode, const Eigen::Vector2d& p_mm) const;
 
   /// Pixel to the point of the plane z = 0. @throws std::domain_error for a ray that misses the plane.
   [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;

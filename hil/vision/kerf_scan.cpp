@@ -183,7 +183,10 @@ void addUnseen(const std::vector<EntityPlan>& plans, int unit, KerfScan& scan) {
     EntityKerf kerf{unit, plan.entity, {}};
     for (const Station& s : plan.stations) {
       constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-      kerf.calipers.push_back({s.u, s.station_mm, s.p_S_mm, false, kNan, kNan, 0.0, s.near_joint});
+      Caliper caliper{.u = s.u, .station_mm = s.station_mm, .p_S_mm = s.p_S_mm};
+      caliper.offset_mm = caliper.sigma_mm = caliper.width_mm = caliper.width_sigma_mm = kNan;
+      caliper.near_joint = s.near_joint;
+      kerf.calipers.push_back(caliper);
     }
     scan.entities.push_back(std::move(kerf));
   }

@@ -33,8 +33,11 @@ struct Caliper {
   double station_mm{};                              ///< Arc length from its start.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The nominal point.
   bool found{};                                     ///< A kerf (or crease) crosses the caliper.
-  double offset_mm{};   ///< Kerf centre minus nominal, along the left normal; NaN if not found.
-  double width_mm{};    ///< At half depth of the profile; NaN if not found.
+  double offset_mm{};  ///< Kerf centre minus nominal, along the left normal; NaN if not found.
+  double
+      sigma_mm{};  ///< Standard uncertainty of offset_mm by noise and texture, on its own (no pose, no map).
+  double width_mm{};  ///< At half depth of the profile; NaN if not found.
+  double width_sigma_mm{};
   double brightness{};  ///< Peak of the profile, 0 board … 1 open kerf.
   bool near_joint{};  ///< Within reach of a corner, crossing or neighbour, where the profile is not a single
                       ///< kerf's.
@@ -44,6 +47,40 @@ struct EntityKerf {
   int unit{};
   int entity{};                   ///< Entity id.
   std::vector<Caliper> calipers;  ///< In order of station.
+};
+
+/// Where two entities of one unit meet, or one turns: its corner as cut.
+struct CornerKerf {
+  int unit{};
+  int entity_in{}, entity_out{};                    ///< Entity ids; the same for a corner within one.
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Nominal.
+  double turn_rad{};                                ///< From the tangent in to the tangent out, (-pi, pi].
+  bool found{};
+  double rounding_mm{};   ///< Largest distance of the kerf's centre line inside the nominal corner; >= 0.
+  double overshoot_mm{};  ///< Largest distance outside; >= 0.
+  double sigma_mm{};      ///< Standard uncertainty of both.
+};
+
+/// Where an open entity begins or ends freely.
+struct LineEnd {
+  int unit{};
+  int entity{};
+  bool at_start{};
+  bool found{};
+  double
+      gap_mm{};  ///< Nominal end minus end of the kerf's centre line, along it: > 0 too short, < 0 too long.
+  double sigma_mm{};
+};
+
+/// How a unit lies on the table, by its printed marks: p_T = R(angle) p_S + p_TS.
+struct UnitPose {
+  int unit{};
+  Eigen::Vector2d p_TS_mm{Eigen::Vector2d::Zero()};
+  double angle_rad{};
+  /// Of (p_TS x, p_TS y, angle) by the noise of the marks: mm², mm rad, rad².
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
+  double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
+  int marks{};
 };
 
 /// Something burnt where the dieline has nothing.
@@ -75,6 +112,9 @@ struct KerfScanOptions {
 
 struct KerfScan {
   std::vector<EntityKerf> entities;  ///< units x entities that are not kIgnore.
+  std::vector<CornerKerf> corners;
+  std::vector<LineEnd> ends;
+  std::vector<UnitPose> units;  ///< Those whose marks told their place.
   std::vector<StrayCut> strays;
   std::vector<KerfPatch> patches;  ///< Worst first.
   double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.

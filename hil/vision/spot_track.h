@@ -19,6 +19,8 @@ struct SheetPose {
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
   int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
+  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad².
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
 /// What one frame of the spot camera showed.
