@@ -17,11 +17,6 @@ namespace {
 // to rest within a swing or two.
 constexpr double kBristleDamping = 0.5;
 
-Eigen::MatrixXd inverseMassOf(const std::vector<JointDescription>& joints) {
-  Multibody body(joints);
-  return inverseMassMatrix(body);
-}
-
 double& at(std::vector<double>& values, std::size_t index) {
   if (index >= values.size()) values.resize(index + 1, 0.0);
   return values[index];
@@ -33,7 +28,8 @@ Mechanism::Mechanism(MechanismDescription description) : description_(std::move(
   if (const std::string faults = faultsOf(description_); !faults.empty()) {
     throw std::invalid_argument("Mechanism: " + faults);
   }
-  inverse_mass_ = inverseMassOf(description_.joints);
+  Multibody body(description_.joints);
+  inverse_mass_ = inverseMassMatrix(body);
   law_.joints = description_.joints.size();
   law_.inputs = description_.drives.size();
   for (std::size_t i = 0; i < law_.joints; ++i) {
@@ -42,6 +38,7 @@ Mechanism::Mechanism(MechanismDescription description) : description_(std::move(
       throw std::invalid_argument("Mechanism: " + description_.joints[i].name + " moves no mass");
     }
   }
+  gravity_ = gravityForces(body);
   for (const JointDescription& joint : description_.joints) most_speeds_.push_back(joint.most_speed);
   law_.constants = description_.constant_forces;
   for (const CouplingDescription& coupling : description_.couplings) addCoupling(coupling);

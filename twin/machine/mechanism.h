@@ -75,6 +75,8 @@ class Mechanism {
   [[nodiscard]] const ForceLaw& law() const { return law_; }
   /// From Bullet, see inverseMassMatrix().
   [[nodiscard]] const Eigen::MatrixXd& inverseMass() const { return inverse_mass_; }
+  /// From Bullet, see gravityForces(). Not in law(): Bullet's own accelerations have it already.
+  [[nodiscard]] const Eigen::VectorXd& gravity() const { return gravity_; }
   /// Of each joint, see JointDescription.
   [[nodiscard]] const std::vector<double>& mostSpeeds() const { return most_speeds_; }
   /// State at t = 0, as in ForceLaw.
@@ -91,6 +93,7 @@ class Mechanism {
 
   MechanismDescription description_;
   Eigen::MatrixXd inverse_mass_;
+  Eigen::VectorXd gravity_;
   ForceLaw law_;
   std::vector<double> most_speeds_;
   std::vector<double> auxiliary_start_;

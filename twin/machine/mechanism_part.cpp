@@ -20,7 +20,10 @@ class Reach {
         start_(mechanism.startState()),
         moves_(law_.joints, false),
         forced_(law_.joints, false) {
-    for (std::size_t i = 0; i < law_.joints; ++i) moves_[i] = start_[law_.joints + i] != 0;
+    for (std::size_t i = 0; i < law_.joints; ++i) {
+      moves_[i] = start_[law_.joints + i] != 0;
+      forced_[i] = mechanism_.gravity()[at(i)] != 0;
+    }
     for (const ConstantForce& c : law_.constants) forced_[c.joint] = forced_[c.joint] || c.force != 0;
     for (const ServoLaw& s : law_.servos) forced_[s.joint] = true;
     for (const StepperLaw& s : law_.steppers) forced_[s.joint] = true;
@@ -94,7 +97,11 @@ class PartMaker {
         part_.inverse_mass(at(i), at(j)) = mechanism.inverseMass()(at(part_.joints[i]), at(part_.joints[j]));
       }
     }
-    for (const std::size_t joint : part_.joints) part_.start.push_back(whole_start_[whole_.joints + joint]);
+    for (std::size_t i = 0; i < n; ++i) {
+      part_.start.push_back(whole_start_[whole_.joints + part_.joints[i]]);
+      const double weight = mechanism.gravity()[at(part_.joints[i])];
+      if (weight != 0) part_.law.constants.push_back({i, weight});
+    }
   }
 
   MechanismPart make() {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/LU>
+
 namespace kerfbench::twin {
 
 // The float build freezes joints with an inertia below 1.2e-7 kg m² without a word: every galvo mirror.
@@ -139,6 +141,23 @@ Eigen::MatrixXd inverseMassMatrix(Multibody& body) {
     }
   }
   return inverse;
+}
+
+Eigen::VectorXd gravityForces(Multibody& body) {
+  const std::size_t n = body.size();
+  const std::vector<double> zero(n, 0.0);
+  std::vector<double> fall(n, 0.0);
+  body.accelerations(zero, zero, zero, fall);
+  const auto size = static_cast<Eigen::Index>(n);
+  // A joint that falls freely does so at g: what is far below that is rounding.
+  constexpr double kRounding = 1e-9;
+  constexpr double kG_m_s2 = 9.80665;
+  Eigen::VectorXd acceleration = Eigen::Map<const Eigen::VectorXd>(fall.data(), size);
+  for (double& a : acceleration) {
+    if (std::abs(a) < kRounding * kG_m_s2) a = 0.0;
+  }
+  if (acceleration.isZero(0.0)) return acceleration;
+  return inverseMassMatrix(body).partialPivLu().solve(acceleration);
 }
 
 }  // namespace kerfbench::twin

@@ -58,5 +58,8 @@ class Multibody {
 /// Inverse of the mass matrix in the configuration q = 0, column by column. Entries below 1e-12 of their
 /// diagonal are rounding and come as 0.
 Eigen::MatrixXd inverseMassMatrix(Multibody& body);
+/// What gravity does to each joint at rest in the configuration q = 0, N m or N, as a force that would do the
+/// same; 0 where it moves nothing.
+Eigen::VectorXd gravityForces(Multibody& body);
 
 }  // namespace kerfbench::twin

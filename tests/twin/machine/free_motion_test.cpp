@@ -60,6 +60,18 @@ TEST_P(FreeMotion, ADampedOscillatorFollowsTheExactSolution) {
   }
 }
 
+TEST_P(FreeMotion, GravityPullsWhatIsNotLevel) {
+  // On a slope of 30 degrees, and a level slide on top of it.
+  MechanismDescription description;
+  description.joints = {slideOf("slope", 4.0, -1, {std::sqrt(0.75), 0.0, 0.5}),
+                        slideOf("level", 1.0, 0, Eigen::Vector3d::UnitY())};
+  description.joints[0].start_speed = 2.0;
+  const auto solver = solverOf(description, GetParam());
+  constexpr double kG_m_s2 = 9.80665;
+  run(*solver, 0.5, [&](double t) { ASSERT_NEAR(solver->q()[0], 2.0 * t - 0.25 * kG_m_s2 * t * t, 1e-11); });
+  EXPECT_EQ(solver->q()[1], 0.0);
+}
+
 TEST_P(FreeMotion, AConstantForceGivesAParabola) {
   MechanismDescription description;
   description.joints = {slideOf("slide", 4.0)};
