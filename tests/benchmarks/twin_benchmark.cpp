@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "twin/cutter/imperfections.h"
+
 namespace kerfbench::benchmarks {
 namespace {
 
@@ -20,16 +22,22 @@ void playRun(benchmark::State& state, const RecordedRun& run, double length_s, t
 }  // namespace
 
 void registerTwinBenchmarks(const RecordedRun& run) {
-  const auto shared = std::make_shared<const RecordedRun>(run);
-  const auto add = [&](const std::string& mode, double length_s, twin::Fidelity fidelity) {
-    benchmark::RegisterBenchmark(("twin, " + mode + ": " + run.name).c_str(), [shared, length_s, fidelity](
-                                                                                  benchmark::State& state) {
-      playRun(state, *shared, length_s, fidelity);
-    })->Unit(benchmark::kMillisecond);
-  };
+  const auto ideal = std::make_shared<const RecordedRun>(run);
+  // Backlash, slip, flutter, noise: what makes a step dear.
+  auto dynamic = std::make_shared<RecordedRun>(run);
+  dynamic->machine = twin::drawImperfections(run.machine, {}, twin::Preset::kDynamic, 1).machine;
   const double whole_s = run.rate.seconds(run.end);
-  add("reference", whole_s, twin::Fidelity::kReference);
-  add("fast", whole_s, twin::Fidelity::kFast);
+  const auto add = [&](const std::string& mode, const std::shared_ptr<const RecordedRun>& played,
+                       twin::Fidelity fidelity) {
+    benchmark::RegisterBenchmark(
+        ("twin, " + mode + ": " + run.name).c_str(),
+        [played, whole_s, fidelity](benchmark::State& state) { playRun(state, *played, whole_s, fidelity); })
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("reference", ideal, twin::Fidelity::kReference);
+  add("fast", ideal, twin::Fidelity::kFast);
+  add("reference, dynamic imperfections", dynamic, twin::Fidelity::kReference);
+  add("fast, dynamic imperfections", dynamic, twin::Fidelity::kFast);
 }
 
 }  // namespace kerfbench::benchmarks

@@ -31,9 +31,9 @@ void FastSolver::step(double begin_s, std::span<const DriveCommand> commands) {
   requireSane(*mechanism_, q_, v_, begin_s + step_s_);
 }
 
-std::uint64_t FastSolver::substepped() const {
+std::uint64_t FastSolver::halved() const {
   std::uint64_t count = 0;
-  for (const PartFlow& flow : parts_) count += flow.substepped();
+  for (const PartFlow& flow : parts_) count += flow.halved();
   return count;
 }
 

@@ -21,8 +21,8 @@ class FastSolver final : public Solver {
 
   [[nodiscard]] std::span<const double> q() const override { return q_; }
   [[nodiscard]] std::span<const double> v() const override { return v_; }
-  /// Steps of all parts that had to be done by Runge-Kutta.
-  [[nodiscard]] std::uint64_t substepped() const;
+  /// Steps of all parts in which a force had a kink.
+  [[nodiscard]] std::uint64_t halved() const;
 
  private:
   void gather();

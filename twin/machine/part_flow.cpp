@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint64_t kPieces = 5;  // -2 … 2 of each element: a regime's key counts them as digits.
 constexpr std::size_t kMostDigits = 27;
 constexpr std::size_t kMostSteppers = 4;
+constexpr int kRungeKuttaHalvings = 3;  // Stretches that Runge-Kutta does are step / 8 or shorter.
 
 bool hasPieces(const ForceLaw& law) {
   return std::ranges::any_of(law.springs, [](const SpringLaw& s) { return s.half_play > 0; }) ||
@@ -27,8 +28,10 @@ PartFlow::PartFlow(MechanismPart part, double step_s)
       states_(part_.law.stateSize()),
       has_pieces_(hasPieces(part_.law)),
       state_(part_.start),
-      u_begin_(part_.law.inputs, 0.0),
-      u_end_(part_.law.inputs, 0.0),
+      u_from_(part_.law.inputs, 0.0),
+      u_to_(u_from_),
+      u_begin_(u_from_),
+      u_end_(u_from_),
       pieces_(part_.law.pieceCount(), 0),
       stage_(states_, 0.0),
       force_(part_.law.joints, 0.0),
@@ -52,14 +55,48 @@ std::uint64_t PartFlow::regimeAt(const double* x, const double* u) {
   return key;
 }
 
-const LinearFlow* PartFlow::flowOf(std::uint64_t key) {
-  if (last_ != nullptr && last_->key == key) return &last_->flow;
-  if (!part_.law.isAffine(pieces_.data())) return nullptr;
-  for (const auto& regime : regimes_) {
-    if (regime->key != key) continue;
-    last_ = regime.get();
-    return &last_->flow;
+std::uint64_t PartFlow::regimeNow() {
+  // A stretch ends where the next begins; only pulses between them may change the regime.
+  if (u_key_ != u_begin_ || u_key_.empty()) {
+    key_ = regimeAt(state_.data(), u_begin_.data());
+    u_key_ = u_begin_;
   }
+  return key_;
+}
+
+PartFlow::Regime& PartFlow::regimeOf(std::uint64_t key) {
+  if (last_ != nullptr && last_->key == key) return *last_;
+  const auto known = std::ranges::find_if(regimes_, [key](const auto& r) { return r->key == key; });
+  if (known != regimes_.end()) {
+    last_ = known->get();
+    return *last_;
+  }
+  regimes_.push_back(std::make_unique<Regime>());
+  last_ = regimes_.back().get();
+  last_->key = key;
+  setPieces(key);
+  last_->affine = part_.law.isAffine(pieces_.data());
+  return *last_;
+}
+
+const LinearFlow* PartFlow::flowOf(std::uint64_t key, int halvings) {
+  Regime& regime = regimeOf(key);
+  if (!regime.affine) return nullptr;
+  std::unique_ptr<LinearFlow>& flow = regime.flows.at(static_cast<std::size_t>(halvings));
+  if (!flow) {
+    setPieces(key);
+    flow = makeFlow(std::ldexp(step_s_, -halvings));
+  }
+  return flow.get();
+}
+
+void PartFlow::setPieces(std::uint64_t key) {
+  for (std::size_t i = pieces_.size(); i-- > 0; key /= kPieces) {
+    pieces_[i] = static_cast<ForceLaw::Piece>(static_cast<int>(key % kPieces) - 2);
+  }
+}
+
+std::unique_ptr<LinearFlow> PartFlow::makeFlow(double step_s) const {
   const AffineRate affine = affineRate(part_.law, part_.inverse_mass, pieces_.data());
   const auto n = static_cast<Eigen::Index>(states_);
   const auto joints = static_cast<Eigen::Index>(part_.law.joints);
@@ -72,9 +109,7 @@ const LinearFlow* PartFlow::flowOf(std::uint64_t key) {
     const std::size_t joint = part_.law.steppers[static_cast<std::size_t>(i)].joint;
     B.col(1 + inputs + i).segment(joints, joints) = part_.inverse_mass.col(static_cast<Eigen::Index>(joint));
   }
-  regimes_.push_back(std::make_unique<Regime>(Regime{key, LinearFlow(affine.A, B, step_s_)}));
-  last_ = regimes_.back().get();
-  return &last_->flow;
+  return std::make_unique<LinearFlow>(affine.A, B, step_s);
 }
 
 void PartFlow::meetTeeth() {
@@ -93,7 +128,7 @@ double PartFlow::beyondSpring(const StepperLaw& law, double q, double v) {
   return law.fieldTorque(q, v, u_end_[law.input]) - law.springTorque(q, inputs()[law.input]);
 }
 
-void PartFlow::addFields(const LinearFlow& flow) {
+void PartFlow::addFields(const LinearFlow& flow, double step_s) {
   // All from the predicted state, so that no stepper of a part comes before another.
   std::array<double, kMostSteppers> ramp{};
   std::array<double, kMostSteppers> bend{};
@@ -104,8 +139,8 @@ void PartFlow::addFields(const LinearFlow& flow) {
     const double q1 = next_[law.joint];
     const double v1 = next_[part_.law.joints + law.joint];
     // The middle of the cubic with these ends.
-    const double q_middle = 0.5 * (q0 + q1) + 0.125 * step_s_ * (v0 - v1);
-    const double v_middle = 1.5 * (q1 - q0) / step_s_ - 0.25 * (v0 + v1);
+    const double q_middle = 0.5 * (q0 + q1) + 0.125 * step_s * (v0 - v1);
+    const double v_middle = 1.5 * (q1 - q0) / step_s - 0.25 * (v0 + v1);
     const double begin = fields()[i];
     const double middle = beyondSpring(law, q_middle, v_middle);
     const double end = beyondSpring(law, q1, v1);
@@ -120,23 +155,55 @@ void PartFlow::addFields(const LinearFlow& flow) {
 }
 
 void PartFlow::step(std::span<const DriveCommand> commands) {
-  state_[states_] = 1.0;
-  for (std::size_t i = 0; i < u_end_.size(); ++i) {
+  for (std::size_t i = 0; i < u_to_.size(); ++i) {
     const DriveCommand& command = commands[part_.drives[i]];
-    u_begin_[i] = inputs()[i] = command.begin;
-    u_end_[i] = command.end;
+    u_from_[i] = command.begin;
+    u_to_[i] = command.end;
   }
-  const std::uint64_t before = regimeAt(state_.data(), u_begin_.data());
-  const LinearFlow* flow = flowOf(before);
-  if (flow == nullptr) return substep();
+  advance({0.0, 0});
+}
+
+void PartFlow::commandsAt(double share, std::vector<double>& u) const {
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    u[i] = share == 1.0 ? u_to_[i] : u_from_[i] + share * (u_to_[i] - u_from_[i]);
+  }
+}
+
+void PartFlow::advance(const Stretch& stretch) {
+  commandsAt(stretch.from, u_begin_);
+  commandsAt(stretch.from + stretch.share(), u_end_);
+  const std::uint64_t before = regimeNow();
+  if (propagate(stretch, before)) {
+    const std::uint64_t after = regimeAt(next_.data(), u_end_.data());
+    if (after == before || stretch.halvings == kHalvings) {
+      state_.swap(next_);
+      key_ = after;
+      u_key_ = u_end_;
+      return;
+    }
+  }
+  if (stretch.halvings == 0) ++halved_;
+  const Stretch half{stretch.from, stretch.halvings + 1};
+  advance(half);
+  advance({half.from + half.share(), half.halvings});
+}
+
+bool PartFlow::propagate(const Stretch& stretch, std::uint64_t key) {
+  const LinearFlow* const flow = flowOf(key, stretch.halvings);
+  if (flow == nullptr) {
+    if (stretch.halvings < kRungeKuttaHalvings) return false;
+    rungeKutta(stretch);
+    return true;
+  }
+  state_[states_] = 1.0;
+  std::ranges::copy(u_begin_, inputs());
   if (!teeth_.empty()) meetTeeth();
   flow->advance(state_.data(), next_.data());
   for (std::size_t i = 0; i < u_end_.size(); ++i) {
     if (u_end_[i] != u_begin_[i]) flow->addRamp(1 + i, u_end_[i] - u_begin_[i], next_.data());
   }
-  if (!teeth_.empty()) addFields(*flow);
-  if (regimeAt(next_.data(), u_end_.data()) != before) return substep();
-  state_.swap(next_);
+  if (!teeth_.empty()) addFields(*flow, std::ldexp(step_s_, -stretch.halvings));
+  return true;
 }
 
 void PartFlow::rate(const double* x, const double* u, double* rate) {
@@ -153,31 +220,21 @@ void PartFlow::rate(const double* x, const double* u, double* rate) {
   }
 }
 
-void PartFlow::substep() {
-  ++substepped_;
-  const double h = step_s_ / kSubsteps;
+void PartFlow::rungeKutta(const Stretch& stretch) {
+  const double h = std::ldexp(step_s_, -stretch.halvings);
   const auto stage = [&](const std::vector<double>& from_rate, double by_s) {
     for (std::size_t i = 0; i < states_; ++i) stage_[i] = state_[i] + by_s * from_rate[i];
   };
-  const auto commandAt = [&](double substeps) {
-    const double share = substeps / kSubsteps;
-    for (std::size_t i = 0; i < u_stage_.size(); ++i) {
-      u_stage_[i] = u_begin_[i] + share * (u_end_[i] - u_begin_[i]);
-    }
-    return u_stage_.data();
-  };
-  for (int k = 0; k < kSubsteps; ++k) {
-    rate(state_.data(), commandAt(k), rates_[0].data());
-    stage(rates_[0], 0.5 * h);
-    const double* middle = commandAt(k + 0.5);
-    rate(stage_.data(), middle, rates_[1].data());
-    stage(rates_[1], 0.5 * h);
-    rate(stage_.data(), middle, rates_[2].data());
-    stage(rates_[2], h);
-    rate(stage_.data(), commandAt(k + 1), rates_[3].data());
-    for (std::size_t i = 0; i < states_; ++i) {
-      state_[i] += h / 6.0 * (rates_[0][i] + 2.0 * (rates_[1][i] + rates_[2][i]) + rates_[3][i]);
-    }
+  commandsAt(stretch.from + 0.5 * stretch.share(), u_stage_);
+  rate(state_.data(), u_begin_.data(), rates_[0].data());
+  stage(rates_[0], 0.5 * h);
+  rate(stage_.data(), u_stage_.data(), rates_[1].data());
+  stage(rates_[1], 0.5 * h);
+  rate(stage_.data(), u_stage_.data(), rates_[2].data());
+  stage(rates_[2], h);
+  rate(stage_.data(), u_end_.data(), rates_[3].data());
+  for (std::size_t i = 0; i < states_; ++i) {
+    next_[i] = state_[i] + h / 6.0 * (rates_[0][i] + 2.0 * (rates_[1][i] + rates_[2][i]) + rates_[3][i]);
   }
 }
 

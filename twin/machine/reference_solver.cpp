@@ -70,24 +70,25 @@ void ReferenceSolver::commandsAt(std::span<const DriveCommand> commands, double 
 }
 
 void ReferenceSolver::stepBy(double begin_s, double step_s, std::span<const DriveCommand> commands) {
+  advance(commands, 0.0, 0, step_s);
+  requireSane(*mechanism_, q(), v(), begin_s + step_s);
+}
+
+void ReferenceSolver::advance(std::span<const DriveCommand> commands, double from_share, int halvings,
+                              double step_s) {
   const ForceLaw& law = mechanism_->law();
-  commandsAt(commands, 0.0, u_begin_);
-  commandsAt(commands, 0.5, u_middle_);
-  commandsAt(commands, 1.0, u_end_);
+  const double share = std::ldexp(1.0, -halvings);
+  commandsAt(commands, from_share, u_begin_);
+  commandsAt(commands, from_share + 0.5 * share, u_middle_);
+  commandsAt(commands, from_share + share, u_end_);
   start_ = x_;
   law.observe(x_.data(), u_begin_.data(), pieces_before_.data());
   rungeKutta(step_s);
   law.observe(x_.data(), u_end_.data(), pieces_after_.data());
-  if (pieces_after_ != pieces_before_) {
-    x_ = start_;
-    for (int k = 0; k < kSubsteps; ++k) {
-      commandsAt(commands, static_cast<double>(k) / kSubsteps, u_begin_);
-      commandsAt(commands, (k + 0.5) / kSubsteps, u_middle_);
-      commandsAt(commands, (k + 1.0) / kSubsteps, u_end_);
-      rungeKutta(step_s / kSubsteps);
-    }
-  }
-  requireSane(*mechanism_, q(), v(), begin_s + step_s);
+  if (halvings == kHalvings || pieces_after_ == pieces_before_) return;
+  x_ = start_;
+  advance(commands, from_share, halvings + 1, 0.5 * step_s);
+  advance(commands, from_share + 0.5 * share, halvings + 1, 0.5 * step_s);
 }
 
 void ReferenceSolver::rungeKutta(double step_s) {

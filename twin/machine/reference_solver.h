@@ -10,8 +10,8 @@
 namespace kerfbench::twin {
 
 /// Classical fourth-order Runge-Kutta over Bullet's articulated-body algorithm. A step in which a force has a
-/// kink (it begins and ends in different pieces, see ForceLaw) is done again in kSubsteps, because there
-/// Runge-Kutta falls back to second order.
+/// kink (it begins and ends in different pieces, see ForceLaw) is halved until the kink lies within step /
+/// 2^kHalvings, because there Runge-Kutta falls back to second order.
 class ReferenceSolver final : public Solver {
  public:
   enum class Accelerations {
@@ -21,7 +21,7 @@ class ReferenceSolver final : public Solver {
     kEveryStage,  ///< Assumes nothing.
   };
 
-  static constexpr int kSubsteps = 8;
+  static constexpr int kHalvings = 7;
 
   /// @throws std::invalid_argument if the mechanism is too fast for the step.
   ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, double step_s,
@@ -37,6 +37,8 @@ class ReferenceSolver final : public Solver {
   [[nodiscard]] std::span<double> state() { return x_; }
 
  private:
+  /// From a share of the commands' step on; step_s is the length of this stretch.
+  void advance(std::span<const DriveCommand> commands, double from_share, int halvings, double step_s);
   void rungeKutta(double step_s);
   void commandsAt(std::span<const DriveCommand> commands, double share, std::vector<double>& u) const;
   void firstRate(const double* u);

@@ -147,11 +147,11 @@ TEST_P(Friction, AStuckSheetComesBackToItsPlace) {
   EXPECT_LT(std::abs(sum * kStep_s / 0.2), 1e-9);
 }
 
-TEST(FrictionFast, OnlyStepsWithAKinkAreSubstepped) {
+TEST(FrictionFast, OnlyStepsWithAKinkAreHalved) {
   const auto mechanism = std::make_shared<const Mechanism>(pushed(12.0));
   FastSolver solver(mechanism, kStep_s);
   run(solver, 0.5);
-  EXPECT_EQ(solver.substepped(), 1U);  // It breaks loose once.
+  EXPECT_EQ(solver.halved(), 1U);  // It breaks loose once.
 }
 
 }  // namespace
