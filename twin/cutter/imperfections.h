@@ -31,23 +31,23 @@ struct Imperfection {
 /// The defaults are those of a machine that service has just set up.
 struct ImperfectionSpread {
   // kStatic
-  double axis_tilt_rad{20e-6};     ///< Of each mirror axis, about each direction.
-  double surface_offset_mm{0.01};  ///< Of each mirror.
-  double zero_rad{5e-6};           ///< Of each mirror; 1 urad is 1 um at 500 mm.
-  double scale{20e-6};             ///< Relative, of each mirror and gantry axis.
-  double beam_offset_mm{0.02};     ///< In each direction.
-  double beam_tilt_rad{20e-6};     ///< About each direction.
-  double focus_mm{0.5};            ///< Height of the waist.
-  double squareness_rad{20e-6};    ///< Of the gantry.
+  double axis_tilt_rad{20e-6};      ///< Of each mirror axis, about each direction.
+  double surface_offset_mm{0.003};  ///< Of each mirror; what is left when the origin of the field is taught.
+  double zero_rad{5e-6};            ///< Of each mirror; 1 urad is 1 um at 500 mm.
+  double scale{20e-6};              ///< Relative, of each mirror and gantry axis.
+  double beam_offset_mm{0.005};     ///< In each direction; likewise.
+  double beam_tilt_rad{20e-6};      ///< About each direction.
+  double focus_mm{0.5};             ///< Height of the waist.
+  double squareness_rad{20e-6};     ///< Of the gantry.
   double surface_height_mm{0.01};
   double surface_slope{20e-6};        ///< In each direction.
   double roller_radius{20e-6};        ///< Relative: the scale of encoder and feed.
-  double mark_sensor_mm{0.01};        ///< Place of the print-mark sensor.
+  double mark_sensor_mm{0.005};       ///< Place of the print-mark sensor.
   double power{0.01};                 ///< Relative, of the tube.
   double power_monitor_scale{0.005};  ///< Relative.
   // kDynamic
   double bandwidth{0.01};       ///< Relative, of each servo: its tracking delay.
-  double backlash_rad{1e-6};    ///< h; of each mirror.
+  double backlash_rad{0.2e-6};  ///< h; of each mirror: the seat of a clamp, a galvo has no gear.
   double backlash_mm{0.002};    ///< h; of each gantry axis.
   double flutter_mm{0.01};      ///< v
   double flutter_hz{12.0};      ///< Not drawn: how fast a board flutters that rests in the description.

@@ -21,11 +21,11 @@ namespace kerfbench::twin {
 /// step with the input as it begins, then one with the parabola through the input at begin, middle and end of
 /// that (an exponential collocation, Hochbruck & Ostermann 2010, ch. 2). A step that begins and ends in
 /// different pieces is halved until its kink lies within step / 2^kHalvings: at a play's flank a kink that is
-/// missed by t costs (w t)² / 2 of the speed, 2e-6 for 4 kHz. A sheet that slides in two directions is not
+/// missed by t costs (w t)² / 2 of the speed, 3e-5 for 4 kHz. A sheet that slides in two directions is not
 /// linear in any piece and is done by Runge-Kutta.
 class PartFlow {
  public:
-  static constexpr int kHalvings = 7;
+  static constexpr int kHalvings = 5;
 
   PartFlow(MechanismPart part, double step_s);
 

@@ -21,7 +21,7 @@ class ReferenceSolver final : public Solver {
     kEveryStage,  ///< Assumes nothing.
   };
 
-  static constexpr int kHalvings = 7;
+  static constexpr int kHalvings = 5;
 
   /// @throws std::invalid_argument if the mechanism is too fast for the step.
   ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, double step_s,
