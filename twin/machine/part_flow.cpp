@@ -14,19 +14,12 @@ constexpr std::size_t kMostDigits = 27;
 constexpr std::size_t kMostSteppers = 4;
 constexpr int kRungeKuttaHalvings = 3;  // Stretches that Runge-Kutta does are step / 8 or shorter.
 
-bool hasPieces(const ForceLaw& law) {
-  return std::ranges::any_of(law.springs, [](const SpringLaw& s) { return s.half_play > 0; }) ||
-         std::ranges::any_of(law.frictions, [](const FrictionLaw& f) { return f.limit > 0; }) ||
-         std::ranges::any_of(law.servos, [](const ServoLaw& s) { return s.limited; });
-}
-
 }  // namespace
 
 PartFlow::PartFlow(MechanismPart part, double step_s)
     : part_(std::move(part)),
       step_s_(step_s),
       states_(part_.law.stateSize()),
-      has_pieces_(hasPieces(part_.law)),
       state_(part_.start),
       u_from_(part_.law.inputs, 0.0),
       u_to_(u_from_),
@@ -36,7 +29,8 @@ PartFlow::PartFlow(MechanismPart part, double step_s)
       stage_(states_, 0.0),
       force_(part_.law.joints, 0.0),
       u_stage_(part_.law.inputs, 0.0) {
-  if (pieces_.size() > kMostDigits || part_.law.steppers.size() > kMostSteppers)
+  findKinks();
+  if (kinks_.size() > kMostDigits || part_.law.steppers.size() > kMostSteppers)
     throw std::invalid_argument("PartFlow: too many elements");
   const std::size_t columns = states_ + 1 + part_.law.inputs + part_.law.steppers.size();
   state_.resize(std::max(columns, LinearFlow::kMostRows), 0.0);
@@ -45,12 +39,40 @@ PartFlow::PartFlow(MechanismPart part, double step_s)
   for (const StepperLaw& stepper : part_.law.steppers) teeth_.push_back({stepper.pitch(), 0});
 }
 
+void PartFlow::findKinks() {
+  const ForceLaw& law = part_.law;
+  kinked_.joints = law.joints;
+  std::size_t piece = 0;
+  for (const SpringLaw& spring : law.springs) {
+    if (spring.half_play > 0) {
+      kinked_.springs.push_back(spring);
+      kinks_.push_back(piece);
+    }
+    ++piece;
+  }
+  for (const FrictionLaw& friction : law.frictions) {
+    if (friction.limit > 0) {
+      kinked_.frictions.push_back(friction);
+      kinks_.push_back(piece);
+    }
+    ++piece;
+  }
+  for (const ServoLaw& servo : law.servos) {
+    if (servo.limited) {
+      kinked_.servos.push_back(servo);
+      kinks_.insert(kinks_.end(), {piece, piece + 1});
+    }
+    piece += 2;
+  }
+}
+
 std::uint64_t PartFlow::regimeAt(const double* x, const double* u) {
-  if (!has_pieces_) return 0;
-  part_.law.observe(x, u, pieces_.data());
+  if (kinks_.empty()) return 0;
+  std::array<ForceLaw::Piece, kMostDigits> pieces{};
+  kinked_.observe(x, u, pieces.data());
   std::uint64_t key = 0;
-  for (const ForceLaw::Piece piece : pieces_) {
-    key = kPieces * key + static_cast<std::uint64_t>(piece + 2);
+  for (std::size_t i = 0; i < kinks_.size(); ++i) {
+    key = kPieces * key + static_cast<std::uint64_t>(pieces.at(i) + 2);
   }
   return key;
 }
@@ -91,8 +113,8 @@ const LinearFlow* PartFlow::flowOf(std::uint64_t key, int halvings) {
 }
 
 void PartFlow::setPieces(std::uint64_t key) {
-  for (std::size_t i = pieces_.size(); i-- > 0; key /= kPieces) {
-    pieces_[i] = static_cast<ForceLaw::Piece>(static_cast<int>(key % kPieces) - 2);
+  for (std::size_t i = kinks_.size(); i-- > 0; key /= kPieces) {
+    pieces_[kinks_[i]] = static_cast<ForceLaw::Piece>(static_cast<int>(key % kPieces) - 2);
   }
 }
 

@@ -57,6 +57,8 @@ class PartFlow {
     [[nodiscard]] double share() const { return std::ldexp(1.0, -halvings); }
   };
 
+  void findKinks();
+  /// The pieces as one number, see setPieces().
   [[nodiscard]] std::uint64_t regimeAt(const double* x, const double* u);
   [[nodiscard]] std::uint64_t regimeNow();
   /// nullptr where the part is not affine.
@@ -79,7 +81,8 @@ class PartFlow {
   MechanismPart part_;
   double step_s_;
   std::size_t states_;
-  bool has_pieces_;
+  ForceLaw kinked_;                 ///< Those elements of the part's law that have pieces …
+  std::vector<std::size_t> kinks_;  ///< … and the places of these among all pieces.
   /// x, then the constant 1, commands, and what the steppers' fields are beyond their springs. A step ruins
   /// what follows x in next_, and sets it anew in state_.
   std::vector<double> state_, next_;
