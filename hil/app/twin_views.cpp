@@ -66,9 +66,8 @@ TwinViews twinViews(const twin::CameraDescription& camera, const CalibrationTarg
     const auto n = static_cast<std::size_t>(i);
     const Eigen::AngleAxisd tilt(kTilt.at(n % kTilt.size()) * kDegree, axis);
     const Eigen::AngleAxisd turn((90.0 * i + 7.0) * kDegree, Vector3d::UnitZ());
-    views.X_CB.emplace_back(
-        Eigen::Translation3d(0.0, 0.0, distance_mm * kDistance.at(n % kDistance.size())) * tilt * turn *
-        to_middle);
+    views.X_CB.emplace_back(Eigen::Translation3d(0.0, 0.0, distance_mm * kDistance.at(n % kDistance.size())) *
+                            tilt * turn * to_middle);
   }
   return views;
 }

@@ -41,8 +41,8 @@ struct State {
       const Vector3d turn = pose.head<3>();
       const double angle_rad = turn.norm();
       if (angle_rad > 0.0) {
-        const Eigen::Quaterniond q(
-            Eigen::AngleAxisd(angle_rad, turn / angle_rad).toRotationMatrix() * X_CB[v].linear());
+        const Eigen::Quaterniond q(Eigen::AngleAxisd(angle_rad, turn / angle_rad).toRotationMatrix() *
+                                   X_CB[v].linear());
         X_CB[v].linear() = q.normalized().toRotationMatrix();
       }
       X_CB[v].translation() += pose.tail<3>();
@@ -168,7 +168,7 @@ Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Ve
 }
 
 Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Vector2d& p_B_mm,
-                           ProjectionSlopes& by) {
+                 ProjectionSlopes& by) {
   const Vector3d turned = X_CB.linear() * Vector3d(p_B_mm.x(), p_B_mm.y(), 0.0);
   const Vector3d c = turned + X_CB.translation();
   const Vector2d n = c.head<2>() / c.z();
@@ -183,8 +183,10 @@ Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Ve
   by(0, 0) = d.point.x();
   by(1, 1) = d.point.y();
   by(0, 2) = by(1, 3) = 1.0;
-  by.row(0).segment<5>(4) << fx * n.x() * r2, fx * n.x() * r2 * r2, fx * xy, fx * xx, fx * n.x() * r2 * r2 * r2;
-  by.row(1).segment<5>(4) << fy * n.y() * r2, fy * n.y() * r2 * r2, fy * yy, fy * xy, fy * n.y() * r2 * r2 * r2;
+  by.row(0).segment<5>(4) << fx * n.x() * r2, fx * n.x() * r2 * r2, fx * xy, fx * xx,
+      fx * n.x() * r2 * r2 * r2;
+  by.row(1).segment<5>(4) << fy * n.y() * r2, fy * n.y() * r2 * r2, fy * yy, fy * xy,
+      fy * n.y() * r2 * r2 * r2;
   Eigen::Matrix<double, 2, 3> by_c;
   by_c << 1.0, 0.0, -n.x(), 0.0, 1.0, -n.y();
   by_c = Vector2d(fx, fy).asDiagonal() * d.jacobian * by_c / c.z();

@@ -46,31 +46,40 @@ void checkJob(const CalibrationJob& job, Faults& faults) {
     faults.add("the place of the target in the first view is not finite");
   if (job.camera_id.empty()) faults.add("the camera has no id");
   if (!dayNumber(job.date)) faults.add(fmt::format("'{}' is no day like 2026-11-21", job.date));
-  if (!(job.max_rms_px > 0.0 && job.max_rms_px <= 10.0)) faults.add("the residuals' limit must be in (0, 10]");
+  if (!(job.max_rms_px > 0.0 && job.max_rms_px <= 10.0))
+    faults.add("the residuals' limit must be in (0, 10]");
   if (job.views.size() < kLeastViews)
     faults.add(fmt::format("{} views are too few: one in the plane and {} tilted ones at least",
                            job.views.size(), kLeastViews - 1));
+}
+
+TargetView lookAt(const CalibrationJob& job, std::size_t v) {
+  TargetView view;
+  try {
+    const GrayImage image = job.picture(v);
+    if (image.width == job.width_px && image.height == job.height_px) return findTarget(image, job.target);
+    view.fault = fmt::format("is {} x {} pixels, the camera's pictures have {} x {}", image.width,
+                             image.height, job.width_px, job.height_px);
+  } catch (const std::exception& e) {
+    view.fault = e.what();
+  }
+  return view;
 }
 
 std::vector<TargetView> lookAtAll(const CalibrationJob& job) {
   std::vector<TargetView> views(job.views.size());
   std::mutex telling;
   forEachIndex(job.views.size(), job.threads, [&](std::size_t v) {
-    const GrayImage image = job.picture(v);
-    if (image.width != job.width_px || image.height != job.height_px) {
-      views[v].fault = fmt::format("is {} x {} pixels, the camera's pictures have {} x {}", image.width,
-                                   image.height, job.width_px, job.height_px);
-    } else {
-      views[v] = findTarget(image, job.target);
-    }
+    views[v] = lookAt(job, v);
     const std::lock_guard lock(telling);
     if (job.done) job.done(v);
   });
   return views;
 }
 
-constexpr std::array<std::array<const char*, 3>, 3> kParts{
-    {{"upper left", "top", "upper right"}, {"left", "middle", "right"}, {"lower left", "bottom", "lower right"}}};
+constexpr std::array<std::array<const char*, 3>, 3> kParts{{{"upper left", "top", "upper right"},
+                                                            {"left", "middle", "right"},
+                                                            {"lower left", "bottom", "lower right"}}};
 
 void checkCoverage(const CalibrationJob& job, const TargetView& plane_view, Faults& faults) {
   const std::vector<int> count = coverageOf(plane_view.corners, job.width_px, job.height_px);
@@ -182,17 +191,19 @@ void checkResult(const CalibrationJob& job, const BundleResult& result, Faults& 
   const double focal_sigma =
       finite ? std::sqrt(result.covariance(0, 0)) / std::abs(result.lens.pinhole[0]) : HUGE_VAL;
   if (widest_rad < kLeastTilt_rad) {
-    faults.add(fmt::format("all views show the target at the same angle, within {:.1f}°: tilt it by 20 … 40° in "
-                           "several directions, or focal length and distance cannot be told apart",
-                           180.0 / std::numbers::pi * widest_rad));
+    faults.add(
+        fmt::format("all views show the target at the same angle, within {:.1f}°: tilt it by 20 … 40° in "
+                    "several directions, or focal length and distance cannot be told apart",
+                    180.0 / std::numbers::pi * widest_rad));
   } else if (!result.settled || !finite || !(focal_sigma < kMostFocalSigma)) {
     faults.add("the views do not fix the lens: tilt the target in more directions, over the whole picture");
   }
   if (!(result.rms_px <= job.max_rms_px)) {
-    faults.add(fmt::format(
-        "the corners are {:.3f} px (RMS per axis) from where the lens puts them, at most {}: the target is not "
-        "flat, not as described, or moved while a picture was taken",
-        result.rms_px, job.max_rms_px));
+    faults.add(
+        fmt::format("the corners are {:.3f} px (RMS per axis) from where the lens puts them, at most {}: the "
+                    "target is not "
+                    "flat, not as described, or moved while a picture was taken",
+                    result.rms_px, job.max_rms_px));
   }
 }
 

@@ -65,8 +65,8 @@ inline constexpr int kCoverageCells = 10;  ///< Along each side of the picture.
 /// bundle adjustment, the first view's pose gives the plane.
 /// @throws CalibrationError with everything that is wrong: fewer than kLeastViews views; a picture of another
 /// size, empty, dark, saturated or blurred; a target that is not found; a first view that leaves a cell of
-/// the picture without a corner; views that are all parallel or do not fix the lens; residuals above the
-/// limit; values that are not finite.
+/// the picture without a corner; pictures that cannot be had; views that are all parallel or do not fix the
+/// lens; residuals above the limit; values that are not finite.
 CameraCalibrationResult calibrateCamera(const CalibrationJob& job);
 
 /// Number of corners of a view in each cell of the picture, row by row.

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/day.h"
@@ -82,7 +82,8 @@ std::string calibrationText(const CalibrationFile& file, const std::string& made
       "map_u_mm: {:.6g}   # Largest standard uncertainty of a mapped point within the area.\n"
       "area_min_mm: {}\n"
       "area_max_mm: {}\n"
-      "# Covariance as columns L_k, the sum of L_k L_k^T: fx fy cx cy, k1 k2 p1 p2 k3, turn (rad), shift (mm).\n"
+      "# Covariance as columns L_k, the sum of L_k L_k^T: fx fy cx cy, k1 k2 p1 p2 k3, turn (rad), shift "
+      "(mm).\n"
       "error_modes:\n",
       made_by, c.camera_id, c.date, file.described_camera, c.width_px, c.height_px,
       list(std::array{c.fx_px, c.fy_px}), list(std::array{c.cx_px, c.cy_px}), list(c.distortion),
@@ -117,7 +118,8 @@ CalibrationFile readCalibrationFile(const std::filesystem::path& path) {
   if (modes.empty() || modes.size() > CameraCalibration::kParameters)
     file.fault("error_modes", fmt::format("must be 1 … {} of them", CameraCalibration::kParameters));
   for (YamlReader& mode : modes) {
-    const auto values = mode.numbers("parameters", CameraCalibration::kParameters, {.min = -kHuge, .max = kHuge});
+    const auto values =
+        mode.numbers("parameters", CameraCalibration::kParameters, {.min = -kHuge, .max = kHuge});
     c.error_modes.emplace_back(Eigen::Map<const Eigen::Matrix<double, 15, 1>>(values.data()));
   }
   file.finish();

@@ -19,8 +19,8 @@ using Matrix9 = Eigen::Matrix<double, kParameters, kParameters>;
 
 constexpr int kRounds = 40;
 constexpr double kSettled_px = 1e-7;
-constexpr double kFar = 5.0;        // Sigmas from an edge beyond which the other one is all that counts.
-constexpr double kOutlier = 6.0;    // Of the window's noise.
+constexpr double kFar = 5.0;      // Sigmas from an edge beyond which the other one is all that counts.
+constexpr double kOutlier = 6.0;  // Of the window's noise.
 constexpr double kMaxBlur_px = 6.0;
 
 double normalDensity(double u) { return std::exp(-0.5 * u * u) / std::sqrt(2.0 * std::numbers::pi); }
@@ -52,9 +52,8 @@ SignProduct signProduct(double u, double v, double correlation) {
     }
   }
   out.value += 2.0 * half * sum / std::numbers::pi;
-  out.by_correlation =
-      2.0 / (std::numbers::pi * root) *
-      std::exp(-(u * u + v * v - 2.0 * correlation * u * v) / (2.0 * root * root));
+  out.by_correlation = 2.0 / (std::numbers::pi * root) *
+                       std::exp(-(u * u + v * v - 2.0 * correlation * u * v) / (2.0 * root * root));
   return out;
 }
 

@@ -11,10 +11,10 @@ namespace kerfbench::hil {
 
 /// What is known of a chessboard corner before it is fitted.
 struct CornerGuess {
-  Eigen::Vector2d pixel;      ///< Within about a pixel.
-  Eigen::Vector2d along_x;    ///< Picture of the target's x axis there; any length.
-  Eigen::Vector2d along_y;    ///< Of its y axis.
-  int radius_px{};            ///< The window's half side; nothing but the four squares may lie in it.
+  Eigen::Vector2d pixel;    ///< Within about a pixel.
+  Eigen::Vector2d along_x;  ///< Picture of the target's x axis there; any length.
+  Eigen::Vector2d along_y;  ///< Of its y axis.
+  int radius_px{};          ///< The window's half side; nothing but the four squares may lie in it.
 };
 
 /// Two straight edges that cross, blurred.

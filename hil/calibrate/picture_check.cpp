@@ -12,9 +12,9 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr int kLeastContrast = 30;         // Grey levels between the 2nd and the 98th percentile.
-constexpr int kLeastWhite = 60;            // Of the 98th percentile.
-constexpr double kMostSaturated = 0.005;   // Share of the pixels.
+constexpr int kLeastContrast = 30;        // Grey levels between the 2nd and the 98th percentile.
+constexpr int kLeastWhite = 60;           // Of the 98th percentile.
+constexpr double kMostSaturated = 0.005;  // Share of the pixels.
 constexpr double kMostBlur_px = 2.5;
 // Of the steepest steps: a target has more edges than that, a few hot pixels are fewer.
 constexpr double kSteepShare = 0.002;
@@ -67,8 +67,9 @@ std::string pictureFault(const GrayImage& image) {
   const int white = levels.percentile(0.98);
   const double saturated = static_cast<double>(levels.count[255]) / static_cast<double>(levels.total);
   if (saturated > kMostSaturated)
-    return fmt::format("saturated: {:.1f} % of the pixels are at the top of the scale; less light or exposure",
-                       100.0 * saturated);
+    return fmt::format(
+        "saturated: {:.1f} % of the pixels are at the top of the scale; less light or exposure",
+        100.0 * saturated);
   if (white < kLeastWhite)
     return fmt::format("too dark: its white is grey {} of 255, at least {}; more light or exposure", white,
                        kLeastWhite);
@@ -76,9 +77,10 @@ std::string pictureFault(const GrayImage& image) {
     return fmt::format("empty: its greys are all within {} … {}, no target is in sight", black, white);
   const double blur_px = blurOf(image, white - black);
   if (blur_px > kMostBlur_px)
-    return fmt::format("blurred: its sharpest edges are {:.1f} px wide (sigma), at most {}; focus, or hold the "
-                       "target still",
-                       blur_px, kMostBlur_px);
+    return fmt::format(
+        "blurred: its sharpest edges are {:.1f} px wide (sigma), at most {}; focus, or hold the "
+        "target still",
+        blur_px, kMostBlur_px);
   return {};
 }
 

@@ -31,8 +31,8 @@ std::string markerPath(const CalibrationTarget& target) {
         const int begin = x;
         while (x < kCells && black(x, y)) ++x;
         if (x > begin)
-          path += rectangle(corner_mm.x() + begin * cell_mm, corner_mm.y() + y * cell_mm, (x - begin) * cell_mm,
-                            cell_mm);
+          path += rectangle(corner_mm.x() + begin * cell_mm, corner_mm.y() + y * cell_mm,
+                            (x - begin) * cell_mm, cell_mm);
         else
           ++x;
       }
@@ -56,7 +56,8 @@ double rulerLength(double most_mm) {
 std::string targetText(const CalibrationTarget& target) {
   return fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
-      "# Calibration target: docs/CALIBRATION.md. A chessboard with a marker of OpenCV's dictionary 5X5_1000 in\n"
+      "# Calibration target: docs/CALIBRATION.md. A chessboard with a marker of OpenCV's dictionary 5X5_1000 "
+      "in\n"
       "# each white square. Measure the print over many squares, and correct square_mm and marker_mm.\n"
       "version: 1\n"
       "columns: {}\n"
@@ -92,11 +93,12 @@ std::string targetSvg(const CalibrationTarget& target) {
   std::string squares;
   for (int row = 0; row < target.rows; ++row) {
     for (int column = row % 2; column < target.columns; column += 2)
-      squares += rectangle(column * target.square_mm, row * target.square_mm, target.square_mm, target.square_mm);
+      squares +=
+          rectangle(column * target.square_mm, row * target.square_mm, target.square_mm, target.square_mm);
     squares += "\n";
   }
-  const std::string ruler = fmt::format("M0 {0:.6g}h{1:.6g}M0 {2:.6g}v{3:.6g}M{1:.6g} {2:.6g}v{3:.6g}", ruler_y_mm,
-                                        ruler_mm, ruler_y_mm - 0.1 * margin_mm, 0.2 * margin_mm);
+  const std::string ruler = fmt::format("M0 {0:.6g}h{1:.6g}M0 {2:.6g}v{3:.6g}M{1:.6g} {2:.6g}v{3:.6g}",
+                                        ruler_y_mm, ruler_mm, ruler_y_mm - 0.1 * margin_mm, 0.2 * margin_mm);
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<!-- SPDX-License-Identifier: Apache-2.0 -->\n"
@@ -105,12 +107,14 @@ std::string targetSvg(const CalibrationTarget& target) {
       "<rect x=\"{2:.6g}\" y=\"{2:.6g}\" width=\"{0:.6g}\" height=\"{1:.6g}\" fill=\"#fff\"/>\n"
       "<path fill=\"#000\" d=\"{3}\"/>\n<path fill=\"#000\" d=\"{4}\"/>\n"
       "<path fill=\"none\" stroke=\"#000\" stroke-width=\"{5:.6g}\" d=\"{6}\"/>\n"
-      "<text x=\"0\" y=\"{7:.6g}\" font-family=\"sans-serif\" font-size=\"{8:.6g}\">The line is {9:g} mm long. "
-      "Kerfbench target: {10} x {11} squares of {12:g} mm, markers 5X5_1000 of {13:g} mm. Origin: upper left corner "
+      "<text x=\"0\" y=\"{7:.6g}\" font-family=\"sans-serif\" font-size=\"{8:.6g}\">The line is {9:g} mm "
+      "long. "
+      "Kerfbench target: {10} x {11} squares of {12:g} mm, markers 5X5_1000 of {13:g} mm. Origin: upper left "
+      "corner "
       "of the squares.</text>\n</svg>\n",
       width_mm, height_mm, -margin_mm, squares, markerPath(target), 0.02 * margin_mm, ruler,
-      ruler_y_mm + 0.15 * margin_mm + text_mm, text_mm, ruler_mm, target.columns, target.rows, target.square_mm,
-      target.marker_mm);
+      ruler_y_mm + 0.15 * margin_mm + text_mm, text_mm, ruler_mm, target.columns, target.rows,
+      target.square_mm, target.marker_mm);
 }
 
 }  // namespace kerfbench::hil

@@ -92,8 +92,8 @@ std::optional<Prediction> predict(int column, int row, const std::map<int, Quad>
   prediction.corner = {column, row, at(0.0, 0.0)};
   prediction.along_x = at(0.5, 0.0) - at(-0.5, 0.0);
   prediction.along_y = at(0.0, 0.5) - at(0.0, -0.5);
-  const bool sound = prediction.corner.pixel.allFinite() && prediction.along_x.allFinite() &&
-                     prediction.along_y.allFinite();
+  const bool sound =
+      prediction.corner.pixel.allFinite() && prediction.along_x.allFinite() && prediction.along_y.allFinite();
   return sound ? std::optional(prediction) : std::nullopt;
 }
 
@@ -104,8 +104,8 @@ int radiusFor(const Prediction& p, const CalibrationTarget& target) {
   const double height_px = cross / std::max(p.along_x.norm(), p.along_y.norm());
   const double border = 0.5 * (1.0 - target.marker_mm / target.square_mm);
   // The nearest point of the marker is its corner, `border` along both sides: sqrt(2) as far, in a square.
-  const double free_px = std::min((border * (p.along_x + p.along_y)).norm(),
-                                  (border * (p.along_x - p.along_y)).norm());
+  const double free_px =
+      std::min((border * (p.along_x + p.along_y)).norm(), (border * (p.along_x - p.along_y)).norm());
   // The other edges that end a square lie further out than any marker. Three pixels for the blur.
   return std::min(kMostRadius_px, static_cast<int>(std::floor(std::min(free_px, 0.8 * height_px) - 3.0)));
 }
@@ -171,8 +171,8 @@ TargetView findTarget(const GrayImage& image, const CalibrationTarget& target) {
     view.fault = fmt::format("the target is not found: {} of its {} markers, {} corners, at least {}",
                              view.markers, target.markers(), view.corners.size(), kLeastCorners);
   } else if (view.blur_px > kMostBlur_px) {
-    view.fault = fmt::format("blurred: its edges are {:.1f} px wide (sigma), at most {}", view.blur_px,
-                             kMostBlur_px);
+    view.fault =
+        fmt::format("blurred: its edges are {:.1f} px wide (sigma), at most {}", view.blur_px, kMostBlur_px);
   } else if (view.contrast < kLeastContrast) {
     view.fault = fmt::format("dim: black and white differ by {:.0f} grey levels, at least {}", view.contrast,
                              kLeastContrast);

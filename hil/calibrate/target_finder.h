@@ -13,7 +13,8 @@ namespace kerfbench::hil {
 
 /// One inner corner of the target where a picture shows it.
 struct TargetCorner {
-  int column{}, row{};  ///< Of the square below and right of it, both >= 1: it is at square_mm * (column, row).
+  int column{},
+      row{};  ///< Of the square below and right of it, both >= 1: it is at square_mm * (column, row).
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
 };
 
