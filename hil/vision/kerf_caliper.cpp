@@ -14,7 +14,7 @@ namespace {
 constexpr double kLeastContrast = 0.03;  // of board to open kerf; less is dirt or shading
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<double, 3> kLevels{0.4, 0.5, 0.6};
-constexpr double kPeakPx = 0.45;  // about the middle of a kerf: what tells how bright it is
+constexpr double kPeakPx = 0.55;  // about the middle of a kerf: what tells how bright it is
 
 struct Peak {
   std::size_t first;  ///< Of the samples above half of its height.
@@ -101,13 +101,25 @@ std::optional<Peak> nearestPeak(const Profile& profile, double base, double leas
   return nearest;
 }
 
+/// Left minus right at a distance from the centre.
+double oddAt(const Profile& profile, double centre, double distance) {
+  const auto at = [&](double place) {
+    if (!(place >= 0.0) || place > static_cast<double>(profile.size()) - 1.001) return kNan;
+    const auto i = static_cast<std::size_t>(place);
+    if (!profile.seen(i) || !profile.seen(i + 1)) return kNan;
+    const double t = place - static_cast<double>(i);
+    return (1.0 - t) * profile.gray[i] + t * profile.gray[i + 1];
+  };
+  return at(centre + distance) - at(centre - distance);
+}
+
 /// Noise of a flank's place: that of the profile over its slope.
 double flankNoise(const Profile& profile, double at, double span_gray) {
   const auto i = static_cast<std::size_t>(at);
   if (i < 1 || i + 2 >= profile.size()) return kNan;
   const double slope = std::abs(profile.gray[i + 2] - profile.gray[i - 1]) / (3.0 * profile.step_mm);
-  // A pixel counts for 0.479 (the spline's mean square weight over its mean) of the pixels per sample.
-  const double pixels = std::max(1.0F, profile.weight[i]) / 0.479;
+  // A pixel counts for 0.394 (the spline's mean square weight over its mean) of the pixels per sample.
+  const double pixels = std::max(1.0F, profile.weight[i]) / 0.394;
   // Light makes noise too: half as much variance again at the middle of a flank as on dim board is typical.
   return profile.noise_gray / std::sqrt(pixels) / std::max(slope, 1e-3 * span_gray / profile.pixel_mm);
 }
@@ -115,7 +127,7 @@ double flankNoise(const Profile& profile, double at, double span_gray) {
 }  // namespace
 
 KerfReading measureKerf(const Profile& profile, double open_gray) {
-  KerfReading reading{.offset_mm = kNan, .width_mm = kNan, .noise_mm = kNan};
+  KerfReading reading{.offset_mm = kNan, .width_mm = kNan, .noise_mm = kNan, .odd_gray = kNan};
   const double base = boardOf(profile);
   if (!std::isfinite(base)) return reading;
   const double range = std::max(1.0, open_gray - base);
@@ -158,6 +170,9 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   reading.offset_mm = profile.first_mm + centre / levels * profile.step_mm;
   reading.width_mm = ((*half)[1] - (*half)[0]) * profile.step_mm;
   reading.brightness = std::clamp(height / range, 0.0, 1.5);
+  const double half_steps = 0.5 * ((*half)[1] - (*half)[0]);
+  const double beside_steps = kBesidePx * profile.pixel_mm / profile.step_mm;
+  reading.odd_gray = oddAt(profile, centre / levels, half_steps + beside_steps);
   reading.noise_mm =
       0.5 * std::hypot(flankNoise(profile, (*half)[0], height), flankNoise(profile, (*half)[1], height));
   return reading;

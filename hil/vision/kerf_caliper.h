@@ -14,13 +14,17 @@ struct KerfReading {
   double noise_mm{};  ///< Of the offset, as the noise of the pixels alone would make it.
   double top_gray{};
   double base_gray{};
+  /// Left minus right at kBesidePx beyond the flanks, mirrored about the centre; NaN where hidden.
+  double odd_gray{};
 };
+
+/// Where beside its flanks a kerf is compared with its mirror image, px.
+inline constexpr double kBesidePx = 2.75;
 
 /// The kerf in a profile that lies nearest to the nominal place. `open_gray`: brightness 1.
 ///
-/// Each flank has a board of its own: scorch darkens one side and not the other. A flank lies where the light
-/// crosses 0.6 … 0.8 of the way from its own board to the top of the kerf; the centre is the middle of both
-/// flanks, and the width is that at half of the way.
+/// A flank lies where the light crosses 0.4, 0.5 and 0.6 of the kerf's height, on average; the centre is the
+/// middle of both flanks, and the width is that at half height.
 KerfReading measureKerf(const Profile& profile, double open_gray);
 
 }  // namespace kerfbench::hil

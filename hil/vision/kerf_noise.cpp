@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 namespace kerfbench::hil {
 namespace {
@@ -18,6 +19,7 @@ constexpr double kClipSigmas = 3.0;
 constexpr double kClipped = 0.9850;       // variance left by clipping a normal value there
 constexpr double kMedianSquare = 0.4549;  // of a standard normal value
 constexpr double kLeast_mm = 1e-5;
+constexpr double kGridPx = 0.009;
 
 /// Squares of the third differences along one entity, in units of one reading's variance; NaN where a reading
 /// is missing. Entry i is centred between its readings, at the station of reading i plus 1.5 gaps.
@@ -95,12 +97,13 @@ double sigmaOf(const Pool& near, const Pool& all, double noise_mm) {
 }
 
 template <typename Reading, typename Sigma>
-void setSigma(const KerfPlan& plan, const PixelNoise& noise, double noise_gain,
+void setSigma(const KerfPlan& plan, const std::vector<CutNoise>& noise, double noise_gain,
               std::vector<EntityKerf>& kerfs, const Reading& reading, const Sigma& sigma) {
   std::vector<Differences> all;
-  PixelNoise scaled = noise;
-  for (auto& entity : scaled) {
-    for (double& value : entity) value *= noise_gain;
+  std::vector<std::vector<double>> scaled;
+  for (const CutNoise& entity : noise) {
+    scaled.push_back(entity.pixels_mm);
+    for (double& value : scaled.back()) value *= noise_gain;
   }
   for (std::size_t e = 0; e < kerfs.size(); ++e)
     all.push_back(differencesOf(plan.entities[e], kerfs[e], scaled[e], reading));
@@ -130,14 +133,22 @@ void setSigma(const KerfPlan& plan, const PixelNoise& noise, double noise_gain,
       const auto to = std::clamp<std::ptrdiff_t>(centre + pool + 1, from, last);
       const Pool near = sums[static_cast<std::size_t>(to)].without(sums[static_cast<std::size_t>(from)]);
       Caliper& c = kerfs[e].calipers[i];
-      sigma(c) = c.found ? sigmaOf(near, of_process[process], scaled[e][i]) : kNan;
+      const double grid_mm = noise_gain * std::hypot(noise[e].grid_mm[i], noise[e].model_mm[i]);
+      sigma(c) = c.found ? std::hypot(sigmaOf(near, of_process[process], scaled[e][i]), grid_mm) : kNan;
     }
   }
 }
 
 }  // namespace
 
-void setSigmas(const KerfPlan& plan, const PixelNoise& noise, std::vector<EntityKerf>& kerfs) {
+double gridNoisePx(const Eigen::Vector2d& window_along_px) {
+  const double rows = std::min(std::abs(window_along_px.x()), std::abs(window_along_px.y()));
+  if (rows < 1e-6) return kGridPx;
+  const double phase = std::numbers::pi * rows;
+  return kGridPx * std::abs(std::sin(phase) / phase);
+}
+
+void setSigmas(const KerfPlan& plan, const std::vector<CutNoise>& noise, std::vector<EntityKerf>& kerfs) {
   setSigma(
       plan, noise, 1.0, kerfs, [](const Caliper& c) { return c.offset_mm; },
       [](Caliper& c) -> double& { return c.sigma_mm; });

@@ -7,8 +7,17 @@
 
 namespace kerfbench::hil {
 
-/// What the pixels' noise alone makes of each caliper's offset, by entity and station; NaN where none.
-using PixelNoise = std::vector<std::vector<double>>;
+/// What is known of the errors of one entity's offsets beside their scatter, by station.
+struct CutNoise {
+  std::vector<double> pixels_mm;  ///< What the pixels' noise alone would make; NaN where nothing was found.
+  std::vector<double> grid_mm;    ///< What the grid of pixels leaves.
+  std::vector<double> model_mm;   ///< What the model of the flanks leaves.
+};
+
+/// What the grid of pixels leaves of a caliper's offset, px: the light between the pixels is not seen, and a
+/// line along the grid meets the same gaps at all of its pixels. Along a window that crosses rows the gaps
+/// cancel. The size was measured: tests/hil/vision/kerf_uncertainty_test.cpp.
+double gridNoisePx(const Eigen::Vector2d& window_along_px);
 
 /// Sets sigma_mm and width_sigma_mm of all calipers of one unit.
 ///
@@ -17,7 +26,8 @@ using PixelNoise = std::vector<std::vector<double>>;
 /// sigma²) and hold next to nothing of a kerf that bends off slowly: of a wave of 20 um amplitude and 10 mm
 /// length 0.05 um. They are pooled over some 12 mm along the curve, with a few degrees of belief in what all
 /// cuts of the same process show, and steps (a fault is one) are clipped at 3 sigma. What the scatter shows
-/// beyond the pixels' noise is added to each caliper's own share of that.
-void setSigmas(const KerfPlan& plan, const PixelNoise& noise, std::vector<EntityKerf>& kerfs);
+/// beyond the pixels' noise is added to each caliper's own share of that; so is what is the same over long
+/// stretches, where no scatter tells: grid and model.
+void setSigmas(const KerfPlan& plan, const std::vector<CutNoise>& noise, std::vector<EntityKerf>& kerfs);
 
 }  // namespace kerfbench::hil

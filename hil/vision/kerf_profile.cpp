@@ -15,17 +15,16 @@ constexpr double kAlongMm = 0.1;
 constexpr double kLongestArcRad = 0.35;  // of a small circle, each way
 constexpr double kStraight_per_mm = 1e-6;
 
-constexpr std::size_t kStepsPerPixel = 4;
-constexpr std::size_t kTaps = 4 * kStepsPerPixel;  // the cubic B-spline is four pixels wide
+constexpr std::size_t kStepsPerPixel = 3;
+constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is six pixels wide
 constexpr std::size_t kPhases = 64;                // of a sample's step
 
 using Taps = std::array<float, kTaps>;
 
-double cubicSpline(double t) {
+double quinticSpline(double t) {
   const double a = std::abs(t);
-  if (a < 1.0) return 2.0 / 3.0 - a * a * (1.0 - 0.5 * a);
-  if (a < 2.0) return (2.0 - a) * (2.0 - a) * (2.0 - a) / 6.0;
-  return 0.0;
+  const auto power = [](double x) { return x > 0.0 ? x * x * x * x * x : 0.0; };
+  return (power(3.0 - a) - 6.0 * power(2.0 - a) + 15.0 * power(1.0 - a)) / 120.0;
 }
 
 /// Weights of the samples around a place that lies phase/kPhases of a step above sample kTaps/2 - 1.
@@ -35,7 +34,7 @@ const std::array<Taps, kPhases>& tapTable() {
     for (std::size_t phase = 0; phase < kPhases; ++phase) {
       const double at = (static_cast<double>(phase) + 0.5) / kPhases + kTaps / 2.0 - 1.0;
       for (std::size_t i = 0; i < kTaps; ++i) {
-        t[phase][i] = static_cast<float>(cubicSpline((static_cast<double>(i) - at) / kStepsPerPixel));
+        t[phase][i] = static_cast<float>(quinticSpline((static_cast<double>(i) - at) / kStepsPerPixel));
       }
     }
     return t;
@@ -64,9 +63,13 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
   const bool straight = std::abs(bend) < kStraight_per_mm;
   // A curve leaves its tangent: read that much farther out.
   const double along_mm = std::max(window.back_mm, window.ahead_mm);
+  // A pixel at the end of the window counts by its share inside: rows of pixels must not come and go at once.
+  const double pixel_mm = window_from_pixel.row(0).norm();
+  const double back_mm = window.back_mm + 0.5 * pixel_mm;
+  const double ahead_mm = window.ahead_mm + 0.5 * pixel_mm;
   const double reach_mm = window.reach_mm + 0.5 * std::abs(bend) * along_mm * along_mm;
   Eigen::AlignedBox2d box;
-  for (const double a : {-window.back_mm, window.ahead_mm}) {
+  for (const double a : {-back_mm, ahead_mm}) {
     for (const double n : {-reach_mm, reach_mm}) {
       box.extend(pixel + pixel_from_window * Eigen::Vector2d(a, n));
     }
@@ -78,7 +81,7 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
     const Eigen::Vector2d at_zero = window_from_pixel * (Eigen::Vector2d(0.0, r) - pixel);
     double first = 0.0;
     double last = image.width - 1.0;
-    clip(at_zero.x(), window_from_pixel(0, 0), -window.back_mm, window.ahead_mm, first, last);
+    clip(at_zero.x(), window_from_pixel(0, 0), -back_mm, ahead_mm, first, last);
     clip(at_zero.y(), window_from_pixel(1, 0), -reach_mm, reach_mm, first, last);
     const int begin = static_cast<int>(std::ceil(first));
     const int end = static_cast<int>(std::floor(last));
@@ -91,7 +94,10 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
         const double rest = 1.0 - bend * n;
         n = (n * (2.0 - bend * n) - bend * a * a) / (1.0 + std::sqrt(rest * rest + bend * bend * a * a));
       }
-      out.push_back({static_cast<float>(n), static_cast<float>(a), factor * static_cast<float>(row[c])});
+      const double share = std::min({1.0, (a + back_mm) / pixel_mm, (ahead_mm - a) / pixel_mm});
+      if (!(share > 0.0)) continue;
+      out.push_back({static_cast<float>(n), static_cast<float>(a), factor * static_cast<float>(row[c]),
+                     static_cast<float>(share)});
     }
   }
 }
@@ -113,9 +119,10 @@ void spread(Profile& profile, std::size_t count) {
     const std::size_t from = static_cast<std::size_t>(whole) + 1 - kTaps / 2;
     float* gray = profile.gray.data() + from;
     float* weight = profile.weight.data() + from;
+    const float light = pixel.share * pixel.gray;
     for (std::size_t i = 0; i < kTaps; ++i) {
-      gray[i] += taps[i] * pixel.gray;
-      weight[i] += taps[i];
+      gray[i] += taps[i] * light;
+      weight[i] += taps[i] * pixel.share;
     }
   }
   for (std::size_t i = 0; i < count; ++i) {

@@ -9,9 +9,8 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
-#include "hil/vision/kerf_caliper.h"
+#include "hil/vision/kerf_flank.h"
 #include "hil/vision/kerf_joint.h"
-#include "hil/vision/kerf_noise.h"
 #include "hil/vision/kerf_stray.h"
 
 namespace kerfbench::hil {
@@ -70,7 +69,7 @@ struct UnitScan::Scratch {
 };
 
 void UnitScan::caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
-                       Caliper& out, double& noise_mm) const {
+                       Caliper& out, KerfReading& reading) const {
   const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
   const auto hidden = plan.hidden(station);
   readProfile(view, calibration_, X_TS_, window, hidden, kHiddenMm, scratch.profile);
@@ -78,40 +77,53 @@ void UnitScan::caliper(const EntityPlan& plan, const Station& station, const Til
     out.near_joint = true;
     readProfile(view, calibration_, X_TS_, window, {}, 0.0, scratch.profile);
   }
-  const KerfReading reading = measureKerf(scratch.profile, options_.open_gray);
+  reading = measureKerf(scratch.profile, options_.open_gray);
   out.found = reading.found;
   out.offset_mm = reading.offset_mm;
   out.width_mm = reading.width_mm;
   out.brightness = reading.brightness;
-  noise_mm = reading.noise_mm;
 }
 
-void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, std::vector<double>& noise_mm,
-                       std::size_t& unseen) const {
-  const double border_px = (options_.reach_mm + 0.1) / calibration_.pitchMm() * 1.05 + kBorderPx;
+void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const {
+  const double pixel_mm = calibration_.pitchMm();
+  const double border_px = (options_.reach_mm + 0.1) / pixel_mm * 1.05 + kBorderPx;
   Scratch scratch;
+  std::vector<KerfReading> readings;
   kerf.calipers.reserve(plan.stations.size());
   for (const Station& station : plan.stations) {
     Caliper caliper{.u = station.u, .station_mm = station.station_mm, .p_S_mm = station.p_S_mm};
     caliper.near_joint = station.near_corner;
     caliper.offset_mm = caliper.sigma_mm = caliper.width_mm = caliper.width_sigma_mm = kNan;
-    double noise = kNan;
+    KerfReading reading;
+    reading.noise_mm = kNan;
     const TileView* view = index_.best(X_TS_ * station.p_S_mm, border_px);
     if (view == nullptr) {
       ++unseen;
     } else {
-      this->caliper(plan, station, *view, scratch, caliper, noise);
+      this->caliper(plan, station, *view, scratch, caliper, reading);
     }
     kerf.calipers.push_back(caliper);
-    noise_mm.push_back(noise);
+    readings.push_back(reading);
+    noise.pixels_mm.push_back(reading.noise_mm);
+    noise.grid_mm.push_back(gridNoiseMm(plan, station, view));
   }
+  straighten(plan, readings, options_, pixel_mm, kerf, noise.model_mm);
+}
+
+double UnitScan::gridNoiseMm(const EntityPlan& plan, const Station& station, const TileView* view) const {
+  if (view == nullptr) return 0.0;
+  const LocalPixelMap map = calibration_.localMap(X_TS_ * station.p_S_mm - view->tile.p_TV_mm);
+  const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
+  const Eigen::Vector2d along_px =
+      map.pixel_per_mm * X_TS_.rotation() * station.tangent * (window.back_mm + window.ahead_mm);
+  return gridNoisePx(along_px) / map.pixel_per_mm.col(0).norm();
 }
 
 void UnitScan::cuts(KerfScan& scan) const {
   const std::vector<EntityPlan>& plans = plan_.entities;
   std::vector<EntityKerf> kerfs(plans.size());
   std::vector<std::size_t> unseen(plans.size(), 0);
-  PixelNoise noise(plans.size());
+  std::vector<CutNoise> noise(plans.size());
   forEachIndex(plans.size(), options_.threads, [&](std::size_t e) {
     kerfs[e] = {unit_, plans[e].entity, {}};
     measure(plans[e], kerfs[e], noise[e], unseen[e]);

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "hil/vision/kerf_caliper.h"
+#include "hil/vision/kerf_noise.h"
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_tiles.h"
 
@@ -27,10 +29,11 @@ class UnitScan {
 
  private:
   struct Scratch;
-  void measure(const EntityPlan& plan, EntityKerf& kerf, std::vector<double>& noise_mm,
-               std::size_t& unseen) const;
+  void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
   void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
-               Caliper& out, double& noise_mm) const;
+               Caliper& out, KerfReading& reading) const;
+  [[nodiscard]] double gridNoiseMm(const EntityPlan& plan, const Station& station,
+                                   const TileView* view) const;
   void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
   void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
 
