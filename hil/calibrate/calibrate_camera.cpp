@@ -82,12 +82,13 @@ constexpr std::array<std::array<const char*, 3>, 3> kParts{{{"upper left", "top"
                                                             {"lower left", "bottom", "lower right"}}};
 
 void checkCoverage(const CalibrationJob& job, const TargetView& plane_view, Faults& faults) {
+  const int cells = coverageCells(job.width_px, job.height_px);
   const std::vector<int> count = coverageOf(plane_view.corners, job.width_px, job.height_px);
   std::array<std::array<int, 3>, 3> empty{};
-  for (int row = 0; row < kCoverageCells; ++row) {
-    for (int column = 0; column < kCoverageCells; ++column) {
-      const bool bare = count[static_cast<std::size_t>(row * kCoverageCells + column)] == 0;
-      const auto third = [](int cell) { return static_cast<std::size_t>(3 * cell / kCoverageCells); };
+  for (int row = 0; row < cells; ++row) {
+    for (int column = 0; column < cells; ++column) {
+      const bool bare = count[static_cast<std::size_t>(row * cells + column)] == 0;
+      const auto third = [cells](int cell) { return static_cast<std::size_t>(3 * cell / cells); };
       empty.at(third(row)).at(third(column)) += bare ? 1 : 0;
     }
   }
@@ -102,7 +103,7 @@ void checkCoverage(const CalibrationJob& job, const TargetView& plane_view, Faul
   faults.add(fmt::format(
       "{}: the target does not cover the picture: of {} x {} cells, these have no corner of it: {}; the map "
       "would be a guess there",
-      job.views.front(), kCoverageCells, kCoverageCells, parts));
+      job.views.front(), cells, cells, parts));
 }
 
 /// A start near enough for the bundle: OpenCV's, on some of the corners.
@@ -253,13 +254,18 @@ CameraCalibration calibrationFrom(const CalibrationJob& job, const BundleResult&
 
 }  // namespace
 
+int coverageCells(int width_px, int height_px) {
+  return std::clamp(std::min(width_px, height_px) / 100, 4, 10);
+}
+
 std::vector<int> coverageOf(const std::vector<TargetCorner>& corners, int width_px, int height_px) {
-  std::vector<int> count(static_cast<std::size_t>(kCoverageCells * kCoverageCells), 0);
-  const auto cell = [](double at, int size) {
-    return std::clamp(static_cast<int>((at + 0.5) / size * kCoverageCells), 0, kCoverageCells - 1);
+  const int cells = coverageCells(width_px, height_px);
+  std::vector<int> count(static_cast<std::size_t>(cells * cells), 0);
+  const auto cell = [cells](double at, int size) {
+    return std::clamp(static_cast<int>((at + 0.5) / size * cells), 0, cells - 1);
   };
   for (const TargetCorner& corner : corners) {
-    const int index = cell(corner.pixel.y(), height_px) * kCoverageCells + cell(corner.pixel.x(), width_px);
+    const int index = cell(corner.pixel.y(), height_px) * cells + cell(corner.pixel.x(), width_px);
     ++count[static_cast<std::size_t>(index)];
   }
   return count;

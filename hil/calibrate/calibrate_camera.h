@@ -59,7 +59,6 @@ struct CameraCalibrationResult {
 };
 
 inline constexpr std::size_t kLeastViews = 4;
-inline constexpr int kCoverageCells = 10;  ///< Along each side of the picture.
 
 /// Calibrates a camera from views of one target: the corners of all views give the lens and every pose by one
 /// bundle adjustment, the first view's pose gives the plane.
@@ -69,6 +68,9 @@ inline constexpr int kCoverageCells = 10;  ///< Along each side of the picture.
 /// lens; residuals above the limit; values that are not finite.
 CameraCalibrationResult calibrateCamera(const CalibrationJob& job);
 
+/// Number of cells along each side of a picture, each of which must see a corner of the first view: 4 … 10,
+/// of about 100 pixels.
+int coverageCells(int width_px, int height_px);
 /// Number of corners of a view in each cell of the picture, row by row.
 std::vector<int> coverageOf(const std::vector<TargetCorner>& corners, int width_px, int height_px);
 
