@@ -155,6 +155,9 @@ int calibrate(const CalibrateOptions& options) {
   console.say(fmt::format("camera {} of {}: {} views of a target of {} x {} squares of {:g} mm",
                           job.camera_id, options.machine.string(), job.views.size(), job.target.columns,
                           job.target.rows, job.target.square_mm));
+  console.say(fmt::format("  in the first view it lies at --origin-mm {} {} --turn-deg {}",
+                          job.place.p_PB_mm.x(), job.place.p_PB_mm.y(),
+                          180.0 / std::numbers::pi * job.place.turn_rad));
   std::size_t done = 0;
   job.done = [&](std::size_t) {
     console.progress(-1, fmt::format("measuring the views: {} of {}", ++done, job.views.size()));
