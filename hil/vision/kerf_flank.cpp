@@ -14,9 +14,11 @@ constexpr double kSplinePx = 0.7071;  // RMS of the profile's own spline
 constexpr int kGridPerPx = 8;
 constexpr double kReachPx = 7.0;   // beyond half a kerf
 constexpr double kSmoothMm = 1.0;  // along the curve, each way
-constexpr double kIndependentMm = 0.25;
-constexpr double kModelShare = 0.2;  // of the shift: what the model of scorch leaves
-constexpr double kLeastOdd = 0.05;   // of the board's light: less cannot be told from noise
+constexpr double kIndependentMm = 0.2;
+constexpr double kModelShare = 0.22;  // of the shift: what the model of scorch leaves
+constexpr double kLeastOdd = 0.05;    // of the board's light: less cannot be told from noise
+constexpr double kTightBend_per_mm = 1.4;
+constexpr double kTightModel_mm = 0.001;
 constexpr double kBarelyOpen = 0.9;
 constexpr double kWidestMm = 0.6;
 
@@ -132,7 +134,8 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
   double count = 0.0;
   const auto good = [&](std::size_t i) {
     const Caliper& c = kerf.calipers[i];
-    return c.found && !c.near_joint && std::isfinite(readings[i].odd_gray);
+    return c.found && !c.near_joint && plan.stations[i].hidden_count == 0 &&
+           std::isfinite(readings[i].odd_gray);
   };
   for (std::size_t i = 0; i < n; ++i) {
     if (!good(i)) continue;
@@ -163,14 +166,19 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
     const Eigen::Vector3d sum = sums[to] - sums[from];
     const double odd_gray = sum.x() > 0.0 ? sum.y() / sum.x() : 0.0;
     const double variance = sum.x() > 0.0 ? std::max(0.0, sum.z() / sum.x() - odd_gray * odd_gray) : 0.0;
-    const double scorch_mm = model.shiftMm(odd_gray);
-    // The lens draws both edges of a curve towards its centre.
-    const double lens_mm = kLensPx * pixel_mm;
-    const double bend_mm = 0.5 * lens_mm * lens_mm * plan.stations[i].curvature_per_mm;
-    c.offset_mm -= scorch_mm + bend_mm;
     // Readings a window and a grain apart are independent.
     const double independent = std::max(1.0, sum.x() * std::min(1.0, pitch_mm / kIndependentMm));
+    double scorch_mm = model.shiftMm(odd_gray);
     model_mm[i] = std::hypot(kModelShare * scorch_mm, model.shiftMm(std::sqrt(variance / independent)));
+    const double bend_per_mm = plan.stations[i].curvature_per_mm;
+    if (std::abs(bend_per_mm) > kTightBend_per_mm) {
+      // The kerf of a small hole is no mirror image of itself without any scorch.
+      scorch_mm = 0.0;
+      model_mm[i] = kTightModel_mm;
+    }
+    // The lens draws both edges of a curve towards its centre.
+    const double lens_mm = kLensPx * pixel_mm;
+    c.offset_mm -= scorch_mm + 0.5 * lens_mm * lens_mm * bend_per_mm;
   }
 }
 

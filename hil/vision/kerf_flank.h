@@ -25,7 +25,7 @@ struct FlankQuery {
 /// The profile of the model: a Gaussian beam of peak s0 burns the share s = s0 exp(-2 y²/w²) of what cuts;
 /// board lets open (board / open)^(1 - s) of the light through (Beer's law over the depth left); blurred by
 /// lens and spline. One difference of k between the sides stands for all distances. Of scorch that moves the
-/// flanks by up to 4 um, less than 1 um is left.
+/// flanks by up to 5 um, 1 um is left.
 class FlankModel {
  public:
   explicit FlankModel(const FlankQuery& query);

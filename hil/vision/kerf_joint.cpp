@@ -14,11 +14,12 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kReachMm = 0.8;  // of a look along a leg
+constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_test.cpp
+constexpr double kReachMm = 0.8;       // of a look along a leg
 constexpr double kLegFromMm = 0.3;
 constexpr double kLegToMm = 2.0;
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
-constexpr double kLensPx = 0.65;        // usual blur: it rounds an outline off
+constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
 constexpr double kLeastTurn_rad = 0.9;  // from where on a leg that runs over stands clear of the other
 constexpr double kWindowMm = 0.1;       // half of what a caliper averages along the curve
 
@@ -61,34 +62,47 @@ std::optional<Leg> legAt(const EntityKerf& kerf, double station_mm) {
   return leg;
 }
 
-/// Where the light falls below half way, first, outwards along `direction`, from inside_mm before p_S_mm; 0:
-/// from the kerf that passes nearest.
-std::optional<double> outlineMm(const JointScene& scene, const Eigen::Vector2d& p_S_mm,
-                                const Eigen::Vector2d& direction, double strip_mm, double brightness,
-                                double inside_mm) {
+/// A look along a leg or a bisector.
+struct Look {
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d direction{Eigen::Vector2d::UnitX()};  ///< Outwards.
+  double strip_mm{};
+  double brightness{};
+  double
+      inside_mm{};  ///< Before p_S_mm, from where on the kerf is followed; 0: from the kerf that is nearest.
+};
+
+const TileView* tileFor(const JointScene& scene, const Eigen::Vector2d& p_S_mm) {
   const double border_px = (kReachMm + 0.1) / scene.calibration->pitchMm() * 1.05 + 4.0;
-  const TileView* view = scene.tiles->best(*scene.X_TS * p_S_mm, border_px);
+  return scene.tiles->best(*scene.X_TS * p_S_mm, border_px);
+}
+
+/// Gray of whole board around a point, in even light.
+double boardAt(const JointScene& scene, const TileView& view, const Eigen::Vector2d& p_S_mm) {
+  const Eigen::Vector2d pixel = scene.calibration->pixelFromPlane(*scene.X_TS * p_S_mm - view.tile.p_TV_mm);
+  return view.background->at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) / view.light.at(pixel);
+}
+
+/// Where the light falls below half way, first, going outwards.
+std::optional<double> outlineMm(const JointScene& scene, const Look& look) {
+  const TileView* view = tileFor(scene, look.p_S_mm);
   if (view == nullptr) return std::nullopt;
-  const CaliperWindow window{.p_S_mm = p_S_mm,
-                             .tangent = Eigen::Vector2d(direction.y(), -direction.x()),
-                             .back_mm = strip_mm,
-                             .ahead_mm = strip_mm,
+  const CaliperWindow window{.p_S_mm = look.p_S_mm,
+                             .tangent = Eigen::Vector2d(look.direction.y(), -look.direction.x()),
+                             .back_mm = look.strip_mm,
+                             .ahead_mm = look.strip_mm,
                              .reach_mm = kReachMm};
   Profile profile;
   readProfile(*view, *scene.calibration, *scene.X_TS, window, {}, 0.0, profile);
   const std::size_t n = profile.size();
   const std::size_t middle = n / 2;
-  // Board: the darker half of what lies outside.
-  std::vector<float> outside(profile.gray.begin() + static_cast<std::ptrdiff_t>(middle), profile.gray.end());
-  const auto quarter = outside.begin() + static_cast<std::ptrdiff_t>(outside.size() / 4);
-  std::nth_element(outside.begin(), quarter, outside.end());
-  const double base = *quarter;
-  const double level = base + 0.5 * brightness * (scene.options->open_gray - base);
-  std::size_t i = middle - std::min(middle, static_cast<std::size_t>(inside_mm / profile.step_mm));
-  if (!(inside_mm > 0.0)) {
+  const double board = boardAt(scene, *view, look.p_S_mm);
+  const double level = board + 0.5 * look.brightness * (scene.options->open_gray - board);
+  std::size_t i = middle - std::min(middle, static_cast<std::size_t>(look.inside_mm / profile.step_mm));
+  if (!(look.inside_mm > 0.0)) {
     std::optional<std::size_t> inside;
+    const auto distance = [&](std::size_t at) { return at > middle ? at - middle : middle - at; };
     for (std::size_t k = 0; k < n; ++k) {
-      const auto distance = [&](std::size_t at) { return at > middle ? at - middle : middle - at; };
       if (profile.gray[k] >= level && (!inside || distance(k) < distance(*inside))) inside = k;
     }
     if (!inside) return std::nullopt;
@@ -106,14 +120,33 @@ double stripOf(double half_width_mm, double pixel_mm) {
   return std::max(kStripWidths * half_width_mm, 1.0 * pixel_mm);
 }
 
-/// The lens averages across the strip too.
-double blurredStrip(double strip_mm, double pixel_mm) {
-  return std::sqrt(strip_mm * strip_mm + 3.0 * kLensPx * kLensPx * pixel_mm * pixel_mm);
+KerfOutline outlineOf(const JointScene& scene, const Eigen::Vector2d& p_S_mm, double half_width_mm,
+                      double brightness) {
+  const TileView* view = tileFor(scene, p_S_mm);
+  return KerfOutline({.half_width_mm = half_width_mm,
+                      .brightness = brightness,
+                      .board_gray = view == nullptr ? 0.0 : boardAt(scene, *view, p_S_mm),
+                      .open_gray = scene.options->open_gray,
+                      .beam_radius_mm = scene.options->beam_radius_mm,
+                      .pixel_mm = scene.calibration->pitchMm()});
 }
 
-/// A look through a strip against a caliper: one flank of two, and fewer pixels.
+/// How far a way goes beyond its corner whose outline reaches as far as was seen; < 0: inside of it.
+double beyondMm(const KerfOutline& outline, const Eigen::Vector2d& direction, double strip_mm, BeamWay way,
+                double seen_mm) {
+  double low = -kMostBeyondMm;
+  double high = kMostBeyondMm;
+  for (int i = 0; i < 12; ++i) {
+    way.beyond_mm = 0.5 * (low + high);
+    (outline.reachMm(direction, strip_mm, way) < seen_mm ? low : high) = way.beyond_mm;
+  }
+  return 0.5 * (low + high);
+}
+
+/// A look through a strip against a caliper: one flank of two, and fewer pixels; and what the outline's model
+/// leaves.
 double lookSigma(double caliper_sigma_mm, double strip_mm) {
-  return caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm));
+  return std::hypot(kOutlineMm, caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
 }
 
 /// How far back along the tangent the kerf of a curve still lies.
@@ -145,25 +178,27 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   const auto in = legAt((*scene.kerfs)[corner.in.plan], stationOfEnd(scene, corner.in));
   const auto on = legAt((*scene.kerfs)[corner.out.plan], stationOfEnd(scene, corner.out));
   if (!in || !on) return out;
-  const double pixel_mm = scene.calibration->pitchMm();
-  const KerfOutline outline{0.5 * (in->half_width_mm + on->half_width_mm), scene.options->beam_radius_mm};
+  const double half_width_mm = 0.5 * (in->half_width_mm + on->half_width_mm);
   const double brightness = std::min(in->brightness, on->brightness);
-  const double strip_mm = stripOf(outline.half_width_mm, pixel_mm);
-  const double blurred_mm = blurredStrip(strip_mm, pixel_mm);
+  const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
+  const KerfOutline outline = outlineOf(scene, out.p_S_mm, half_width_mm, brightness);
+  const BeamWay way{corner.tangent_in, corner.tangent_out, 0.0};
   const auto beyond = [&](const Eigen::Vector2d& direction, double inside_mm) -> std::optional<double> {
-    const auto at = outlineMm(scene, out.p_S_mm, direction, strip_mm, brightness, inside_mm);
+    const auto at = outlineMm(scene, {out.p_S_mm, direction, strip_mm, brightness, inside_mm});
     if (!at) return std::nullopt;
-    return *at - outline.reachMm(direction, blurred_mm, corner.tangent_in, &corner.tangent_out);
+    return beyondMm(outline, direction, strip_mm, way, *at);
   };
   const Eigen::Vector2d outwards = (corner.tangent_in - corner.tangent_out).normalized();
   const auto bisector = beyond(outwards, 0.0);
   if (!bisector) return out;
   out.found = true;
   out.rounding_mm = std::max(0.0, -*bisector);
-  out.overshoot_mm = std::max(0.0, *bisector);
-  if (std::abs(corner.turn_rad) >= kLeastTurn_rad) {
+  if (std::abs(corner.turn_rad) < kLeastTurn_rad) {
+    out.overshoot_mm = std::max(0.0, *bisector);
+  } else {
+    out.overshoot_mm = 0.0;
     const auto run = [&](const Eigen::Vector2d& direction, const EntityEnd& end) {
-      const auto over = beyond(direction, insideMm(stationAt(scene, end), outline.half_width_mm));
+      const auto over = beyond(direction, insideMm(stationAt(scene, end), half_width_mm));
       if (over) out.overshoot_mm = std::max(out.overshoot_mm, *over);
     };
     run(corner.tangent_in, corner.in);
@@ -183,23 +218,24 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
   for (int look = 0; look < 2 && !out.found; ++look) {
     const double station_mm = stations[from].station_mm;
     const auto leg = legAt(kerf, station_mm);
-    if (!leg) return out;
-    const double pixel_mm = scene.calibration->pitchMm();
-    const KerfOutline outline{leg->half_width_mm, scene.options->beam_radius_mm};
-    const double strip_mm = stripOf(outline.half_width_mm, pixel_mm);
+    const double half_width_mm = leg ? leg->half_width_mm : 0.0;
+    const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
     // The kerf may lie beside the nominal curve: look along the kerf.
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
-    const Eigen::Vector2d aside = leg->offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
-    const double inside_mm = insideMm(stations[from], outline.half_width_mm);
-    const auto at =
-        outlineMm(scene, stations[from].p_S_mm + aside, outward, strip_mm, leg->brightness, inside_mm);
-    if (at) {
-      out.found = true;
-      out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
-                   outline.reachMm(outward, blurredStrip(strip_mm, pixel_mm), outward) - *at;
-      out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm);
-      return out;
+    if (leg) {
+      const Eigen::Vector2d aside = leg->offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
+      const double inside_mm = insideMm(stations[from], half_width_mm);
+      const Eigen::Vector2d p_S_mm = stations[from].p_S_mm + aside;
+      const auto at = outlineMm(scene, {p_S_mm, outward, strip_mm, leg->brightness, inside_mm});
+      if (at) {
+        const KerfOutline outline = outlineOf(scene, p_S_mm, half_width_mm, leg->brightness);
+        out.found = true;
+        out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
+                     outline.reachMm(outward, strip_mm, {.tangent_in = outward}) - *at;
+        out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm);
+        return out;
+      }
     }
     const auto seen = [](const Caliper& c) { return c.found && !c.near_joint; };
     if (end.at_start) {
@@ -221,15 +257,13 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const auto begin = legAt(kerf, 0.0);
   const auto finish = legAt(kerf, scene.plan->entities[start.plan].length_mm);
   if (!begin || !finish) return out;
-  const double pixel_mm = scene.calibration->pitchMm();
-  const KerfOutline outline{0.5 * (begin->half_width_mm + finish->half_width_mm),
-                            scene.options->beam_radius_mm};
-  const double strip_mm = stripOf(outline.half_width_mm, pixel_mm);
+  const double half_width_mm = 0.5 * (begin->half_width_mm + finish->half_width_mm);
+  const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
   const double brightness = std::min(begin->brightness, finish->brightness);
   const Eigen::Vector2d left(start.outward.y(), -start.outward.x());  // outward runs against the curve
-  const double inside_mm = insideMm(stationAt(scene, start), outline.half_width_mm);
+  const double inside_mm = insideMm(stationAt(scene, start), half_width_mm);
   const auto look = [&](const Leg& leg, const Eigen::Vector2d& outward) {
-    return outlineMm(scene, start.p_S_mm + leg.offset_mm * left, outward, strip_mm, brightness, inside_mm);
+    return outlineMm(scene, {start.p_S_mm + leg.offset_mm * left, outward, strip_mm, brightness, inside_mm});
   };
   // Each end seen from its own side; where the kerf goes on there is no end to see.
   const auto before = look(*finish, -start.outward);
@@ -238,7 +272,8 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   out.sigma_mm = std::numbers::sqrt2 * lookSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm);
   out.gap_mm = 0.0;
   if (before && after) {
-    const double reach_mm = outline.reachMm(start.outward, blurredStrip(strip_mm, pixel_mm), start.outward);
+    const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);
+    const double reach_mm = outline.reachMm(start.outward, strip_mm, {.tangent_in = start.outward});
     // Both look from opposite sides: the dark between them is -(before + after).
     out.gap_mm = std::max(0.0, 2.0 * reach_mm - *before - *after);
   }

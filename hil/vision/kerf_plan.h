@@ -66,7 +66,7 @@ struct KerfPlan {
 /// and its error.
 inline constexpr double kHiddenMm = 0.2;
 /// What of a caliper must be seen, to both sides, so that it is measured: the same for the own kerf.
-inline constexpr double kOwnMm = 0.18;
+inline constexpr double kOwnMm = 0.16;
 
 /// Stations of all entities that are not kIgnore, and where they meet. A tangent continuation is neither
 /// corner nor end.

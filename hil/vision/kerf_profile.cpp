@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kAlongMm = 0.1;
 constexpr double kLongestArcRad = 0.35;  // of a small circle, each way
+constexpr double kLeastRest = 0.1;       // of the radius: beyond the centre of a hole its far side begins
 constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;
@@ -92,6 +93,7 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
       // Distance from the osculating circle, written so that nothing cancels.
       if (!straight) {
         const double rest = 1.0 - bend * n;
+        if (rest < kLeastRest) continue;
         n = (n * (2.0 - bend * n) - bend * a * a) / (1.0 + std::sqrt(rest * rest + bend * bend * a * a));
       }
       const double share = std::min({1.0, (a + back_mm) / pixel_mm, (ahead_mm - a) / pixel_mm});

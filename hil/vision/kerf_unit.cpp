@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPatchPx = 80;
+constexpr float kEvenly = 0.75F;
 constexpr double kBorderPx = 4.0;  // what rounding and a curve's bend need
 
 struct Worst {
@@ -53,13 +54,18 @@ std::optional<KerfPatch> cropPatch(const Worst& worst, int unit, const TileIndex
   return patch;
 }
 
-/// Whether all of the profile that the own kerf may take is seen.
+/// Whether all of the profile that the own kerf may take is seen, and evenly: where the pixels thin out
+/// across a flank, their mean place is not where they are counted.
 bool seesOwn(const Profile& profile) {
+  float least = std::numeric_limits<float>::infinity();
+  float most = 0.0F;
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const double across_mm = profile.first_mm + static_cast<double>(i) * profile.step_mm;
-    if (std::abs(across_mm) <= kOwnMm && !profile.seen(i)) return false;
+    if (std::abs(across_mm) > kOwnMm) continue;
+    least = std::min(least, profile.weight[i]);
+    most = std::max(most, profile.weight[i]);
   }
-  return true;
+  return least >= Profile::kLeastWeight && least >= kEvenly * most;
 }
 
 }  // namespace

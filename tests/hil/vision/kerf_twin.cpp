@@ -88,6 +88,7 @@ std::vector<KerfTile> TwinCut::tiles() const {
     if (entity.process == Process::kIgnore) continue;
     const auto offset = offset_mm.find(entity.id);
     const auto share = share_of.find(entity.id);
+    if (share != share_of.end() && share->second == 0.0) continue;
     burn(sheet, entity.curve, offset == offset_mm.end() ? 0.0 : offset->second,
          share == share_of.end() ? fluence_share : share->second);
   }
