@@ -32,6 +32,8 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   const MachineFile file = readMachineFile(the_case.scenario.machine);
   the_case.machine = file.machine;
   the_case.spread = file.spread;
+  the_case.spot_camera = file.spot_camera;
+  the_case.kerf_camera = file.kerf_camera;
   if (the_case.scenario.belt_by_controller && !(the_case.machine.belt.feed.step > 0)) {
     throw ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
                                   the_case.scenario.path.string(), the_case.scenario.machine.string()));

@@ -15,6 +15,7 @@ struct Case {
   Scenario scenario;
   twin::MachineDescription machine;  ///< As described; drawnMachine() is the one that runs.
   twin::ImperfectionSpread spread;
+  CameraFile spot_camera, kerf_camera;  ///< What the bench is told of them: id and calibration.
   Dieline dieline;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/app/camera_files.h"
 #include "hil/camera/twin_frames.h"
 #include "hil/camera/twin_tiles.h"
 #include "hil/inspect/inspect.h"
@@ -18,27 +19,9 @@ constexpr double kRecordMargin_s = 0.05;
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
 constexpr double kStationPitch_mm = 0.1;
 
-// Standard uncertainties. The cameras of the twin are calibrated by their own description until calibration
-// from images takes over; what remains is the estimators' noise, which tests/hil/vision measures
-// against known truth.
-constexpr double kSpotMapU_mm = 0.0005;
-constexpr double kKerfMapU_mm = 0.0003;
+// Standard uncertainties: the estimators' noise, which tests/hil/vision measures against known truth.
 constexpr double kSpotU_mm = 0.0030;  // One spot, per axis, at the mean brightness of a job.
 constexpr double kKerfU_mm = 0.0012;  // One caliper: noise 0.2 … 1.1 um, sheet pose 0.3 um, bias 0.3 um.
-
-CameraCalibration calibrationOf(const twin::CameraDescription& camera, double map_u_mm) {
-  CameraCalibration calibration;
-  calibration.width_px = camera.width_px;
-  calibration.height_px = camera.height_px;
-  calibration.fx_px = camera.fx_px;
-  calibration.fy_px = camera.fy_px;
-  calibration.cx_px = camera.cx_px;
-  calibration.cy_px = camera.cy_px;
-  calibration.distortion = camera.distortion;
-  calibration.X_CP = camera.X_CP;
-  calibration.map_u_mm = map_u_mm;
-  return calibration;
-}
 
 std::vector<twin::Exposure> exposuresWhileLaserWorks(twin::Twin& twin,
                                                      const std::vector<GateInterval>& gates) {
@@ -72,8 +55,7 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
 void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
            Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
   const Scenario& scenario = the_case.scenario;
-  const CameraCalibration spot_calibration = calibrationOf(the_case.machine.spot_camera, kSpotMapU_mm);
-  const CameraCalibration kerf_calibration = calibrationOf(the_case.machine.kerf_camera, kKerfMapU_mm);
+  const BenchCameras cameras = readCalibrations(the_case);
 
   Evidence evidence;
   evidence.dieline = &the_case.dieline;
@@ -81,15 +63,16 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
   evidence.problems = problems;
+  evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())
     evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");
 
-  if (!evidence.gates.empty()) {
+  if (!evidence.gates.empty() && cameras.spot && cameras.kerf) {
     progress(-1, "looking at the spot");
     TwinFrameSource frames(twin::SpotCamera(the_case.machine.spot_camera, scenario.print,
                                             the_case.machine.glow_gray_per_w, scenario.seed),
                            exposuresWhileLaserWorks(twin, evidence.gates), jobs);
-    evidence.spot = trackSpot(frames, spot_calibration, scenario.print, {jobs, scenario.belt_speed_mm_s});
+    evidence.spot = trackSpot(frames, *cameras.spot, scenario.print, {jobs, scenario.belt_speed_mm_s});
     stopwatch.lap("spot camera: render and measure");
 
     progress(-1, "looking at the cut");
@@ -101,7 +84,7 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
     KerfScanOptions scan_options;
     scan_options.threads = jobs;
     scan_options.station_pitch_mm = kStationPitch_mm;
-    evidence.kerf = scanKerf(tiles, kerf_calibration, scenario.print, the_case.dieline, scan_options);
+    evidence.kerf = scanKerf(tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
     stopwatch.lap("kerf camera: render and measure");
   }
   evidence.kerf_u_mm = kKerfU_mm;
@@ -109,6 +92,7 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
 
   report.result = inspect(evidence, scenario.limits);
   report.limits = scenario.limits;
+  report.versions.insert(report.versions.end(), cameras.facts.begin(), cameras.facts.end());
   report.dieline = the_case.dieline;
   report.print = scenario.print;
   report.kerf = std::move(evidence.kerf);

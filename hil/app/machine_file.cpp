@@ -37,9 +37,26 @@ void readGantry(YamlReader& file, const DriveCatalogue& catalogue, MachineDescri
   machine.travel_max_mm = box[1];
 }
 
-void readCameras(YamlReader cameras, MachineDescription& machine) {
+CameraFile readCameraFile(YamlReader& camera, const std::filesystem::path& machine_file,
+                          const std::string& which) {
+  CameraFile result;
+  result.id = camera.text("id", which);
+  if (result.id.empty() || result.id.find_first_of("'\n\r") != std::string::npos)
+    camera.fault("id", "must be a name without quotes");
+  const std::string name = camera.text("calibration", "");
+  result.calibration = name.empty() ? machine_file.parent_path() /
+                                          (machine_file.stem().string() + "." + which + ".camera.yaml")
+                                    : camera.folderOf("calibration") / name;
+  result.calibration = std::filesystem::absolute(result.calibration).lexically_normal();
+  return result;
+}
+
+void readCameras(YamlReader cameras, MachineFile& file, const std::filesystem::path& path) {
   auto spot = cameras.section("spot");
   auto kerf = cameras.section("kerf");
+  file.spot_camera = readCameraFile(spot, path, "spot");
+  file.kerf_camera = readCameraFile(kerf, path, "kerf");
+  MachineDescription& machine = file.machine;
   machine.glow_gray_per_w = spot.number("glow_gray_per_w", {.min = 0.01, .max = 1000});
   machine.spot_camera = readCamera(spot, true);
   machine.kerf_camera = readCamera(kerf, false);
@@ -145,7 +162,7 @@ MachineFile readMachineFile(const std::filesystem::path& path) {
   machine.surface = readSurface(file.section("surface"));
   machine.laser = readLaser(file.section("laser"));
   machine.power_monitor = readPowerMonitor(file.section("power_monitor"));
-  readCameras(file.section("cameras"), machine);
+  readCameras(file.section("cameras"), result, path);
   machine.controller = readController(file.section("controller"), machine.kind);
   result.spread = readSpread(file.section("imperfections"));
   file.finish();
@@ -158,6 +175,11 @@ MachineFile readMachineFile(const std::filesystem::path& path) {
     if (asked.given) result.given.insert(asked.key);
   }
   result.places.emplace("", file.placeOf("version"));
+  const auto namedHere = [&](const std::string& key) {
+    return !result.given.contains(key) || result.places.at(key).starts_with(path.string() + ":");
+  };
+  result.spot_camera.named_here = namedHere("cameras.spot.calibration");
+  result.kerf_camera.named_here = namedHere("cameras.kerf.calibration");
   result.keys.insert(result.keys.end(), catalogue.keys.begin(), catalogue.keys.end());
   return result;
 }

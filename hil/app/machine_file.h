@@ -13,10 +13,18 @@
 
 namespace kerfbench::hil {
 
+/// What a machine file says of a camera for the bench, which knows it by its calibration alone.
+struct CameraFile {
+  std::string id;                     ///< Serial number or name.
+  std::filesystem::path calibration;  ///< Absolute; it need not be there.
+  bool named_here{};  ///< By this machine's own file, or its default; not by one that it extends.
+};
+
 /// A machine file, read and checked. docs/MACHINES.md explains every key.
 struct MachineFile {
   twin::MachineDescription machine;
   twin::ImperfectionSpread spread;  ///< Section `imperfections`.
+  CameraFile spot_camera, kerf_camera;
   /// Every key that was asked for, the given and the others.
   std::vector<YamlReader::Asked> keys;
   /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,

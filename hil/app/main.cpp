@@ -95,6 +95,77 @@ CLI::App* addShow(CLI::App& app, ShowOptions& options) {
   return show;
 }
 
+struct CalibrateCommands {
+  CLI::App* camera;
+  CLI::App* target;
+};
+
+void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required) {
+  CLI::Option* machine = command.add_option("--machine", options.machine, "Machine file")->required(required);
+  command
+      .add_option("--camera", options.camera,
+                  "spot (over the work plane) or kerf (over the inspection table)")
+      ->check(CLI::IsMember({"spot", "kerf"}))
+      ->required(required)
+      ->needs(machine);
+}
+
+CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options) {
+  CLI::App* calibrate = app.add_subcommand("calibrate", "Calibrate a camera from pictures of a target");
+  calibrate->require_subcommand(1);
+  CLI::App* camera = calibrate->add_subcommand(
+      "camera",
+      "Calibrate a camera: lens, distortion, pose of its plane, and how sure of them it is.\n"
+      "The first view has the target flat on the plane, over the whole picture; in the others it is tilted "
+      "by\n"
+      "20 to 40 degrees in several directions. Exit code 65: the views are refused, nothing is written.");
+  addWhichCamera(*camera, options, true);
+  camera->add_option("--date", options.date, "Day of the views, like 2026-11-21")->required();
+  CLI::Option* views =
+      camera->add_option("--views", options.views,
+                         "Pictures (PNG of 8 or 16 bits), or a folder of them, in the order of their\n"
+                         "names; without, the machine's twin takes them");
+  camera->add_option("--target", options.target,
+                     "Description of the target (calibrate target writes it);\n"
+                     "without, the one that fits the camera");
+  camera
+      ->add_option("--origin-mm", options.origin_mm,
+                   "First view: x y of the target's upper left corner of squares")
+      ->expected(2)
+      ->needs(views);
+  camera->add_option("--turn-deg", options.turn_deg, "First view: from the plane's x to the target's")
+      ->needs(views);
+  camera->add_option("--seed", options.seed, "Of the noise in the twin's views")->excludes(views);
+  camera->add_option("--tilted", options.tilted, "Tilted views of the twin")
+      ->excludes(views)
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  camera
+      ->add_option("--save-views", options.save_views, "Keep the twin's views and the target in this folder")
+      ->excludes(views);
+  camera->add_option("--max-rms-px", options.max_rms_px, "Refuse residuals above this")
+      ->check(CLI::Range(1e-4, 10.0))
+      ->capture_default_str();
+  camera->add_option("--out", options.out, "Calibration file; otherwise where the machine file looks for it");
+  camera->add_option("--residual-map", options.picture,
+                     "SVG; otherwise MACHINE.CAMERA.residuals.svg in this folder");
+  camera->add_option("--jobs,-j", options.jobs, "Threads; the result is the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  camera->add_flag("--quiet,-q", options.quiet, "Only the result");
+
+  CLI::App* target =
+      calibrate->add_subcommand("target", "Write a target to print (SVG) and its description (YAML)");
+  target->add_option("--out", options.out, "SVG file; the description goes beside it")->required();
+  addWhichCamera(*target, options, false);
+  target->add_option("--columns", options.columns, "Squares; otherwise as fits the camera")
+      ->check(CLI::Range(4, 200));
+  target->add_option("--rows", options.rows, "Squares")->check(CLI::Range(4, 200));
+  target->add_option("--square-mm", options.square_mm, "Side of a square")->check(CLI::Range(0.1, 1000.0));
+  target->add_flag("--quiet,-q", options.quiet, "Nothing but what is wrong");
+  return {camera, target};
+}
+
 int dispatch(int argc, char** argv) {
   CommonOptions options;
   options.bin_dir = fs::read_symlink("/proc/self/exe").parent_path();
@@ -136,6 +207,10 @@ int dispatch(int argc, char** argv) {
   show_options.bin_dir = options.bin_dir;
   const CLI::App* show = addShow(app, show_options);
 
+  CalibrateOptions calibrate_options;
+  calibrate_options.jobs = options.jobs;
+  const CalibrateCommands calibrate = addCalibrate(app, calibrate_options);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -145,6 +220,8 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return runCommand(scenarios, options);
   if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
   if (show->parsed()) return showCommand(show_options);
+  if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
+  if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);
   return lintCommand(lint_files, options);
 }
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "hil/base/yaml_reader.h"
+#include "hil/calibrate/day.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -265,7 +266,7 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   return result;
 }
 
-Limits readLimits(YamlReader checks) {
+Limits readLimits(YamlReader& checks) {
   Limits limits;
   limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
   limits.stillness_mm =
@@ -311,7 +312,12 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
   s.planner_faults = readPlannerFaults(planner.section("faults"));
-  s.limits = readLimits(file.section("checks"));
+  auto checks = file.section("checks");
+  s.limits = readLimits(checks);
+  s.calibration_max_age_days = static_cast<int>(
+      checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
+  s.date = file.text("date", "");
+  if (!s.date.empty() && !dayNumber(s.date)) file.fault("date", "is no day like 2026-11-21");
   s.time_limit_s = file.number("time_limit_s", {.min = 0.01, .max = 3600, .fallback = 60.0});
   s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
   s.imperfections = presetFromName(readName(file, "imperfections", kPresetNames));

@@ -58,6 +58,8 @@ struct Scenario {
   planner::JobParameters job;
   planner::PlannerFaults planner_faults;
   Limits limits;
+  std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
+  int calibration_max_age_days{180};
   double time_limit_s{};
   std::uint64_t seed{1};
   twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.

@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include <Eigen/LU>
+
 namespace kerfbench::hil {
 namespace {
 
@@ -83,6 +85,36 @@ PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad) {
   return motion;
 }
 
+Eigen::Matrix3d motionCovariance(std::span<const MarkPair> pairs, const PlaneMotion& motion) {
+  constexpr double kBelief = 6.0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  if (pairs.empty()) return covariance;
+  if (pairs.size() == 1) {
+    covariance.topLeftCorner<2, 2>() = pairs[0].sigma_mm * pairs[0].sigma_mm * Eigen::Matrix2d::Identity();
+    return covariance;
+  }
+  const bool known =
+      std::all_of(pairs.begin(), pairs.end(), [](const MarkPair& p) { return p.sigma_mm > 0.0; });
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+  double chi2 = 0.0;
+  for (const MarkPair& pair : pairs) {
+    const Eigen::Vector2d arm = motion.rotation() * pair.p_mm;
+    Eigen::Matrix<double, 2, 3> j;
+    j << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    const double variance = known ? pair.sigma_mm * pair.sigma_mm : 1.0;
+    normal += j.transpose() * j;
+    noise += variance * j.transpose() * j;
+    chi2 += (motion * pair.p_mm - pair.q_mm).squaredNorm() / variance;
+  }
+  const double freedom = 2.0 * static_cast<double>(pairs.size()) - 3.0;
+  const double scale = known ? (kBelief + chi2) / (kBelief + freedom) : chi2 / freedom;
+  if (!(normal.determinant() > 1e-9)) return covariance;
+  const Eigen::Matrix3d inverse = normal.inverse();
+  covariance = scale * inverse * noise * inverse;
+  return covariance;
+}
+
 MotionFit fitMotionRobust(std::vector<MarkPair> pairs, const PlaneMotion& expected, double limit_mm) {
   for (;;) {
     MotionFit fit;
@@ -97,7 +129,10 @@ MotionFit fitMotionRobust(std::vector<MarkPair> pairs, const PlaneMotion& expect
     }
     fit.rms_mm = pairs.size() > 1 ? std::sqrt(sum / static_cast<double>(pairs.size()))
                                   : std::numeric_limits<double>::quiet_NaN();
-    if (pairs.size() < 2 || worst <= limit_mm) return fit;
+    if (pairs.size() < 2 || worst <= limit_mm) {
+      fit.covariance = motionCovariance(pairs, fit.motion);
+      return fit;
+    }
 
     // Leave out the pair without which the others agree best; two pairs cannot accuse each other.
     std::size_t out = 0;

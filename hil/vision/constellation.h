@@ -26,16 +26,24 @@ struct PlaneMotion {
 struct MarkPair {
   Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d q_mm{Eigen::Vector2d::Zero()};
+  double sigma_mm{};  ///< Standard uncertainty of q_mm per axis; 0: not known.
 };
 
 struct MotionFit {
   PlaneMotion motion;
   double rms_mm{};  ///< NaN with one pair.
   int pairs{};      ///< That were used.
+  /// Of (shift x, shift y, angle): mm², mm rad, rad². See motionCovariance().
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
 /// Least squares. One pair keeps angle_guess_rad. @throws std::invalid_argument without a pair.
 PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad);
+
+/// Covariance of fitMotion's (shift x, shift y, angle) by the pairs' own sigma_mm, checked against how well
+/// the marks agree: chi² of the residuals and six degrees of belief in the sigmas decide the scale. Without
+/// sigmas the residuals alone tell. The angle of one pair is not measured: its row is zero.
+Eigen::Matrix3d motionCovariance(std::span<const MarkPair> pairs, const PlaneMotion& motion);
 
 /// The same without pairs that disagree with the others by more than limit_mm. Of two pairs that disagree
 /// with each other, the one nearer to `expected` is kept.

@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-#include <vector>
-
-#include "hil/vision/kerf_plan.h"
-#include "hil/vision/kerf_tiles.h"
+#include "hil/vision/kerf_profile.h"
 
 namespace kerfbench::hil {
 
-/// Brightness across a curve; sample i lies at first_mm + i * step_mm along the left normal.
-struct Profile {
-  std::vector<double> gray;
-  double first_mm{};
-  double step_mm{};
-  double noise_gray{};  ///< Of one sample, on the board.
+/// What a profile tells of a kerf, beyond what a Caliper reports.
+struct KerfReading {
+  bool found{};
+  double offset_mm{};
+  double width_mm{};
+  double brightness{};
+  double noise_mm{};  ///< Of the offset, as the noise of the pixels alone would make it.
+  double top_gray{};
+  double base_gray{};
+  /// Left minus right at kBesidePx beyond the flanks, mirrored about the centre; NaN where hidden.
+  double odd_gray{};
 };
 
-/// Reads the profile of a station from the raw image: the mean of a few lines beside each other that follow
-/// the curve. `stations` far ends limit the lines of an open curve.
-void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
-                 const Station& station, const EntityPlan& plan, double reach_mm, Profile& profile);
+/// Where beside its flanks a kerf is compared with its mirror image, px.
+inline constexpr double kBesidePx = 2.75;
 
-/// The kerf in a profile that lies nearest to the nominal place; sets found, offset, width and brightness.
-void measureKerf(const Profile& profile, double open_gray, Caliper& caliper);
+/// The kerf in a profile that lies nearest to the nominal place. `open_gray`: brightness 1.
+///
+/// A flank lies where the light crosses 0.4, 0.5 and 0.6 of the kerf's height, on average; the centre is the
+/// middle of both flanks, and the width is that at half height.
+KerfReading measureKerf(const Profile& profile, double open_gray);
 
 }  // namespace kerfbench::hil

@@ -106,8 +106,12 @@ struct KerfScanOptions {
   double joint_clearance_mm{0.4};
   double stray_min_mm{0.5};  ///< Smaller blobs are dust.
   int patches{6};            ///< How many worst places to keep pictures of.
-  double open_gray{235.0};   ///< Back light through an open kerf, from the set-up of the light: brightness 1.
-  int threads{1};            ///< The result is the same at any number.
+  /// 1/e² radius of the beam, from the set-up of the laser: how far a kerf's outline reaches beyond where the
+  /// beam stopped or turned follows from it and from the kerf's width. 0: as far as a round tool as wide as
+  /// the kerf.
+  double beam_radius_mm{0.0};
+  double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
+  int threads{1};           ///< The result is the same at any number.
 };
 
 struct KerfScan {

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
+#include "hil/vision/brightness_scan.h"
 #include "hil/vision/camera_calibration.h"
 #include "hil/vision/constellation.h"
+#include "hil/vision/kerf_light.h"
 #include "hil/vision/kerf_scan.h"
 #include "hil/vision/mark_finder.h"
 
@@ -19,30 +23,50 @@ struct TileView {
   KerfTile tile;
   Eigen::Vector2d centre_T_mm{Eigen::Vector2d::Zero()};  ///< What the middle of the image sees.
   double half_diagonal_mm{};
-  double board_gray{};
+  std::optional<Background> background;
   double noise_gray{};
   std::vector<FoundMark> marks;  ///< In the camera's plane V.
+  LightField light;              ///< Of the back light; see shareLight().
 };
 
 /// Looks at board and marks.
 TileView viewTile(KerfTile tile, const CameraCalibration& calibration,
                   const std::vector<double>& diameters_mm);
 
+/// Gives all tiles the light that they were taken in: the camera carries its light with it.
+void shareLight(std::vector<TileView>& tiles);
+
+/// The tiles of one unit, to be asked for the one that sees a point best.
+class TileIndex {
+ public:
+  TileIndex(const std::vector<TileView>& tiles, const CameraCalibration& calibration);
+
+  /// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if
+  /// there is none.
+  [[nodiscard]] const TileView* best(const Eigen::Vector2d& p_T_mm, double border_px) const;
+
+ private:
+  const std::vector<TileView>& tiles_;
+  const CameraCalibration& calibration_;
+  Eigen::AlignedBox2d box_T_mm_;
+  double cell_mm_{1.0};
+  int columns_{};
+  int rows_{};
+  std::vector<std::vector<std::uint32_t>> cells_;  ///< Tiles that may see a point of the cell.
+};
+
 /// How one unit lies on the table.
 struct UnitPlace {
   PlaneMotion X_TS;
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< As UnitPose's.
 };
 
 /// From the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
 /// nullopt if the marks do not tell.
-std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, int unit, const PrintLayout& print,
-                                   const CameraCalibration& calibration, std::vector<std::string>& problems);
-
-/// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if there
-/// is none.
-const TileView* bestTile(const std::vector<TileView>& tiles, const CameraCalibration& calibration,
-                         const Eigen::Vector2d& p_T_mm, double border_px);
+std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
+                                   const PrintLayout& print, const CameraCalibration& calibration,
+                                   std::vector<std::string>& problems);
 
 }  // namespace kerfbench::hil

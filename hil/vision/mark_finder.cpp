@@ -69,7 +69,28 @@ struct Look {
   double stained_share;    ///< Of the inner disc that is not ink.
   double darkened_share;   ///< Of the outer ring that is not board.
   double worst_sector_px;  ///< Farthest that a piece of the edge lies off the circle.
+  double sigma_px;         ///< Of the centroid, per axis.
 };
+
+/// Noise of the centroid per axis, from what the sectors of the edge hold beside a shift and a growth of the
+/// disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
+double centroidNoise(const std::array<double, kSectors>& sector, double radius_px, double area_px) {
+  double mean = 0.0;
+  double cosine = 0.0;
+  double sine = 0.0;
+  const auto angleOf = [](std::size_t k) { return 2.0 * kPi * (static_cast<double>(k) + 0.5) / kSectors; };
+  for (std::size_t k = 0; k < kSectors; ++k) {
+    mean += sector[k] / kSectors;
+    cosine += sector[k] * std::cos(angleOf(k)) * 2.0 / kSectors;
+    sine += sector[k] * std::sin(angleOf(k)) * 2.0 / kSectors;
+  }
+  double squares = 0.0;
+  for (std::size_t k = 0; k < kSectors; ++k) {
+    const double rest = sector[k] - mean - cosine * std::cos(angleOf(k)) - sine * std::sin(angleOf(k));
+    squares += rest * rest;
+  }
+  return radius_px / area_px * std::sqrt(0.5 * kSectors * squares / (kSectors - 3));
+}
 
 /// Distances are measured in the plane, so that a tilted disc stays round. Without check_edge,
 /// worst_sector_px is not told.
@@ -142,6 +163,7 @@ Look lookAt(const GrayImage& image, const Box& box, const Eigen::Vector2d& centr
   look.levels = {board_count > 0 ? board_sum / board_count : levels.board, ink_sum / inner};
   look.stained_share = static_cast<double>(stained) / inner;
   look.darkened_share = static_cast<double>(darkened) / outer;
+  if (check_edge) look.sigma_px = centroidNoise(sector, radius_px, weight);
   double mean = 0.0;
   for (const double s : sector) mean += s / kSectors;
   for (const double s : sector) {
@@ -250,6 +272,7 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
   found.pixel = centre;
   found.diameter_mm = diameter_mm;
   found.contrast_gray = levels.board - levels.ink;
+  found.sigma_mm = look.sigma_px / px_per_mm;
   found.p_mm = centreFromCentroid(calibration, centre, radius_mm);
   if ((found.p_mm - near_mm).norm() > search_mm + 0.5 * radius_mm) return std::nullopt;
   return found;

@@ -20,6 +20,9 @@ struct FoundMark {
       Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
   double diameter_mm{};          ///< That was looked for.
   double contrast_gray{};        ///< Board minus ink.
+  /// Standard uncertainty of p_mm per axis, from how the edge of this disc scatters about a circle: noise,
+  /// grain and a rough print, but not the map.
+  double sigma_mm{};
 };
 
 /// Measures the disc near a point of the plane, no farther away than search_mm: gray-weighted centroid of the

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf_outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kStripLines = 5;
+constexpr double kLensPx = 0.65;
+constexpr double kSplinePx = 0.7071;
+constexpr double kStepsPerPx = 4.0;
+constexpr double kReachMm = 0.45;  // of a look, each way
+constexpr int kArcElements = 12;
+constexpr double kMostShare = 50.0;
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// From a way that comes along `tangent` and ends at the origin.
+double distanceToLeg(const Eigen::Vector2d& p, const Eigen::Vector2d& tangent) {
+  return p.dot(tangent) > 0.0 ? p.norm() : std::abs(cross(tangent, p));
+}
+
+}  // namespace
+
+KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixel_mm / kStepsPerPx) {
+  look_.board_gray = std::clamp(look.board_gray, 0.5, 0.9 * look.open_gray);
+  const auto seenHalf = [&](double peak, double hard_half_mm) {
+    std::vector<double> gray;
+    for (double y = -kReachMm; y <= kReachMm; y += step_mm_) {
+      if (look_.beam_radius_mm > 0.0) {
+        const double a = y / look_.beam_radius_mm;
+        gray.push_back(grayAt(peak * std::exp(-2.0 * a * a)));
+      } else {
+        gray.push_back(grayAt(std::abs(y) < hard_half_mm ? peak : 0.0));
+      }
+    }
+    return fallMm(gray, -kReachMm);
+  };
+  const double transmission = look_.board_gray / look_.open_gray;
+  const double top = look_.board_gray + look_.brightness * (look_.open_gray - look_.board_gray);
+  const double seen_peak = 1.0 - std::log(std::min(1.0, top / look_.open_gray)) / std::log(transmission);
+  if (!(look_.beam_radius_mm > 0.0)) {
+    peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
+    return;
+  }
+  // The wider, the more energy; a kerf that is not open tells by its light.
+  double low = std::max(1e-3, std::min(1.0, seen_peak));
+  double high = look_.brightness > 0.85 ? kMostShare : low;
+  for (int i = 0; i < 30 && high / low > 1.001; ++i) {
+    const double middle = std::sqrt(low * high);
+    (seenHalf(middle, 0.0) < look_.half_width_mm ? low : high) = middle;
+  }
+  peak_share_ = std::sqrt(low * high);
+}
+
+double KerfOutline::grayAt(double share) const {
+  const double left = 1.0 - std::min(1.0, share);
+  return look_.open_gray * std::pow(look_.board_gray / look_.open_gray, left);
+}
+
+double KerfOutline::fallMm(const std::vector<double>& gray, double first_mm) const {
+  const double sigma = std::hypot(kLensPx, kSplinePx) * kStepsPerPx;
+  const int reach = static_cast<int>(std::ceil(3.5 * sigma));
+  const double level = look_.board_gray + 0.5 * look_.brightness * (look_.open_gray - look_.board_gray);
+  const int n = static_cast<int>(gray.size());
+  const auto blurredAt = [&](int i) {
+    double sum = 0.0;
+    double weight = 0.0;
+    for (int k = -reach; k <= reach; ++k) {
+      const double w = std::exp(-0.5 * k * k / (sigma * sigma));
+      sum += w * gray[static_cast<std::size_t>(std::clamp(i + k, 0, n - 1))];
+      weight += w;
+    }
+    return sum / weight;
+  };
+  // From outside inwards: a ring of board inside of a turn does not end the kerf.
+  double outer = blurredAt(n - 1);
+  for (int i = n - 2; i >= 0; --i) {
+    const double inner = blurredAt(i);
+    if (inner >= level) {
+      return first_mm + step_mm_ * (static_cast<double>(i) + (inner - level) / std::max(1e-9, inner - outer));
+    }
+    outer = inner;
+  }
+  return first_mm;
+}
+
+KerfOutline::Path KerfOutline::pathOf(const BeamWay& way) const {
+  Path path{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), {}};
+  if (!way.tangent_out) return path;
+  const Eigen::Vector2d& in = way.tangent_in;
+  const Eigen::Vector2d& out = *way.tangent_out;
+  if (way.beyond_mm >= 0.0) {
+    path.end_in = way.beyond_mm * in;
+    path.start_out = -way.beyond_mm * out;
+    return path;
+  }
+  const double turn = std::atan2(cross(in, out), in.dot(out));
+  const double radius_mm = -way.beyond_mm / std::max(1e-6, 1.0 / std::cos(0.5 * turn) - 1.0);
+  const double tangent_mm = radius_mm * std::tan(0.5 * std::abs(turn));
+  path.end_in = -tangent_mm * in;
+  path.start_out = tangent_mm * out;
+  const Eigen::Vector2d left(-in.y(), in.x());
+  const Eigen::Vector2d centre = path.end_in + std::copysign(radius_mm, turn) * left;
+  for (int i = 0; i < kArcElements; ++i) {
+    const double angle = turn * (i + 0.5) / kArcElements;
+    path.arc.push_back({centre + Eigen::Rotation2Dd(angle) * (path.end_in - centre),
+                        radius_mm * std::abs(turn) / kArcElements});
+  }
+  return path;
+}
+
+double KerfOutline::shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, const Path& path) const {
+  const double w = look_.beam_radius_mm;
+  if (!(w > 0.0)) {
+    double distance = distanceToLeg(p_mm - path.end_in, way.tangent_in);
+    if (way.tangent_out)
+      distance = std::min(distance, distanceToLeg(p_mm - path.start_out, -*way.tangent_out));
+    for (const Element& e : path.arc) distance = std::min(distance, (p_mm - e.p_mm).norm());
+    return distance < look_.half_width_mm ? peak_share_ : 0.0;
+  }
+  const auto leg = [&](const Eigen::Vector2d& from_end, const Eigen::Vector2d& tangent) {
+    const double n = cross(tangent, from_end) / w;
+    return std::exp(-2.0 * n * n) * 0.5 * std::erfc(std::numbers::sqrt2 * from_end.dot(tangent) / w);
+  };
+  double share = leg(p_mm - path.end_in, way.tangent_in);
+  if (way.tangent_out) share += leg(p_mm - path.start_out, -*way.tangent_out);
+  for (const Element& e : path.arc) {
+    const double d2 = (p_mm - e.p_mm).squaredNorm() / (w * w);
+    share += std::sqrt(2.0 / std::numbers::pi) / w * e.length_mm * std::exp(-2.0 * d2);
+  }
+  return peak_share_ * share;
+}
+
+double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, const BeamWay& way) const {
+  const Eigen::Vector2d beside(-direction.y(), direction.x());
+  // The lens averages across the strip too.
+  const double lens_mm = kLensPx * look_.pixel_mm;
+  const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * lens_mm * lens_mm);
+  const Path path = pathOf(way);
+  std::vector<double> gray;
+  for (double x = -kReachMm; x <= kReachMm; x += step_mm_) {
+    double sum = 0.0;
+    for (int i = 0; i < kStripLines; ++i) {
+      const double y = wide_mm * (2.0 * (i + 0.5) / kStripLines - 1.0);
+      sum += grayAt(shareAt(x * direction + y * beside, way, path));
+    }
+    gray.push_back(sum / kStripLines);
+  }
+  return fallMm(gray, -kReachMm);
+}
+
+}  // namespace kerfbench::hil

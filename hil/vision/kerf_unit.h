@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "hil/vision/kerf_caliper.h"
+#include "hil/vision/kerf_noise.h"
+#include "hil/vision/kerf_plan.h"
+#include "hil/vision/kerf_tiles.h"
+
+namespace kerfbench::hil {
+
+/// Measures everything about one unit whose place is known.
+class UnitScan {
+ public:
+  UnitScan(const CameraCalibration& calibration, const KerfPlan& plan, const KerfScanOptions& options,
+           const std::vector<TileView>& tiles, const TileIndex& index, int unit, const PlaneMotion& X_TS)
+      : calibration_(calibration),
+        plan_(plan),
+        options_(options),
+        tiles_(tiles),
+        index_(index),
+        unit_(unit),
+        X_TS_(X_TS) {}
+
+  /// Calipers with their uncertainties, corners, ends and the unit's worst patches.
+  void cuts(KerfScan& scan) const;
+  void strays(KerfScan& scan) const;
+
+ private:
+  struct Scratch;
+  void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
+  void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
+               Caliper& out, KerfReading& reading) const;
+  [[nodiscard]] double gridNoiseMm(const EntityPlan& plan, const Station& station,
+                                   const TileView* view) const;
+  void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
+  void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
+
+  const CameraCalibration& calibration_;
+  const KerfPlan& plan_;
+  const KerfScanOptions& options_;
+  const std::vector<TileView>& tiles_;
+  const TileIndex& index_;
+  int unit_;
+  PlaneMotion X_TS_;
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/calibrate/calibrate_camera.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include "hil/calibrate/residual_map.h"
+#include "tests/hil/calibrate/small_camera.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
+  const CameraCalibrationResult result = calibrateCamera(test::smallJob(1));
+  const CameraCalibration& c = result.calibration;
+  // 0.1 mm/px: a hundredth of a pixel.
+  EXPECT_LT(test::largest(test::mapErrors(c, test::truthOf(test::smallCamera()), 20)), 0.001);
+  EXPECT_LT(c.rms_px, 0.006);
+  EXPECT_LT(c.map_u_mm, 0.0005);
+  EXPECT_GT(c.map_u_mm, 1e-5);
+  EXPECT_EQ(result.outliers, 0U);
+  EXPECT_EQ(result.views.size(), 6U);
+  EXPECT_EQ(c.camera_id, "small");
+  EXPECT_EQ(c.date, "2026-11-20");
+  // Its field is 56 x 44 mm.
+  EXPECT_GT(c.area_mm.sizes().x(), 48.0);
+  EXPECT_GT(c.area_mm.sizes().y(), 36.0);
+  EXPECT_NEAR(result.views.at(1).tilt_rad, 0.52, 0.1);
+  const std::string svg = residualMapSvg(result);
+  EXPECT_NE(svg.find("view 5"), std::string::npos);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+TEST(CalibrateCamera, IsTheSameAtAnyNumberOfThreads) {
+  CalibrationJob job = test::smallJob(2, 3);
+  const CameraCalibration one = calibrateCamera(job).calibration;
+  job.threads = 3;
+  const CameraCalibration three = calibrateCamera(job).calibration;
+  EXPECT_EQ(one.fx_px, three.fx_px);
+  EXPECT_EQ(one.distortion, three.distortion);
+  EXPECT_EQ(one.X_CP.matrix(), three.X_CP.matrix());
+  EXPECT_EQ(one.error_modes, three.error_modes);
+}
+
+TEST(CalibrateCamera, ItsModesAreItsUncertainty) {
+  const CameraCalibration c = calibrateCamera(test::smallJob(3)).calibration;
+  double most_mm = 0.0;
+  std::vector<Vector2d> places_mm;
+  (void)test::mapErrors(c, c, 20, &places_mm);
+  for (const Vector2d& p_mm : places_mm) {
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+    for (std::size_t k = 0; k < c.error_modes.size(); ++k)
+      spread += c.mapError(k, p_mm) * c.mapError(k, p_mm).transpose();
+    const double half = 0.5 * (spread(0, 0) - spread(1, 1));
+    most_mm = std::max(most_mm, std::sqrt(0.5 * spread.trace() + std::hypot(half, spread(0, 1))));
+  }
+  EXPECT_NEAR(most_mm / c.map_u_mm, 1.0, 0.01);
+}
+
+// The stated covariance against what calibrations by 30 seeds, from rendered pictures, show.
+TEST(CalibrateCamera, ItsCovarianceIsHonest) {
+  constexpr int kSeeds = 30;
+  constexpr std::size_t kModes = 8;  // The strongest; the others move no point by a fiftieth of the first.
+  const CameraCalibration truth = test::truthOf(test::smallCamera());
+  double chi2 = 0.0;
+  double misses_mm2 = 0.0;
+  double stated_mm2 = 0.0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const CameraCalibration c =
+        calibrateCamera(test::smallJob(100 + static_cast<std::uint64_t>(seed), 4)).calibration;
+    std::vector<Vector2d> places_mm;
+    const std::vector<Vector2d> misses_mm = test::mapErrors(c, truth, 8, &places_mm);
+    Eigen::VectorXd seen(2 * static_cast<Eigen::Index>(misses_mm.size()));
+    Eigen::MatrixXd modes(seen.size(), static_cast<Eigen::Index>(c.error_modes.size()));
+    for (std::size_t i = 0; i < misses_mm.size(); ++i) {
+      seen.segment<2>(2 * static_cast<Eigen::Index>(i)) = misses_mm[i];
+      for (std::size_t k = 0; k < c.error_modes.size(); ++k)
+        modes.block<2, 1>(2 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+            c.mapError(k, places_mm[i]);
+    }
+    misses_mm2 += seen.squaredNorm();
+    stated_mm2 += modes.squaredNorm();
+    ASSERT_GE(c.error_modes.size(), kModes);
+    // How much of each mode: standard normal, if the covariance is right.
+    const Eigen::VectorXd share = modes.colPivHouseholderQr().solve(seen);
+    chi2 += share.head(kModes).squaredNorm();
+  }
+  // 240 degrees of freedom: the square root of chi2 / 240 has a standard deviation of 4.6 %; 3.3 of them.
+  EXPECT_NEAR(std::sqrt(chi2 / (kSeeds * static_cast<double>(kModes))), 1.0, 0.15);
+  // The first modes rule the sum: some 100 degrees of freedom, 7 %.
+  EXPECT_NEAR(std::sqrt(misses_mm2 / stated_mm2), 1.0, 0.23);
+  RecordProperty("spread_over_stated", std::to_string(std::sqrt(misses_mm2 / stated_mm2)));
+  RecordProperty("modes_over_stated",
+                 std::to_string(std::sqrt(chi2 / (kSeeds * static_cast<double>(kModes)))));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The calibrations in fixtures/machines: good for a micrometre, and what the command makes.
+#include <gtest/gtest.h>
+
+#include "hil/app/camera_files.h"
+#include "hil/app/commands.h"
+#include "hil/calibrate/calibration_file.h"
+#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/calibrate/small_camera.h"
+
+namespace kerfbench::hil {
+namespace {
+
+TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
+  for (const char* name :
+       {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper", "two-mirror-linecutter"}) {
+    const MachineFile file = readMachineFile(fixture("machines/" + std::string(name) + ".yaml"));
+    for (const auto& [camera, named] : {std::pair(file.machine.spot_camera, file.spot_camera),
+                                        std::pair(file.machine.kerf_camera, file.kerf_camera)}) {
+      const CalibrationFile kept = readCalibrationFile(named.calibration);
+      EXPECT_EQ(kept.described_camera, cameraFingerprint(camera)) << name;
+      EXPECT_EQ(kept.calibration.camera_id, named.id) << name;
+      const double most_mm = test::largest(test::mapErrors(kept.calibration, test::truthOf(camera), 60));
+      RecordProperty(std::string(name) + "_" + named.id + "_um", std::to_string(1e3 * most_mm));
+      EXPECT_LT(most_mm, 0.001) << name << " " << named.id;
+      // And by no more than it says: the largest of many points is some 4 sigma of the worst one at most.
+      EXPECT_LT(most_mm, 4.0 * kept.calibration.map_u_mm) << name << " " << named.id;
+      EXPECT_LT(kept.calibration.map_u_mm, 0.0005) << name;
+    }
+  }
+}
+
+TEST(CommittedCalibrations, AreWhatTheCommandMakes) {
+  const TempFolder temp;
+  CalibrateOptions options;
+  options.machine = fixture("machines/two-mirror.yaml");
+  options.camera = "kerf";
+  options.date = "2026-11-20";
+  options.jobs = 2;
+  options.quiet = true;
+  options.out = temp.path() / "kerf.yaml";
+  options.picture = temp.path() / "kerf.svg";
+  ASSERT_EQ(calibrateCameraCommand(options), 0);
+  EXPECT_EQ(contentOf(options.out), contentOf(fixture("machines/two-mirror.kerf.camera.yaml")));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "hil/dieline/geometry.h"
+#include "hil/vision/kerf_scan.h"
+#include "twin/camera/camera.h"
+#include "twin/sheet/sheet.h"
+
+namespace kerfbench::hil::test {
+
+constexpr double kBeamRadiusMm = 0.105;
+
+/// A camera of 1100 x 800 pixels times scale, askew and with a lens; 40 um to the pixel if not told
+/// otherwise.
+twin::CameraDescription kerfCamera(double pitch_mm = 0.04, double scale = 1.0);
+CameraCalibration calibrationOf(const twin::CameraDescription& camera);
+
+/// A sheet that the model cuts and looks at, with everything known.
+struct TwinCut {
+  twin::BoardDescription board;
+  twin::CameraDescription camera = kerfCamera();
+  PrintLayout print;
+  Dieline dieline;
+  std::map<int, double> offset_mm;  ///< Of entities, along the left normal; 0 if not told.
+  double fluence_share{1.5};        ///< In the middle of a line, of what cuts through.
+  std::map<int, double> share_of;   ///< The same for single entities.
+  KerfScanOptions options;
+  std::uint64_t seed{1};
+  /// Cuts something else onto the sheet.
+  std::function<void(twin::Sheet&)> also;
+
+  TwinCut();
+  int add(Curve curve, Process process = Process::kCut);
+  /// Straight, with the tools of the model's beam: energy for the share of the cutting fluence.
+  void burn(twin::Sheet& sheet, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm,
+            double share) const;
+  void burn(twin::Sheet& sheet, const Curve& curve, double offset, double share) const;
+
+  [[nodiscard]] std::vector<KerfTile> tiles() const;
+  [[nodiscard]] KerfScan scan() const;
+  [[nodiscard]] KerfScan scan(std::vector<KerfTile> tiles) const;
+  /// How the unit lies on the table.
+  [[nodiscard]] Eigen::Isometry2d lay() const;
+  /// True offset of a caliper as the scan's own place of the unit would have it: what remains is the
+  /// caliper's error alone. The kerf of an arc lies inside of the beam's way by w² / (8 r): a Gaussian beam
+  /// of 1/e² radius w (standard deviation w / 2) along a circle of radius r leaves its ridge there.
+  [[nodiscard]] double truth(const KerfScan& scan, const Caliper& caliper, const Curve& curve,
+                             double offset) const;
+};
+
+struct Honesty {
+  std::size_t count{};
+  double bias_mm{};
+  double sigma_mm{};   ///< Standard deviation of the error.
+  double stated_mm{};  ///< Mean of what the calipers state, quadratic.
+  double z{};          ///< RMS of error over stated uncertainty.
+  double width_z{};    ///< Standard deviation of width over its stated uncertainty, about each entity's mean.
+};
+/// Collects errors of all calipers that were found and lie near no joint.
+class Errors {
+ public:
+  void add(const TwinCut& cut, const KerfScan& scan);
+  [[nodiscard]] Honesty honesty() const;
+
+ private:
+  std::vector<double> errors_mm_, stated_mm_, width_z_;
+};
+
+const EntityKerf& entityOf(const KerfScan& scan, int id, int unit = 0);
+
+}  // namespace kerfbench::hil::test
