@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "hil/app/machine_sections.h"
 
 namespace kerfbench::hil {
@@ -30,6 +32,10 @@ std::vector<twin::PowerPoint> readPowerCurve(YamlReader& laser) {
   return curve;
 }
 
+bool bends(const std::vector<twin::PowerPoint>& curve) {
+  return std::ranges::any_of(curve, [](const auto& point) { return point.share != point.demand; });
+}
+
 }  // namespace
 
 twin::LaserDescription readLaser(YamlReader laser) {
@@ -42,6 +48,11 @@ twin::LaserDescription readLaser(YamlReader laser) {
   result.gate_delay_s = kMicro * laser.number("gate_delay_us", {.min = 0, .max = 1e4, .fallback = 0.0});
   result.demand_filter_s = kMicro * laser.number("demand_filter_us", {.min = 0, .max = 1e4, .fallback = 0.0});
   result.power_curve = readPowerCurve(laser);
+  if (bends(result.power_curve) && result.demand_filter_s == 0) {
+    laser.fault(
+        "demand_filter_us",
+        "must be > 0 with a power_curve that bends: the PWM itself is 0 or 1, only its mean meets the curve");
+  }
   result.noise = kPercent * laser.number("noise_percent", {.min = 0, .max = 50, .fallback = 0.0});
   result.noise_correlation_s =
       kMilli * laser.number("noise_correlation_ms", {.min = 0.01, .max = 1e6, .fallback = 1.0});

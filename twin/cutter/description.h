@@ -50,7 +50,7 @@ struct PowerMonitorDescription {
 /// Conveyor: drive roller, belt, and the sheet that lies on it.
 struct BeltDescription {
   double roller_radius_mm{30.0};
-  double roller_inertia_kg_m2{2e-3};  ///< With the motor, at the roller; without the belt. > 0.
+  double roller_inertia_kg_m2{2e-3};  ///< With the line's motor, at the roller; without belt and feed. > 0.
   double mass_kg{0.5};                ///< Of the belt; > 0.
   double stiffness_n_m{2e5};          ///< Between roller and belt, elastic creep; > 0.
   double damping_n_s_m{200.0};

@@ -173,12 +173,20 @@ TEST_F(MachineFileTest, ALensIsReadInRadiansAndMillimetres) {
 
 TEST_F(MachineFileTest, APowerCurveMustAscendFromNothingToAll) {
   const auto curve = [&](const char* points) {
-    return faultsAt(extending("two-mirror.yaml", fmt::format("laser: {{power_curve: {}}}\n", points)));
+    return faultsAt(extending("two-mirror.yaml",
+                              fmt::format("laser: {{power_curve: {}, demand_filter_us: 200}}\n", points)));
   };
   EXPECT_EQ(curve("[{demand: 0, power: 0}, {demand: 0.3, power: 0.1}, {demand: 1, power: 1}]"), "");
   EXPECT_THAT(
       curve("[{demand: 0.5, power: 0.2}, {demand: 0.3, power: 0.4}, {demand: 1, power: 1}]"),
       testing::AllOf(HasSubstr("m.yaml:2: laser.power_curve: must ascend"), HasSubstr("must go from")));
+}
+
+TEST_F(MachineFileTest, APowerCurveThatBendsNeedsTheMeanOfThePwm) {
+  const auto path = extending("two-mirror.yaml",
+                              "laser: {power_curve: [{demand: 0, power: 0}, {demand: 0.5, power: 0.2}, "
+                              "{demand: 1, power: 1}]}\n");
+  EXPECT_THAT(faultsAt(path), HasSubstr("laser.demand_filter_us: must be > 0 with a power_curve that bends"));
 }
 
 TEST_F(MachineFileTest, AShaftTooStiffForTheStepIsAFault) {
