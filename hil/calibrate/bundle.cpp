@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "hil/vision/lens_distortion.h"
 
@@ -57,7 +58,8 @@ double costOf(const State& state, const Bundle& bundle, const std::vector<double
     double of_view = 0.0;
     for (const BundlePoint& point : bundle.points[v]) {
       if (!((state.X_CB[v] * Vector3d(point.p_B_mm.x(), point.p_B_mm.y(), 0.0)).z() > 0.0)) return HUGE_VAL;
-      of_view += (point.pixel - project(state.lens, state.X_CB[v], point.p_B_mm)).squaredNorm();
+      const Vector2d miss = point.pixel - project(state.lens, state.X_CB[v], point.p_B_mm);
+      of_view += miss.dot(point.covariance_px2.inverse() * miss);
     }
     sum += weight[v] * of_view;
   }
@@ -80,8 +82,9 @@ Normal normalOf(const State& state, const Bundle& bundle, const std::vector<doub
     ProjectionSlopes by;
     for (const BundlePoint& point : bundle.points[v]) {
       const Vector2d miss = point.pixel - project(state.lens, state.X_CB[v], point.p_B_mm, by);
-      square.noalias() += by.transpose() * by;
-      right.noalias() += by.transpose() * miss;
+      const ProjectionSlopes weighted = point.covariance_px2.inverse() * by;
+      square.noalias() += weighted.transpose() * by;
+      right.noalias() += weighted.transpose() * miss;
     }
     const Index at = kLens + kPose * static_cast<Index>(v);
     normal.matrix.topLeftCorner<kLens, kLens>() += weight[v] * square.topLeftCorner<kLens, kLens>();
@@ -153,10 +156,23 @@ std::vector<std::vector<Vector2d>> residualsOf(const State& state, const Bundle&
   return residuals;
 }
 
+double weightedSquares(const std::vector<Vector2d>& residuals, const std::vector<BundlePoint>& points) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    sum += residuals[i].dot(points[i].covariance_px2.inverse() * residuals[i]);
+  return sum;
+}
+
 double squaresOf(const std::vector<Vector2d>& residuals) {
   double sum = 0.0;
   for (const Vector2d& r : residuals) sum += r.squaredNorm();
   return sum;
+}
+
+double meanVariance(const std::vector<BundlePoint>& points) {
+  double sum = 0.0;
+  for (const BundlePoint& point : points) sum += 0.5 * point.covariance_px2.trace();
+  return sum / static_cast<double>(points.size());
 }
 
 }  // namespace
@@ -202,7 +218,9 @@ BundleResult adjust(const Bundle& start) {
     throw std::invalid_argument("bundle adjustment: every view needs a pose and four points");
   }
   State state{start.lens, start.X_CB};
-  std::vector<double> weight(views, 1.0);
+  // Corners' covariances need not be to scale: at first all views count alike.
+  std::vector<double> weight;
+  for (const auto& of_view : start.points) weight.push_back(meanVariance(of_view));
   BundleResult result;
   result.sigma_px.assign(views, 1.0);
   std::size_t points = 0;
@@ -214,9 +232,10 @@ BundleResult adjust(const Bundle& start) {
       // Its own pose, and its share of the lens, have been fitted to these residuals.
       const auto n = static_cast<double>(start.points[v].size());
       const double freedom = 2.0 * n - kPose - kLens * n / static_cast<double>(points);
-      result.sigma_px[v] =
-          std::max(1e-6, std::sqrt(squaresOf(result.residuals_px[v]) / std::max(1.0, freedom)));
-      weight[v] = 1.0 / (result.sigma_px[v] * result.sigma_px[v]);
+      const double scatter =
+          weightedSquares(result.residuals_px[v], start.points[v]) / std::max(1.0, freedom);
+      weight[v] = 1.0 / std::max(1e-12, scatter);
+      result.sigma_px[v] = std::sqrt(squaresOf(result.residuals_px[v]) / (2.0 * n));
     }
   }
   result.lens = state.lens;

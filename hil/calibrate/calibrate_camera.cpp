@@ -115,7 +115,8 @@ Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) 
   for (std::size_t v = 0; v < views.size(); ++v) {
     const std::vector<TargetCorner>& corners = views[v].corners;
     for (const TargetCorner& corner : corners)
-      bundle.points[v].push_back({job.target.square_mm * Vector2d(corner.column, corner.row), corner.pixel});
+      bundle.points[v].push_back(
+          {job.target.square_mm * Vector2d(corner.column, corner.row), corner.pixel, corner.covariance_px2});
     const std::size_t used = std::min(corners.size(), kStartCorners);
     for (std::size_t i = 0; i < used; ++i) {
       const BundlePoint& p = bundle.points[v][i * corners.size() / used];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 namespace kerfbench::hil {
 namespace {
@@ -97,6 +98,19 @@ struct Corner {
   }
 };
 
+Matrix9 normalOf(const Corner& corner, const std::vector<Sample>& samples, Vector9& right) {
+  Matrix9 normal = Matrix9::Zero();
+  right.setZero();
+  for (const Sample& s : samples) {
+    if (!s.used) continue;
+    Vector9 by;
+    const double miss = s.gray - corner.gray(s, by);
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(by);
+    right += miss * by;
+  }
+  return normal.selfadjointView<Eigen::Lower>();
+}
+
 double squares(const Corner& corner, const std::vector<Sample>& samples) {
   double sum = 0.0;
   Vector9 unused;
@@ -113,20 +127,13 @@ bool settle(Corner& corner, const std::vector<Sample>& samples, double radius_px
   double damping = 1e-3;
   double sum = squares(corner, samples);
   for (int round = 0; round < kRounds; ++round) {
-    Matrix9 normal = Matrix9::Zero();
-    Vector9 right = Vector9::Zero();
-    for (const Sample& s : samples) {
-      if (!s.used) continue;
-      Vector9 by;
-      const double miss = s.gray - corner.gray(s, by);
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(by);
-      right += miss * by;
-    }
+    Vector9 right;
+    const Matrix9 normal = normalOf(corner, samples, right);
     bool better = false;
     for (int attempt = 0; attempt < 8 && !better; ++attempt) {
       Matrix9 damped = normal;
       damped.diagonal() *= 1.0 + damping;
-      const Vector9 step = damped.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+      const Vector9 step = damped.ldlt().solve(right);
       Corner next = corner;
       next.p += step;
       const double next_sum = next.sane(radius_px) ? squares(next, samples) : HUGE_VAL;
@@ -214,7 +221,12 @@ std::optional<CornerFit> fitCorner(const GrayImage& image, const CornerGuess& gu
   fit.blur_px = corner.p[4];
   fit.contrast = 2.0 * std::abs(corner.p[6]);
   fit.noise = noise;
-  if (!(fit.contrast > 10.0 && fit.contrast > 6.0 * noise)) return std::nullopt;
+  const Matrix9 normal = normalOf(corner, samples, unused);
+  const Eigen::Matrix<double, kParameters, 2> place = Eigen::Matrix<double, kParameters, 2>::Identity();
+  fit.covariance_px2 = noise * noise * normal.ldlt().solve(place).topRows<2>();
+  if (!(fit.contrast > 10.0 && fit.contrast > 6.0 * noise && fit.covariance_px2.allFinite() &&
+        fit.covariance_px2.determinant() > 0.0))
+    return std::nullopt;
   return fit;
 }
 

@@ -23,6 +23,7 @@ struct CornerFit {
   double blur_px{};   ///< Standard deviation of the Gaussian blur, the pixel's own area included.
   double contrast{};  ///< White less black, grey levels.
   double noise{};     ///< RMS of what the fit leaves, grey levels.
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Of the place, by that noise.
 };
 
 /// Fits the corner by least squares: place, the two directions, blur, grey of both colours, and a light that

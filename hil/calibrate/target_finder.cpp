@@ -161,7 +161,7 @@ TargetView findTarget(const GrayImage& image, const CalibrationTarget& target) {
     const Prediction& p = predictions[i];
     const auto fit = fitCorner(image, {p.corner.pixel, p.along_x, p.along_y, radii[i]});
     if (!fit) continue;
-    view.corners.push_back({p.corner.column, p.corner.row, fit->pixel});
+    view.corners.push_back({p.corner.column, p.corner.row, fit->pixel, fit->covariance_px2});
     blurs.push_back(fit->blur_px);
     contrasts.push_back(fit->contrast);
   }

@@ -11,8 +11,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kOffDielineMm = 0.35;
-constexpr double kStrayContrast = 0.05;  // of board to open kerf
-constexpr double kNoiseSigmas = 4.0;     // of one pixel; of a mean of nine that is twelve without grain
+constexpr double kStrayContrast = 0.035;  // of board to open kerf
+constexpr double kNoiseSigmas = 3.0;      // of one pixel: nine of a mean of nine, where no grain binds them
 constexpr double kTouchMm = 0.15;
 constexpr int kShiftBits = 4;  // OpenCV draws in 1/16 px
 
