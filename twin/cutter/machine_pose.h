@@ -15,11 +15,9 @@ struct MachinePose {
       Eigen::Vector2d::Zero()};  ///< Displacement of the frame, and with it of head and gantry.
   Eigen::Vector2d gantry_mm{
       Eigen::Vector2d::Zero()};  ///< On the frame, along the slides (not square to each other); zero without.
-  Eigen::Vector2d mirror_rad{Eigen::Vector2d::Zero()};  ///< Mechanical angles of X and Y mirror from rest as
-                                                        ///< their encoders tell them: before zero and scale.
-};                                                      ///< On the frame; zero without a gantry.
-Eigen::Vector2d mirror_rad{
-    Eigen::Vector2d::Zero()};  ///< Mechanical angles of X and Y mirror from rest; zero without.
+  /// Mechanical angles of X and Y mirror from rest as their encoders tell them, before zero and scale; zero
+  /// without mirrors.
+  Eigen::Vector2d mirror_rad{Eigen::Vector2d::Zero()};
 };
 
 }  // namespace kerfbench::twin

@@ -36,12 +36,15 @@ std::string text(double x, double y, const std::string& content, const char* anc
 }
 
 std::string head(double width, double height, const std::string& title) {
+  // A bold letter is about 0.62 of its size wide; a title that is too long is written smaller.
+  const double size = std::min(14.0, (width - 16.0) / (0.62 * static_cast<double>(title.size())));
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
              "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#222\">\n"
              "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#ffffff\"/>\n",
              width, height) +
-         text(0.5 * width, 21.0, title, "middle", "font-size=\"14\" font-weight=\"bold\"");
+         text(0.5 * width, 21.0, title, "middle",
+              fmt::format("font-size=\"{:.1f}\" font-weight=\"bold\"", size).c_str());
 }
 
 /// Maps values to the page, and finds round numbers to write at an axis.
@@ -212,14 +215,40 @@ std::string drawn(const LinePlot& plot) {
   return svg + "</svg>\n";
 }
 
+namespace {
+
+constexpr double kCellW = 66.0, kCellH = 30.0, kSide = 116.0, kCellTop = 36.0;
+
+// The limit: a line between cells on its two sides.
+std::string limitLine(const CellPlot& plot) {
+  const auto holds = [&](std::size_t r, std::size_t c) { return plot.value.at(r).at(c) <= plot.limit; };
+  const auto line = [](double x1, double y1, double x2, double y2) {
+    return fmt::format(
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#b00020\" "
+        "stroke-width=\"2.5\" stroke-linecap=\"round\"/>\n",
+        x1, y1, x2, y2);
+  };
+  std::string svg;
+  for (std::size_t r = 0; r < plot.rows.size(); ++r) {
+    for (std::size_t c = 0; c < plot.columns.size(); ++c) {
+      const double x = kSide + kCellW * static_cast<double>(c);
+      const double y = kCellTop + kCellH * static_cast<double>(r);
+      if (c > 0 && holds(r, c) != holds(r, c - 1)) svg += line(x, y, x, y + kCellH);
+      if (r > 0 && holds(r, c) != holds(r - 1, c)) svg += line(x, y, x + kCellW, y);
+    }
+  }
+  return svg;
+}
+
+}  // namespace
+
 std::string drawn(const CellPlot& plot) {
-  constexpr double kCellW = 66.0, kCellH = 30.0, kSide = 96.0;
   const double width = kSide + kCellW * static_cast<double>(plot.columns.size()) + 20.0;
   const double height = 78.0 + kCellH * static_cast<double>(plot.rows.size()) + 20.0;
   std::string svg = head(width, height, plot.title);
   const double floor = height - 52.0;
   for (std::size_t r = 0; r < plot.rows.size(); ++r) {
-    const double y = 36.0 + kCellH * static_cast<double>(r);
+    const double y = kCellTop + kCellH * static_cast<double>(r);
     svg += text(kSide - 6.0, y + 0.5 * kCellH + 4.0, plot.rows[r], "end");
     for (std::size_t c = 0; c < plot.columns.size(); ++c) {
       const double x = kSide + kCellW * static_cast<double>(c);
@@ -235,11 +264,12 @@ std::string drawn(const CellPlot& plot) {
       svg += text(x + 0.5 * kCellW, y + 0.5 * kCellH + 4.0, plot.text.at(r).at(c));
     }
   }
+  svg += limitLine(plot);
   for (std::size_t c = 0; c < plot.columns.size(); ++c) {
     svg += text(kSide + kCellW * (static_cast<double>(c) + 0.5), floor + 8.0, plot.columns[c]);
   }
   svg += text(kSide + 0.5 * (width - kSide - 20.0), height - 14.0, plot.x_label);
-  const double middle = 36.0 + 0.5 * (floor - 46.0);
+  const double middle = kCellTop + 0.5 * (floor - 46.0);
   svg += text(16.0, middle, plot.y_label, "middle",
               fmt::format("transform=\"rotate(-90 16 {:.1f})\"", middle).c_str());
   return svg + "</svg>\n";
