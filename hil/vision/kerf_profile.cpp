@@ -18,6 +18,7 @@ constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;
 constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is six pixels wide
+constexpr float kFoot = 0.5F * static_cast<float>(kTaps);
 constexpr std::size_t kPhases = 64;                // of a sample's step
 
 constexpr std::size_t kPadded = (kTaps + 3) / 4 * 4;  // whole vectors of the processor
@@ -114,10 +115,10 @@ void spread(Profile& profile, std::size_t count) {
   profile.weight.assign(count + 2 * kTaps + kPadded - kTaps, 0.0F);
   const auto per_step = static_cast<float>(1.0 / profile.step_mm);
   const auto zero = static_cast<float>(kTaps) - static_cast<float>(profile.first_mm / profile.step_mm);
-  const auto limit = static_cast<float>(count + kTaps + kTaps / 2);
+  const auto limit = static_cast<float>(count + kTaps) + kFoot;
   for (const PixelAcross& pixel : profile.pixels) {
     const float place = pixel.across_mm * per_step + zero;
-    if (!(place >= static_cast<float>(kTaps / 2)) || place >= limit) continue;
+    if (!(place >= kFoot) || place >= limit) continue;
     const int whole = static_cast<int>(place);
     const auto phase = static_cast<std::size_t>((place - static_cast<float>(whole)) * kPhases);
     const Taps& taps = table[std::min(phase, kPhases - 1)];
