@@ -5,10 +5,13 @@
 #include <cstdio>
 #include <string>
 
+#include "hil/app/camera_files.h"
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/calibrate/calibration_file.h"
+#include "hil/calibrate/target_files.h"
 #include "hil/dieline/read.h"
 
 namespace kerfbench::hil {
@@ -52,17 +55,39 @@ int lintDrawing(const fs::path& path, const LayerProfile& layers, bool quiet) {
   return errors;
 }
 
+// A machine can be described before its cameras are calibrated; a run of it would be INVALID.
+void warnOfCameras(const fs::path& path, Case& the_case, const MachineFile& file, bool quiet) {
+  the_case.machine = file.machine;
+  the_case.spot_camera = file.spot_camera;
+  the_case.kerf_camera = file.kerf_camera;
+  if (quiet) return;
+  for (const std::string& problem : readCalibrations(the_case).problems)
+    say(fmt::format("{}: warning: {}", path.string(), problem));
+}
+
 int lintFile(const fs::path& path, const CommonOptions& options) {
   if (isDrawing(path)) return lintDrawing(path, defaultLayerProfile(), options.quiet);
+  const auto file_keys = YamlReader::openFile(path);
+  if (file_keys.has("camera_id")) {
+    (void)readCalibrationFile(path);
+    return 0;
+  }
+  if (file_keys.has("square_mm")) {
+    (void)readTarget(path);
+    return 0;
+  }
+  Case the_case;
   if (isScenario(path)) {
-    Case the_case;
     the_case.scenario = readScenario(path, {options.bin_dir.parent_path() / "firmware"});
     const MachineFile file = readMachineFile(the_case.scenario.machine);
-    the_case.machine = file.machine;
+    warnOfCameras(path, the_case, file, options.quiet);
     refuseUnfit(file, webOf(the_case));
     return lintDrawing(the_case.scenario.dieline, the_case.scenario.layers, options.quiet);
   }
-  refuseUnfit(readMachineFile(path));
+  const MachineFile file = readMachineFile(path);
+  the_case.scenario.machine = path;
+  warnOfCameras(path, the_case, file, options.quiet);
+  refuseUnfit(file);
   return 0;
 }
 

@@ -2,7 +2,6 @@
 #include "hil/calibrate/calibrate_camera.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -12,6 +11,7 @@
 
 #include "hil/base/parallel.h"
 #include "hil/calibrate/bundle.h"
+#include "hil/calibrate/coverage.h"
 #include "hil/calibrate/day.h"
 #include "hil/calibrate/map_covariance.h"
 
@@ -75,35 +75,6 @@ std::vector<TargetView> lookAtAll(const CalibrationJob& job) {
     if (job.done) job.done(v);
   });
   return views;
-}
-
-constexpr std::array<std::array<const char*, 3>, 3> kParts{{{"upper left", "top", "upper right"},
-                                                            {"left", "middle", "right"},
-                                                            {"lower left", "bottom", "lower right"}}};
-
-void checkCoverage(const CalibrationJob& job, const TargetView& plane_view, Faults& faults) {
-  const int cells = coverageCells(job.width_px, job.height_px);
-  const std::vector<int> count = coverageOf(plane_view.corners, job.width_px, job.height_px);
-  std::array<std::array<int, 3>, 3> empty{};
-  for (int row = 0; row < cells; ++row) {
-    for (int column = 0; column < cells; ++column) {
-      const bool bare = count[static_cast<std::size_t>(row * cells + column)] == 0;
-      const auto third = [cells](int cell) { return static_cast<std::size_t>(3 * cell / cells); };
-      empty.at(third(row)).at(third(column)) += bare ? 1 : 0;
-    }
-  }
-  std::string parts;
-  for (std::size_t r = 0; r < 3; ++r) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (empty[r][c] == 0) continue;
-      parts += fmt::format("{}{} ({} cells)", parts.empty() ? "" : ", ", kParts[r][c], empty[r][c]);
-    }
-  }
-  if (parts.empty()) return;
-  faults.add(fmt::format(
-      "{}: the target does not cover the picture: of {} x {} cells, these have no corner of it: {}; the map "
-      "would be a guess there",
-      job.views.front(), cells, cells, parts));
 }
 
 /// A start near enough for the bundle: OpenCV's, on some of the corners.
@@ -255,23 +226,6 @@ CameraCalibration calibrationFrom(const CalibrationJob& job, const BundleResult&
 
 }  // namespace
 
-int coverageCells(int width_px, int height_px) {
-  return std::clamp(std::min(width_px, height_px) / 100, 4, 10);
-}
-
-std::vector<int> coverageOf(const std::vector<TargetCorner>& corners, int width_px, int height_px) {
-  const int cells = coverageCells(width_px, height_px);
-  std::vector<int> count(static_cast<std::size_t>(cells * cells), 0);
-  const auto cell = [cells](double at, int size) {
-    return std::clamp(static_cast<int>((at + 0.5) / size * cells), 0, cells - 1);
-  };
-  for (const TargetCorner& corner : corners) {
-    const int index = cell(corner.pixel.y(), height_px) * cells + cell(corner.pixel.x(), width_px);
-    ++count[static_cast<std::size_t>(index)];
-  }
-  return count;
-}
-
 CameraCalibrationResult calibrateCamera(const CalibrationJob& job) {
   Faults faults;
   checkJob(job, faults);
@@ -280,7 +234,10 @@ CameraCalibrationResult calibrateCamera(const CalibrationJob& job) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (!views[v].fault.empty()) faults.add(job.views[v] + ": " + views[v].fault);
   }
-  if (!views.empty() && views.front().fault.empty()) checkCoverage(job, views.front(), faults);
+  if (!views.empty() && views.front().fault.empty()) {
+    const std::string bare = coverageFault(views.front().corners, job.width_px, job.height_px);
+    if (!bare.empty()) faults.add(job.views.front() + ": " + bare);
+  }
   faults.raise();
 
   BundleResult result;

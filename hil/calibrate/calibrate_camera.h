@@ -68,10 +68,4 @@ inline constexpr std::size_t kLeastViews = 4;
 /// lens; residuals above the limit; values that are not finite.
 CameraCalibrationResult calibrateCamera(const CalibrationJob& job);
 
-/// Number of cells along each side of a picture, each of which must see a corner of the first view: 4 … 10,
-/// of about 100 pixels.
-int coverageCells(int width_px, int height_px);
-/// Number of corners of a view in each cell of the picture, row by row.
-std::vector<int> coverageOf(const std::vector<TargetCorner>& corners, int width_px, int height_px);
-
 }  // namespace kerfbench::hil

@@ -105,10 +105,10 @@ Matrix9 normalOf(const Corner& corner, const std::vector<Sample>& samples, Vecto
     if (!s.used) continue;
     Vector9 by;
     const double miss = s.gray - corner.gray(s, by);
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(by);
+    normal.noalias() += by * by.transpose();
     right += miss * by;
   }
-  return normal.selfadjointView<Eigen::Lower>();
+  return normal;
 }
 
 double squares(const Corner& corner, const std::vector<Sample>& samples) {

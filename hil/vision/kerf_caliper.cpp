@@ -55,10 +55,11 @@ std::optional<double> crossing(const Profile& profile, std::size_t inside, int d
 double boardOf(const Profile& profile) {
   static thread_local std::vector<float> sorted;
   sorted.clear();
-  for (std::size_t i = 0; i < profile.size(); ++i) {
+  // The spline is wider than two samples: every other one tells as much.
+  for (std::size_t i = 0; i < profile.size(); i += 2) {
     if (profile.seen(i)) sorted.push_back(profile.gray[i]);
   }
-  if (sorted.size() < 8) return kNan;
+  if (sorted.size() < 6) return kNan;
   const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
   std::nth_element(sorted.begin(), quartile, sorted.end());
   return *quartile;
@@ -132,11 +133,14 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   if (!std::isfinite(base)) return reading;
   const double range = std::max(1.0, open_gray - base);
   reading.base_gray = base;
-  // Where nothing is found: at nominal.
-  reading.brightness = std::clamp((lightAt(profile, 0.0).value_or(base) - base) / range, 0.0, 1.5);
   const double least = std::max(2.0 * profile.noise_gray, kLeastContrast * range);
   const std::optional<Peak> peak = nearestPeak(profile, base, least);
-  if (!peak) return reading;
+  const auto nothing = [&] {
+    // How bright it is at the nominal place.
+    reading.brightness = std::clamp((lightAt(profile, 0.0).value_or(base) - base) / range, 0.0, 1.5);
+    return reading;
+  };
+  if (!peak) return nothing();
 
   std::size_t top = peak->first;
   for (std::size_t i = peak->first; i <= peak->last; ++i) {
@@ -147,7 +151,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
       profile.first_mm + 0.5 * static_cast<double>(peak->first + peak->last) * profile.step_mm;
   reading.top_gray = std::max<double>(profile.gray[top], lightAt(profile, middle_mm).value_or(0.0));
   const double height = reading.top_gray - base;
-  if (height < least) return reading;
+  if (height < least) return nothing();
   const auto edges = [&](double share) -> std::optional<std::array<double, 2>> {
     const double level = base + share * height;
     if (profile.gray[top] < level) return std::nullopt;
@@ -157,7 +161,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
     return std::array{*left, *right};
   };
   const auto half = edges(0.5);
-  if (!half) return reading;  // It runs out of the caliper.
+  if (!half) return nothing();  // It runs out of the caliper.
   double centre = 0.0;
   int levels = 0;
   for (const double share : kLevels) {

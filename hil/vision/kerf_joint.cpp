@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_test.cpp
-constexpr double kReachMm = 0.8;       // of a look along a leg
+constexpr double kFaintOutlineMm = 0.007;
+constexpr double kThrough = 0.75;  // brightness
+constexpr double kReachMm = 0.8;   // of a look along a leg
 constexpr double kLegFromMm = 0.3;
 constexpr double kLegToMm = 2.0;
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
@@ -144,9 +146,10 @@ double beyondMm(const KerfOutline& outline, const Eigen::Vector2d& direction, do
 }
 
 /// A look through a strip against a caliper: one flank of two, and fewer pixels; and what the outline's model
-/// leaves.
-double lookSigma(double caliper_sigma_mm, double strip_mm) {
-  return std::hypot(kOutlineMm, caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
+/// leaves, more of a kerf that is not through and has no open middle.
+double lookSigma(double caliper_sigma_mm, double strip_mm, double brightness) {
+  return std::hypot(brightness > kThrough ? kOutlineMm : kFaintOutlineMm,
+                    caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
 }
 
 /// How far back along the tangent the kerf of a curve still lies.
@@ -204,7 +207,7 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
     run(corner.tangent_in, corner.in);
     run(-corner.tangent_out, corner.out);
   }
-  out.sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm);
+  out.sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm, brightness);
   return out;
 }
 
@@ -233,7 +236,7 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
         out.found = true;
         out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
                      outline.reachMm(outward, strip_mm, {.tangent_in = outward}) - *at;
-        out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm);
+        out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm, leg->brightness);
         return out;
       }
     }
@@ -269,7 +272,8 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const auto before = look(*finish, -start.outward);
   const auto after = look(*begin, start.outward);
   out.found = true;
-  out.sigma_mm = std::numbers::sqrt2 * lookSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm);
+  out.sigma_mm =
+      std::numbers::sqrt2 * lookSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
   out.gap_mm = 0.0;
   if (before && after) {
     const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);

@@ -27,9 +27,11 @@ double distanceToLeg(const Eigen::Vector2d& p, const Eigen::Vector2d& tangent) {
 
 KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixel_mm / kStepsPerPx) {
   look_.board_gray = std::clamp(look.board_gray, 0.5, 0.9 * look.open_gray);
+  const int samples = samplesOfLook();
   const auto seenHalf = [&](double peak, double hard_half_mm) {
     std::vector<double> gray;
-    for (double y = -kReachMm; y <= kReachMm; y += step_mm_) {
+    for (int i = 0; i < samples; ++i) {
+      const double y = -kReachMm + i * step_mm_;
       if (look_.beam_radius_mm > 0.0) {
         const double a = y / look_.beam_radius_mm;
         gray.push_back(grayAt(peak * std::exp(-2.0 * a * a)));
@@ -55,6 +57,8 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
   }
   peak_share_ = std::sqrt(low * high);
 }
+
+int KerfOutline::samplesOfLook() const { return 1 + static_cast<int>(2.0 * kReachMm / step_mm_); }
 
 double KerfOutline::grayAt(double share) const {
   const double left = 1.0 - std::min(1.0, share);
@@ -142,7 +146,8 @@ double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, c
   const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * lens_mm * lens_mm);
   const Path path = pathOf(way);
   std::vector<double> gray;
-  for (double x = -kReachMm; x <= kReachMm; x += step_mm_) {
+  for (int k = 0; k < samplesOfLook(); ++k) {
+    const double x = -kReachMm + k * step_mm_;
     double sum = 0.0;
     for (int i = 0; i < kStripLines; ++i) {
       const double y = wide_mm * (2.0 * (i + 0.5) / kStripLines - 1.0);

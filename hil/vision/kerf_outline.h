@@ -54,6 +54,7 @@ class KerfOutline {
   };
   [[nodiscard]] Path pathOf(const BeamWay& way) const;
   [[nodiscard]] double shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, const Path& path) const;
+  [[nodiscard]] int samplesOfLook() const;
   [[nodiscard]] double grayAt(double share) const;
   /// Of a profile that falls outwards, blurred: where it crosses half way.
   [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;

@@ -18,9 +18,12 @@ constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;
 constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is six pixels wide
+constexpr float kFoot = 0.5F * static_cast<float>(kTaps);
 constexpr std::size_t kPhases = 64;                // of a sample's step
 
-using Taps = std::array<float, kTaps>;
+constexpr std::size_t kPadded = (kTaps + 3) / 4 * 4;  // whole vectors of the processor
+
+using Taps = std::array<float, kPadded>;
 
 double quinticSpline(double t) {
   const double a = std::abs(t);
@@ -66,6 +69,7 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
   const double along_mm = std::max(window.back_mm, window.ahead_mm);
   // A pixel at the end of the window counts by its share inside: rows of pixels must not come and go at once.
   const double pixel_mm = window_from_pixel.row(0).norm();
+  const double per_pixel = 1.0 / pixel_mm;
   const double back_mm = window.back_mm + 0.5 * pixel_mm;
   const double ahead_mm = window.ahead_mm + 0.5 * pixel_mm;
   const double reach_mm = window.reach_mm + 0.5 * std::abs(bend) * along_mm * along_mm;
@@ -96,7 +100,7 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
         if (rest < kLeastRest) continue;
         n = (n * (2.0 - bend * n) - bend * a * a) / (1.0 + std::sqrt(rest * rest + bend * bend * a * a));
       }
-      const double share = std::min({1.0, (a + back_mm) / pixel_mm, (ahead_mm - a) / pixel_mm});
+      const double share = std::min({1.0, (a + back_mm) * per_pixel, (ahead_mm - a) * per_pixel});
       if (!(share > 0.0)) continue;
       out.push_back({static_cast<float>(n), static_cast<float>(a), factor * static_cast<float>(row[c]),
                      static_cast<float>(share)});
@@ -107,14 +111,14 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
 void spread(Profile& profile, std::size_t count) {
   const std::array<Taps, kPhases>& table = tapTable();
   // Room for the spline's feet at both ends.
-  profile.gray.assign(count + 2 * kTaps, 0.0F);
-  profile.weight.assign(count + 2 * kTaps, 0.0F);
+  profile.gray.assign(count + 2 * kTaps + kPadded - kTaps, 0.0F);
+  profile.weight.assign(count + 2 * kTaps + kPadded - kTaps, 0.0F);
   const auto per_step = static_cast<float>(1.0 / profile.step_mm);
   const auto zero = static_cast<float>(kTaps) - static_cast<float>(profile.first_mm / profile.step_mm);
-  const auto limit = static_cast<float>(count + kTaps + kTaps / 2);
+  const auto limit = static_cast<float>(count + kTaps) + kFoot;
   for (const PixelAcross& pixel : profile.pixels) {
     const float place = pixel.across_mm * per_step + zero;
-    if (!(place >= static_cast<float>(kTaps / 2)) || place >= limit) continue;
+    if (!(place >= kFoot) || place >= limit) continue;
     const int whole = static_cast<int>(place);
     const auto phase = static_cast<std::size_t>((place - static_cast<float>(whole)) * kPhases);
     const Taps& taps = table[std::min(phase, kPhases - 1)];
@@ -122,7 +126,7 @@ void spread(Profile& profile, std::size_t count) {
     float* gray = profile.gray.data() + from;
     float* weight = profile.weight.data() + from;
     const float light = pixel.share * pixel.gray;
-    for (std::size_t i = 0; i < kTaps; ++i) {
+    for (std::size_t i = 0; i < kPadded; ++i) {
       gray[i] += taps[i] * light;
       weight[i] += taps[i] * pixel.share;
     }

@@ -135,6 +135,18 @@ TEST_F(Calibration, AnInheritedFileIsNotOverwritten) {
   EXPECT_THAT(run.output, HasSubstr("give it cameras: {kerf: {calibration: m.kerf.camera.yaml}}"));
 }
 
+TEST_F(Calibration, LintWarnsOfACameraWithoutOneAndReadsThoseThatAre) {
+  const auto run =
+      kerfbench("lint '" + machine("cameras: {kerf: {calibration: none.yaml}}\n").string() + "'");
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("warning: kerf camera: its calibration"));
+  std::string text = textOf(fixture("machines/two-mirror.kerf.camera.yaml"));
+  EXPECT_EQ(kerfbench("lint '" + write("c.yaml", text).string() + "'").exit_code, 0);
+  const auto bad = kerfbench("lint '" + write("c.yaml", text + "more: 1\n").string() + "'");
+  EXPECT_EQ(bad.exit_code, 65);
+  EXPECT_THAT(bad.output, HasSubstr("more: unknown key"));
+}
+
 TEST_F(Calibration, ATargetToPrintComesWithItsDescription) {
   const auto svg = scratch_.path() / "target.svg";
   const auto run = kerfbench(fmt::format("calibrate target --out '{}' --machine '{}' --camera spot",

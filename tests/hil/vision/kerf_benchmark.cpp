@@ -125,24 +125,34 @@ const Placed& placed() {
   return once;
 }
 
-void pathByCalipers(benchmark::State& state) {
+void pathAtPitch(benchmark::State& state, double pitch_mm) {
   const Prepared& p = prepared();
   const Placed& at = placed();
+  KerfScanOptions options = p.cut.options;
+  options.station_pitch_mm = pitch_mm;
   double worst = 0.0;
+  std::size_t calipers = 0;
   for (auto _ : state) {
     const TileIndex index(at.views, p.calibration);
-    const KerfPlan plan = planKerf(p.cut.dieline, p.cut.options);
+    const KerfPlan plan = planKerf(p.cut.dieline, options);
     KerfScan scan;
-    UnitScan(p.calibration, plan, p.cut.options, at.views, index, 0, at.X_TS).cuts(scan);
+    UnitScan(p.calibration, plan, options, at.views, index, 0, at.X_TS).cuts(scan);
     worst = 0.0;
+    calipers = 0;
     for (const EntityKerf& kerf : scan.entities) {
+      calipers += kerf.calipers.size();
       for (const Caliper& c : kerf.calipers) {
         if (c.found && !c.near_joint) worst = std::max(worst, std::abs(c.offset_mm));
       }
     }
   }
   state.counters["worst_um"] = 1e3 * worst;
+  state.counters["calipers"] = static_cast<double>(calipers);
 }
+
+void pathByCalipers(benchmark::State& state) { pathAtPitch(state, 0.25); }
+/// As `kerfbench run` asks for.
+void pathByCalipersDense(benchmark::State& state) { pathAtPitch(state, 0.1); }
 
 /// Distance of every kerf pixel from the drawn dieline; half a kerf more than the path's deviation, in whole
 /// pixels, blind to what was not cut.
@@ -185,6 +195,7 @@ void pathByDistanceTransform(benchmark::State& state) {
 
 BENCHMARK(measureSheet)->Unit(benchmark::kMillisecond)->Iterations(3);
 BENCHMARK(pathByCalipers)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(pathByCalipersDense)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(pathByDistanceTransform)->Unit(benchmark::kMillisecond)->Iterations(5);
 
 }  // namespace

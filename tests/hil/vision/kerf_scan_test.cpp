@@ -13,146 +13,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/hil/vision/synthetic.h"
+#include "tests/hil/vision/kerf_workpiece.h"
 
 namespace kerfbench::hil {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPitchMm = 0.03;
-constexpr double kBoard = 28.0;
-constexpr double kOpen = 235.0;
-constexpr double kCrease = 81.0;
-constexpr double kInk = 5.0;
-constexpr double kLensPx = 0.7;
-constexpr double kWidthMm = 0.21;
-
-Curve line(const Vector2d& a, const Vector2d& b) { return LineCurve{a, b}; }
-Curve arc(const Vector2d& c, double r, double start, double sweep) { return ArcCurve{c, r, start, sweep}; }
-
-/// A unit with lines in many directions, arcs, a circle and a crease; 40 x 26 mm.
-Dieline manyDirections() {
-  Dieline dieline;
-  const auto add = [&](Curve curve, Process process = Process::kCut) {
-    dieline.entities.push_back(
-        {static_cast<int>(dieline.entities.size()), std::move(curve), process, "", ""});
-  };
-  add(line({6.0, 5.0}, {16.0, 5.0}));                        // E0
-  add(line({18.0, 4.0}, {18.0, 12.0}));                      // E1
-  add(line({21.0, 4.0}, {29.0, 9.3}));                       // E2
-  add(line({6.0, 7.0}, {15.0, 11.7}));                       // E3
-  add(arc({10.0, 18.0}, 3.5, 0.3, 5.0));                     // E4
-  add(arc({20.0, 18.0}, 4.0, 0.0, 2.0 * 3.14159265358979));  // E5, a circle
-  add(line({27.0, 12.0}, {34.0, 16.0}), Process::kCrease);   // E6
-  add(line({27.0, 20.0}, {33.0, 20.0}));                     // E7 with E8 a corner
-  add(line({33.0, 20.0}, {33.0, 23.0}));                     // E8
-  add(line({30.0, 4.0}, {34.0, 4.0}));                       // E9 and E10 run on into each other
-  add(line({34.0, 4.0}, {38.0, 4.0}));                       // E10
-  add(line({36.0, 10.0}, {36.0, 20.0}));                     // E11, E12 neighbours at 0.4 mm
-  add(line({36.4, 10.0}, {36.4, 20.0}));                     // E12
-  add(line({1.0, 1.0}, {2.0, 1.0}), Process::kIgnore);       // E13
-  return dieline;
-}
-
-PrintLayout marksAtCorners(int units = 1) {
-  PrintLayout print;
-  print.units = units;
-  print.pitch_mm = 60.0;
-  print.marks = {{{2.5, 22.0}, 3.0}, {{2.5, 4.5}, 3.0}, {{39.0, 24.0}, 3.0}, {{39.5, 6.5}, 3.0}};
-  return print;
-}
-
-/// What was really cut: by entity, its kerf's shift along the left normal.
-struct Truth {
-  double offset_mm{};
-  double width_mm{kWidthMm};
-  double gray{kOpen};
-  bool cut{true};
-  double gap_begin_mm{1e9};  ///< Arc length where the cut is missing.
-  double gap_end_mm{-1e9};
-};
-
-struct Workpiece {
-  CameraCalibration camera = test::tiltedCamera(900, 700, kPitchMm);
-  PrintLayout print = marksAtCorners();
-  Dieline dieline = manyDirections();
-  std::map<int, Truth> truth;
-  std::vector<Curve> extra;  ///< Cut, though not in the dieline.
-  Vector2d shift_mm{0.83, -0.61};
-  double angle_rad{0.5 * 3.14159265358979 / 180.0};
-  KerfScanOptions options;
-
-  [[nodiscard]] Vector2d tableFromSheet(const Vector2d& p) const {
-    return shift_mm + Vector2d(std::cos(angle_rad) * p.x() - std::sin(angle_rad) * p.y(),
-                               std::sin(angle_rad) * p.x() + std::cos(angle_rad) * p.y());
-  }
-  [[nodiscard]] Vector2d sheetFromTable(const Vector2d& q) const {
-    const Vector2d d = q - shift_mm;
-    return {std::cos(angle_rad) * d.x() + std::sin(angle_rad) * d.y(),
-            -std::sin(angle_rad) * d.x() + std::cos(angle_rad) * d.y()};
-  }
-
-  void drawKerf(test::Canvas& canvas, const Vector2d& p_TV, const Curve& curve, const Truth& t) const {
-    // Short boxes along the curve keep the supersampling near it.
-    const std::vector<double> us = stations(curve, 0.8);
-    const double length = lengthOf(curve);
-    for (std::size_t i = 0; i + 1 < us.size(); ++i) {
-      Eigen::AlignedBox2d box;
-      for (const double u : {us[i], 0.5 * (us[i] + us[i + 1]), us[i + 1]}) {
-        box.extend(tableFromSheet(pointAt(curve, u)) - p_TV);
-      }
-      const double margin = std::abs(t.offset_mm) + t.width_mm + 0.1;
-      box = Eigen::AlignedBox2d(box.min().array() - margin, box.max().array() + margin);
-      const Eigen::AlignedBox2d view(Vector2d(-14.5, -11.5), Vector2d(14.5, 11.5));
-      if (!view.intersects(box)) continue;
-      const bool first = i == 0;
-      const bool last = i + 2 == us.size();
-      canvas.shape(box, t.gray, [&](const Vector2d& p_V) {
-        const Vector2d p_S = sheetFromTable(p_TV + p_V);
-        const Nearest nearest = nearestOn(curve, p_S);
-        if (nearest.u < us[i] - (first ? 1.0 : 0.0) || nearest.u > us[i + 1] + (last ? 1.0 : 0.0))
-          return false;
-        const double s = nearest.u * length;
-        if (s > t.gap_begin_mm && s < t.gap_end_mm) return false;
-        const Vector2d tangent = tangentAt(curve, nearest.u);
-        const Vector2d d = p_S - pointAt(curve, nearest.u);
-        const double across = tangent.x() * d.y() - tangent.y() * d.x() - t.offset_mm;
-        const double along = std::max(0.0, std::abs(d.dot(tangent)));
-        return std::hypot(across, along) < 0.5 * t.width_mm;
-      });
-    }
-  }
-
-  [[nodiscard]] std::vector<KerfTile> tiles(int unit = 0) const {
-    std::vector<KerfTile> out;
-    for (const double y : {8.0, 20.0}) {
-      for (const double x : {11.0, 31.0}) {
-        const Vector2d p_TV(x, y);
-        test::Canvas canvas(camera, kBoard);
-        for (const RegistrationMark& mark : print.marks) {
-          const Vector2d p_V = tableFromSheet(mark.p_SM_mm) - p_TV;
-          if (camera.pixelIfSeen(p_V, -60.0)) canvas.disc(p_V, mark.diameter_mm, kInk);
-        }
-        for (const Entity& entity : dieline.entities) {
-          if (entity.process == Process::kIgnore) continue;
-          Truth t;
-          if (entity.process == Process::kCrease) t.gray = kCrease;
-          if (const auto told = truth.find(entity.id); told != truth.end()) t = told->second;
-          if (t.cut) drawKerf(canvas, p_TV, entity.curve, t);
-        }
-        for (const Curve& curve : extra) drawKerf(canvas, p_TV, curve, Truth{});
-        canvas.blur(kLensPx);
-        out.push_back({canvas.expose(11, out.size()), p_TV, unit});
-      }
-    }
-    return out;
-  }
-  [[nodiscard]] KerfScan scan(std::vector<KerfTile> some) const {
-    test::ReadyTiles source(std::move(some));
-    return scanKerf(source, camera, print, dieline, options);
-  }
-};
+using test::kBoard;
+using test::kCrease;
+using test::kOpen;
+using test::kWidthMm;
+using test::line;
+using test::Truth;
+using test::Workpiece;
 
 const EntityKerf& entityOf(const KerfScan& scan, int id, int unit = 0) {
   return *std::find_if(scan.entities.begin(), scan.entities.end(),
@@ -269,6 +143,19 @@ TEST_F(KerfScanTest, JointsAreCornersButNeitherNeighboursNorContinuations) {
   }
 }
 
+TEST_F(KerfScanTest, EndsOfARoundToolAreMeasured) {
+  int seen = 0;
+  for (const LineEnd& end : scan_->ends) {
+    std::printf("  E%d %s: gap %.2f +- %.2f um\n", end.entity, end.at_start ? "start" : "end",
+                1e3 * end.gap_mm, 1e3 * end.sigma_mm);
+    EXPECT_TRUE(end.found);
+    EXPECT_NEAR(end.gap_mm, 0.0, 3.0 * end.sigma_mm);
+    ++seen;
+  }
+  // E0 ... E4, E6 both ends, the circle E5 once, E7 and E8, E9 and E10 one each.
+  EXPECT_EQ(seen, 17);
+}
+
 TEST_F(KerfScanTest, AStrayIsFoundOnceAndDustIsNot) {
   ASSERT_EQ(scan_->strays.size(), 1U);
   EXPECT_LT((scan_->strays[0].p_S_mm - Vector2d(24.1, 22.75)).norm(), 0.1);
@@ -313,6 +200,7 @@ TEST_F(KerfScanTest, IsTheSameAtAnyNumberOfThreads) {
       EXPECT_EQ(a.found, b.found);
       if (a.found && b.found) {
         EXPECT_EQ(a.offset_mm, b.offset_mm);
+        EXPECT_EQ(a.sigma_mm, b.sigma_mm);
       }
     }
   }
