@@ -64,15 +64,15 @@ void PartFlow::findKinks() {
     }
     piece += 2;
   }
+  kink_pieces_.assign(kinks_.size(), 0);
 }
 
 std::uint64_t PartFlow::regimeAt(const double* x, const double* u) {
   if (kinks_.empty()) return 0;
-  std::array<ForceLaw::Piece, kMostDigits> pieces{};
-  kinked_.observe(x, u, pieces.data());
+  kinked_.observe(x, u, kink_pieces_.data());
   std::uint64_t key = 0;
-  for (std::size_t i = 0; i < kinks_.size(); ++i) {
-    key = kPieces * key + static_cast<std::uint64_t>(pieces.at(i) + 2);
+  for (const ForceLaw::Piece piece : kink_pieces_) {
+    key = kPieces * key + static_cast<std::uint64_t>(piece + 2);
   }
   return key;
 }
@@ -179,8 +179,8 @@ void PartFlow::addFields(const LinearFlow& flow, double step_s) {
 void PartFlow::step(std::span<const DriveCommand> commands) {
   for (std::size_t i = 0; i < u_to_.size(); ++i) {
     const DriveCommand& command = commands[part_.drives[i]];
-    u_from_[i] = command.begin;
-    u_to_[i] = command.end;
+    u_from_[i] = u_begin_[i] = command.begin;
+    u_to_[i] = u_end_[i] = command.end;
   }
   advance({0.0, 0});
 }
@@ -192,8 +192,10 @@ void PartFlow::commandsAt(double share, std::vector<double>& u) const {
 }
 
 void PartFlow::advance(const Stretch& stretch) {
-  commandsAt(stretch.from, u_begin_);
-  commandsAt(stretch.from + stretch.share(), u_end_);
+  if (stretch.halvings > 0) {
+    commandsAt(stretch.from, u_begin_);
+    commandsAt(stretch.from + stretch.share(), u_end_);
+  }
   const std::uint64_t before = regimeNow();
   if (propagate(stretch, before)) {
     const std::uint64_t after = regimeAt(next_.data(), u_end_.data());
@@ -224,7 +226,7 @@ bool PartFlow::propagate(const Stretch& stretch, std::uint64_t key) {
   for (std::size_t i = 0; i < u_end_.size(); ++i) {
     if (u_end_[i] != u_begin_[i]) flow->addRamp(1 + i, u_end_[i] - u_begin_[i], next_.data());
   }
-  if (!teeth_.empty()) addFields(*flow, std::ldexp(step_s_, -stretch.halvings));
+  if (!teeth_.empty()) addFields(*flow, step_s_ * stretch.share());
   return true;
 }
 
@@ -243,7 +245,7 @@ void PartFlow::rate(const double* x, const double* u, double* rate) {
 }
 
 void PartFlow::rungeKutta(const Stretch& stretch) {
-  const double h = std::ldexp(step_s_, -stretch.halvings);
+  const double h = step_s_ * stretch.share();
   const auto stage = [&](const std::vector<double>& from_rate, double by_s) {
     for (std::size_t i = 0; i < states_; ++i) stage_[i] = state_[i] + by_s * from_rate[i];
   };

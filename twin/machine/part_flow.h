@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -54,7 +53,7 @@ class PartFlow {
   struct Stretch {
     double from{};
     int halvings{};
-    [[nodiscard]] double share() const { return std::ldexp(1.0, -halvings); }
+    [[nodiscard]] double share() const { return 1.0 / static_cast<double>(1U << halvings); }
   };
 
   void findKinks();
@@ -91,7 +90,7 @@ class PartFlow {
   std::uint64_t key_{};                  ///< Regime of the state with commands u_key_.
   std::vector<double> u_key_;
   std::vector<Field> teeth_;
-  std::vector<ForceLaw::Piece> pieces_;
+  std::vector<ForceLaw::Piece> pieces_, kink_pieces_;  ///< Of all elements, of those with kinks; scratch.
   std::vector<std::unique_ptr<Regime>> regimes_;
   Regime* last_{nullptr};
   std::uint64_t halved_{0};
