@@ -19,7 +19,8 @@ struct SheetPose {
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
   int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
-  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad².
+  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad². With one mark the angle is as
+  /// uncertain as it was when last measured, and errs alike in all frames since. Without map_u_mm.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
