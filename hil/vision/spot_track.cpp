@@ -27,18 +27,20 @@ struct Glance {
   std::optional<SpotFit> spot;
   double board_gray{};
   double noise_gray{};
+  PixelNoise noise;
   bool searched{};
   std::vector<FoundMark> marks;
 };
 
 Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
-                std::span<const double> diameters_mm, bool search) {
+                std::span<const double> diameters_mm, const ShotNoise& shot, bool search) {
   Glance glance;
   const Background background(frame.image);
   glance.board_gray = background.median();
   glance.noise_gray = background.noise();
+  glance.noise = shot.on(glance.board_gray, glance.noise_gray);
   for (const BrightPeak& peak : findBrightPeaks(frame.image, background, kCandidates)) {
-    glance.spot = fitSpot(frame.image, peak, background.at(peak.column, peak.row), background.noise());
+    glance.spot = fitSpot(frame.image, peak, background.at(peak.column, peak.row), glance.noise);
     if (glance.spot) break;
   }
   if (search) {
@@ -74,12 +76,12 @@ std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance
     if (discs.empty()) return std::nullopt;
     const BrightPeak peak{static_cast<int>(glance.spot->pixel.x()), static_cast<int>(glance.spot->pixel.y()),
                           static_cast<int>(std::min(255.0, glance.spot->height_gray))};
-    return fitSpot(image, peak, glance.board_gray, glance.noise_gray, discs);
+    return fitSpot(image, peak, glance.board_gray, glance.noise, discs);
   }
   for (const DiscInPicture& disc : tracker.discs(std::nullopt, 0.0)) {
     const std::optional<BrightPeak> peak = peakOnDisc(image, disc, glance.board_gray, glance.noise_gray);
     if (!peak) continue;
-    if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise_gray, {&disc, 1})) return fit;
+    if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise, {&disc, 1})) return fit;
   }
   return std::nullopt;
 }
@@ -97,6 +99,7 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
       diameters_mm.push_back(mark.diameter_mm);
     }
   }
+  ShotNoise shot;  // Of the batches before: the same at any number of threads.
   std::size_t stride = 0;
   std::size_t done = 0;
   for (;;) {
@@ -114,7 +117,7 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
 
     std::vector<Glance> glances(batch.size());
     forEachIndex(batch.size(), options.threads, [&](std::size_t i) {
-      glances[i] = glanceAt(batch[i], calibration, diameters_mm, (done + i) % stride == 0);
+      glances[i] = glanceAt(batch[i], calibration, diameters_mm, shot, (done + i) % stride == 0);
     });
 
     // In order, and cheap: the marks are where the frame before says.
@@ -139,6 +142,9 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
         placeSpot(out, *better, calibration);
       }
       track.frames.push_back(std::move(out));
+    }
+    for (const Glance& glance : glances) {
+      if (glance.spot) shot.add(glance.spot->shot);
     }
     done += batch.size();
   }
