@@ -35,11 +35,12 @@ struct Glance {
 Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
                 std::span<const double> diameters_mm, const ShotNoise& shot, bool search) {
   Glance glance;
-  const Background background(frame.image);
+  const BrightnessScan scan = scanBrightness(frame.image, kCandidates);
+  const Background& background = scan.background;
   glance.board_gray = background.median();
   glance.noise_gray = background.noise();
   glance.noise = shot.on(glance.board_gray, glance.noise_gray);
-  for (const BrightPeak& peak : findBrightPeaks(frame.image, background, kCandidates)) {
+  for (const BrightPeak& peak : scan.peaks) {
     glance.spot = fitSpot(frame.image, peak, background.at(peak.column, peak.row), glance.noise);
     if (glance.spot) break;
   }

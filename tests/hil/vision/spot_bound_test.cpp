@@ -167,7 +167,7 @@ void expectAtBound(const Case& one) {
 // misses 1.1 by chance, nor an honest sigma 0.9 ... 1.1.
 TEST(SpotBound, AtRest) {
   expectAtBound({"at rest", 110.0});
-  expectAtBound({"weak", 32.0});
+  expectAtBound({"weak", 28.0});
   expectAtBound({"strong", 140.0});
 }
 TEST(SpotBound, AnyDepth) {
