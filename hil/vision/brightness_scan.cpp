@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <numeric>
 #include <vector>
 
 // The same loops for processors with wider registers, chosen when the program starts: whole numbers, so the
@@ -272,6 +273,9 @@ Background::Background(const GrayImage& image, const std::function<void(int, int
   const std::array<int, 256> all = samples.all();
   const std::array<int, 256> steps = samples.steps();
   median_ = quantile(all, 0.5);
+  const int total = std::max(1, std::accumulate(all.begin(), all.end(), 0));
+  saturated_share_ = static_cast<double>(all[254] + all[255]) / total;
+  lifeless_ = std::accumulate(steps.begin() + 1, steps.end(), 0) * 1000LL < total;
 
   // Edges of marks and kerfs make a few big steps: leave them out.
   const int typical = std::max(1, quantile(steps, 0.5));

@@ -31,6 +31,10 @@ class Background {
   [[nodiscard]] int median() const { return median_; }
   /// Standard deviation of one pixel of plain board.
   [[nodiscard]] double noise() const { return noise_; }
+  /// Share of the picture at the top of the scale.
+  [[nodiscard]] double saturatedShare() const { return saturated_share_; }
+  /// No two neighbours differ anywhere: not the picture of a sensor.
+  [[nodiscard]] bool lifeless() const { return lifeless_; }
 
  private:
   int columns_{};
@@ -38,6 +42,8 @@ class Background {
   std::vector<int> level_;
   int median_{};
   double noise_{};
+  double saturated_share_{};
+  bool lifeless_{};
 };
 
 /// A place that stands out of the board.

@@ -144,11 +144,15 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     const double search_mm = looseness(unit, time_s);
     std::vector<MarkPair> pairs;
     std::vector<double> diameters_mm;
+    int in_view = 0;
     for (const RegistrationMark& mark : print_.marks) {
       const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
       if (!markInView(p_mm, mark.diameter_mm)) continue;
       const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
       std::optional<FoundMark> found;
+      // Where it should be found for certain: not so near to the border that the prediction decides.
+      const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
+      in_view += !covered && certain ? 1 : 0;
       if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
       if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
       pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
@@ -165,7 +169,9 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     // mm.
     angle_known_ = angle_known_ || fit.pairs > 1 || print_.marks.size() == 1;
     if (!angle_known_) continue;
-    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, fit.covariance});
+    const auto moved = static_cast<int>(pairs.size()) - fit.pairs;
+    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, in_view, moved,
+                     fit.covariance});
   }
 
   // The belt's speed from units seen in the frame before, too.
