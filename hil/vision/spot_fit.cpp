@@ -133,6 +133,8 @@ class SpotProblem {
     });
   }
   [[nodiscard]] Sums sums(SpotShape shape, const Vector& q);
+  [[nodiscard]] std::vector<SpotFit::Influence> influences(SpotShape shape, const Vector& q,
+                                                           const Matrix& inverse);
   [[nodiscard]] ShotEvidence shot(SpotShape shape, const Vector& q, const Matrix& inverse);
 
  private:
@@ -228,6 +230,19 @@ ShotEvidence SpotProblem::shot(SpotShape shape, const Vector& q, const Matrix& i
   return evidence;
 }
 
+std::vector<SpotFit::Influence> SpotProblem::influences(SpotShape shape, const Vector& q,
+                                                        const Matrix& inverse) {
+  std::vector<SpotFit::Influence> all;
+  Vector j;
+  forEach([&](const Pixel& pixel, int c, int r) {
+    if (!pixel.used) return;
+    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+    if (light.bell < 1e-3 || light.value > 255.0) return;
+    all.push_back({c, r, pixel.weight * (inverse.topRows<2>() * j), light.value - noise_.board_gray});
+  });
+  return all;
+}
+
 struct Solution {
   SpotShape shape;
   Vector q;
@@ -301,6 +316,7 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
   normal.diagonal().array() += 1e-12;
   const Matrix inverse = normal.ldlt().solve(Matrix::Identity());
   fit.covariance_px2 = inverse.topLeftCorner<2, 2>();
+  fit.influences = problem.influences(found.shape, found.q, inverse);
   fit.shot = problem.shot(found.shape, found.q, inverse);
   const double height_sigma = std::sqrt(inverse(5, 5)) * fit.height_gray / found.q[5];
 

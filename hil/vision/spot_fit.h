@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -29,6 +30,13 @@ struct SpotFit {
   double short_sigma_px{};
   double height_gray{};  ///< Of its brightest place above the board; more than 255 for a saturated spot.
   ShotEvidence shot;
+  /// How the centre follows the grey of a pixel of the spot.
+  struct Influence {
+    int column{}, row{};
+    Eigen::Vector2d by_gray{Eigen::Vector2d::Zero()};  ///< px / grey
+    double brighter_gray{};                            ///< Than the board.
+  };
+  std::vector<Influence> influences;
 };
 
 /// Fits the spot at a peak: centre, shape, height, board, and the contrast of the discs given, by least

@@ -13,6 +13,7 @@
 #include "hil/vision/mark_finder.h"
 #include "hil/vision/sheet_tracker.h"
 #include "hil/vision/spot_fit.h"
+#include "hil/vision/spot_grain.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -142,6 +143,7 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
     }
   }
   ShotNoise shot;  // Of the batches before: the same at any number of threads.
+  BoardGrain grain;
   std::size_t stride = 0;
   std::size_t done = 0;
   for (;;) {
@@ -177,11 +179,15 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
       }
       std::optional<SheetTracker::KeepOut> keep_out;
       if (glance.spot) {
-        placeSpot(out, *glance.spot, calibration, options.widest_spot_mm);
+        grain.add(frame.image, *glance.spot, glance.board_gray);
+        SpotFit fit = *glance.spot;
+        fit.covariance_px2 = grain.centreCovariance(fit, glance.noise);
+        placeSpot(out, fit, calibration, options.widest_spot_mm);
         keep_out = {*out.spot_W_mm, (4.0 * glance.spot->long_sigma_px + 2.0) * pitch_mm};
       }
       out.sheet = tracker.step(frame.image, out.mid_s, keep_out, glance.searched ? &glance.marks : nullptr);
-      if (const auto better = fitWithPrint(frame.image, glance, tracker, calibration, pitch_mm)) {
+      if (auto better = fitWithPrint(frame.image, glance, tracker, calibration, pitch_mm)) {
+        better->covariance_px2 = grain.centreCovariance(*better, glance.noise);
         placeSpot(out, *better, calibration, options.widest_spot_mm);
       }
       track.frames.push_back(std::move(out));

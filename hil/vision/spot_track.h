@@ -41,7 +41,9 @@ struct FrameMeasurement {
   std::uint64_t sequence{};
   double mid_s{};                            ///< Middle of the exposure.
   std::optional<Eigen::Vector2d> spot_W_mm;  ///< Centre of the glowing spot; absent when the laser was dark.
-  double spot_sigma_mm{};        ///< Estimated standard uncertainty per axis; noise only, without map_u_mm.
+  /// Estimated standard uncertainty per axis, mm: noise and the grain of the board, but neither what the
+  /// board multiplies the glow by nor map_u_mm.
+  double spot_sigma_mm{};
   std::vector<SheetPose> sheet;  ///< One pose for each unit with marks in view.
   FrameFaults faults{};
 };

@@ -48,6 +48,7 @@ double bound(const twin::CameraDescription& camera, const PrintLayout& print, co
   clean.read_noise = 0.0;
   clean.full_well_electrons = std::numeric_limits<double>::infinity();
   clean.bits = 12;
+  clean.texture = {};
   const auto picture = [&](const Light& light) {
     clean.board_gray = light.board_gray;
     return twin::SpotCamera(clean, print, test::kGlowGrayPerW, 1).render(exposureOf(light, 0)).image;
@@ -189,6 +190,20 @@ TEST(SpotBound, Streaked) {
   expectAtBound({"streak x", 300.0, {0.5, 0.0}});
   expectAtBound({"streak aslant", 300.0, {-0.4, 0.4}});
   expectAtBound({"long streak", 500.0, {0.9, 0.3}});
+}
+
+// The board is another in each run, and the spot lies on another place of it in each frame.
+TEST(SpotSigma, CountsTheGrainOfTheBoard) {
+  for (const double grain_gray : {1.0, 2.0, 3.0}) {
+    const Result r = measured({"grain", 110.0, {0, 0}, [&](twin::CameraDescription& c) {
+                                 c.texture = {.grain_gray = grain_gray};
+                               }});
+    std::printf(
+        "  grain of %.0f: rms %.3f um, without grain the bound is %.3f um; told %.3f um, ratio %.3f\n",
+        grain_gray, 1e3 * r.rms_mm, 1e3 * r.bound_mm, 1e3 * r.told_mm, r.told_mm / r.rms_mm);
+    EXPECT_GT(r.told_mm, 0.9 * r.rms_mm);
+    EXPECT_LT(r.told_mm, 1.1 * r.rms_mm);
+  }
 }
 TEST(SpotBound, BesideADisc) {
   expectAtBound({"beside a disc", 110.0, {0, 0}, [](auto&) {}, true});
