@@ -70,7 +70,7 @@ bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distanc
 }  // namespace
 
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit) {
-  std::vector<std::string> problems;
+  std::vector<std::string> problems = evidence.spot.problems;
   if (evidence.spot.frames.empty()) problems.emplace_back("The spot camera gave no frame.");
   if (evidence.spot.frames_lost > 0) {
     problems.push_back(fmt::format("The spot camera lost {} frames.", evidence.spot.frames_lost));

@@ -6,13 +6,25 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <span>
+#include <numeric>
+#include <vector>
+
+// The same loops for processors with wider registers, chosen when the program starts: whole numbers, so the
+// result is the same.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define KERFBENCH_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define KERFBENCH_WIDE
+#endif
 
 namespace kerfbench::hil {
 namespace {
 
 constexpr int kCell = Background::kCellPx;
 constexpr int kSampleStride = 16;
+constexpr int kFetchRows = 4;
+constexpr std::size_t kCacheLine = 64;
 
 template <std::size_t Bins>
 int quantile(const std::array<int, Bins>& histogram, double share) {
@@ -26,15 +38,29 @@ int quantile(const std::array<int, Bins>& histogram, double share) {
   return static_cast<int>(Bins) - 1;
 }
 
-/// Means of 2 x 2 pixels, maximum per column: two averaging instructions per 16 pixels.
-void foldRows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* highest,
-              std::size_t count) {
+std::uint8_t meanOf(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>((a + b + 1) >> 1); }
+
+KERFBENCH_WIDE void rowMeans(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* out,
+                             std::size_t count) {
+  for (std::size_t c = 0; c < count; ++c) out[c] = meanOf(upper[c], lower[c]);
+}
+
+/// Means of 2 x 2 from means of rows, then of 2 x 4 with the pair of rows before, and their maximum per
+/// column. One averaging instruction per 16 pixels and line of this.
+KERFBENCH_WIDE void foldPair(const std::uint8_t* rows, std::uint8_t* before, std::uint8_t* highest,
+                             std::size_t count) {
   for (std::size_t c = 0; c < count; ++c) {
-    const auto left = static_cast<std::uint8_t>((upper[c] + lower[c] + 1) >> 1);
-    const auto right = static_cast<std::uint8_t>((upper[c + 1] + lower[c + 1] + 1) >> 1);
-    const auto mean = static_cast<std::uint8_t>((left + right + 1) >> 1);
-    highest[c] = std::max(highest[c], mean);
+    const std::uint8_t mean = meanOf(rows[c], rows[c + 1]);
+    const std::uint8_t both = meanOf(mean, before[c]);
+    before[c] = mean;
+    highest[c] = std::max(highest[c], both);
   }
+}
+
+KERFBENCH_WIDE std::uint8_t highestOf(const std::uint8_t* values, int count) {
+  std::uint8_t best = 0;
+  for (int i = 0; i < count; ++i) best = std::max(best, values[i]);
+  return best;
 }
 
 int mean2x2(const GrayImage& image, int c, int r) {
@@ -43,36 +69,213 @@ int mean2x2(const GrayImage& image, int c, int r) {
   return (left + right + 1) >> 1;
 }
 
-}  // namespace
-
-Background::Background(const GrayImage& image)
-    : columns_((image.width + kCell - 1) / kCell), rows_((image.height + kCell - 1) / kCell) {
-  const auto cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  std::vector<int> own(cells, 0);
-  std::array<int, 256> steps{};
-  std::array<int, 256> all{};
-  std::vector<std::uint8_t> samples;
-  for (int j = 0; j < rows_; ++j) {
-    for (int i = 0; i < columns_; ++i) {
-      samples.clear();
-      const int bottom = std::min(image.height, (j + 1) * kCell);
-      const int right = std::min(image.width, (i + 1) * kCell);
-      for (int r = j * kCell + (bottom - j * kCell > kSampleStride ? kSampleStride / 2 : 0); r < bottom;
-           r += kSampleStride) {
-        for (int c = i * kCell; c < right; c += kSampleStride) {
-          const std::uint8_t value = image.at(c, r);
-          samples.push_back(value);
-          ++all[value];
-          if (c + 1 < image.width) ++steps[static_cast<std::size_t>(std::abs(value - image.at(c + 1, r)))];
-        }
+/// Sorts each column of a table by itself: neighbours are swapped in turn, whole rows at once, without a
+/// branch.
+KERFBENCH_WIDE void sortColumns(std::uint8_t* table, std::size_t rows, std::size_t columns) {
+  for (std::size_t round = 0; round < rows; ++round) {
+    for (std::size_t k = round % 2; k + 1 < rows; k += 2) {
+      std::uint8_t* const low = table + k * columns;
+      std::uint8_t* const high = low + columns;
+      for (std::size_t c = 0; c < columns; ++c) {
+        const std::uint8_t least = std::min(low[c], high[c]);
+        high[c] = std::max(low[c], high[c]);
+        low[c] = least;
       }
-      const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-      std::nth_element(samples.begin(), middle, samples.end());
-      own[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i)] =
-          *middle;
     }
   }
+}
+
+std::uint8_t medianOf(std::vector<std::uint8_t> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of a row of a table: whole registers.
+std::size_t strideFor(std::size_t columns) { return (columns + 31) / 32 * 32; }
+
+constexpr std::size_t kPerSide = kCell / kSampleStride;
+constexpr std::size_t kPerCell = kPerSide * kPerSide;
+
+/// Samples of the picture: of its cells, of all, and steps between neighbours. Four histograms of each, as
+/// counting twice in one place takes long.
+class Samples {
+ public:
+  explicit Samples(const GrayImage& image)
+      : image_(image),
+        columns_(static_cast<std::size_t>((image.width + kCell - 1) / kCell)),
+        stride_(strideFor(columns_)) {}
+
+  /// Medians of the cells of a band.
+  void addBand(int top, int bottom, std::vector<std::uint8_t>& medians) {
+    table_.resize(kPerCell * stride_);
+    std::size_t rows = 0;
+    for (int r = top + (bottom - top > kSampleStride ? kSampleStride / 2 : 0); r < bottom; r += kSampleStride)
+      addRow(r, rows++);
+    // The last cell of a band, or those of the last band, may have fewer.
+    const std::size_t full = rows == kPerSide ? static_cast<std::size_t>(image_.width / kCell) : 0;
+    const std::size_t begin = medians.size();
+    medians.resize(begin + columns_);
+    for (std::size_t i = full; i < columns_; ++i) {
+      const std::vector<std::uint8_t> values = partOf(i, rows);
+      // Of a sliver of a cell, all may lie under a spot: its neighbour knows better.
+      const bool sliver = values.size() < 4;
+      if (sliver && i > 0 && rows > 1) {
+        medians[begin + i] = medians[begin + i - 1];
+      } else if (sliver && begin > 0) {
+        medians[begin + i] = medians[begin + i - columns_];
+      } else {
+        medians[begin + i] = medianOf(values);
+      }
+    }
+    sortColumns(table_.data(), kPerCell, stride_);
+    std::copy_n(table_.begin() + static_cast<std::ptrdiff_t>(kPerCell / 2 * stride_), full,
+                medians.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+  [[nodiscard]] std::array<int, 256> all() const { return sumOf(all_); }
+  [[nodiscard]] std::array<int, 256> steps() const { return sumOf(steps_); }
+
+ private:
+  using Histograms = std::array<std::array<int, 256>, kPerSide>;
+
+  void addRow(int r, std::size_t row) {
+    const std::uint8_t* const line =
+        image_.pixels.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(image_.width);
+    for (int c = 0; c < image_.width; c += kSampleStride) {
+      const auto place = static_cast<std::size_t>(c / kSampleStride);
+      const std::size_t lane = place % kPerSide;
+      table_[(row * kPerSide + lane) * stride_ + place / kPerSide] = line[c];
+      ++all_[lane][line[c]];
+      if (c + 1 < image_.width) ++steps_[lane][static_cast<std::size_t>(std::abs(line[c] - line[c + 1]))];
+    }
+  }
+  [[nodiscard]] std::vector<std::uint8_t> partOf(std::size_t cell, std::size_t rows) const {
+    std::vector<std::uint8_t> values;
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t lane = 0; lane < kPerSide; ++lane) {
+        if (static_cast<int>(cell * kPerSide + lane) * kSampleStride < image_.width)
+          values.push_back(table_[(row * kPerSide + lane) * stride_ + cell]);
+      }
+    }
+    return values;
+  }
+  static std::array<int, 256> sumOf(const Histograms& lanes) {
+    std::array<int, 256> sum{};
+    for (const auto& lane : lanes) {
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += lane[i];
+    }
+    return sum;
+  }
+
+  const GrayImage& image_;
+  std::size_t columns_;
+  std::size_t stride_;
+  std::vector<std::uint8_t> table_;
+  Histograms all_{};
+  Histograms steps_{};
+};
+
+/// At least the median of the cells around each cell.
+std::vector<int> filledIn(const std::vector<std::uint8_t>& own, int columns, int rows) {
+  std::vector<int> level(own.begin(), own.end());
+  const auto width = static_cast<std::size_t>(columns);
+  const std::size_t stride = strideFor(width);
+  std::vector<std::uint8_t> table(9 * stride);
+  for (int j = 0; j < rows; ++j) {
+    const auto row = static_cast<std::size_t>(j) * width;
+    for (int i = 0; i<columns; i += columns> 1 && j > 0 && j + 1 < rows ? columns - 1 : 1) {
+      std::vector<std::uint8_t> around;
+      for (int y = std::max(0, j - 1); y <= std::min(rows - 1, j + 1); ++y) {
+        for (int x = std::max(0, i - 1); x <= std::min(columns - 1, i + 1); ++x)
+          around.push_back(own[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)]);
+      }
+      int& here = level[row + static_cast<std::size_t>(i)];
+      here = std::max(here, static_cast<int>(medianOf(around)));
+    }
+    if (j == 0 || j + 1 == rows || columns < 3) continue;
+    for (std::size_t k = 0; k < 9; ++k) {
+      const std::size_t from = row - width + k / 3 * width + k % 3;
+      std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(from), width - 2,
+                  table.begin() + static_cast<std::ptrdiff_t>(k * stride));
+    }
+    sortColumns(table.data(), 9, stride);
+    for (std::size_t i = 1; i + 1 < width; ++i)
+      level[row + i] = std::max(level[row + i], static_cast<int>(table[4 * stride + i - 1]));
+  }
+  return level;
+}
+
+/// The brightest mean of 2 x 4 pixels of each cell.
+class CellMaxima {
+ public:
+  explicit CellMaxima(const GrayImage& image)
+      : image_(image), width_(static_cast<std::size_t>(image.width)), rows_(width_), before_(width_) {}
+
+  void addBand(int top, int bottom) {
+    std::vector<std::uint8_t> highest(width_, 0);
+    for (int r = top; r < bottom; r += 2) addPair(r, highest);
+    for (int left = 0; left < image_.width; left += kCell)
+      maxima_.push_back(highestOf(highest.data() + left, std::min(kCell, image_.width - 1 - left)));
+  }
+  [[nodiscard]] const std::vector<std::uint8_t>& maxima() const { return maxima_; }
+
+ private:
+  void addPair(int r, std::vector<std::uint8_t>& highest) {
+    // An odd last row goes with the one before.
+    const std::uint8_t* upper =
+        image_.pixels.data() + static_cast<std::size_t>(std::min(r, image_.height - 2)) * width_;
+    fetch(r + kFetchRows);
+    rowMeans(upper, upper + width_, rows_.data(), width_);
+    if (r == 0) {
+      for (std::size_t c = 0; c + 1 < width_; ++c) before_[c] = meanOf(rows_[c], rows_[c + 1]);
+    }
+    foldPair(rows_.data(), before_.data(), highest.data(), width_ - 1);
+  }
+
+  /// Asks the memory for two rows that are needed soon: left to itself it keeps us waiting for two thirds of
+  /// the time.
+  void fetch(int r) const {
+    if (r + 2 > image_.height) return;
+    const std::uint8_t* begin = image_.pixels.data() + static_cast<std::size_t>(r) * width_;
+    for (std::size_t i = 0; i < 2 * width_; i += kCacheLine) __builtin_prefetch(begin + i);
+  }
+
+  const GrayImage& image_;
+  std::size_t width_;
+  std::vector<std::uint8_t> rows_;
+  std::vector<std::uint8_t> before_;
+  std::vector<std::uint8_t> maxima_;
+};
+
+/// The brightest 2 x 2 pixels in a cell and two rows around it.
+BrightPeak brightestIn(const GrayImage& image, int left, int top) {
+  BrightPeak best{left, top, -1};
+  for (int r = std::max(0, top - 2); r < std::min(image.height - 1, top + kCell + 2); ++r) {
+    for (int c = left; c < std::min(image.width - 1, left + kCell); ++c) {
+      const int mean = mean2x2(image, c, r);
+      if (mean > best.height) best = {c, r, mean};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Background::Background(const GrayImage& image, const std::function<void(int, int)>& visit)
+    : columns_((image.width + kCell - 1) / kCell), rows_((image.height + kCell - 1) / kCell) {
+  std::vector<std::uint8_t> own;
+  Samples samples(image);
+  for (int top = 0; top < image.height; top += kCell) {
+    const int bottom = std::min(image.height, top + kCell);
+    if (visit) visit(top, bottom);
+    samples.addBand(top, bottom, own);
+  }
+  const std::array<int, 256> all = samples.all();
+  const std::array<int, 256> steps = samples.steps();
   median_ = quantile(all, 0.5);
+  const int total = std::max(1, std::accumulate(all.begin(), all.end(), 0));
+  saturated_share_ = static_cast<double>(all[254] + all[255]) / total;
+  lifeless_ = std::accumulate(steps.begin() + 1, steps.end(), 0) * 1000LL < total;
 
   // Edges of marks and kerfs make a few big steps: leave them out.
   const int typical = std::max(1, quantile(steps, 0.5));
@@ -85,59 +288,33 @@ Background::Background(const GrayImage& image)
   }
   noise_ = std::max(0.3, std::sqrt(sum / static_cast<double>(std::max(1LL, count)) / 2.0));
 
-  level_ = own;
-  for (int j = 0; j < rows_; ++j) {
-    for (int i = 0; i < columns_; ++i) {
-      std::array<int, 9> around{};
-      std::size_t n = 0;
-      for (int y = std::max(0, j - 1); y <= std::min(rows_ - 1, j + 1); ++y) {
-        for (int x = std::max(0, i - 1); x <= std::min(columns_ - 1, i + 1); ++x) {
-          around[n++] = own[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
-                            static_cast<std::size_t>(x)];
-        }
-      }
-      const std::span values(around.data(), n);
-      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n / 2), values.end());
-      int& level = level_[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
-                          static_cast<std::size_t>(i)];
-      level = std::max(level, values[n / 2]);
-    }
-  }
+  level_ = filledIn(own, columns_, rows_);
 }
 
-std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background& background,
-                                        std::size_t max) {
+BrightnessScan scanBrightness(const GrayImage& image, std::size_t max) {
+  if (image.width < 2 || image.height < 2) return {Background(image), {}};
+  CellMaxima cells(image);
+  BrightnessScan scan{Background(image, [&](int top, int bottom) { cells.addBand(top, bottom); }), {}};
+  const Background& background = scan.background;
+  // The mean of eight pixels has 0.35 of the noise; 5.7 sigma leaves less than one false peak in a large
+  // picture, which no fit takes for a spot. The averaging instruction rounds up, three times.
+  const int threshold = static_cast<int>(std::ceil(std::max(5.0, 2.0 * background.noise() + 1.5)));
   struct Candidate {
     BrightPeak peak;
     int cell_x;
     int cell_y;
   };
-  // The mean of four pixels has half the noise; 7 sigma leaves less than one false peak in 1e4 pictures. The
-  // averaging instruction rounds up, twice.
-  const int threshold = static_cast<int>(std::ceil(std::max(6.0, 3.5 * background.noise() + 1.5)));
   std::vector<Candidate> candidates;
-  if (image.width < 2 || image.height < 2) return {};
-  const auto width = static_cast<std::size_t>(image.width);
-  std::vector<std::uint8_t> highest(width);
-  for (int top = 0; top < image.height; top += kCell) {
-    std::fill(highest.begin(), highest.end(), std::uint8_t{0});
-    const int bottom = std::min(image.height - 1, top + kCell);
-    for (int r = top; r < bottom; r += 2) {
-      const std::uint8_t* upper = image.pixels.data() + static_cast<std::size_t>(r) * width;
-      foldRows(upper, upper + width, highest.data(), width - 1);
-    }
-    for (int left = 0; left < image.width - 1; left += kCell) {
-      const auto begin = highest.begin() + left;
-      const auto end = highest.begin() + std::min(image.width - 1, left + kCell);
-      const auto best = std::max_element(begin, end);
-      const int column = static_cast<int>(best - highest.begin());
-      const int height = *best - background.at(column, top);
-      if (height < threshold) continue;
-      for (int r = top; r < bottom; r += 2) {
-        if (mean2x2(image, column, r) != *best) continue;
-        candidates.push_back({{column, r, height}, left / kCell, top / kCell});
-        break;
+  for (int j = 0; j < background.rows(); ++j) {
+    for (int i = 0; i < background.columns(); ++i) {
+      const int board = background.at(i * kCell, j * kCell);
+      if (cells.maxima()[static_cast<std::size_t>(j) * static_cast<std::size_t>(background.columns()) +
+                         static_cast<std::size_t>(i)] < board + threshold) {
+        continue;
       }
+      BrightPeak peak = brightestIn(image, i * kCell, j * kCell);
+      peak.height -= board;
+      candidates.push_back({peak, i, j});
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -150,9 +327,8 @@ std::vector<BrightPeak> findBrightPeaks(const GrayImage& image, const Background
     });
     if (!beside) kept.push_back(c);
   }
-  std::vector<BrightPeak> peaks;
-  for (const Candidate& k : kept) peaks.push_back(k.peak);
-  return peaks;
+  for (const Candidate& k : kept) scan.peaks.push_back(k.peak);
+  return scan;
 }
 
 }  // namespace kerfbench::hil

@@ -16,8 +16,8 @@ constexpr double kInnerRim = 0.75;  // of the radius: all ink inside
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
 
-/// Noise of the centroid per axis, from what the sectors of the edge hold beside a shift and a growth of the
-/// disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
+/// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge hold beside a
+/// shift and a growth of the disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
 double centroidNoise(const std::array<double, kSectors>& sector, double radius_px, double area_px) {
   double mean = 0.0;
   double cosine = 0.0;
@@ -87,6 +87,9 @@ MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Ve
   double ink_sum = 0.0;
   double board_sum = 0.0;
   int board_count = 0;
+  double board_squares = 0.0;
+  double edge_spread = 0.0;        // Sum of squares of an axis over the edge …
+  double edge_spread_light = 0.0;  // … and weighted by grey.
   Eigen::Vector2d board_moment = Eigen::Vector2d::Zero();
   Eigen::Vector2d board_place = Eigen::Vector2d::Zero();
   Eigen::Matrix2d board_spread = Eigen::Matrix2d::Zero();
@@ -114,6 +117,7 @@ MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Ve
         if (darkness > 0.35) ++darkened;
         if (std::abs(darkness) < 0.35) {
           board_sum += value;
+          board_squares += (value - levels.board) * (value - levels.board);
           ++board_count;
           board_moment += value * from;
           board_place += from;
@@ -125,6 +129,8 @@ MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Ve
       if (distance2 > edge_begin2) {
         w = std::clamp(darkness, -0.15, 1.15);
         if (check_edge) {
+          edge_spread += 0.5 * from.squaredNorm();
+          edge_spread_light += 0.5 * from.squaredNorm() * value;
           const double outside_px = std::sqrt(distance2) - radius_px;
           const double expected = 0.5 * std::erfc(outside_px / (std::sqrt(2.0) * kEdgeSigmaPx));
           const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
@@ -154,7 +160,17 @@ MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Ve
   }
   look.stained_share = static_cast<double>(stained) / inner;
   look.darkened_share = static_cast<double>(darkened) / outer;
-  if (check_edge) look.sigma_px = centroidNoise(sector, radius_px, weight);
+  if (check_edge) {
+    look.sigma_px = centroidNoise(sector, radius_px, weight);
+    if (board_count > 0) {
+      const double pixel = std::sqrt(board_squares / board_count);
+      const double white = pixel / contrast * std::sqrt(edge_spread) / weight;
+      const double slope = pixel / look.levels.board / std::sqrt(0.5 * board_spread.trace());
+      const double by_slope = slope * edge_spread_light / contrast / weight;
+      // Grain that makes the edge worse than white noise makes the slope worse, too.
+      look.sigma_px = std::hypot(look.sigma_px, by_slope * std::max(1.0, look.sigma_px / white));
+    }
+  }
   double mean = 0.0;
   for (const double s : sector) mean += s / kSectors;
   for (const double s : sector) {

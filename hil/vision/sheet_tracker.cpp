@@ -17,6 +17,32 @@ constexpr double kLooseMm = 1.5;
 constexpr double kLoosestMm = 4.0;
 // Marks that disagree by more are not marks, or the spot shines into them.
 constexpr double kDisagreementMm = 0.06;
+// Marks whose noise is taken together: enough that the estimate is no longer the noisier of the two.
+constexpr double kPooledMarks = 16.0;
+
+/// One mark tells where S lies only as well as the angle kept from before is known: they err together.
+void keepAngle(MotionFit& fit, std::span<const MarkPair> pairs, double angle_variance) {
+  const Eigen::Vector2d arm =
+      std::min_element(pairs.begin(), pairs.end(), [&](const MarkPair& a, const MarkPair& b) {
+        return (fit.motion * a.p_mm - a.q_mm).norm() < (fit.motion * b.p_mm - b.q_mm).norm();
+      })->p_mm;
+  const Eigen::Vector2d turned = fit.motion.rotation() * arm;
+  const Eigen::Vector3d by_angle(turned.y(), -turned.x(), 1.0);
+  fit.covariance += angle_variance * by_angle * by_angle.transpose();
+}
+
+/// Of the angle that a match of these discs tells: of their greatest distance, or nothing but its limits.
+double angleVarianceOf(const std::vector<FoundMark>& seen, double max_angle_rad) {
+  double smallest = max_angle_rad * max_angle_rad / 3.0;
+  for (const FoundMark& a : seen) {
+    for (const FoundMark& b : seen) {
+      const double squares = a.sigma_mm * a.sigma_mm + b.sigma_mm * b.sigma_mm;
+      const double distance2 = (a.p_mm - b.p_mm).squaredNorm();
+      if (squares < smallest * distance2) smallest = squares / distance2;
+    }
+  }
+  return smallest;
+}
 
 }  // namespace
 
@@ -31,7 +57,7 @@ SheetTracker::SheetTracker(const CameraCalibration& calibration, const PrintLayo
   }
 }
 
-PlaneMotion SheetTracker::predict(int unit, double time_s) const {
+SheetTracker::UnitState SheetTracker::predict(int unit, double time_s) const {
   // The freshest neighbour, the nearest of them.
   const UnitState* from = nullptr;
   int from_unit = 0;
@@ -51,7 +77,7 @@ PlaneMotion SheetTracker::predict(int unit, double time_s) const {
   PlaneMotion motion = from->motion;
   motion.shift_mm += motion.rotation() * Eigen::Vector2d((from_unit - unit) * print_.pitch_mm, 0.0);
   motion.shift_mm.x() += speed_mm_s_ * (time_s - from->time_s);
-  return motion;
+  return {motion, from->angle_variance, from->time_s};
 }
 
 double SheetTracker::looseness(int unit, double time_s) const {
@@ -80,7 +106,7 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
   if (units_.empty()) return out;
   for (int unit = std::max(0, units_.begin()->first - 1);
        unit <= std::min(print_.units - 1, units_.rbegin()->first + 1); ++unit) {
-    const PlaneMotion motion = predict(unit, time_s_);
+    const PlaneMotion motion = predict(unit, time_s_).motion;
     for (const RegistrationMark& mark : print_.marks) {
       const Eigen::Vector2d p_mm = motion * mark.p_SM_mm;
       if (near_mm && (p_mm - *near_mm).norm() > reach_mm + 0.5 * mark.diameter_mm) continue;
@@ -92,52 +118,74 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
   return out;
 }
 
+/// What twelve sectors of one edge tell of its noise scatters by a quarter; the marks before had the same
+/// noise, but for the length of their edge.
+void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double own = pairs[i].sigma_mm * pairs[i].sigma_mm * diameters_mm[i];
+    pooled_ = std::min(pooled_ + 1.0, kPooledMarks);
+    pooled_mm3_ += (own - pooled_mm3_) / pooled_;
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].sigma_mm = std::sqrt(pooled_mm3_ / diameters_mm[i]);
+}
+
 std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time_s,
                                              const std::optional<KeepOut>& spot) {
   std::vector<SheetPose> poses;
   if (units_.empty()) return poses;
-  std::map<int, PlaneMotion> measured;
+  std::map<int, UnitState> measured;
   double contrast = 0.0;
   int contrasts = 0;
   const int first = std::max(0, units_.begin()->first - 1);
   const int last = std::min(print_.units - 1, units_.rbegin()->first + 1);
   for (int unit = first; unit <= last; ++unit) {
-    const PlaneMotion expected = predict(unit, time_s);
+    const UnitState before = predict(unit, time_s);
+    const PlaneMotion& expected = before.motion;
     const double search_mm = looseness(unit, time_s);
     std::vector<MarkPair> pairs;
+    std::vector<double> diameters_mm;
+    int in_view = 0;
     for (const RegistrationMark& mark : print_.marks) {
       const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
       if (!markInView(p_mm, mark.diameter_mm)) continue;
       const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
       std::optional<FoundMark> found;
+      // Where it should be found for certain: not so near to the border that the prediction decides.
+      const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
+      in_view += !covered && certain ? 1 : 0;
       if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
       if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
-      pairs.push_back({mark.p_SM_mm, found->p_mm});
+      pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
+      diameters_mm.push_back(mark.diameter_mm);
       contrast += found->contrast_gray;
       ++contrasts;
     }
     if (pairs.empty()) continue;
-    const MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
-    measured[unit] = fit.motion;
+    poolNoise(pairs, diameters_mm);
+    MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
+    if (fit.pairs == 1) keepAngle(fit, pairs, before.angle_variance);
+    measured[unit] = {fit.motion, fit.covariance(2, 2), time_s};
     // A first mark alone tells a place but no direction; far from it the pose would be wrong by tenths of a
     // mm.
     angle_known_ = angle_known_ || fit.pairs > 1 || print_.marks.size() == 1;
     if (!angle_known_) continue;
-    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs});
+    const auto moved = static_cast<int>(pairs.size()) - fit.pairs;
+    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, in_view, moved,
+                     fit.covariance});
   }
 
   // The belt's speed from units seen in the frame before, too.
   double moved = 0.0;
   double waited = 0.0;
-  for (const auto& [unit, motion] : measured) {
+  for (const auto& [unit, state] : measured) {
     const auto before = units_.find(unit);
     if (before == units_.end() || before->second.time_s != time_s_ || !(time_s > time_s_)) continue;
-    moved += motion.shift_mm.x() - before->second.motion.shift_mm.x();
+    moved += state.motion.shift_mm.x() - before->second.motion.shift_mm.x();
     waited += time_s - time_s_;
   }
   if (waited > 0.0) speed_mm_s_ += 0.5 * (moved / waited - speed_mm_s_);
   if (contrasts > 0) contrast_gray_ = contrast / contrasts;
-  for (const auto& [unit, motion] : measured) units_[unit] = {motion, time_s};
+  for (const auto& [unit, state] : measured) units_[unit] = state;
   // Units that have gone by are forgotten, but for the last one, to count on from.
   if (!measured.empty()) {
     std::erase_if(units_, [&](const auto& entry) { return entry.second.time_s != time_s; });
@@ -178,7 +226,7 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
     query.first_unit = std::max(0, around - 2);
     query.last_unit = std::min(print_.units - 1, around + 2);
     query.anchor_last_unit = query.last_unit;
-    query.expected = predict(0, time_s);
+    query.expected = predict(0, time_s).motion;
     query.max_shift_mm = 0.4 * print_.pitch_mm;
   }
   const std::optional<Constellation> found = matchConstellation(places, query);
@@ -186,6 +234,7 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
   // One lonely disc may be dirt unless the layout says that no other can be in view.
   const int needed = std::min(2, found->expected);
   if (found->matched < needed || 2 * found->matched < found->expected) return false;
+  const double angle_variance = angleVarianceOf(seen, query.max_angle_rad);
   units_.clear();
   for (int unit = query.first_unit; unit <= query.last_unit; ++unit) {
     PlaneMotion motion = found->motion;
@@ -193,7 +242,7 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
     const bool visible =
         std::any_of(print_.marks.begin(), print_.marks.end(),
                     [&](const RegistrationMark& m) { return markInView(motion * m.p_SM_mm, m.diameter_mm); });
-    if (visible) units_[unit] = {motion, time_s};
+    if (visible) units_[unit] = {motion, angle_variance, time_s};
   }
   return !units_.empty();
 }

@@ -40,14 +40,17 @@ class SheetTracker {
 
  private:
   struct UnitState {
-    PlaneMotion motion;  ///< Of S of the unit.
+    PlaneMotion motion;       ///< Of S of the unit.
+    double angle_variance{};  ///< Of motion.angle_rad, rad².
     double time_s{};
   };
 
-  [[nodiscard]] PlaneMotion predict(int unit, double time_s) const;
+  /// Of the unit itself or of its freshest neighbour.
+  [[nodiscard]] UnitState predict(int unit, double time_s) const;
   [[nodiscard]] double looseness(int unit, double time_s) const;
   [[nodiscard]] bool markInView(const Eigen::Vector2d& p_mm, double diameter_mm) const;
   [[nodiscard]] DiscInPicture discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const;
+  void poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm);
   bool lock(const std::vector<FoundMark>& seen, double time_s);
   std::vector<SheetPose> measure(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot);
   [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
@@ -60,7 +63,9 @@ class SheetTracker {
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
   double contrast_gray_{80.0};
-  bool angle_known_{};  ///< Two marks of a unit were seen at once, ever.
+  double pooled_mm3_{};  ///< Mean of variance times diameter of the marks before …
+  double pooled_{};      ///< … and of how many.
+  bool angle_known_{};   ///< Two marks of a unit were seen at once, ever.
   double time_s_{};
 };
 

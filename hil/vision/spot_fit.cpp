@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "hil/vision/spot_model.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -17,10 +19,12 @@ constexpr int kMaxHalfWindow = 96;
 constexpr int kSaturated = 254;
 constexpr double kEdgeSigmaPx = 0.7;
 
-// x, y, the inverse covariance a b c, height, board, ink.
-constexpr int kParameters = 8;
-using Vector = Eigen::Matrix<double, kParameters, 1>;
-using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+// A bell this much longer than wide is fitted as a streak, too. A shorter streak is as good as a bell.
+constexpr double kStreakRatio = 1.2;
+constexpr double kFaint = 1e-5;  // Of a spot's height: plain board.
+
+using Vector = SpotParameters::Vector;
+using Matrix = SpotParameters::Matrix;
 
 struct Window {
   int left, top, right, bottom;  // inclusive
@@ -102,110 +106,180 @@ struct Sums {
   int saturated{};
 };
 
-/// Model and its derivative by the parameters at one pixel.
-struct PixelModel {
-  double value;
-  double bell;
-  double dx;
-  double dy;
-
-  PixelModel(const Vector& q, double c, double r, double cover) : dx(c - q[0]), dy(r - q[1]) {
-    const double exponent = 0.5 * (q[2] * dx * dx + 2.0 * q[3] * dx * dy + q[4] * dy * dy);
-    bell = exponent < 30.0 ? std::exp(-exponent) : 0.0;
-    value = q[5] * bell + q[6] + q[7] * cover;
-  }
-  [[nodiscard]] Vector derivative(const Vector& q, double cover) const {
-    const double s = q[5] * bell;
-    Vector j;
-    j << s * (q[2] * dx + q[3] * dy), s * (q[3] * dx + q[4] * dy), -0.5 * s * dx * dx, -s * dx * dy,
-        -0.5 * s * dy * dy, bell, 1.0, cover;
-    return j;
-  }
-};
-
-double coverAt(const std::vector<double>& cover, const Window& w, int c, int r) {
-  return cover.empty() ? 0.0 : cover[static_cast<std::size_t>((r - w.top) * w.width() + c - w.left)];
-}
-
-Sums accumulate(const GrayImage& image, const Window& w, const std::vector<double>& cover, const Vector& q) {
-  Sums sums;
-  for (int r = w.top; r <= w.bottom; ++r) {
-    for (int c = w.left; c <= w.right; ++c) {
-      const double m = coverAt(cover, w, c, r);
-      const PixelModel at(q, c, r, m);
-      const double value = image.gray(c, r);
-      if (value >= kSaturated &&
-          at.value >= kSaturated) {  // As bright as it can be: agrees, and tells no more.
-        ++sums.saturated;
-        continue;
+/// A window of the picture, what is printed there, and how much each pixel counts.
+class SpotProblem {
+ public:
+  SpotProblem(const GrayImage& image, const Window& window, const PixelNoise& noise,
+              std::span<const DiscInPicture> discs)
+      : window_(window), noise_(noise), printed_(!discs.empty()) {
+    for (int r = window.top; r <= window.bottom; ++r) {
+      for (int c = window.left; c <= window.right; ++c) {
+        Pixel& pixel = pixels_.emplace_back();
+        pixel.value = image.gray(c, r);
+        for (const DiscInPicture& disc : discs)
+          pixel.cover = std::max(pixel.cover, coverOf(disc, Eigen::Vector2d(c, r)));
       }
-      const double residual = value - std::min(at.value, 255.0);
-      sums.cost += residual * residual;
-      if (at.value > 255.0) continue;
-      if (at.bell < 1e-5) {  // Plain board or ink: most pixels.
-        sums.normal(6, 6) += 1.0;
-        sums.normal(6, 7) += m;
-        sums.normal(7, 6) += m;
-        sums.normal(7, 7) += m * m;
-        sums.gradient[6] += residual;
-        sums.gradient[7] += residual * m;
-        continue;
-      }
-      const Vector j = at.derivative(q, m);
-      sums.normal.noalias() += j * j.transpose();
-      sums.gradient += residual * j;
+    }
+    if (!printed_) leaveOutPrint();
+  }
+
+  [[nodiscard]] bool printed() const { return printed_; }
+  /// Counts pixels by the noise of the light that the model expects there: by the light that was seen, bright
+  /// noise would count less than dark noise.
+  void weigh(SpotShape shape, const Vector& q) {
+    forEach([&](Pixel& pixel, int c, int r) {
+      const double variance = noise_.variance(spotLight(shape, q, c, r, pixel.cover).value);
+      pixel.weight = pixel.used ? 1.0 / variance : 0.0;
+    });
+  }
+  [[nodiscard]] Sums sums(SpotShape shape, const Vector& q);
+  [[nodiscard]] std::vector<SpotFit::Influence> influences(SpotShape shape, const Vector& q,
+                                                           const Matrix& inverse);
+  [[nodiscard]] ShotEvidence shot(SpotShape shape, const Vector& q, const Matrix& inverse);
+
+ private:
+  struct Pixel {
+    double value{};
+    double cover{};
+    double weight{1.0};
+    bool used{true};
+  };
+
+  void leaveOutPrint();
+
+  template <typename Visit>
+  void forEach(const Visit& visit) {
+    std::size_t i = 0;
+    for (int r = window_.top; r <= window_.bottom; ++r) {
+      for (int c = window_.left; c <= window_.right; ++c) visit(pixels_[i++], c, r);
     }
   }
+
+  Window window_;
+  PixelNoise noise_;
+  bool printed_;
+  std::vector<Pixel> pixels_;
+};
+
+/// Print that nobody told of is no part of the model: neither are its blurred edges.
+void SpotProblem::leaveOutPrint() {
+  constexpr int kEdgePx = 2;
+  const double dark =
+      noise_.board_gray - std::max(5.0 * std::sqrt(noise_.board_variance), 0.12 * noise_.board_gray);
+  std::size_t i = 0;
+  for (int r = window_.top; r <= window_.bottom; ++r) {
+    for (int c = window_.left; c <= window_.right; ++c, ++i) {
+      if (pixels_[i].value >= dark) continue;
+      for (int y = std::max(window_.top, r - kEdgePx); y <= std::min(window_.bottom, r + kEdgePx); ++y) {
+        for (int x = std::max(window_.left, c - kEdgePx); x <= std::min(window_.right, c + kEdgePx); ++x)
+          pixels_[static_cast<std::size_t>((y - window_.top) * window_.width() + x - window_.left)].used =
+              false;
+      }
+    }
+  }
+}
+
+Sums SpotProblem::sums(SpotShape shape, const Vector& q) {
+  Sums sums;
+  Vector j;
+  forEach([&](const Pixel& pixel, int c, int r) {
+    if (!pixel.used) return;
+    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+    // As bright as it can be: agrees, and tells no more.
+    if (pixel.value >= kSaturated && light.value >= kSaturated) {
+      ++sums.saturated;
+      return;
+    }
+    const double w = pixel.weight;
+    const double residual = pixel.value - std::min(light.value, 255.0);
+    sums.cost += w * residual * residual;
+    if (light.value > 255.0) return;
+    if (light.bell < kFaint) {  // Plain board or ink: most pixels.
+      const double m = pixel.cover;
+      sums.normal(6, 6) += w;
+      sums.normal(7, 6) += w * m;
+      sums.normal(7, 7) += w * m * m;
+      sums.gradient[6] += w * residual;
+      sums.gradient[7] += w * residual * m;
+      return;
+    }
+    sums.normal.selfadjointView<Eigen::Lower>().rankUpdate(j, w);
+    sums.gradient += w * residual * j;
+  });
+  sums.normal.triangularView<Eigen::StrictlyUpper>() = sums.normal.transpose();
+  if (!printed_) sums.normal(7, 7) = 1.0;
   return sums;
 }
 
-/// Covariance of the centre. A shape that is not quite Gaussian, as a streak's, leaves residuals that are
-/// alike on both sides of the centre and do not move it; only what differs between mirrored pixels counts as
-/// noise. Never less than the noise of the board, grown as shot noise grows with the light.
-Eigen::Matrix2d centreCovariance(const GrayImage& image, const Window& w, const std::vector<double>& cover,
-                                 const Vector& q, const Matrix& inverse, double noise) {
-  const auto residualAt = [&](int c, int r) {
-    const double model = PixelModel(q, c, r, coverAt(cover, w, c, r)).value;
-    const double value = image.gray(c, r);
-    return value >= kSaturated && model >= kSaturated ? 0.0 : value - std::min(model, 255.0);
-  };
-  Matrix seen = Matrix::Zero();
-  Matrix shot = Matrix::Zero();
-  for (int r = w.top; r <= w.bottom; ++r) {
-    for (int c = w.left; c <= w.right; ++c) {
-      const double m = coverAt(cover, w, c, r);
-      const PixelModel at(q, c, r, m);
-      if (at.bell < 1e-5 || at.value > 255.0) continue;
-      const Vector j = at.derivative(q, m);
-      const Matrix outer = j * j.transpose();
-      shot += noise * noise * std::max(1.0, at.value / std::max(1.0, q[6])) * outer;
-      const double mx = 2.0 * q[0] - c;
-      const double my = 2.0 * q[1] - r;
-      const int mc = static_cast<int>(std::floor(mx));
-      const int mr = static_cast<int>(std::floor(my));
-      double difference = residualAt(c, r);
-      double parts = 1.0;
-      if (mc >= w.left && mc < w.right && mr >= w.top && mr < w.bottom) {
-        const double fx = mx - mc;
-        const double fy = my - mr;
-        for (const auto& [dc, dr, weight] :
-             {std::tuple{0, 0, (1 - fx) * (1 - fy)}, std::tuple{1, 0, fx * (1 - fy)},
-              std::tuple{0, 1, (1 - fx) * fy}, std::tuple{1, 1, fx * fy}}) {
-          difference -= weight * residualAt(mc + dc, mr + dr);
-          parts += weight * weight;
-        }
-      }
-      seen += difference * difference / parts * outer;
-    }
-  }
-  const Eigen::Matrix2d by_residuals = (inverse * seen * inverse).topLeftCorner<2, 2>();
-  const Eigen::Matrix2d by_shot = (inverse * shot * inverse).topLeftCorner<2, 2>();
-  return by_shot * std::max(1.0, by_residuals.trace() / by_shot.trace());
+ShotEvidence SpotProblem::shot(SpotShape shape, const Vector& q, const Matrix& inverse) {
+  ShotEvidence evidence;
+  Vector j;
+  forEach([&](const Pixel& pixel, int c, int r) {
+    if (!pixel.used) return;
+    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+    const double brighter = light.value - noise_.board_gray;
+    if (light.bell < 0.02 || brighter <= 0.0 || light.value > 0.9 * kSaturated) return;
+    // The fit takes its share of the pixel's noise along with it.
+    const double left = 1.0 - pixel.weight * j.dot(inverse * j);
+    if (left < 0.3) return;
+    const double residual = pixel.value - light.value;
+    const double w2 = pixel.weight * pixel.weight * left * left;
+    evidence.products += w2 * brighter * (residual * residual / left - noise_.board_variance);
+    evidence.squares += w2 * brighter * brighter;
+  });
+  return evidence;
 }
 
-bool plausible(const Vector& q) {
-  return q.allFinite() && q[2] > 0.0 && q[4] > 0.0 && q[2] * q[4] > q[3] * q[3] && q[5] > 0.0 &&
-         q[5] < 8000.0;
+std::vector<SpotFit::Influence> SpotProblem::influences(SpotShape shape, const Vector& q,
+                                                        const Matrix& inverse) {
+  std::vector<SpotFit::Influence> all;
+  Vector j;
+  forEach([&](const Pixel& pixel, int c, int r) {
+    if (!pixel.used) return;
+    const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
+    if (light.bell < 1e-3 || light.value > 255.0) return;
+    all.push_back({c, r, pixel.weight * (inverse.topRows<2>() * j), light.value - noise_.board_gray});
+  });
+  return all;
+}
+
+struct Solution {
+  SpotShape shape;
+  Vector q;
+  Sums sums;
+};
+
+/// Levenberg and Marquardt, in rounds of fixed weights.
+Solution solve(SpotProblem& problem, SpotShape shape, const Vector& start) {
+  Solution best{shape, start, {}};
+  for (int round = 0; round < 3; ++round) {
+    problem.weigh(shape, best.q);
+    best.sums = problem.sums(shape, best.q);
+    double damping = round == 0 ? 1e-3 : 1e-6;
+    for (int step_count = 0; step_count < 40; ++step_count) {
+      Matrix a = best.sums.normal;
+      a.diagonal() += damping * a.diagonal();
+      a.diagonal().array() += 1e-12;
+      const Vector step = a.ldlt().solve(best.sums.gradient);
+      const Vector trial = best.q + step;
+      Sums next;
+      const bool allowed = plausible(shape, trial);
+      if (allowed) next = problem.sums(shape, trial);
+      if (!allowed || next.cost > best.sums.cost * (1.0 + 1e-12)) {
+        damping = std::max(damping, 1e-3) * 10.0;
+        if (damping > 1e8) break;
+        continue;
+      }
+      // A short step is the end only if damping has not made it short.
+      const double enough = round == 0 ? 0.02 : 1e-4;
+      const bool settled = damping < 1e-2 && std::abs(step[0]) < enough && std::abs(step[1]) < enough;
+      best.q = trial;
+      best.sums = next;
+      damping *= 0.1;
+      if (settled) break;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -217,65 +291,34 @@ double coverOf(const DiscInPicture& disc, const Eigen::Vector2d& pixel) {
 }
 
 std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray,
-                               double noise_gray, std::span<const DiscInPicture> discs) {
+                               const PixelNoise& noise, std::span<const DiscInPicture> discs) {
+  const double noise_gray = std::sqrt(noise.board_variance);
   const std::optional<Start> start = growRegion(image, peak, board_gray, noise_gray, discs);
   if (!start) return std::nullopt;
   const Window& w = start->window;
-  std::vector<double> cover;
-  if (!discs.empty()) {
-    cover.reserve(static_cast<std::size_t>(w.width() * w.height()));
-    for (int r = w.top; r <= w.bottom; ++r) {
-      for (int c = w.left; c <= w.right; ++c) {
-        double covered = 0.0;
-        for (const DiscInPicture& disc : discs)
-          covered = std::max(covered, coverOf(disc, Eigen::Vector2d(c, r)));
-        cover.push_back(covered);
-      }
-    }
+  SpotProblem problem(image, w, noise, discs);
+  Solution found = solve(problem, SpotShape::kBell, start->parameters);
+  if (!plausible(found.shape, found.q)) return std::nullopt;
+  Eigen::Vector2d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(momentsOf(found.shape, found.q)).eigenvalues();
+  if (variances.y() > kStreakRatio * kStreakRatio * variances.x()) {
+    Solution streak = solve(problem, SpotShape::kStreak, streakLike(found.q));
+    if (plausible(streak.shape, streak.q) && streak.sums.cost < found.sums.cost) found = streak;
+    variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(momentsOf(found.shape, found.q)).eigenvalues();
   }
 
-  Vector q = start->parameters;
-  double damping = 1e-3;
-  Sums sums = accumulate(image, w, cover, q);
-  for (int round = 0; round < 40; ++round) {
-    Matrix a = sums.normal;
-    if (cover.empty()) a(7, 7) = 1.0;
-    a.diagonal() += damping * a.diagonal();
-    a.diagonal().array() += 1e-12;
-    const Vector step = a.ldlt().solve(sums.gradient);
-    const Vector trial = q + step;
-    Sums next;
-    const bool allowed = plausible(trial);
-    if (allowed) next = accumulate(image, w, cover, trial);
-    if (!allowed || next.cost > sums.cost * (1.0 + 1e-12)) {
-      damping = std::max(damping, 1e-3) * 10.0;
-      if (damping > 1e8) break;
-      continue;
-    }
-    // A short step is the end only if damping has not made it short.
-    const bool settled = damping < 1e-3 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) < 1e-4;
-    q = trial;
-    sums = next;
-    damping *= 0.1;
-    if (settled) break;
-  }
-  if (!plausible(q)) return std::nullopt;
-
-  Eigen::Matrix2d inverse_shape;
-  inverse_shape << q[2], q[3], q[3], q[4];
-  const Eigen::Vector2d inverse_variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(inverse_shape).eigenvalues();
   SpotFit fit;
-  fit.pixel = q.head<2>();
-  fit.long_sigma_px = 1.0 / std::sqrt(inverse_variances.x());
-  fit.short_sigma_px = 1.0 / std::sqrt(inverse_variances.y());
-  fit.height_gray = q[5];
-  Matrix normal = sums.normal;
-  if (cover.empty()) normal(7, 7) = 1.0;
+  fit.pixel = found.q.head<2>();
+  fit.long_sigma_px = std::sqrt(variances.y());
+  fit.short_sigma_px = std::sqrt(variances.x());
+  fit.height_gray = found.q[5] * spotLight(found.shape, found.q, fit.pixel.x(), fit.pixel.y(), 0.0).bell;
+  Matrix normal = found.sums.normal;
   normal.diagonal().array() += 1e-12;
   const Matrix inverse = normal.ldlt().solve(Matrix::Identity());
-  fit.covariance_px2 = centreCovariance(image, w, cover, q, inverse, noise_gray);
-  const double height_sigma = noise_gray * std::sqrt(inverse(5, 5));
+  fit.covariance_px2 = inverse.topLeftCorner<2, 2>();
+  fit.influences = problem.influences(found.shape, found.q, inverse);
+  fit.shot = problem.shot(found.shape, found.q, inverse);
+  const double height_sigma = std::sqrt(inverse(5, 5)) * fit.height_gray / found.q[5];
 
   // A lens and a pixel blur everything to 0.4 px and more: sharper is a hot pixel. An edge or a patch of
   // light has no end within the window.
@@ -286,7 +329,7 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
     return std::nullopt;
   }
   if (fit.height_gray < std::max(4.0, 2.5 * noise_gray) ||
-      (sums.saturated == 0 && fit.height_gray < 5.0 * height_sigma))
+      (found.sums.saturated == 0 && fit.height_gray < 5.0 * height_sigma))
     return std::nullopt;
   if (!fit.covariance_px2.allFinite() || fit.covariance_px2.trace() > 2.0) return std::nullopt;
   return fit;

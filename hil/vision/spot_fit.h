@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "hil/vision/brightness_scan.h"
+#include "hil/vision/spot_noise.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::hil {
@@ -19,20 +21,30 @@ struct DiscInPicture {
   double contrast_gray{};  ///< Board minus ink, to start from.
 };
 
-/// A glowing spot in pixels: an elliptical Gaussian, long when the spot moved during the exposure.
+/// A glowing spot in pixels: an elliptical Gaussian, or a round one that ran along a line during the
+/// exposure.
 struct SpotFit {
-  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Its middle.
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Of the estimated centre.
-  double long_sigma_px{};
+  double long_sigma_px{};                                   ///< Of the light, along and across.
   double short_sigma_px{};
-  double height_gray{};  ///< Above the board; more than 255 for a saturated spot.
+  double height_gray{};  ///< Of its brightest place above the board; more than 255 for a saturated spot.
+  ShotEvidence shot;
+  /// How the centre follows the grey of a pixel of the spot.
+  struct Influence {
+    int column{}, row{};
+    Eigen::Vector2d by_gray{Eigen::Vector2d::Zero()};  ///< px / grey
+    double brighter_gray{};                            ///< Than the board.
+  };
+  std::vector<Influence> influences;
 };
 
-/// Fits the spot at a peak by least squares: centre, shape, height, board, and the contrast of the discs
-/// given. Saturated pixels only say "at least that bright". nullopt for what is not a spot: noise, a hot
-/// pixel, an edge.
+/// Fits the spot at a peak: centre, shape, height, board, and the contrast of the discs given, by least
+/// squares weighted with the noise of each pixel's own light, so that the centre is as good as the noise
+/// lets any estimate be. Saturated pixels only say "at least that bright". nullopt for what is not a spot:
+/// noise, a hot pixel, an edge.
 std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, double board_gray,
-                               double noise_gray, std::span<const DiscInPicture> discs = {});
+                               const PixelNoise& noise, std::span<const DiscInPicture> discs = {});
 
 /// The place on a printed disc that is brightest against what the print lets expect, if it stands out.
 std::optional<BrightPeak> peakOnDisc(const GrayImage& image, const DiscInPicture& disc, double board_gray,

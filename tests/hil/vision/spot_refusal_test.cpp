@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames that must not be judged by are told as such, and good ones are not.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "tests/hil/vision/spot_twin.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+PrintLayout fourMarks() {
+  PrintLayout print;
+  print.units = 1;
+  print.pitch_mm = 100.0;
+  for (const Vector2d& p : {Vector2d{-9.0, -8.0}, {9.0, -7.5}, {-9.5, 8.0}, {9.0, 8.5}})
+    print.marks.push_back({p, 3.0});
+  return print;
+}
+
+struct Filmed {
+  twin::CameraDescription camera = test::spotCamera();
+  PrintLayout seen = fourMarks();      ///< What is printed.
+  PrintLayout believed = fourMarks();  ///< What the layout says.
+  double spot_gray{110.0};
+  double radius_mm{test::kSpotRadiusMm};
+  std::function<void(Frame&)> spoil = [](Frame&) {};
+
+  [[nodiscard]] SpotTrack track() const {
+    const twin::SpotCamera spot_camera(camera, seen, test::kGlowGrayPerW, 3);
+    std::vector<Frame> frames;
+    for (std::uint64_t i = 0; i < 24; ++i) {
+      twin::Exposure exposure =
+          test::exposureOf(i, {0.1 * static_cast<double>(i), 1.0}, {0.1, 0.0}, spot_gray);
+      for (twin::ExposureSample& sample : exposure.samples) {
+        sample.radius_mm = radius_mm;
+        sample.p_WS_mm.x() = 0.02 * static_cast<double>(i);
+      }
+      frames.push_back(spot_camera.render(exposure));
+      spoil(frames.back());
+    }
+    return test::trackOf(camera, believed, std::move(frames), 20.0);
+  }
+};
+
+bool tells(const SpotTrack& track, const std::string& word) {
+  return std::any_of(track.problems.begin(), track.problems.end(),
+                     [&](const std::string& problem) { return problem.find(word) != std::string::npos; });
+}
+
+TEST(SpotRefusal, GoodFramesAreNotRefused) {
+  for (const int bits : {8, 12}) {
+    Filmed run;
+    run.camera.bits = bits;
+    const SpotTrack track = run.track();
+    EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+    for (const FrameMeasurement& frame : track.frames) {
+      EXPECT_FALSE(frame.faults.any());
+      ASSERT_EQ(frame.sheet.size(), 1U);
+      EXPECT_EQ(frame.sheet[0].expected, 4);
+      EXPECT_EQ(frame.sheet[0].marks, 4);
+      EXPECT_EQ(frame.sheet[0].moved, 0);
+    }
+  }
+}
+
+TEST(SpotRefusal, AHardBoardAloneIsNoReason) {
+  Filmed run;
+  run.camera.texture = {.grain_gray = 3.0, .glow_share = 0.1};
+  run.camera.light = {.vignette = 0.3, .gradient_x = 0.3};
+  run.spot_gray = 900.0;
+  const SpotTrack track = run.track();
+  EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+}
+
+TEST(SpotRefusal, DarkFrames) {
+  Filmed run;
+  run.camera.board_gray = 3.0;
+  EXPECT_TRUE(tells(run.track(), "dark"));
+}
+
+TEST(SpotRefusal, SaturatedFrames) {
+  Filmed bright;
+  bright.camera.board_gray = 255.0;
+  EXPECT_TRUE(tells(bright.track(), "saturated"));
+  Filmed glare;
+  glare.camera.plume = {.share = 0.5, .offset_mm = {0.0, 0.0}, .sigma_mm = 2.0};
+  glare.spot_gray = 900.0;
+  EXPECT_TRUE(tells(glare.track(), "saturated"));
+}
+
+TEST(SpotRefusal, BlurredFrames) {
+  Filmed run;
+  run.camera.psf_sigma_px = 4.5;
+  run.spot_gray = 3000.0;
+  EXPECT_TRUE(tells(run.track(), "blurred"));
+}
+
+TEST(SpotRefusal, FramesThatNoSensorTook) {
+  Filmed run;
+  run.spoil = [](Frame& frame) { frame.image = GrayImage(frame.image.width, frame.image.height, 110); };
+  EXPECT_TRUE(tells(run.track(), "noise"));
+}
+
+TEST(SpotRefusal, OneBadFrameIsEnough) {
+  Filmed run;
+  run.spoil = [](Frame& frame) {
+    if (frame.sequence == 13) frame.image = GrayImage(frame.image.width, frame.image.height, 0);
+  };
+  const SpotTrack track = run.track();
+  ASSERT_TRUE(tells(track, "1 frames of the spot camera are dark, the first is number 13"));
+}
+
+TEST(SpotRefusal, MarksThatAreMissing) {
+  Filmed run;
+  run.seen.marks.pop_back();
+  EXPECT_TRUE(tells(run.track(), "missing"));
+}
+
+TEST(SpotRefusal, MarksThatMoved) {
+  Filmed run;
+  run.seen.marks[1].p_SM_mm += Vector2d(0.15, 0.1);
+  EXPECT_TRUE(tells(run.track(), "do not lie"));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
