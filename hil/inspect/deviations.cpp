@@ -27,7 +27,8 @@ const Entity& entityOf(const Evidence& evidence, int id) {
 LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
   const EntityKerf& kerf = evidence.kerf.entities[line.kerf];
   const Entity& entity = entityOf(evidence, kerf.entity);
-  LineKind kind{entity.layer, false, {}};
+  LineKind kind;
+  kind.layer = entity.layer;
   const auto* arc = std::get_if<ArcCurve>(&entity.curve);
   if (arc == nullptr || !isClosed(entity.curve)) return kind;
   kind.is_circle = true;

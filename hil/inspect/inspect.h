@@ -60,8 +60,8 @@ struct Evidence {
 struct EntityResult {
   int unit{};
   int entity{};
-  double worst_mm{};  ///< Signed offset of largest magnitude, away from joints, corrected for being an
-                      ///< extreme of noisy readings; NaN if nothing was found.
+  double worst_mm{};    ///< Signed offset of largest magnitude, away from joints, corrected for being an
+                        ///< extreme of noisy readings; NaN if nothing was found.
   double worst_U_mm{};  ///< Expanded uncertainty of its magnitude (k = 2), as all U here.
   double worst_u{};     ///< Where, parameter of the curve.
   double rms_mm{};      ///< Of the deviation, without what the readings' noise adds.

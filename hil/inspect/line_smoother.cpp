@@ -55,10 +55,9 @@ LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.
 }
 
 double LineSmoother::apply(const Window& window, const std::vector<double>& reading_mm) {
-  const double* reading = reading_mm.data() + window.first;
-  double sum = 0.0;
-  for (const double w : *window.weight) sum += w * *reading++;
-  return sum;
+  const auto n = static_cast<Eigen::Index>(window.weight->size());
+  return Eigen::Map<const Eigen::VectorXd>(window.weight->data(), n)
+      .dot(Eigen::Map<const Eigen::VectorXd>(reading_mm.data() + window.first, n));
 }
 
 /// Of two estimates: sum of w_j sigma_j w_k sigma_k q^|j - k|. Two running sums, one from each end, hold what

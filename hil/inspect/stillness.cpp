@@ -117,30 +117,17 @@ ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<doub
 void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes,
                   std::vector<CutResult>& cuts) {
   ErrorModel peak{{}, modes, 0.0};
-  ErrorModel about_mean{{}, modes, 0.0};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutResult& cut = cuts[i];
     peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
-    const Eigen::Map<const Eigen::VectorXd> r(cut.residual_mm.data(), cut.frames);
-    const Eigen::VectorXd rest = r.array() - (cut.frames > 0 ? r.mean() : 0.0);
-    const Eigen::MatrixXd shared =
-        cut.frames > 0 ? Eigen::MatrixXd(readings[i].shared.rowwise() - readings[i].shared.colwise().mean())
-                       : readings[i].shared;
-    // Taking the mean out takes a little of the noise along: 1/n for white noise.
-    std::vector<double> sigma_mm = readings[i].sigma_mm;
-    const double left =
-        cut.frames > 1 ? std::sqrt(std::max(1.0 - (1.0 + q) / (1.0 - q) / cut.frames, 0.1)) : 1.0;
-    for (double& s : sigma_mm) s *= left;
-    about_mean.lines.push_back(lineOf({rest.begin(), rest.end()}, sigma_mm, shared, q));
   }
-  const std::vector<LineKind> kinds(cuts.size());
+  const std::vector<LineKind> kinds(cuts.size(), LineKind{"", LineKind::Rms::kAboutMean, false, {}});
   const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kSeed);
-  const DeviationResult rms = measureDeviations(about_mean, kinds, 0.0, kSeed + 1);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     cuts[i].peak_mm = peaks.lines[i].worst.value;
     cuts[i].peak_U_mm = peaks.lines[i].worst.U;
-    cuts[i].rms_mm = rms.lines[i].rms.value;
-    cuts[i].rms_U_mm = rms.lines[i].rms.U;
+    cuts[i].rms_mm = peaks.lines[i].rms.value;
+    cuts[i].rms_U_mm = peaks.lines[i].rms.U;
   }
 }
 
@@ -192,7 +179,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
     cut.slope_sigma_mm_s = scale * cut.drift_sigma_mm;
   }
   if (drifts.lines[0].size() == 0) return result;
-  const DeviationResult worst = measureDeviations(drifts, {LineKind{}}, limits.stillness_mm, kSeed + 2);
+  const DeviationResult worst = measureDeviations(drifts, {LineKind{}}, limits.stillness_mm, kSeed + 1);
   result.worst_drift_mm = worst.all.worst;
   result.chance_beyond = worst.chance_beyond;
   result.worst_cut = drifts.lines[0].caliper[worst.all.reading];

@@ -26,10 +26,15 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-double sumOfSquares(const std::vector<double>& values) {
+double sumOfSquares(const std::vector<double>& values, LineKind::Rms about) {
+  if (values.empty()) return 0.0;
   double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return sum;
+  double mean = 0.0;
+  for (const double v : values) {
+    sum += v * v;
+    mean += v / static_cast<double>(values.size());
+  }
+  return about == LineKind::Rms::kAboutZero ? sum : sum - mean * mean * static_cast<double>(values.size());
 }
 
 /// Offset, slope, bend and one turn of a sine: what a shift, a turn, a scale and a wrong centre make.
@@ -70,7 +75,9 @@ class Roundness {
 /// One line with all that simulated measurements of it need.
 class Simulated {
  public:
-  Simulated(const ReadingLine& line, const LineKind& kind) : line_(line), smoother_(line) {
+  Simulated(const ReadingLine& line, const LineKind& kind)
+      : line_(line), smoother_(line), noise_(line.size()) {
+    rms = kind.rms;
     smoother_.smooth(line.reading_mm, estimate_mm, &level);
     likely_mm = likelyTruth();
     if (kind.is_circle && line.size() >= 8 && kind.angle_rad.size() == line.size())
@@ -85,16 +92,16 @@ class Simulated {
   void measure(const CounterRandom& noise, std::uint64_t first, const Eigen::VectorXd& shared_error) {
     const Eigen::VectorXd shift = line_.shared * shared_error;
     const double innovation = std::sqrt(1.0 - line_.q * line_.q);
+    normals(noise, first, noise_);
     reading_mm.resize(line_.size());
     for (std::size_t s = 0; s + 1 < line_.segment.size(); ++s) {
       double z = 0.0;
       for (std::size_t i = line_.segment[s]; i < line_.segment[s + 1]; ++i) {
-        const double fresh = noise.normal(first + i);
-        z = i == line_.segment[s] ? fresh : line_.q * z + innovation * fresh;
+        z = i == line_.segment[s] ? noise_[i] : line_.q * z + innovation * noise_[i];
         reading_mm[i] = likely_mm[i] + line_.sigma_mm[i] * z + shift[static_cast<Eigen::Index>(i)];
       }
     }
-    smoother_.smooth(reading_mm, simulated_mm, nullptr);
+    smoother_.apply(reading_mm, level, simulated_mm);
   }
 
   [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
@@ -103,6 +110,7 @@ class Simulated {
     return roundness_->of(offset_mm);
   }
 
+  LineKind::Rms rms{};
   std::vector<double> estimate_mm;
   std::vector<std::uint8_t> level;
   std::vector<double> likely_mm;
@@ -110,6 +118,22 @@ class Simulated {
   std::vector<double> reading_mm, simulated_mm;
 
  private:
+  [[nodiscard]] double expectedSquares(LineKind::Rms about) const {
+    double sum = 0.0;
+    double behind = 0.0;
+    double of_sum = 0.0;  // Variance of the sum of all.
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      const double s = line_.sigma_mm[i];
+      const bool first = std::find(line_.segment.begin(), line_.segment.end(), i) != line_.segment.end();
+      behind = first ? 0.0 : behind * line_.q;
+      sum += s * s + line_.shared.row(static_cast<Eigen::Index>(i)).squaredNorm();
+      of_sum += s * (s + 2.0 * behind);
+      behind += s;
+    }
+    if (about == LineKind::Rms::kAboutZero || line_.size() == 0) return sum;
+    return sum - (of_sum + line_.shared.colwise().sum().squaredNorm()) / static_cast<double>(line_.size());
+  }
+
   [[nodiscard]] std::vector<double> likelyTruth() const {
     const std::size_t n = line_.size();
     if (n == 0) return {};
@@ -124,8 +148,19 @@ class Simulated {
     return {likely.begin(), likely.end()};
   }
 
+  /// Standard normal values, two from each pair of uniform ones (Box and Muller).
+  static void normals(const CounterRandom& random, std::uint64_t first, std::vector<double>& out) {
+    for (std::size_t i = 0; i < out.size(); i += 2) {
+      const double radius = std::sqrt(-2.0 * std::log(1.0 - random.uniform(first + i)));
+      const double angle = 2.0 * std::numbers::pi * random.uniform(first + i + 1);
+      out[i] = radius * std::cos(angle);
+      if (i + 1 < out.size()) out[i + 1] = radius * std::sin(angle);
+    }
+  }
+
   const ReadingLine& line_;
   LineSmoother smoother_;
+  std::vector<double> noise_;
   std::optional<Roundness> roundness_;
 };
 
@@ -210,19 +245,19 @@ Tally simulate(const ErrorModel& model, std::vector<Simulated>& lines, std::uint
   for (const Simulated& line : lines) {
     tally.read.worst.push_back(largest(line.estimate_mm));
     tally.truth.worst.push_back(largest(line.likely_mm));
-    tally.truth.sum_of_squares.push_back(sumOfSquares(line.likely_mm));
+    tally.truth.sum_of_squares.push_back(sumOfSquares(line.likely_mm, line.rms));
   }
-  for (const ReadingLine& line : model.lines)
-    tally.read.sum_of_squares.push_back(sumOfSquares(line.reading_mm));
+  for (std::size_t l = 0; l < lines.size(); ++l)
+    tally.read.sum_of_squares.push_back(sumOfSquares(model.lines[l].reading_mm, lines[l].rms));
   for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
     const CounterRandom noise(seed, 3 * draw + 2);
     Tally::Numbers& numbers = tally.draws.emplace_back();
     std::uint64_t first = 0;
     for (std::size_t l = 0; l < lines.size(); ++l) {
       lines[l].measure(noise, first, drawShared(model, model.lines[l].unit, seed, draw));
-      first += model.lines[l].size();
+      first += model.lines[l].size() + 1;
       numbers.worst.push_back(largest(lines[l].simulated_mm));
-      numbers.sum_of_squares.push_back(sumOfSquares(lines[l].reading_mm));
+      numbers.sum_of_squares.push_back(sumOfSquares(lines[l].reading_mm, lines[l].rms));
       if (lines[l].isRound()) round[l].push_back(lines[l].roundnessOf(lines[l].simulated_mm));
     }
   }

@@ -33,7 +33,9 @@ struct DeviationResult {
 
 /// What a line of the model is.
 struct LineKind {
+  enum class Rms { kAboutZero, kAboutMean };
   std::string layer;
+  Rms rms{Rms::kAboutZero};
   bool is_circle{};               ///< A whole circle.
   std::vector<double> angle_rad;  ///< Of a circle: direction of each reading from its centre.
 };
