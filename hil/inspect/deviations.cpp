@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kSeed = 0x706174685f6d6d31ULL;
-constexpr double kMedianCost = 1.2533;  // Of the median over the mean of normal values: sqrt(pi / 2).
 
 const Entity& entityOf(const Evidence& evidence, int id) {
   return evidence.dieline->entities[static_cast<std::size_t>(id)];
@@ -39,25 +38,38 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
   return kind;
 }
 
-/// Median width and its U. Noise of neighbours is taken to be as correlated as that of their offsets.
+/// Readings this far from the median, in units of their scatter, are not the kerf's width.
+constexpr double kOutlier = 5.0;
+constexpr double kSigmaOfMad = 1.4826;
+
+/// Mean width without outliers, and its U. (A median would need to know how the true width is spread.) Noise
+/// of neighbours is taken to be as correlated as that of their offsets.
 Quantity widthOf(const EntityKerf& kerf, const ReadingLine& line) {
   std::vector<double> widths;
+  std::vector<double> off;
+  for (const std::size_t i : line.caliper) {
+    if (std::isfinite(kerf.calipers[i].width_mm)) widths.push_back(kerf.calipers[i].width_mm);
+  }
+  if (widths.empty()) return {};
+  const double median = medianOf(widths);
+  for (const double w : widths) off.push_back(std::abs(w - median));
+  const double scatter = kSigmaOfMad * medianOf(off);
+  double sum = 0.0;
+  double n = 0.0;
   double variance = 0.0;
   double behind = 0.0;
   std::size_t last = 0;
   for (const std::size_t i : line.caliper) {
     const Caliper& c = kerf.calipers[i];
-    if (!std::isfinite(c.width_mm)) continue;
-    behind = i == last + 1 ? behind * line.q : 0.0;
+    if (!(std::abs(c.width_mm - median) <= kOutlier * std::max(scatter, c.width_sigma_mm))) continue;
+    behind *= n > 0.0 ? std::pow(line.q, static_cast<double>(i - last)) : 0.0;
     variance += c.width_sigma_mm * (c.width_sigma_mm + 2.0 * behind);
     behind += c.width_sigma_mm;
     last = i;
-    widths.push_back(c.width_mm);
+    sum += c.width_mm;
+    n += 1.0;
   }
-  if (widths.empty()) return {};
-  const double n = static_cast<double>(widths.size());
-  const double cost = widths.size() > 2 ? kMedianCost : 1.0;
-  return {medianOf(std::move(widths)), 2.0 * cost * std::sqrt(variance) / n};
+  return {sum / n, 2.0 * std::sqrt(variance) / n};
 }
 
 /// Standard uncertainty of a place on the sheet, per axis, by the pose of its unit and the camera's map.

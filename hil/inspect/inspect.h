@@ -19,13 +19,12 @@ namespace kerfbench::hil {
 struct Limits {
   double path_mm{0.05};
   double stillness_mm{0.05};
-  double min_coverage{0.99};  ///< Share of stations with a kerf, per entity.
-  double kerf_width_mm{
-      0.05};             ///< Largest change of an entity's median width from the width usual for its process.
-  double stray_mm{0.5};  ///< Longest stray cut allowed.
-  double end_gap_mm{0.15};    ///< Longest piece left uncut at the start or the end of an entity.
-  double passes{1.5};         ///< An entity along which the spot went more often than this was cut twice.
-  double gate_tail_s{0.002};  ///< Longest time the spot may be seen outside the laser gate.
+  double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
+  double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.
+  double stray_mm{0.5};        ///< Longest stray cut allowed.
+  double end_gap_mm{0.15};     ///< Longest piece left uncut at the start or the end of an entity.
+  double passes{1.5};          ///< An entity along which the spot went more often than this was cut twice.
+  double gate_tail_s{0.002};   ///< Longest time the spot may be seen outside the laser gate.
   double gate_lag_s{
       0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
   double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
@@ -68,7 +67,7 @@ struct EntityResult {
   double rms_U_mm{};
   double
       coverage{};  ///< Share of stations burnt as the process asks, 0 … 1; of a perforation, the open share.
-  double width_mm{};  ///< Median.
+  double width_mm{};  ///< Mean, without outliers.
   double width_U_mm{};
   double circularity_mm{};  ///< Of a whole circle: range of radii about the least-squares centre (ISO 230-4).
   double circularity_U_mm{};

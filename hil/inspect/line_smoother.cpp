@@ -11,30 +11,43 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kInterval = 3.0;
+constexpr double kInterval = 2.5;
+constexpr double kScatter = 3.0;    // Standard deviations of the scatter that pass for noise.
 constexpr std::size_t kFewest = 5;  // Readings for a parabola that is more than an interpolation.
-
-/// Weights of the readings -left … right in the value at 0 of the parabola through them.
-std::vector<double> parabolaWeights(std::size_t left, std::size_t right) {
-  const auto n = static_cast<Eigen::Index>(left + right + 1);
-  if (n == 1) return {1.0};
-  Eigen::MatrixX3d A(n, 3);
-  const double scale = 1.0 / static_cast<double>(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const double x = scale * (static_cast<double>(j) - static_cast<double>(left));
-    A.row(j) << 1.0, x, x * x;
-  }
-  const Eigen::Vector3d first = (A.transpose() * A).ldlt().solve(Eigen::Vector3d::UnitX());
-  const Eigen::VectorXd weights = A * first;
-  return {weights.begin(), weights.end()};
-}
 
 }  // namespace
 
-const std::vector<double>& LineSmoother::weightsFor(std::size_t left, std::size_t right) {
-  auto [at, is_new] = weights_.try_emplace({left, right});
-  if (is_new) at->second = parabolaWeights(left, right);
-  return at->second;
+const LineSmoother::Kernel& LineSmoother::kernelFor(std::size_t left, std::size_t right) {
+  const auto [at, is_new] = kernels_.try_emplace({left, right});
+  Kernel& kernel = at->second;
+  if (!is_new) return kernel;
+  const auto n = static_cast<Eigen::Index>(left + right + 1);
+  kernel.weight = {1.0};
+  if (n == 1) return kernel;
+  Eigen::MatrixX3d A(n, 3);
+  Eigen::MatrixXd R(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double x = (static_cast<double>(j) - static_cast<double>(left)) / static_cast<double>(n);
+    A.row(j) << 1.0, x, x * x;
+    for (Eigen::Index k = 0; k < n; ++k) R(j, k) = std::pow(line_.q, std::abs(static_cast<double>(j - k)));
+  }
+  const Eigen::Matrix3Xd solve = (A.transpose() * A).ldlt().solve(A.transpose());
+  const Eigen::VectorXd weights = solve.row(0);
+  kernel.weight.assign(weights.begin(), weights.end());
+  kernel.rest = Eigen::MatrixXd::Identity(n, n) - A * solve;
+  kernel.expected_rest = (kernel.rest * R * kernel.rest.transpose()).trace() / static_cast<double>(n);
+  return kernel;
+}
+
+bool LineSmoother::fits(const Window& window, const std::vector<double>& reading_mm) const {
+  const auto n = static_cast<Eigen::Index>(window.kernel->weight.size());
+  if (n == 1) return true;
+  const Eigen::Map<const Eigen::VectorXd> reading(reading_mm.data() + window.first, n);
+  const Eigen::Map<const Eigen::VectorXd> sigma(line_.sigma_mm.data() + window.first, n);
+  const double scatter = (window.kernel->rest * reading).squaredNorm() / sigma.squaredNorm();
+  // With correlation fewer of them are free.
+  const double free = static_cast<double>(n - 3) * (1.0 - line_.q) / (1.0 + line_.q);
+  return scatter <= window.kernel->expected_rest * (1.0 + kScatter * std::sqrt(2.0 / std::max(free, 2.0)));
 }
 
 LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.size(), 1) {
@@ -46,7 +59,7 @@ LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.
         const std::size_t left = std::min(kHalf[k], i - line.segment[s]);
         const std::size_t right = std::min(kHalf[k], line.segment[s + 1] - 1 - i);
         if (k > 0 && left + right + 1 < kFewest) break;
-        window_[k][i] = {i - left, &weightsFor(left, right)};
+        window_[k][i] = {i - left, &kernelFor(left, right)};
         sigma_mm_[k][i] = std::sqrt(covariance(window_[k][i], window_[k][i]));
         levels_[i] = static_cast<std::uint8_t>(k + 1);
       }
@@ -55,8 +68,8 @@ LineSmoother::LineSmoother(const ReadingLine& line) : line_(line), levels_(line.
 }
 
 double LineSmoother::apply(const Window& window, const std::vector<double>& reading_mm) {
-  const auto n = static_cast<Eigen::Index>(window.weight->size());
-  return Eigen::Map<const Eigen::VectorXd>(window.weight->data(), n)
+  const auto n = static_cast<Eigen::Index>(window.kernel->weight.size());
+  return Eigen::Map<const Eigen::VectorXd>(window.kernel->weight.data(), n)
       .dot(Eigen::Map<const Eigen::VectorXd>(reading_mm.data() + window.first, n));
 }
 
@@ -64,10 +77,11 @@ double LineSmoother::apply(const Window& window, const std::vector<double>& read
 /// all readings of b on that side have in common with a reading of a.
 double LineSmoother::covariance(const Window& a, const Window& b) const {
   const std::size_t begin = std::min(a.first, b.first);
-  const std::size_t end = std::max(a.first + a.weight->size(), b.first + b.weight->size());
+  const std::size_t end = std::max(a.first + a.kernel->weight.size(), b.first + b.kernel->weight.size());
   const auto term = [&](const Window& w, std::size_t i) {
-    return i < w.first || i >= w.first + w.weight->size() ? 0.0
-                                                          : (*w.weight)[i - w.first] * line_.sigma_mm[i];
+    return i < w.first || i >= w.first + w.kernel->weight.size()
+               ? 0.0
+               : w.kernel->weight[i - w.first] * line_.sigma_mm[i];
   };
   double sum = 0.0;
   double behind = 0.0;
@@ -94,7 +108,7 @@ void LineSmoother::smooth(const std::vector<double>& reading_mm, std::vector<dou
       const double estimate = apply(window_[k][i], reading_mm);
       low = std::max(low, estimate - kInterval * sigma_mm_[k][i]);
       high = std::min(high, estimate + kInterval * sigma_mm_[k][i]);
-      if (k > 0 && !(low <= high)) break;
+      if (k > 0 && (!(low <= high) || !fits(window_[k][i], reading_mm))) break;
       estimate_mm[i] = estimate;
       if (level != nullptr) (*level)[i] = k;
     }

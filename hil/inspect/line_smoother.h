@@ -14,10 +14,11 @@ namespace kerfbench::hil {
 /// Takes noise out of the readings along a line by a local parabola (least squares over a window of
 /// neighbours), the window as wide as the data allow at each place.
 ///
-/// Widths are tried from the narrowest: 1, 5, 9, 17, 33 readings. Each gives an interval estimate ± 3 sigma;
-/// the widest whose interval still meets those of all narrower ones is taken (intersection of confidence
-/// intervals: Goldenshluger and Nemirovski 1997), so a smooth cut is averaged over 33 readings and a step or
-/// a notch of one reading keeps its height. Windows do not reach across a gap.
+/// Widths are tried from the narrowest: 1, 5, 9, 17, 33 readings. Each gives an interval estimate ± 2.5
+/// sigma; the widest is taken whose interval still meets those of all narrower ones (intersection of
+/// confidence intervals: Goldenshluger and Nemirovski 1997) and whose parabola leaves no more scatter than
+/// noise does. So a smooth cut is averaged over 33 readings, and a step or a notch of one reading keeps its
+/// height. Windows do not reach across a gap.
 class LineSmoother {
  public:
   explicit LineSmoother(const ReadingLine& line);
@@ -40,16 +41,23 @@ class LineSmoother {
   static constexpr std::array<std::size_t, 5> kHalf{0, 2, 4, 8, 16};
 
  private:
+  /// A parabola over readings -left … right.
+  struct Kernel {
+    std::vector<double> weight;  ///< Of the readings, in its value at 0.
+    Eigen::MatrixXd rest;        ///< Turns readings into what the parabola leaves of them.
+    double expected_rest{};      ///< Mean square of that for noise of sigma 1.
+  };
   struct Window {
     std::size_t first{};
-    const std::vector<double>* weight{};
+    const Kernel* kernel{};
   };
-  const std::vector<double>& weightsFor(std::size_t left, std::size_t right);
+  const Kernel& kernelFor(std::size_t left, std::size_t right);
+  [[nodiscard]] bool fits(const Window& window, const std::vector<double>& reading_mm) const;
   [[nodiscard]] double covariance(const Window& a, const Window& b) const;
   static double apply(const Window& window, const std::vector<double>& reading_mm);
 
   const ReadingLine& line_;
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> weights_;
+  std::map<std::pair<std::size_t, std::size_t>, Kernel> kernels_;
   std::array<std::vector<Window>, kHalf.size()> window_;
   std::array<std::vector<double>, kHalf.size()> sigma_mm_;
   std::vector<std::uint8_t> levels_;  ///< How many widths fit at each reading.

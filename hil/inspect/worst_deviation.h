@@ -26,7 +26,7 @@ struct DeviationResult {
   DeviationEstimate all;
   std::vector<Quantity> circularity;  ///< Of lines that are whole circles: range of radii about the
                                       ///< least-squares centre (ISO 230-4); NaN for others.
-  std::vector<Quantity> widths;       ///< Median kerf width of each line; filled for lines of a kerf.
+  std::vector<Quantity> widths;       ///< Kerf width of each line; filled for lines of a kerf.
   UncertaintyBudget budget;           ///< Of all.worst.
   double chance_beyond{};             ///< That the truth of all.worst lies above the limit.
 };

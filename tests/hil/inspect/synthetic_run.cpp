@@ -35,7 +35,7 @@ CameraCalibration smallCamera(double half_mm) {
   for (const Eigen::Index parameter : {0, 2, 3}) {
     // Focal length, principal point.
     c.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
-    c.error_modes.back()[parameter] = 1e4 / half_mm * 1e-4;
+    c.error_modes.back()[parameter] = 1e3 / half_mm * 1e-4;
   }
   return c;
 }
