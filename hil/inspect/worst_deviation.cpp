@@ -105,6 +105,11 @@ class Simulated {
   }
 
   [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
+  [[nodiscard]] double seen() const {
+    std::vector<double> seen_mm;
+    smoother_.apply(likely_mm, level, seen_mm);
+    return largest(seen_mm);
+  }
   [[nodiscard]] bool isRound() const { return roundness_.has_value(); }
   [[nodiscard]] double roundnessOf(const std::vector<double>& offset_mm) const {
     return roundness_->of(offset_mm);
@@ -114,6 +119,7 @@ class Simulated {
   std::vector<double> estimate_mm;
   std::vector<std::uint8_t> level;
   std::vector<double> likely_mm;
+  double noise_share{};    ///< Of the estimates' noise variance that likely_mm still holds.
   double error_squares{};  ///< Expected sum of squares of the readings' errors.
   std::vector<double> reading_mm, simulated_mm;
 
@@ -134,7 +140,7 @@ class Simulated {
     return sum - (of_sum + line_.shared.colwise().sum().squaredNorm()) / static_cast<double>(line_.size());
   }
 
-  [[nodiscard]] std::vector<double> likelyTruth() const {
+  [[nodiscard]] std::vector<double> likelyTruth() {
     const std::size_t n = line_.size();
     if (n == 0) return {};
     const Eigen::MatrixXd basis = trendBasis(n);
@@ -144,6 +150,7 @@ class Simulated {
     for (std::size_t i = 0; i < n; ++i) by_noise += std::pow(smoother_.sigma(i, level[i]), 2);
     const double seen = (estimate - trend).squaredNorm();
     const double share = seen > by_noise ? std::sqrt(1.0 - by_noise / seen) : 0.0;
+    noise_share = share * share;
     const Eigen::VectorXd likely = trend + share * (estimate - trend);
     return {likely.begin(), likely.end()};
   }
@@ -170,6 +177,8 @@ struct Tally {
     std::vector<double> worst, sum_of_squares;
   };
   Numbers read, truth;
+  std::vector<double> seen;         ///< Worst of the likely truth as it is measured without noise.
+  std::vector<double> noise_share;  ///< Of the estimates' noise variance that the likely truth still holds.
   std::vector<Numbers> draws;
 };
 
@@ -194,16 +203,30 @@ class Group {
       rms.push_back(rmsOf(draw, error_squares_));
     }
     result.worst_as_read = worstOf(tally.read);
-    result.worst = basicInterval(result.worst_as_read, worstOf(tally.truth), std::move(worst), 0.0);
-    result.rms =
-        basicInterval(rmsOf(tally.read, error_squares_), rmsOf(tally.truth, 0.0), std::move(rms), 0.0);
     for (const std::size_t l : members_) {
       if (tally.read.worst[l] == result.worst_as_read) {
         result.line = l;
         break;
       }
     }
+    result.worst = basicInterval(result.worst_as_read, truthFor(tally, result.line), std::move(worst), 0.0);
+    result.rms =
+        basicInterval(rmsOf(tally.read, error_squares_), rmsOf(tally.truth, 0.0), std::move(rms), 0.0);
     return result;
+  }
+
+  /// The likely truth's worst, less what it owes to the noise that it still holds. Where places compete, the
+  /// largest exceeds the truth in proportion to the standard deviation of the noise. A truth that holds a
+  /// share h of the variance shows sqrt(1 + h) - sqrt(h) of that, so the rest must be taken off besides.
+  [[nodiscard]] double truthFor(const Tally& tally, std::size_t line) const {
+    double mean = 0.0;
+    for (const Tally::Numbers& draw : tally.draws)
+      mean += worstOf(draw) / static_cast<double>(tally.draws.size());
+    double seen = 0.0;
+    for (const std::size_t l : members_) seen = std::max(seen, tally.seen[l]);
+    const double h = tally.noise_share[line];
+    const double hidden = 1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0;
+    return worstOf(tally.truth) - hidden * std::max(mean - seen, 0.0);
   }
 
   [[nodiscard]] double worstOf(const Tally::Numbers& numbers) const {
@@ -245,6 +268,8 @@ Tally simulate(const ErrorModel& model, std::vector<Simulated>& lines, std::uint
   for (const Simulated& line : lines) {
     tally.read.worst.push_back(largest(line.estimate_mm));
     tally.truth.worst.push_back(largest(line.likely_mm));
+    tally.seen.push_back(line.seen());
+    tally.noise_share.push_back(line.noise_share);
     tally.truth.sum_of_squares.push_back(sumOfSquares(line.likely_mm, line.rms));
   }
   for (std::size_t l = 0; l < lines.size(); ++l)
