@@ -210,23 +210,29 @@ class Group {
       }
     }
     result.worst = basicInterval(result.worst_as_read, truthFor(tally, result.line), std::move(worst), 0.0);
+    result.worst_u_extreme = hidden(tally, result.line) / std::sqrt(12.0);
+    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_extreme);
     result.rms =
         basicInterval(rmsOf(tally.read, error_squares_), rmsOf(tally.truth, 0.0), std::move(rms), 0.0);
     return result;
   }
 
-  /// The likely truth's worst, less what it owes to the noise that it still holds. Where places compete, the
-  /// largest exceeds the truth in proportion to the standard deviation of the noise. A truth that holds a
-  /// share h of the variance shows sqrt(1 + h) - sqrt(h) of that, so the rest must be taken off besides.
-  [[nodiscard]] double truthFor(const Tally& tally, std::size_t line) const {
+  /// What the likely truth's worst may owe to the noise that it still holds. Where places compete, the
+  /// largest exceeds the truth in proportion to the standard deviation of the noise; a truth that holds a
+  /// share h of the variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one place
+  /// stands out nothing is. As it is somewhere between, half of it is taken off and counted as rectangular
+  /// (JCGM 100, 4.3.7).
+  [[nodiscard]] double hidden(const Tally& tally, std::size_t line) const {
     double mean = 0.0;
     for (const Tally::Numbers& draw : tally.draws)
       mean += worstOf(draw) / static_cast<double>(tally.draws.size());
     double seen = 0.0;
     for (const std::size_t l : members_) seen = std::max(seen, tally.seen[l]);
     const double h = tally.noise_share[line];
-    const double hidden = 1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0;
-    return worstOf(tally.truth) - hidden * std::max(mean - seen, 0.0);
+    return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seen, 0.0);
+  }
+  [[nodiscard]] double truthFor(const Tally& tally, std::size_t line) const {
+    return worstOf(tally.truth) - 0.5 * hidden(tally, line);
   }
 
   [[nodiscard]] double worstOf(const Tally::Numbers& numbers) const {
@@ -322,10 +328,11 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all)
       {"where the sheet lies, as its printed marks tell", b.u_own, 0.0},
       {"calibration of the camera", b.u_common, 0.0},
       {"smoothing along the line rounds off peaks", 0.0, b.smoothing_bias},
-      {"the largest of many noisy readings is too large on average", 0.0, b.extreme_bias},
+      {"the largest of many noisy readings is too large on average", all.worst_u_extreme,
+       b.extreme_bias + 0.5 * std::sqrt(12.0) * all.worst_u_extreme},
   };
-  out.analytic_U = 2.0 * std::hypot(b.u_noise, b.u_own, b.u_common);
-  out.analytic_value = std::max(all.worst_as_read - b.smoothing_bias - b.extreme_bias, 0.0);
+  out.analytic_U = 2.0 * std::hypot(std::hypot(b.u_noise, b.u_own, b.u_common), all.worst_u_extreme);
+  out.analytic_value = std::max(all.worst_as_read - b.smoothing_bias - out.entries.back().correction, 0.0);
   out.monte_carlo_U = all.worst.U;
   out.monte_carlo_value = all.worst.value;
   out.draws = kDraws;
