@@ -23,24 +23,28 @@ struct Side {
   bool first;    ///< Of a run of points that matter.
   double sign;
   const ExtremePoint* point;
+  double height_before, sigma_before;  ///< Of the point before.
 };
 
-double crossing(double z, double angle) {
+/// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
+double crossing(double a, double b, double angle) {
   double sum = 0.0;
   for (int k = 0; k < kSteps; ++k) {
     const double t = angle * (k + 0.5) / kSteps;
-    sum += std::exp(-z * z / (1.0 + std::cos(t)));
+    const double s = std::sin(t);
+    sum += std::exp(-(a * a + b * b - 2.0 * a * b * std::cos(t)) / (2.0 * s * s));
   }
-  return sum * angle / kSteps / (2.0 * std::numbers::pi);
+  return normalCdf(a) - normalCdf(std::min(a, b)) + sum * angle / kSteps / (2.0 * std::numbers::pi);
 }
 
-/// -log of the chance that this point is not the one to rise above w.
+/// -log of the chance that this point stays below w, given that the one before does.
 double hazard(const Side& s, double w) {
   const double z = (w - s.height) / s.sigma;
   if (z > kFar) return 0.0;
-  const double below = std::max(normalCdf(z), 1e-12);
-  if (s.first) return -std::log(below);
-  return -std::log1p(-std::min(crossing(z, s.angle) / below, 1.0 - 1e-9));
+  if (s.first) return -std::log(std::max(normalCdf(z), 1e-12));
+  const double before = (w - s.height_before) / s.sigma_before;
+  const double share = crossing(before, z, s.angle) / std::max(normalCdf(before), 1e-12);
+  return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
 }
 
 std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double least) {
@@ -54,7 +58,11 @@ std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double least)
         continue;
       }
       const bool first = broken || p.correlation <= 0.0;
-      sides.push_back({height, p.sigma, std::acos(std::clamp(p.correlation, 0.0, 1.0)), first, sign, &p});
+      const Side* before = first ? nullptr : &sides.back();
+      const double height_before = before != nullptr ? before->height : 0.0;
+      const double sigma_before = before != nullptr ? before->sigma : 1.0;
+      const double angle = std::acos(std::clamp(p.correlation, 0.0, 1.0));
+      sides.push_back({height, p.sigma, angle, first, sign, &p, height_before, sigma_before});
       broken = false;
     }
   }

@@ -29,10 +29,11 @@ struct ExtremeBudget {
 /// The distribution of the largest of correlated normal values: that no value lies above w is taken as a
 /// Markov chain of neighbours,
 ///
-///     P(max <= w) = prod over runs: Phi(z_1) · prod (1 - P(z_i-1 <= w < z_i) / Phi(z)),
-///     P(up-crossing) = 1/(2 pi) · integral from 0 to acos r of exp(-z² / (1 + cos t)) dt
+///     P(max <= w) = prod over runs: Phi(z_1) · prod (1 - P(Z_i-1 <= z_i-1, Z_i > z_i) / Phi(z_i-1)),
+///     P(Z1 <= a, Z2 > b) = Phi(a) - Phi(min(a, b))
+///         + 1/(2 pi) · integral from 0 to acos r of exp(-(a² + b² - 2 a b cos t) / (2 sin² t)) dt,
 ///
-/// (Rice 1945; the integral is exact for two normal values of correlation r).
+/// exact for two normal values of correlation r; for a = b it is Rice's (1945) crossing rate.
 ExtremeBudget extremeBudget(const std::vector<ExtremePoint>& points, Eigen::Index own);
 
 }  // namespace kerfbench::hil

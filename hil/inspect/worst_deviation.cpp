@@ -211,7 +211,8 @@ class Group {
     }
     result.worst = basicInterval(result.worst_as_read, truthFor(tally, result.line), std::move(worst), 0.0);
     result.worst_u_extreme = hidden(tally, result.line) / std::sqrt(12.0);
-    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_extreme);
+    result.worst_u_smoothing = std::abs(seenWorst(tally) - worstOf(tally.truth)) / std::sqrt(3.0);
+    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_extreme, 2.0 * result.worst_u_smoothing);
     result.rms =
         basicInterval(rmsOf(tally.read, error_squares_), rmsOf(tally.truth, 0.0), std::move(rms), 0.0);
     return result;
@@ -226,10 +227,14 @@ class Group {
     double mean = 0.0;
     for (const Tally::Numbers& draw : tally.draws)
       mean += worstOf(draw) / static_cast<double>(tally.draws.size());
-    double seen = 0.0;
-    for (const std::size_t l : members_) seen = std::max(seen, tally.seen[l]);
+    const double seen = seenWorst(tally);
     const double h = tally.noise_share[line];
     return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seen, 0.0);
+  }
+  [[nodiscard]] double seenWorst(const Tally& tally) const {
+    double seen = 0.0;
+    for (const std::size_t l : members_) seen = std::max(seen, tally.seen[l]);
+    return seen;
   }
   [[nodiscard]] double truthFor(const Tally& tally, std::size_t line) const {
     return worstOf(tally.truth) - 0.5 * hidden(tally, line);
@@ -327,11 +332,12 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all)
       {"noise and texture at the places that may be the worst, after smoothing", b.u_noise, 0.0},
       {"where the sheet lies, as its printed marks tell", b.u_own, 0.0},
       {"calibration of the camera", b.u_common, 0.0},
-      {"smoothing along the line rounds off peaks", 0.0, b.smoothing_bias},
+      {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large on average", all.worst_u_extreme,
        b.extreme_bias + 0.5 * std::sqrt(12.0) * all.worst_u_extreme},
   };
-  out.analytic_U = 2.0 * std::hypot(std::hypot(b.u_noise, b.u_own, b.u_common), all.worst_u_extreme);
+  out.analytic_U = 2.0 * std::hypot(std::hypot(b.u_noise, b.u_own, b.u_common), all.worst_u_extreme,
+                                    all.worst_u_smoothing);
   out.analytic_value = std::max(all.worst_as_read - b.smoothing_bias - out.entries.back().correction, 0.0);
   out.monte_carlo_U = all.worst.U;
   out.monte_carlo_value = all.worst.value;
