@@ -19,10 +19,6 @@ constexpr double kRecordMargin_s = 0.05;
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
 constexpr double kStationPitch_mm = 0.1;
 
-// Standard uncertainties: the estimators' noise, which tests/hil/vision measures against known truth.
-constexpr double kSpotU_mm = 0.0030;  // One spot, per axis, at the mean brightness of a job.
-constexpr double kKerfU_mm = 0.0012;  // One caliper: noise 0.2 … 1.1 um, sheet pose 0.3 um, bias 0.3 um.
-
 std::vector<twin::Exposure> exposuresWhileLaserWorks(twin::Twin& twin,
                                                      const std::vector<GateInterval>& gates) {
   std::vector<twin::Exposure> exposures = twin.takeExposures();
@@ -87,8 +83,8 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
     evidence.kerf = scanKerf(tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
     stopwatch.lap("kerf camera: render and measure");
   }
-  evidence.kerf_u_mm = kKerfU_mm;
-  evidence.spot_u_mm = kSpotU_mm;
+  evidence.kerf_calibration = cameras.kerf;
+  evidence.spot_calibration = cameras.spot;
 
   report.result = inspect(evidence, scenario.limits);
   report.limits = scenario.limits;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/inspect/inspect.h"
+#include "hil/inspect/worst_deviation.h"
 
 namespace kerfbench::hil::checks {
 
@@ -32,15 +33,22 @@ bool isBurntAsAsked(const Caliper& caliper, Process process);
 /// check.
 std::vector<const Caliper*> innerStations(const EntityKerf& kerf, const Curve& curve, double end_mm);
 
+/// Share of the inner stations that are burnt as the process asks.
+double coverageOf(const Evidence& evidence, const EntityKerf& kerf, const Limits& limits);
+/// Deviation of all lines with its uncertainty.
+DeviationResult measureLines(const Evidence& evidence, const Limits& limits);
 /// One result for each scanned entity, in the order of the scan; passes is still NaN.
-std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits);
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits,
+                                          const DeviationResult& deviations);
+/// Corners and ends, in the order of the scan.
+std::vector<JointResult> measureJoints(const Evidence& evidence);
 /// True when next to nothing was burnt on any unit: then offsets and widths are moot.
 bool isBlank(const std::vector<EntityResult>& entities);
 /// Holes in the kerf evidence, one sentence each.
 std::vector<std::string> kerfProblems(const Evidence& evidence);
 
 // Each check is decided and explained. nullopt: it does not apply to this dieline.
-Check pathCheck(const Evidence& evidence, const Limits& limits);
+Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationResult& deviations);
 Check coverageCheck(const Evidence& evidence, const Limits& limits,
                     const std::vector<EntityResult>& entities);
 std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);

@@ -133,17 +133,10 @@ Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
   ExtremeEstimate extreme(judged);
   const EntityResult* worst = nullptr;
   double worst_change_mm = 0.0;
-  for (std::size_t i = 0; i < entities.size(); ++i) {
-    const EntityResult& e = entities[i];
+  for (const EntityResult& e : entities) {
     if (!std::isfinite(e.width_mm)) continue;
-    const auto& calipers = evidence.kerf.entities[i].calipers;
-    const auto readings = std::count_if(calipers.begin(), calipers.end(), [](const Caliper& c) {
-      return c.found && !c.near_joint && std::isfinite(c.width_mm);
-    });
-    // Two edges, each a little worse than the centre; the median of n costs a factor of 1.25 over the mean.
-    const double sigma_mm = 2.0 * 1.25 * evidence.kerf_u_mm / std::sqrt(static_cast<double>(readings));
     const double change_mm = e.width_mm - usual[entityOf(evidence, e.entity).process];
-    extreme.add(change_mm, sigma_mm);
+    extreme.add(change_mm, 0.5 * e.width_U_mm);
     if (worst == nullptr || std::abs(change_mm) > std::abs(worst_change_mm)) {
       worst = &e;
       worst_change_mm = change_mm;

@@ -139,7 +139,7 @@ std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, co
   for (const LitFrame* frame : frames) {
     const double way_mm = wayFromEnd(curve, forward, frame->p_S_mm);
     if (way_mm > farthest_mm) continue;
-    const double sigma_mm = std::hypot(std::max(frame->sigma_mm, evidence.spot_u_mm), kRoughness_mm);
+    const double sigma_mm = std::hypot(frame->sigma_mm, kRoughness_mm);
     places.push_back({frame->time_s - gate.on_s, way_mm, sigma_mm});
     fitted += way_mm >= kNearest_mm ? 1 : 0;
   }

@@ -55,9 +55,20 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   const LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
   append(result.problems, checks::spotProblems(evidence, lit));
 
-  result.entities = checks::measureEntities(evidence, limits);
+  const DeviationResult deviations = checks::measureLines(evidence, limits);
+  result.entities = checks::measureEntities(evidence, limits, deviations);
+  result.rms_mm = deviations.all.rms;
+  for (std::size_t i = 0; i < deviations.layers.size(); ++i) {
+    result.layers.push_back(
+        {deviations.layer_names[i], deviations.layers[i].worst, deviations.layers[i].rms});
+  }
+  result.joints = checks::measureJoints(evidence);
   checks::countPasses(evidence, lit, result.entities);
-  result.cuts = checks::measureCuts(evidence, lit);
+  const checks::Stillness stillness = checks::measureCuts(evidence, lit, limits);
+  result.cuts = stillness.cuts;
+  for (const UncertaintyBudget& budget : {deviations.budget, stillness.budget}) {
+    if (!budget.entries.empty()) result.budgets.push_back(budget);
+  }
 
   const auto add = [&](auto check) {
     if constexpr (requires { check.has_value(); }) {
@@ -68,9 +79,9 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   };
   const bool blank = checks::isBlank(result.entities);
   const bool dark = lit.lit == 0;
-  if (!blank) add(checks::pathCheck(evidence, limits));
+  if (!blank) add(checks::pathCheck(evidence, limits, deviations));
   if (!(blank && dark)) {
-    add(checks::stillnessCheck(limits, lit, result.cuts));
+    add(checks::stillnessCheck(limits, lit, stillness));
     add(checks::spotPathCheck(evidence, limits, lit));
   }
   add(checks::coverageCheck(evidence, limits, result.entities));
@@ -87,6 +98,9 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
     add(checks::gateLagCheck(evidence, limits, lit));
   }
   add(checks::pulseTimingCheck(evidence));
+  for (Check& check : result.checks) {
+    if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
+  }
   result.verdict = combine(result.checks, result.problems.empty());
   return result;
 }

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/dieline/geometry.h"
+#include "hil/inspect/uncertainty.h"
 #include "hil/inspect/verdict.h"
+#include "hil/vision/camera_calibration.h"
 #include "hil/vision/kerf_scan.h"
 #include "hil/vision/spot_track.h"
 #include "twin/base/pulse_timing.h"
@@ -16,13 +19,12 @@ namespace kerfbench::hil {
 struct Limits {
   double path_mm{0.05};
   double stillness_mm{0.05};
-  double min_coverage{0.99};  ///< Share of stations with a kerf, per entity.
-  double kerf_width_mm{
-      0.05};             ///< Largest change of an entity's median width from the width usual for its process.
-  double stray_mm{0.5};  ///< Longest stray cut allowed.
-  double end_gap_mm{0.15};    ///< Longest piece left uncut at the start or the end of an entity.
-  double passes{1.5};         ///< An entity along which the spot went more often than this was cut twice.
-  double gate_tail_s{0.002};  ///< Longest time the spot may be seen outside the laser gate.
+  double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
+  double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.
+  double stray_mm{0.5};        ///< Longest stray cut allowed.
+  double end_gap_mm{0.15};     ///< Longest piece left uncut at the start or the end of an entity.
+  double passes{1.5};          ///< An entity along which the spot went more often than this was cut twice.
+  double gate_tail_s{0.002};   ///< Longest time the spot may be seen outside the laser gate.
   double gate_lag_s{
       0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
   double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
@@ -43,10 +45,10 @@ struct Evidence {
   KerfScan kerf;
   std::vector<PulseTiming> pulses;
   std::vector<GateInterval> gates;
-  /// Standard uncertainty of the offset that one caliper gives, and of one spot per axis, calibration
-  /// included. There is no default: a measurement without a stated uncertainty makes the verdict INVALID.
-  double kerf_u_mm{std::numeric_limits<double>::quiet_NaN()};
-  double spot_u_mm{std::numeric_limits<double>::quiet_NaN()};
+  /// With which the pictures were read. A camera without one, a reading outside its area and a reading
+  /// without a stated uncertainty of its own each make the verdict INVALID.
+  std::optional<CameraCalibration> kerf_calibration;
+  std::optional<CameraCalibration> spot_calibration;
   double pin_u_s{
       0.0};  ///< Standard uncertainty of the time of one pin edge; 0 for an emulator, which counts cycles.
   std::vector<std::string>
@@ -57,13 +59,19 @@ struct Evidence {
 struct EntityResult {
   int unit{};
   int entity{};
-  double worst_mm{};  ///< Signed offset of largest magnitude, away from joints; NaN if nothing was found.
-  double worst_u{};   ///< Where, parameter of the curve.
-  double rms_mm{};
+  double worst_mm{};    ///< Signed offset of largest magnitude, away from joints, corrected for being an
+                        ///< extreme of noisy readings; NaN if nothing was found.
+  double worst_U_mm{};  ///< Expanded uncertainty of its magnitude (k = 2), as all U here.
+  double worst_u{};     ///< Where, parameter of the curve.
+  double rms_mm{};      ///< Of the deviation, without what the readings' noise adds.
+  double rms_U_mm{};
   double
       coverage{};  ///< Share of stations burnt as the process asks, 0 … 1; of a perforation, the open share.
-  double width_mm{};  ///< Median.
-  double passes{};    ///< How often the spot went along it, from the spot camera: swept length / length.
+  double width_mm{};  ///< Mean, without outliers.
+  double width_U_mm{};
+  double circularity_mm{};  ///< Of a whole circle: range of radii about the least-squares centre (ISO 230-4).
+  double circularity_U_mm{};
+  double passes{};  ///< How often the spot went along it, from the spot camera: swept length / length.
 };
 
 /// Stillness of one cut (a run of frames with the spot alight).
@@ -74,17 +82,45 @@ struct CutResult {
   int frames{};       ///< Frames whose path direction lets x be seen.
   double drift_mm{};  ///< Change of the x-residual over the cut, by least squares; NaN if it cannot be seen.
   double drift_sigma_mm{};
-  double peak_mm{};
-  double rms_mm{};
+  double slope_mm_s{};  ///< drift_mm over the time from the first to the last of the frames.
+  double slope_sigma_mm_s{};
+  double peak_mm{};  ///< Largest |x-residual|, corrected for being an extreme.
+  double peak_U_mm{};
+  double rms_mm{};  ///< About the mean, without what the frames' noise adds.
+  double rms_U_mm{};
   std::vector<double> time_s{};       ///< For the report's plot.
   std::vector<double> residual_mm{};  ///< x-residual of spot against the dieline on the moving sheet.
 };
+
+/// Deviation of all lines of one layer, all units together.
+struct LayerResult {
+  std::string layer;
+  Quantity worst_mm;
+  Quantity rms_mm;
+};
+
+/// A corner, an end of a line or where a closed line closes.
+struct JointResult {
+  enum class Kind { kRounding, kOvershoot, kEndGap, kClosure };
+  Kind kind{};
+  int unit{};
+  int entity{};
+  int entity_out{};  ///< Of a corner: the entity that goes on; else the same.
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
+  bool at_start{};  ///< Of an end.
+  Quantity mm;      ///< Rounding and overshoot >= 0; a gap is > 0, an overlap < 0. NaN if not found.
+};
+std::string_view jointName(JointResult::Kind kind);  ///< "rounding", "overshoot", "end_gap", "closure"
 
 struct InspectionResult {
   Verdict verdict{Verdict::kInvalid};
   std::vector<Check> checks;
   std::vector<EntityResult> entities;
+  std::vector<LayerResult> layers;
+  std::vector<JointResult> joints;
+  Quantity rms_mm;  ///< Of the deviation of all lines.
   std::vector<CutResult> cuts;
+  std::vector<UncertaintyBudget> budgets;  ///< Of the quantities that decide: path, stillness.
   std::vector<std::string> problems;
 };
 

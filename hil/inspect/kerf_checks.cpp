@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the cut lies and whether it is there: path, coverage, stray.
+// Whether the cut is there: coverage, stray; holes in the evidence.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,52 +8,47 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks.h"
-#include "hil/inspect/extreme.h"
+#include "hil/inspect/error_model.h"
 
 namespace kerfbench::hil::checks {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-bool judgesOffset(const Caliper& c) { return c.found && !c.near_joint && std::isfinite(c.offset_mm); }
-
-/// Standard uncertainty of one offset: the caliper's own and that of the sheet's place, which the marks
-/// carry.
-double offsetSigma(const Evidence& evidence) {
-  const auto marks = static_cast<double>(std::max<std::size_t>(evidence.print.marks.size(), 1));
-  return std::hypot(evidence.kerf_u_mm, evidence.kerf.mark_residual_mm / std::sqrt(marks));
-}
-
-EntityResult measureEntity(const EntityKerf& kerf, const Entity& entity, const Limits& limits) {
-  EntityResult result{.unit = kerf.unit,
-                      .entity = kerf.entity,
-                      .worst_mm = kNan,
-                      .worst_u = kNan,
-                      .rms_mm = kNan,
-                      .coverage = 0.0,
-                      .width_mm = kNan,
-                      .passes = kNan};
-  double sum_of_squares = 0.0;
-  std::size_t count = 0;
-  std::vector<double> widths;
-  for (const Caliper& c : kerf.calipers) {
-    if (!judgesOffset(c)) continue;
-    if (std::isnan(result.worst_mm) || std::abs(c.offset_mm) > std::abs(result.worst_mm)) {
-      result.worst_mm = c.offset_mm;
-      result.worst_u = c.u;
-    }
-    sum_of_squares += c.offset_mm * c.offset_mm;
-    ++count;
-    if (std::isfinite(c.width_mm)) widths.push_back(c.width_mm);
-  }
-  if (count > 0) result.rms_mm = std::sqrt(sum_of_squares / static_cast<double>(count));
-  result.width_mm = medianOf(std::move(widths));
-
+double coverageOf(const EntityKerf& kerf, const Entity& entity, const Limits& limits) {
   const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  if (inner.empty()) return 0.0;
   const auto good = std::count_if(inner.begin(), inner.end(),
                                   [&](const Caliper* c) { return isBurntAsAsked(*c, entity.process); });
-  if (!inner.empty()) result.coverage = static_cast<double>(good) / static_cast<double>(inner.size());
-  return result;
+  return static_cast<double>(good) / static_cast<double>(inner.size());
+}
+
+/// Readings whose error nobody states.
+std::vector<std::string> uncertaintyProblems(const Evidence& evidence) {
+  if (!evidence.kerf_calibration) return {"There is no calibration of the kerf camera."};
+  std::vector<std::string> problems;
+  std::set<int> placed;
+  for (const UnitPose& pose : evidence.kerf.units) placed.insert(pose.unit);
+  const Eigen::AlignedBox2d& area_mm = evidence.kerf_calibration->area_mm;
+  std::size_t outside = 0;
+  std::size_t unstated = 0;
+  std::set<int> unplaced;
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    for (const Caliper& c : kerf.calipers) {
+      if (!judgesOffset(c)) continue;
+      if (!area_mm.contains(c.p_V_mm)) ++outside;
+      if (!(c.sigma_mm > 0.0) || !std::isfinite(c.sigma_mm)) ++unstated;
+      if (!placed.contains(kerf.unit)) unplaced.insert(kerf.unit);
+    }
+  }
+  if (outside > 0) {
+    problems.push_back(
+        fmt::format("{} readings lie outside the area that the kerf camera's calibration covers.", outside));
+  }
+  if (unstated > 0) problems.push_back(fmt::format("{} kerf readings state no uncertainty.", unstated));
+  for (const int unit : unplaced)
+    problems.push_back(fmt::format("Nothing tells how well unit {} was placed on the table.", unit));
+  return problems;
 }
 
 /// The longest run of neighbouring stations that are not burnt as asked, for the explanation.
@@ -103,13 +98,8 @@ std::vector<const Caliper*> innerStations(const EntityKerf& kerf, const Curve& c
   return inner.empty() ? all : inner;
 }
 
-std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits) {
-  std::vector<EntityResult> results;
-  for (const EntityKerf& kerf : evidence.kerf.entities) {
-    results.push_back(
-        measureEntity(kerf, evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)], limits));
-  }
-  return results;
+double coverageOf(const Evidence& evidence, const EntityKerf& kerf, const Limits& limits) {
+  return coverageOf(kerf, evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)], limits);
 }
 
 bool isBlank(const std::vector<EntityResult>& entities) {
@@ -145,56 +135,9 @@ std::vector<std::string> kerfProblems(const Evidence& evidence) {
     problems.push_back(
         fmt::format("{} of the entities were never scanned, the first is {}.", missing, first));
   }
-  if (!(evidence.kerf_u_mm > 0.0)) {
-    problems.emplace_back("No measurement uncertainty is stated for the kerf camera.");
-  }
+  const auto uncertainty = uncertaintyProblems(evidence);
+  problems.insert(problems.end(), uncertainty.begin(), uncertainty.end());
   return problems;
-}
-
-Check pathCheck(const Evidence& evidence, const Limits& limits) {
-  Check check{.name = "path", .title = "Deviation of the cut from the dieline", .unit = "mm"};
-  check.limit = limits.path_mm;
-  std::size_t readings = 0;
-  std::size_t silent = 0;
-  const Caliper* worst = nullptr;
-  const EntityKerf* where = nullptr;
-  for (const EntityKerf& kerf : evidence.kerf.entities) {
-    std::size_t own = 0;
-    for (const Caliper& c : kerf.calipers) {
-      if (!judgesOffset(c)) continue;
-      ++own;
-      if (worst == nullptr || std::abs(c.offset_mm) > std::abs(worst->offset_mm)) {
-        worst = &c;
-        where = &kerf;
-      }
-    }
-    readings += own;
-    if (own == 0) ++silent;
-  }
-  const double sigma_mm = offsetSigma(evidence);
-  ExtremeEstimate extreme(readings);
-  for (const EntityKerf& kerf : evidence.kerf.entities) {
-    for (const Caliper& c : kerf.calipers) {
-      if (judgesOffset(c)) extreme.add(c.offset_mm, sigma_mm);
-    }
-  }
-  check.value = extreme.value();
-  check.u = check.guard = extreme.expandedU();
-  decide(check);
-  if (worst == nullptr) {
-    check.explanation =
-        "No kerf was found on any dieline entity away from joints, so no deviation could be measured.";
-    return check;
-  }
-  check.subject = nameOf(where->unit, where->entity);
-  check.explanation = fmt::format(
-      "The largest of {} readings is {:.4f} mm, to the {} of the line at {}, station {:.2f} mm; each reading "
-      "has a "
-      "standard uncertainty of {:.4f} mm, and the value allows for picking the largest of so many.",
-      readings, std::abs(worst->offset_mm), sideOf(worst->offset_mm), placeOf(worst->p_S_mm),
-      worst->station_mm, sigma_mm);
-  if (silent > 0) check.explanation += fmt::format(" {} entities gave no reading; see coverage.", silent);
-  return check;
 }
 
 Check coverageCheck(const Evidence& evidence, const Limits& limits,
@@ -254,7 +197,8 @@ Check coverageCheck(const Evidence& evidence, const Limits& limits,
 Check strayCheck(const Evidence& evidence, const Limits& limits) {
   Check check{.name = "stray", .title = "Nothing is burnt beside the dieline", .unit = "mm"};
   check.limit = limits.stray_mm;
-  check.u = 2.0 * evidence.kerf_u_mm;
+  // Blobs are counted in whole pixels.
+  check.u = evidence.kerf_calibration ? evidence.kerf_calibration->pitchMm() : kNan;
   const StrayCut* worst = nullptr;
   for (const StrayCut& stray : evidence.kerf.strays) {
     if (!std::isfinite(stray.extent_mm)) check.value = kNan;

@@ -86,12 +86,27 @@ class PoseTrack {
     SheetPose pose = before->second;
     pose.p_WS_mm += share * (after->second.p_WS_mm - before->second.p_WS_mm);
     pose.angle_rad += share * (after->second.angle_rad - before->second.angle_rad);
+    pose.covariance =
+        (1.0 - share) * (1.0 - share) * before->second.covariance + share * share * after->second.covariance;
     return pose;
   }
 
  private:
   std::vector<std::pair<double, SheetPose>> poses_;
 };
+
+/// Standard uncertainty, per axis, of where the sheet is under a point, by one frame's marks.
+double sheetSigma(const SheetPose& pose, const Eigen::Vector2d& p_S_mm) {
+  if (!(pose.covariance.trace() > 0.0)) {
+    // Nothing stated: the marks' own scatter tells.
+    return std::isfinite(pose.residual_mm) && pose.marks > 1 ? pose.residual_mm / std::sqrt(pose.marks - 1.0)
+                                                             : 0.0;
+  }
+  const Eigen::Vector2d arm = Eigen::Rotation2Dd(pose.angle_rad) * p_S_mm;
+  Eigen::Matrix<double, 2, 3> J;
+  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  return std::sqrt(0.5 * (J * pose.covariance * J.transpose()).trace());
+}
 
 Eigen::Vector2d sheetFromWork(const SheetPose& pose, const Eigen::Vector2d& p_W_mm) {
   return Eigen::Rotation2Dd(-pose.angle_rad) * (p_W_mm - pose.p_WS_mm);
@@ -235,7 +250,7 @@ LitFrames followDieline(const SpotTrack& track, const Dieline& dieline) {
       if (best && distance_mm >= best_distance_mm) continue;
       best = LitFrame{.frame = i,
                       .time_s = frame.mid_s,
-                      .sigma_mm = frame.spot_sigma_mm,
+                      .sigma_mm = std::hypot(frame.spot_sigma_mm, sheetSigma(*pose, p_S_mm)),
                       .unit = unit,
                       .p_S_mm = p_S_mm,
                       .entity = -1,

@@ -15,7 +15,7 @@ namespace kerfbench::hil {
 struct LitFrame {
   std::size_t frame{};  ///< Index in SpotTrack::frames.
   double time_s{};
-  double sigma_mm{};  ///< Standard uncertainty of the spot per axis.
+  double sigma_mm{};  ///< Standard uncertainty of the spot on its sheet per axis: spot and sheet, noise only.
   int unit{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
   int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.

@@ -3,6 +3,7 @@
 
 // The parts of inspect() that rest on the spot camera. Private to hil/inspect and its tests.
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -11,13 +12,22 @@
 
 namespace kerfbench::hil::checks {
 
-/// Stillness of each run of lit frames.
-std::vector<CutResult> measureCuts(const Evidence& evidence, const LitFrames& lit);
+/// Stillness of each run of lit frames, and of the worst.
+struct Stillness {
+  std::vector<CutResult> cuts;
+  Quantity worst_drift_mm;  ///< Magnitude; NaN if no cut shows x.
+  std::size_t worst_cut{};
+  double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
+  UncertaintyBudget budget;
+};
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
+/// The spot burns away from every line.
+inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
 /// Fills EntityResult::passes.
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
-Check stillnessCheck(const Limits& limits, const LitFrames& lit, const std::vector<CutResult>& cuts);
+Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "hil/inspect/uncertainty.h"
+
 namespace kerfbench::hil {
 
 std::string_view verdictName(Verdict verdict) {
@@ -44,6 +48,31 @@ Verdict decide(Check& check) {
   if (excess > check.guard) return check.verdict = Verdict::kFail;
   if (excess <= -check.guard) return check.verdict = Verdict::kPass;
   return check.verdict = Verdict::kNotProven;
+}
+
+namespace {
+
+std::string percent(double chance) {
+  if (chance < 1e-5) return "below 0.001 %";
+  if (chance > 1.0 - 1e-5) return "above 99.999 %";
+  return fmt::format("{:.2g} %", 100.0 * chance);
+}
+
+}  // namespace
+
+std::string riskSentence(Check& check) {
+  if (check.verdict == Verdict::kInvalid || !(check.u > 0.0) || !(check.guard > 0.0)) return {};
+  if (std::isnan(check.chance_beyond)) {
+    const double above = chanceAboveNormal(check.limit, {check.value, check.u});
+    check.chance_beyond = check.upper ? above : 1.0 - above;
+  }
+  const std::string limit = fmt::format("{:.3g}{}{}", check.limit, check.unit.empty() ? "" : " ", check.unit);
+  if (check.verdict == Verdict::kFail) {
+    return fmt::format("The chance that a sheet with this reading is in truth within {} is {}.", limit,
+                       percent(1.0 - check.chance_beyond));
+  }
+  return fmt::format("The chance that a sheet with this reading is in truth beyond {} is {}.", limit,
+                     percent(check.chance_beyond));
 }
 
 Verdict combine(const std::vector<Check>& checks, bool evidence_valid) {

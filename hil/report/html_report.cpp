@@ -107,27 +107,32 @@ std::string entityTable(const RunReport& report) {
   const auto number = [](double v, double scale, int digits) {
     return std::isfinite(v) ? fmt::format("{:.{}f}", scale * v, digits) : std::string("–");
   };
+  const auto withU = [&](double value, double U) {
+    return std::isfinite(value) ? number(value, 1e3, 1) + " ± " + number(U, 1e3, 1) : std::string("–");
+  };
   std::string html =
       "<table><thead><tr><th>Entity<th>Process<th>Origin<th class=num>Worst, µm<th class=num>RMS, µm<th "
-      "class=num>Coverage, %<th class=num>Width, µm<th class=num>Passes</tr></thead><tbody>";
+      "class=num>Coverage, %<th class=num>Width, µm<th class=num>Circularity, µm<th "
+      "class=num>Passes</tr></thead><tbody>";
   for (std::size_t i = 0; i < std::min(rows.size(), kMaxEntityRows); ++i) {
     const EntityResult& e = *rows[i];
     const auto index = static_cast<std::size_t>(e.entity);
     const bool known = index < report.dieline.entities.size();
     html += fmt::format(
         "<tr><td>unit {}, E{}<td>{}<td>{} <small>{}</small><td class='num{}'>{}<td class=num>{}<td "
-        "class='num{}'>{}<td class=num>{}<td class='num{}'>{}</tr>",
+        "class='num{}'>{}<td class=num>{}<td class=num>{}<td class='num{}'>{}</tr>",
         e.unit, e.entity, known ? processName(report.dieline.entities[index].process) : "",
         known ? escapeHtml(report.dieline.entities[index].origin) : std::string(),
         known ? escapeHtml(report.dieline.entities[index].layer) : std::string(),
-        std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", number(e.worst_mm, 1e3, 1),
-        number(e.rms_mm, 1e3, 1),
+        std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", withU(e.worst_mm, e.worst_U_mm),
+        withU(e.rms_mm, e.rms_U_mm),
         known && report.dieline.entities[index].process != Process::kPerforation &&
                 e.coverage < report.limits.min_coverage
             ? " hit"
             : "",
-        number(e.coverage, 100.0, 1), number(e.width_mm, 1e3, 0),
-        e.passes > report.limits.passes ? " hit" : "", number(e.passes, 1.0, 2));
+        number(e.coverage, 100.0, 1), withU(e.width_mm, e.width_U_mm),
+        withU(e.circularity_mm, e.circularity_U_mm), e.passes > report.limits.passes ? " hit" : "",
+        number(e.passes, 1.0, 2));
   }
   html += "</tbody></table>";
   if (rows.size() > kMaxEntityRows) {
@@ -233,6 +238,7 @@ std::string htmlReport(const RunReport& report) {
   section(page, "Stillness along x, cut by cut", stillnessFigures(report));
   section(page, "Pulse timing", pulseFigures(report));
   if (!result.entities.empty()) section(page, "Entities", entityTable(report));
+  section(page, "What the measurement is worth", uncertaintySection(report));
   section(page, "Pictures of the machine", shownPictures(report));
   std::string pictures;
   for (const ReportPicture& picture : report.pictures) {

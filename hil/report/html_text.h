@@ -33,6 +33,8 @@ std::string dielineFigures(const RunReport& report);
 std::string worstPlaces(const RunReport& report);
 std::string stillnessFigures(const RunReport& report);
 std::string pulseFigures(const RunReport& report);
+/// What the measurement is worth: budgets, layers, corners and ends.
+std::string uncertaintySection(const RunReport& report);
 /// Steps that the machine lost, below the verdict.
 std::string lostStepsBanner(const RunReport& report);
 /// Preset, seed, model, what was drawn, what was lost.

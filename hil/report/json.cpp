@@ -49,6 +49,7 @@ J checkJson(const Check& c) {
   j["limit_is"] = c.upper ? "upper" : "lower";
   j["guard"] = rounded(c.guard);
   j["expanded_uncertainty"] = rounded(c.u);
+  j["chance_beyond_limit"] = rounded(c.chance_beyond);
   j["subject"] = c.subject;
   return j;
 }
@@ -59,10 +60,15 @@ J entityJson(const EntityResult& e) {
   j["unit"] = e.unit;
   j["entity"] = e.entity;
   j["worst_mm"] = rounded(e.worst_mm);
+  j["worst_U_mm"] = rounded(e.worst_U_mm);
   j["worst_u"] = rounded(e.worst_u);
   j["rms_mm"] = rounded(e.rms_mm);
+  j["rms_U_mm"] = rounded(e.rms_U_mm);
   j["coverage"] = rounded(e.coverage);
   j["width_mm"] = rounded(e.width_mm);
+  j["width_U_mm"] = rounded(e.width_U_mm);
+  j["circularity_mm"] = rounded(e.circularity_mm);
+  j["circularity_U_mm"] = rounded(e.circularity_U_mm);
   j["passes"] = rounded(e.passes);
   return j;
 }
@@ -77,8 +83,50 @@ J cutJson(const CutResult& c) {
   j["frames"] = c.frames;
   j["drift_mm"] = rounded(c.drift_mm);
   j["drift_sigma_mm"] = rounded(c.drift_sigma_mm);
+  j["slope_mm_s"] = rounded(c.slope_mm_s);
+  j["slope_sigma_mm_s"] = rounded(c.slope_sigma_mm_s);
   j["peak_mm"] = rounded(c.peak_mm);
+  j["peak_U_mm"] = rounded(c.peak_U_mm);
   j["rms_mm"] = rounded(c.rms_mm);
+  j["rms_U_mm"] = rounded(c.rms_U_mm);
+  return j;
+}
+
+template <typename J>
+J quantityJson(const Quantity& q) {
+  J j;
+  j["value"] = rounded(q.value);
+  j["U"] = rounded(q.U);
+  return j;
+}
+
+template <typename J>
+J jointJson(const JointResult& r) {
+  J j = quantityJson<J>(r.mm);
+  j["kind"] = jointName(r.kind);
+  j["unit"] = r.unit;
+  j["entity"] = r.entity;
+  j["entity_out"] = r.entity_out;
+  j["at_start"] = r.at_start;
+  j["x_mm"] = rounded(r.p_S_mm.x());
+  j["y_mm"] = rounded(r.p_S_mm.y());
+  return j;
+}
+
+OrderedJson budgetJson(const UncertaintyBudget& b) {
+  OrderedJson j;
+  j["quantity"] = b.quantity;
+  j["unit"] = b.unit;
+  j["as_read"] = rounded(b.as_read);
+  j["sources"] = OrderedJson::array();
+  for (const BudgetEntry& e : b.entries) {
+    j["sources"].push_back({{"source", e.source},
+                            {"standard_uncertainty", rounded(e.u)},
+                            {"correction", rounded(-e.correction)}});
+  }
+  j["budget"] = {{"value", rounded(b.analytic_value)}, {"U", rounded(b.analytic_U)}};
+  j["monte_carlo"] = {
+      {"value", rounded(b.monte_carlo_value)}, {"U", rounded(b.monte_carlo_U)}, {"draws", b.draws}};
   return j;
 }
 
@@ -208,6 +256,17 @@ std::string verdictJson(const RunReport& report) {
     }
     root["entities"].push_back(std::move(j));
   }
+  root["layers"] = OrderedJson::array();
+  for (const LayerResult& l : result.layers) {
+    root["layers"].push_back({{"layer", l.layer},
+                              {"worst_mm", quantityJson<OrderedJson>(l.worst_mm)},
+                              {"rms_mm", quantityJson<OrderedJson>(l.rms_mm)}});
+  }
+  root["rms_mm"] = quantityJson<OrderedJson>(result.rms_mm);
+  root["joints"] = OrderedJson::array();
+  for (const JointResult& j : result.joints) root["joints"].push_back(jointJson<OrderedJson>(j));
+  root["uncertainty_budgets"] = OrderedJson::array();
+  for (const UncertaintyBudget& b : result.budgets) root["uncertainty_budgets"].push_back(budgetJson(b));
   const auto judged = std::count_if(result.cuts.begin(), result.cuts.end(),
                                     [](const CutResult& c) { return std::isfinite(c.drift_mm); });
   root["cuts"] = {{"count", result.cuts.size()}, {"judged", judged}, {"list", OrderedJson::array()}};

@@ -32,6 +32,7 @@ struct Caliper {
   double u{};                                       ///< Parameter on the entity's curve.
   double station_mm{};                              ///< Arc length from its start.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The nominal point.
+  Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};  ///< Where in the camera's plane it was looked at.
   bool found{};                                     ///< A kerf (or crease) crosses the caliper.
   double offset_mm{};  ///< Kerf centre minus nominal, along the left normal; NaN if not found.
   double

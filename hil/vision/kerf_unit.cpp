@@ -106,6 +106,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     if (view == nullptr) {
       ++unseen;
     } else {
+      caliper.p_V_mm = X_TS_ * station.p_S_mm - view->tile.p_TV_mm;
       this->caliper(plan, station, *view, scratch, caliper, reading);
     }
     kerf.calipers.push_back(caliper);

@@ -34,7 +34,6 @@ class Start {
       : backwards_(backwards) {
     dieline_.entities.push_back({0, std::move(curve), process, "CUT", "line 4: LINE"});
     evidence_.dieline = &dieline_;
-    evidence_.spot_u_mm = kSpotU_mm;
   }
   Start(const Start&) = delete;
   Start& operator=(const Start&) = delete;

@@ -52,9 +52,15 @@ TEST(Inspect, EveryKindOfBrokenEvidenceIsInvalid) {
               for (auto& frame : r.evidence.spot.frames) frame.sheet.clear();
             }),
             Verdict::kInvalid);
-  EXPECT_EQ(
-      verdictAfter([](SyntheticRun& r) { r.evidence.spot_u_mm = std::numeric_limits<double>::quiet_NaN(); }),
-      Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.spot_calibration.reset(); }), Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.kerf_calibration.reset(); }), Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.kerf(0, kTop).calipers[50].sigma_mm = 0.0; }),
+            Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.kerf(0, kTop).calipers[50].p_V_mm.x() = 61.0; }),
+            Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.spot_calibration->area_mm.max().x() = 100.0; }),
+            Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.kerf.units.pop_back(); }), Verdict::kInvalid);
 }
 
 TEST(Inspect, IsPure) {

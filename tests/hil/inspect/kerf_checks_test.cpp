@@ -47,7 +47,7 @@ TEST(PathCheck, LeavesOutJoints) {
 
 TEST(PathCheck, WithoutStatedUncertaintyIsInvalid) {
   SyntheticRun run;
-  run.evidence.kerf_u_mm = kNan;
+  run.evidence.kerf_calibration.reset();
   EXPECT_EQ(checkOf(run.inspected(), "path").verdict, Verdict::kInvalid);
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
@@ -128,6 +128,7 @@ TEST(PerforationCheck, WithoutBridgesFailsEvenWithoutAnOrder) {
     c.found = true;
     c.offset_mm = 0.0;
     c.width_mm = 0.21;
+    c.sigma_mm = c.width_sigma_mm = 0.001;
     c.brightness = 1.0;
   }
   EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kFail);

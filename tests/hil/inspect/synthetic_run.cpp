@@ -15,10 +15,30 @@ constexpr double kPeriod_s = 1e-3;
 constexpr double kBelt_mm_s = 200.0;
 constexpr double kCut_mm_s = 300.0;
 constexpr double kPitch_mm = 80.0;
-constexpr double kKerf_u_mm = 0.0015;
-constexpr double kSpot_u_mm = 0.003;
+constexpr double kNoise_mm = 0.001;  // Of one caliper.
 
 Curve line(double x0, double y0, double x1, double y1) { return LineCurve{{x0, y0}, {x1, y1}}; }
+
+/// A camera that looks straight down on a square around the origin, known to about 0.1 um.
+CameraCalibration smallCamera(double half_mm) {
+  CameraCalibration c;
+  c.width_px = c.height_px = 2000;
+  c.fx_px = c.fy_px = 10000.0;
+  c.cx_px = c.cy_px = 999.5;
+  c.X_CP.linear() = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  c.X_CP.translation() = Eigen::Vector3d(0.0, 0.0, 10.0 * half_mm);
+  c.camera_id = "small";
+  c.date = "2024-05-01";
+  c.rms_px = 0.005;
+  c.map_u_mm = 1e-4;
+  c.area_mm = Eigen::AlignedBox2d(Eigen::Vector2d(-half_mm, -half_mm), Eigen::Vector2d(half_mm, half_mm));
+  for (const Eigen::Index parameter : {0, 2, 3}) {
+    // Focal length, principal point.
+    c.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
+    c.error_modes.back()[parameter] = 1e3 / half_mm * 1e-4;
+  }
+  return c;
+}
 
 }  // namespace
 
@@ -44,8 +64,12 @@ SyntheticRun::SyntheticRun() {
   for (const double x : {-5.0, 65.0}) {
     for (const double y : {-5.0, 45.0}) evidence.print.marks.push_back({{x, y}, 3.0});
   }
-  evidence.kerf_u_mm = kKerf_u_mm;
-  evidence.spot_u_mm = kSpot_u_mm;
+  evidence.kerf_calibration = smallCamera(60.0);
+  evidence.spot_calibration = smallCamera(3000.0);
+  for (int unit = 0; unit < evidence.print.units; ++unit) {
+    Eigen::Matrix3d covariance = Eigen::Vector3d(1e-8, 1e-8, 1e-12).asDiagonal();
+    evidence.kerf.units.push_back({unit, {-30.0, -20.0}, 0.0, covariance, 0.001, 4});
+  }
   evidence.kerf.mark_residual_mm = 0.001;
   PulseTiming timing;
   timing.profile = {.name = "two-phase driver",
@@ -100,13 +124,15 @@ void SyntheticRun::addKerf() {
         c.u = u;
         c.station_mm = u * length_mm;
         c.p_S_mm = pointAt(entity.curve, u);
+        c.p_V_mm = c.p_S_mm - Eigen::Vector2d(30.0, 20.0);
         const bool outline = entity.id <= kLeft;
         c.near_joint = outline && (c.station_mm < 0.4 || c.station_mm > length_mm - 0.4);
         c.found = entity.process != Process::kPerforation || std::fmod(c.station_mm, 4.0) <= 3.0;
         c.brightness = !c.found ? 0.0 : entity.process == Process::kCrease ? 0.4 : 1.0;
-        c.offset_mm = c.found ? 0.001 * noise() : std::numeric_limits<double>::quiet_NaN();
-        c.width_mm = c.found ? (entity.process == Process::kCrease ? 0.15 : 0.21) + 0.001 * noise()
+        c.offset_mm = c.found ? kNoise_mm * noise() : std::numeric_limits<double>::quiet_NaN();
+        c.width_mm = c.found ? (entity.process == Process::kCrease ? 0.15 : 0.21) + kNoise_mm * noise()
                              : std::numeric_limits<double>::quiet_NaN();
+        c.sigma_mm = c.width_sigma_mm = c.found ? kNoise_mm : std::numeric_limits<double>::quiet_NaN();
         kerf.calipers.push_back(c);
       }
       evidence.kerf.entities.push_back(std::move(kerf));

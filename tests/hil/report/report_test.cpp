@@ -122,7 +122,7 @@ TEST(VerdictJson, HasTheKeysOfItsSchema) {
 
 TEST(VerdictJson, WritesNoNumberAsNull) {
   SyntheticRun run;
-  run.evidence.kerf_u_mm = std::nan("");
+  run.evidence.kerf_calibration.reset();
   const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
   EXPECT_TRUE(json["checks"][0]["value"].is_null());
   EXPECT_EQ(json["verdict"], "INVALID");

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does the beam rest on the moving sheet, along x, during each cut?
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks.h"
+#include "hil/inspect/error_model.h"
+#include "hil/inspect/spot_checks.h"
+#include "hil/inspect/worst_deviation.h"
+
+namespace kerfbench::hil::checks {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMinNormalX = 0.7;    ///< Steeper lines do not let x be seen.
+constexpr std::size_t kMinFrames = 5;  ///< For a slope that means something.
+constexpr std::uint64_t kSeed = 0x7374696c6c6d6d31ULL;
+
+/// The frames of a cut that show x, and how they may be wrong.
+struct CutReadings {
+  std::vector<double> sigma_mm;
+  Eigen::MatrixXd shared;  ///< Frames x modes of the camera: shift of the x-residual, mm.
+};
+
+/// The entity with the most frames of a run; -1 if none has any.
+int entityOfRun(const LitFrames& lit, const LitRun& run) {
+  std::map<int, std::size_t> frames;
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (lit.frames[i].entity >= 0) ++frames[lit.frames[i].entity];
+  }
+  const auto most = std::max_element(frames.begin(), frames.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == frames.end() ? -1 : most->first;
+}
+
+CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& run, const ModeField& field,
+                  CutReadings& readings) {
+  CutResult cut;
+  cut.unit = lit.frames[run.begin].unit;
+  cut.entity = entityOfRun(lit, run);
+  cut.start_s = lit.frames[run.begin].time_s;
+  cut.end_s = lit.frames[run.end - 1].time_s;
+  cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
+  cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
+  readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), field.modes());
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    const LitFrame& frame = lit.frames[i];
+    if (frame.entity < 0 || frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
+    const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
+    const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
+    for (Eigen::Index k = 0; k < field.modes(); ++k) {
+      const Eigen::Vector2d shift = spot_W_mm ? field.at(k, *spot_W_mm) : Eigen::Vector2d::Zero();
+      readings.shared(cut.frames, k) = shift.x() + n_y / std::abs(frame.n_x) * shift.y();
+    }
+    cut.time_s.push_back(frame.time_s);
+    cut.residual_mm.push_back(frame.deviation_mm / frame.n_x);
+    readings.sigma_mm.push_back(frame.sigma_mm / std::abs(frame.n_x));
+    ++cut.frames;
+  }
+  readings.shared.conservativeResize(cut.frames, field.modes());
+  return cut;
+}
+
+/// Least-squares line through the residuals of a cut; its uncertainty by noise that is correlated from frame
+/// to frame. Returns how a shift of each frame moves the drift.
+Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q) {
+  const auto n = static_cast<Eigen::Index>(cut.residual_mm.size());
+  if (n < static_cast<Eigen::Index>(kMinFrames)) return {};
+  const Eigen::Map<const Eigen::VectorXd> time(cut.time_s.data(), n);
+  const Eigen::Map<const Eigen::VectorXd> residual(cut.residual_mm.data(), n);
+  const Eigen::VectorXd t = time.array() - time.mean();
+  const double s_tt = t.squaredNorm();
+  if (!(s_tt > 0.0)) return {};
+  const double duration_s = cut.time_s.back() - cut.time_s.front();
+  const Eigen::VectorXd slope_weight = t / s_tt;
+  cut.slope_mm_s = slope_weight.dot(residual);
+  cut.drift_mm = cut.slope_mm_s * duration_s;
+  // The scatter about the line speaks up if it is beyond what the stated noise may show.
+  const double free = static_cast<double>(n) - 2.0;
+  const double scatter =
+      (residual.array() - residual.mean() - cut.slope_mm_s * t.array()).square().sum() / free;
+  double stated = 0.0;
+  for (const double s : sigma_mm) stated += s * s / static_cast<double>(n);
+  if (scatter > stated * (1.0 + 3.0 * std::sqrt(2.0 / free))) {
+    for (double& s : sigma_mm) s *= std::sqrt(scatter / stated);
+  }
+  double variance = 0.0;
+  double behind = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double own = slope_weight[i] * sigma_mm[static_cast<std::size_t>(i)];
+    behind *= q;
+    variance += own * (own + 2.0 * behind);
+    behind += own;
+  }
+  cut.slope_sigma_mm_s = std::sqrt(std::max(variance, 0.0));
+  cut.drift_sigma_mm = cut.slope_sigma_mm_s * duration_s;
+  return slope_weight * duration_s;
+}
+
+ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<double>& sigma_mm,
+                   const Eigen::MatrixXd& shared, double q) {
+  ReadingLine line;
+  line.reading_mm = reading_mm;
+  line.sigma_mm = sigma_mm;
+  line.q = q;
+  line.segment = {0, line.size()};
+  line.shared.setZero(shared.rows(), ReadingLine::kPose + shared.cols());
+  line.shared.rightCols(shared.cols()) = shared;
+  return line;
+}
+
+/// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
+void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes,
+                  std::vector<CutResult>& cuts) {
+  ErrorModel peak{{}, modes, 0.0};
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const CutResult& cut = cuts[i];
+    peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
+  }
+  const std::vector<LineKind> kinds(cuts.size(), LineKind{"", LineKind::Rms::kAboutMean, false, {}});
+  const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kSeed);
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    cuts[i].peak_mm = peaks.lines[i].worst.value;
+    cuts[i].peak_U_mm = peaks.lines[i].worst.U;
+    cuts[i].rms_mm = peaks.lines[i].rms.value;
+    cuts[i].rms_U_mm = peaks.lines[i].rms.U;
+  }
+}
+
+/// The drifts of all cuts as readings that do not follow from each other.
+ReadingLine driftsOf(const std::vector<CutResult>& cuts, const std::vector<Eigen::VectorXd>& weights,
+                     const std::vector<CutReadings>& readings, Eigen::Index modes) {
+  ReadingLine line;
+  std::vector<Eigen::RowVectorXd> rows;
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    if (!std::isfinite(cuts[i].drift_mm)) continue;
+    line.segment.push_back(line.size());
+    line.caliper.push_back(i);
+    line.reading_mm.push_back(cuts[i].drift_mm);
+    line.sigma_mm.push_back(cuts[i].drift_sigma_mm);
+    rows.emplace_back(weights[i].transpose() * readings[i].shared);
+  }
+  line.segment.push_back(line.size());
+  line.shared.setZero(static_cast<Eigen::Index>(rows.size()), ReadingLine::kPose + modes);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    line.shared.row(static_cast<Eigen::Index>(i)).tail(modes) = rows[i];
+  return line;
+}
+
+}  // namespace
+
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits) {
+  Stillness result;
+  const ModeField field(evidence.spot_calibration.value_or(CameraCalibration{}));
+  std::vector<CutReadings> readings;
+  std::vector<std::vector<double>> series;
+  for (const LitRun& run : lit.runs) {
+    result.cuts.push_back(readCut(evidence, lit, run, field, readings.emplace_back()));
+    std::vector<double>& x = series.emplace_back(result.cuts.back().residual_mm);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] /= readings.back().sigma_mm[i];
+  }
+  const double q = neighbourCorrelation(series);
+  std::vector<Eigen::VectorXd> weights;
+  for (std::size_t i = 0; i < result.cuts.size(); ++i)
+    weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
+  measurePeaks(readings, q, field.modes(), result.cuts);
+
+  ErrorModel drifts{{driftsOf(result.cuts, weights, readings, field.modes())}, field.modes(), 0.0};
+  // The camera's part of each drift, for people; the worst below knows that it is common to all.
+  for (std::size_t i = 0; i < drifts.lines[0].size(); ++i) {
+    CutResult& cut = result.cuts[drifts.lines[0].caliper[i]];
+    const double shared_mm = drifts.lines[0].shared.row(static_cast<Eigen::Index>(i)).norm();
+    const double scale = cut.slope_sigma_mm_s / cut.drift_sigma_mm;
+    cut.drift_sigma_mm = std::hypot(cut.drift_sigma_mm, shared_mm);
+    cut.slope_sigma_mm_s = scale * cut.drift_sigma_mm;
+  }
+  if (drifts.lines[0].size() == 0) return result;
+  const DeviationResult worst = measureDeviations(drifts, {LineKind{}}, limits.stillness_mm, kSeed + 1);
+  result.worst_drift_mm = worst.all.worst;
+  result.chance_beyond = worst.chance_beyond;
+  result.worst_cut = drifts.lines[0].caliper[worst.all.reading];
+  result.budget = worst.budget;
+  result.budget.quantity = "largest drift along x of all cuts";
+  if (!result.budget.entries.empty()) {
+    result.budget.entries = {
+        {"spot and sheet in each frame, through the line fitted to the cut", worst.budget.entries[0].u, 0.0},
+        worst.budget.entries[2],
+        worst.budget.entries[4]};
+  }
+  return result;
+}
+
+Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness) {
+  Check check{
+      .name = "stillness_x", .title = "Beam at rest relative to the moving sheet, along x", .unit = "mm"};
+  const std::vector<CutResult>& cuts = stillness.cuts;
+  check.limit = limits.stillness_mm;
+  check.value = kNan;
+  const auto judged = static_cast<std::size_t>(
+      std::count_if(cuts.begin(), cuts.end(), [](const CutResult& c) { return std::isfinite(c.drift_mm); }));
+  if (judged > 0) {
+    const CutResult& worst = cuts[stillness.worst_cut];
+    check.value = stillness.worst_drift_mm.value;
+    check.u = check.guard = stillness.worst_drift_mm.U;
+    check.chance_beyond = stillness.chance_beyond;
+    decide(check);
+    check.subject = nameOf(worst.unit, worst.entity);
+    check.explanation = fmt::format(
+        "Of {} cuts that show x, the spot drifted most against the sheet in the one of {} at {:.3f} s: "
+        "{:+.4f} mm over "
+        "{:.0f} ms, standard uncertainty {:.4f} mm.",
+        judged, check.subject, worst.start_s, worst.drift_mm,
+        1e3 * (worst.time_s.back() - worst.time_s.front()), worst.drift_sigma_mm);
+    if (judged < cuts.size()) {
+      check.explanation += fmt::format(
+          " {} cuts run along x, are shorter than {} frames or are off the dieline, and "
+          "cannot show it.",
+          cuts.size() - judged, kMinFrames);
+    }
+    return check;
+  }
+  // No cut stayed with the dieline. If the spot was seen to leave it, that is proof enough.
+  const LitFrame* farthest = nullptr;
+  std::size_t off = 0;
+  for (const LitFrame& frame : lit.frames) {
+    if (!isOffLine(frame)) continue;
+    ++off;
+    if (farthest == nullptr || frame.distance_mm > farthest->distance_mm) farthest = &frame;
+  }
+  if (farthest != nullptr && 2 * off > lit.frames.size()) {
+    check.value = farthest->distance_mm;
+    check.subject = fmt::format("unit {}", farthest->unit);
+    decide(check);
+    check.explanation = fmt::format(
+        "The spot did not stay with any line: in {} of {} frames it was more than {:.1f} mm from the dieline "
+        "on the "
+        "moving sheet, at {:.3f} s by {:.2f} mm or more. No cut could be followed to measure the drift "
+        "itself.",
+        off, lit.frames.size(), kReach_mm, farthest->time_s, farthest->distance_mm);
+    return check;
+  }
+  decide(check);
+  check.explanation = fmt::format(
+      "None of {} cuts lets the motion along x be seen: it takes {} frames on a line that "
+      "runs across the belt.",
+      cuts.size(), kMinFrames);
+  return check;
+}
+
+}  // namespace kerfbench::hil::checks
