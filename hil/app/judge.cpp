@@ -80,6 +80,7 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
     KerfScanOptions scan_options;
     scan_options.threads = jobs;
     scan_options.station_pitch_mm = kStationPitch_mm;
+    scan_options.beam_radius_mm = the_case.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
     evidence.kerf = scanKerf(tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
     stopwatch.lap("kerf camera: render and measure");
   }
