@@ -19,7 +19,7 @@ constexpr double kStraight_per_mm = 1e-6;
 constexpr std::size_t kStepsPerPixel = 3;
 constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is six pixels wide
 constexpr float kFoot = 0.5F * static_cast<float>(kTaps);
-constexpr std::size_t kPhases = 64;                // of a sample's step
+constexpr std::size_t kPhases = 64;  // of a sample's step
 
 constexpr std::size_t kPadded = (kTaps + 3) / 4 * 4;  // whole vectors of the processor
 

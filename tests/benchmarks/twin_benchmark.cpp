@@ -29,10 +29,10 @@ void registerTwinBenchmarks(const RecordedRun& run) {
   const double whole_s = run.rate.seconds(run.end);
   const auto add = [&](const std::string& mode, const std::shared_ptr<const RecordedRun>& played,
                        twin::Fidelity fidelity) {
-    benchmark::RegisterBenchmark(
-        ("twin, " + mode + ": " + run.name).c_str(),
-        [played, whole_s, fidelity](benchmark::State& state) { playRun(state, *played, whole_s, fidelity); })
-        ->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(("twin, " + mode + ": " + run.name).c_str(), [played, whole_s, fidelity](
+                                                                                  benchmark::State& state) {
+      playRun(state, *played, whole_s, fidelity);
+    })->Unit(benchmark::kMillisecond);
   };
   add("reference", ideal, twin::Fidelity::kReference);
   add("fast", ideal, twin::Fidelity::kFast);

@@ -110,7 +110,9 @@ struct Library {
 TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
   const std::vector<Library> libraries{
       {"Bullet", "^(Bullet|Linear[A-Z]|bt[A-Z]).*", {"twin/machine"}},
-      {"OpenCV", "^opencv2/.*", {"hil/camera", "hil/vision", "hil/calibrate", "hil/report", "hil/scene", "twin/camera"}},
+      {"OpenCV",
+       "^opencv2/.*",
+       {"hil/camera", "hil/vision", "hil/calibrate", "hil/report", "hil/scene", "twin/camera"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
