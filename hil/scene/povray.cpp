@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/spawn_setup.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -97,21 +98,6 @@ std::string faultIn(const std::string& log) {
   constexpr std::size_t kShown = 600;
   return fault.empty() ? "it does not say why" : fault.substr(0, kShown);
 }
-
-struct SpawnSetup {
-  SpawnSetup() {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawnattr_init(&attributes);
-  }
-  ~SpawnSetup() {
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSetup(const SpawnSetup&) = delete;
-  SpawnSetup& operator=(const SpawnSetup&) = delete;
-  posix_spawn_file_actions_t actions{};
-  posix_spawnattr_t attributes{};
-};
 
 pid_t spawnIn(const fs::path& folder, const fs::path& program) {
   SpawnSetup setup;

@@ -16,6 +16,8 @@
 #include <thread>
 #include <utility>
 
+#include "hil/base/spawn_setup.h"
+
 extern char** environ;
 
 namespace kerfbench::hil {
@@ -61,22 +63,6 @@ int millisecondsTo(ChildProcess::Clock::time_point deadline) {
       std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now()).count();
   return static_cast<int>(std::clamp<long long>(left, 0, 3'600'000));
 }
-
-class SpawnSetup {
- public:
-  SpawnSetup() {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawnattr_init(&attributes);
-  }
-  ~SpawnSetup() {
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSetup(const SpawnSetup&) = delete;
-  SpawnSetup& operator=(const SpawnSetup&) = delete;
-  posix_spawn_file_actions_t actions{};
-  posix_spawnattr_t attributes{};
-};
 
 }  // namespace
 
