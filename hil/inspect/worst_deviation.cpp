@@ -209,8 +209,8 @@ class Group {
         break;
       }
     }
-    result.worst = basicInterval(result.worst_as_read, truthFor(tally, result.line), std::move(worst), 0.0);
-    result.worst_u_extreme = hidden(tally, result.line) / std::sqrt(12.0);
+    result.worst = basicInterval(result.worst_as_read, worstOf(tally.truth), std::move(worst), 0.0);
+    result.worst_u_extreme = hidden(tally, result.line) / std::sqrt(3.0);
     result.worst_u_smoothing = std::abs(seenWorst(tally) - worstOf(tally.truth)) / std::sqrt(3.0);
     result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_extreme, 2.0 * result.worst_u_smoothing);
     result.rms =
@@ -221,8 +221,8 @@ class Group {
   /// What the likely truth's worst may owe to the noise that it still holds. Where places compete, the
   /// largest exceeds the truth in proportion to the standard deviation of the noise; a truth that holds a
   /// share h of the variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one place
-  /// stands out nothing is. As it is somewhere between, half of it is taken off and counted as rectangular
-  /// (JCGM 100, 4.3.7).
+  /// stands out nothing is. As that is not known, none of it is taken off, which would make a sheet look
+  /// better than it was read, and all of it is counted, as rectangular from 0 (JCGM 100, 4.3.7 and F.2.4.5).
   [[nodiscard]] double hidden(const Tally& tally, std::size_t line) const {
     double mean = 0.0;
     for (const Tally::Numbers& draw : tally.draws)
@@ -235,9 +235,6 @@ class Group {
     double seen = 0.0;
     for (const std::size_t l : members_) seen = std::max(seen, tally.seen[l]);
     return seen;
-  }
-  [[nodiscard]] double truthFor(const Tally& tally, std::size_t line) const {
-    return worstOf(tally.truth) - 0.5 * hidden(tally, line);
   }
 
   [[nodiscard]] double worstOf(const Tally::Numbers& numbers) const {
@@ -333,8 +330,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all)
       {"where the sheet lies, as its printed marks tell", b.u_own, 0.0},
       {"calibration of the camera", b.u_common, 0.0},
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
-      {"the largest of many noisy readings is too large on average", all.worst_u_extreme,
-       b.extreme_bias + 0.5 * std::sqrt(12.0) * all.worst_u_extreme},
+      {"the largest of many noisy readings is too large on average", all.worst_u_extreme, b.extreme_bias},
   };
   out.analytic_U = 2.0 * std::hypot(std::hypot(b.u_noise, b.u_own, b.u_common), all.worst_u_extreme,
                                     all.worst_u_smoothing);
