@@ -9,6 +9,7 @@
 namespace kerfbench::hil {
 namespace {
 
+constexpr double kLeastNoise_mm = 1e-5;
 constexpr double kMostCorrelated = 0.95;
 constexpr std::size_t kFewestDifferences = 30;
 constexpr double kClipped = 0.9850;       // Variance left by clipping a normal value at 3 sigma.
@@ -29,7 +30,8 @@ class SharedErrors {
   }
 
   [[nodiscard]] Eigen::RowVectorXd of(int unit, const Curve& curve, const Caliper& c) const {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(ReadingLine::kPose + field_.modes());
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + field_.modes());
+    row[0] = c.steady_sigma_mm;
     const auto place =
         std::find_if(poses_.begin(), poses_.end(), [&](const Place& p) { return p.pose->unit == unit; });
     if (place == poses_.end()) return row;
@@ -39,9 +41,9 @@ class SharedErrors {
     const Eigen::Vector2d arm = R_TS * c.p_S_mm;
     // A turn by da moves the point at `arm` by da times `arm` turned by a right angle.
     const Eigen::RowVector3d by_pose(normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-arm.y(), arm.x())));
-    row.head<ReadingLine::kPose>() = by_pose * place->root;
+    row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
-      row[ReadingLine::kPose + k] = normal.dot(field_.at(k, c.p_V_mm));
+      row[ReadingLine::kOwn + k] = normal.dot(field_.at(k, c.p_V_mm));
     return row;
   }
 
@@ -53,6 +55,12 @@ class SharedErrors {
   const ModeField& field_;
   std::vector<Place> poses_;
 };
+
+/// What of a caliper's uncertainty is its own. Never nothing: rounding is left.
+double noiseOf(const Caliper& c) {
+  const double noise = c.sigma_mm * c.sigma_mm - c.steady_sigma_mm * c.steady_sigma_mm;
+  return std::sqrt(std::max(noise, kLeastNoise_mm * kLeastNoise_mm));
+}
 
 double pitchOf(const EntityKerf& kerf) {
   return kerf.calipers.size() < 2 ? 1.0 : kerf.calipers[1].station_mm - kerf.calipers[0].station_mm;
@@ -150,10 +158,10 @@ ErrorModel errorModelOf(const Evidence& evidence) {
       if (line.caliper.empty() || line.caliper.back() + 1 != i) line.segment.push_back(line.size());
       line.caliper.push_back(i);
       line.reading_mm.push_back(c.offset_mm);
-      line.sigma_mm.push_back(c.sigma_mm);
+      line.sigma_mm.push_back(noiseOf(c));
     }
     line.segment.push_back(line.size());
-    line.shared.resize(static_cast<Eigen::Index>(line.size()), ReadingLine::kPose + field.modes());
+    line.shared.resize(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + field.modes());
     for (std::size_t i = 0; i < line.size(); ++i) {
       line.shared.row(static_cast<Eigen::Index>(i)) =
           shared.of(kerf.unit, curve, kerf.calipers[line.caliper[i]]);

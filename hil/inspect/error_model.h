@@ -16,20 +16,23 @@ namespace kerfbench::hil {
 ///     reading_i = true_i + noise_i + shared_i · e
 ///
 /// noise_i has the caliper's own sigma_i and the correlation q^|i - j| within a segment. e are independent
-/// standard normal draws that many readings have in common: the first three belong to the unit (how it was
-/// found to lie by its marks), the others to the camera (modes of its calibration) and so to all units.
+/// standard normal draws that many readings have in common: the first belongs to the line (what the grid of
+/// pixels and the model of the flanks leave), the next three to the unit (how it was found to lie by its
+/// marks), the others to the camera (modes of its calibration) and so to all units.
 struct ReadingLine {
+  static constexpr Eigen::Index kLine = 1;
   static constexpr Eigen::Index kPose = 3;
+  static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the modes of the camera.
 
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
   std::vector<std::size_t> caliper;  ///< Index in EntityKerf::calipers of each reading, ascending.
   std::vector<double> reading_mm;
-  std::vector<double> sigma_mm;
+  std::vector<double> sigma_mm;  ///< Of the noise.
   std::vector<std::size_t>
       segment;             ///< First reading of each run of neighbouring stations; ends with size().
   double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
-  Eigen::MatrixXd shared;  ///< Readings x (kPose + modes of the camera), mm.
+  Eigen::MatrixXd shared;  ///< Readings x (kOwn + modes of the camera), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
 };

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
+
+#include "hil/inspect/error_model.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -75,30 +78,57 @@ double totalHazard(const std::vector<Side>& sides, double w) {
   return sum;
 }
 
-}  // namespace
+/// A largest value: normal about `mean`, moved by shared errors by `gradient`, and by others that it shares
+/// with no one.
+struct Largest {
+  double mean{};
+  double variance{};            ///< In all.
+  Eigen::RowVectorXd gradient;  ///< Of the poses of all units, then of the camera.
+};
 
-ExtremeBudget extremeBudget(const std::vector<ExtremePoint>& points, Eigen::Index own) {
-  ExtremeBudget budget;
-  if (points.empty()) return budget;
-  double highest_seen = 0.0;
-  double highest_likely = 0.0;
+/// How the places of the shared errors of one line lie in those of all.
+class SharedIndex {
+ public:
+  explicit SharedIndex(const std::vector<ExtremeLine>& lines) {
+    for (const ExtremeLine& line : lines) {
+      place_.try_emplace(line.unit, static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose);
+      if (!line.points.empty()) modes_ = line.points.front().shared.size() - ReadingLine::kOwn;
+    }
+  }
+  [[nodiscard]] Eigen::Index poses() const {
+    return static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose;
+  }
+  [[nodiscard]] Eigen::RowVectorXd spread(int unit, const Eigen::RowVectorXd& own) const {
+    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(poses() + modes_);
+    all.segment<ReadingLine::kPose>(place_.at(unit)) = own.segment<ReadingLine::kPose>(ReadingLine::kLine);
+    all.tail(modes_) = own.tail(modes_);
+    return all;
+  }
+
+ private:
+  std::map<int, Eigen::Index> place_;
+  Eigen::Index modes_{};
+};
+
+/// Largest of one line; nullopt if it stays below `floor` whatever its noise does.
+std::optional<Largest> largestOf(const ExtremeLine& line, double floor, const SharedIndex& index) {
+  double highest = 0.0;
   double sigma_most = 0.0;
-  double least = 0.0;
-  for (const ExtremePoint& p : points) {
-    highest_seen = std::max(highest_seen, std::abs(p.seen));
-    highest_likely = std::max(highest_likely, std::abs(p.likely));
+  double least = floor;
+  for (const ExtremePoint& p : line.points) {
+    highest = std::max(highest, std::abs(p.seen));
     sigma_most = std::max(sigma_most, p.sigma);
     least = std::max(least, std::abs(p.seen) - kFar * p.sigma);
   }
-  least = std::max(least, 0.0);
-  const std::vector<Side> sides = sidesOf(points, least);
+  const std::vector<Side> sides = sidesOf(line.points, least);
+  const double step = (highest + kFar * sigma_most - least) / kGrid;
+  if (sides.empty() || !(step > 0.0)) return std::nullopt;
   // P(max <= w) on a grid; mean and variance are integrals of its complement.
-  const double step = (highest_seen + kFar * sigma_most - least) / kGrid;
   double mean = least;
   double square = least * least;
-  double median = highest_seen;
+  double median = highest;
   double last = 0.0;
-  for (int k = 0; k < kGrid && step > 0.0; ++k) {
+  for (int k = 0; k < kGrid; ++k) {
     const double w = least + (k + 0.5) * step;
     const double inside = std::exp(-totalHazard(sides, w));
     mean += (1.0 - inside) * step;
@@ -106,24 +136,59 @@ ExtremeBudget extremeBudget(const std::vector<ExtremePoint>& points, Eigen::Inde
     if (last < 0.5 && inside >= 0.5) median = w;
     last = inside;
   }
-  budget.u_noise = std::sqrt(std::max(square - mean * mean, 0.0));
-  budget.extreme_bias = mean - highest_seen;
-  budget.smoothing_bias = highest_seen - highest_likely;
-
   const double total = std::max(totalHazard(sides, median), 1e-300);
-  std::map<int, Eigen::RowVectorXd> by_group;
-  Eigen::RowVectorXd common = Eigen::RowVectorXd::Zero(points.front().shared.size() - own);
-  for (const Side& s : sides) {
-    const double weight = s.sign * hazard(s, median) / total;
-    Eigen::RowVectorXd& mine =
-        by_group.try_emplace(s.point->group, Eigen::RowVectorXd::Zero(own)).first->second;
-    mine += weight * s.point->shared.head(own);
-    common += weight * s.point->shared.tail(common.size());
+  Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(line.points.front().shared.size());
+  for (const Side& s : sides) shared += s.sign * hazard(s, median) / total * s.point->shared;
+  return Largest{mean, std::max(square - mean * mean, 0.0) + shared.squaredNorm(),
+                 index.spread(line.unit, shared)};
+}
+
+/// The larger of two (Clark 1961).
+Largest largerOf(const Largest& x, const Largest& y) {
+  const double parted = x.variance + y.variance - 2.0 * x.gradient.dot(y.gradient);
+  if (!(parted > 0.0)) return x.mean > y.mean ? x : y;
+  const double a = std::sqrt(parted);
+  const double z = (x.mean - y.mean) / a;
+  const double p = normalCdf(z);
+  const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+  Largest out;
+  out.mean = x.mean * p + y.mean * (1.0 - p) + a * density;
+  const double square = (x.mean * x.mean + x.variance) * p + (y.mean * y.mean + y.variance) * (1.0 - p) +
+                        (x.mean + y.mean) * a * density;
+  out.gradient = p * x.gradient + (1.0 - p) * y.gradient;
+  out.variance = std::max(square - out.mean * out.mean, out.gradient.squaredNorm());
+  return out;
+}
+
+}  // namespace
+
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
+  double highest_seen = 0.0;
+  double highest_likely = 0.0;
+  double floor = 0.0;
+  for (const ExtremeLine& line : lines) {
+    for (const ExtremePoint& p : line.points) {
+      highest_seen = std::max(highest_seen, std::abs(p.seen));
+      highest_likely = std::max(highest_likely, std::abs(p.likely));
+      floor = std::max(floor, std::abs(p.seen) - kFar * std::hypot(p.sigma, p.shared.norm()));
+    }
   }
-  double own_square = 0.0;
-  for (const auto& [group, g] : by_group) own_square += g.squaredNorm();
-  budget.u_own = std::sqrt(own_square);
-  budget.u_common = common.norm();
+  const SharedIndex index(lines);
+  std::vector<Largest> candidates;
+  for (const ExtremeLine& line : lines) {
+    if (const auto largest = largestOf(line, floor, index)) candidates.push_back(*largest);
+  }
+  ExtremeBudget budget;
+  if (candidates.empty()) return budget;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Largest& x, const Largest& y) { return x.mean > y.mean; });
+  Largest all = candidates.front();
+  for (std::size_t i = 1; i < candidates.size(); ++i) all = largerOf(all, candidates[i]);
+  budget.extreme_bias = all.mean - highest_seen;
+  budget.smoothing_bias = highest_seen - highest_likely;
+  budget.u_pose = all.gradient.head(index.poses()).norm();
+  budget.u_camera = all.gradient.tail(all.gradient.size() - index.poses()).norm();
+  budget.u_noise = std::sqrt(std::max(all.variance - all.gradient.squaredNorm(), 0.0));
   return budget;
 }
 

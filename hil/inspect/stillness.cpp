@@ -108,7 +108,7 @@ ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<doub
   line.sigma_mm = sigma_mm;
   line.q = q;
   line.segment = {0, line.size()};
-  line.shared.setZero(shared.rows(), ReadingLine::kPose + shared.cols());
+  line.shared.setZero(shared.rows(), ReadingLine::kOwn + shared.cols());
   line.shared.rightCols(shared.cols()) = shared;
   return line;
 }
@@ -145,7 +145,7 @@ ReadingLine driftsOf(const std::vector<CutResult>& cuts, const std::vector<Eigen
     rows.emplace_back(weights[i].transpose() * readings[i].shared);
   }
   line.segment.push_back(line.size());
-  line.shared.setZero(static_cast<Eigen::Index>(rows.size()), ReadingLine::kPose + modes);
+  line.shared.setZero(static_cast<Eigen::Index>(rows.size()), ReadingLine::kOwn + modes);
   for (std::size_t i = 0; i < rows.size(); ++i)
     line.shared.row(static_cast<Eigen::Index>(i)).tail(modes) = rows[i];
   return line;

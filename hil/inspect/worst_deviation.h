@@ -14,9 +14,9 @@ namespace kerfbench::hil {
 struct DeviationEstimate {
   Quantity worst;  ///< Of |deviation|.
   Quantity rms;
-  double worst_as_read{};         ///< Largest |estimate|, before the correction for being an extreme.
-  double worst_u_smoothing{};     ///< Standard uncertainty by what smoothing does to peaks; part of worst.U.
-  double worst_u_extreme{};       ///< Standard uncertainty of that correction; part of worst.U.
+  double worst_as_read{};      ///< Largest |estimate|, before the correction for being an extreme.
+  double worst_u_smoothing{};  ///< Standard uncertainty by what smoothing does to peaks; part of worst.U.
+  double worst_hidden{};       ///< The most that the correction may fall short of; half of it is taken off.
   std::size_t line{}, reading{};  ///< Where, in ErrorModel::lines.
   std::size_t caliper{};          ///< The reading's index in EntityKerf::calipers, for lines of a kerf.
 };

@@ -114,11 +114,18 @@ double oddAt(const Profile& profile, double centre, double distance) {
   return at(centre + distance) - at(centre - distance);
 }
 
-/// Noise of a flank's place: that of the profile over its slope.
-double flankNoise(const Profile& profile, double at, double span_gray) {
+/// Gray per mm, without its sign.
+double slopeAt(const Profile& profile, double at) {
   const auto i = static_cast<std::size_t>(at);
   if (i < 1 || i + 2 >= profile.size()) return kNan;
-  const double slope = std::abs(profile.gray[i + 2] - profile.gray[i - 1]) / (3.0 * profile.step_mm);
+  return std::abs(profile.gray[i + 2] - profile.gray[i - 1]) / (3.0 * profile.step_mm);
+}
+
+/// Noise of a flank's place: that of the profile over its slope.
+double flankNoise(const Profile& profile, double at, double span_gray) {
+  const double slope = slopeAt(profile, at);
+  const auto i = static_cast<std::size_t>(at);
+  if (!std::isfinite(slope)) return kNan;
   // A pixel counts for 0.394 (the spline's mean square weight over its mean) of the pixels per sample.
   const double pixels = std::max(1.0F, profile.weight[i]) / 0.394;
   // Light makes noise too: half as much variance again at the middle of a flank as on dim board is typical.
@@ -128,7 +135,8 @@ double flankNoise(const Profile& profile, double at, double span_gray) {
 }  // namespace
 
 KerfReading measureKerf(const Profile& profile, double open_gray) {
-  KerfReading reading{.offset_mm = kNan, .width_mm = kNan, .noise_mm = kNan, .odd_gray = kNan};
+  KerfReading reading{
+      .offset_mm = kNan, .width_mm = kNan, .noise_mm = kNan, .odd_gray = kNan, .board_mm = kNan};
   const double base = boardOf(profile);
   if (!std::isfinite(base)) return reading;
   const double range = std::max(1.0, open_gray - base);
@@ -177,6 +185,8 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   const double half_steps = 0.5 * ((*half)[1] - (*half)[0]);
   const double beside_steps = kBesidePx * profile.pixel_mm / profile.step_mm;
   reading.odd_gray = oddAt(profile, centre / levels, half_steps + beside_steps);
+  const double steepness = 0.5 * (slopeAt(profile, (*half)[0]) + slopeAt(profile, (*half)[1]));
+  reading.board_mm = 0.5 * oddAt(profile, centre / levels, kBoardMm / profile.step_mm) / steepness;
   reading.noise_mm =
       0.5 * std::hypot(flankNoise(profile, (*half)[0], height), flankNoise(profile, (*half)[1], height));
   return reading;

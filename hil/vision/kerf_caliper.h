@@ -16,10 +16,16 @@ struct KerfReading {
   double base_gray{};
   /// Left minus right at kBesidePx beyond the flanks, mirrored about the centre; NaN where hidden.
   double odd_gray{};
+  /// What the same difference on whole board, kBoardMm from the centre, would shift the centre if it lay on
+  /// the flanks: grain of the board does. NaN where hidden.
+  double board_mm{};
 };
 
 /// Where beside its flanks a kerf is compared with its mirror image, px.
 inline constexpr double kBesidePx = 2.75;
+
+/// Where beside a kerf the board is plain: farther than any scorch worth the name.
+inline constexpr double kBoardMm = 0.45;
 
 /// The kerf in a profile that lies nearest to the nominal place. `open_gray`: brightness 1.
 ///

@@ -11,7 +11,6 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kAlongMm = 0.1;
 constexpr double kLongestArcRad = 0.35;  // of a small circle, each way
 constexpr double kLeastRest = 0.1;       // of the radius: beyond the centre of a hole its far side begins
 constexpr double kStraight_per_mm = 1e-6;
@@ -146,11 +145,12 @@ CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double re
   CaliperWindow window{.p_S_mm = station.p_S_mm,
                        .tangent = station.tangent,
                        .curvature_per_mm = station.curvature_per_mm,
-                       .back_mm = kAlongMm,
-                       .ahead_mm = kAlongMm,
+                       .back_mm = kWindowHalfMm,
+                       .ahead_mm = kWindowHalfMm,
                        .reach_mm = reach_mm};
   const double bend = std::abs(station.curvature_per_mm);
-  if (bend > kStraight_per_mm) window.back_mm = window.ahead_mm = std::min(kAlongMm, kLongestArcRad / bend);
+  if (bend > kStraight_per_mm)
+    window.back_mm = window.ahead_mm = std::min(kWindowHalfMm, kLongestArcRad / bend);
   if (!plan.closed) {
     window.back_mm = std::min(window.back_mm, station.station_mm);
     window.ahead_mm = std::min(window.ahead_mm, plan.length_mm - station.station_mm);

@@ -58,7 +58,8 @@ void addUnseen(const KerfPlan& plan, int unit, KerfScan& scan) {
     for (const Station& s : entity.stations) {
       constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
       Caliper caliper{.u = s.u, .station_mm = s.station_mm, .p_S_mm = s.p_S_mm};
-      caliper.offset_mm = caliper.sigma_mm = caliper.width_mm = caliper.width_sigma_mm = kNan;
+      caliper.offset_mm = caliper.sigma_mm = caliper.steady_sigma_mm = caliper.width_mm =
+          caliper.width_sigma_mm = kNan;
       caliper.near_joint = s.near_corner;
       kerf.calipers.push_back(caliper);
     }

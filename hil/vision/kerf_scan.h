@@ -37,7 +37,8 @@ struct Caliper {
   double offset_mm{};  ///< Kerf centre minus nominal, along the left normal; NaN if not found.
   double
       sigma_mm{};  ///< Standard uncertainty of offset_mm by noise and texture, on its own (no pose, no map).
-  double width_mm{};  ///< At half depth of the profile; NaN if not found.
+  double steady_sigma_mm{};  ///< The part of sigma_mm that neighbours have in common, over long stretches.
+  double width_mm{};         ///< At half depth of the profile; NaN if not found.
   double width_sigma_mm{};
   double brightness{};  ///< Peak of the profile, 0 board … 1 open kerf.
   bool near_joint{};  ///< Within reach of a corner, crossing or neighbour, where the profile is not a single

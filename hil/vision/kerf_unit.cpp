@@ -99,9 +99,10 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
   for (const Station& station : plan.stations) {
     Caliper caliper{.u = station.u, .station_mm = station.station_mm, .p_S_mm = station.p_S_mm};
     caliper.near_joint = station.near_corner;
-    caliper.offset_mm = caliper.sigma_mm = caliper.width_mm = caliper.width_sigma_mm = kNan;
+    caliper.offset_mm = caliper.sigma_mm = caliper.steady_sigma_mm = caliper.width_mm =
+        caliper.width_sigma_mm = kNan;
     KerfReading reading;
-    reading.noise_mm = kNan;
+    reading.noise_mm = reading.board_mm = kNan;
     const TileView* view = index_.best(X_TS_ * station.p_S_mm, border_px);
     if (view == nullptr) {
       ++unseen;
@@ -112,6 +113,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     kerf.calipers.push_back(caliper);
     readings.push_back(reading);
     noise.pixels_mm.push_back(reading.noise_mm);
+    noise.board_mm.push_back(reading.board_mm);
     noise.grid_mm.push_back(gridNoiseMm(plan, station, view));
   }
   straighten(plan, readings, options_, pixel_mm, kerf, noise.model_mm);

@@ -121,6 +121,8 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
     double worst = 0.0;
     std::vector<double> widths;
     const double width_mm = dice.between(0.15, 0.25);
+    const double steady_mm = dice.between(0.0, 0.0004);
+    const double steady_error_mm = steady_mm * dice.normal();
     for (Caliper& c : kerf.calipers) {
       const double z = noise.next(dice);
       const double z_width = width_noise.next(dice);
@@ -132,8 +134,10 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
       Vector2d shift = pose.head<2>() + pose.z() * Vector2d(-c.p_S_mm.y(), c.p_S_mm.x());
       for (std::size_t k = 0; k < e_camera.size(); ++k)
         shift += e_camera[k] * evidence.kerf_calibration->mapError(k, c.p_V_mm);
-      c.sigma_mm = sigma_mm * (1.0 + 0.3 * std::sin(0.2 * c.station_mm));
-      c.offset_mm = truth_mm + normal.dot(shift) + c.sigma_mm * z;
+      const double noise_mm = sigma_mm * (1.0 + 0.3 * std::sin(0.2 * c.station_mm));
+      c.steady_sigma_mm = steady_mm;
+      c.sigma_mm = std::hypot(noise_mm, steady_mm);
+      c.offset_mm = truth_mm + normal.dot(shift) + steady_error_mm + noise_mm * z;
       c.width_sigma_mm = 2.0 * sigma_mm;
       const double true_width_mm = width_mm + 0.002 * std::sin(0.1 * c.station_mm);
       c.width_mm = true_width_mm + c.width_sigma_mm * z_width;
