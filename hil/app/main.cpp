@@ -181,7 +181,7 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
   const auto count = CLI::Range(0, 1000000);
   CLI::Option* cases = gauge
                            ->add_option_function<std::size_t>(
-                               "--cases", [&g](std::size_t cases) { g.coverage = g.still = cases; },
+                               "--cases", [&g](std::size_t each) { g.coverage = g.still = each; },
                                "Cases of coverage and of stillness, for each preset (1000)")
                            ->check(count);
   CLI::Option* bad = gauge->add_option("--bad", g.bad, "Cuts of 55 to 120 um, over all presets")
