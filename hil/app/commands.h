@@ -66,7 +66,8 @@ struct GaugeCommandOptions {
   std::filesystem::path machine{"fixtures/machines/two-mirror.yaml"};
   std::filesystem::path results_dir{"results"};
   GaugeOptions gauge;
-  std::string the_case;  ///< Name of one case to repeat; empty: all.
+  std::string the_case;      ///< Name of one case to repeat; empty: all.
+  std::string command_line;  ///< As typed, for the report.
   bool quiet{};
 };
 

@@ -18,13 +18,14 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
 #include "hil/gauge/gauge.h"
+#include "hil/gauge/gauge_report.h"
 
 namespace kerfbench::hil {
 namespace {
 
 namespace fs = std::filesystem;
 
-GaugeSetup readSetup(const fs::path& machine) {
+GaugeSetup readSetup(const fs::path& machine, GaugeFacts& facts) {
   const MachineFile file = readMachineFile(machine);
   Case the_case;
   the_case.scenario.machine = machine;
@@ -35,6 +36,10 @@ GaugeSetup readSetup(const fs::path& machine) {
   std::string problems;
   for (const std::string& problem : cameras.problems) problems += (problems.empty() ? "" : "\n") + problem;
   if (!problems.empty()) throw ConfigError(problems);
+  facts.machine = file.machine.name;
+  for (const auto& [which, fact] : cameras.facts)
+    (which == "kerf camera" ? facts.kerf_camera : facts.spot_camera) = fact;
+  facts.version = KERFBENCH_VERSION;
   GaugeSetup setup;
   setup.machine = file.machine;
   setup.spread = file.spread;
@@ -144,7 +149,9 @@ int repeatCase(const GaugeSetup& setup, const GaugeCommandOptions& options, Cons
 
 int gauge(const GaugeCommandOptions& options) {
   Console console(options.quiet);
-  const GaugeSetup setup = readSetup(options.machine);
+  GaugeFacts facts;
+  const GaugeSetup setup = readSetup(options.machine, facts);
+  facts.command = options.command_line;
   if (!options.the_case.empty()) return repeatCase(setup, options, console);
   console.say(fmt::format("gauge: {}, cameras {} and {}", setup.machine.name,
                           setup.kerf_calibration.camera_id, setup.spot_calibration.camera_id));
@@ -167,6 +174,11 @@ int gauge(const GaugeCommandOptions& options) {
   const auto failed =
       std::ranges::count_if(result.claims, [](const Claim& c) { return c.state == Claim::State::kFails; });
   console.result(fmt::format("gauge: {} claims, {} do not hold", result.claims.size(), failed));
+  ResultsFolder folder(options.results_dir, "gauge");
+  writeFileAtomically(folder.staging() / "gauge.json", gaugeJson(result, options.gauge, facts));
+  writeFileAtomically(folder.staging() / "gauge.html", gaugeHtml(result, options.gauge, facts));
+  folder.commit();
+  console.say(fmt::format("report: {}", (folder.place() / "gauge.html").string()));
   return result.holds() ? 0 : 1;
 }
 

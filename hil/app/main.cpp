@@ -268,6 +268,7 @@ int dispatch(int argc, char** argv) {
 
   GaugeCommandOptions gauge_options;
   gauge_options.gauge.jobs = options.jobs;
+  gauge_options.command_line = options.command_line;
   const CLI::App* gauge = addGauge(app, gauge_options);
 
   try {

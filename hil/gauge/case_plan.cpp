@@ -82,9 +82,14 @@ KerfCase kerfCase(const CaseId& id, std::uint64_t seed, const KerfStudy& study) 
       break;
     }
     case Study::kCoverage: {
-      c.faults = {anyFault(id.index, 0.1 * own.uniform(4), own.bits(5)),
-                  drawFault(FaultKind::kCorner, 0.015 + 0.085 * own.uniform(6), gaugeArtefact(), own.bits(7)),
-                  drawFault(FaultKind::kEnd, 0.08 * own.uniform(8), gaugeArtefact(), own.bits(9))};
+      c.faults = {anyFault(id.index, 0.1 * own.uniform(4), own.bits(5))};
+      // One fault of each kind: an arc that cuts the corner from afar would reach where lines are judged.
+      if (c.faults[0].kind != FaultKind::kCorner) {
+        c.faults.push_back(
+            drawFault(FaultKind::kCorner, 0.015 + 0.085 * own.uniform(6), gaugeArtefact(), own.bits(7)));
+      }
+      if (c.faults[0].kind != FaultKind::kEnd)
+        c.faults.push_back(drawFault(FaultKind::kEnd, 0.08 * own.uniform(8), gaugeArtefact(), own.bits(9)));
       break;
     }
     case Study::kRepeat:

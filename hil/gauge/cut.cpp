@@ -112,7 +112,7 @@ Vector2d ArtefactCut::pathAt(const Line& line, double s_mm) const {
   return pointAt(line.entity->curve, s_mm / line.length_mm) + shiftAt(line, s_mm);
 }
 
-double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
+double ArtefactCut::wayOffset(const Line& line, double s_mm) const {
   const Curve& curve = line.entity->curve;
   const double u = s_mm / line.length_mm;
   const Vector2d p = pointAt(curve, u);
@@ -130,6 +130,18 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
   const double variance_mm2 = tangent.dot(beam_.covariance_mm2() * tangent);
   const Vector2d normal = leftOf(tangent);
   return (here - p).dot(normal) + 0.5 * variance_mm2 * bend.dot(normal);
+}
+
+double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
+  if (!isClosed(line.entity->curve)) return wayOffset(line, s_mm);
+  // The way may not end where it began (flutter). Around the closure the kerf is where the light of both
+  // lies.
+  const Vector2d tangent = tangentAt(line.entity->curve, s_mm / line.length_mm);
+  const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
+  const double past_mm = s_mm > 0.5 * line.length_mm ? s_mm - line.length_mm : s_mm;
+  if (std::abs(past_mm) > 5.0 * sigma_mm) return wayOffset(line, s_mm);
+  const double begun = 0.5 * std::erfc(-past_mm / (std::numbers::sqrt2 * sigma_mm));
+  return begun * wayOffset(line, past_mm) + (1.0 - begun) * wayOffset(line, past_mm + line.length_mm);
 }
 
 double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share, double transmission) const {

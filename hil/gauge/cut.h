@@ -78,6 +78,7 @@ class ArtefactCut {
 
   [[nodiscard]] Eigen::Vector2d pathAt(const Line& line, double s_mm) const;
   [[nodiscard]] Eigen::Vector2d shiftAt(const Line& line, double s_mm) const;
+  [[nodiscard]] double wayOffset(const Line& line, double s_mm) const;
   [[nodiscard]] double offsetAt(const Line& line, double s_mm) const;
   [[nodiscard]] double widthAt(const Line& line, double s_mm, double fluence_share,
                                double transmission) const;
