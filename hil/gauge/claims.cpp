@@ -69,8 +69,8 @@ void claimCoverage(const Coverage& c, Claims& claims) {
                                                                        : Claim::State::kOpen;
   }
   claims.add(fmt::format("95 % intervals hold the truth: {}", c.quantity),
-             fmt::format("{:.1f} % of {} (95 %: {:.1f} … {:.1f} %)", 100.0 * share, c.cases,
-                         100.0 * c.share.low, 100.0 * c.share.high),
+             fmt::format("{:.1f} % of {} ({:.1f} … {:.1f})", 100.0 * share, c.cases, 100.0 * c.share.low,
+                         100.0 * c.share.high),
              "94 … 96.8 %", state);
   if (c.missing > 0)
     claims.add(fmt::format("measured at all: {}", c.quantity), fmt::format("{} missing", c.missing), "0",

@@ -19,14 +19,14 @@ constexpr std::string_view kCss = R"css(
 .figs{display:grid;grid-template-columns:repeat(auto-fill,minmax(440px,1fr));gap:18px 22px;margin:12px 0}
 svg.field{background:var(--card);border-radius:6px}.open{color:var(--np)}
 details{margin:8px 0}summary{cursor:pointer;color:var(--mute)}
-.claims td:nth-child(4){white-space:nowrap}.claims td{padding:4px 8px}
+.claims td{padding:4px 8px;font-size:13px}h3{font-size:16px;margin:22px 0 6px}
 )css";
 
 std::string_view stateClass(Claim::State state) {
   return state == Claim::State::kHolds ? "pass" : state == Claim::State::kFails ? "fail" : "open";
 }
 std::string_view stateText(Claim::State state) {
-  return state == Claim::State::kHolds ? "holds" : state == Claim::State::kFails ? "does not hold" : "open";
+  return state == Claim::State::kHolds ? "holds" : state == Claim::State::kFails ? "fails" : "open";
 }
 
 std::size_t countOf(const std::vector<Claim>& claims, Claim::State state) {
@@ -51,27 +51,57 @@ std::string header(const GaugeResult& result, const GaugeOptions& options, const
   return html;
 }
 
-std::string claimTable(const std::vector<Claim>& claims) {
-  std::string html =
-      "<table class=claims><thead><tr><th>Claim<th>Machines<th>Found<th>Limit<th>&nbsp;</tr></thead><tbody>";
-  for (const Claim& c : claims) {
-    html += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}<td class='v {}'>{}</tr>", escapeHtml(c.what),
-                        escapeHtml(c.preset), escapeHtml(c.measured), escapeHtml(c.limit),
-                        stateClass(c.state), stateText(c.state));
+/// One row for each claim, one pair of columns for each preset.
+struct ClaimRow {
+  std::string what, limit;
+  std::vector<const Claim*> of_preset;
+  [[nodiscard]] bool fails() const {
+    return std::ranges::any_of(of_preset,
+                               [](const Claim* c) { return c && c->state == Claim::State::kFails; });
+  }
+};
+
+std::vector<ClaimRow> rowsOf(const GaugeResult& result) {
+  std::vector<ClaimRow> rows;
+  for (std::size_t s = 0; s < result.sections.size(); ++s) {
+    for (const Claim& claim : result.claims) {
+      if (claim.preset != result.sections[s].preset) continue;
+      auto row = std::ranges::find(rows, claim.what, &ClaimRow::what);
+      if (row == rows.end()) row = rows.insert(rows.end(), {claim.what, claim.limit, {}});
+      row->of_preset.resize(result.sections.size());
+      row->of_preset[s] = &claim;
+    }
+  }
+  return rows;
+}
+
+std::string claimTable(const std::vector<ClaimRow>& rows, const GaugeResult& result, bool failing) {
+  std::string html = "<table class=claims><thead><tr><th>Claim<th>Limit";
+  for (const GaugeSection& s : result.sections)
+    html += fmt::format("<th>{} machines<th>&nbsp;", escapeHtml(s.preset));
+  html += "</tr></thead><tbody>";
+  for (const ClaimRow& row : rows) {
+    if (row.fails() != failing) continue;
+    html += fmt::format("<tr><td>{}<td>{}", escapeHtml(row.what), escapeHtml(row.limit));
+    for (const Claim* c : row.of_preset) {
+      html += c == nullptr ? std::string("<td>–<td>")
+                           : fmt::format("<td>{}<td class='v {}'>{}", escapeHtml(c->measured),
+                                         stateClass(c->state), stateText(c->state));
+    }
+    html += "</tr>";
   }
   return html + "</tbody></table>";
 }
 
-/// What does not hold first, and whole; the rest behind a fold.
+/// What does not hold first.
 std::string claimSection(const GaugeResult& result) {
-  std::vector<Claim> fails;
-  std::vector<Claim> rest;
-  for (const Claim& c : result.claims) (c.state == Claim::State::kFails ? fails : rest).push_back(c);
+  const std::vector<ClaimRow> rows = rowsOf(result);
   std::string html = "<h2>Claims</h2>";
-  if (!fails.empty()) html += claimTable(fails);
-  if (fails.empty()) return html + claimTable(rest);
-  return html + fmt::format("<details open><summary>The other {} claims</summary>{}</details>", rest.size(),
-                            claimTable(rest));
+  const bool some_fail = std::ranges::any_of(rows, &ClaimRow::fails);
+  if (some_fail) html += "<h3>That do not hold</h3>" + claimTable(rows, result, true) + "<h3>The others</h3>";
+  html += claimTable(rows, result, false);
+  return html +
+         "<p class=note>Open: the cases run are too few to tell; the confidence interval is in brackets.</p>";
 }
 
 std::string kindTable(const GaugeSection& s) {

@@ -79,6 +79,12 @@ std::vector<double> ticks(double from, double to) {
   return at;
 }
 
+/// µm, or a dash for what was not found.
+std::string micrometres(double mm, bool sign) {
+  if (!std::isfinite(mm)) return "–";
+  return sign ? fmt::format("{:+.2f}", 1e3 * mm) : fmt::format("{:.2f}", 1e3 * mm);
+}
+
 std::size_t classOf(double truth_mm) { return static_cast<std::size_t>(std::max(0.0, truth_mm) / kClass_mm); }
 
 }  // namespace
@@ -94,7 +100,7 @@ std::string biasPlot(const std::vector<GaugePoint>& points, const std::optional<
     widths.resize(std::max(widths.size(), classOf(p.truth_mm) + 1));
     widths[classOf(p.truth_mm)].push_back(p.U_mm);
   }
-  const double top = 1e3 * std::max(1.3 * quantileOf(magnitude, 0.995), 2e-4);
+  const double top = 1e3 * std::max(2.0 * quantileOf(magnitude, 0.95), 2e-4);
   Plot plot(0.0, 1e3 * most_mm, -top, top, "Error over true size");
   plot.xTicks(ticks(0.0, 1e3 * most_mm), "true deviation, µm");
   plot.yTicks(ticks(-top, top), "{:+g}");
@@ -117,7 +123,9 @@ std::string biasPlot(const std::vector<GaugePoint>& points, const std::optional<
   }
   plot.raw(fmt::format("<path class=dots d='{}'/><path class='dots miss' d='{}'/>", in, out));
   plot.horizontal(0.0, "zero");
-  std::string caption = "Error of each case over its true size; red: U does not cover it. Band: median U.";
+  std::string caption =
+      "Error of each case over its true size; red: U does not cover it; at the rim: beyond. Band: median "
+      "U.";
   if (line) {
     plot.raw(fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", kW,
                          plot.y(1e3 * line->offset), plot.y(1e3 * (line->offset + line->slope * most_mm))));
@@ -167,7 +175,7 @@ std::string zPlot(const std::vector<GaugePoint>& points) {
 }
 
 std::string runChart(const std::vector<double>& errors_mm, const std::string& title) {
-  if (errors_mm.empty()) return {};
+  if (errors_mm.size() < 2) return {};
   double most = 2e-4;
   for (const double e : errors_mm) {
     if (std::isfinite(e)) most = std::max(most, std::abs(e));
@@ -319,9 +327,9 @@ std::string coveragePlot(const std::vector<Coverage>& coverage) {
         "<line class=ci x1={:.1f} x2={:.1f} y1={:.1f} y2={:.1f} /><circle class={} cx={:.1f} cy={:.1f} r=3.2 "
         "/>",
         x(c.share.low), x(c.share.high), y, y, share >= 0.94 && share <= 0.968 ? "hold" : "off", x(share), y);
-    svg += fmt::format(
-        "<text class=tick x=428 y={:.1f}>{:.1f} % of {}; bias {:+.2f}, σ {:.2f}, U {:.2f} µm</text>", y + 3.5,
-        100.0 * share, c.cases, 1e3 * c.error_mm.mean, 1e3 * c.error_mm.sigma, 1e3 * c.U_median_mm);
+    svg += fmt::format("<text class=tick x=428 y={:.1f}>{:.1f} % of {}; bias {}, σ {}, U {} µm</text>",
+                       y + 3.5, 100.0 * share, c.cases, micrometres(c.error_mm.mean, true),
+                       micrometres(c.error_mm.sigma, false), micrometres(c.U_median_mm, false));
     y += kRow;
   }
   return svg + "</svg>";
