@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/gauge/gauge.h"
+
 namespace kerfbench::hil {
 
 /// What all commands that judge have in common. See DESIGN: the program.
@@ -59,6 +61,16 @@ struct CalibrateOptions {
   bool quiet{};
 };
 
+/// See gaugeCommand().
+struct GaugeCommandOptions {
+  std::filesystem::path machine{"fixtures/machines/two-mirror.yaml"};
+  std::filesystem::path results_dir{"results"};
+  GaugeOptions gauge;
+  std::string the_case;      ///< Name of one case to repeat; empty: all.
+  std::string command_line;  ///< As typed, for the report.
+  bool quiet{};
+};
+
 inline constexpr int kExitBroken = 2;  ///< The bench itself broke.
 inline constexpr int kExitUsage = 64;  ///< Wrong command line.
 inline constexpr int kExitInput = 65;  ///< Bad input file.
@@ -80,5 +92,10 @@ int showCommand(const ShowOptions& options);
 int calibrateCameraCommand(const CalibrateOptions& options);
 /// Writes a target to print (SVG) and its description beside it (YAML). Returns 0 or kExitInput.
 int calibrateTargetCommand(const CalibrateOptions& options);
+
+/// Proves the cameras and the judge on artefacts with known deviation; writes gauge.json and gauge.html.
+/// Returns 0 if no claim failed, 1 if one did, kExitInput. With a case named: repeats that alone, and returns
+/// 0.
+int gaugeCommand(const GaugeCommandOptions& options);
 
 }  // namespace kerfbench::hil

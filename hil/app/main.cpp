@@ -166,6 +166,61 @@ CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options) {
   return {camera, target};
 }
 
+CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
+  CLI::App* gauge = app.add_subcommand(
+      "gauge",
+      "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
+      "at by\n"
+      "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
+      "docs/GAUGE.md says how to read the result. Exit code 0: every claim holds or needs more cases; 1: "
+      "one\n"
+      "does not hold.");
+  gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
+      ->capture_default_str();
+  GaugeOptions& g = options.gauge;
+  const auto count = CLI::Range(0, 1000000);
+  CLI::Option* cases = gauge
+                           ->add_option_function<std::size_t>(
+                               "--cases", [&g](std::size_t each) { g.coverage = g.still = each; },
+                               "Cases of coverage and of stillness, for each preset (1000)")
+                           ->check(count);
+  CLI::Option* bad = gauge->add_option("--bad", g.bad, "Cuts of 55 to 120 um, over all presets")
+                         ->check(count)
+                         ->capture_default_str();
+  CLI::Option* good = gauge->add_option("--good", g.good, "Cuts of 0 to 40 um, over all presets")
+                          ->check(count)
+                          ->capture_default_str();
+  gauge
+      ->add_flag_function(
+          "--quick",
+          [&g](std::int64_t) {
+            g.bad = g.good = 300;
+            g.coverage = 60;
+            g.still = 100;
+            g.repeats = 25;
+          },
+          "300 bad and 300 good cuts and few others: two minutes; too few for what needs 1000 cases")
+      ->excludes(cases)
+      ->excludes(bad)
+      ->excludes(good);
+  gauge
+      ->add_option_function<std::string>(
+          "--imperfections",
+          [&g](const std::string& which) {
+            if (which != "both") g.presets = {presetFromName(which)};
+          },
+          "Machines to draw: ideal, static, dynamic or both (static and dynamic, the default)")
+      ->check(CLI::IsMember({"ideal", "static", "dynamic", "both"}));
+  gauge->add_option("--case", options.the_case, "Repeat one case, like static-bad-17, and write its picture");
+  gauge->add_option("--seed", g.seed, "Of everything that is drawn")->capture_default_str();
+  gauge->add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
+  gauge->add_option("--jobs,-j", g.jobs, "Threads; the results are the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  gauge->add_flag("--quiet,-q", options.quiet, "Only the claims that do not hold");
+  return gauge;
+}
+
 int dispatch(int argc, char** argv) {
   CommonOptions options;
   options.bin_dir = fs::read_symlink("/proc/self/exe").parent_path();
@@ -211,6 +266,11 @@ int dispatch(int argc, char** argv) {
   calibrate_options.jobs = options.jobs;
   const CalibrateCommands calibrate = addCalibrate(app, calibrate_options);
 
+  GaugeCommandOptions gauge_options;
+  gauge_options.gauge.jobs = options.jobs;
+  gauge_options.command_line = options.command_line;
+  const CLI::App* gauge = addGauge(app, gauge_options);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -222,6 +282,7 @@ int dispatch(int argc, char** argv) {
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
   if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);
+  if (gauge->parsed()) return gaugeCommand(gauge_options);
   return lintCommand(lint_files, options);
 }
 

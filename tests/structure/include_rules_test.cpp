@@ -81,8 +81,19 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
   EXPECT_EQ(offenders([](const Include& i) {
               return (in(i.file, "hil/vision") || in(i.file, "hil/inspect") || in(i.file, "hil/calibrate")) &&
                      (in(i.target, "firmware_under_test") || in(i.target, "hil/app") ||
-                      in(i.target, "hil/source") || in(i.target, "hil/scene") ||
+                      in(i.target, "hil/source") || in(i.target, "hil/scene") || in(i.target, "hil/gauge") ||
                       i.target.starts_with("hil/camera/twin_"));
+            }),
+            "");
+}
+
+// Gauge knows the model's truth, to measure the measurement's error by it. Nothing that judges a run may ask
+// it.
+TEST(IncludeRules, OnlyTheProgramAsksTheGauge) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return in(i.target, "hil/gauge") && !in(i.file, "hil/gauge") &&
+                     i.file != "hil/app/commands.h" && i.file != "hil/app/gauge_command.cpp" &&
+                     !in(i.file, "tests/hil/gauge");
             }),
             "");
 }

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/gauge/artefact.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "twin/base/random.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::uint64_t kFaultStream = 0x6661756c74ULL;
+
+Artefact makeArtefact() {
+  Artefact artefact;
+  const auto add = [&](Curve curve, Process process = Process::kCut) {
+    const int id = static_cast<int>(artefact.dieline.entities.size());
+    artefact.dieline.entities.push_back({id, std::move(curve), process, "", ""});
+    return id;
+  };
+  artefact.dieline.path = "gauge artefact";
+  add(LineCurve{{-9.0, -7.0}, {-1.0, -7.0}});
+  add(LineCurve{{2.0, -8.0}, {2.0, -1.0}});
+  add(LineCurve{{5.0, -8.0}, {10.5, -3.5}});
+  add(LineCurve{{-10.5, -4.5}, {-3.0, -1.0}});
+  add(ArcCurve{{-7.5, 3.5}, 3.0, 0.3, 4.4});
+  artefact.circle = add(ArcCurve{{0.5, 4.5}, 2.2, 0.0, 2.0 * std::numbers::pi});
+  add(LineCurve{{5.0, -1.0}, {10.5, 1.5}}, Process::kCrease);
+  artefact.corner_in = add(LineCurve{{5.0, 7.5}, {10.5, 7.5}});
+  artefact.corner_out = add(LineCurve{{10.5, 7.5}, {10.5, 4.0}});
+  artefact.print.units = 1;
+  artefact.print.pitch_mm = 80.0;
+  // No turn of the sheet maps the marks onto each other.
+  artefact.print.marks = {
+      {{-13.5, -10.0}, 3.0}, {{13.5, -10.4}, 3.0}, {{-13.2, 10.0}, 3.0}, {{13.5, 10.0}, 3.0}};
+  return artefact;
+}
+
+}  // namespace
+
+std::string_view faultName(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::kOffset:
+      return "offset";
+    case FaultKind::kBump:
+      return "bump";
+    case FaultKind::kCorner:
+      return "corner";
+    case FaultKind::kEnd:
+      return "end";
+    case FaultKind::kScale:
+      return "scale";
+    case FaultKind::kRotation:
+      return "rotation";
+    case FaultKind::kWave:
+      return "wave";
+    case FaultKind::kEntity:
+      break;
+  }
+  return "entity";
+}
+
+const Artefact& gaugeArtefact() {
+  static const Artefact artefact = makeArtefact();
+  return artefact;
+}
+
+Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::uint64_t seed) {
+  const CounterRandom random(seed, kFaultStream + static_cast<std::uint64_t>(kind));
+  Fault fault{.kind = kind, .size_mm = size_mm};
+  fault.direction_rad = 2.0 * std::numbers::pi * random.uniform(0);
+  fault.place = 0.15 + 0.7 * random.uniform(2);
+  fault.length_mm = kind == FaultKind::kBump ? 0.4 + 1.1 * random.uniform(3) : 2.5 + 5.5 * random.uniform(3);
+  fault.phase_rad = 2.0 * std::numbers::pi * random.uniform(4);
+  fault.at_start = random.uniform(5) < 0.5;
+  std::vector<int> fit;
+  for (const Entity& e : artefact.dieline.entities) {
+    const bool meets = e.id == artefact.corner_in || e.id == artefact.corner_out;
+    if (e.process != Process::kCut || meets || (kind == FaultKind::kEnd && isClosed(e.curve))) continue;
+    fit.push_back(e.id);
+  }
+  fault.entity = fit[static_cast<std::size_t>(random.uniform(1) * static_cast<double>(fit.size()))];
+  const bool both_ways = kind != FaultKind::kOffset;
+  if (both_ways && random.uniform(6) < 0.5) fault.size_mm = -fault.size_mm;
+  return fault;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/gauge/cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "twin/laser/power_noise.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kStep_mm = 0.03;  // Of the burn: chords shift the cut of the smallest circle by 0.03 µm.
+constexpr double kSpeed_mm_s = 300.0;
+constexpr double kJump_s = 0.02;   // Between entities.
+constexpr double kCutShare = 1.6;  // Of the fluence that just cuts through.
+constexpr double kCreaseShare = 0.8;
+constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
+
+/// How many whole waves go onto a line, so that a closed one still closes.
+double wavesOn(double length_mm, double wave_mm) { return std::max(1.0, std::round(length_mm / wave_mm)); }
+
+}  // namespace
+
+ArtefactCut::ArtefactCut(const Artefact& artefact, std::vector<Fault> faults, const ArtefactBeam& beam,
+                         std::uint64_t noise_seed)
+    : artefact_(artefact), faults_(std::move(faults)), beam_(beam) {
+  middle_mm_ = artefact.dieline.bounds().center();
+  twin::PowerNoise noise(beam.noise, beam.noise_correlation_s, noise_seed);
+  double time_s = 0.0;
+  for (const Entity& entity : artefact.dieline.entities) {
+    Line line;
+    line.entity = &entity;
+    line.length_mm = lengthOf(entity.curve);
+    for (const double u : stations(entity.curve, 0.5))
+      reach_mm_ = std::max(reach_mm_, (pointAt(entity.curve, u) - middle_mm_).norm());
+    for (const Fault& fault : faults_) {
+      if (fault.kind == FaultKind::kEnd && fault.entity == entity.id)
+        (fault.at_start ? line.start_gap_mm : line.end_gap_mm) += fault.size_mm;
+    }
+    // A little beyond both ends, for lines that are cut too long.
+    line.start_s = time_s + 1.0 / kSpeed_mm_s;
+    const auto steps = static_cast<std::size_t>(std::ceil((line.length_mm + 2.0) / kStep_mm));
+    const double step_s = kStep_mm / kSpeed_mm_s;
+    for (std::size_t i = 0; i < steps; ++i) {
+      const double begin_s = time_s + static_cast<double>(i) * step_s;
+      // The tube has long warmed up: all of the drift is there.
+      line.power.push_back(beam.power * (1.0 + beam.drift) *
+                           (1.0 + (noise.silent() ? 0.0 : noise.meanOver(begin_s, begin_s + step_s))));
+    }
+    time_s += static_cast<double>(steps) * step_s + kJump_s;
+    lines_.push_back(std::move(line));
+  }
+  for (const Fault& fault : faults_) {
+    if (fault.kind == FaultKind::kCorner) corner_mm_ += fault.size_mm;
+  }
+}
+
+double ArtefactCut::relativePower(const Line& line, double s_mm) const {
+  const auto last = static_cast<double>(line.power.size() - 1);
+  return line.power[static_cast<std::size_t>(std::clamp((s_mm + 1.0) / kStep_mm, 0.0, last))];
+}
+
+Vector2d ArtefactCut::shiftAt(const Line& line, double s_mm) const {
+  const Curve& curve = line.entity->curve;
+  const double u = s_mm / line.length_mm;
+  const Vector2d normal = leftOf(tangentAt(curve, u));
+  const Vector2d from_middle = pointAt(curve, u) - middle_mm_;
+  Vector2d shift = beam_.flutterShift_mm(line.start_s + s_mm / kSpeed_mm_s);
+  for (const Fault& f : faults_) {
+    const bool own = f.entity == line.entity->id;
+    const Vector2d direction(std::cos(f.direction_rad), std::sin(f.direction_rad));
+    switch (f.kind) {
+      case FaultKind::kOffset:
+        shift += f.size_mm * direction;
+        break;
+      case FaultKind::kBump:
+        if (own) {
+          const double z = (s_mm - f.place * line.length_mm) / f.length_mm;
+          shift += f.size_mm * std::exp(-0.5 * z * z) * normal;
+        }
+        break;
+      case FaultKind::kScale:
+        shift += f.size_mm / reach_mm_ * from_middle;
+        break;
+      case FaultKind::kRotation:
+        shift += f.size_mm / reach_mm_ * leftOf(from_middle);
+        break;
+      case FaultKind::kWave:
+        shift +=
+            f.size_mm * std::sin(kTurn * u * wavesOn(line.length_mm, f.length_mm) + f.phase_rad) * normal;
+        break;
+      case FaultKind::kEntity:
+        if (own) shift += f.size_mm * (std::holds_alternative<LineCurve>(curve) ? normal : direction);
+        break;
+      case FaultKind::kCorner:
+      case FaultKind::kEnd:
+        break;
+    }
+  }
+  return shift;
+}
+
+Vector2d ArtefactCut::pathAt(const Line& line, double s_mm) const {
+  return pointAt(line.entity->curve, s_mm / line.length_mm) + shiftAt(line, s_mm);
+}
+
+double ArtefactCut::wayOffset(const Line& line, double s_mm) const {
+  const Curve& curve = line.entity->curve;
+  const double u = s_mm / line.length_mm;
+  const Vector2d p = pointAt(curve, u);
+  const Vector2d tangent = tangentAt(curve, u);
+  // Where the path crosses the station's normal, by Newton's method: the slope along it is next to one.
+  double at_mm = s_mm;
+  for (int i = 0; i < 6; ++i) {
+    const double slope = tangent.dot(tangentAt(curve, at_mm / line.length_mm));
+    at_mm -= (pathAt(line, at_mm) - p).dot(tangent) / slope;
+  }
+  constexpr double kH_mm = 0.05;
+  const Vector2d here = pathAt(line, at_mm);
+  const Vector2d bend =
+      (pathAt(line, at_mm + kH_mm) - 2.0 * here + pathAt(line, at_mm - kH_mm)) / (kH_mm * kH_mm);
+  const double variance_mm2 = tangent.dot(beam_.covariance_mm2() * tangent);
+  const Vector2d normal = leftOf(tangent);
+  return (here - p).dot(normal) + 0.5 * variance_mm2 * bend.dot(normal);
+}
+
+double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
+  if (!isClosed(line.entity->curve)) return wayOffset(line, s_mm);
+  // The way may not end where it began (flutter). Around the closure the kerf is where the light of both
+  // lies.
+  const Vector2d tangent = tangentAt(line.entity->curve, s_mm / line.length_mm);
+  const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
+  const double past_mm = s_mm > 0.5 * line.length_mm ? s_mm - line.length_mm : s_mm;
+  if (std::abs(past_mm) > 5.0 * sigma_mm) return wayOffset(line, s_mm);
+  const double begun = 0.5 * std::erfc(-past_mm / (std::numbers::sqrt2 * sigma_mm));
+  return begun * wayOffset(line, past_mm) + (1.0 - begun) * wayOffset(line, past_mm + line.length_mm);
+}
+
+double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share, double transmission) const {
+  const Vector2d normal = leftOf(tangentAt(line.entity->curve, s_mm / line.length_mm));
+  const double sigma_mm = std::sqrt(normal.dot(beam_.covariance_mm2() * normal));
+  // Light by Beer's law over what is left of the depth; depth in proportion to the fluence.
+  const double peak = fluence_share * relativePower(line, s_mm) * 0.5 / sigma_mm;
+  const double top = std::pow(transmission, 1.0 - std::min(peak, 1.0));
+  const double half = 1.0 - std::log(0.5 * (top + transmission)) / std::log(transmission);
+  return peak > half ? 2.0 * sigma_mm * std::sqrt(2.0 * std::log(peak / half))
+                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool ArtefactCut::judged(const Line& line, double s_mm) const {
+  if (s_mm < line.start_gap_mm || s_mm > line.length_mm - line.end_gap_mm) return false;
+  if (line.entity->id == artefact_.corner_in && line.length_mm - s_mm <= kNearCorner_mm) return false;
+  return line.entity->id != artefact_.corner_out || s_mm > kNearCorner_mm;
+}
+
+double ArtefactCut::gapOf(const Line& line, bool at_start) const {
+  const double s_mm = at_start ? line.start_gap_mm : line.length_mm - line.end_gap_mm;
+  const double end_mm = at_start ? 0.0 : line.length_mm;
+  const Vector2d tangent = tangentAt(line.entity->curve, end_mm / line.length_mm);
+  const Vector2d outward = at_start ? Vector2d(-tangent) : tangent;
+  return (pointAt(line.entity->curve, end_mm / line.length_mm) - pathAt(line, s_mm)).dot(outward);
+}
+
+void ArtefactCut::joints(CutTruth& truth) const {
+  for (const Line& line : lines_) {
+    if (isClosed(line.entity->curve)) continue;
+    for (const bool at_start : {true, false}) {
+      if (at_start ? line.entity->id == artefact_.corner_out : line.entity->id == artefact_.corner_in)
+        continue;
+      truth.ends.push_back({line.entity->id, at_start, gapOf(line, at_start)});
+    }
+  }
+  const auto& in = lines_[static_cast<std::size_t>(artefact_.corner_in)];
+  const auto& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
+  const Vector2d t_in = tangentAt(in.entity->curve, 1.0);
+  const Vector2d t_out = tangentAt(on.entity->curve, 0.0);
+  const Vector2d shift_in = shiftAt(in, in.length_mm);
+  const Vector2d shift_on = shiftAt(on, 0.0);
+  const Vector2d outwards = (t_in - t_out).normalized();
+  truth.rounding_mm = std::max(0.0, std::max(corner_mm_, 0.0) - 0.5 * (shift_in + shift_on).dot(outwards));
+  truth.corner_shift_mm = std::max(shift_in.norm(), shift_on.norm());
+  const double over = std::max(-corner_mm_, 0.0);
+  truth.overshoot_mm = std::max({0.0, over + shift_in.dot(t_in), over - shift_on.dot(t_out)});
+}
+
+double CutTruth::worstJoint_mm() const {
+  double worst = std::max(rounding_mm, overshoot_mm);
+  for (const End& end : ends) worst = std::max(worst, std::abs(end.gap_mm));
+  return worst;
+}
+
+CutTruth ArtefactCut::truth(const std::vector<EntityKerf>& stations, const twin::BoardDescription& board,
+                            double nominal_radius_mm) const {
+  CutTruth truth;
+  double squares = 0.0;
+  double count = 0.0;
+  for (const EntityKerf& kerf : stations) {
+    const Line& line = lines_.at(static_cast<std::size_t>(kerf.entity));
+    EntityTruth e{.entity = kerf.entity, .circularity_mm = std::numeric_limits<double>::quiet_NaN()};
+    const double share = line.entity->process == Process::kCrease ? kCreaseShare : kCutShare;
+    double own_squares = 0.0;
+    double own = 0.0;
+    for (const Caliper& c : kerf.calipers) {
+      const double offset_mm = offsetAt(line, c.station_mm);
+      e.offset_mm.push_back(offset_mm);
+      if (c.near_joint || !judged(line, c.station_mm)) continue;
+      e.worst_mm = std::max(e.worst_mm, std::abs(offset_mm));
+      own_squares += offset_mm * offset_mm;
+      e.width_mm += widthAt(line, c.station_mm, share * nominal_radius_mm, board.transmission);
+      own += 1.0;
+    }
+    e.rms_mm = std::sqrt(own_squares / own);
+    e.width_mm /= own;
+    squares += own_squares;
+    count += own;
+    truth.worst_mm = std::max(truth.worst_mm, e.worst_mm);
+    if (isClosed(line.entity->curve)) {
+      // Least-squares circle: mean and first harmonic, over even stations.
+      Eigen::MatrixXd basis(static_cast<Eigen::Index>(e.offset_mm.size()), 3);
+      for (Eigen::Index i = 0; i < basis.rows(); ++i) {
+        const double angle = kTurn * kerf.calipers[static_cast<std::size_t>(i)].u;
+        basis.row(i) << 1.0, std::cos(angle), std::sin(angle);
+      }
+      const Eigen::Map<const Eigen::VectorXd> x(e.offset_mm.data(), basis.rows());
+      const Eigen::VectorXd rest =
+          x - basis * (basis.transpose() * basis).ldlt().solve(basis.transpose() * x);
+      e.circularity_mm = rest.maxCoeff() - rest.minCoeff();
+    }
+    truth.entities.push_back(std::move(e));
+  }
+  truth.rms_mm = std::sqrt(squares / count);
+  joints(truth);
+  return truth;
+}
+
+double ArtefactCut::worst_mm(double pitch_mm) const {
+  CutTruth truth;
+  const bool of_joint =
+      !faults_.empty() && (faults_[0].kind == FaultKind::kCorner || faults_[0].kind == FaultKind::kEnd);
+  if (of_joint) {
+    joints(truth);
+    return truth.worstJoint_mm();
+  }
+  double worst = 0.0;
+  for (const Line& line : lines_) {
+    const auto steps = static_cast<int>(std::ceil(line.length_mm / pitch_mm));
+    for (int i = 0; i <= steps; ++i) {
+      const double s_mm = line.length_mm * i / steps;
+      if (judged(line, s_mm)) worst = std::max(worst, std::abs(offsetAt(line, s_mm)));
+    }
+  }
+  return worst;
+}
+
+void ArtefactCut::burnWay(twin::Sheet& sheet, const std::vector<Vector2d>& way, const Line& line,
+                          double from_s_mm, double energy_j_mm) const {
+  const auto footprint = [&](const Vector2d& p) {
+    return twin::Footprint{p, beam_.radius_x_mm, beam_.radius_y_mm, beam_.correlation};
+  };
+  double s_mm = from_s_mm;
+  for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+    const double step_mm = (way[i + 1] - way[i]).norm();
+    sheet.burn(footprint(way[i]), footprint(way[i + 1]),
+               energy_j_mm * step_mm * relativePower(line, s_mm + 0.5 * step_mm));
+    s_mm += step_mm;
+  }
+}
+
+void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
+  const double cutting_j_mm =
+      sheet.board().cut_fluence_j_mm2 * nominal_radius_mm * std::sqrt(0.5 * std::numbers::pi);
+  // An arc that passes the corner at this distance begins this far before it.
+  const Line& first = lines_[static_cast<std::size_t>(artefact_.corner_in)];
+  const Line& second = lines_[static_cast<std::size_t>(artefact_.corner_out)];
+  const Vector2d t_in = tangentAt(first.entity->curve, 1.0);
+  const Vector2d t_out = tangentAt(second.entity->curve, 0.0);
+  const double half = 0.5 * (std::numbers::pi - std::acos(std::clamp(t_in.dot(t_out), -1.0, 1.0)));
+  const double radius_mm = std::max(corner_mm_, 0.0) / (1.0 / std::sin(half) - 1.0);
+  const double before_mm = corner_mm_ > 0.0 ? radius_mm / std::tan(half) : corner_mm_;
+  for (const Line& line : lines_) {
+    const double share = line.entity->process == Process::kCrease ? kCreaseShare : kCutShare;
+    double from = line.start_gap_mm;
+    double to = line.length_mm - line.end_gap_mm;
+    if (&line == &first) to -= before_mm;
+    if (&line == &second) from += before_mm;
+    const auto steps = static_cast<int>(std::ceil((to - from) / kStep_mm));
+    std::vector<Vector2d> way;
+    for (int i = 0; i <= steps; ++i) way.push_back(pathAt(line, from + (to - from) * i / steps));
+    if (&line == &first && corner_mm_ > 0.0) {
+      // Its ends are those of the two legs, wherever they were shifted to.
+      const Vector2d side = (t_out - t_out.dot(t_in) * t_in).normalized();
+      const double turn = std::numbers::pi - 2.0 * half;
+      const int pieces = std::max(2, static_cast<int>(std::ceil(radius_mm * turn / kStep_mm)));
+      const Vector2d begin = way.back();
+      for (int i = 1; i <= pieces; ++i) {
+        const double angle = turn * i / pieces;
+        way.push_back(begin + radius_mm * (std::sin(angle) * t_in + (1.0 - std::cos(angle)) * side));
+      }
+    }
+    burnWay(sheet, way, line, from, share * cutting_j_mm);
+  }
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/gauge/artefact.h"
+#include "hil/gauge/beam.h"
+#include "hil/vision/kerf_scan.h"
+#include "twin/sheet/sheet.h"
+
+namespace kerfbench::hil {
+
+/// What is really so, by the geometry of the path and the optics of the beam alone; no camera has a part in
+/// it. In mm and in S, the frame of the printed marks, which are where the print says.
+///
+/// The deviation of a line at a station is that of its kerf's middle along the nominal left normal. The
+/// middle lies on the path of the beam, but inside of a bend: light of standard deviation s along the path
+/// leaves its ridge kappa s²/2 inside of a path of curvature kappa. Stations are those that inspection judges
+/// lines at: all within the length of the line as it was cut, farther than 0.4 mm from a corner.
+///
+/// Worst, RMS and circularity are of these deviations; circularity is the range about the least-squares
+/// circle. Width is the mean over the same stations of the distance between the two places across the kerf
+/// where half of the light comes through that does in its middle, over the board's. Rounding and overshoot
+/// say how far inside or outside of the nominal corner the beam's way passes, a gap how much too early a line
+/// ends.
+struct EntityTruth {
+  int entity{};
+  double worst_mm{};  ///< Magnitude.
+  double rms_mm{};
+  double width_mm{};
+  double circularity_mm{};          ///< NaN but for the circle.
+  std::vector<double> offset_mm{};  ///< Of each caliper of EntityKerf, judged or not.
+};
+struct CutTruth {
+  std::vector<EntityTruth> entities;  ///< In the order of the scan's.
+  double worst_mm{};                  ///< Of all lines.
+  double rms_mm{};
+  double rounding_mm{}, overshoot_mm{};  ///< Of the corner.
+  double corner_shift_mm{};              ///< By which faults of other kinds move it.
+  struct End {
+    int entity{};
+    bool at_start{};
+    double gap_mm{};  ///< < 0: too long.
+  };
+  std::vector<End> ends;
+  [[nodiscard]] double worstJoint_mm() const;  ///< Of corner and ends.
+};
+
+/// An artefact with faults as a path of the beam. Everything is exact to 0.02 µm for features longer than
+/// 0.3 mm.
+class ArtefactCut {
+ public:
+  /// `artefact` must outlive this. `noise_seed`: of the tube's noise.
+  ArtefactCut(const Artefact& artefact, std::vector<Fault> faults, const ArtefactBeam& beam,
+              std::uint64_t noise_seed);
+
+  /// With 1.6 times what cuts through in the middle of a line at the beam's nominal radius, half of it for a
+  /// crease, at 300 mm/s, entity by entity.
+  void burn(twin::Sheet& sheet, double nominal_radius_mm) const;
+  [[nodiscard]] CutTruth truth(const std::vector<EntityKerf>& stations, const twin::BoardDescription& board,
+                               double nominal_radius_mm) const;
+  /// The worst deviation without a scan, at stations of this pitch: of the lines, or of corner and ends if
+  /// the first fault is one of those.
+  [[nodiscard]] double worst_mm(double pitch_mm) const;
+
+ private:
+  struct Line {
+    const Entity* entity{};
+    double length_mm{};
+    double start_gap_mm{}, end_gap_mm{};  ///< By which it is cut too short.
+    double start_s{};                     ///< When the beam is at its nominal start.
+    std::vector<double> power{};          ///< Relative, of each step of the burn.
+  };
+
+  [[nodiscard]] Eigen::Vector2d pathAt(const Line& line, double s_mm) const;
+  [[nodiscard]] Eigen::Vector2d shiftAt(const Line& line, double s_mm) const;
+  [[nodiscard]] double wayOffset(const Line& line, double s_mm) const;
+  [[nodiscard]] double offsetAt(const Line& line, double s_mm) const;
+  [[nodiscard]] double widthAt(const Line& line, double s_mm, double fluence_share,
+                               double transmission) const;
+  [[nodiscard]] bool judged(const Line& line, double s_mm) const;
+  [[nodiscard]] double relativePower(const Line& line, double s_mm) const;
+  [[nodiscard]] double gapOf(const Line& line, bool at_start) const;
+  void joints(CutTruth& truth) const;
+  void burnWay(twin::Sheet& sheet, const std::vector<Eigen::Vector2d>& way, const Line& line,
+               double from_s_mm, double energy_j_mm) const;
+
+  const Artefact& artefact_;
+  std::vector<Fault> faults_;
+  ArtefactBeam beam_;
+  Eigen::Vector2d middle_mm_;
+  double reach_mm_{};  ///< From the middle to the farthest cut.
+  double corner_mm_{};
+  std::vector<Line> lines_;
+};
+
+}  // namespace kerfbench::hil

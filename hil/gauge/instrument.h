@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "hil/gauge/artefact.h"
+#include "hil/inspect/inspect.h"
+#include "hil/vision/camera_calibration.h"
+#include "hil/vision/kerf_scan.h"
+#include "twin/cutter/description.h"
+#include "twin/cutter/imperfections.h"
+
+namespace kerfbench::hil {
+
+/// What is gauged: a machine's two cameras with their calibrations, and the judge behind them.
+struct GaugeSetup {
+  twin::MachineDescription machine;  ///< As described.
+  twin::ImperfectionSpread spread;
+  CameraCalibration kerf_calibration, spot_calibration;
+  twin::BoardDescription board;
+  Limits limits;
+};
+
+/// A part of a camera's sensor, read out alone: the same lens and mount, fewer pixels. An artefact is smaller
+/// than the field, and gauge takes thousands of pictures.
+struct SensorWindow {
+  int x0_px{}, y0_px{}, width_px{}, height_px{};
+};
+twin::CameraDescription windowOf(const twin::CameraDescription& camera, const SensorWindow& window);
+CameraCalibration windowOf(const CameraCalibration& calibration, const SensorWindow& window);
+
+/// How an artefact lies under the kerf camera.
+struct Placement {
+  SensorWindow window;
+  Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
+  Eigen::Isometry2d X_TS{Eigen::Isometry2d::Identity()};
+};
+
+/// What the bench makes of one picture of an artefact.
+struct KerfMeasurement {
+  KerfScan scan;
+  InspectionResult result;
+  Verdict verdict{Verdict::kInvalid};  ///< Of the checks that rest on the kerf alone.
+};
+
+/// The kerf camera and the judge, as in a run: same calibration file, same options, same code.
+class KerfInstrument {
+ public:
+  /// `setup` must outlive this. @throws std::invalid_argument if the artefact does not fit into the field.
+  KerfInstrument(const GaugeSetup& setup, const Artefact& artefact);
+
+  /// Anywhere in the field, shifted by up to 1 mm and turned by up to 0.3 degrees, as in a run.
+  [[nodiscard]] Placement draw(std::uint64_t seed) const;
+  /// `board_seed`: which piece of board; `noise_seed`: of the sensor's noise.
+  [[nodiscard]] KerfTile picture(const twin::Sheet& sheet, const Placement& placement,
+                                 std::uint64_t board_seed, std::uint64_t noise_seed) const;
+  [[nodiscard]] KerfMeasurement measure(KerfTile tile, const Placement& placement) const;
+
+ private:
+  const GaugeSetup& setup_;
+  const Artefact& artefact_;
+  int width_px_{}, height_px_{};
+};
+
+}  // namespace kerfbench::hil

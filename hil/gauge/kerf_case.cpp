@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/gauge/kerf_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hil/gauge/statistics.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::uint64_t kFieldStream = 0x6669656c64ULL;
+constexpr std::uint64_t kTubeNoise = 0x74756265ULL;
+constexpr std::size_t kFieldStride = 8;
+
+/// Where in the machine's field the artefact is cut.
+Vector2d placeInMachine(const twin::MachineDescription& machine, std::uint64_t seed) {
+  const CounterRandom random(seed, kFieldStream);
+  const auto within = [&](std::uint64_t index, std::size_t axis) {
+    const double low = machine.controller.field_min_mm.at(axis);
+    const double high = machine.controller.field_max_mm.at(axis);
+    return 0.5 * (low + high) + 0.7 * (high - low) * (random.uniform(index) - 0.5);
+  };
+  return {within(0, 0), within(1, 1)};
+}
+
+void addField(const KerfMeasurement& m, const CutTruth& truth, const Placement& placement,
+              const Dieline& dieline, std::vector<FieldError>& field) {
+  for (std::size_t k = 0; k < m.scan.entities.size(); ++k) {
+    const EntityKerf& kerf = m.scan.entities[k];
+    const Curve& curve = dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
+    const double length_mm = lengthOf(curve);
+    for (std::size_t i = 0; i < kerf.calipers.size(); i += kFieldStride) {
+      const Caliper& c = kerf.calipers[i];
+      const bool at_end = !isClosed(curve) && std::min(c.station_mm, length_mm - c.station_mm) < 0.3;
+      if (!c.found || c.near_joint || at_end) continue;
+      const Vector2d t = tangentAt(curve, c.u);
+      const Vector2d normal = placement.X_TS.linear() * Vector2d(-t.y(), t.x());
+      field.push_back({c.p_V_mm, normal, c.offset_mm - truth.entities[k].offset_mm[i]});
+    }
+  }
+}
+
+void addLines(const KerfMeasurement& m, const CutTruth& truth, const Dieline& dieline, std::uint64_t pick,
+              std::vector<Reading>& readings) {
+  for (const UncertaintyBudget& b : m.result.budgets)
+    readings.push_back({"worst of all lines", b.monte_carlo_value, b.monte_carlo_U, truth.worst_mm});
+  readings.push_back({"RMS of all lines", m.result.rms_mm.value, m.result.rms_mm.U, truth.rms_mm});
+  // One entity of each case, so that cases are independent.
+  const std::size_t one = pick % m.result.entities.size();
+  const EntityResult& e = m.result.entities[one];
+  const EntityTruth& t = truth.entities[one];
+  readings.push_back({"worst of an entity", std::abs(e.worst_mm), e.worst_U_mm, t.worst_mm});
+  readings.push_back({"RMS of an entity", e.rms_mm, e.rms_U_mm, t.rms_mm});
+  readings.push_back({"kerf width", e.width_mm, e.width_U_mm, t.width_mm});
+  // As the judge takes it: against the widths of the other cuts.
+  std::vector<double> widths;
+  std::vector<double> true_widths;
+  for (std::size_t k = 0; k < truth.entities.size(); ++k) {
+    if (dieline.entities[k].process != Process::kCut) continue;
+    widths.push_back(m.result.entities[k].width_mm);
+    true_widths.push_back(truth.entities[k].width_mm);
+  }
+  if (dieline.entities[one].process == Process::kCut) {
+    readings.push_back({"kerf width against the others", e.width_mm - quantileOf(widths, 0.5), e.width_U_mm,
+                        t.width_mm - quantileOf(true_widths, 0.5)});
+  }
+  for (std::size_t k = 0; k < truth.entities.size(); ++k) {
+    if (std::isfinite(truth.entities[k].circularity_mm)) {
+      readings.push_back({"circularity", m.result.entities[k].circularity_mm,
+                          m.result.entities[k].circularity_U_mm, truth.entities[k].circularity_mm});
+    }
+  }
+}
+
+void addJoints(const KerfMeasurement& m, const CutTruth& truth, std::uint64_t pick,
+               std::vector<Reading>& readings) {
+  // What is not there at all is not rounded or run over: its zero would count as found each time.
+  constexpr double kThere_mm = 0.01;
+  constexpr double kInPlace_mm = 0.005;
+  const std::string where = truth.corner_shift_mm > kInPlace_mm ? ", cut displaced" : "";
+  std::vector<Reading> ends;
+  for (const JointResult& j : m.result.joints) {
+    if (j.kind == JointResult::Kind::kRounding && truth.rounding_mm > kThere_mm)
+      readings.push_back({"corner rounding" + where, j.mm.value, j.mm.U, truth.rounding_mm});
+    if (j.kind == JointResult::Kind::kOvershoot && truth.overshoot_mm > kThere_mm)
+      readings.push_back({"corner overshoot" + where, j.mm.value, j.mm.U, truth.overshoot_mm});
+    if (j.kind != JointResult::Kind::kEndGap) continue;
+    for (const CutTruth::End& end : truth.ends) {
+      if (end.entity == j.entity && end.at_start == j.at_start)
+        ends.push_back({"end gap or overlap", j.mm.value, j.mm.U, end.gap_mm});
+    }
+  }
+  if (!ends.empty()) readings.push_back(ends[pick / 16 % ends.size()]);
+}
+
+}  // namespace
+
+KerfStudy::KerfStudy(const GaugeSetup& setup)
+    : setup_(setup), artefact_(gaugeArtefact()), instrument_(setup, artefact_) {}
+
+ArtefactCut KerfStudy::cutOf(const KerfCase& c) const {
+  const twin::DrawnMachine drawn =
+      twin::drawImperfections(setup_.machine, setup_.spread, c.preset, c.machine_seed);
+  ArtefactBeam beam(drawn.machine, placeInMachine(setup_.machine, c.machine_seed));
+  beam.power = drawn.machine.laser.full_power_w / setup_.machine.laser.full_power_w;
+  return {artefact_, c.faults, beam, c.machine_seed ^ kTubeNoise};
+}
+
+void KerfStudy::scaleTo(double truth_mm, KerfCase& c) const {
+  // Monotonous but for what the others do: regula falsi from the size itself.
+  const double sign = c.faults.at(0).size_mm < 0.0 ? -1.0 : 1.0;
+  for (int i = 0; i < 8; ++i) {
+    const double size = std::abs(c.faults[0].size_mm);
+    const double is = cutOf(c).worst_mm(0.1);
+    if (std::abs(is - truth_mm) < 1e-4) return;
+    c.faults[0].size_mm = sign * std::max(1e-6, size * truth_mm / std::max(is, 1e-6));
+  }
+}
+
+KerfStudy::Whole KerfStudy::runWhole(const KerfCase& c) const {
+  const ArtefactCut cut = cutOf(c);
+  twin::Sheet sheet(setup_.board);
+  const double radius_mm = setup_.machine.beam.waist_radius_mm;
+  cut.burn(sheet, radius_mm);
+  const Placement placement = instrument_.draw(c.place_seed);
+  KerfTile tile = instrument_.picture(sheet, placement, c.board_seed, c.noise_seed);
+  Whole whole;
+  whole.picture = tile.image;
+  whole.measurement = instrument_.measure(std::move(tile), placement);
+  const KerfMeasurement& m = whole.measurement;
+  whole.truth = cut.truth(m.scan.entities, setup_.board, radius_mm);
+  KerfOutcome& out = whole.outcome;
+  out.name = c.name;
+  if (!c.faults.empty()) {
+    out.kind = c.faults[0].kind;
+    out.size_mm = c.faults[0].size_mm;
+  }
+  const bool of_joint = !c.faults.empty() && (out.kind == FaultKind::kCorner || out.kind == FaultKind::kEnd);
+  out.truth_mm = of_joint ? whole.truth.worstJoint_mm() : whole.truth.worst_mm;
+  out.verdict = m.verdict;
+  for (const Check& check : m.result.checks) {
+    if (check.name == "path") out.path_verdict = check.verdict;
+  }
+  out.problems = m.result.problems;
+  if (m.result.entities.size() != whole.truth.entities.size()) return whole;
+  const std::uint64_t pick = CounterRandom(c.machine_seed, 1).bits(0) % 100000;
+  addLines(m, whole.truth, artefact_.dieline, pick, out.readings);
+  addJoints(m, whole.truth, pick, out.readings);
+  for (const UncertaintyBudget& b : m.result.budgets) {
+    out.worst_as_read_mm = b.as_read;
+    out.analytic_U_mm = b.analytic_U;
+    out.monte_carlo_U_mm = b.monte_carlo_U;
+  }
+  addField(m, whole.truth, placement, artefact_.dieline, out.field);
+  return whole;
+}
+
+KerfOutcome KerfStudy::run(const KerfCase& c) const { return std::move(runWhole(c).outcome); }
+
+}  // namespace kerfbench::hil

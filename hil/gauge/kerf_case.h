@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/gauge/cut.h"
+#include "hil/gauge/instrument.h"
+#include "hil/gauge/quantity.h"
+
+namespace kerfbench::hil {
+
+/// An artefact to be cut, all drawn from seeds.
+struct KerfCase {
+  std::string name;  ///< "static-bad-17"
+  twin::Preset preset{twin::Preset::kStatic};
+  std::vector<Fault> faults;
+  std::uint64_t machine_seed{};  ///< Of the machine that the preset draws, and of where in its field it cuts.
+  std::uint64_t place_seed{};    ///< How it lies under the camera.
+  std::uint64_t board_seed{};    ///< Which piece of board.
+  std::uint64_t noise_seed{};    ///< Of the camera's noise.
+};
+
+/// Error of one caliper at its place in the camera's field.
+struct FieldError {
+  Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d normal{Eigen::Vector2d::UnitX()};  ///< In V.
+  double error_mm{};                                 ///< Along the normal.
+};
+
+struct KerfOutcome {
+  std::string name;
+  FaultKind kind{};  ///< Of the first fault.
+  double size_mm{};  ///< Of the first fault.
+  double
+      truth_mm{};  ///< Worst deviation of the lines; of corner and ends if the first fault is one of those.
+  Verdict verdict{Verdict::kInvalid};
+  Verdict path_verdict{Verdict::kInvalid};  ///< Of the path check alone.
+  std::vector<Reading> readings;
+  double worst_as_read_mm{};
+  double analytic_U_mm{}, monte_carlo_U_mm{};  ///< Of the worst of all lines.
+  std::vector<FieldError> field;               ///< Every eighth caliper.
+  std::vector<std::string> problems;
+};
+
+/// Cuts, looks and measures. Pure.
+class KerfStudy {
+ public:
+  /// `setup` must outlive this.
+  explicit KerfStudy(const GaugeSetup& setup);
+  [[nodiscard]] KerfOutcome run(const KerfCase& the_case) const;
+  /// The same, with the picture and all that was measured.
+  struct Whole {
+    KerfOutcome outcome;
+    GrayImage picture;
+    KerfMeasurement measurement;
+    CutTruth truth;
+  };
+  [[nodiscard]] Whole runWhole(const KerfCase& the_case) const;
+  /// Scales the first fault until KerfOutcome::truth_mm is as told, to 0.1 µm; other faults and the machine's
+  /// flutter have a share in it.
+  void scaleTo(double truth_mm, KerfCase& the_case) const;
+
+ private:
+  [[nodiscard]] ArtefactCut cutOf(const KerfCase& the_case) const;
+
+  const GaugeSetup& setup_;
+  const Artefact& artefact_;
+  KerfInstrument instrument_;
+};
+
+}  // namespace kerfbench::hil
