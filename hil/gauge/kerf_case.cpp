@@ -66,8 +66,8 @@ void addLines(const KerfMeasurement& m, const CutTruth& truth, const Dieline& di
     true_widths.push_back(truth.entities[k].width_mm);
   }
   if (dieline.entities[one].process == Process::kCut) {
-    readings.push_back({"kerf width against the others", e.width_mm - quantileOf(widths, 0.5), e.width_U_mm,
-                        t.width_mm - quantileOf(true_widths, 0.5)});
+    readings.push_back({"kerf width against the others", e.width_mm - quantileOf(widths, 0.5),
+                        e.width_own_U_mm, t.width_mm - quantileOf(true_widths, 0.5)});
   }
   for (std::size_t k = 0; k < truth.entities.size(); ++k) {
     if (std::isfinite(truth.entities[k].circularity_mm)) {

@@ -41,10 +41,17 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
 /// Readings this far from the median, in units of their scatter, are not the kerf's width.
 constexpr double kOutlier = 5.0;
 constexpr double kSigmaOfMad = 1.4826;
+constexpr double kFlanks = 2.0;      // A width is the difference of two flanks, an offset their mean.
+constexpr double kBlurShare = 0.12;  // Of what blur adds to a width: how well the lens's blur is known.
+
+struct KerfWidth {
+  Quantity width;
+  double own_U{std::numeric_limits<double>::quiet_NaN()};  ///< Without what all widths have in common.
+};
 
 /// Mean width without outliers, and its U. (A median would need to know how the true width is spread.) Noise
 /// of neighbours is taken to be as correlated as that of their offsets.
-Quantity widthOf(const EntityKerf& kerf, const ReadingLine& line) {
+KerfWidth widthOf(const EntityKerf& kerf, const ReadingLine& line) {
   std::vector<double> widths;
   std::vector<double> off;
   for (const std::size_t i : line.caliper) {
@@ -58,18 +65,24 @@ Quantity widthOf(const EntityKerf& kerf, const ReadingLine& line) {
   double n = 0.0;
   double variance = 0.0;
   double behind = 0.0;
+  double steady = 0.0;
   std::size_t last = 0;
   for (const std::size_t i : line.caliper) {
     const Caliper& c = kerf.calipers[i];
     if (!(std::abs(c.width_mm - median) <= kOutlier * std::max(scatter, c.width_sigma_mm))) continue;
     behind *= n > 0.0 ? std::pow(line.q, static_cast<double>(i - last)) : 0.0;
-    variance += c.width_sigma_mm * (c.width_sigma_mm + 2.0 * behind);
-    behind += c.width_sigma_mm;
+    const double steady_mm = std::min(kFlanks * c.steady_sigma_mm, c.width_sigma_mm);
+    const double noise_mm = std::sqrt(c.width_sigma_mm * c.width_sigma_mm - steady_mm * steady_mm);
+    variance += noise_mm * (noise_mm + 2.0 * behind);
+    behind += noise_mm;
+    steady += steady_mm;
     last = i;
     sum += c.width_mm;
     n += 1.0;
   }
-  return {sum / n, 2.0 * std::sqrt(variance) / n};
+  const double u_blur_mm = kBlurShare * kerf.widening_mm;
+  const double u_own_mm = std::hypot(std::sqrt(variance), steady) / n;
+  return {{sum / n, 2.0 * std::hypot(u_own_mm, u_blur_mm)}, 2.0 * u_own_mm};
 }
 
 /// Standard uncertainty of a place on the sheet, per axis, by the pose of its unit and the camera's map.
@@ -92,8 +105,11 @@ DeviationResult measureLines(const Evidence& evidence, const Limits& limits) {
   std::vector<LineKind> kinds;
   for (const ReadingLine& line : model.lines) kinds.push_back(kindOf(evidence, line));
   DeviationResult result = measureDeviations(model, kinds, limits.path_mm, kSeed);
-  for (std::size_t l = 0; l < model.lines.size(); ++l)
-    result.widths.push_back(widthOf(evidence.kerf.entities[model.lines[l].kerf], model.lines[l]));
+  for (std::size_t l = 0; l < model.lines.size(); ++l) {
+    const KerfWidth width = widthOf(evidence.kerf.entities[model.lines[l].kerf], model.lines[l]);
+    result.widths.push_back(width.width);
+    result.width_own_U.push_back(width.own_U);
+  }
   const auto placeOf = [&](DeviationEstimate& e) {
     if (e.line < model.lines.size() && e.reading < model.lines[e.line].size())
       e.caliper = model.lines[e.line].caliper[e.reading];
@@ -125,6 +141,7 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits
     e.coverage = coverageOf(evidence, kerf, limits);
     e.width_mm = deviations.widths[k].value;
     e.width_U_mm = deviations.widths[k].U;
+    e.width_own_U_mm = deviations.width_own_U[k];
     e.circularity_mm = deviations.circularity[k].value;
     e.circularity_U_mm = deviations.circularity[k].U;
     e.passes = kNan;

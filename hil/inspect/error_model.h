@@ -16,11 +16,12 @@ namespace kerfbench::hil {
 ///     reading_i = true_i + noise_i + shared_i · e
 ///
 /// noise_i has the caliper's own sigma_i and the correlation q^|i - j| within a segment. e are independent
-/// standard normal draws that many readings have in common: the first belongs to the line (what the grid of
-/// pixels and the model of the flanks leave), the next three to the unit (how it was found to lie by its
-/// marks), the others to the camera (modes of its calibration) and so to all units.
+/// standard normal draws that many readings have in common: the first eight belong to the line (what the grid
+/// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
+/// straight line all readings share one, around a circle they change), the next three to the unit (how it was
+/// found to lie by its marks), the others to the camera (modes of its calibration) and so to all units.
 struct ReadingLine {
-  static constexpr Eigen::Index kLine = 1;
+  static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;
   static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the modes of the camera.
 
@@ -35,11 +36,16 @@ struct ReadingLine {
   Eigen::MatrixXd shared;  ///< Readings x (kOwn + modes of the camera), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
+  /// Which of the line's own errors a reading on a curve of this tangent has.
+  [[nodiscard]] static Eigen::Index directionOf(const Eigen::Vector2d& tangent);
 };
 
 struct ErrorModel {
   std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
   Eigen::Index modes{};            ///< Of the camera's calibration.
+  /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
+  /// this model holds, such as a bump that is narrower than a window.
+  double estimator_mm{};
   double correlation_mm{};  ///< Length over which the noise along a line falls to 1/e; 0 if it is white.
 };
 

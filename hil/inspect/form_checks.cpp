@@ -136,7 +136,7 @@ Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
   for (const EntityResult& e : entities) {
     if (!std::isfinite(e.width_mm)) continue;
     const double change_mm = e.width_mm - usual[entityOf(evidence, e.entity).process];
-    extreme.add(change_mm, 0.5 * e.width_U_mm);
+    extreme.add(change_mm, 0.5 * e.width_own_U_mm);
     if (worst == nullptr || std::abs(change_mm) > std::abs(worst_change_mm)) {
       worst = &e;
       worst_change_mm = change_mm;

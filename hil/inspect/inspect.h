@@ -69,6 +69,7 @@ struct EntityResult {
       coverage{};  ///< Share of stations burnt as the process asks, 0 … 1; of a perforation, the open share.
   double width_mm{};  ///< Mean, without outliers.
   double width_U_mm{};
+  double width_own_U_mm{};  ///< Of a comparison with the widths of other cuts: what they share is left out.
   double circularity_mm{};  ///< Of a whole circle: range of radii about the least-squares centre (ISO 230-4).
   double circularity_U_mm{};
   double passes{};  ///< How often the spot went along it, from the spot camera: swept length / length.

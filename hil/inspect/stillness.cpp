@@ -116,7 +116,7 @@ ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<doub
 /// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
 void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes,
                   std::vector<CutResult>& cuts) {
-  ErrorModel peak{{}, modes, 0.0};
+  ErrorModel peak{.lines = {}, .modes = modes};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutResult& cut = cuts[i];
     peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
@@ -169,7 +169,8 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
   measurePeaks(readings, q, field.modes(), result.cuts);
 
-  ErrorModel drifts{{driftsOf(result.cuts, weights, readings, field.modes())}, field.modes(), 0.0};
+  ErrorModel drifts{.lines = {driftsOf(result.cuts, weights, readings, field.modes())},
+                    .modes = field.modes()};
   // The camera's part of each drift, for people; the worst below knows that it is common to all.
   for (std::size_t i = 0; i < drifts.lines[0].size(); ++i) {
     CutResult& cut = result.cuts[drifts.lines[0].caliper[i]];

@@ -8,28 +8,24 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kTail = 0.02275;  // Of a normal value beyond 2 sigma, each way.
-
-/// Of sorted values, linear between them (type 7 of Hyndman and Fan 1996).
-double quantileOf(const std::vector<double>& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto i = static_cast<std::size_t>(at);
-  if (i + 1 >= sorted.size()) return sorted.back();
-  return sorted[i] + (at - static_cast<double>(i)) * (sorted[i + 1] - sorted[i]);
-}
-
 double normalTail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
 }  // namespace
 
-Quantity basicInterval(double as_read, double simulated_truth, std::vector<double> simulated, double least) {
+Quantity basicInterval(double as_read, double simulated_truth, const std::vector<double>& simulated,
+                       double least) {
   const bool usable =
       !simulated.empty() && std::isfinite(as_read) && std::isfinite(simulated_truth) &&
       std::all_of(simulated.begin(), simulated.end(), [](double v) { return std::isfinite(v); });
   if (!usable) return {};
-  std::sort(simulated.begin(), simulated.end());
-  const double low = std::max(as_read - (quantileOf(simulated, 1.0 - kTail) - simulated_truth), least);
-  const double high = std::max(as_read - (quantileOf(simulated, kTail) - simulated_truth), low);
+  const auto n = static_cast<double>(simulated.size());
+  double mean = 0.0;
+  for (const double v : simulated) mean += v / n;
+  double variance = 0.0;
+  for (const double v : simulated) variance += (v - mean) * (v - mean) / n;
+  const double middle = as_read - (mean - simulated_truth);
+  const double low = std::max(middle - 2.0 * std::sqrt(variance), least);
+  const double high = std::max(middle + 2.0 * std::sqrt(variance), low);
   return {0.5 * (low + high), 0.5 * (high - low)};
 }
 

@@ -28,15 +28,16 @@ struct UncertaintyBudget {
   std::vector<BudgetEntry> entries;
   double analytic_U{};         ///< 2 x root sum of squares of the entries (JCGM 100).
   double analytic_value{};     ///< as_read less the corrections.
-  double monte_carlo_U{};      ///< Half the 95.45 % interval of simulated measurements (JCGM 101).
-  double monte_carlo_value{};  ///< Its middle.
+  double monte_carlo_U{};      ///< Twice the standard deviation of simulated measurements (JCGM 101).
+  double monte_carlo_value{};  ///< The reading, corrected by their mean.
   int draws{};
 };
 
 /// Value and U of what was read as `as_read`, from simulated measurements of a known truth: what they differ
-/// from it by is what the real one may differ by (basic bootstrap interval, Davison and Hinkley 1997, 5.2).
-/// Truths below `least` are impossible (a magnitude: 0).
-Quantity basicInterval(double as_read, double simulated_truth, std::vector<double> simulated,
+/// from it by is what the real one may differ by. Their mean is the correction, twice their standard
+/// deviation U (JCGM 101, 7.6); quantiles of some hundred draws would scatter twice as much. Truths below
+/// `least` are impossible (a magnitude: 0).
+Quantity basicInterval(double as_read, double simulated_truth, const std::vector<double>& simulated,
                        double least = -std::numeric_limits<double>::infinity());
 
 /// Chance that the truth lies above the limit, from the same simulations, smoothed so that it is told even

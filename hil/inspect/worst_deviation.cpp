@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "hil/inspect/extreme_budget.h"
@@ -34,12 +35,29 @@ struct Tally {
   std::vector<Numbers> draws;
 };
 
+/// The most that an extreme of the likely truth may owe to the errors that it still holds. Where places
+/// compete, the largest exceeds the truth in proportion to the standard deviation of the errors; a truth that
+/// holds a share h of their variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one
+/// place stands out nothing is.
+double hiddenOf(double h, const std::vector<double>& drawn, double seen) {
+  double mean = 0.0;
+  for (const double d : drawn) mean += d / static_cast<double>(drawn.size());
+  return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seen, 0.0);
+}
+
+/// How many places compete cannot be read: what is hidden is taken as rectangular from nothing to all
+/// (JCGM 100, 4.3.7).
+void addHidden(double hidden, std::uint64_t seed, std::vector<double>& drawn) {
+  const CounterRandom share(seed, kHiddenStream);
+  for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] += hidden * share.uniform(i);
+}
+
 /// Worst and RMS of some of the lines.
 class Group {
  public:
   Group(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::vector<std::size_t> members,
         const Tally& tally)
-      : members_(std::move(members)), lines_(lines), tally_(tally) {
+      : members_(std::move(members)), lines_(lines), tally_(tally), estimator_mm_(model.estimator_mm) {
     for (const std::size_t l : members_) {
       readings_ += static_cast<double>(model.lines[l].size());
       error_squares_ += lines[l].error_squares;
@@ -57,15 +75,15 @@ class Group {
       }
     }
     result.reading = placeOfLargest(lines_[result.line].estimate_mm);
-    result.worst_hidden = hidden(result.line, result.reading);
+    result.worst_hidden =
+        hiddenOf(lines_[result.line].errorShareAt(result.reading), drawnWorst(), seenWorst());
     result.worst_u_smoothing = std::abs(seenWorst() - worstOf(tally_.truth)) / std::sqrt(3.0);
     result.worst = basicInterval(result.worst_as_read, worstOf(tally_.truth),
                                  drawnWorst(result.worst_hidden, seed), 0.0);
-    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_smoothing);
+    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_smoothing, 2.0 * estimator_mm_);
     std::vector<double> rms;
     for (const Tally::Numbers& draw : tally_.draws) rms.push_back(rmsOf(draw, error_squares_));
-    result.rms =
-        basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), std::move(rms), 0.0);
+    result.rms = basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), rms, 0.0);
     return result;
   }
 
@@ -76,26 +94,16 @@ class Group {
   }
 
  private:
-  /// The worst of each draw, with a share of what is hidden.
-  [[nodiscard]] std::vector<double> drawnWorst(double hidden_mm, std::uint64_t seed) const {
-    const CounterRandom share(seed, kHiddenStream);
+  [[nodiscard]] std::vector<double> drawnWorst() const {
     std::vector<double> worst;
-    for (const Tally::Numbers& draw : tally_.draws)
-      worst.push_back(worstOf(draw) + hidden_mm * share.uniform(worst.size()));
+    for (const Tally::Numbers& draw : tally_.draws) worst.push_back(worstOf(draw));
     return worst;
   }
-
-  /// The most that the likely truth's worst may owe to the errors that it still holds. Where places compete,
-  /// the largest exceeds the truth in proportion to the standard deviation of the errors; a truth that holds
-  /// a share h of their variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one place
-  /// stands out nothing is. Which of both cannot be read: what is hidden is taken as rectangular from nothing
-  /// to all (JCGM 100, 4.3.7).
-  [[nodiscard]] double hidden(std::size_t line, std::size_t reading) const {
-    double mean = 0.0;
-    for (const Tally::Numbers& draw : tally_.draws)
-      mean += worstOf(draw) / static_cast<double>(tally_.draws.size());
-    const double h = lines_[line].errorShareAt(reading);
-    return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seenWorst(), 0.0);
+  /// With a share of what is hidden.
+  [[nodiscard]] std::vector<double> drawnWorst(double hidden_mm, std::uint64_t seed) const {
+    std::vector<double> worst = drawnWorst();
+    addHidden(hidden_mm, seed, worst);
+    return worst;
   }
   [[nodiscard]] double seenWorst() const {
     double seen = 0.0;
@@ -120,6 +128,7 @@ class Group {
   const Tally& tally_;
   double readings_{};
   double error_squares_{};
+  double estimator_mm_;
 };
 
 /// Shared errors of one draw for one line: its own, those of its unit's pose, the camera's common to all.
@@ -130,7 +139,8 @@ Eigen::VectorXd drawShared(const ErrorModel& model, std::size_t line, std::uint6
   const CounterRandom pose(seed, kStreams * draw + 1);
   const CounterRandom camera(seed, kStreams * draw + 2);
   Eigen::VectorXd e(ReadingLine::kOwn + model.modes);
-  e[0] = own.normal(line);
+  for (Eigen::Index k = 0; k < ReadingLine::kLine; ++k)
+    e[k] = own.normal(static_cast<std::uint64_t>(ReadingLine::kLine) * line + static_cast<std::uint64_t>(k));
   for (Eigen::Index k = 0; k < ReadingLine::kPose; ++k)
     e[ReadingLine::kLine + k] = pose.normal(3 * unit + static_cast<std::uint64_t>(k));
   for (Eigen::Index k = 0; k < model.modes; ++k)
@@ -164,6 +174,17 @@ Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::
   return tally;
 }
 
+/// The range about the least-squares circle is an extreme as well.
+Quantity circularityOf(const SimulatedLine& line, double estimator_mm, std::vector<double> drawn,
+                       std::uint64_t seed) {
+  const double hidden_mm = hiddenOf(line.noise_share, drawn, line.roundnessOf(line.seen()));
+  addHidden(hidden_mm, seed, drawn);
+  Quantity range =
+      basicInterval(line.roundnessOf(line.estimate_mm), line.roundnessOf(line.likely_mm), drawn, 0.0);
+  range.U = std::hypot(range.U, 2.0 * std::numbers::sqrt2 * estimator_mm);  // Of two extremes.
+  return range;
+}
+
 /// The same without simulation.
 ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
   std::vector<ExtremeLine> extremes;
@@ -187,7 +208,7 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
   return extremeBudget(extremes);
 }
 
-UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all) {
+UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
   UncertaintyBudget out;
   out.quantity = "worst deviation of all lines";
   out.unit = "mm";
@@ -199,6 +220,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all)
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large, by how much is not known",
        all.worst_hidden / std::sqrt(12.0), 0.5 * all.worst_hidden},
+      {"what the estimator leaves, as artefacts of known deviation show", estimator_mm, 0.0},
   };
   double variance = 0.0;
   out.analytic_value = all.worst_as_read;
@@ -238,8 +260,7 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
       of_layer[static_cast<std::size_t>(known - result.layer_names.begin())].push_back(l);
     }
     result.circularity.push_back(lines[l].isRound()
-                                     ? basicInterval(lines[l].roundnessOf(lines[l].estimate_mm),
-                                                     lines[l].roundnessOf(lines[l].likely_mm), round[l], 0.0)
+                                     ? circularityOf(lines[l], model.estimator_mm, std::move(round[l]), seed)
                                      : Quantity{});
   }
   for (auto& members : of_layer)
@@ -247,7 +268,8 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
   const Group all(model, lines, everything, tally);
   result.all = all.estimate(seed);
   result.chance_beyond = all.chanceAbove(limit_mm, result.all, seed);
-  if (std::isfinite(result.all.worst.U)) result.budget = describe(budgetOf(model, lines), result.all);
+  if (std::isfinite(result.all.worst.U))
+    result.budget = describe(budgetOf(model, lines), result.all, model.estimator_mm);
   return result;
 }
 

@@ -29,6 +29,7 @@ struct DeviationResult {
   std::vector<Quantity> circularity;  ///< Of lines that are whole circles: range of radii about the
                                       ///< least-squares centre (ISO 230-4); NaN for others.
   std::vector<Quantity> widths;       ///< Kerf width of each line; filled for lines of a kerf.
+  std::vector<double> width_own_U;    ///< Of that, without what the widths of all lines have in common.
   UncertaintyBudget budget;           ///< Of all.worst.
   double chance_beyond{};             ///< That the truth of all.worst lies above the limit.
 };

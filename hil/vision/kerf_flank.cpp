@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -21,11 +22,13 @@ constexpr double kTightBend_per_mm = 1.4;
 constexpr double kTightModel_mm = 0.001;
 constexpr double kBarelyOpen = 0.9;
 constexpr double kWidestMm = 0.6;
+constexpr double kBendMm = 0.3;  // between the readings that tell how a kerf bends
 
 /// Samples of an even and some odd functions over y >= 0 at a fixed step.
 struct Shapes {
   double step_mm{};
-  std::vector<double> even;  ///< Blurred profile.
+  std::vector<double> light;  ///< Without blur.
+  std::vector<double> even;   ///< Blurred profile.
   std::vector<double>
       burnt;  ///< Blurred light of the board that is left, on the left; its negative on the right.
 
@@ -95,10 +98,34 @@ Shapes shapesOf(const FlankQuery& q) {
     light[i] = q.open_gray * std::pow(transmission, 1.0 - std::min(1.0, share));
     left[i] = share >= 1.0 ? 0.0 : light[i];
   }
+  s.light = light;
   const double sigma_steps = std::hypot(kLensPx, kSplinePx) * kGridPerPx;
   s.even = blurred(light, 1.0, sigma_steps);
   s.burnt = blurred(left, -1.0, sigma_steps);
   return s;
+}
+
+/// Where a profile that falls from its middle outwards is half way down to the board.
+double halfWidthOf(const std::vector<double>& profile, double board_gray, double step_mm) {
+  const double level = 0.5 * (profile.front() + board_gray);
+  std::size_t i = 1;
+  while (i + 1 < profile.size() && profile[i] > level) ++i;
+  const double fall = profile[i - 1] - profile[i];
+  const double share = fall > 0.0 ? std::clamp((profile[i - 1] - level) / fall, 0.0, 1.0) : 1.0;
+  return (static_cast<double>(i) - 1.0 + share) * step_mm;
+}
+
+/// The query's own half width is that of the picture. What it would be without blur, so that the model's
+/// picture is as wide as the real one.
+double sharpHalfWidth(FlankQuery query, double seen_mm) {
+  double light_mm = seen_mm;
+  for (int i = 0; i < 4; ++i) {
+    const Shapes s = shapesOf(query);
+    light_mm = halfWidthOf(s.light, query.board_gray, s.step_mm);
+    const double error_mm = halfWidthOf(s.even, query.board_gray, s.step_mm) - seen_mm;
+    query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
+  }
+  return light_mm;
 }
 
 }  // namespace
@@ -122,6 +149,7 @@ FlankModel::FlankModel(const FlankQuery& query) {
   const double beside_mm = f_mm + kBesidePx * query.pixel_mm;
   const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * s.evenSlope(beside_mm));
   if (std::abs(odd_gray) > kLeastOdd * query.board_gray) gain_mm_ = shift_mm / odd_gray;
+  widening_mm_ = 2.0 * (query.half_width_mm - sharpHalfWidth(query, query.half_width_mm));
 }
 
 void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
@@ -147,6 +175,7 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
   for (double* value : {&mean.half_width_mm, &mean.top_gray, &mean.board_gray})
     *value /= std::max(1.0, count);
   const FlankModel model(mean);
+  kerf.widening_mm = model.widening_mm();
 
   std::vector<Eigen::Vector3d> sums(1, Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < n; ++i) {
@@ -179,7 +208,30 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
     // The lens draws both edges of a curve towards its centre.
     const double lens_mm = kLensPx * pixel_mm;
     c.offset_mm -= scorch_mm + 0.5 * lens_mm * lens_mm * bend_per_mm;
+    c.width_mm -= kerf.widening_mm;
   }
+}
+
+void unbend(const EntityPlan& plan, double pixel_mm, EntityKerf& kerf) {
+  const std::size_t n = kerf.calipers.size();
+  if (n < 2) return;
+  const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);
+  const auto apart = static_cast<std::size_t>(std::max(1.0, std::round(kBendMm / pitch_mm)));
+  const double apart_mm = static_cast<double>(apart) * pitch_mm;
+  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to tell.
+  const double lens_mm = kLensPx * pixel_mm;
+  const auto offsetAt = [&](std::size_t i) {
+    const Caliper& c = kerf.calipers[i];
+    return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();
+  };
+  std::vector<double> taken_mm(n, 0.0);
+  for (std::size_t i = apart; i + apart < n; ++i) {
+    const double second = (offsetAt(i - apart) - 2.0 * offsetAt(i) + offsetAt(i + apart));
+    if (!std::isfinite(second)) continue;
+    const double window_mm = 2.0 * kWindowHalfMm;
+    taken_mm[i] = (window_mm * window_mm / 24.0 + 0.5 * lens_mm * lens_mm) * second / (apart_mm * apart_mm);
+  }
+  for (std::size_t i = 0; i < n; ++i) kerf.calipers[i].offset_mm -= taken_mm[i];
 }
 
 }  // namespace kerfbench::hil

@@ -32,16 +32,25 @@ class FlankModel {
 
   /// Shift of the middle of the flanks towards the left normal, from KerfReading::odd_gray.
   [[nodiscard]] double shiftMm(double odd_gray) const { return gain_mm_ * odd_gray; }
+  /// By how much lens and spline make the kerf look wider than light that comes through it is.
+  [[nodiscard]] double widening_mm() const { return widening_mm_; }
 
  private:
-  double gain_mm_{};  ///< Per gray; 0 where the model does not hold.
+  double gain_mm_{};      ///< Per gray; 0 where the model does not hold.
+  double widening_mm_{};  ///< 0 where the model does not hold.
 };
 
-/// Takes out of all calipers of an entity what scorch, print or the bend of a curve does to their centres.
-/// The scorch is taken as the mean over 1 mm along the curve each way. `model_mm` gets what remains uncertain
-/// of that, per station.
+/// Takes out of all calipers of an entity what scorch, print or the bend of a curve does to their centres,
+/// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
+/// `model_mm` gets what remains uncertain of that, per station.
 void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
                 const KerfScanOptions& options, double pixel_mm, EntityKerf& kerf,
                 std::vector<double>& model_mm);
+
+/// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
+/// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the
+/// lens draws both flanks in by k sigma²/2. The kerf's bend beyond that of the dieline is its second
+/// difference over readings 0.3 mm apart; where one of those is missing nothing is taken out.
+void unbend(const EntityPlan& plan, double pixel_mm, EntityKerf& kerf);
 
 }  // namespace kerfbench::hil

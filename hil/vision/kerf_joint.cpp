@@ -49,7 +49,7 @@ std::optional<Leg> legAt(const EntityKerf& kerf, double station_mm) {
     ss += from_mm * from_mm;
     y += c.offset_mm;
     sy += from_mm * c.offset_mm;
-    leg.half_width_mm += 0.5 * c.width_mm;
+    leg.half_width_mm += 0.5 * (c.width_mm + kerf.widening_mm);
     leg.brightness += c.brightness;
     variance += c.sigma_mm * c.sigma_mm;
   }

@@ -38,7 +38,7 @@ struct Caliper {
   double
       sigma_mm{};  ///< Standard uncertainty of offset_mm by noise and texture, on its own (no pose, no map).
   double steady_sigma_mm{};  ///< The part of sigma_mm that neighbours have in common, over long stretches.
-  double width_mm{};         ///< At half depth of the profile; NaN if not found.
+  double width_mm{};         ///< Where half of the middle's light comes through; NaN if not found.
   double width_sigma_mm{};
   double brightness{};  ///< Peak of the profile, 0 board … 1 open kerf.
   bool near_joint{};  ///< Within reach of a corner, crossing or neighbour, where the profile is not a single
@@ -49,6 +49,7 @@ struct EntityKerf {
   int unit{};
   int entity{};                   ///< Entity id.
   std::vector<Caliper> calipers;  ///< In order of station.
+  double widening_mm{};           ///< By which blur makes it look wider than Caliper::width_mm.
 };
 
 /// Where two entities of one unit meet, or one turns: its corner as cut.

@@ -68,6 +68,15 @@ bool seesOwn(const Profile& profile) {
   return least >= Profile::kLeastWeight && least >= kEvenly * most;
 }
 
+/// Of the kerf against the nominal curve, from the neighbours' offsets; 0 where one is missing.
+double slopeAt(const EntityKerf& kerf, std::size_t i) {
+  if (i == 0 || i + 1 >= kerf.calipers.size()) return 0.0;
+  const Caliper& before = kerf.calipers[i - 1];
+  const Caliper& after = kerf.calipers[i + 1];
+  const double slope = (after.offset_mm - before.offset_mm) / (after.station_mm - before.station_mm);
+  return std::isfinite(slope) ? slope : 0.0;
+}
+
 }  // namespace
 
 struct UnitScan::Scratch {
@@ -95,6 +104,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
   const double border_px = (options_.reach_mm + 0.1) / pixel_mm * 1.05 + kBorderPx;
   Scratch scratch;
   std::vector<KerfReading> readings;
+  std::vector<WindowOnPixels> windows;
   kerf.calipers.reserve(plan.stations.size());
   for (const Station& station : plan.stations) {
     Caliper caliper{.u = station.u, .station_mm = station.station_mm, .p_S_mm = station.p_S_mm};
@@ -114,18 +124,23 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     readings.push_back(reading);
     noise.pixels_mm.push_back(reading.noise_mm);
     noise.board_mm.push_back(reading.board_mm);
-    noise.grid_mm.push_back(gridNoiseMm(plan, station, view));
+    windows.push_back(windowOnPixels(plan, station, view));
   }
   straighten(plan, readings, options_, pixel_mm, kerf, noise.model_mm);
+  unbend(plan, pixel_mm, kerf);
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
 }
 
-double UnitScan::gridNoiseMm(const EntityPlan& plan, const Station& station, const TileView* view) const {
-  if (view == nullptr) return 0.0;
+UnitScan::WindowOnPixels UnitScan::windowOnPixels(const EntityPlan& plan, const Station& station,
+                                                  const TileView* view) const {
+  if (view == nullptr) return {};
   const LocalPixelMap map = calibration_.localMap(X_TS_ * station.p_S_mm - view->tile.p_TV_mm);
   const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
-  const Eigen::Vector2d along_px =
-      map.pixel_per_mm * X_TS_.rotation() * station.tangent * (window.back_mm + window.ahead_mm);
-  return gridNoisePx(along_px) / map.pixel_per_mm.col(0).norm();
+  const Eigen::Matrix2d pixel_per_S =
+      map.pixel_per_mm * X_TS_.rotation() * (window.back_mm + window.ahead_mm);
+  const Eigen::Vector2d normal(-station.tangent.y(), station.tangent.x());
+  return {pixel_per_S * station.tangent, pixel_per_S * normal};
 }
 
 void UnitScan::cuts(KerfScan& scan) const {

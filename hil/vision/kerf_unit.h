@@ -28,12 +28,21 @@ class UnitScan {
   void strays(KerfScan& scan) const;
 
  private:
+  /// A caliper's window on the grid of pixels, px: a step along it, and one as long across.
+  struct WindowOnPixels {
+    Eigen::Vector2d along_px{Eigen::Vector2d::Zero()};
+    Eigen::Vector2d across_px{Eigen::Vector2d::Zero()};
+    /// What the grid leaves of the offset of a kerf that lies askew in the window.
+    [[nodiscard]] double gridNoise_mm(double slope, double pixel_mm) const {
+      return gridNoisePx(along_px + slope * across_px) * pixel_mm;
+    }
+  };
   struct Scratch;
   void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
   void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
                Caliper& out, KerfReading& reading) const;
-  [[nodiscard]] double gridNoiseMm(const EntityPlan& plan, const Station& station,
-                                   const TileView* view) const;
+  [[nodiscard]] WindowOnPixels windowOnPixels(const EntityPlan& plan, const Station& station,
+                                              const TileView* view) const;
   void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
   void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
 

@@ -122,7 +122,9 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
     std::vector<double> widths;
     const double width_mm = dice.between(0.15, 0.25);
     const double steady_mm = dice.between(0.0, 0.0004);
-    const double steady_error_mm = steady_mm * dice.normal();
+    std::vector<double> steady_error_mm;
+    for (Eigen::Index k = 0; k < ReadingLine::kLine; ++k)
+      steady_error_mm.push_back(steady_mm * dice.normal());
     for (Caliper& c : kerf.calipers) {
       const double z = noise.next(dice);
       const double z_width = width_noise.next(dice);
@@ -137,7 +139,8 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
       const double noise_mm = sigma_mm * (1.0 + 0.3 * std::sin(0.2 * c.station_mm));
       c.steady_sigma_mm = steady_mm;
       c.sigma_mm = std::hypot(noise_mm, steady_mm);
-      c.offset_mm = truth_mm + normal.dot(shift) + steady_error_mm + noise_mm * z;
+      c.offset_mm = truth_mm + normal.dot(shift) + noise_mm * z +
+                    steady_error_mm[static_cast<std::size_t>(ReadingLine::directionOf(tangent))];
       c.width_sigma_mm = 2.0 * sigma_mm;
       const double true_width_mm = width_mm + 0.002 * std::sin(0.1 * c.station_mm);
       c.width_mm = true_width_mm + c.width_sigma_mm * z_width;
