@@ -82,6 +82,7 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   if (!blank) add(checks::pathCheck(evidence, limits, deviations));
   if (!(blank && dark)) {
     add(checks::stillnessCheck(limits, lit, stillness));
+    add(checks::excursionCheck(limits, stillness));
     add(checks::spotPathCheck(evidence, limits, lit));
   }
   add(checks::coverageCheck(evidence, limits, result.entities));

@@ -19,15 +19,22 @@ struct Stillness {
   std::size_t worst_cut{};
   double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
   UncertaintyBudget budget;
+  Quantity worst_excursion_mm;  ///< NaN if no cut shows x.
+  std::size_t worst_excursion_cut{};
+  double excursion_chance_beyond{std::numeric_limits<double>::quiet_NaN()};
 };
 Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
-/// The spot burns away from every line.
-inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
+struct CutReadings;
+/// Offset and excursion of each cut, and the worst excursion. `q`: correlation of neighbouring frames' noise.
+void measureExcursions(const std::vector<CutReadings>& readings, double q, Eigen::Index modes,
+                       double limit_mm, Stillness& stillness);
 /// Fills EntityResult::passes.
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
 Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
+/// nullopt if no cut shows x: stillnessCheck() tells.
+std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);
