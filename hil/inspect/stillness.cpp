@@ -173,7 +173,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
   measurePeaks(readings, q, field.modes(), result.cuts);
-  measureExcursions(readings, q, field.modes(), limits.stillness_mm, result);
+  measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
   ErrorModel drifts{{driftsOf(result.cuts, weights, readings, field.modes())}, field.modes(), 0.0};
   // The camera's part of each drift, for people; the worst below knows that it is common to all.

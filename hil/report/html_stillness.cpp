@@ -57,11 +57,14 @@ class Panel {
   [[nodiscard]] std::string frame() const {
     return fmt::format("<rect class=frame x=0 y={:.0f} width={:.0f} height={:.0f} />", top_, kWidth, kHeight);
   }
-  [[nodiscard]] std::string level(double at_mm, std::string_view look) const {
-    return fmt::format(
-        "<line class={} x1=0 x2={:.0f} y1={:.1f} y2={:.1f} /><text class=tick x=-4 y={:.1f} "
-        "text-anchor=end>{:+.0f}</text>",
-        look, kWidth, y(at_mm), y(at_mm), y(at_mm) + 3.0, 1e3 * at_mm);
+  [[nodiscard]] std::string level(double at_mm, std::string_view look, bool number) const {
+    std::string svg =
+        fmt::format("<line class={} x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", look, kWidth, y(at_mm), y(at_mm));
+    if (number) {
+      svg += fmt::format("<text class=tick x=-4 y={:.1f} text-anchor=end>{:+.0f}</text>", y(at_mm) + 3.0,
+                         1e3 * at_mm);
+    }
+    return svg;
   }
   [[nodiscard]] std::string dots(const std::vector<double>& values_mm, std::string_view look) const {
     const std::size_t stride =
@@ -84,11 +87,25 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-/// Above: sheet and spot, less the even motion of the sheet that fits best. Below: their difference.
+/// Zero, the limits, and numbers where there is room for them.
+std::string levels(const Panel& panel, double most_mm, double limit_mm) {
+  const bool far = most_mm > 5.0 * limit_mm;
+  std::string svg = panel.level(0.0, "zero", true);
+  for (const double sign : {1.0, -1.0}) {
+    svg += panel.level(sign * limit_mm, "lim", !far);
+    if (far) svg += panel.level(sign * most_mm, "zero", true);
+  }
+  return svg;
+}
+
+/// Above: sheet and spot, less the sheet's mean speed from the first frame to the last. Below: their
+/// difference.
 std::string cutPlot(const CutResult& cut, double limit_mm) {
-  const Line even = lineThrough(cut.time_s, cut.sheet_x_mm);
+  const double span_s = cut.time_s.back() - cut.time_s.front();
+  const double speed_mm_s = (cut.sheet_x_mm.back() - cut.sheet_x_mm.front()) / std::max(span_s, 1e-9);
   std::vector<double> sheet_mm = cut.sheet_x_mm;
-  for (std::size_t i = 0; i < sheet_mm.size(); ++i) sheet_mm[i] -= even.at(cut.time_s[i]);
+  for (std::size_t i = 0; i < sheet_mm.size(); ++i)
+    sheet_mm[i] -= cut.sheet_x_mm.front() + speed_mm_s * (cut.time_s[i] - cut.time_s.front());
   std::vector<double> spot_mm = sheet_mm;
   for (std::size_t i = 0; i < spot_mm.size(); ++i) spot_mm[i] += cut.residual_mm[i];
 
@@ -98,13 +115,13 @@ std::string cutPlot(const CutResult& cut, double limit_mm) {
   const double base = kHeight + kGap;
   const Panel residual(cut.time_s, base, 1.15 * residual_mm);
   std::string svg = fmt::format(
-      "<figure><svg class=plot viewBox='-34 -6 {:.0f} {:.0f}' role=img aria-label='x of spot and sheet over "
+      "<figure><svg class=plot viewBox='-40 -6 {:.0f} {:.0f}' role=img aria-label='x of spot and sheet over "
       "time, and their difference'>",
-      kWidth + 40.0, base + kHeight + 22.0);
+      kWidth + 46.0, base + kHeight + 22.0);
   svg += motion.frame() + residual.frame();
-  svg += motion.level(motion_mm, "zero") + motion.level(0.0, "zero") + motion.level(-motion_mm, "zero");
+  for (const double at_mm : {motion_mm, 0.0, -motion_mm}) svg += motion.level(at_mm, "zero", true);
   svg += motion.dots(sheet_mm, "dots sheetdots") + motion.dots(spot_mm, "dots");
-  svg += residual.level(limit_mm, "lim") + residual.level(0.0, "zero") + residual.level(-limit_mm, "lim");
+  svg += levels(residual, residual_mm, limit_mm);
   svg += residual.dots(cut.residual_mm, "dots");
   const Line drift = lineThrough(cut.time_s, cut.residual_mm);
   svg += fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", kWidth,
@@ -113,9 +130,8 @@ std::string cutPlot(const CutResult& cut, double limit_mm) {
       "<text class=tick x=0 y={:.0f}>{:.3f} s</text><text class=tick x={:.0f} y={:.0f} "
       "text-anchor=end>+{:.0f} ms</text></svg><figcaption>unit {}, E{}: drift <b>{:+.1f} µm</b>, astray by "
       "{:.1f} µm, offset {:+.1f} µm; sheet at {:.3f} mm/s</figcaption></figure>",
-      base + kHeight + 13.0, cut.time_s.front(), kWidth, base + kHeight + 13.0,
-      1e3 * (cut.time_s.back() - cut.time_s.front()), cut.unit, cut.entity, 1e3 * cut.drift_mm,
-      1e3 * cut.excursion_mm, 1e3 * cut.offset_mm, even.slope);
+      base + kHeight + 13.0, cut.time_s.front(), kWidth, base + kHeight + 13.0, 1e3 * span_s, cut.unit,
+      cut.entity, 1e3 * cut.drift_mm, 1e3 * cut.excursion_mm, 1e3 * cut.offset_mm, speed_mm_s);
   return svg;
 }
 
@@ -137,7 +153,7 @@ std::string stillnessFigures(const RunReport& report) {
   html +=
       "</div><p class=note>All in µm, each dot a frame. Above: x of the <span class=sheetword>sheet</span> "
       "and of "
-      "the <span class=spotword>spot</span>, each less the even motion that fits the sheet best. A spot that "
+      "the <span class=spotword>spot</span>, each less the sheet's mean speed in this cut. A spot that "
       "rests on the sheet covers its dots; one that goes by the sheet's mean speed stays on a straight line "
       "while "
       "the sheet leaves it. Below: spot less its place on the sheet; red: limit; the line is the "
