@@ -69,7 +69,7 @@ class StripStillness : public testing::Test {
 TEST_F(StripStillness, AFlawlessRunShowsZeroAndA100usLatencyAnOffsetAndNoDrift) {
   const auto good = run("native/strip-crosscut.yaml", 0);
   print("flawless", good);
-  const auto late = run("faults/strip-belt-late.yaml", 0);
+  const auto late = run("strip-belt-late.yaml", 0);
   print("100 us late", late);
   const double lag_mm = -kBelt_mm_s * 100e-6;
   for (std::size_t i = 0; i < 2; ++i) {
