@@ -47,7 +47,7 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
 Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
 /// nullopt if no cut shows x: stillnessCheck() tells.
 std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
-/// Counts frames that should show a spot and do not: INVALID if there is any.
+/// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
