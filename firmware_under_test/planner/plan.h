@@ -59,6 +59,9 @@ struct JobParameters {
 /// Deliberate mistakes, for releases that the bench must fail.
 struct PlannerFaults {
   bool ignore_belt{false};    ///< x' = x, without v t.
+  /// x' = x + v t with the speed planned for and nothing else: the belt encoder tells when to begin, and is
+  /// not followed then. The third regime of Hu, Hu, Jiang 2014 with v the mean over the cut, taken literally.
+  bool mean_speed{false};
   bool no_pincushion{false};  ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
   int skip_entity{-1};        ///< Never cut; makeGcode leaves it out.
   int repeat_entity{-1};      ///< Cut twice; makeGcode writes it again at the end.

@@ -203,6 +203,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
                     const PlannerFaults& faults, const Axes& axes) {
   const double v = solution.belt_speed_mm_s;
   const bool moving = v > 0.0;
+  const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
   const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
   Program program;
   const double nominal = moving ? v * kPeriodS / machine.encoder_count_mm * 65536.0 : 0.0;
@@ -242,14 +243,14 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
       }
       writer.reposition(layout.park_W_mm, v_now);
       writer.waitMark(static_cast<std::int32_t>(offset));
-      if (!faults.ignore_belt) writer.follow(true);
+      if (follows) writer.follow(true);
     } else {
       if (job.stop_and_go && unit > 0) writer.feedPitch();
       writer.reposition(layout.park_W_mm, v_now);
       while (writer.feedsPitch()) writer.hold(1);
     }
     writeUnit(writer, path, layout, x_ref_mm, v_seen, machine.tracking_delay_s);
-    if (moving && !job.feed_by_controller && !faults.ignore_belt) writer.follow(false);
+    if (follows) writer.follow(false);
     v_now = v_seen;
   }
   writer.reposition(Vector2d::Zero(), v_now);

@@ -52,12 +52,32 @@ twin::HotPixels readHotPixels(YamlReader hot) {
   return result;
 }
 
+constexpr std::size_t kMostBursts = 1000;
+
+std::vector<twin::FrameLink::Burst> readBursts(YamlReader& link, const char* key) {
+  std::vector<twin::FrameLink::Burst> result;
+  auto bursts = link.list(key);
+  if (bursts.size() > kMostBursts) {
+    link.fault(key, "has more than 1000 entries");
+    return result;
+  }
+  for (YamlReader& burst : bursts) {
+    result.push_back(
+        {static_cast<std::uint64_t>(burst.integer("first", {.min = 0, .max = 9e15})),
+         static_cast<std::uint64_t>(burst.integer("count", {.min = 1, .max = 1e6, .fallback = 1.0}))});
+  }
+  return result;
+}
+
 twin::FrameLink readLink(YamlReader link) {
   twin::FrameLink result;
   result.drop_share = kPercent * link.number("drop_percent", {.min = 0, .max = 100, .fallback = 0.0});
   result.stamp_jitter_s = kMicro * link.number("stamp_jitter_us", {.min = 0, .max = 1e6, .fallback = 0.0});
   result.late_share = kPercent * link.number("late_percent", {.min = 0, .max = 100, .fallback = 0.0});
   result.late_s = kMilli * link.number("late_ms", {.min = 0, .max = 1e4, .fallback = 0.0});
+  result.lost = readBursts(link, "lost");
+  result.late = readBursts(link, "late");
+  if (!result.late.empty() && result.late_s == 0.0) link.fault("late", "says no late_ms to be late by");
   return result;
 }
 

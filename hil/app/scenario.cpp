@@ -257,6 +257,7 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
 planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   planner::PlannerFaults result;
   result.ignore_belt = faults.boolean("ignore_belt", false);
+  result.mean_speed = faults.boolean("mean_speed", false);
   result.no_pincushion = faults.boolean("no_pincushion", false);
   result.return_unchecked = faults.boolean("return_unchecked", false);
   result.skip_entity =

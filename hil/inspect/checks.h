@@ -44,6 +44,9 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits
 std::vector<JointResult> measureJoints(const Evidence& evidence);
 /// True when next to nothing was burnt on any unit: then offsets and widths are moot.
 bool isBlank(const std::vector<EntityResult>& entities);
+/// Readings, calibrations, times and limits that are no numbers; what was not measured may be NaN, and says
+/// so.
+std::vector<std::string> numberProblems(const Evidence& evidence, const Limits& limits);
 /// Holes in the kerf evidence, one sentence each.
 std::vector<std::string> kerfProblems(const Evidence& evidence);
 

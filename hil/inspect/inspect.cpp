@@ -47,7 +47,8 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   InspectionResult result;
   result.problems = evidence.problems;
   append(result.problems, evidence.kerf.problems);
-  const auto structural = structuralProblems(evidence);
+  auto structural = structuralProblems(evidence);
+  append(structural, checks::numberProblems(evidence, limits));
   append(result.problems, structural);
   if (!structural.empty()) return result;
 
@@ -82,6 +83,8 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   if (!blank) add(checks::pathCheck(evidence, limits, deviations));
   if (!(blank && dark)) {
     add(checks::stillnessCheck(limits, lit, stillness));
+    add(checks::excursionCheck(limits, stillness));
+    add(checks::spotSeenCheck(evidence, lit));
     add(checks::spotPathCheck(evidence, limits, lit));
   }
   add(checks::coverageCheck(evidence, limits, result.entities));

@@ -85,12 +85,17 @@ struct CutResult {
   double drift_sigma_mm{};
   double slope_mm_s{};  ///< drift_mm over the time from the first to the last of the frames.
   double slope_sigma_mm_s{};
+  double offset_mm{};  ///< Mean of the x-residual: > 0, the spot runs ahead of its line on the sheet.
+  double offset_sigma_mm{};
+  double excursion_mm{};  ///< Largest |x-residual less its mean|, corrected for being an extreme.
+  double excursion_U_mm{};
   double peak_mm{};  ///< Largest |x-residual|, corrected for being an extreme.
   double peak_U_mm{};
   double rms_mm{};  ///< About the mean, without what the frames' noise adds.
   double rms_U_mm{};
   std::vector<double> time_s{};       ///< For the report's plot.
   std::vector<double> residual_mm{};  ///< x-residual of spot against the dieline on the moving sheet.
+  std::vector<double> sheet_x_mm{};   ///< x_W of the origin of the sheet's unit.
 };
 
 /// Deviation of all lines of one layer, all units together.

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
 #include <span>
-#include <unordered_map>
 
+#include "hil/inspect/entity_index.h"
 #include "hil/inspect/extreme.h"
 
 namespace kerfbench::hil {
@@ -26,48 +25,6 @@ constexpr double kNoEntityCost = 9.5;
 constexpr double kChangeCost = 1.0;
 constexpr double kMinChord_mm = 0.05;  // Shorter steps tell no direction.
 constexpr double kOtherWay_rad = 0.17;
-
-/// Which entities come near a point: a hash grid of samples along the curves.
-class EntityIndex {
- public:
-  explicit EntityIndex(const Dieline& dieline) {
-    for (const Entity& entity : dieline.entities) {
-      if (entity.process == Process::kIgnore) continue;
-      for (const double u : stations(entity.curve, 0.5 * kSearch_mm)) {
-        auto& cell = cells_[keyOf(cellOf(pointAt(entity.curve, u)))];
-        if (cell.empty() || cell.back() != entity.id) cell.push_back(entity.id);
-      }
-    }
-  }
-
-  /// Ids in ascending order; all that are within kSearch_mm, and maybe some more.
-  [[nodiscard]] std::vector<int> near(const Eigen::Vector2d& p_mm) const {
-    std::vector<int> ids;
-    const Eigen::Vector2i centre = cellOf(p_mm);
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const auto found = cells_.find(keyOf(centre + Eigen::Vector2i(dx, dy)));
-        if (found != cells_.end()) ids.insert(ids.end(), found->second.begin(), found->second.end());
-      }
-    }
-    std::sort(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    return ids;
-  }
-
- private:
-  // A sample lies within a quarter of the search radius of any point of the curve.
-  static constexpr double kCell_mm = 1.25 * kSearch_mm;
-
-  static Eigen::Vector2i cellOf(const Eigen::Vector2d& p_mm) {
-    return (p_mm / kCell_mm).array().floor().cast<int>();
-  }
-  static std::int64_t keyOf(const Eigen::Vector2i& cell) {
-    return (static_cast<std::int64_t>(cell.x()) << 32) + cell.y();
-  }
-
-  std::unordered_map<std::int64_t, std::vector<int>> cells_;
-};
 
 /// All poses of one unit over time.
 class PoseTrack {
@@ -147,6 +104,7 @@ class RunFollower {
     for (std::size_t i = 0; i < run.size(); ++i) {
       if (chosen[i] < candidates[i].size()) assign(run[i], candidates[i], chosen[i], angles_rad[i]);
     }
+    measureThoseThatLeft(run, angles_rad);
   }
 
  private:
@@ -207,14 +165,35 @@ class RunFollower {
   void assign(LitFrame& frame, const std::vector<Candidate>& candidates, std::size_t chosen,
               double angle_rad) const {
     const Candidate& c = candidates[chosen];
-    const Eigen::Vector2d normal_S(-c.tangent.y(), c.tangent.x());
-    const Curve& curve = dieline_.entities[static_cast<std::size_t>(c.entity)].curve;
     frame.entity = c.entity;
-    frame.deviation_mm = (frame.p_S_mm - pointAt(curve, c.nearest.u)).dot(normal_S);
-    frame.n_x = (Eigen::Rotation2Dd(angle_rad) * normal_S).x();
+    measure(frame, c, angle_rad);
     frame.ambiguous = std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
       return other.entity != c.entity && angleBetweenLines(other.tangent, c.tangent) > kOtherWay_rad;
     });
+  }
+
+  void measure(LitFrame& frame, const Candidate& c, double angle_rad) const {
+    const Eigen::Vector2d normal_S(-c.tangent.y(), c.tangent.x());
+    const Curve& curve = dieline_.entities[static_cast<std::size_t>(c.entity)].curve;
+    frame.deviation_mm = (frame.p_S_mm - pointAt(curve, c.nearest.u)).dot(normal_S);
+    frame.n_x = (Eigen::Rotation2Dd(angle_rad) * normal_S).x();
+  }
+
+  void measureThoseThatLeft(std::span<LitFrame> run, std::span<const double> angles_rad) const {
+    std::vector<int> next(run.size() + 1, -1);
+    for (std::size_t i = run.size(); i-- > 0;) next[i] = run[i].entity >= 0 ? run[i].entity : next[i + 1];
+    int last = -1;
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      if (run[i].entity >= 0) last = run[i].entity;
+      if (!isOffLine(run[i]) || (last >= 0 && next[i] >= 0 && last != next[i])) continue;
+      const int entity = std::max(last, next[i]);
+      if (entity < 0) continue;
+      const Curve& curve = dieline_.entities[static_cast<std::size_t>(entity)].curve;
+      const Nearest nearest = nearestOn(curve, run[i].p_S_mm);
+      if (!isClosed(curve) && !(nearest.u > 0.0 && nearest.u < 1.0)) continue;
+      run[i].left_entity = entity;
+      measure(run[i], {entity, nearest, tangentAt(curve, nearest.u)}, angles_rad[i]);
+    }
   }
 
   const Dieline& dieline_;
@@ -253,7 +232,9 @@ LitFrames followDieline(const SpotTrack& track, const Dieline& dieline) {
                       .sigma_mm = std::hypot(frame.spot_sigma_mm, sheetSigma(*pose, p_S_mm)),
                       .unit = unit,
                       .p_S_mm = p_S_mm,
+                      .sheet_x_mm = pose->p_WS_mm.x(),
                       .entity = -1,
+                      .left_entity = -1,
                       .deviation_mm = kNan,
                       .n_x = 0.0,
                       .distance_mm = kSearch_mm,

@@ -18,8 +18,10 @@ struct LitFrame {
   double sigma_mm{};  ///< Standard uncertainty of the spot on its sheet per axis: spot and sheet, noise only.
   int unit{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
+  double sheet_x_mm{};                              ///< x_W of the origin of S.
   int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.
-  double deviation_mm{};  ///< Along the left normal of the entity; NaN if there is none.
+  int left_entity{-1};    ///< Of a spot off every line: the one that its run had followed, or came back to.
+  double deviation_mm{};  ///< Along the left normal of either; NaN if there is none.
   double n_x{};           ///< x of that normal in W.
   double distance_mm{};   ///< To the nearest entity of any kind; kSearch_mm if there is none so near.
   bool ambiguous{};       ///< Another entity that runs another way is within reach: a corner or a crossing.
@@ -42,9 +44,16 @@ struct LitFrames {
 inline constexpr double kReach_mm = 0.3;   ///< Largest distance of a spot from its entity.
 inline constexpr double kSearch_mm = 1.0;  ///< How far the nearest entity is looked for.
 
+/// The spot burns away from every line.
+inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
+
 /// Puts the spots into the frames of their units (sheet poses are interpolated over frames without marks in
 /// view) and follows each run along the dieline: the sequence of entities of least cost in distance,
 /// direction and changes, by dynamic programming. Nearest alone would hide a fault near a neighbour.
+///
+/// A spot that leaves its line by more than kReach_mm is still measured against it, as left_entity: if the
+/// frames of its run before and after it, where there are any, agree on the entity, and it lies beside that,
+/// not beyond an end of it.
 LitFrames followDieline(const SpotTrack& track, const Dieline& dieline);
 
 }  // namespace kerfbench::hil

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,10 +24,7 @@ constexpr double kLiveAllowance_mm = 0.012;
 
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit) {
   std::vector<std::string> problems = evidence.spot.problems;
-  if (evidence.spot.frames.empty()) problems.emplace_back("The spot camera gave no frame.");
-  if (evidence.spot.frames_lost > 0) {
-    problems.push_back(fmt::format("The spot camera lost {} frames.", evidence.spot.frames_lost));
-  }
+  for (std::string& problem : frameProblems(evidence)) problems.push_back(std::move(problem));
   if (!evidence.spot_calibration) {
     problems.emplace_back("There is no calibration of the spot camera.");
   } else {
@@ -42,10 +40,6 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
   const auto unstated = std::count_if(lit.frames.begin(), lit.frames.end(),
                                       [](const LitFrame& f) { return !(f.sigma_mm > 0.0); });
   if (unstated > 0) problems.push_back(fmt::format("{} spots state no uncertainty.", unstated));
-  const bool broken = std::any_of(lit.frames.begin(), lit.frames.end(), [](const LitFrame& f) {
-    return !f.p_S_mm.allFinite() || !std::isfinite(f.time_s);
-  });
-  if (broken) problems.emplace_back("A frame of the spot camera has a reading that is no number.");
   if (2 * lit.unplaced > lit.lit) {
     problems.push_back(
         fmt::format("In {} of {} frames with the spot alight no printed mark told where the sheet was.",

@@ -3,6 +3,7 @@
 
 // The parts of inspect() that rest on the spot camera. Private to hil/inspect and its tests.
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -19,15 +20,35 @@ struct Stillness {
   std::size_t worst_cut{};
   double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
   UncertaintyBudget budget;
+  Quantity worst_excursion_mm;  ///< NaN if no cut shows x.
+  std::size_t worst_excursion_cut{};
+  double excursion_chance_beyond{std::numeric_limits<double>::quiet_NaN()};
 };
 Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
-/// The spot burns away from every line.
-inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
+struct CutReadings;
+/// Offset and excursion of each cut, and the worst excursion. `q`: correlation of neighbouring frames' noise.
+void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,
+                       double limit_mm, Stillness& stillness);
 /// Fills EntityResult::passes.
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities);
+/// Frames that never arrived.
+struct FrameLosses {
+  std::uint64_t around_cuts{};   ///< INVALID. Those that the sequence does not show count as such.
+  std::uint64_t between_cuts{};  ///< The gate was off, by the pins, for a frame before and after: no harm.
+  std::uint64_t out_of_order{};
+  std::uint64_t first{};  ///< Sequence number of the first around a cut.
+};
+FrameLosses lossesOf(const Evidence& evidence);
+/// Frames lost around cuts, stamps that fit neither the sequence nor the sheet's motion, a camera that did
+/// not watch all cuts.
+std::vector<std::string> frameProblems(const Evidence& evidence);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
 Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
+/// nullopt if no cut shows x: stillnessCheck() tells.
+std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
+/// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand.
+Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);

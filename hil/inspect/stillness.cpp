@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks.h"
+#include "hil/inspect/cut_readings.h"
 #include "hil/inspect/error_model.h"
 #include "hil/inspect/spot_checks.h"
 #include "hil/inspect/worst_deviation.h"
@@ -19,12 +20,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMinNormalX = 0.7;    ///< Steeper lines do not let x be seen.
 constexpr std::size_t kMinFrames = 5;  ///< For a slope that means something.
 constexpr std::uint64_t kSeed = 0x7374696c6c6d6d31ULL;
-
-/// The frames of a cut that show x, and how they may be wrong.
-struct CutReadings {
-  std::vector<double> sigma_mm;
-  Eigen::MatrixXd shared;  ///< Frames x modes of the camera: shift of the x-residual, mm.
-};
 
 /// The entity with the most frames of a run; -1 if none has any.
 int entityOfRun(const LitFrames& lit, const LitRun& run) {
@@ -46,10 +41,12 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   cut.end_s = lit.frames[run.end - 1].time_s;
   cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
   cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
+  cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;
   readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), field.modes());
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
-    if (frame.entity < 0 || frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
+    if (frame.entity < 0 && frame.left_entity < 0) continue;
+    if (frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
     const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
     const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
     for (Eigen::Index k = 0; k < field.modes(); ++k) {
@@ -58,11 +55,27 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
     }
     cut.time_s.push_back(frame.time_s);
     cut.residual_mm.push_back(frame.deviation_mm / frame.n_x);
+    cut.sheet_x_mm.push_back(frame.sheet_x_mm);
     readings.sigma_mm.push_back(frame.sigma_mm / std::abs(frame.n_x));
     ++cut.frames;
   }
   readings.shared.conservativeResize(cut.frames, field.modes());
   return cut;
+}
+
+/// The scatter from frame to frame speaks up if it is beyond what the stated noise may show. By third
+/// differences: what changes slowly is motion, and no noise.
+void raiseToScatter(const Eigen::Map<const Eigen::VectorXd>& residual, std::vector<double>& sigma_mm) {
+  const Eigen::Index n = residual.size() - 3;
+  const double free = 0.43 * static_cast<double>(n);  // 20² / (20² + 2 (15² + 6² + 1²)) of n: they overlap.
+  const double scatter =
+      (residual.head(n) - 3.0 * residual.segment(1, n) + 3.0 * residual.segment(2, n) - residual.tail(n))
+          .squaredNorm() /
+      (20.0 * static_cast<double>(n));
+  double stated = 0.0;
+  for (const double s : sigma_mm) stated += s * s / static_cast<double>(sigma_mm.size());
+  if (!(scatter > stated * (1.0 + 3.0 * std::sqrt(2.0 / free)))) return;
+  for (double& s : sigma_mm) s *= std::sqrt(scatter / stated);
 }
 
 /// Least-squares line through the residuals of a cut; its uncertainty by noise that is correlated from frame
@@ -79,15 +92,7 @@ Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q
   const Eigen::VectorXd slope_weight = t / s_tt;
   cut.slope_mm_s = slope_weight.dot(residual);
   cut.drift_mm = cut.slope_mm_s * duration_s;
-  // The scatter about the line speaks up if it is beyond what the stated noise may show.
-  const double free = static_cast<double>(n) - 2.0;
-  const double scatter =
-      (residual.array() - residual.mean() - cut.slope_mm_s * t.array()).square().sum() / free;
-  double stated = 0.0;
-  for (const double s : sigma_mm) stated += s * s / static_cast<double>(n);
-  if (scatter > stated * (1.0 + 3.0 * std::sqrt(2.0 / free))) {
-    for (double& s : sigma_mm) s *= std::sqrt(scatter / stated);
-  }
+  raiseToScatter(residual, sigma_mm);
   double variance = 0.0;
   double behind = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -99,18 +104,6 @@ Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q
   cut.slope_sigma_mm_s = std::sqrt(std::max(variance, 0.0));
   cut.drift_sigma_mm = cut.slope_sigma_mm_s * duration_s;
   return slope_weight * duration_s;
-}
-
-ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<double>& sigma_mm,
-                   const Eigen::MatrixXd& shared, double q) {
-  ReadingLine line;
-  line.reading_mm = reading_mm;
-  line.sigma_mm = sigma_mm;
-  line.q = q;
-  line.segment = {0, line.size()};
-  line.shared.setZero(shared.rows(), ReadingLine::kOwn + shared.cols());
-  line.shared.rightCols(shared.cols()) = shared;
-  return line;
 }
 
 /// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
@@ -153,6 +146,18 @@ ReadingLine driftsOf(const std::vector<CutResult>& cuts, const std::vector<Eigen
 
 }  // namespace
 
+ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<double>& sigma_mm,
+                   const Eigen::MatrixXd& shared, double q) {
+  ReadingLine line;
+  line.reading_mm = reading_mm;
+  line.sigma_mm = sigma_mm;
+  line.q = q;
+  line.segment = {0, line.size()};
+  line.shared.setZero(shared.rows(), ReadingLine::kOwn + shared.cols());
+  line.shared.rightCols(shared.cols()) = shared;
+  return line;
+}
+
 Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits) {
   Stillness result;
   const ModeField field(evidence.spot_calibration.value_or(CameraCalibration{}));
@@ -168,6 +173,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
   measurePeaks(readings, q, field.modes(), result.cuts);
+  measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
   ErrorModel drifts{.lines = {driftsOf(result.cuts, weights, readings, field.modes())},
                     .modes = field.modes()};

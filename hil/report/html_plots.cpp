@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stillness over time, and the timing of pulses.
+// The timing of pulses.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <vector>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -11,54 +10,6 @@
 
 namespace kerfbench::hil {
 namespace {
-
-constexpr std::size_t kMaxPlots = 9;
-constexpr std::size_t kMaxRows = 20;
-constexpr std::size_t kMaxPlotPoints = 250;
-
-std::string cutPlot(const CutResult& cut, double limit_mm) {
-  constexpr double kW = 240.0;
-  constexpr double kH = 96.0;
-  const double full_mm = 1.15 * std::max(limit_mm, cut.peak_mm);
-  const double begin_s = cut.time_s.front();
-  const double span_s = std::max(cut.time_s.back() - begin_s, 1e-9);
-  const auto x = [&](double t_s) { return kW * (t_s - begin_s) / span_s; };
-  const auto y = [&](double e_mm) { return 0.5 * kH * (1.0 - e_mm / full_mm); };
-  std::string svg = fmt::format(
-      "<figure><svg class=plot viewBox='-34 -6 {:.0f} {:.0f}' role=img aria-label='Residual over "
-      "time'><rect class=frame x=0 y=0 width={:.0f} height={:.0f} />",
-      kW + 40.0, kH + 22.0, kW, kH);
-  for (const double level_mm : {-limit_mm, 0.0, limit_mm}) {
-    svg += fmt::format(
-        "<line class={} x1=0 x2={:.0f} y1={:.1f} y2={:.1f} /><text class=tick x=-4 y={:.1f} "
-        "text-anchor=end>{:+.0f}</text>",
-        level_mm == 0.0 ? "zero" : "lim", kW, y(level_mm), y(level_mm), y(level_mm) + 3.0, 1e3 * level_mm);
-  }
-  const std::size_t stride = (cut.time_s.size() + kMaxPlotPoints - 1) / kMaxPlotPoints;
-  std::string dots;
-  for (std::size_t i = 0; i < cut.time_s.size(); i += std::max<std::size_t>(stride, 1)) {
-    fmt::format_to(std::back_inserter(dots), "M{:.1f} {:.1f}h0", x(cut.time_s[i]), y(cut.residual_mm[i]));
-  }
-  svg += fmt::format("<path class=dots d='{}'/>", dots);
-  if (std::isfinite(cut.drift_mm)) {
-    double mean_t = 0.0;
-    double mean_e = 0.0;
-    const auto n = static_cast<double>(cut.time_s.size());
-    for (std::size_t i = 0; i < cut.time_s.size(); ++i) {
-      mean_t += cut.time_s[i] / n;
-      mean_e += cut.residual_mm[i] / n;
-    }
-    const auto fit = [&](double t_s) { return mean_e + cut.drift_mm * (t_s - mean_t) / span_s; };
-    svg += fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", kW, y(fit(begin_s)),
-                       y(fit(cut.time_s.back())));
-  }
-  svg += fmt::format(
-      "<text class=tick x=0 y={:.0f}>{:.3f} s</text><text class=tick x={:.0f} y={:.0f} "
-      "text-anchor=end>+{:.0f} ms</text></svg><figcaption>unit {}, E{}: drift <b>{:+.1f} µm</b></figcaption>"
-      "</figure>",
-      kH + 13.0, begin_s, kW, kH + 13.0, 1e3 * span_s, cut.unit, cut.entity, 1e3 * cut.drift_mm);
-  return svg;
-}
 
 std::string histogram(const PulseTiming& timing) {
   std::size_t last = 0;
@@ -111,42 +62,6 @@ std::string timeCell(double seen_s, double required_s, std::uint64_t violations)
 }
 
 }  // namespace
-
-std::string stillnessFigures(const RunReport& report) {
-  std::vector<const CutResult*> cuts;
-  for (const CutResult& cut : report.result.cuts) {
-    if (std::isfinite(cut.drift_mm)) cuts.push_back(&cut);
-  }
-  if (cuts.empty()) return {};
-  std::stable_sort(cuts.begin(), cuts.end(), [](const CutResult* a, const CutResult* b) {
-    return std::abs(a->drift_mm) > std::abs(b->drift_mm);
-  });
-  std::string html = "<div class=plots>";
-  for (std::size_t i = 0; i < std::min(cuts.size(), kMaxPlots); ++i)
-    html += cutPlot(*cuts[i], report.limits.stillness_mm);
-  html +=
-      "</div><p class=note>x-residual of the spot against the dieline on the moving sheet, in µm, each dot a "
-      "frame; red: "
-      "limit; the line is the least-squares drift. The cuts that drift most.</p>";
-  html +=
-      "<table><thead><tr><th>Cut<th class=num>Start, s<th class=num>Length, ms<th class=num>Frames<th "
-      "class=num>Drift, "
-      "µm<th class=num>Std. unc., µm<th class=num>Peak, µm<th class=num>RMS, µm</tr></thead><tbody>";
-  for (std::size_t i = 0; i < std::min(cuts.size(), kMaxRows); ++i) {
-    const CutResult& c = *cuts[i];
-    html += fmt::format(
-        "<tr><td>unit {}, E{}<td class=num>{:.4f}<td class=num>{:.1f}<td class=num>{}<td class=num>{:+.1f}"
-        "<td class=num>{:.1f}<td class=num>{:.1f}<td class=num>{:.1f}</tr>",
-        c.unit, c.entity, c.start_s, 1e3 * (c.end_s - c.start_s), c.frames, 1e3 * c.drift_mm,
-        1e3 * c.drift_sigma_mm, 1e3 * c.peak_mm, 1e3 * c.rms_mm);
-  }
-  html += "</tbody></table>";
-  html += fmt::format(
-      "<p class=note>{} of {} cuts let x be seen{}</p>", cuts.size(), report.result.cuts.size(),
-      cuts.size() > kMaxRows ? fmt::format("; the {} worst are listed, all are in verdict.json.", kMaxRows)
-                             : std::string("."));
-  return html;
-}
 
 std::string pulseFigures(const RunReport& report) {
   if (report.pulses.empty()) return {};

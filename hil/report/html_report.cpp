@@ -59,6 +59,7 @@ svg.gauge{width:126px;height:16px}
 .frame{fill:var(--card);stroke:var(--line)}.zero{stroke:var(--mute);stroke-width:.6}
 .lim{stroke:var(--fail);stroke-width:1.2}.plot .lim{stroke-dasharray:4 3}
 .fit{stroke:var(--fg);stroke-width:1.6}.dots{stroke:var(--acc);stroke-width:3;stroke-linecap:round;fill:none}
+.sheetdots{stroke:var(--b3);stroke-width:5}.sheetword{color:var(--b3);font-weight:650}.spotword{color:var(--acc);font-weight:650}
 .tick{fill:var(--mute);font-size:10px}.bar{fill:var(--acc)}.barbad{fill:var(--fail)}
 .gauge .ok{fill:var(--pass);opacity:.35}.gauge .band{fill:var(--np);opacity:.45}.gauge .bad{fill:var(--fail);opacity:.35}
 .gauge .unc{stroke:var(--fg);stroke-width:2}.gauge .val{fill:var(--fg)}

@@ -85,6 +85,10 @@ J cutJson(const CutResult& c) {
   j["drift_sigma_mm"] = rounded(c.drift_sigma_mm);
   j["slope_mm_s"] = rounded(c.slope_mm_s);
   j["slope_sigma_mm_s"] = rounded(c.slope_sigma_mm_s);
+  j["offset_mm"] = rounded(c.offset_mm);
+  j["offset_sigma_mm"] = rounded(c.offset_sigma_mm);
+  j["excursion_mm"] = rounded(c.excursion_mm);
+  j["excursion_U_mm"] = rounded(c.excursion_U_mm);
   j["peak_mm"] = rounded(c.peak_mm);
   j["peak_U_mm"] = rounded(c.peak_U_mm);
   j["rms_mm"] = rounded(c.rms_mm);

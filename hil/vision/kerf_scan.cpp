@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
+#include "hil/vision/kerf_faults.h"
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_tiles.h"
 #include "hil/vision/kerf_unit.h"
@@ -119,6 +120,7 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
     forEachIndex(of_unit.size(), options.threads, [&](std::size_t i) {
       views[i] = viewTile(std::move(of_unit[i]), calibration, diameters_mm);
     });
+    tellTileFaults(views, calibration, unit, options.widest_blur_px, scan.problems);
     shareLight(views);
     const TileIndex index(views, calibration);
     const std::optional<UnitPlace> place = placeUnit(views, index, unit, print, calibration, scan.problems);

@@ -114,7 +114,9 @@ struct KerfScanOptions {
   /// the kerf.
   double beam_radius_mm{0.0};
   double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
-  int threads{1};           ///< The result is the same at any number.
+  double widest_blur_px{
+      1.5};        ///< Standard deviation beyond which the edges of marks show a picture as blurred.
+  int threads{1};  ///< The result is the same at any number.
 };
 
 struct KerfScan {

@@ -15,7 +15,8 @@ constexpr double kTableShiftMm =
     12.0;  // how far a unit may lie from its nominal place, lever arm of its angle included
 constexpr double kMaxTableAngleRad = 0.03;
 constexpr double kDisagreementMm = 0.1;
-constexpr double kMostCells = 256.0;  // of the index, each way
+constexpr std::size_t kMovedMarks = 4;  // More than one in so many that moved make the unit's place doubtful.
+constexpr double kMostCells = 256.0;    // of the index, each way
 
 struct TableMark {
   Eigen::Vector2d p_T_mm;
@@ -105,11 +106,20 @@ std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const Til
       pairs.push_back({mark.p_SM_mm, *nearest, marks[at].sigma_mm});
     }
   }
-  if (pairs.size() < 2) return std::nullopt;
+  if (pairs.size() < 2) {
+    problems.push_back(name + "fewer than two of its registration marks lie where the print has them");
+    return std::nullopt;
+  }
   const MotionFit fit = fitMotionRobust(pairs, found->motion, kDisagreementMm);
   if (fit.pairs < 2) {
     problems.push_back(name + "its registration marks disagree with each other");
     return std::nullopt;
+  }
+  // One of many may be stained. Of three, nobody knows which one moved.
+  const std::size_t moved = pairs.size() - static_cast<std::size_t>(fit.pairs);
+  if (kMovedMarks * moved > pairs.size()) {
+    problems.push_back(name + std::to_string(moved) + " of " + std::to_string(pairs.size()) +
+                       " registration marks do not lie to the others as the print has them");
   }
   if (2 * fit.pairs < found->expected) {
     problems.push_back(name + "only " + std::to_string(fit.pairs) + " of " + std::to_string(found->expected) +

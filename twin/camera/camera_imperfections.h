@@ -58,11 +58,21 @@ struct HotPixels {
 
 /// What the way from the sensor to the bench does to frames. Spot camera only.
 struct FrameLink {
-  double drop_share{};                   ///< Probability that a frame is lost; [0, 1].
-  std::vector<std::uint64_t> dropped{};  ///< Sequence numbers that are lost whatever the probability.
-  double stamp_jitter_s{};  ///< Standard deviation of the frames' time stamps; [0, frame_period_s].
-  double late_share{};      ///< Probability that a stamp is late …
-  double late_s{};          ///< … by this much; [0, 10].
+  double drop_share{};  ///< Probability that a frame is lost; [0, 1].
+  /// Frames by their sequence numbers.
+  struct Burst {
+    std::uint64_t first{};
+    std::uint64_t count{1};
+    [[nodiscard]] bool has(std::uint64_t sequence) const {
+      return sequence >= first && sequence - first < count;
+    }
+  };
+  std::vector<std::uint64_t> dropped{};  ///< Sequence numbers that are lost whatever the probability …
+  std::vector<Burst> lost{};             ///< … and others.
+  double stamp_jitter_s{};    ///< Standard deviation of the frames' time stamps; [0, frame_period_s].
+  double late_share{};        ///< Probability that a stamp is late …
+  double late_s{};            ///< … by this much; [0, 10].
+  std::vector<Burst> late{};  ///< Stamps that are late by late_s whatever the probability.
 };
 
 }  // namespace kerfbench::twin

@@ -264,11 +264,15 @@ const CameraDescription& SpotCamera::description() const { return model_->camera
 FrameFate SpotCamera::fateOf(std::uint64_t sequence) const {
   const FrameLink& link = model_->camera.link;
   const CounterRandom random(model_->seed ^ kLinkSeed, sequence);
+  const auto inAny = [sequence](const std::vector<FrameLink::Burst>& bursts) {
+    return std::any_of(bursts.begin(), bursts.end(),
+                       [sequence](const FrameLink::Burst& burst) { return burst.has(sequence); });
+  };
   FrameFate fate;
-  fate.dropped = random.uniform(0) < link.drop_share ||
+  fate.dropped = random.uniform(0) < link.drop_share || inAny(link.lost) ||
                  std::find(link.dropped.begin(), link.dropped.end(), sequence) != link.dropped.end();
   if (link.stamp_jitter_s > 0.0) fate.stamp_error_s = link.stamp_jitter_s * random.normal(1);
-  if (random.uniform(4) < link.late_share) fate.stamp_error_s += link.late_s;
+  if (random.uniform(4) < link.late_share || inAny(link.late)) fate.stamp_error_s += link.late_s;
   return fate;
 }
 

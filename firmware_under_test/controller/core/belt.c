@@ -50,7 +50,12 @@ void kb_belt_update(uint16_t boundary_time) {
     kb_belt.idle_periods++;
   }
   const bool standing = kb_belt.idle_periods >= KB_STANDING_PERIODS;
+#ifdef KB_DEFECT_BELT_LATE
+  /* Defect: where the belt was 100 us ago passes for where it is. */
+  const int32_t measured = interpolate(&edge, (uint16_t)(boundary_time - 25U), standing);
+#else
   const int32_t measured = interpolate(&edge, boundary_time, standing);
+#endif
   const int32_t expected = (int32_t)((uint32_t)kb_belt.position + (uint32_t)(kb_belt.speed >> 8));
   const int32_t residual = (int32_t)((uint32_t)measured - (uint32_t)expected);
   if (standing || residual > 0x4000 || residual < -0x4000) {

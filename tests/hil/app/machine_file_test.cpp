@@ -16,6 +16,7 @@
 namespace kerfbench::hil {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using twin::MachineDescription;
 
@@ -372,7 +373,8 @@ TEST_F(MachineFileTest, PicturesAreAsHardAsTheFileSays) {
   const MachineDescription hard = readMachine(extending(
       "two-mirror.yaml",
       "cameras:\n  spot: {bits: 12, texture: {glow_percent: 10}, plume: {percent: 20, offset_mm: [2, -1]},\n"
-      "         link: {drop_percent: 1, stamp_jitter_us: 5}, light: {gradient_percent: [20, -10]}}\n"
+      "         link: {drop_percent: 1, stamp_jitter_us: 5, late_ms: 3, lost: [{first: 7, count: 2}],\n"
+      "                late: [{first: 30}]}, light: {gradient_percent: [20, -10]}}\n"
       "  kerf: {roughness: {rms_mm: 0.008}, hot_pixels: {percent: 0.01}}\n"));
   EXPECT_EQ(hard.spot_camera.bits, 12);
   EXPECT_DOUBLE_EQ(hard.spot_camera.texture.glow_share, 0.1);
@@ -380,6 +382,14 @@ TEST_F(MachineFileTest, PicturesAreAsHardAsTheFileSays) {
   EXPECT_EQ(hard.spot_camera.plume.offset_mm.y(), -1.0);
   EXPECT_DOUBLE_EQ(hard.spot_camera.link.drop_share, 0.01);
   EXPECT_DOUBLE_EQ(hard.spot_camera.link.stamp_jitter_s, 5e-6);
+  ASSERT_EQ(hard.spot_camera.link.lost.size(), 1U);
+  EXPECT_EQ(hard.spot_camera.link.lost[0].first, 7U);
+  EXPECT_EQ(hard.spot_camera.link.lost[0].count, 2U);
+  ASSERT_EQ(hard.spot_camera.link.late.size(), 1U);
+  EXPECT_EQ(hard.spot_camera.link.late[0].count, 1U);
+  EXPECT_THAT(faultsAt(extending("two-mirror.yaml",
+                                 "cameras: {spot: {link: {lost: [{count: 0}], late: [{first: 1}]}}}\n")),
+              AllOf(HasSubstr("first: missing"), HasSubstr("count"), HasSubstr("says no late_ms")));
   EXPECT_DOUBLE_EQ(hard.spot_camera.light.gradient_y, -0.1);
   EXPECT_DOUBLE_EQ(hard.kerf_camera.roughness.rms_mm, 0.008);
   EXPECT_DOUBLE_EQ(hard.kerf_camera.hot.share, 1e-4);

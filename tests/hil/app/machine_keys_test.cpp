@@ -81,7 +81,8 @@ class MachineKeys : public testing::Test {
                 "servo: ~, step_mm: ~, stepper: {profile: 17HS4401}}\n"
                 "gantry_y: {stiffness_n_mm: ~, resonance_hz: 300, resonance_damping: ~, "
                 "stiffness_damping_n_s_m: 80, "
-                "servo: ~, step_mm: ~, stepper: {profile: 17HS4401}}\n"),
+                "servo: ~, step_mm: ~, stepper: {profile: 17HS4401}}\n"
+                "cameras: {spot: {link: {late_ms: 1, lost: [{first: 1}], late: [{first: 1}]}}}\n"),
           fixture("machines/two-mirror.yaml"), fixture("machines/strip-gantry.yaml"),
           fixture("machines/two-mirror-stepper.yaml"), fixture("machines/f-theta-300.yaml")}) {
       for (const YamlReader::Asked& key : readMachineFile(path).keys) {

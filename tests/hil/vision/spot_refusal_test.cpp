@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -113,6 +114,22 @@ TEST(SpotRefusal, OneBadFrameIsEnough) {
   };
   const SpotTrack track = run.track();
   ASSERT_TRUE(tells(track, "1 frames of the spot camera are dark, the first is number 13"));
+}
+
+TEST(SpotRefusal, FramesOfAnotherSize) {
+  Filmed run;
+  run.spoil = [](Frame& frame) {
+    if (frame.sequence == 5) frame.image = GrayImage(frame.image.width - 1, frame.image.height, 110);
+  };
+  EXPECT_THROW((void)run.track(), std::invalid_argument);
+}
+
+TEST(SpotRefusal, ABoardOutsideTheField) {
+  Filmed run;
+  for (RegistrationMark& mark : run.seen.marks) mark.p_SM_mm.x() += 500.0;
+  const SpotTrack track = run.track();
+  for (const FrameMeasurement& frame : track.frames)
+    EXPECT_TRUE(frame.sheet.empty());  // Then INVALID: unplaced.
 }
 
 TEST(SpotRefusal, MarksThatAreMissing) {

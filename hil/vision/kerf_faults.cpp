@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include <Eigen/LU>
+
+#include "hil/vision/mark_look.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kDarkGray = 4;  // Less light through the board tells kerf from board no longer.
+constexpr double kSaturatedShare = 0.02;
+constexpr double kInk = 0.6;     // Of the radius: all ink within …
+constexpr double kBoard = 1.25;  // … all board from here to kOuterRim.
+
+/// Means of ink and board about a disc.
+struct Levels {
+  double ink{}, board{};
+  int ink_count{}, board_count{};
+};
+
+}  // namespace
+
+double edgeBlurPx(const GrayImage& image, const CameraCalibration& calibration, const FoundMark& mark,
+                  double noise_gray) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const LocalPixelMap map = calibration.localMap(mark.p_mm);
+  const Eigen::Matrix2d mm_per_pixel = map.pixel_per_mm.inverse();
+  const double pitch_mm = std::sqrt(std::abs(mm_per_pixel.determinant()));
+  const double radius_px = 0.5 * mark.diameter_mm / pitch_mm;
+  const double reach_px = 1.1 * kOuterRim * radius_px;
+  const Eigen::Vector2d& centre = mark.pixel;
+  if (centre.x() < reach_px || centre.y() < reach_px || centre.x() > image.width - 1 - reach_px ||
+      centre.y() > image.height - 1 - reach_px)
+    return kNan;
+  const std::optional<PixelBox> box = boxAround(image, centre, reach_px);
+  if (!box) return kNan;
+  const auto radiusAt = [&](int column, int row) {
+    return (mm_per_pixel * (Eigen::Vector2d(column, row) - centre)).norm() / pitch_mm / radius_px;
+  };
+  Levels levels;
+  for (int r = box->top; r <= box->bottom; ++r) {
+    for (int c = box->left; c <= box->right; ++c) {
+      const double at = radiusAt(c, r);
+      if (at < kInk) {
+        levels.ink += image.gray(c, r);
+        ++levels.ink_count;
+      } else if (at > kBoard && at < kOuterRim) {
+        levels.board += image.gray(c, r);
+        ++levels.board_count;
+      }
+    }
+  }
+  if (levels.ink_count == 0 || levels.board_count == 0) return kNan;
+  levels.ink /= levels.ink_count;
+  levels.board /= levels.board_count;
+  const double contrast = levels.board - levels.ink;
+  if (!(contrast > 0.0)) return kNan;
+  const double noise = noise_gray / contrast;
+  double sum = 0.0;
+  for (int r = box->top; r <= box->bottom; ++r) {
+    for (int c = box->left; c <= box->right; ++c) {
+      const double at = radiusAt(c, r);
+      if (at < kInk || at > kBoard) continue;
+      const double darkness = (levels.board - image.gray(c, r)) / contrast;
+      sum += darkness * (1.0 - darkness) + noise * noise;
+    }
+  }
+  return std::sqrt(std::numbers::pi) * sum / (2.0 * std::numbers::pi * radius_px);
+}
+
+void tellTileFaults(const std::vector<TileView>& tiles, const CameraCalibration& calibration, int unit,
+                    double widest_blur_px, std::vector<std::string>& problems) {
+  const std::string name = "unit " + std::to_string(unit) + ": ";
+  const auto tell = [&](auto&& unfit, const char* what) {
+    const auto count = std::count_if(tiles.begin(), tiles.end(),
+                                     [&](const TileView& view) { return unfit(*view.background); });
+    if (count == 0) return;
+    problems.push_back(name + std::to_string(count) + " of " + std::to_string(tiles.size()) +
+                       " pictures of the kerf camera are " + what);
+  };
+  tell([](const Background& b) { return b.median() < kDarkGray; }, "dark");
+  tell([](const Background& b) { return b.saturatedShare() > kSaturatedShare; }, "saturated");
+  tell([](const Background& b) { return b.lifeless(); }, "without any noise");
+  std::vector<double> blur_px;
+  for (const TileView& view : tiles) {
+    for (const FoundMark& mark : view.marks) {
+      const double blur = edgeBlurPx(view.tile.image, calibration, mark, view.noise_gray);
+      if (std::isfinite(blur)) blur_px.push_back(blur);
+    }
+  }
+  if (blur_px.empty()) return;
+  const auto middle = blur_px.begin() + static_cast<std::ptrdiff_t>(blur_px.size() / 2);
+  std::nth_element(blur_px.begin(), middle, blur_px.end());
+  if (!(*middle > widest_blur_px)) return;
+  std::ostringstream text;
+  text.precision(3);
+  text << name << "the pictures of the kerf camera are blurred by " << *middle << " px, more than "
+       << widest_blur_px;
+  problems.push_back(text.str());
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the spot is on the sheet, and how far it strays from there, along x.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using namespace testing;
+
+const CutResult& cutOf(const InspectionResult& result, int unit, int entity) {
+  for (const CutResult& cut : result.cuts) {
+    if (cut.unit == unit && cut.entity == entity && std::isfinite(cut.drift_mm)) return cut;
+  }
+  throw std::out_of_range("no such cut");
+}
+
+TEST(Excursion, ABowWithoutADriftFails) {
+  // What the mean speed leaves of a belt that speeds up evenly.
+  SyntheticRun run;
+  run.shiftSpot(1, kCreaseLine, [](double t_s) {
+    const double share = t_s / 0.119;
+    return Eigen::Vector2d(0.15 * 4.0 * share * (1.0 - share), 0.0);
+  });
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "stillness_x").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(result, "stillness_peak").subject, "unit 1, E5");
+  const CutResult& cut = cutOf(result, 1, kCreaseLine);
+  EXPECT_NEAR(cut.offset_mm, 0.1, 2.0 * cut.offset_sigma_mm);
+  EXPECT_NEAR(cut.excursion_mm, 0.1, cut.excursion_U_mm);
+  EXPECT_NEAR(cut.drift_mm, 0.0, 2.0 * cut.drift_sigma_mm);
+  EXPECT_LT(cut.drift_sigma_mm, 0.002) << "motion is no noise";
+}
+
+TEST(Excursion, AnOffsetIsNone) {
+  SyntheticRun run;
+  run.shiftSpot(0, kCreaseLine, [](double) { return Eigen::Vector2d(-0.02, 0.0); });
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kPass);
+  const CutResult& cut = cutOf(result, 0, kCreaseLine);
+  EXPECT_NEAR(cut.offset_mm, -0.02, 2.0 * cut.offset_sigma_mm);
+  EXPECT_NEAR(cut.drift_mm, 0.0, 2.0 * cut.drift_sigma_mm);
+}
+
+TEST(Excursion, ASpotThatLeavesItsLineIsStillMeasured) {
+  SyntheticRun run;
+  run.shiftSpot(0, kCreaseLine, [](double t_s) {
+    return Eigen::Vector2d(1.5 * std::sin(std::numbers::pi * t_s / 0.119), 0.0);
+  });
+  const auto result = run.inspected();
+  const CutResult& cut = cutOf(result, 0, kCreaseLine);
+  EXPECT_EQ(cut.frames, 120);
+  EXPECT_NEAR(cut.offset_mm, 1.5 * 2.0 / std::numbers::pi, 0.01);
+  EXPECT_NEAR(cut.peak_mm, 1.5, cut.peak_U_mm + 1e-3);
+  EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kFail);
+}
+
+TEST(Excursion, ASpotThatNeverComesBackIsMeasuredToTheEnd) {
+  SyntheticRun run;
+  run.shiftSpot(1, kCreaseLine, [](double t_s) { return Eigen::Vector2d(0.7 * t_s / 0.119, 0.0); });
+  const CutResult cut = cutOf(run.inspected(), 1, kCreaseLine);
+  EXPECT_EQ(cut.frames, 120);
+  EXPECT_NEAR(cut.drift_mm, 0.7, 2.0 * cut.drift_sigma_mm + 1e-3);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of the cut that must not be measured in are told as such, and good ones are not.
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hil/vision/kerf_faults.h"
+#include "tests/hil/vision/kerf_twin.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using test::TwinCut;
+
+TwinCut aCut() {
+  TwinCut cut;
+  cut.add(LineCurve{{-10.0, 0.0}, {10.0, 0.0}});
+  return cut;
+}
+
+KerfScan scanOf(const std::function<void(TwinCut&)>& change) {
+  TwinCut cut = aCut();
+  change(cut);
+  return cut.scan();
+}
+
+/// Every pixel of the picture replaced.
+KerfScan scanWith(const std::function<std::uint8_t(std::uint8_t)>& level) {
+  const TwinCut cut = aCut();
+  auto tiles = cut.tiles();
+  for (auto& pixel : tiles[0].image.pixels) pixel = level(pixel);
+  return cut.scan(std::move(tiles));
+}
+
+bool tells(const KerfScan& scan, const std::string& word) {
+  return std::any_of(scan.problems.begin(), scan.problems.end(),
+                     [&](const std::string& problem) { return problem.find(word) != std::string::npos; });
+}
+
+TEST(KerfRefusal, GoodPicturesAreNotRefused) {
+  const KerfScan plain = scanOf([](TwinCut&) {});
+  EXPECT_TRUE(plain.problems.empty()) << plain.problems.front();
+  const KerfScan hard = scanOf([](TwinCut& c) {
+    c.camera.bits = 12;
+    c.camera.read_noise = 2.5;
+    c.camera.psf_sigma_px = 1.0;
+    c.camera.texture = {.grain_gray = 3.0, .grain_length_mm = 0.1};
+    c.camera.light = {.vignette = 0.3, .gradient_x = 0.2};
+  });
+  EXPECT_TRUE(hard.problems.empty()) << hard.problems.front();
+}
+
+TEST(KerfRefusal, DarkPictures) {
+  EXPECT_TRUE(
+      tells(scanOf([](TwinCut& c) { c.board.transmission = c.board.print_transmission = 0.005; }), "dark"));
+  EXPECT_TRUE(tells(scanWith([](std::uint8_t level) -> std::uint8_t { return level / 16; }), "dark"));
+}
+
+TEST(KerfRefusal, SaturatedPictures) {
+  EXPECT_TRUE(tells(scanWith([](std::uint8_t level) -> std::uint8_t { return level > 20 ? 255 : level; }),
+                    "saturated"));
+}
+
+TEST(KerfRefusal, EmptyPictures) {
+  const KerfScan scan = scanWith([](std::uint8_t) -> std::uint8_t { return 30; });
+  EXPECT_TRUE(tells(scan, "without any noise"));
+  EXPECT_TRUE(tells(scan, "no registration mark"));
+  EXPECT_TRUE(tells(scanWith([](std::uint8_t) -> std::uint8_t { return 0; }), "dark"));
+}
+
+TEST(KerfRefusal, NoPictureAtAll) { EXPECT_TRUE(tells(aCut().scan({}), "no tile")); }
+
+TEST(KerfRefusal, BlurredPictures) {
+  for (const double psf_px : {1.8, 2.0}) {
+    const KerfScan scan = scanOf([&](TwinCut& c) { c.camera.psf_sigma_px = psf_px; });
+    ASSERT_FALSE(scan.problems.empty()) << psf_px;
+    std::printf("  psf %.1f px: %s\n", psf_px, scan.problems.front().c_str());
+  }
+  EXPECT_TRUE(tells(scanOf([](TwinCut& c) { c.camera.psf_sigma_px = 1.8; }), "blurred"));
+}
+
+TEST(KerfRefusal, TheBlurOfAnEdgeIsThatOfTheCamera) {
+  for (const double psf_px : {0.5, 0.7, 1.0, 1.5}) {
+    TwinCut cut = aCut();
+    cut.camera.psf_sigma_px = psf_px;
+    const CameraCalibration calibration = test::calibrationOf(cut.camera);
+    const TileView view = viewTile(cut.tiles()[0], calibration, {3.0});
+    ASSERT_EQ(view.marks.size(), 4U) << psf_px;
+    double mean_px = 0.0;
+    for (const FoundMark& mark : view.marks)
+      mean_px += 0.25 * edgeBlurPx(view.tile.image, calibration, mark, view.noise_gray);
+    std::printf("  psf %.2f px, seen %.3f px\n", psf_px, mean_px);
+    EXPECT_NEAR(mean_px, psf_px, 0.1);
+  }
+}
+
+TEST(KerfRefusal, PicturesOfAnotherSize) {
+  const TwinCut cut = aCut();
+  auto tiles = cut.tiles();
+  tiles[0].image = GrayImage(1099, 800, 30);
+  EXPECT_THROW((void)cut.scan(std::move(tiles)), std::invalid_argument);
+}
+
+TEST(KerfRefusal, MarksThatAreMissingOrMoved) {
+  TwinCut cut = aCut();
+  const auto full = cut.print;
+  cut.print.marks.resize(1);
+  auto tiles = cut.tiles();
+  cut.print = full;
+  EXPECT_FALSE(cut.scan(std::move(tiles)).problems.empty());
+
+  cut.print.marks[0].p_SM_mm.x() += 0.4;
+  cut.print.marks[1].p_SM_mm.y() -= 0.4;
+  cut.print.marks[2].p_SM_mm.x() -= 0.4;
+  tiles = cut.tiles();
+  cut.print = full;
+  EXPECT_FALSE(cut.scan(std::move(tiles)).problems.empty());
+}
+
+TEST(KerfRefusal, ABoardBesideTheField) {
+  TwinCut cut = aCut();
+  auto tiles = cut.tiles();
+  tiles[0].p_TV_mm.x() += 40.0;  // The table's scale says that the camera looks elsewhere.
+  EXPECT_FALSE(cut.scan(std::move(tiles)).problems.empty());
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
