@@ -66,8 +66,9 @@ std::string Plot::figure(const std::string& caption) const {
 std::vector<double> ticks(double from, double to) {
   const double step = tickOf(to - from);
   std::vector<double> at;
-  for (double v = std::ceil(from / step - 1e-9) * step; v <= to + 1e-9 * step; v += step)
-    at.push_back(std::abs(v) < 1e-9 * step ? 0.0 : v);
+  const auto first = static_cast<int>(std::ceil(from / step - 1e-9));
+  const auto last = static_cast<int>(std::floor(to / step + 1e-9));
+  for (int i = first; i <= last; ++i) at.push_back(i * step);
   return at;
 }
 
