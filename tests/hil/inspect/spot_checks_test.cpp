@@ -6,6 +6,7 @@
 
 #include "hil/inspect/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -31,6 +32,51 @@ TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   for (const LitFrame& frame : lit.frames) EXPECT_NE(frame.entity, kNote) << frame.time_s;
 }
 
+TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
+  // The whole web turned about the machine's origin, with the spot on it. The printed line across the belt
+  // keeps its deviations; what they are along x is another matter.
+  SyntheticRun run;
+  const LitFrames straight = followDieline(run.evidence.spot, run.dieline);
+  const Eigen::Rotation2Dd turn(0.02);
+  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+    if (frame.spot_W_mm) frame.spot_W_mm = turn * *frame.spot_W_mm;
+    for (SheetPose& pose : frame.sheet) {
+      pose.p_WS_mm = turn * pose.p_WS_mm;
+      pose.angle_rad += turn.angle();
+    }
+  }
+  const LitFrames askew = followDieline(run.evidence.spot, run.dieline);
+  ASSERT_EQ(askew.frames.size(), straight.frames.size());
+  for (std::size_t i = 0; i < askew.frames.size(); ++i) {
+    EXPECT_EQ(askew.frames[i].entity, straight.frames[i].entity);
+    EXPECT_NEAR(askew.frames[i].deviation_mm, straight.frames[i].deviation_mm, 1e-9);
+    if (askew.frames[i].entity == kCreaseLine) {
+      EXPECT_NEAR(std::abs(askew.frames[i].n_x), std::cos(0.02), 1e-9);
+    }
+  }
+}
+
+TEST(FollowDieline, EachTimeTheBeamSetsOutItBeginsARun) {
+  const SyntheticRun run;
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  EXPECT_EQ(lit.runs.size(), run.evidence.gates.size() - 2 * 3) << "the outline is one run of four lines";
+  for (const LitRun& one : lit.runs) {
+    for (std::size_t i = one.begin + 1; i < one.end; ++i)
+      EXPECT_EQ(lit.frames[i].frame, lit.frames[i - 1].frame + 1);
+  }
+}
+
+TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
+  SyntheticRun run;
+  const auto& gate = run.evidence.gates[2];
+  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+    if (std::abs(frame.mid_s - gate.on_s) < 0.15) frame.sheet.clear();
+  }
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  EXPECT_GT(lit.unplaced, 50U);
+  for (const LitFrame& frame : lit.frames) EXPECT_GT(std::abs(frame.time_s - gate.on_s), 0.14);
+}
+
 TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
   SyntheticRun run;
   run.shiftSpot(1, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
@@ -39,6 +85,11 @@ TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
   EXPECT_EQ(stillness.verdict, Verdict::kFail);
   EXPECT_EQ(stillness.subject, "unit 1, E5");
   EXPECT_NEAR(stillness.value, 0.09, 0.008);
+  for (const CutResult& cut : result.cuts) {
+    if (cut.unit == 1 && cut.entity == kCreaseLine) {
+      EXPECT_NEAR(cut.drift_mm, 0.09, 0.008) << "along +x";
+    }
+  }
   EXPECT_EQ(checkOf(result, "path").verdict, Verdict::kPass);
 }
 
@@ -98,6 +149,19 @@ TEST(StillnessCheck, UncertaintyFollowsTheNumberOfFrames) {
   }
 }
 
+TEST(StillnessCheck, ARoughMotionIsKnownLessWell) {
+  SyntheticRun run;
+  const auto sigmaOf = [&](int unit) {
+    for (const CutResult& cut : run.inspected().cuts) {
+      if (cut.unit == unit && cut.entity == kCreaseLine) return cut.drift_sigma_mm;
+    }
+    return std::nan("");
+  };
+  run.shiftSpot(1, kCreaseLine,
+                [](double t_s) { return Eigen::Vector2d(0.02 * std::sin(t_s * 900.0), 0.0); });
+  EXPECT_GT(sigmaOf(1), 2.0 * sigmaOf(0));
+}
+
 TEST(RepeatCheck, FindsALineThatIsCutTwice) {
   SyntheticRun run;
   run.followAgain(0, kHole);
@@ -116,6 +180,7 @@ TEST(LaserGateCheck, LightWithoutGateFails) {
   SyntheticRun run;
   for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.005;
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 4.5, 0.01) << "a frame is half a period long";
   run.evidence.gates.clear();
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kInvalid);
 }
@@ -145,6 +210,41 @@ TEST(PulseTimingCheck, WithoutAnyPulseIsInvalid) {
   SyntheticRun run;
   for (PulseTiming& t : run.evidence.pulses) t.pulses = 0;
   EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kInvalid);
+}
+
+TEST(LaserGateCheck, LightBeforeTheGateFails) {
+  SyntheticRun run;
+  for (GateInterval& gate : run.evidence.gates) gate.on_s += 0.005;
+  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
+}
+
+TEST(PulseTimingCheck, EachTimeIsHeldAgainstItsOwnLine) {
+  // Seen is a little more than asked for, with every time of another size: no margin may be negative.
+  SyntheticRun run;
+  for (PulseTiming& t : run.evidence.pulses) {
+    t.profile.setup_s = 20e-6;
+    t.profile.hold_s = 3e-6;
+    t.profile.width_s = 2e-6;
+    t.profile.space_s = 8e-6;
+    t.min_setup_s = 21e-6;
+    t.min_hold_s = 4e-6;
+    t.min_width_s = 3e-6;
+    t.min_space_s = 9e-6;
+  }
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "pulse_timing").verdict, Verdict::kPass);
+  EXPECT_NEAR(checkOf(result, "pulse_timing").value, 1.0, 1e-9);
+}
+
+TEST(PulseTimingCheck, ATimeIsTheDifferenceOfTwoEdges) {
+  SyntheticRun run;
+  run.evidence.pin_u_s = 0.2e-6;
+  // Two edges each known to 0.2 us, drawn 4000 times: U is twice the scatter of their difference.
+  const CounterRandom random(9, 1);
+  double squares = 0.0;
+  for (std::uint64_t i = 0; i < 4000; ++i)
+    squares += std::pow(0.2 * (random.normal(2 * i) - random.normal(2 * i + 1)), 2) / 4000.0;
+  EXPECT_NEAR(checkOf(run.inspected(), "pulse_timing").u, 2.0 * std::sqrt(squares), 0.03);
 }
 
 TEST(PulseTimingCheck, ARealStampErrorOpensAGuardBand) {
