@@ -6,9 +6,9 @@ tests notice.
 usage: mutate.py [--build FOLDER] [--only NAME...] [--list FILE] [--check] [--jobs N]
 
 A mutant counts as killed if a test fails or crashes; one that makes a test run for ever is counted apart, and one that
-the compiler refuses is no mutant. Without --only, RESULTS.md is written anew. Ends with 0 if at least 90 % are killed
-by a failing test and each survivor is explained in SURVIVORS.md, 1 if not, 2 if nothing could be measured, 64 for a
-wrong command line, 65 for a bad list. --check only looks whether the list still fits the sources. --list takes the
+the compiler refuses is no mutant. RESULTS.md is written anew; with --only, the rows of the mutants that were tried. Ends
+with 0 if at least 90 % of RESULTS.md are killed by a failing test and each survivor is explained in SURVIVORS.md, 1 if
+not, 2 if nothing could be measured, 64 for a wrong command line, 65 for a bad list. --check only looks whether the list still fits the sources. --list takes the
 mutants of another file, each of which may say what must become of it.
 """
 import argparse
@@ -26,6 +26,7 @@ from workshop import Broken, Build, Refused, Workshop, first_failure
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+PAGE = os.path.join(HERE, "RESULTS.md")
 LEAST_SHARE = 0.90
 KILLED, TIMED_OUT, SURVIVED, REFUSED = "killed", "timed out", "survived", "refused by the compiler"
 KEYS = {"name", "file", "find", "put", "what"}
@@ -77,19 +78,19 @@ def explained():
 
 
 def measured():
-    """Names in RESULTS.md."""
+    """Fate of each mutant in RESULTS.md, as its cell of the table has it."""
     try:
-        with open(os.path.join(HERE, "RESULTS.md"), encoding="utf-8") as file:
-            return set(re.findall(r"^\| `(\S+)` \|", file.read(), re.MULTILINE))
+        with open(PAGE, encoding="utf-8") as file:
+            return dict(re.findall(r"^\| `(\S+)` \|.*\| (.+) \|$", file.read(), re.MULTILINE))
     except FileNotFoundError:
-        return set()
+        return {}
 
 
 def stale_pages(mutants):
-    names = {m["name"] for m in mutants}
+    names, rows = {m["name"] for m in mutants}, measured().keys()
     faults = [f"SURVIVORS.md explains {n}, which is no mutant" for n in sorted(explained() - names)]
-    faults += [f"RESULTS.md has no {n}: ./bench mutate" for n in sorted(names - measured())]
-    faults += [f"RESULTS.md has {n}, which is no mutant: ./bench mutate" for n in sorted(measured() - names)]
+    faults += [f"RESULTS.md has no {n}: ./bench mutate" for n in sorted(names - rows)]
+    faults += [f"RESULTS.md has {n}, which is no mutant: ./bench mutate" for n in sorted(rows - names)]
     return faults
 
 
@@ -142,9 +143,21 @@ def try_all(mutants, suites, build, jobs):
     return outcomes
 
 
-def summary(outcomes):
-    count = collections.Counter(o.fate for o in outcomes)
-    tried = len(outcomes) - count[REFUSED]
+def cell_of(outcome):
+    if outcome.fate == KILLED:
+        return outcome.by
+    return f"**{outcome.fate}**{' ' + outcome.by if outcome.by else ''}"
+
+
+def fate_in(cell):
+    marked = re.match(r"\*\*(.+?)\*\*", cell)
+    return marked.group(1) if marked else KILLED
+
+
+def summary(cells):
+    """Of what became of mutants, in words, and the share that was killed."""
+    count = collections.Counter(map(fate_in, cells))
+    tried = len(cells) - count[REFUSED]
     share = count[KILLED] / tried if tried else 0.0
     text = (f"{tried} mutants: {count[KILLED]} killed by a failing test ({100 * share:.1f} %), {count[TIMED_OUT]} made "
             f"the tests run for ever, {count[SURVIVED]} survived. The compiler refused {count[REFUSED]} more, which "
@@ -152,35 +165,33 @@ def summary(outcomes):
     return text, share
 
 
-def write_results(outcomes):
-    text, _ = summary(outcomes)
+def write_results(mutants, cells):
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench mutate: do not edit. -->",
-             "# Mutation of the judge", "", text, ""]
-    for folder in sorted({os.path.dirname(o.mutant["file"]) for o in outcomes}):
+             "# Mutation of the judge", "", summary(list(cells.values()))[0], "",
+             "The last column names the first test that failed.", ""]
+    known = [m for m in mutants if m["name"] in cells]
+    for folder in sorted({os.path.dirname(m["file"]) for m in known}):
         lines += [f"## {folder}", "", "| mutant | file | fault | fate |", "|---|---|---|---|"]
-        for o in (o for o in outcomes if os.path.dirname(o.mutant["file"]) == folder):
-            fate = f"{o.by}" if o.fate == KILLED else f"**{o.fate}**{' ' + o.by if o.by else ''}"
-            lines.append(f"| `{o.mutant['name']}` | {os.path.basename(o.mutant['file'])} | {o.mutant['what']} | {fate} |")
+        lines += [f"| `{m['name']}` | {os.path.basename(m['file'])} | {m['what']} | {cells[m['name']]} |"
+                  for m in known if os.path.dirname(m["file"]) == folder]
         lines.append("")
-    page = os.path.join(HERE, "RESULTS.md")
-    with open(page + ".new", "w", encoding="utf-8") as file:
+    with open(PAGE + ".new", "w", encoding="utf-8") as file:
         file.write("\n".join(lines))
-    os.replace(page + ".new", page)
+    os.replace(PAGE + ".new", PAGE)
 
 
-def judge(outcomes, whole):
+def judge(outcomes):
     """Everything that is not as it should be."""
-    faults = []
+    faults, reasons = [], explained()
     for o in outcomes:
-        expected = o.mutant.get("expect")
-        if expected is not None and o.fate != expected:
-            faults.append(f"{o.mutant['name']}: {o.fate}, but it should have been {expected}")
-        if expected is None and o.fate == SURVIVED and o.mutant["name"] not in explained():
-            faults.append(f"{o.mutant['name']}: survived, and SURVIVORS.md does not say why")
-        if whole and o.fate not in (SURVIVED, TIMED_OUT) and o.mutant["name"] in explained():
-            faults.append(f"{o.mutant['name']}: {o.fate}, but SURVIVORS.md has it")
-    if whole and summary(outcomes)[1] < LEAST_SHARE:
-        faults.append(f"less than {100 * LEAST_SHARE:.0f} % are killed")
+        name, expected = o.mutant["name"], o.mutant.get("expect")
+        if expected is not None:
+            if o.fate != expected:
+                faults.append(f"{name}: {o.fate}, but it should have been {expected}")
+        elif o.fate == SURVIVED and name not in reasons:
+            faults.append(f"{name}: survived, and SURVIVORS.md does not say why")
+        elif o.fate == KILLED and name in reasons:
+            faults.append(f"{name}: killed, but SURVIVORS.md has it")
     return faults
 
 
@@ -218,11 +229,16 @@ def main():
     build = Build(ROOT, os.path.abspath(options.build))
     prove(build, [suites_of(m, suites) for m in chosen])
     outcomes = try_all(chosen, suites, build, options.jobs)
-    whole = main_list and not options.only
-    if whole:
-        write_results(outcomes)
-    print(summary(outcomes)[0])
-    faults = judge(outcomes, whole)
+    faults = judge(outcomes)
+    cells = {o.mutant["name"]: cell_of(o) for o in outcomes}
+    if main_list:
+        names = {m["name"] for m in mutants}
+        cells = {name: cell for name, cell in measured().items() if name in names} | cells
+        write_results(mutants, cells)
+    text, share = summary(list(cells.values()))
+    print(text)
+    if main_list and share < LEAST_SHARE:
+        faults.append(f"less than {100 * LEAST_SHARE:.0f} % are killed")
     print_faults(faults)
     return 1 if faults else 0
 
