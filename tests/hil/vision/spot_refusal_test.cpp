@@ -28,6 +28,8 @@ struct Filmed {
   PrintLayout believed = fourMarks();  ///< What the layout says.
   double spot_gray{110.0};
   double radius_mm{test::kSpotRadiusMm};
+  Vector2d spot_mm{0.0, 1.0};       ///< In the first frame …
+  Vector2d spot_step_mm{0.1, 0.0};  ///< … and from frame to frame.
   std::function<void(Frame&)> spoil = [](Frame&) {};
 
   [[nodiscard]] SpotTrack track() const {
@@ -35,7 +37,7 @@ struct Filmed {
     std::vector<Frame> frames;
     for (std::uint64_t i = 0; i < 24; ++i) {
       twin::Exposure exposure =
-          test::exposureOf(i, {0.1 * static_cast<double>(i), 1.0}, {0.1, 0.0}, spot_gray);
+          test::exposureOf(i, spot_mm + static_cast<double>(i) * spot_step_mm, {0.1, 0.0}, spot_gray);
       for (twin::ExposureSample& sample : exposure.samples) {
         sample.radius_mm = radius_mm;
         sample.p_WS_mm.x() = 0.02 * static_cast<double>(i);
@@ -75,6 +77,22 @@ TEST(SpotRefusal, AHardBoardAloneIsNoReason) {
   run.spot_gray = 900.0;
   const SpotTrack track = run.track();
   EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+}
+
+TEST(SpotRefusal, AMarkUnderTheSpotIsNotMissing) {
+  Filmed run;
+  run.spot_gray = 200.0;
+  // It goes with the mark, seven pixels beside its rim: near enough to be kept out.
+  run.spot_mm = {9.0 - 2.2, 8.5};
+  run.spot_step_mm = {0.02, 0.0};
+  const SpotTrack track = run.track();
+  EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+  for (const FrameMeasurement& frame : track.frames) {
+    EXPECT_TRUE(frame.spot_W_mm);
+    ASSERT_EQ(frame.sheet.size(), 1U);
+    EXPECT_EQ(frame.sheet[0].expected, 3);
+    EXPECT_EQ(frame.sheet[0].marks, 3);
+  }
 }
 
 TEST(SpotRefusal, DarkFrames) {
