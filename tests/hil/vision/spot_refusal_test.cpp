@@ -79,19 +79,26 @@ TEST(SpotRefusal, AHardBoardAloneIsNoReason) {
   EXPECT_TRUE(track.problems.empty()) << track.problems.front();
 }
 
-TEST(SpotRefusal, AMarkUnderTheSpotIsNotMissing) {
-  Filmed run;
-  run.spot_gray = 200.0;
-  // It goes with the mark, seven pixels beside its rim: near enough to be kept out.
-  run.spot_mm = {9.0 - 2.2, 8.5};
-  run.spot_step_mm = {0.02, 0.0};
-  const SpotTrack track = run.track();
-  EXPECT_TRUE(track.problems.empty()) << track.problems.front();
-  for (const FrameMeasurement& frame : track.frames) {
-    EXPECT_TRUE(frame.spot_W_mm);
-    ASSERT_EQ(frame.sheet.size(), 1U);
-    EXPECT_EQ(frame.sheet[0].expected, 3);
-    EXPECT_EQ(frame.sheet[0].marks, 3);
+// The spot goes with a mark: 7, 2 and 0 pixels beside its rim. Print that it touches hides it from the first
+// look; all the same the mark may not be measured in that light, and is not missing either.
+TEST(SpotRefusal, AMarkInTheLightOfTheSpotIsNeitherMeasuredNorMissing) {
+  for (const double beside_mm : {0.7, 0.2, 0.0}) {
+    SCOPED_TRACE(beside_mm);
+    Filmed run;
+    run.spot_gray = 200.0;
+    run.spot_mm = {9.0 - 1.5 - beside_mm, 8.5};
+    run.spot_step_mm = {0.02, 0.0};
+    const SpotTrack track = run.track();
+    EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+    double off_mm = 0.0;
+    for (const FrameMeasurement& frame : track.frames) {
+      EXPECT_TRUE(frame.spot_W_mm);
+      ASSERT_EQ(frame.sheet.size(), 1U);
+      EXPECT_EQ(frame.sheet[0].expected, 3);
+      EXPECT_EQ(frame.sheet[0].marks, 3);
+      off_mm += (frame.sheet[0].p_WS_mm.x() - 0.02 * static_cast<double>(frame.sequence)) / 24.0;
+    }
+    EXPECT_NEAR(off_mm, 0.0, 4.0 * std::sqrt(track.frames[9].sheet[0].covariance(0, 0) / 24.0));
   }
 }
 
