@@ -169,7 +169,8 @@ TEST(KerfWidthCheck, NearTheLimitLooseWidthsProveNothing) {
 
 TEST(StrayCheck, OneOfUnknownSizeIsInvalid) {
   SyntheticRun run;
-  run.evidence.kerf.strays.push_back({0, {33, 12}, kNan});
+  for (const double extent_mm : {0.2, kNan, 0.3})
+    run.evidence.kerf.strays.push_back({0, {33, 12}, extent_mm});
   EXPECT_EQ(checkOf(run.inspected(), "stray").verdict, Verdict::kInvalid);
 }
 
