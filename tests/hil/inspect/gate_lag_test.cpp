@@ -16,6 +16,8 @@ constexpr double kAcceleration_mm_s2 = 20000.0;
 constexpr double kTop_mm_s = 300.0;
 constexpr double kGate_s = 1.0;
 constexpr double kSpotU_mm = 0.003;
+constexpr double kRough_mm =
+    0.005;  ///< Of the beam's way by steps and servo, on top of what the camera adds.
 
 /// Way since the beam set off.
 using Motion = double (*)(double t_s);
@@ -61,7 +63,7 @@ class Start {
     const Curve& curve = dieline_.entities.front().curve;
     const double length_mm = lengthOf(curve);
     std::mt19937 random(seed);
-    std::normal_distribution<double> noise(0.0, seed == 0 ? 0.0 : kSpotU_mm);
+    std::normal_distribution<double> noise(0.0, seed == 0 ? 0.0 : std::hypot(kSpotU_mm, kRough_mm));
     const std::size_t before = lit.frames.size();
     double off_s = gate_s;
     // Where in the camera's period the gate opens differs from start to start.
@@ -133,7 +135,10 @@ TEST(GateLag, ItsIntervalHoldsTheTrueLagInNineteenOfTwenty) {
         inside += std::abs(check->value - 1e3 * lag_s) <= check->u ? 1 : 0;
       }
       EXPECT_GE(seen, 180);
-      EXPECT_GE(inside, seen * 19 / 20) << (motion == ramp ? "ramp " : "dash ") << lag_s;
+      // The noise is what the check takes it for, so 95 % are asked; by chance 200 starts may show 3.1
+      // standard deviations less, one time in a thousand.
+      const double least = 0.95 - 3.1 * std::sqrt(0.95 * 0.05 / seen);
+      EXPECT_GE(inside, seen * least) << (motion == ramp ? "ramp " : "dash ") << lag_s;
     }
   }
 }
