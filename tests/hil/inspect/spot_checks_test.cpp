@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -53,6 +54,24 @@ TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
     if (askew.frames[i].entity == kCreaseLine) {
       EXPECT_NEAR(std::abs(askew.frames[i].n_x), std::cos(0.02), 1e-9);
     }
+  }
+}
+
+TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const auto before = followDieline(run.evidence.spot, run.dieline).frames;
+  // Two and more frames without marks between two with: in each the belt has come 0.2 mm farther.
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i % 6 != 0 && i % 6 != 4) frames[i].sheet.clear();
+  }
+  const auto after = followDieline(run.evidence.spot, run.dieline).frames;
+  ASSERT_GE(after.size() + 6, before.size());
+  for (const LitFrame& frame : after) {
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [&](const LitFrame& other) { return other.frame == frame.frame; });
+    ASSERT_NE(same, before.end());
+    EXPECT_LT((frame.p_S_mm - same->p_S_mm).norm(), 1e-9) << frame.time_s;
   }
 }
 
