@@ -3,13 +3,10 @@
 """Mutation of the judge: puts one known fault after the other into hil/vision and hil/inspect, and sees whether the
 tests notice.
 
-usage: mutate.py [--build FOLDER] [--only NAME...] [--list FILE] [--check] [--jobs N]
-
 A mutant counts as killed if a test fails or crashes; one that makes a test run for ever is counted apart, and one that
-the compiler refuses is no mutant. RESULTS.md is written anew; with --only, the rows of the mutants that were tried. Ends
-with 0 if at least 90 % of RESULTS.md are killed by a failing test and each survivor is explained in SURVIVORS.md, 1 if
-not, 2 if nothing could be measured, 64 for a wrong command line, 65 for a bad list. --check only looks whether the list still fits the sources. --list takes the
-mutants of another file, each of which may say what must become of it.
+the compiler refuses is no mutant. RESULTS.md is written anew; with --only, the rows of the mutants that were tried.
+Ends with 0 if at least 90 % of RESULTS.md are killed by a failing test and each survivor is explained in SURVIVORS.md,
+1 if not, 2 if nothing could be measured, 64 for a wrong command line, 65 for a bad list.
 """
 import argparse
 import collections
@@ -202,10 +199,12 @@ class Parser(argparse.ArgumentParser):
 
 
 def main():
-    parser = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), help="build folder with the tests built")
+    parser = Parser(prog="bench mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), metavar="FOLDER",
+                        help="build folder with the tests built")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")
-    parser.add_argument("--list", default=os.path.join(HERE, "mutants.toml"), help="file of mutants")
+    parser.add_argument("--list", default=os.path.join(HERE, "mutants.toml"), metavar="FILE",
+                        help="other mutants, each of which may say what must become of it")
     parser.add_argument("--check", action="store_true", help="does the list fit the sources? runs no test")
     parser.add_argument("--jobs", type=int, default=2, help="mutants at once")
     options = parser.parse_args()

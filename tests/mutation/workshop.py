@@ -82,8 +82,9 @@ class Build:
         return self.including[path]
 
     def archives_of(self, program):
-        """Folders of the libraries that a program is linked with, and of its own objects."""
-        return {os.path.dirname(word) for word in self.link_of(program) if word.endswith(".a") and not word.startswith("/")}
+        """Folders of the house's libraries that a program is linked with."""
+        words = self.link_of(program)
+        return {os.path.dirname(word) for word in words if word.endswith(".a") and not word.startswith("/")}
 
 
 class Workshop:
