@@ -75,6 +75,22 @@ TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
   }
 }
 
+TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
+  const SyntheticRun run;
+  int corners = 0;
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+    if (frame.entity != kBottom && frame.entity != kTop) continue;
+    const double from_corner_mm = std::min(frame.p_S_mm.x(), 60.0 - frame.p_S_mm.x());
+    if (from_corner_mm < 0.25) {
+      EXPECT_TRUE(frame.ambiguous) << frame.p_S_mm.transpose();
+      ++corners;
+    } else if (from_corner_mm > 0.35) {
+      EXPECT_FALSE(frame.ambiguous) << frame.p_S_mm.transpose();
+    }
+  }
+  EXPECT_GE(corners, 8);
+}
+
 TEST(FollowDieline, EachTimeTheBeamSetsOutItBeginsARun) {
   const SyntheticRun run;
   const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
@@ -94,6 +110,21 @@ TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
   const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
   EXPECT_GT(lit.unplaced, 50U);
   for (const LitFrame& frame : lit.frames) EXPECT_GT(std::abs(frame.time_s - gate.on_s), 0.14);
+}
+
+TEST(SpotProblems, ASheetWhosePlaceIsUnknownMostOfTheTimeIsTold) {
+  const auto tells = [](const SyntheticRun& run) {
+    for (const std::string& problem : run.inspected().problems) {
+      if (problem.find("no printed mark told where the sheet was") != std::string::npos) return true;
+    }
+    return false;
+  };
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  for (std::size_t i = 0; i < frames.size() * 3 / 10; ++i) frames[i].sheet.clear();
+  EXPECT_FALSE(tells(run));
+  for (std::size_t i = 0; i < frames.size() * 7 / 10; ++i) frames[i].sheet.clear();
+  EXPECT_TRUE(tells(run));
 }
 
 TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
