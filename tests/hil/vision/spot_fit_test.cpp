@@ -22,13 +22,14 @@ constexpr double kBoardVariance = 4.0;
 constexpr double kPerGray = 0.05;
 
 /// A picture of light with read and shot noise; `light` tells the grey of a pixel above the board.
-GrayImage picture(std::uint64_t seed, const std::function<double(const Vector2d&)>& light) {
+GrayImage picture(std::uint64_t seed, const std::function<double(const Vector2d&)>& light,
+                  double per_gray = kPerGray) {
   const CounterRandom random(seed, 8);
   GrayImage image(kSide, kSide);
   for (int r = 0; r < kSide; ++r) {
     for (int c = 0; c < kSide; ++c) {
       const double gray = light(Vector2d(c, r));
-      const double sigma = std::sqrt(kBoardVariance + kPerGray * gray);
+      const double sigma = std::sqrt(kBoardVariance + per_gray * gray);
       const double noise = sigma * random.normal(static_cast<std::uint64_t>(r * kSide + c));
       image.at(c, r) = static_cast<std::uint8_t>(std::lround(std::clamp(kBoard + gray + noise, 0.0, 255.0)));
     }
@@ -57,6 +58,29 @@ TEST(SpotFit, StatesHowItsCentreScatters) {
   }
   // 1600 squares of normal values tell their mean to 3.5 % at one sigma.
   EXPECT_NEAR(stated / squares, 1.0, 0.14);
+}
+
+TEST(SpotFit, SpotsTellTheCamerasShotNoise) {
+  // Variance 4 on the board, and so much more for each grey of light; before any spot was seen it is taken
+  // for 0.8 x 4 / 60 = 0.053.
+  for (const double per_gray : {0.02, 0.06}) {
+    ShotNoise shot;
+    for (std::uint64_t i = 1; i <= 300; ++i) {
+      const GrayImage image = picture(
+          i,
+          [&](const Vector2d& p) {
+            return 150.0 * std::exp(-0.5 * (p - Vector2d(20.2, 19.7)).squaredNorm() / 2.0);
+          },
+          per_gray);
+      const PixelNoise now = shot.on(kBoard, std::sqrt(kBoardVariance));
+      EXPECT_NEAR(now.variance(kBoard), kBoardVariance, 1e-12);
+      const auto spot = fitSpot(image, {20, 20, 140}, kBoard, now);
+      ASSERT_TRUE(spot);
+      shot.add(spot->shot);
+    }
+    const double bright = shot.on(kBoard, std::sqrt(kBoardVariance)).variance(kBoard + 100.0);
+    EXPECT_NEAR(bright, kBoardVariance + 100.0 * per_gray, 1.0) << per_gray;
+  }
 }
 
 TEST(SpotFit, OneHotPixelIsNoSpot) {
