@@ -239,6 +239,14 @@ TEST_F(KerfScanTest, MissingTilesAreAProblem) {
   std::vector<KerfTile> some(tiles_->begin(), tiles_->begin() + 3);
   const KerfScan scan = work_->scan(some);
   EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("lie outside the tiles")));
+  // A caliper that the border of a picture cuts off is outside, too.
+  for (const EntityKerf& kerf : scan.entities) {
+    for (const Caliper& c : kerf.calipers) {
+      if (!c.found) continue;
+      EXPECT_TRUE(work_->camera.pixelIfSeen(c.p_V_mm, 0.6 / test::kPitchMm))
+          << "E" << kerf.entity << " at " << c.station_mm;
+    }
+  }
   EXPECT_NEAR(offsetsOf(entityOf(scan, 0), work_->truth.at(0).offset_mm).mean, 0.0, 0.002);
 }
 

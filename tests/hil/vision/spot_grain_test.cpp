@@ -78,5 +78,33 @@ TEST(BoardGrain, MovesACentreAcrossTheGrainMoreThanAlongIt) {
   }
 }
 
+TEST(BoardGrain, TheSpotsOwnLightIsNoisyToo) {
+  constexpr double kPerGray = 0.1;
+  constexpr double kBrighter = 150.0;
+  const GrayImage image = board(true, 9);
+  BoardGrain grain;
+  Eigen::Matrix2d truth = Eigen::Matrix2d::Zero();
+  double places = 0.0;
+  const CounterRandom shot(9, 4);
+  std::uint64_t draw = 0;
+  for (int row = 30; row < kSide - 30; row += 7) {
+    for (int column = 30; column < kSide - 30; column += 7) {
+      const SpotFit fit = spotAt(column, row);
+      if (row % 4 == 0 && column % 4 == 0) grain.add(image, fit, kBoard);
+      Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+      for (const SpotFit::Influence& i : fit.influences) {
+        const double light = std::sqrt(kPerGray * kBrighter) * shot.normal(draw++);
+        moved += i.by_gray * (image.gray(i.column, i.row) - kBoard + light);
+      }
+      truth += moved * moved.transpose();
+      places += 1.0;
+    }
+  }
+  SpotFit lit = spotAt(50, 50);
+  for (SpotFit::Influence& i : lit.influences) i.brighter_gray = kBrighter;
+  const Eigen::Matrix2d stated = grain.centreCovariance(lit, {.per_gray = kPerGray});
+  EXPECT_NEAR(stated.trace() / (truth / places).trace(), 1.0, 0.12);
+}
+
 }  // namespace
 }  // namespace kerfbench::hil
