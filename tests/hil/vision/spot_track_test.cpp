@@ -134,24 +134,6 @@ TEST(SpotTrack, TakesTheMiddleOfAStreak) {
   expectGoodSpots("saturated streak", measureSpots({0.3, 0.9}, 2500, 80), 0.010);
 }
 
-TEST(SpotTrack, APlaceIsThatOfTheMiddleOfItsExposure) {
-  Scene scene;
-  scene.exposure_s = 500e-6;
-  // Half an exposure is 0.1 mm of way.
-  const auto placeAt = [](double time_s) { return Eigen::Vector2d(-8.0 + 400.0 * time_s, 3.0); };
-  std::vector<Frame> frames;
-  for (std::uint64_t i = 0; i < 12; ++i) {
-    const double start_s = static_cast<double>(i) * scene.period_s;
-    test::Canvas canvas(scene.camera, kBoard);
-    canvas.spot(placeAt(start_s), placeAt(start_s + scene.exposure_s), kSpotSigmaMm, 200.0, kLensPx);
-    frames.push_back(scene.frame(canvas, i));
-  }
-  for (const FrameMeasurement& frame : scene.track(std::move(frames)).frames) {
-    ASSERT_TRUE(frame.spot_W_mm) << frame.sequence;
-    EXPECT_LT((*frame.spot_W_mm - placeAt(frame.mid_s)).norm(), 0.02) << frame.sequence;
-  }
-}
-
 TEST(SpotTrack, DarkFramesHaveNoSpot) {
   Scene scene;
   scene.print = fourMarks();
