@@ -81,6 +81,11 @@ void placeSpot(FrameMeasurement& out, const SpotFit& fit, const CameraCalibratio
   out.faults.blurred = fit.short_sigma_px * scale_mm > widest_mm;
 }
 
+/// Where the spot's light reaches, nothing else can be measured.
+SheetTracker::KeepOut keepOutOf(const FrameMeasurement& out, const SpotFit& fit, double pitch_mm) {
+  return {*out.spot_W_mm, (4.0 * fit.long_sigma_px + 2.0) * pitch_mm};
+}
+
 /// The spot shines on a mark: fit both, or find it in the ink where it does not outshine the board.
 std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance, const SheetTracker& tracker,
                                     const CameraCalibration& calibration, double pitch_mm) {
@@ -134,7 +139,7 @@ void tellProblems(SpotTrack& track) {
 SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, const PrintLayout& print,
                     const SpotTrackOptions& options) {
   SpotTrack track;
-  SheetTracker tracker(calibration, print, options.nominal_speed_mm_s);
+  std::optional<SheetTracker> tracker(std::in_place, calibration, print, options.nominal_speed_mm_s);
   const double pitch_mm = calibration.pitchMm();
   std::vector<double> diameters_mm;
   for (const RegistrationMark& mark : print.marks) {
@@ -183,12 +188,19 @@ SpotTrack trackSpot(FrameSource& source, const CameraCalibration& calibration, c
         SpotFit fit = *glance.spot;
         fit.covariance_px2 = grain.centreCovariance(fit, glance.noise);
         placeSpot(out, fit, calibration, options.widest_spot_mm);
-        keep_out = {*out.spot_W_mm, (4.0 * glance.spot->long_sigma_px + 2.0) * pitch_mm};
+        keep_out = keepOutOf(out, *glance.spot, pitch_mm);
       }
-      out.sheet = tracker.step(frame.image, out.mid_s, keep_out, glance.searched ? &glance.marks : nullptr);
-      if (auto better = fitWithPrint(frame.image, glance, tracker, calibration, pitch_mm)) {
+      const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
+      const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker;
+      out.sheet = tracker->step(frame.image, out.mid_s, keep_out, marks);
+      if (auto better = fitWithPrint(frame.image, glance, *tracker, calibration, pitch_mm)) {
         better->covariance_px2 = grain.centreCovariance(*better, glance.noise);
         placeSpot(out, *better, calibration, options.widest_spot_mm);
+        if (before) {
+          // A spot that print hid at first has shone into the marks: again, without those that it reaches.
+          tracker.emplace(*before);
+          out.sheet = tracker->step(frame.image, out.mid_s, keepOutOf(out, *better, pitch_mm), marks);
+        }
       }
       track.frames.push_back(std::move(out));
     }

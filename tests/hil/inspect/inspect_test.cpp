@@ -41,6 +41,13 @@ TEST(Inspect, EveryKindOfBrokenEvidenceIsInvalid) {
             Verdict::kInvalid);
   EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.kerf.entities.clear(); }), Verdict::kInvalid);
   EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.kerf.entities.pop_back(); }), Verdict::kInvalid);
+  EXPECT_EQ(
+      verdictAfter([](SyntheticRun& r) { r.evidence.kerf.entities.erase(r.evidence.kerf.entities.begin()); }),
+      Verdict::kInvalid);
+  EXPECT_EQ(verdictAfter([](SyntheticRun& r) {
+              r.evidence.spot.frames[40].spot_W_mm->y() = std::numeric_limits<double>::quiet_NaN();
+            }),
+            Verdict::kInvalid);
   EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.kerf.entities[1].entity = 99; }),
             Verdict::kInvalid);
   EXPECT_EQ(verdictAfter([](SyntheticRun& r) { r.evidence.pulses.clear(); }), Verdict::kInvalid);

@@ -30,6 +30,11 @@ TEST(PathCheck, ProvesADeviationAndSaysWhere) {
       << path.explanation;
   EXPECT_NEAR(path.value, 0.08, 0.005);
   EXPECT_EQ(result.verdict, Verdict::kFail);
+  for (const EntityResult& e : result.entities) {
+    if (e.unit == 1 && e.entity == kRight) {
+      EXPECT_NEAR(e.worst_mm, -0.08, 0.005) << "right of the line is negative";
+    }
+  }
 }
 
 TEST(PathCheck, AtTheLimitNothingIsProven) {
@@ -114,12 +119,23 @@ TEST(DepthCheck, DoesNotApplyWithoutCreases) {
   EXPECT_FALSE(hasCheck(run.inspected(), "depth"));
 }
 
+TEST(DepthCheck, AHalfCutCutThroughFails) {
+  SyntheticRun run;
+  run.dieline.entities[kCreaseLine].process = Process::kHalfCut;
+  EXPECT_EQ(checkOf(run.inspected(), "depth").verdict, Verdict::kPass);
+  auto& calipers = run.kerf(1, kCreaseLine).calipers;
+  for (std::size_t i = 40; i < 60; ++i) calipers[i].brightness = 1.0;
+  EXPECT_EQ(checkOf(run.inspected(), "depth").verdict, Verdict::kFail);
+}
+
 TEST(PerforationCheck, ComparesTheOpenShareWithTheOrder) {
   SyntheticRun run;
   run.limits.perforation_open_share = 0.75;
   EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kPass);
-  run.limits.perforation_open_share = 0.5;
-  EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kFail);
+  for (const double too_different : {0.5, 0.95}) {
+    run.limits.perforation_open_share = too_different;
+    EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kFail) << too_different;
+  }
 }
 
 TEST(PerforationCheck, WithoutBridgesFailsEvenWithoutAnOrder) {
@@ -142,8 +158,25 @@ TEST(KerfWidthCheck, FindsTheLineThatIsWider) {
   EXPECT_EQ(checkOf(result, "kerf_width").subject, "unit 1, E2");
 }
 
+TEST(KerfWidthCheck, NearTheLimitLooseWidthsProveNothing) {
+  SyntheticRun run;
+  for (Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.048;
+  EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kPass);
+  // A mean of 240 stations is sixteen times better than one: 3 um. Less is not proven by much.
+  for (Caliper& c : run.kerf(1, kTop).calipers) c.width_sigma_mm = 0.05;
+  EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kNotProven);
+}
+
+TEST(StrayCheck, OneOfUnknownSizeIsInvalid) {
+  SyntheticRun run;
+  for (const double extent_mm : {0.2, kNan, 0.3})
+    run.evidence.kerf.strays.push_back({0, {33, 12}, extent_mm});
+  EXPECT_EQ(checkOf(run.inspected(), "stray").verdict, Verdict::kInvalid);
+}
+
 TEST(StrayCheck, FailsOnWhatIsBurntBeside) {
   SyntheticRun run;
+  run.evidence.kerf.strays.push_back({0, {10, 3}, 0.3});
   run.evidence.kerf.strays.push_back({1, {33, 12}, 4.2});
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "stray").verdict, Verdict::kFail);
@@ -161,6 +194,15 @@ TEST(LaserTimingCheck, FindsAStartThatIsNotBurnt) {
   EXPECT_NEAR(checkOf(result, "laser_timing").value, 0.34, 0.02);
   EXPECT_NE(checkOf(result, "laser_timing").explanation.find("At the start of unit 0, E0"),
             std::string::npos);
+}
+
+TEST(LaserTimingCheck, AShortGapIsNoMatterOfCoverage) {
+  SyntheticRun run;
+  run.limits.end_gap_mm = 0.3;
+  run.limits.min_coverage = 1.0;
+  for (Caliper* c : {&run.kerf(0, kCreaseLine).calipers.front(), &run.kerf(0, kCreaseLine).calipers.back()})
+    unburn(*c);
+  EXPECT_EQ(checkOf(run.inspected(), "coverage").value, 1.0);
 }
 
 TEST(LaserTimingCheck, SeesTheGapBehindANeighboursKerf) {

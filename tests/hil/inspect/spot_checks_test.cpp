@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -6,6 +7,7 @@
 
 #include "hil/inspect/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -31,6 +33,100 @@ TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   for (const LitFrame& frame : lit.frames) EXPECT_NE(frame.entity, kNote) << frame.time_s;
 }
 
+TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
+  // The whole web turned about the machine's origin, with the spot on it. The printed line across the belt
+  // keeps its deviations; what they are along x is another matter.
+  SyntheticRun run;
+  const LitFrames straight = followDieline(run.evidence.spot, run.dieline);
+  const Eigen::Rotation2Dd turn(0.02);
+  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+    if (frame.spot_W_mm) frame.spot_W_mm = turn * *frame.spot_W_mm;
+    for (SheetPose& pose : frame.sheet) {
+      pose.p_WS_mm = turn * pose.p_WS_mm;
+      pose.angle_rad += turn.angle();
+    }
+  }
+  const LitFrames askew = followDieline(run.evidence.spot, run.dieline);
+  ASSERT_EQ(askew.frames.size(), straight.frames.size());
+  for (std::size_t i = 0; i < askew.frames.size(); ++i) {
+    EXPECT_EQ(askew.frames[i].entity, straight.frames[i].entity);
+    EXPECT_NEAR(askew.frames[i].deviation_mm, straight.frames[i].deviation_mm, 1e-9);
+    if (askew.frames[i].entity == kCreaseLine) {
+      EXPECT_NEAR(std::abs(askew.frames[i].n_x), std::cos(0.02), 1e-9);
+    }
+  }
+}
+
+TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const auto before = followDieline(run.evidence.spot, run.dieline).frames;
+  // Two and more frames without marks between two with: in each the belt has come 0.2 mm farther.
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i % 6 != 0 && i % 6 != 4) frames[i].sheet.clear();
+  }
+  const auto after = followDieline(run.evidence.spot, run.dieline).frames;
+  ASSERT_GE(after.size() + 6, before.size());
+  for (const LitFrame& frame : after) {
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [&](const LitFrame& other) { return other.frame == frame.frame; });
+    ASSERT_NE(same, before.end());
+    EXPECT_LT((frame.p_S_mm - same->p_S_mm).norm(), 1e-9) << frame.time_s;
+  }
+}
+
+TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
+  const SyntheticRun run;
+  int corners = 0;
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+    if (frame.entity != kBottom && frame.entity != kTop) continue;
+    const double from_corner_mm = std::min(frame.p_S_mm.x(), 60.0 - frame.p_S_mm.x());
+    if (from_corner_mm < 0.25) {
+      EXPECT_TRUE(frame.ambiguous) << frame.p_S_mm.transpose();
+      ++corners;
+    } else if (from_corner_mm > 0.35) {
+      EXPECT_FALSE(frame.ambiguous) << frame.p_S_mm.transpose();
+    }
+  }
+  EXPECT_GE(corners, 8);
+}
+
+TEST(FollowDieline, EachTimeTheBeamSetsOutItBeginsARun) {
+  const SyntheticRun run;
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  EXPECT_EQ(lit.runs.size(), run.evidence.gates.size() - 2 * 3) << "the outline is one run of four lines";
+  for (const LitRun& one : lit.runs) {
+    for (std::size_t i = one.begin + 1; i < one.end; ++i)
+      EXPECT_EQ(lit.frames[i].frame, lit.frames[i - 1].frame + 1);
+  }
+}
+
+TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
+  SyntheticRun run;
+  const auto& gate = run.evidence.gates[2];
+  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+    if (std::abs(frame.mid_s - gate.on_s) < 0.15) frame.sheet.clear();
+  }
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  EXPECT_GT(lit.unplaced, 50U);
+  for (const LitFrame& frame : lit.frames) EXPECT_GT(std::abs(frame.time_s - gate.on_s), 0.14);
+}
+
+TEST(SpotProblems, ASheetWhosePlaceIsUnknownMostOfTheTimeIsTold) {
+  const auto tells = [](const SyntheticRun& run) {
+    for (const std::string& problem : run.inspected().problems) {
+      if (problem.find("no printed mark told where the sheet was") != std::string::npos) return true;
+    }
+    return false;
+  };
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  for (std::size_t i = 0; i < frames.size() * 3 / 10; ++i) frames[i].sheet.clear();
+  EXPECT_FALSE(tells(run));
+  for (std::size_t i = 0; i < frames.size() * 7 / 10; ++i) frames[i].sheet.clear();
+  EXPECT_TRUE(tells(run));
+}
+
 TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
   SyntheticRun run;
   run.shiftSpot(1, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
@@ -39,6 +135,11 @@ TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
   EXPECT_EQ(stillness.verdict, Verdict::kFail);
   EXPECT_EQ(stillness.subject, "unit 1, E5");
   EXPECT_NEAR(stillness.value, 0.09, 0.008);
+  for (const CutResult& cut : result.cuts) {
+    if (cut.unit == 1 && cut.entity == kCreaseLine) {
+      EXPECT_NEAR(cut.drift_mm, 0.09, 0.008) << "along +x";
+    }
+  }
   EXPECT_EQ(checkOf(result, "path").verdict, Verdict::kPass);
 }
 
@@ -98,6 +199,19 @@ TEST(StillnessCheck, UncertaintyFollowsTheNumberOfFrames) {
   }
 }
 
+TEST(StillnessCheck, ARoughMotionIsKnownLessWell) {
+  SyntheticRun run;
+  const auto sigmaOf = [&](int unit) {
+    for (const CutResult& cut : run.inspected().cuts) {
+      if (cut.unit == unit && cut.entity == kCreaseLine) return cut.drift_sigma_mm;
+    }
+    return std::nan("");
+  };
+  run.shiftSpot(1, kCreaseLine,
+                [](double t_s) { return Eigen::Vector2d(0.02 * std::sin(t_s * 900.0), 0.0); });
+  EXPECT_GT(sigmaOf(1), 2.0 * sigmaOf(0));
+}
+
 TEST(RepeatCheck, FindsALineThatIsCutTwice) {
   SyntheticRun run;
   run.followAgain(0, kHole);
@@ -116,6 +230,7 @@ TEST(LaserGateCheck, LightWithoutGateFails) {
   SyntheticRun run;
   for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.005;
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 4.5, 0.01) << "a frame is half a period long";
   run.evidence.gates.clear();
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kInvalid);
 }
@@ -145,6 +260,41 @@ TEST(PulseTimingCheck, WithoutAnyPulseIsInvalid) {
   SyntheticRun run;
   for (PulseTiming& t : run.evidence.pulses) t.pulses = 0;
   EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kInvalid);
+}
+
+TEST(LaserGateCheck, LightBeforeTheGateFails) {
+  SyntheticRun run;
+  for (GateInterval& gate : run.evidence.gates) gate.on_s += 0.005;
+  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
+}
+
+TEST(PulseTimingCheck, EachTimeIsHeldAgainstItsOwnLine) {
+  // Seen is a little more than asked for, with every time of another size: no margin may be negative.
+  SyntheticRun run;
+  for (PulseTiming& t : run.evidence.pulses) {
+    t.profile.setup_s = 20e-6;
+    t.profile.hold_s = 3e-6;
+    t.profile.width_s = 2e-6;
+    t.profile.space_s = 8e-6;
+    t.min_setup_s = 21e-6;
+    t.min_hold_s = 4e-6;
+    t.min_width_s = 3e-6;
+    t.min_space_s = 9e-6;
+  }
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "pulse_timing").verdict, Verdict::kPass);
+  EXPECT_NEAR(checkOf(result, "pulse_timing").value, 1.0, 1e-9);
+}
+
+TEST(PulseTimingCheck, ATimeIsTheDifferenceOfTwoEdges) {
+  SyntheticRun run;
+  run.evidence.pin_u_s = 0.2e-6;
+  // Two edges each known to 0.2 us, drawn 4000 times: U is twice the scatter of their difference.
+  const CounterRandom random(9, 1);
+  double squares = 0.0;
+  for (std::uint64_t i = 0; i < 4000; ++i)
+    squares += std::pow(0.2 * (random.normal(2 * i) - random.normal(2 * i + 1)), 2) / 4000.0;
+  EXPECT_NEAR(checkOf(run.inspected(), "pulse_timing").u, 2.0 * std::sqrt(squares), 0.03);
 }
 
 TEST(PulseTimingCheck, ARealStampErrorOpensAGuardBand) {

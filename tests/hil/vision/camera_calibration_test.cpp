@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/camera_calibration.h"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <vector>
@@ -70,6 +71,41 @@ TEST(CameraCalibration, JacobianIsThatOfFiniteDifferences) {
     EXPECT_LT((slope - map.pixel_per_mm.col(i)).norm(), 1e-6);
   }
   EXPECT_LT((map.pixel - camera.pixelFromPlane(p_mm)).norm(), 1e-12);
+}
+
+/// A calibration that errs by a mode reads the pixel of p as p + mapError: there OpenCV must see that pixel
+/// with a camera that errs so.
+TEST(CameraCalibration, AnErrorModeMovesPointsAsACameraThatIsWrongByIt) {
+  CameraCalibration camera = test::tiltedCamera(1800, 1800, 0.1);
+  for (Eigen::Index parameter = 0; parameter < CameraCalibration::kParameters; ++parameter) {
+    // Pixels, coefficients of the lens, rad and mm: each moves points by some hundredths of a mm.
+    constexpr double kSizes[] = {0.5, 0.5,  0.3,  0.3,  4e-3, 0.1,  1e-4, 1e-4,
+                                 2.0, 3e-4, 3e-4, 3e-4, 0.05, 0.05, 0.3};
+    camera.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
+    camera.error_modes.back()[parameter] = kSizes[parameter];
+  }
+  for (std::size_t k = 0; k < camera.error_modes.size(); ++k) {
+    const auto& e = camera.error_modes[k];
+    const cv::Matx33d matrix(camera.fx_px + e[0], 0, camera.cx_px + e[2], 0, camera.fy_px + e[1],
+                             camera.cy_px + e[3], 0, 0, 1);
+    std::vector<double> lens(camera.distortion.begin(), camera.distortion.end());
+    for (std::size_t i = 0; i < lens.size(); ++i) lens[i] += e[static_cast<Eigen::Index>(4 + i)];
+    double largest_mm = 0.0;
+    for (const Eigen::Vector2d& p_mm : {Eigen::Vector2d(70, -50), Eigen::Vector2d(-60, 65)}) {
+      const Eigen::Vector2d shift_mm = camera.mapError(k, p_mm);
+      largest_mm = std::max(largest_mm, shift_mm.norm());
+      const Eigen::Vector2d q_mm = p_mm + shift_mm;
+      const Eigen::Vector3d q = camera.X_CP.linear() * Eigen::Vector3d(q_mm.x(), q_mm.y(), 0.0);
+      const Eigen::Vector3d t = camera.X_CP.translation() + e.tail<3>();
+      std::vector<cv::Point2d> image;
+      cv::projectPoints(std::vector<cv::Point3d>{{q.x(), q.y(), q.z()}}, cv::Vec3d(e[9], e[10], e[11]),
+                        cv::Vec3d(t.x(), t.y(), t.z()), matrix, lens, image);
+      const Eigen::Vector2d pixel = camera.pixelFromPlane(p_mm);
+      EXPECT_NEAR(image[0].x, pixel.x(), 1e-6) << "parameter " << k;
+      EXPECT_NEAR(image[0].y, pixel.y(), 1e-6) << "parameter " << k;
+    }
+    EXPECT_GT(largest_mm, 0.003) << "parameter " << k;
+  }
 }
 
 TEST(CameraCalibration, BulkIsTheSameAsOneByOne) {

@@ -95,6 +95,24 @@ TEST_F(KerfScanTest, OffsetsAreRightInAllDirections) {
   }
 }
 
+TEST_F(KerfScanTest, SaysWhereInTheCamerasFieldItLooked) {
+  // Whoever asks for the error of the camera's map there must be told the place in its own plane.
+  std::size_t judged = 0;
+  for (const EntityKerf& kerf : scan_->entities) {
+    for (const Caliper& c : kerf.calipers) {
+      if (!c.found) continue;
+      ++judged;
+      const Vector2d p_T = work_->tableFromSheet(c.p_S_mm);
+      const bool in_a_tile = std::any_of(tiles_->begin(), tiles_->end(), [&](const KerfTile& tile) {
+        return (p_T - tile.p_TV_mm - c.p_V_mm).norm() < 0.01;
+      });
+      EXPECT_TRUE(in_a_tile) << "E" << kerf.entity << " at " << c.station_mm;
+      EXPECT_TRUE(work_->camera.pixelIfSeen(c.p_V_mm, 0.6 / test::kPitchMm)) << c.p_V_mm.transpose();
+    }
+  }
+  EXPECT_GT(judged, 300U);
+}
+
 TEST_F(KerfScanTest, WidthsAreRight) {
   for (const int id : {0, 1, 3, 5, 6}) {
     std::vector<double> widths;
@@ -221,7 +239,67 @@ TEST_F(KerfScanTest, MissingTilesAreAProblem) {
   std::vector<KerfTile> some(tiles_->begin(), tiles_->begin() + 3);
   const KerfScan scan = work_->scan(some);
   EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("lie outside the tiles")));
+  // A caliper that the border of a picture cuts off is outside, too.
+  for (const EntityKerf& kerf : scan.entities) {
+    for (const Caliper& c : kerf.calipers) {
+      if (!c.found) continue;
+      EXPECT_TRUE(work_->camera.pixelIfSeen(c.p_V_mm, 0.6 / test::kPitchMm))
+          << "E" << kerf.entity << " at " << c.station_mm;
+    }
+  }
   EXPECT_NEAR(offsetsOf(entityOf(scan, 0), work_->truth.at(0).offset_mm).mean, 0.0, 0.002);
+}
+
+TEST_F(KerfScanTest, MarksThatLieOtherwiseThanPrintedAreTold) {
+  // One of four marks lies 60 um off: no pose fits better than a quarter of that.
+  Workpiece other = *work_;
+  other.print.marks[2].p_SM_mm.x() += 0.06;
+  const KerfScan off = other.scan(*tiles_);
+  EXPECT_GT(off.mark_residual_mm, 0.010);
+  ASSERT_EQ(off.units.size(), 1U);
+  EXPECT_EQ(off.units[0].residual_mm, off.mark_residual_mm);
+}
+
+TEST_F(KerfScanTest, WhereMostMarksAreMissingItSaysSo) {
+  // The layout has five more marks, in view of the tiles, than were printed.
+  Workpiece other = *work_;
+  for (const double x : {10.0, 14.0, 18.0, 22.0, 26.0}) other.print.marks.push_back({{x, 14.0}, 3.0});
+  EXPECT_THAT(other.scan(*tiles_).problems, ::testing::Contains(::testing::HasSubstr("only 4 of 9")));
+}
+
+TEST_F(KerfScanTest, OfFewPicturesTheWorstAreKept) {
+  Workpiece other = *work_;
+  other.options.patches = 2;
+  const KerfScan few = other.scan(*tiles_);
+  ASSERT_EQ(few.patches.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(few.patches[i].entity, scan_->patches[i].entity);
+  const auto worstOf = [&](const EntityKerf& kerf) {
+    double worst = 0.0;
+    for (const Caliper& c : kerf.calipers) {
+      if (c.found && !c.near_joint) worst = std::max(worst, std::abs(c.offset_mm));
+    }
+    return worst;
+  };
+  const double second = worstOf(entityOf(*scan_, few.patches[1].entity));
+  EXPECT_LE(std::count_if(scan_->entities.begin(), scan_->entities.end(),
+                          [&](const EntityKerf& kerf) { return worstOf(kerf) > second; }),
+            1);
+}
+
+TEST_F(KerfScanTest, TheLastUnitWithoutTilesIsAProblemToo) {
+  Workpiece two = *work_;
+  two.print.units = 2;
+  const KerfScan scan = two.scan(*tiles_);
+  EXPECT_THAT(scan.problems, ::testing::ElementsAre(::testing::HasSubstr("unit 1: no tile")));
+  EXPECT_EQ(scan.entities.size(), 2U * 13U);
+}
+
+TEST_F(KerfScanTest, TilesOfAUnitThatTheWebDoesNotHaveAreAProblem) {
+  std::vector<KerfTile> tiles = *tiles_;
+  for (const KerfTile& tile : *tiles_) tiles.push_back({tile.image, tile.p_TV_mm, 1});
+  const KerfScan scan = work_->scan(tiles);
+  EXPECT_THAT(scan.problems, ::testing::ElementsAre(::testing::HasSubstr("belong to no unit")));
+  EXPECT_EQ(scan.entities.size(), 13U);
 }
 
 TEST_F(KerfScanTest, UnitsWithoutTilesOrMarksAreAProblem) {

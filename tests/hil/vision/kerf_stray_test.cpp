@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/vision/kerf_stray.h"
 #include "tests/hil/vision/kerf_twin.h"
 
 namespace kerfbench::hil {
@@ -38,6 +39,27 @@ void print(TwinCut& cut) {
                      {.p_SA_mm = {-10.0, 2.0}, .size_mm = {4.0, 1.0}, .angle_rad = 0.0, .ink = 0.6},
                      {.p_SA_mm = {4.0, -6.0}, .size_mm = {5.0, 0.3}, .angle_rad = -0.2},
                      {.p_SA_mm = {-4.0, -6.0}, .size_mm = {0.2, 4.0}, .angle_rad = 0.1, .ink = 0.3}};
+}
+
+StrayBox boxOf(std::size_t tile, double x0, double y0, double x1, double y1) {
+  StrayBox box;
+  box.tile = tile;
+  box.box_S_mm = Eigen::AlignedBox2d(Eigen::Vector2d(x0, y0), Eigen::Vector2d(x1, y1));
+  return box;
+}
+
+TEST(KerfStray, OneThatTwoTilesSeeIsOneAndTwoOfOneTileAreTwo) {
+  // A cut of 6 mm, of which each of three tiles sees a part.
+  const auto long_one = mergeStrays(
+      {boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(2, 4.4, 5.0, 7.0, 5.3), boxOf(1, 2.5, 5.0, 4.5, 5.3)}, 4, 0.5);
+  ASSERT_EQ(long_one.size(), 1U);
+  EXPECT_EQ(long_one[0].unit, 4);
+  EXPECT_NEAR(long_one[0].extent_mm, 6.0, 1e-9);
+  EXPECT_NEAR(long_one[0].p_S_mm.x(), 4.0, 1e-9);
+  // What one picture shows apart is apart.
+  EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(0, 1.0, 5.4, 3.0, 5.7)}, 0, 0.5).size(), 2U);
+  EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(1, 1.0, 6.0, 3.0, 6.3)}, 0, 0.5).size(), 2U);
+  EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 1.2, 5.3)}, 0, 0.5).size(), 0U) << "dust";
 }
 
 TEST(KerfStray, PrintAndHardLightAreNoCuts) {

@@ -71,6 +71,17 @@ TEST(SpotSearch, NoPlaceHidesASpot) {
   std::printf("  %d places, none missed\n", places);
 }
 
+TEST(SpotSearch, SomethingBrighterInTheSameRowOrColumnHidesNoSpot) {
+  for (const Vector2d& spot_px : {Vector2d(40.3, 300.6), Vector2d(290.1, 45.8), Vector2d(280.4, 290.2)}) {
+    GrayImage image = pictureOf(340, 340, spot_px, 0.8, 40.0);
+    // Glare, far from the spot but level with it, or above.
+    for (int r = 20; r < 24; ++r) {
+      for (int c = 20; c < 24; ++c) image.at(c, r) = 250;
+    }
+    EXPECT_TRUE(foundAt(image, spot_px)) << spot_px.transpose();
+  }
+}
+
 TEST(SpotSearch, NoiseHidesNoSpotEither) {
   const CounterRandom random(5, 2);
   for (std::uint64_t i = 0; i < 1500; ++i) {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Smoothing along a line, against truths that are known.
+#include "hil/inspect/line_smoother.h"
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "twin/base/random.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kReadings = 240;
+
+struct Case {
+  const char* name;
+  double q;  ///< Correlation of the noise of neighbours; its sigma is 1.
+  std::function<double(double)> truth;
+  double most_z{1.1};
+};
+
+/// RMS of the estimates' errors over what they state, and of the errors alone.
+struct Errors {
+  double z{};
+  double rms{};
+};
+
+Errors errorsOf(const Case& one) {
+  constexpr std::uint64_t kLines = 200;
+  double z2 = 0.0;
+  double squares = 0.0;
+  for (std::uint64_t seed = 1; seed <= kLines; ++seed) {
+    const CounterRandom random(seed, 4);
+    ReadingLine line;
+    line.q = one.q;
+    double noise = random.normal(0);
+    for (std::size_t i = 0; i < kReadings; ++i) {
+      if (i > 0) noise = one.q * noise + std::sqrt(1.0 - one.q * one.q) * random.normal(i);
+      line.reading_mm.push_back(one.truth(static_cast<double>(i)) + noise);
+      line.sigma_mm.push_back(1.0);
+    }
+    line.segment = {0, kReadings};
+    const LineSmoother smoother(line);
+    std::vector<double> estimate;
+    std::vector<std::uint8_t> level;
+    smoother.smooth(line.reading_mm, estimate, &level);
+    for (std::size_t i = 0; i < kReadings; ++i) {
+      const double error = estimate[i] - one.truth(static_cast<double>(i));
+      squares += error * error / (kReadings * kLines);
+      z2 += std::pow(error / smoother.sigma(i, level[i]), 2) / (kReadings * kLines);
+    }
+  }
+  return {std::sqrt(z2), std::sqrt(squares)};
+}
+
+// A smooth line is known far better than one reading; a rough one must not be taken for smooth: what
+// smoothing rounds off may not come near what the estimates state for noise.
+TEST(LineSmoother, EstimatesAreAsGoodAsTheyState) {
+  const auto wave = [](double length, double size) {
+    return [=](double i) { return size * std::sin(2.0 * std::numbers::pi * i / length); };
+  };
+  const std::vector<Case> cases{
+      {"straight", 0.0, [](double) { return 3.0; }},
+      {"straight, noise in common", 0.6, [](double) { return 3.0; }},
+      {"long wave", 0.3, wave(80.0, 10.0)},
+      // Somewhat rounded off: what that makes of a maximum has its own place in the budget.
+      {"short wave", 0.3, wave(14.0, 4.0), 1.35},
+      {"bump", 0.3, [](double i) { return 8.0 * std::exp(-0.5 * std::pow((i - 120.0) / 3.0, 2)); }},
+      {"step", 0.0, [](double i) { return i < 120.0 ? 0.0 : 8.0; }},
+  };
+  for (const Case& one : cases) {
+    const Errors e = errorsOf(one);
+    std::printf("  %-26s rms %.3f of one reading's noise, z %.3f\n", one.name, e.rms, e.z);
+    EXPECT_LT(e.z, one.most_z) << one.name;
+    EXPECT_GT(e.z, 0.9) << one.name;
+    EXPECT_LT(e.rms, 0.95) << one.name;
+  }
+  EXPECT_LT(errorsOf(cases[0]).rms, 0.5) << "on a straight line";
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a test program with one source changed, from what a build folder already has.
+
+The changed file lies in an overlay folder that the compiler searches first. What it compiles to is linked in front of
+the libraries, so that the linker never fetches the original from its archive. The source tree and the build folder
+are read, never written; one mutant costs one compilation and one link.
+"""
+import json
+import os
+import re
+import shlex
+import subprocess
+import tempfile
+
+TIMEOUT_S = 240  # of one run of a test program that takes half a minute
+
+
+class Broken(Exception):
+    """The bench itself does not work: nothing is known about the mutant."""
+
+
+class Refused(Exception):
+    """The compiler does not accept the mutant."""
+
+
+def run(command, cwd, timeout_s=None):
+    return subprocess.run(command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          errors="replace", timeout=timeout_s, check=False)
+
+
+class Build:
+    """What a build folder knows: how to compile each source, how to link each test program."""
+
+    def __init__(self, root, folder):
+        self.root = root
+        self.folder = folder
+        try:
+            with open(os.path.join(folder, "compile_commands.json"), encoding="utf-8") as file:
+                commands = json.load(file)
+        except OSError as error:
+            raise Broken(f"{folder} is no configured build folder: {error.strerror}") from error
+        self.compile_of = {}  # object, as ninja names it -> (source, command)
+        for entry in commands:
+            words = shlex.split(entry["command"])
+            self.compile_of[words[words.index("-o") + 1]] = (entry["file"], words)
+        self.links = {}
+        self.including = {}
+
+    def ninja(self, *words):
+        result = run(["ninja", "-C", self.folder, *words], self.folder)
+        if result.returncode != 0:
+            raise Broken(f"ninja {' '.join(words)}:\n{result.stdout[-4000:]}")
+        return result.stdout
+
+    def link_of(self, program):
+        if program not in self.links:
+            last = self.ninja("-t", "commands", program).strip().splitlines()[-1]
+            words = shlex.split(last.removeprefix(": && ").removesuffix(" && :"))
+            if "-o" not in words:
+                raise Broken(f"cannot tell how {program} is linked: {last}")
+            self.links[program] = words
+        return self.links[program]
+
+    def program_path(self, program):
+        words = self.link_of(program)
+        return os.path.join(self.folder, words[words.index("-o") + 1])
+
+    def objects_with(self, path):
+        """Objects that a file of the source tree is compiled into: its own, or for a header all that include it."""
+        source = os.path.join(self.root, path)
+        own = [o for o, (file, _) in self.compile_of.items() if file == source]
+        if own:
+            return own
+        if path not in self.including:
+            found, current = set(), None
+            for line in self.ninja("-t", "deps").splitlines():
+                if line and not line.startswith(" "):
+                    current = line.split(":")[0]
+                elif os.path.normpath(os.path.join(self.folder, line.strip())) == source:
+                    found.add(current)
+            self.including[path] = sorted(found & set(self.compile_of))
+        return self.including[path]
+
+    def archives_of(self, program):
+        """Folders of the house's libraries that a program is linked with."""
+        words = self.link_of(program)
+        return {os.path.dirname(word) for word in words if word.endswith(".a") and not word.startswith("/")}
+
+
+class Workshop:
+    """Compiles and links mutants in a temporary folder."""
+
+    def __init__(self, build):
+        self.build = build
+        self.temporary = tempfile.TemporaryDirectory(prefix="kerfbench-mutation-")
+        self.folder = self.temporary.name
+        self.path = None
+        self.objects = {}
+        self.programs = {}
+
+    def close(self):
+        self.temporary.cleanup()
+
+    def load(self, path, text):
+        """From now on programs are built with this text in place of the file's."""
+        self.unload()
+        self.path = path
+        target = os.path.join(self.folder, "overlay", path)
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        with open(target, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def unload(self):
+        if self.path is not None:
+            os.remove(os.path.join(self.folder, "overlay", self.path))
+        for file in list(self.objects.values()) + list(self.programs.values()):
+            os.remove(file)
+        self.path, self.objects, self.programs = None, {}, {}
+
+    def compile(self, name):
+        if name not in self.objects:
+            source, words = self.build.compile_of[name]
+            words = list(words)
+            overlay = os.path.join(self.folder, "overlay")
+            if source == os.path.join(self.build.root, self.path):
+                words[words.index(source)] = os.path.join(overlay, self.path)
+            out = os.path.join(self.folder, re.sub(r"[^\w.]", "_", name))
+            words[words.index("-o") + 1] = out
+            words.insert(next(i for i, word in enumerate(words) if word.startswith("-I")), "-I" + overlay)
+            result = run(words, self.build.folder)
+            if result.returncode != 0:
+                raise Refused(result.stdout)
+            self.objects[name] = out
+        return self.objects[name]
+
+    def program(self, name):
+        """Path of the test program with the mutant in it."""
+        if name not in self.programs:
+            words = list(self.build.link_of(name))
+            folders = self.build.archives_of(name)
+            extra = []
+            for item in self.build.objects_with(self.path):
+                if item in words:
+                    words[words.index(item)] = self.compile(item)
+                elif any(item.startswith(folder + "/") for folder in folders):
+                    extra.append(self.compile(item))
+            if not extra and self.path.startswith("hil/"):
+                raise Broken(f"{self.path} is no part of {name}")
+            out = os.path.join(self.folder, name)
+            at = words.index("-o")
+            words[at + 1] = out
+            words[at:at] = extra
+            result = run(words, self.build.folder)
+            if result.returncode != 0:
+                raise Broken(f"linking {name} with a changed {self.path}:\n{result.stdout[-4000:]}")
+            self.programs[name] = out
+        return self.programs[name]
+
+
+def first_failure(path, test_filter, cwd):
+    """None if all tests pass; else the first that does not, or that crashes; TimeoutExpired if they never end."""
+    result = run([path, f"--gtest_filter={test_filter}", "--gtest_fail_fast", "--gtest_color=no"], cwd, TIMEOUT_S)
+    if result.returncode == 0:
+        if re.search(r"^\[  PASSED  \] 0 tests", result.stdout, re.MULTILINE):
+            raise Broken(f"no test of {path} matches {test_filter}")
+        return None
+    failed = re.search(r"^\[  FAILED  \] (\S+?)(?:,| \()", result.stdout, re.MULTILINE)
+    if failed:
+        return failed.group(1)
+    begun = re.findall(r"^\[ RUN      \] (\S+)", result.stdout, re.MULTILINE)
+    if not begun:
+        raise Broken(f"{path} ended with {result.returncode} before any test:\n{result.stdout[-2000:]}")
+    return begun[-1] + " (crash)"
