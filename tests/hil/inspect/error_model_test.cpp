@@ -69,7 +69,8 @@ TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
                                          : Vector2d(Eigen::Rotation2Dd(1e-4) * c.p_S_mm);
         const Vector2d tangent = tangentAt(curve, c.u);
         const double across_mm = tangent.x() * (moved - c.p_S_mm).y() - tangent.y() * (moved - c.p_S_mm).x();
-        EXPECT_NEAR(line.shared.row(static_cast<Eigen::Index>(i)).head(3).norm(), std::abs(across_mm), 1e-6);
+        const Eigen::RowVectorXd shared = line.shared.row(static_cast<Eigen::Index>(i));
+        EXPECT_NEAR(shared.segment<ReadingLine::kPose>(ReadingLine::kLine).norm(), std::abs(across_mm), 1e-6);
       }
     }
   }

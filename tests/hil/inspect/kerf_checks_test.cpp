@@ -171,7 +171,7 @@ TEST(StrayCheck, OneOfUnknownSizeIsInvalid) {
   SyntheticRun run;
   for (const double extent_mm : {0.2, kNan, 0.3})
     run.evidence.kerf.strays.push_back({0, {33, 12}, extent_mm});
-  EXPECT_EQ(checkOf(run.inspected(), "stray").verdict, Verdict::kInvalid);
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
 TEST(StrayCheck, FailsOnWhatIsBurntBeside) {

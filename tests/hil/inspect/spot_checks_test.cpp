@@ -208,7 +208,7 @@ TEST(StillnessCheck, ARoughMotionIsKnownLessWell) {
     return std::nan("");
   };
   run.shiftSpot(1, kCreaseLine,
-                [](double t_s) { return Eigen::Vector2d(0.02 * std::sin(t_s * 900.0), 0.0); });
+                [](double t_s) { return Eigen::Vector2d(0.02 * std::sin(t_s * 2900.0), 0.0); });
   EXPECT_GT(sigmaOf(1), 2.0 * sigmaOf(0));
 }
 
