@@ -105,9 +105,8 @@ Shapes shapesOf(const FlankQuery& q) {
   return s;
 }
 
-/// Where a profile that falls from its middle outwards is half way down to the board.
-double halfWidthOf(const std::vector<double>& profile, double board_gray, double step_mm) {
-  const double level = 0.5 * (profile.front() + board_gray);
+/// Where a profile that falls from its middle outwards is down to a level.
+double halfWidthAt(const std::vector<double>& profile, double level, double step_mm) {
   std::size_t i = 1;
   while (i + 1 < profile.size() && profile[i] > level) ++i;
   const double fall = profile[i - 1] - profile[i];
@@ -115,14 +114,15 @@ double halfWidthOf(const std::vector<double>& profile, double board_gray, double
   return (static_cast<double>(i) - 1.0 + share) * step_mm;
 }
 
-/// The query's own half width is that of the picture. What it would be without blur, so that the model's
-/// picture is as wide as the real one.
+/// The query's own half width is that of the picture, at half of the brightness seen in its middle. What it
+/// would be without blur, so that the model's picture is as wide as the real one.
 double sharpHalfWidth(FlankQuery query, double seen_mm) {
+  const double seen_level = 0.5 * (query.top_gray + query.board_gray);
   double light_mm = seen_mm;
   for (int i = 0; i < 4; ++i) {
     const Shapes s = shapesOf(query);
-    light_mm = halfWidthOf(s.light, query.board_gray, s.step_mm);
-    const double error_mm = halfWidthOf(s.even, query.board_gray, s.step_mm) - seen_mm;
+    light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
+    const double error_mm = halfWidthAt(s.even, seen_level, s.step_mm) - seen_mm;
     query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
   }
   return light_mm;
