@@ -41,7 +41,9 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
 /// Readings this far from the median, in units of their scatter, are not the kerf's width.
 constexpr double kOutlier = 5.0;
 constexpr double kSigmaOfMad = 1.4826;
-constexpr double kFlanks = 2.0;      // A width is the difference of two flanks, an offset their mean.
+// A width is the difference of two flanks, an offset their mean: twice as much if they erred each for itself;
+// what artefacts of known width show (`kerfbench gauge`).
+constexpr double kFlanks = 1.4;
 constexpr double kBlurShare = 0.12;  // Of what blur adds to a width: how well the lens's blur is known.
 
 struct KerfWidth {

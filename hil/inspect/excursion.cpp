@@ -18,16 +18,12 @@ namespace {
 
 constexpr std::uint64_t kSeed = 0x657863757273696fULL;
 
-/// What the place of a spot or a mark within its pixel does to the estimate of its centre, standard
-/// deviation. It does not average out: at a speed of a whole number of pixels per frame it is the same in all
-/// of them. On strip-crosscut (200 mm/s, 0.2 mm pixels, 25 frames/s: 40 pixels) the offsets of six cuts
-/// differ from what the kerf camera sees of the same by 0.2 … 1.8 um, 1.1 um RMS.
 constexpr double kPlaceInPixel_px = 0.006;
 
 /// Mean of the residuals, with equal weights; its uncertainty by noise that is correlated from frame to
 /// frame, by the modes of the camera, which shift neighbouring places alike, and by the place within the
 /// pixel.
-void measureOffset(const CutReadings& readings, double q, double pitch_mm, CutResult& cut) {
+void measureOffset(const CutReadings& readings, double q, double by_pixel_mm, CutResult& cut) {
   const auto n = static_cast<double>(cut.residual_mm.size());
   double sum_mm = 0.0;
   double variance = 0.0;
@@ -41,20 +37,26 @@ void measureOffset(const CutReadings& readings, double q, double pitch_mm, CutRe
   cut.offset_mm = sum_mm / n;
   const double by_noise_mm = std::sqrt(std::max(variance, 0.0)) / n;
   const double by_camera_mm = readings.shared.cols() > 0 ? readings.shared.colwise().mean().norm() : 0.0;
-  cut.offset_sigma_mm = std::hypot(by_noise_mm, by_camera_mm, kPlaceInPixel_px * pitch_mm);
+  cut.offset_sigma_mm = std::hypot(by_noise_mm, by_camera_mm, by_pixel_mm);
 }
 
 }  // namespace
 
+double placeInPixelSigma_mm(const Evidence& evidence) {
+  return evidence.spot_calibration ? kPlaceInPixel_px * evidence.spot_calibration->pitchMm() : 0.0;
+}
+
 void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,
                        double limit_mm, Stillness& stillness) {
-  const double pitch_mm = evidence.spot_calibration ? evidence.spot_calibration->pitchMm() : 0.0;
-  ErrorModel model{.lines = {}, .modes = readings.empty() ? 0 : readings.front().shared.cols()};
+  const double by_pixel_mm = placeInPixelSigma_mm(evidence);
+  ErrorModel model{.lines = {},
+                   .modes = readings.empty() ? 0 : readings.front().shared.cols(),
+                   .estimator_mm = by_pixel_mm};
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < stillness.cuts.size(); ++i) {
     CutResult& cut = stillness.cuts[i];
     if (!std::isfinite(cut.drift_mm)) continue;
-    measureOffset(readings[i], q, pitch_mm, cut);
+    measureOffset(readings[i], q, by_pixel_mm, cut);
     std::vector<double> about_mean = cut.residual_mm;
     for (double& x : about_mean) x -= cut.offset_mm;
     Eigen::MatrixXd shared = readings[i].shared;

@@ -107,9 +107,9 @@ Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q
 }
 
 /// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
-void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes,
+void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes, double by_pixel_mm,
                   std::vector<CutResult>& cuts) {
-  ErrorModel peak{.lines = {}, .modes = modes};
+  ErrorModel peak{.lines = {}, .modes = modes, .estimator_mm = by_pixel_mm};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutResult& cut = cuts[i];
     peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
@@ -172,7 +172,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
   std::vector<Eigen::VectorXd> weights;
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
-  measurePeaks(readings, q, field.modes(), result.cuts);
+  measurePeaks(readings, q, field.modes(), placeInPixelSigma_mm(evidence), result.cuts);
   measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
   ErrorModel drifts{.lines = {driftsOf(result.cuts, weights, readings, field.modes())},

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "hil/inspect/extreme_budget.h"
@@ -181,7 +180,7 @@ Quantity circularityOf(const SimulatedLine& line, double estimator_mm, std::vect
   addHidden(hidden_mm, seed, drawn);
   Quantity range =
       basicInterval(line.roundnessOf(line.estimate_mm), line.roundnessOf(line.likely_mm), drawn, 0.0);
-  range.U = std::hypot(range.U, 2.0 * std::numbers::sqrt2 * estimator_mm);  // Of two extremes.
+  range.U = std::hypot(range.U, 2.0 * estimator_mm);
   return range;
 }
 
