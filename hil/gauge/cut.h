@@ -39,7 +39,8 @@ struct CutTruth {
   std::vector<EntityTruth> entities;  ///< In the order of the scan's.
   double worst_mm{};                  ///< Of all lines.
   double rms_mm{};
-  double rounding_mm{}, overshoot_mm{};  ///< Of the corner.
+  double rounding_mm{}, overshoot_mm{};  ///< Of the corner, against where its legs as cut would meet.
+  double corner_mm{};                    ///< Distance of its way and the nominal one (Hausdorff).
   double corner_shift_mm{};              ///< By which faults of other kinds move it.
   struct End {
     int entity{};

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "hil/vision/corner_shape.h"
+#include "hil/vision/kerf_leg.h"
 #include "hil/vision/kerf_outline.h"
 #include "hil/vision/kerf_profile.h"
 
@@ -18,51 +20,10 @@ constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_
 constexpr double kFaintOutlineMm = 0.007;
 constexpr double kThrough = 0.75;  // brightness
 constexpr double kReachMm = 0.8;   // of a look along a leg
-constexpr double kLegFromMm = 0.3;
-constexpr double kLegToMm = 2.0;
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
 constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
 constexpr double kLeastTurn_rad = 0.9;  // from where on a leg that runs over stands clear of the other
 constexpr double kWindowMm = 0.1;       // half of what a caliper averages along the curve
-
-/// A leg of kerf beside a joint: the mean over its calipers.
-struct Leg {
-  double offset_mm{};  ///< Along the entity's left normal, carried on to the joint.
-  double half_width_mm{};
-  double brightness{};
-  double sigma_mm{};  ///< Of one caliper.
-};
-
-std::optional<Leg> legAt(const EntityKerf& kerf, double station_mm) {
-  double n = 0.0;
-  double s = 0.0;
-  double ss = 0.0;
-  double y = 0.0;
-  double sy = 0.0;
-  double variance = 0.0;
-  Leg leg;
-  for (const Caliper& c : kerf.calipers) {
-    const double from_mm = std::abs(c.station_mm - station_mm);
-    if (!c.found || c.near_joint || from_mm < kLegFromMm || from_mm > kLegToMm) continue;
-    n += 1.0;
-    s += from_mm;
-    ss += from_mm * from_mm;
-    y += c.offset_mm;
-    sy += from_mm * c.offset_mm;
-    leg.half_width_mm += 0.5 * c.width_mm;
-    leg.brightness += c.brightness;
-    variance += c.sigma_mm * c.sigma_mm;
-  }
-  if (n < 2.0) return std::nullopt;
-  leg.half_width_mm /= n;
-  leg.brightness /= n;
-  leg.sigma_mm = std::sqrt(variance / n);
-  const double spread = ss - s * s / n;
-  // A short leg does not tell a direction.
-  const double slope = spread > 0.3 * n * kLegToMm * kLegToMm / 12.0 ? (sy - s * y / n) / spread : 0.0;
-  leg.offset_mm = (y - slope * s) / n;
-  return leg;
-}
 
 /// A look along a leg or a bisector.
 struct Look {
@@ -177,6 +138,7 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
                  .turn_rad = corner.turn_rad,
                  .rounding_mm = kNan,
                  .overshoot_mm = kNan,
+                 .deviation_mm = kNan,
                  .sigma_mm = kNan};
   const auto in = legAt((*scene.kerfs)[corner.in.plan], stationOfEnd(scene, corner.in));
   const auto on = legAt((*scene.kerfs)[corner.out.plan], stationOfEnd(scene, corner.out));
@@ -184,10 +146,15 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   const double half_width_mm = 0.5 * (in->half_width_mm + on->half_width_mm);
   const double brightness = std::min(in->brightness, on->brightness);
   const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
-  const KerfOutline outline = outlineOf(scene, out.p_S_mm, half_width_mm, brightness);
+  // An entity's left is the way's, or its right where the way runs against the entity.
+  CornerShape shape{.tangent_in = corner.tangent_in, .tangent_out = corner.tangent_out};
+  shape.vertex_mm = vertexOf(corner.tangent_in, corner.in.at_start ? -in->offset_mm : in->offset_mm,
+                             corner.tangent_out, corner.out.at_start ? on->offset_mm : -on->offset_mm);
+  const Eigen::Vector2d vertex_S_mm = out.p_S_mm + shape.vertex_mm;
+  const KerfOutline outline = outlineOf(scene, vertex_S_mm, half_width_mm, brightness);
   const BeamWay way{corner.tangent_in, corner.tangent_out, 0.0};
   const auto beyond = [&](const Eigen::Vector2d& direction, double inside_mm) -> std::optional<double> {
-    const auto at = outlineMm(scene, {out.p_S_mm, direction, strip_mm, brightness, inside_mm});
+    const auto at = outlineMm(scene, {vertex_S_mm, direction, strip_mm, brightness, inside_mm});
     if (!at) return std::nullopt;
     return beyondMm(outline, direction, strip_mm, way, *at);
   };
@@ -195,19 +162,25 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   const auto bisector = beyond(outwards, 0.0);
   if (!bisector) return out;
   out.found = true;
-  out.rounding_mm = std::max(0.0, -*bisector);
+  shape.rounding_mm = std::max(0.0, -*bisector);
   if (std::abs(corner.turn_rad) < kLeastTurn_rad) {
-    out.overshoot_mm = std::max(0.0, *bisector);
+    shape.over_in_mm = shape.over_out_mm = std::max(0.0, *bisector);
   } else {
-    out.overshoot_mm = 0.0;
     const auto run = [&](const Eigen::Vector2d& direction, const EntityEnd& end) {
       const auto over = beyond(direction, insideMm(stationAt(scene, end), half_width_mm));
-      if (over) out.overshoot_mm = std::max(out.overshoot_mm, *over);
+      return std::max(0.0, over.value_or(0.0));
     };
-    run(corner.tangent_in, corner.in);
-    run(-corner.tangent_out, corner.out);
+    shape.over_in_mm = run(corner.tangent_in, corner.in);
+    shape.over_out_mm = run(-corner.tangent_out, corner.out);
   }
-  out.sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm, brightness);
+  out.rounding_mm = shape.rounding_mm;
+  out.overshoot_mm = std::max(shape.over_in_mm, shape.over_out_mm);
+  out.deviation_mm = deviationMm(shape);
+  // How well the legs tell their vertex, along the bisector.
+  const double vertex_sigma_mm =
+      0.5 * std::hypot(in->offset_sigma_mm, on->offset_sigma_mm) / std::cos(0.5 * corner.turn_rad);
+  out.sigma_mm =
+      std::hypot(vertex_sigma_mm, lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm, brightness));
   return out;
 }
 
@@ -265,7 +238,7 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const double brightness = std::min(begin->brightness, finish->brightness);
   const Eigen::Vector2d left(start.outward.y(), -start.outward.x());  // outward runs against the curve
   const double inside_mm = insideMm(stationAt(scene, start), half_width_mm);
-  const auto look = [&](const Leg& leg, const Eigen::Vector2d& outward) {
+  const auto look = [&](const KerfLeg& leg, const Eigen::Vector2d& outward) {
     return outlineMm(scene, {start.p_S_mm + leg.offset_mm * left, outward, strip_mm, brightness, inside_mm});
   };
   // Each end seen from its own side; where the kerf goes on there is no end to see.

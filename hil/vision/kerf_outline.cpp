@@ -11,6 +11,7 @@ namespace {
 constexpr int kStripLines = 5;
 constexpr double kLensPx = 0.65;
 constexpr double kSplinePx = 0.7071;
+constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
 constexpr double kStepsPerPx = 4.0;
 constexpr double kReachMm = 0.45;  // of a look, each way
 constexpr int kArcElements = 12;
@@ -143,7 +144,8 @@ double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, c
   const Eigen::Vector2d beside(-direction.y(), direction.x());
   // The lens averages across the strip too.
   const double lens_mm = kLensPx * look_.pixel_mm;
-  const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * lens_mm * lens_mm);
+  const double ends_mm2 = kStripEndsPx2 * look_.pixel_mm * look_.pixel_mm;
+  const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * (lens_mm * lens_mm + ends_mm2));
   const Path path = pathOf(way);
   std::vector<double> gray;
   for (int k = 0; k < samplesOfLook(); ++k) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "hil/vision/kerf_scan.h"
+
+namespace kerfbench::hil {
+
+/// A leg of kerf beside a joint: the mean over its calipers from 0.3 to 2 mm from the joint.
+struct KerfLeg {
+  double offset_mm{};        ///< Along the entity's left normal, carried on to the joint.
+  double offset_sigma_mm{};  ///< Standard uncertainty of that, by the calipers' noise.
+  double half_width_mm{};
+  double brightness{};
+  double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
+};
+
+/// nullopt where fewer than two calipers saw the leg.
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm);
+
+}  // namespace kerfbench::hil
