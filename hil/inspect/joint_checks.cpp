@@ -68,8 +68,7 @@ std::string storyOf(const JointResult& j, const std::vector<JointResult>& joints
 std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
                                  const std::vector<JointResult>& joints,
                                  const std::vector<EntityResult>& entities) {
-  Check check{
-      .name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};
+  Check check{.name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};
   check.limit = limits.path_mm;
   std::vector<const JointResult*> judged;
   std::vector<const JointResult*> unseen;
@@ -98,9 +97,9 @@ std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
   const JointResult& named = unseen.empty() ? *worst : *unseen.front();
   check.subject = nameOf(named.unit, named.entity);
   if (!unseen.empty()) {
-    check.explanation = fmt::format("{} of {} joints could not be measured; the first is the {} of {}.",
-                                    unseen.size(), unseen.size() + judged.size(), jointOf(named),
-                                    check.subject);
+    check.explanation =
+        fmt::format("{} of {} joints could not be measured; the first is the {} of {}.", unseen.size(),
+                    unseen.size() + judged.size(), jointOf(named), check.subject);
   } else {
     check.explanation =
         fmt::format("Of {} corners, ends and closures the worst is the {} of {}: {}; U is {:.4f} mm.",

@@ -18,8 +18,8 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_test.cpp
 constexpr double kFaintOutlineMm = 0.007;
-constexpr double kThrough = 0.75;  // brightness
-constexpr double kReachMm = 0.8;   // of a look along a leg
+constexpr double kThrough = 0.75;       // brightness
+constexpr double kReachMm = 0.8;        // of a look along a leg
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
 constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
 constexpr double kLeastTurn_rad = 0.9;  // from where on a leg that runs over stands clear of the other

@@ -42,9 +42,8 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm) {
   const bool directed = spread > 0.3 * n * kLegToMm * kLegToMm / 12.0;
   const double slope = directed ? (sy - s * y / n) / spread : 0.0;
   leg.offset_mm = (y - slope * s) / n;
-  const double pitch_mm =
-      std::abs(kerf.calipers.back().station_mm - kerf.calipers.front().station_mm) /
-      std::max(1.0, static_cast<double>(kerf.calipers.size()) - 1.0);
+  const double pitch_mm = std::abs(kerf.calipers.back().station_mm - kerf.calipers.front().station_mm) /
+                          std::max(1.0, static_cast<double>(kerf.calipers.size()) - 1.0);
   const double dependent = std::max(1.0, kIndependentMm / std::max(pitch_mm, 1e-6));
   const double carried = directed ? s * s / (n * n * spread) : 0.0;
   leg.offset_sigma_mm = leg.sigma_mm * std::sqrt(std::min(1.0, dependent * (1.0 / n + carried)));

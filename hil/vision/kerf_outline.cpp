@@ -9,7 +9,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr int kStripLines = 5;
-constexpr double kLensPx = 0.65;
+constexpr double kLensPx = 0.70;  // pixel's own area included
+constexpr double kPeakPx = 0.55;  // half of the middle that a caliper takes the brightness from
 constexpr double kSplinePx = 0.7071;
 constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
 constexpr double kStepsPerPx = 4.0;
@@ -49,17 +50,32 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
     peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
     return;
   }
-  // The wider, the more energy; a kerf that is not open tells by its light.
+  // The wider, the more energy; a kerf that is not open tells by its light, which the lens has dimmed.
+  const bool open = look_.brightness > 0.85;
   double low = std::max(1e-3, std::min(1.0, seen_peak));
-  double high = look_.brightness > 0.85 ? kMostShare : low;
+  double high = kMostShare;
   for (int i = 0; i < 30 && high / low > 1.001; ++i) {
     const double middle = std::sqrt(low * high);
-    (seenHalf(middle, 0.0) < look_.half_width_mm ? low : high) = middle;
+    const bool less = open ? seenHalf(middle, 0.0) < look_.half_width_mm : seenTop(middle) < top;
+    (less ? low : high) = middle;
   }
   peak_share_ = std::sqrt(low * high);
 }
 
 int KerfOutline::samplesOfLook() const { return 1 + static_cast<int>(2.0 * kReachMm / step_mm_); }
+
+double KerfOutline::seenTop(double peak) const {
+  const double sigma_mm = std::hypot(kLensPx, kPeakPx / std::numbers::sqrt3) * look_.pixel_mm;
+  double sum = 0.0;
+  double weight = 0.0;
+  for (double y = -3.5 * sigma_mm; y <= 3.5 * sigma_mm; y += 0.25 * step_mm_) {
+    const double a = y / look_.beam_radius_mm;
+    const double w = std::exp(-0.5 * y * y / (sigma_mm * sigma_mm));
+    sum += w * grayAt(peak * std::exp(-2.0 * a * a));
+    weight += w;
+  }
+  return sum / weight;
+}
 
 double KerfOutline::grayAt(double share) const {
   const double left = 1.0 - std::min(1.0, share);
