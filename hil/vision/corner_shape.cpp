@@ -24,11 +24,15 @@ double distanceToRay(const Vector2d& p, const Vector2d& direction) {
   return p.dot(direction) < 0.0 ? p.norm() : std::abs(cross(direction, p));
 }
 
+double radiusOf(double turn_rad, double rounding_mm) {
+  return rounding_mm / std::max(1e-6, 1.0 / std::cos(0.5 * turn_rad) - 1.0);
+}
+
 /// About the vertex, from where the arc leaves one leg to where it meets the other.
 std::vector<Vector2d> arcOf(const CornerShape& s) {
   const double turn = std::atan2(cross(s.tangent_in, s.tangent_out), s.tangent_in.dot(s.tangent_out));
-  const double radius_mm = s.rounding_mm / std::max(1e-6, 1.0 / std::cos(0.5 * turn) - 1.0);
-  const Vector2d begin = -radius_mm * std::tan(0.5 * std::abs(turn)) * s.tangent_in;
+  const double radius_mm = radiusOf(turn, s.rounding_mm);
+  const Vector2d begin = -arcLegMm(turn, s.rounding_mm) * s.tangent_in;
   const Vector2d centre = begin + std::copysign(radius_mm, turn) * leftOf(s.tangent_in);
   std::vector<Vector2d> arc;
   for (int i = 0; i <= kArcPoints; ++i) {
@@ -46,6 +50,10 @@ Vector2d vertexOf(const Vector2d& tangent_in, double offset_in_mm, const Vector2
   normals.row(0) = leftOf(tangent_in).transpose();
   normals.row(1) = leftOf(tangent_out).transpose();
   return normals.inverse() * Vector2d(offset_in_mm, offset_out_mm);
+}
+
+double arcLegMm(double turn_rad, double rounding_mm) {
+  return radiusOf(turn_rad, rounding_mm) * std::tan(0.5 * std::abs(turn_rad));
 }
 
 double deviationMm(const CornerShape& s) {

@@ -20,6 +20,9 @@ struct CornerShape {
 Eigen::Vector2d vertexOf(const Eigen::Vector2d& tangent_in, double offset_in_mm,
                          const Eigen::Vector2d& tangent_out, double offset_out_mm);
 
+/// How far before the vertex an arc begins that passes so far inside of it.
+double arcLegMm(double turn_rad, double rounding_mm);
+
 /// Hausdorff distance of the corner's two ways, the nominal one and that of the beam: the farthest that any
 /// place of one lies from the other. Legs count as far as the arc or a run-over reaches; farther out they are
 /// measured by calipers.

@@ -16,9 +16,15 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_test.cpp
-constexpr double kFaintOutlineMm = 0.007;
-constexpr double kThrough = 0.75;       // brightness
+// What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test and kerf_corner_test.
+constexpr double kEndMm = 0.0013;
+constexpr double kFaintEndMm = 0.0018;
+constexpr double kCornerMm = 0.0009;
+constexpr double kFaintCornerMm = 0.0018;
+constexpr double kThrough = 0.75;  // brightness
+constexpr double kLegFromMm = 0.3;
+constexpr double kLegFromMostMm = 1.2;
+constexpr double kBehindArcMm = 0.1;
 constexpr double kReachMm = 0.8;        // of a look along a leg
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
 constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
@@ -107,10 +113,13 @@ double beyondMm(const KerfOutline& outline, const Eigen::Vector2d& direction, do
 }
 
 /// A look through a strip against a caliper: one flank of two, and fewer pixels; and what the outline's model
-/// leaves, more of a kerf that is not through and has no open middle.
-double lookSigma(double caliper_sigma_mm, double strip_mm, double brightness) {
-  return std::hypot(brightness > kThrough ? kOutlineMm : kFaintOutlineMm,
-                    caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
+/// leaves.
+double lookSigma(double caliper_sigma_mm, double strip_mm, double model_mm) {
+  return std::hypot(model_mm, caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
+}
+
+double endSigma(double caliper_sigma_mm, double strip_mm, double brightness) {
+  return lookSigma(caliper_sigma_mm, strip_mm, brightness > kThrough ? kEndMm : kFaintEndMm);
 }
 
 /// How far back along the tangent the kerf of a curve still lies.
@@ -140,25 +149,34 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
                  .overshoot_mm = kNan,
                  .deviation_mm = kNan,
                  .sigma_mm = kNan};
-  const auto in = legAt((*scene.kerfs)[corner.in.plan], stationOfEnd(scene, corner.in));
-  const auto on = legAt((*scene.kerfs)[corner.out.plan], stationOfEnd(scene, corner.out));
+  const auto legOf = [&](const EntityEnd& end, double from_mm) {
+    return legAt((*scene.kerfs)[end.plan], stationOfEnd(scene, end), from_mm);
+  };
+  auto in = legOf(corner.in, kLegFromMm);
+  auto on = legOf(corner.out, kLegFromMm);
   if (!in || !on) return out;
   const double half_width_mm = 0.5 * (in->half_width_mm + on->half_width_mm);
   const double brightness = std::min(in->brightness, on->brightness);
   const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
-  // An entity's left is the way's, or its right where the way runs against the entity.
-  CornerShape shape{.tangent_in = corner.tangent_in, .tangent_out = corner.tangent_out};
-  shape.vertex_mm = vertexOf(corner.tangent_in, corner.in.at_start ? -in->offset_mm : in->offset_mm,
-                             corner.tangent_out, corner.out.at_start ? on->offset_mm : -on->offset_mm);
-  const Eigen::Vector2d vertex_S_mm = out.p_S_mm + shape.vertex_mm;
-  const KerfOutline outline = outlineOf(scene, vertex_S_mm, half_width_mm, brightness);
+  const KerfOutline outline = outlineOf(scene, out.p_S_mm, half_width_mm, brightness);
   const BeamWay way{corner.tangent_in, corner.tangent_out, 0.0};
+  CornerShape shape{.tangent_in = corner.tangent_in, .tangent_out = corner.tangent_out};
+  // From the vertex that is known so far.
   const auto beyond = [&](const Eigen::Vector2d& direction, double inside_mm) -> std::optional<double> {
-    const auto at = outlineMm(scene, {vertex_S_mm, direction, strip_mm, brightness, inside_mm});
+    const Eigen::Vector2d p_S_mm = out.p_S_mm + shape.vertex_mm;
+    const auto at = outlineMm(scene, {p_S_mm, direction, strip_mm, brightness, inside_mm});
     if (!at) return std::nullopt;
     return beyondMm(outline, direction, strip_mm, way, *at);
   };
   const Eigen::Vector2d outwards = (corner.tangent_in - corner.tangent_out).normalized();
+  // Where an arc cuts the corner from afar, the legs begin behind it.
+  const double arc_mm = arcLegMm(corner.turn_rad, std::max(0.0, -beyond(outwards, 0.0).value_or(0.0)));
+  const double from_mm = std::clamp(arc_mm + kBehindArcMm, kLegFromMm, kLegFromMostMm);
+  if (const auto leg = legOf(corner.in, from_mm)) in = leg;
+  if (const auto leg = legOf(corner.out, from_mm)) on = leg;
+  // An entity's left is the way's, or its right where the way runs against the entity.
+  shape.vertex_mm = vertexOf(corner.tangent_in, corner.in.at_start ? -in->offset_mm : in->offset_mm,
+                             corner.tangent_out, corner.out.at_start ? on->offset_mm : -on->offset_mm);
   const auto bisector = beyond(outwards, 0.0);
   if (!bisector) return out;
   out.found = true;
@@ -179,8 +197,8 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   // How well the legs tell their vertex, along the bisector.
   const double vertex_sigma_mm =
       0.5 * std::hypot(in->offset_sigma_mm, on->offset_sigma_mm) / std::cos(0.5 * corner.turn_rad);
-  out.sigma_mm =
-      std::hypot(vertex_sigma_mm, lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm, brightness));
+  out.sigma_mm = std::hypot(vertex_sigma_mm, lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm,
+                                                       brightness > kThrough ? kCornerMm : kFaintCornerMm));
   return out;
 }
 
@@ -193,7 +211,7 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
   std::size_t from = end.at_start ? 0 : stations.size() - 1;
   for (int look = 0; look < 2 && !out.found; ++look) {
     const double station_mm = stations[from].station_mm;
-    const auto leg = legAt(kerf, station_mm);
+    const auto leg = legAt(kerf, station_mm, kLegFromMm);
     const double half_width_mm = leg ? leg->half_width_mm : 0.0;
     const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
     // The kerf may lie beside the nominal curve: look along the kerf.
@@ -209,7 +227,7 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
         out.found = true;
         out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
                      outline.reachMm(outward, strip_mm, {.tangent_in = outward}) - *at;
-        out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm, leg->brightness);
+        out.sigma_mm = endSigma(leg->sigma_mm, strip_mm, leg->brightness);
         return out;
       }
     }
@@ -230,8 +248,8 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
 LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const EntityKerf& kerf = (*scene.kerfs)[start.plan];
   LineEnd out{.unit = scene.unit, .entity = kerf.entity, .at_start = true, .gap_mm = kNan, .sigma_mm = kNan};
-  const auto begin = legAt(kerf, 0.0);
-  const auto finish = legAt(kerf, scene.plan->entities[start.plan].length_mm);
+  const auto begin = legAt(kerf, 0.0, kLegFromMm);
+  const auto finish = legAt(kerf, scene.plan->entities[start.plan].length_mm, kLegFromMm);
   if (!begin || !finish) return out;
   const double half_width_mm = 0.5 * (begin->half_width_mm + finish->half_width_mm);
   const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
@@ -246,7 +264,7 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const auto after = look(*begin, start.outward);
   out.found = true;
   out.sigma_mm =
-      std::numbers::sqrt2 * lookSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
+      std::numbers::sqrt2 * endSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
   out.gap_mm = 0.0;
   if (before && after) {
     const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);

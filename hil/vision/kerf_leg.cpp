@@ -7,13 +7,12 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kLegFromMm = 0.3;
-constexpr double kLegToMm = 2.0;
+constexpr double kLegMm = 1.7;
 constexpr double kIndependentMm = 0.2;  // Calipers that far apart share no pixels.
 
 }  // namespace
 
-std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm) {
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm) {
   double n = 0.0;
   double s = 0.0;
   double ss = 0.0;
@@ -22,13 +21,13 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm) {
   double variance = 0.0;
   KerfLeg leg;
   for (const Caliper& c : kerf.calipers) {
-    const double from_mm = std::abs(c.station_mm - station_mm);
-    if (!c.found || c.near_joint || from_mm < kLegFromMm || from_mm > kLegToMm) continue;
+    const double away_mm = std::abs(c.station_mm - station_mm);
+    if (!c.found || c.near_joint || away_mm < from_mm || away_mm > from_mm + kLegMm) continue;
     n += 1.0;
-    s += from_mm;
-    ss += from_mm * from_mm;
+    s += away_mm;
+    ss += away_mm * away_mm;
     y += c.offset_mm;
-    sy += from_mm * c.offset_mm;
+    sy += away_mm * c.offset_mm;
     leg.half_width_mm += 0.5 * c.width_mm;
     leg.brightness += c.brightness;
     variance += c.sigma_mm * c.sigma_mm;
@@ -39,7 +38,7 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm) {
   leg.sigma_mm = std::sqrt(variance / n);
   const double spread = ss - s * s / n;
   // A short leg does not tell a direction.
-  const bool directed = spread > 0.3 * n * kLegToMm * kLegToMm / 12.0;
+  const bool directed = spread > 0.4 * n * kLegMm * kLegMm / 12.0;
   const double slope = directed ? (sy - s * y / n) / spread : 0.0;
   leg.offset_mm = (y - slope * s) / n;
   const double pitch_mm = std::abs(kerf.calipers.back().station_mm - kerf.calipers.front().station_mm) /

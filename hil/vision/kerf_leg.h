@@ -7,7 +7,7 @@
 
 namespace kerfbench::hil {
 
-/// A leg of kerf beside a joint: the mean over its calipers from 0.3 to 2 mm from the joint.
+/// A leg of kerf beside a joint: the mean over its calipers over 1.7 mm.
 struct KerfLeg {
   double offset_mm{};        ///< Along the entity's left normal, carried on to the joint.
   double offset_sigma_mm{};  ///< Standard uncertainty of that, by the calipers' noise.
@@ -16,7 +16,7 @@ struct KerfLeg {
   double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
 };
 
-/// nullopt where fewer than two calipers saw the leg.
-std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm);
+/// From `from_mm` away from the joint on. nullopt where fewer than two calipers saw the leg.
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm);
 
 }  // namespace kerfbench::hil

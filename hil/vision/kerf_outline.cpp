@@ -2,13 +2,14 @@
 #include "hil/vision/kerf_outline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace kerfbench::hil {
 namespace {
 
-constexpr int kStripLines = 5;
+constexpr int kStripLines = 11;
 constexpr double kLensPx = 0.70;  // pixel's own area included
 constexpr double kPeakPx = 0.55;  // half of the middle that a caliper takes the brightness from
 constexpr double kSplinePx = 0.7071;
@@ -158,20 +159,26 @@ double KerfOutline::shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, con
 
 double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, const BeamWay& way) const {
   const Eigen::Vector2d beside(-direction.y(), direction.x());
-  // The lens averages across the strip too.
+  // Across the strip the lens averages too, and pixels count in part at its ends.
   const double lens_mm = kLensPx * look_.pixel_mm;
-  const double ends_mm2 = kStripEndsPx2 * look_.pixel_mm * look_.pixel_mm;
-  const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * (lens_mm * lens_mm + ends_mm2));
+  const double even_mm =
+      std::sqrt(strip_mm * strip_mm + 3.0 * kStripEndsPx2 * look_.pixel_mm * look_.pixel_mm);
+  std::vector<std::array<double, 2>> lines;  // Place and weight.
+  double weights = 0.0;
+  for (int i = 0; i < kStripLines; ++i) {
+    const double y = (even_mm + 2.5 * lens_mm) * (2.0 * (i + 0.5) / kStripLines - 1.0);
+    const double to = std::numbers::sqrt2 * lens_mm;
+    lines.push_back({y, std::erf((y + even_mm) / to) - std::erf((y - even_mm) / to)});
+    weights += lines.back()[1];
+  }
   const Path path = pathOf(way);
   std::vector<double> gray;
   for (int k = 0; k < samplesOfLook(); ++k) {
     const double x = -kReachMm + k * step_mm_;
     double sum = 0.0;
-    for (int i = 0; i < kStripLines; ++i) {
-      const double y = wide_mm * (2.0 * (i + 0.5) / kStripLines - 1.0);
-      sum += grayAt(shareAt(x * direction + y * beside, way, path));
-    }
-    gray.push_back(sum / kStripLines);
+    for (const auto& [y, weight] : lines)
+      sum += weight * grayAt(shareAt(x * direction + y * beside, way, path));
+    gray.push_back(sum / weights);
   }
   return fallMm(gray, -kReachMm);
 }
