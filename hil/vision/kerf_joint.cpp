@@ -25,6 +25,7 @@ constexpr double kThrough = 0.75;  // brightness
 constexpr double kLegFromMm = 0.3;
 constexpr double kLegFromMostMm = 1.2;
 constexpr double kBehindArcMm = 0.1;
+constexpr double kEndInsideMm = 0.3;    // An end that is shorter is looked at from the last caliper.
 constexpr double kReachMm = 0.8;        // of a look along a leg
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
 constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
@@ -214,16 +215,22 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
     const auto leg = legAt(kerf, station_mm, kLegFromMm);
     const double half_width_mm = leg ? leg->half_width_mm : 0.0;
     const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
-    // The kerf may lie beside the nominal curve: look along the kerf.
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
+    // The kerf may lie beside the nominal curve: look along the kerf. Where it ends tells where exactly.
+    const auto lookAt = [&](double offset_mm) {
+      const Eigen::Vector2d aside = offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
+      const double inside_mm = std::min(kEndInsideMm, insideMm(stations[from], half_width_mm));
+      return outlineMm(scene, {stations[from].p_S_mm + aside, outward, strip_mm, leg->brightness, inside_mm});
+    };
     if (leg) {
-      const Eigen::Vector2d aside = leg->offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
-      const double inside_mm = insideMm(stations[from], half_width_mm);
-      const Eigen::Vector2d p_S_mm = stations[from].p_S_mm + aside;
-      const auto at = outlineMm(scene, {p_S_mm, outward, strip_mm, leg->brightness, inside_mm});
+      const double first_mm = besideEnd(kerf, station_mm).value_or(leg->offset_mm);
+      auto at = lookAt(first_mm);
+      const double short_mm = at ? std::clamp(-*at, 0.0, kEndInsideMm) : 0.0;
+      if (const auto offset_mm = besideEnd(kerf, station_mm + (end.at_start ? short_mm : -short_mm)))
+        at = lookAt(*offset_mm);
       if (at) {
-        const KerfOutline outline = outlineOf(scene, p_S_mm, half_width_mm, leg->brightness);
+        const KerfOutline outline = outlineOf(scene, stations[from].p_S_mm, half_width_mm, leg->brightness);
         out.found = true;
         out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
                      outline.reachMm(outward, strip_mm, {.tangent_in = outward}) - *at;

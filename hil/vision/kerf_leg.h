@@ -16,7 +16,12 @@ struct KerfLeg {
   double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
 };
 
-/// From `from_mm` away from the joint on. nullopt where fewer than two calipers saw the leg.
+/// Straight where its readings allow, else a parabola. From `from_mm` away from the joint on. nullopt where
+/// fewer than two calipers saw the leg.
 std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm);
+
+/// Offset of the kerf along the entity's left normal next to where it ends, from the half millimetre before
+/// that; nullopt where fewer than three calipers tell.
+std::optional<double> besideEnd(const EntityKerf& kerf, double station_mm);
 
 }  // namespace kerfbench::hil
