@@ -23,6 +23,8 @@ constexpr double kCornerMm = 0.0009;
 constexpr double kFaintCornerMm = 0.0018;
 constexpr double kThrough = 0.75;  // brightness
 constexpr double kLegFromMm = 0.3;
+constexpr double kClearFrom_rad = 1.0;
+constexpr double kClearTo_rad = 2.0;
 constexpr double kLegFromMostMm = 1.2;
 constexpr double kBehindArcMm = 0.1;
 constexpr double kEndInsideMm = 0.3;    // An end that is shorter is looked at from the last caliper.
@@ -150,8 +152,10 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
                  .overshoot_mm = kNan,
                  .deviation_mm = kNan,
                  .sigma_mm = kNan};
+  // There the other leg is out of a caliper's window.
+  const bool clear = std::abs(corner.turn_rad) > kClearFrom_rad && std::abs(corner.turn_rad) < kClearTo_rad;
   const auto legOf = [&](const EntityEnd& end, double from_mm) {
-    return legAt((*scene.kerfs)[end.plan], stationOfEnd(scene, end), from_mm);
+    return legAt((*scene.kerfs)[end.plan], stationOfEnd(scene, end), from_mm, clear);
   };
   auto in = legOf(corner.in, kLegFromMm);
   auto on = legOf(corner.out, kLegFromMm);

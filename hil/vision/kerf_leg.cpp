@@ -11,7 +11,7 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kLegMm = 1.7;
-constexpr double kBentLegMm = 1.2;
+constexpr double kBentLegMm = 0.8;
 constexpr double kBent = 2.0;           // Scatter about a straight line, in sigma, from where a leg is bent.
 constexpr double kBentShare = 0.15;     // Of what the bend makes at the joint: what a parabola leaves.
 constexpr double kIndependentMm = 0.2;  // Calipers that far apart share no pixels.
@@ -49,7 +49,7 @@ Carried carryOn(const std::vector<Reading>& readings, double to_mm, Eigen::Index
 
 }  // namespace
 
-std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm) {
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm, bool beside_corner) {
   std::vector<Reading> readings;
   double variance = 0.0;
   double mean_mm = 0.0;
@@ -58,7 +58,8 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double f
   KerfLeg leg;
   for (const Caliper& c : kerf.calipers) {
     const double away_mm = std::abs(c.station_mm - station_mm);
-    if (!c.found || c.near_joint || away_mm < from_mm || away_mm > from_mm + kLegMm) continue;
+    const bool reads = c.found && (beside_corner ? std::isfinite(c.offset_mm) : !c.near_joint);
+    if (!reads || away_mm < from_mm || away_mm > from_mm + kLegMm) continue;
     readings.push_back({away_mm, c.offset_mm});
     farthest_mm = std::max(farthest_mm, away_mm);
     nearest_mm = std::min(nearest_mm, away_mm);

@@ -16,9 +16,11 @@ struct KerfLeg {
   double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
 };
 
-/// Straight where its readings allow, else a parabola. From `from_mm` away from the joint on. nullopt where
+/// Straight where its readings allow, else a parabola. From `from_mm` away from the joint on;
+/// `beside_corner`: calipers near a joint too, as far as from_mm keeps clear of the other leg. nullopt where
 /// fewer than two calipers saw the leg.
-std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm);
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm,
+                             bool beside_corner = false);
 
 /// Offset of the kerf along the entity's left normal next to where it ends, from the half millimetre before
 /// that; nullopt where fewer than three calipers tell.
