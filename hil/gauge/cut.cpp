@@ -239,7 +239,8 @@ void ArtefactCut::corner(CutTruth& truth) const {
   addArc(turn);
   turn.push_back(pathAt(on, before_mm));
   std::vector<Vector2d> way = turn;
-  for (double s_mm = 0.0; s_mm < kLeg_mm; s_mm += kFine_mm) {
+  for (int i = 0; i < static_cast<int>(kLeg_mm / kFine_mm); ++i) {
+    const double s_mm = i * kFine_mm;
     way.push_back(pathAt(in, in.length_mm - before_mm - s_mm));
     way.push_back(pathAt(on, before_mm + s_mm));
   }

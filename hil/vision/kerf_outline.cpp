@@ -16,6 +16,7 @@ constexpr double kSplinePx = 0.7071;
 constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
 constexpr double kStepsPerPx = 4.0;
 constexpr double kReachMm = 0.45;  // of a look, each way
+constexpr int kTopSamples = 40;
 constexpr int kArcElements = 12;
 constexpr double kMostShare = 50.0;
 
@@ -69,7 +70,8 @@ double KerfOutline::seenTop(double peak) const {
   const double sigma_mm = std::hypot(kLensPx, kPeakPx / std::numbers::sqrt3) * look_.pixel_mm;
   double sum = 0.0;
   double weight = 0.0;
-  for (double y = -3.5 * sigma_mm; y <= 3.5 * sigma_mm; y += 0.25 * step_mm_) {
+  for (int i = -kTopSamples; i <= kTopSamples; ++i) {
+    const double y = 3.5 * sigma_mm * i / kTopSamples;
     const double a = y / look_.beam_radius_mm;
     const double w = std::exp(-0.5 * y * y / (sigma_mm * sigma_mm));
     sum += w * grayAt(peak * std::exp(-2.0 * a * a));
