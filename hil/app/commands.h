@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -61,13 +62,17 @@ struct CalibrateOptions {
   bool quiet{};
 };
 
+/// What gauge can be asked for.
+inline constexpr std::array kGaugeStudies{"verdicts", "coverage", "type1", "grr", "stillness"};
+
 /// See gaugeCommand().
 struct GaugeCommandOptions {
   std::filesystem::path machine{"fixtures/machines/two-mirror.yaml"};
   std::filesystem::path results_dir{"results"};
   GaugeOptions gauge;
-  std::string the_case;      ///< Name of one case to repeat; empty: all.
-  std::string command_line;  ///< As typed, for the report.
+  std::vector<std::string> studies;  ///< Names of kGaugeStudies; none: all.
+  std::string the_case;              ///< Name of one case to repeat; empty: all.
+  std::string command_line;          ///< As typed, for the report.
   bool quiet{};
 };
 

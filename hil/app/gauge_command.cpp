@@ -67,6 +67,20 @@ class Eta {
   Clock::time_point start_, last_;
 };
 
+/// Leaves out what nobody asked for.
+GaugeOptions chosen(const GaugeCommandOptions& options) {
+  GaugeOptions gauge = options.gauge;
+  const auto asked = [&](std::string_view study) {
+    return options.studies.empty() || std::ranges::find(options.studies, study) != options.studies.end();
+  };
+  if (!asked("verdicts")) gauge.bad = gauge.good = 0;
+  if (!asked("coverage")) gauge.coverage = 0;
+  if (!asked("type1")) gauge.repeats = 0;
+  if (!asked("grr")) gauge.grr = false;
+  if (!asked("stillness")) gauge.still = gauge.still_repeats = 0;
+  return gauge;
+}
+
 const char* stateName(Claim::State state) {
   return state == Claim::State::kHolds ? "holds" : state == Claim::State::kFails ? "FAILS" : "open";
 }
@@ -155,9 +169,10 @@ int gauge(const GaugeCommandOptions& options) {
   if (!options.the_case.empty()) return repeatCase(setup, options, console);
   console.say(fmt::format("gauge: {}, cameras {} and {}", setup.machine.name,
                           setup.kerf_calibration.camera_id, setup.spot_calibration.camera_id));
+  const GaugeOptions asked = chosen(options);
   Eta eta(console);
   const GaugeResult result =
-      runGauge(setup, options.gauge, [&](std::size_t done, std::size_t all) { eta(done, all); });
+      runGauge(setup, asked, [&](std::size_t done, std::size_t all) { eta(done, all); });
   for (const GaugeSection& s : result.sections) {
     for (const std::string& wrong : s.wrong) console.say("  " + wrong);
   }
@@ -175,8 +190,8 @@ int gauge(const GaugeCommandOptions& options) {
       std::ranges::count_if(result.claims, [](const Claim& c) { return c.state == Claim::State::kFails; });
   console.result(fmt::format("gauge: {} claims, {} do not hold", result.claims.size(), failed));
   ResultsFolder folder(options.results_dir, "gauge");
-  writeFileAtomically(folder.staging() / "gauge.json", gaugeJson(result, options.gauge, facts));
-  writeFileAtomically(folder.staging() / "gauge.html", gaugeHtml(result, options.gauge, facts));
+  writeFileAtomically(folder.staging() / "gauge.json", gaugeJson(result, asked, facts));
+  writeFileAtomically(folder.staging() / "gauge.html", gaugeHtml(result, asked, facts));
   folder.commit();
   console.say(fmt::format("report: {}", (folder.place() / "gauge.html").string()));
   return result.holds() ? 0 : 1;

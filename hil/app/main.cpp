@@ -197,7 +197,7 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
             g.bad = g.good = 300;
             g.coverage = 60;
             g.still = 100;
-            g.repeats = 25;
+            g.repeats = g.still_repeats = 25;
           },
           "300 bad and 300 good cuts and few others: two minutes; too few for what needs 1000 cases")
       ->excludes(cases)
@@ -211,6 +211,9 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
           },
           "Machines to draw: ideal, static, dynamic or both (static and dynamic, the default)")
       ->check(CLI::IsMember({"ideal", "static", "dynamic", "both"}));
+  gauge->add_option("--studies", options.studies, "Only these: verdicts, coverage, type1, grr, stillness")
+      ->delimiter(',')
+      ->check(CLI::IsMember(std::vector<std::string>(kGaugeStudies.begin(), kGaugeStudies.end())));
   gauge->add_option("--case", options.the_case, "Repeat one case, like static-bad-17, and write its picture");
   gauge->add_option("--seed", g.seed, "Of everything that is drawn")->capture_default_str();
   gauge->add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();

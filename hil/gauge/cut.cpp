@@ -24,6 +24,8 @@ constexpr double kCreaseShare = 0.8;
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
 constexpr double kLeg_mm = 0.4;         // Of a corner, in which its way is looked for,
 constexpr double kFine_mm = 0.001;      // at such steps.
+constexpr int kLightParts = 24;         // Of the beam's light along the path, to each side.
+constexpr double kLightReach = 4.0;     // Standard deviations.
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
@@ -121,36 +123,39 @@ Vector2d ArtefactCut::pathAt(const Line& line, double s_mm) const {
   return pointAt(line.entity->curve, s_mm / line.length_mm) + shiftAt(line, s_mm);
 }
 
-double ArtefactCut::wayOffset(const Line& line, double s_mm) const {
+double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
   const Curve& curve = line.entity->curve;
   const double u = s_mm / line.length_mm;
   const Vector2d p = pointAt(curve, u);
   const Vector2d tangent = tangentAt(curve, u);
+  const Vector2d normal = leftOf(tangent);
   // Where the path crosses the station's normal, by Newton's method: the slope along it is next to one.
   double at_mm = s_mm;
   for (int i = 0; i < 6; ++i) {
     const double slope = tangent.dot(tangentAt(curve, at_mm / line.length_mm));
     at_mm -= (pathAt(line, at_mm) - p).dot(tangent) / slope;
   }
-  constexpr double kH_mm = 0.05;
-  const Vector2d here = pathAt(line, at_mm);
-  const Vector2d bend =
-      (pathAt(line, at_mm + kH_mm) - 2.0 * here + pathAt(line, at_mm - kH_mm)) / (kH_mm * kH_mm);
-  const double variance_mm2 = tangent.dot(beam_.covariance_mm2() * tangent);
-  const Vector2d normal = leftOf(tangent);
-  return (here - p).dot(normal) + 0.5 * variance_mm2 * bend.dot(normal);
-}
-
-double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
-  if (!isClosed(line.entity->curve)) return wayOffset(line, s_mm);
-  // The way may not end where it began (flutter). Around the closure the kerf is where the light of both
-  // lies.
-  const Vector2d tangent = tangentAt(line.entity->curve, s_mm / line.length_mm);
+  // The kerf's middle is that of the light which falls there, from before and behind: inside of a bend,
+  // within the line at its ends, and between begin and end of a closed one.
   const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
-  const double past_mm = s_mm > 0.5 * line.length_mm ? s_mm - line.length_mm : s_mm;
-  if (std::abs(past_mm) > 5.0 * sigma_mm) return wayOffset(line, s_mm);
-  const double begun = 0.5 * std::erfc(-past_mm / (std::numbers::sqrt2 * sigma_mm));
-  return begun * wayOffset(line, past_mm) + (1.0 - begun) * wayOffset(line, past_mm + line.length_mm);
+  const bool closed = isClosed(curve);
+  const double first_mm = line.start_gap_mm;
+  const double last_mm = line.length_mm - line.end_gap_mm;
+  double weights = 0.0;
+  double sum = 0.0;
+  for (int i = -kLightParts; i <= kLightParts; ++i) {
+    const double z = kLightReach * i / kLightParts;
+    double way_mm = at_mm + z * sigma_mm;
+    if (closed) {
+      way_mm -= line.length_mm * std::floor(way_mm / line.length_mm);
+    } else if (way_mm < first_mm || way_mm > last_mm) {
+      continue;
+    }
+    const double weight = std::exp(-0.5 * z * z);
+    weights += weight;
+    sum += weight * (pathAt(line, way_mm) - p).dot(normal);
+  }
+  return weights > 0.0 ? sum / weights : (pathAt(line, at_mm) - p).dot(normal);
 }
 
 double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share, double transmission) const {

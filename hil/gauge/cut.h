@@ -18,9 +18,11 @@ namespace kerfbench::hil {
 /// it. In mm and in S, the frame of the printed marks, which are where the print says.
 ///
 /// The deviation of a line at a station is that of its kerf's middle along the nominal left normal. The
-/// middle lies on the path of the beam, but inside of a bend: light of standard deviation s along the path
-/// leaves its ridge kappa s²/2 inside of a path of curvature kappa. Stations are those that inspection judges
-/// lines at: all within the length of the line as it was cut, farther than 0.4 mm from a corner.
+/// middle is that of the light which falls there, from before and behind: the path's offset, averaged with
+/// the Gaussian of the beam along it. In a bend of curvature kappa that lies kappa s²/2 inside of the path, s
+/// being the standard deviation of the light; at an end, where light comes from one side alone, it lags
+/// behind a path that runs aslant. Stations are those that inspection judges lines at: all within the length
+/// of the line as it was cut, farther than 0.4 mm from a corner.
 ///
 /// Worst, RMS and circularity are of these deviations; circularity is the range about the least-squares
 /// circle. Width is the mean over the same stations of the distance between the two places across the kerf
@@ -78,7 +80,6 @@ class ArtefactCut {
 
   [[nodiscard]] Eigen::Vector2d pathAt(const Line& line, double s_mm) const;
   [[nodiscard]] Eigen::Vector2d shiftAt(const Line& line, double s_mm) const;
-  [[nodiscard]] double wayOffset(const Line& line, double s_mm) const;
   [[nodiscard]] double offsetAt(const Line& line, double s_mm) const;
   [[nodiscard]] double widthAt(const Line& line, double s_mm, double fluence_share,
                                double transmission) const;

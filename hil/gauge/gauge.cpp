@@ -25,7 +25,7 @@ std::vector<CaseId> planOf(const GaugeOptions& options) {
     add(Study::kRelay, options.repeats);
     if (options.grr) add(Study::kGrr, kGrrParts * kGrrPlacements * kGrrRepeats);
     add(Study::kStill, options.still);
-    add(Study::kStillRepeat, options.repeats);
+    add(Study::kStillRepeat, options.still_repeats);
   }
   return plan;
 }

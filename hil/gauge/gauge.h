@@ -24,7 +24,8 @@ struct GaugeOptions {
   std::size_t bad{3000}, good{3000};  ///< Over all presets together.
   std::size_t coverage{1000};         ///< Of each preset.
   std::size_t still{1000};            ///< Of each preset.
-  std::size_t repeats{50};            ///< Of each type-1 study.
+  std::size_t repeats{50};            ///< Of each type-1 study of the kerf.
+  std::size_t still_repeats{50};      ///< Of that of the drift.
   bool grr{true};
   std::uint64_t seed{1};
   int jobs{1};

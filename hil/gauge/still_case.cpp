@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -138,9 +139,9 @@ StillStudy::StillStudy(const GaugeSetup& setup) : setup_(setup) {
   print_.marks = {{{-13.0, -11.0}, 3.0}, {{13.0, -11.4}, 3.0}, {{-12.7, 11.0}, 3.0}, {{13.0, 11.0}, 3.0}};
 }
 
-std::vector<twin::Exposure> StillStudy::watch(const StillCase& c, const Web& web) const {
+std::vector<twin::Exposure> StillStudy::watch(const StillCase& the_case, const Web& web) const {
   const twin::CameraDescription& camera = setup_.machine.spot_camera;
-  const auto frames = static_cast<std::uint64_t>(beginOf(c.cuts.size()) / camera.frame_period_s);
+  const auto frames = static_cast<std::uint64_t>(beginOf(the_case.cuts.size()) / camera.frame_period_s);
   std::vector<twin::Exposure> exposures;
   for (std::uint64_t k = 0; k < frames; ++k) {
     twin::Exposure& e = exposures.emplace_back();
@@ -152,7 +153,7 @@ std::vector<twin::Exposure> StillStudy::watch(const StillCase& c, const Web& web
       sample.p_WS_mm = web.p_WS_mm(t_s);
       sample.angle_rad = web.skew_rad();
       sample.radius_mm = web.radius_mm();
-      for (std::size_t cut = 0; cut < c.cuts.size(); ++cut) {
+      for (std::size_t cut = 0; cut < the_case.cuts.size(); ++cut) {
         if (t_s < beginOf(cut) || t_s > beginOf(cut) + kCut_s) continue;
         sample.p_WQ_mm = web.spot_mm(cut, t_s);
         sample.power_w = web.power_w();
@@ -162,31 +163,32 @@ std::vector<twin::Exposure> StillStudy::watch(const StillCase& c, const Web& web
   return exposures;
 }
 
-StillOutcome StillStudy::run(const StillCase& c) const {
-  const CounterRandom random(c.place_seed, kPlaceStream);
+StillOutcome StillStudy::run(const StillCase& the_case) const {
+  const CounterRandom random(the_case.place_seed, kPlaceStream);
   const SensorWindow window = drawWindow(setup_.spot_calibration, random);
-  const Web web(setup_, c, dieline_, window);
+  const Web web(setup_, the_case, dieline_, window);
   twin::CameraDescription camera = windowOf(setup_.machine.spot_camera, window);
-  camera.board_seed = c.board_seed;
+  camera.board_seed = the_case.board_seed;
   const CameraCalibration calibration = windowOf(setup_.spot_calibration, window);
-  TwinFrameSource frames(twin::SpotCamera(camera, print_, setup_.machine.glow_gray_per_w, c.noise_seed),
-                         watch(c, web), 1);
+  TwinFrameSource frames(
+      twin::SpotCamera(camera, print_, setup_.machine.glow_gray_per_w, the_case.noise_seed),
+      watch(the_case, web), 1);
   Evidence evidence;
   evidence.dieline = &dieline_;
   evidence.print = print_;
-  evidence.spot = trackSpot(frames, calibration, print_, {1, c.speed_mm_s});
+  evidence.spot = trackSpot(frames, calibration, print_, {1, the_case.speed_mm_s});
   evidence.spot_calibration = calibration;
   // Nobody looks at the kerf here; inspection wants to hear of every entity.
   for (const Entity& e : dieline_.entities) evidence.kerf.entities.push_back({0, e.id, {}});
   const InspectionResult result = inspect(evidence, setup_.limits);
 
   StillOutcome out;
-  out.name = c.name;
+  out.name = the_case.name;
   out.problems = evidence.spot.problems;
   for (const Check& check : result.checks) {
     if (check.name == "stillness_x") out.verdict = check.verdict;
   }
-  const std::size_t pick = CounterRandom(c.machine_seed, 2).bits(0) % c.cuts.size();
+  const std::size_t pick = CounterRandom(the_case.machine_seed, 2).bits(0) % the_case.cuts.size();
   for (const CutResult& cut : result.cuts) {
     if (cut.entity < 0 || cut.time_s.size() < 2 || !std::isfinite(cut.drift_mm)) continue;
     const auto which = static_cast<std::size_t>(cut.entity);
@@ -207,6 +209,11 @@ StillOutcome StillStudy::run(const StillCase& c) const {
     out.readings.push_back({"peak of a cut", cut.peak_mm, cut.peak_U_mm, peak});
     out.readings.push_back(
         {"RMS of a cut", cut.rms_mm, cut.rms_U_mm, std::sqrt(squares / static_cast<double>(x.size()))});
+  }
+  if (out.readings.empty()) {
+    // The cut is there and shows x: that nothing was measured of it counts.
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    out.readings.push_back({"drift of a cut", kNan, kNan, the_case.cuts[pick].drift_mm});
   }
   for (const UncertaintyBudget& b : result.budgets) {
     if (b.quantity.find("drift") == std::string::npos) continue;

@@ -83,7 +83,10 @@ TEST(GaugeTruth, IsWhereTheEnergyLiesOnTheSheet) {
       const double length_mm = lengthOf(entity.curve);
       for (std::size_t i = 0; i < kerfs[k].calipers.size(); ++i) {
         const Caliper& c = kerfs[k].calipers[i];
-        if (!isClosed(entity.curve) && std::min(c.station_mm, length_mm - c.station_mm) < 0.5) continue;
+        const bool at_corner =
+            (k == static_cast<std::size_t>(gaugeArtefact().corner_in) && length_mm - c.station_mm < 0.4) ||
+            (k == static_cast<std::size_t>(gaugeArtefact().corner_out) && c.station_mm < 0.4);
+        if (at_corner) continue;
         EXPECT_NEAR(truth.entities[k].offset_mm[i], ridge_mm(sheet, entity.curve, c.u), 0.0003)
             << faultName(kind) << ", E" << k << " at " << c.station_mm;
       }
@@ -97,7 +100,7 @@ TEST(GaugeTruth, OfAPerfectCutIsTheBendOfTheCurveAlone) {
     const Entity& entity = gaugeArtefact().dieline.entities[static_cast<std::size_t>(e.entity)];
     const auto* arc = std::get_if<ArcCurve>(&entity.curve);
     const double inside_mm = arc == nullptr ? 0.0 : kRadius_mm * kRadius_mm / (8.0 * arc->radius_mm);
-    EXPECT_NEAR(e.worst_mm, inside_mm, 2e-6) << e.entity;
+    EXPECT_NEAR(e.worst_mm, inside_mm, 1e-5) << e.entity;
   }
   EXPECT_NEAR(truth.entities[static_cast<std::size_t>(gaugeArtefact().circle)].circularity_mm, 0.0, 2e-6);
   EXPECT_NEAR(truth.worstJoint_mm(), 0.0, 1e-12);
