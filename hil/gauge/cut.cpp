@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "twin/laser/power_noise.h"
 
 namespace kerfbench::hil {
@@ -20,11 +22,18 @@ constexpr double kJump_s = 0.02;   // Between entities.
 constexpr double kCutShare = 1.6;  // Of the fluence that just cuts through.
 constexpr double kCreaseShare = 0.8;
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
+constexpr double kLeg_mm = 0.4;         // Of a corner, in which its way is looked for,
+constexpr double kFine_mm = 0.001;      // at such steps.
 constexpr int kLightParts = 24;         // Of the beam's light along the path, to each side.
 constexpr double kLightReach = 4.0;     // Standard deviations.
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
+
+/// From a ray that starts in the origin.
+double distanceToRay(const Vector2d& p, const Vector2d& direction) {
+  return p.dot(direction) < 0.0 ? p.norm() : std::abs(leftOf(direction).dot(p));
+}
 
 /// How many whole waves go onto a line, so that a closed one still closes.
 double wavesOn(double length_mm, double wave_mm) { return std::max(1.0, std::round(length_mm / wave_mm)); }
@@ -183,21 +192,81 @@ void ArtefactCut::joints(CutTruth& truth) const {
       truth.ends.push_back({line.entity->id, at_start, gapOf(line, at_start)});
     }
   }
-  const auto& in = lines_[static_cast<std::size_t>(artefact_.corner_in)];
-  const auto& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
+  corner(truth);
+}
+
+double ArtefactCut::beforeCorner() const {
+  const Cut cut = cutOfCorner();
+  return corner_mm_ > 0.0 ? cut.radius_mm * std::tan(0.5 * cut.turn_rad) : corner_mm_;
+}
+
+ArtefactCut::Cut ArtefactCut::cutOfCorner() const {
+  const Vector2d t_in = tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_in)].entity->curve, 1.0);
+  const Vector2d t_out = tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_out)].entity->curve, 0.0);
+  Cut cut;
+  cut.tangent_in = t_in;
+  cut.side = (t_out - t_out.dot(t_in) * t_in).normalized();
+  cut.turn_rad = std::acos(std::clamp(t_in.dot(t_out), -1.0, 1.0));
+  cut.radius_mm = std::max(corner_mm_, 0.0) / (1.0 / std::cos(0.5 * cut.turn_rad) - 1.0);
+  return cut;
+}
+
+void ArtefactCut::addArc(std::vector<Vector2d>& way) const {
+  if (!(corner_mm_ > 0.0)) return;
+  const Cut cut = cutOfCorner();
+  // Fine, and one point on the bisector: the way's distance from the corner is told by its points.
+  const int pieces =
+      2 * std::max(2, static_cast<int>(std::ceil(cut.radius_mm * cut.turn_rad / (0.5 * kStep_mm))));
+  const Vector2d begin = way.back();
+  for (int i = 1; i <= pieces; ++i) {
+    const double angle = cut.turn_rad * i / pieces;
+    way.push_back(begin +
+                  cut.radius_mm * (std::sin(angle) * cut.tangent_in + (1.0 - std::cos(angle)) * cut.side));
+  }
+}
+
+void ArtefactCut::corner(CutTruth& truth) const {
+  const Line& in = lines_[static_cast<std::size_t>(artefact_.corner_in)];
+  const Line& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
+  const Vector2d nominal = pointAt(in.entity->curve, 1.0);
   const Vector2d t_in = tangentAt(in.entity->curve, 1.0);
   const Vector2d t_out = tangentAt(on.entity->curve, 0.0);
   const Vector2d shift_in = shiftAt(in, in.length_mm);
   const Vector2d shift_on = shiftAt(on, 0.0);
-  const Vector2d outwards = (t_in - t_out).normalized();
-  truth.rounding_mm = std::max(0.0, std::max(corner_mm_, 0.0) - 0.5 * (shift_in + shift_on).dot(outwards));
   truth.corner_shift_mm = std::max(shift_in.norm(), shift_on.norm());
-  const double over = std::max(-corner_mm_, 0.0);
-  truth.overshoot_mm = std::max({0.0, over + shift_in.dot(t_in), over - shift_on.dot(t_out)});
+  // Where the legs as cut would meet.
+  Eigen::Matrix2d normals;
+  normals << leftOf(t_in).transpose(), leftOf(t_out).transpose();
+  const Vector2d vertex =
+      nominal + normals.inverse() * Vector2d(leftOf(t_in).dot(shift_in), leftOf(t_out).dot(shift_on));
+  const double before_mm = beforeCorner();
+  std::vector<Vector2d> turn{pathAt(in, in.length_mm - before_mm)};
+  addArc(turn);
+  turn.push_back(pathAt(on, before_mm));
+  std::vector<Vector2d> way = turn;
+  for (int i = 0; i < static_cast<int>(kLeg_mm / kFine_mm); ++i) {
+    const double s_mm = i * kFine_mm;
+    way.push_back(pathAt(in, in.length_mm - before_mm - s_mm));
+    way.push_back(pathAt(on, before_mm + s_mm));
+  }
+  const auto toWay = [&](const Vector2d& p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector2d& w : way) least = std::min(least, (w - p).norm());
+    return least;
+  };
+  truth.corner_mm = toWay(nominal);
+  for (const Vector2d& p : turn)
+    truth.corner_mm = std::max(
+        truth.corner_mm, std::min(distanceToRay(p - nominal, -t_in), distanceToRay(p - nominal, t_out)));
+  truth.rounding_mm = corner_mm_ > 0.0 ? toWay(vertex) : 0.0;
+  truth.overshoot_mm =
+      corner_mm_ > 0.0
+          ? 0.0
+          : std::max({0.0, (turn.front() - vertex).dot(t_in), (vertex - turn.back()).dot(t_out)});
 }
 
 double CutTruth::worstJoint_mm() const {
-  double worst = std::max(rounding_mm, overshoot_mm);
+  double worst = corner_mm;
   for (const End& end : ends) worst = std::max(worst, std::abs(end.gap_mm));
   return worst;
 }
@@ -248,13 +317,8 @@ CutTruth ArtefactCut::truth(const std::vector<EntityKerf>& stations, const twin:
 
 double ArtefactCut::worst_mm(double pitch_mm) const {
   CutTruth truth;
-  const bool of_joint =
-      !faults_.empty() && (faults_[0].kind == FaultKind::kCorner || faults_[0].kind == FaultKind::kEnd);
-  if (of_joint) {
-    joints(truth);
-    return truth.worstJoint_mm();
-  }
-  double worst = 0.0;
+  joints(truth);
+  double worst = truth.worstJoint_mm();
   for (const Line& line : lines_) {
     const auto steps = static_cast<int>(std::ceil(line.length_mm / pitch_mm));
     for (int i = 0; i <= steps; ++i) {
@@ -282,14 +346,9 @@ void ArtefactCut::burnWay(twin::Sheet& sheet, const std::vector<Vector2d>& way, 
 void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
   const double cutting_j_mm =
       sheet.board().cut_fluence_j_mm2 * nominal_radius_mm * std::sqrt(0.5 * std::numbers::pi);
-  // An arc that passes the corner at this distance begins this far before it.
   const Line& first = lines_[static_cast<std::size_t>(artefact_.corner_in)];
   const Line& second = lines_[static_cast<std::size_t>(artefact_.corner_out)];
-  const Vector2d t_in = tangentAt(first.entity->curve, 1.0);
-  const Vector2d t_out = tangentAt(second.entity->curve, 0.0);
-  const double half = 0.5 * (std::numbers::pi - std::acos(std::clamp(t_in.dot(t_out), -1.0, 1.0)));
-  const double radius_mm = std::max(corner_mm_, 0.0) / (1.0 / std::sin(half) - 1.0);
-  const double before_mm = corner_mm_ > 0.0 ? radius_mm / std::tan(half) : corner_mm_;
+  const double before_mm = beforeCorner();
   for (const Line& line : lines_) {
     const double share = line.entity->process == Process::kCrease ? kCreaseShare : kCutShare;
     double from = line.start_gap_mm;
@@ -299,17 +358,8 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
     const auto steps = static_cast<int>(std::ceil((to - from) / kStep_mm));
     std::vector<Vector2d> way;
     for (int i = 0; i <= steps; ++i) way.push_back(pathAt(line, from + (to - from) * i / steps));
-    if (&line == &first && corner_mm_ > 0.0) {
-      // Its ends are those of the two legs, wherever they were shifted to.
-      const Vector2d side = (t_out - t_out.dot(t_in) * t_in).normalized();
-      const double turn = std::numbers::pi - 2.0 * half;
-      const int pieces = std::max(2, static_cast<int>(std::ceil(radius_mm * turn / kStep_mm)));
-      const Vector2d begin = way.back();
-      for (int i = 1; i <= pieces; ++i) {
-        const double angle = turn * i / pieces;
-        way.push_back(begin + radius_mm * (std::sin(angle) * t_in + (1.0 - std::cos(angle)) * side));
-      }
-    }
+    // Its ends are those of the two legs, wherever they were shifted to.
+    if (&line == &first) addArc(way);
     burnWay(sheet, way, line, from, share * cutting_j_mm);
   }
 }

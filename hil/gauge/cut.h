@@ -27,8 +27,8 @@ namespace kerfbench::hil {
 /// Worst, RMS and circularity are of these deviations; circularity is the range about the least-squares
 /// circle. Width is the mean over the same stations of the distance between the two places across the kerf
 /// where half of the light comes through that does in its middle, over the board's. Rounding and overshoot
-/// say how far inside or outside of the nominal corner the beam's way passes, a gap how much too early a line
-/// ends.
+/// say how far the beam's way passes inside of where its own legs would meet, or its legs run on beyond it; a
+/// gap how much too early a line ends.
 struct EntityTruth {
   int entity{};
   double worst_mm{};  ///< Magnitude.
@@ -41,7 +41,8 @@ struct CutTruth {
   std::vector<EntityTruth> entities;  ///< In the order of the scan's.
   double worst_mm{};                  ///< Of all lines.
   double rms_mm{};
-  double rounding_mm{}, overshoot_mm{};  ///< Of the corner.
+  double rounding_mm{}, overshoot_mm{};  ///< Of the corner, against where its legs as cut would meet.
+  double corner_mm{};                    ///< Distance of its way and the nominal one (Hausdorff).
   double corner_shift_mm{};              ///< By which faults of other kinds move it.
   struct End {
     int entity{};
@@ -49,7 +50,7 @@ struct CutTruth {
     double gap_mm{};  ///< < 0: too long.
   };
   std::vector<End> ends;
-  [[nodiscard]] double worstJoint_mm() const;  ///< Of corner and ends.
+  [[nodiscard]] double worstJoint_mm() const;  ///< Of the corner's deviation and the ends.
 };
 
 /// An artefact with faults as a path of the beam. Everything is exact to 0.02 µm for features longer than
@@ -65,8 +66,7 @@ class ArtefactCut {
   void burn(twin::Sheet& sheet, double nominal_radius_mm) const;
   [[nodiscard]] CutTruth truth(const std::vector<EntityKerf>& stations, const twin::BoardDescription& board,
                                double nominal_radius_mm) const;
-  /// The worst deviation without a scan, at stations of this pitch: of the lines, or of corner and ends if
-  /// the first fault is one of those.
+  /// The worst deviation of lines, corner and ends without a scan, at stations of this pitch.
   [[nodiscard]] double worst_mm(double pitch_mm) const;
 
  private:
@@ -87,6 +87,17 @@ class ArtefactCut {
   [[nodiscard]] double relativePower(const Line& line, double s_mm) const;
   [[nodiscard]] double gapOf(const Line& line, bool at_start) const;
   void joints(CutTruth& truth) const;
+  void corner(CutTruth& truth) const;
+  /// The arc that a corner is cut by.
+  struct Cut {
+    Eigen::Vector2d tangent_in, side;
+    double turn_rad{}, radius_mm{};
+  };
+  [[nodiscard]] Cut cutOfCorner() const;
+  /// How far before the nominal corner the legs end; < 0: beyond it.
+  [[nodiscard]] double beforeCorner() const;
+  /// Goes on from the end of a way by the arc, if there is one.
+  void addArc(std::vector<Eigen::Vector2d>& way) const;
   void burnWay(twin::Sheet& sheet, const std::vector<Eigen::Vector2d>& way, const Line& line,
                double from_s_mm, double energy_j_mm) const;
 

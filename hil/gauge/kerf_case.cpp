@@ -85,6 +85,8 @@ void addJoints(const KerfMeasurement& m, const CutTruth& truth, std::uint64_t pi
   const std::string where = truth.corner_shift_mm > kInPlace_mm ? ", cut displaced" : "";
   std::vector<Reading> ends;
   for (const JointResult& j : m.result.joints) {
+    if (j.kind == JointResult::Kind::kCorner && truth.corner_mm > kThere_mm)
+      readings.push_back({"corner off the dieline" + where, j.mm.value, j.mm.U, truth.corner_mm});
     if (j.kind == JointResult::Kind::kRounding && truth.rounding_mm > kThere_mm)
       readings.push_back({"corner rounding" + where, j.mm.value, j.mm.U, truth.rounding_mm});
     if (j.kind == JointResult::Kind::kOvershoot && truth.overshoot_mm > kThere_mm)
@@ -140,9 +142,7 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
     out.kind = the_case.faults[0].kind;
     out.size_mm = the_case.faults[0].size_mm;
   }
-  const bool of_joint =
-      !the_case.faults.empty() && (out.kind == FaultKind::kCorner || out.kind == FaultKind::kEnd);
-  out.truth_mm = of_joint ? whole.truth.worstJoint_mm() : whole.truth.worst_mm;
+  out.truth_mm = std::max(whole.truth.worst_mm, whole.truth.worstJoint_mm());
   out.verdict = m.verdict;
   for (const Check& check : m.result.checks) {
     if (check.name == "path") out.path_verdict = check.verdict;

@@ -34,10 +34,9 @@ struct FieldError {
 
 struct KerfOutcome {
   std::string name;
-  FaultKind kind{};  ///< Of the first fault.
-  double size_mm{};  ///< Of the first fault.
-  double
-      truth_mm{};  ///< Worst deviation of the lines; of corner and ends if the first fault is one of those.
+  FaultKind kind{};   ///< Of the first fault.
+  double size_mm{};   ///< Of the first fault.
+  double truth_mm{};  ///< Worst deviation of lines, corner and ends.
   Verdict verdict{Verdict::kInvalid};
   Verdict path_verdict{Verdict::kInvalid};  ///< Of the path check alone.
   std::vector<Reading> readings;

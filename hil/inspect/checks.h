@@ -62,6 +62,12 @@ Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
 Check strayCheck(const Evidence& evidence, const Limits& limits);
 std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
                                       const std::vector<EntityResult>& entities);
+/// Corners by their distance from the dieline, free ends by how far they are too short or too long, closures
+/// by their gap; all against the limit of the path. An overlap at a closure lies on the dieline and is no
+/// deviation.
+std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
+                                 const std::vector<JointResult>& joints,
+                                 const std::vector<EntityResult>& entities);
 Check laserGateCheck(const Evidence& evidence, const Limits& limits);
 Check pulseTimingCheck(const Evidence& evidence);
 

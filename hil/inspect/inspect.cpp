@@ -80,7 +80,10 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   };
   const bool blank = checks::isBlank(result.entities);
   const bool dark = lit.lit == 0;
-  if (!blank) add(checks::pathCheck(evidence, limits, deviations));
+  if (!blank) {
+    add(checks::pathCheck(evidence, limits, deviations));
+    add(checks::jointsCheck(evidence, limits, result.joints, result.entities));
+  }
   if (!(blank && dark)) {
     add(checks::stillnessCheck(limits, lit, stillness));
     add(checks::excursionCheck(limits, stillness));

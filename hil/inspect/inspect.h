@@ -17,7 +17,7 @@
 namespace kerfbench::hil {
 
 struct Limits {
-  double path_mm{0.05};
+  double path_mm{0.05};  ///< Of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
   double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.
@@ -107,16 +107,19 @@ struct LayerResult {
 
 /// A corner, an end of a line or where a closed line closes.
 struct JointResult {
-  enum class Kind { kRounding, kOvershoot, kEndGap, kClosure };
+  enum class Kind { kCorner, kRounding, kOvershoot, kEndGap, kClosure };
   Kind kind{};
   int unit{};
   int entity{};
   int entity_out{};  ///< Of a corner: the entity that goes on; else the same.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   bool at_start{};  ///< Of an end.
-  Quantity mm;      ///< Rounding and overshoot >= 0; a gap is > 0, an overlap < 0. NaN if not found.
+  /// kCorner: how far the cut lies off the dieline there; kRounding, kOvershoot: how far off where its own
+  /// legs would meet (CornerKerf). All >= 0. A gap is > 0, an overlap < 0. NaN if not found.
+  Quantity mm;
 };
-std::string_view jointName(JointResult::Kind kind);  ///< "rounding", "overshoot", "end_gap", "closure"
+/// "corner", "rounding", "overshoot", "end_gap", "closure"
+std::string_view jointName(JointResult::Kind kind);
 
 struct InspectionResult {
   Verdict verdict{Verdict::kInvalid};

@@ -52,6 +52,8 @@ std::string layerTable(const std::vector<LayerResult>& layers) {
 
 std::string_view plainName(JointResult::Kind kind) {
   switch (kind) {
+    case JointResult::Kind::kCorner:
+      return "corner off the dieline by";
     case JointResult::Kind::kRounding:
       return "corner rounded off by";
     case JointResult::Kind::kOvershoot:

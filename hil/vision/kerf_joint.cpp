@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "hil/vision/corner_shape.h"
+#include "hil/vision/kerf_leg.h"
 #include "hil/vision/kerf_outline.h"
 #include "hil/vision/kerf_profile.h"
 
@@ -14,55 +16,23 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOutlineMm = 0.0013;  // measured: tests/hil/vision/kerf_joint_test.cpp
-constexpr double kFaintOutlineMm = 0.007;
+// What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test and kerf_corner_test.
+constexpr double kEndMm = 0.0013;
+constexpr double kFaintEndMm = 0.0018;
+constexpr double kCornerMm = 0.0009;
+constexpr double kFaintCornerMm = 0.0018;
 constexpr double kThrough = 0.75;  // brightness
-constexpr double kReachMm = 0.8;   // of a look along a leg
 constexpr double kLegFromMm = 0.3;
-constexpr double kLegToMm = 2.0;
+constexpr double kClearFrom_rad = 1.0;
+constexpr double kClearTo_rad = 2.0;
+constexpr double kLegFromMostMm = 1.2;
+constexpr double kBehindArcMm = 0.1;
+constexpr double kEndInsideMm = 0.3;    // An end that is shorter is looked at from the last caliper.
+constexpr double kReachMm = 0.8;        // of a look along a leg
 constexpr double kStripWidths = 0.35;   // half the strip, in half kerfs
 constexpr double kMostBeyondMm = 0.4;   // that a corner is cut or run over
 constexpr double kLeastTurn_rad = 0.9;  // from where on a leg that runs over stands clear of the other
 constexpr double kWindowMm = 0.1;       // half of what a caliper averages along the curve
-
-/// A leg of kerf beside a joint: the mean over its calipers.
-struct Leg {
-  double offset_mm{};  ///< Along the entity's left normal, carried on to the joint.
-  double half_width_mm{};
-  double brightness{};
-  double sigma_mm{};  ///< Of one caliper.
-};
-
-std::optional<Leg> legAt(const EntityKerf& kerf, double station_mm) {
-  double n = 0.0;
-  double s = 0.0;
-  double ss = 0.0;
-  double y = 0.0;
-  double sy = 0.0;
-  double variance = 0.0;
-  Leg leg;
-  for (const Caliper& c : kerf.calipers) {
-    const double from_mm = std::abs(c.station_mm - station_mm);
-    if (!c.found || c.near_joint || from_mm < kLegFromMm || from_mm > kLegToMm) continue;
-    n += 1.0;
-    s += from_mm;
-    ss += from_mm * from_mm;
-    y += c.offset_mm;
-    sy += from_mm * c.offset_mm;
-    leg.half_width_mm += 0.5 * (c.width_mm + kerf.widening_mm);
-    leg.brightness += c.brightness;
-    variance += c.sigma_mm * c.sigma_mm;
-  }
-  if (n < 2.0) return std::nullopt;
-  leg.half_width_mm /= n;
-  leg.brightness /= n;
-  leg.sigma_mm = std::sqrt(variance / n);
-  const double spread = ss - s * s / n;
-  // A short leg does not tell a direction.
-  const double slope = spread > 0.3 * n * kLegToMm * kLegToMm / 12.0 ? (sy - s * y / n) / spread : 0.0;
-  leg.offset_mm = (y - slope * s) / n;
-  return leg;
-}
 
 /// A look along a leg or a bisector.
 struct Look {
@@ -146,10 +116,13 @@ double beyondMm(const KerfOutline& outline, const Eigen::Vector2d& direction, do
 }
 
 /// A look through a strip against a caliper: one flank of two, and fewer pixels; and what the outline's model
-/// leaves, more of a kerf that is not through and has no open middle.
-double lookSigma(double caliper_sigma_mm, double strip_mm, double brightness) {
-  return std::hypot(brightness > kThrough ? kOutlineMm : kFaintOutlineMm,
-                    caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
+/// leaves.
+double lookSigma(double caliper_sigma_mm, double strip_mm, double model_mm) {
+  return std::hypot(model_mm, caliper_sigma_mm * std::sqrt(2.0 * std::max(1.0, kWindowMm / strip_mm)));
+}
+
+double endSigma(double caliper_sigma_mm, double strip_mm, double brightness) {
+  return lookSigma(caliper_sigma_mm, strip_mm, brightness > kThrough ? kEndMm : kFaintEndMm);
 }
 
 /// How far back along the tangent the kerf of a curve still lies.
@@ -177,37 +150,60 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
                  .turn_rad = corner.turn_rad,
                  .rounding_mm = kNan,
                  .overshoot_mm = kNan,
+                 .deviation_mm = kNan,
                  .sigma_mm = kNan};
-  const auto in = legAt((*scene.kerfs)[corner.in.plan], stationOfEnd(scene, corner.in));
-  const auto on = legAt((*scene.kerfs)[corner.out.plan], stationOfEnd(scene, corner.out));
+  // There the other leg is out of a caliper's window.
+  const bool clear = std::abs(corner.turn_rad) > kClearFrom_rad && std::abs(corner.turn_rad) < kClearTo_rad;
+  const auto legOf = [&](const EntityEnd& end, double from_mm) {
+    return legAt((*scene.kerfs)[end.plan], stationOfEnd(scene, end), from_mm, clear);
+  };
+  auto in = legOf(corner.in, kLegFromMm);
+  auto on = legOf(corner.out, kLegFromMm);
   if (!in || !on) return out;
   const double half_width_mm = 0.5 * (in->half_width_mm + on->half_width_mm);
   const double brightness = std::min(in->brightness, on->brightness);
   const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
   const KerfOutline outline = outlineOf(scene, out.p_S_mm, half_width_mm, brightness);
   const BeamWay way{corner.tangent_in, corner.tangent_out, 0.0};
+  CornerShape shape{.tangent_in = corner.tangent_in, .tangent_out = corner.tangent_out};
+  // From the vertex that is known so far.
   const auto beyond = [&](const Eigen::Vector2d& direction, double inside_mm) -> std::optional<double> {
-    const auto at = outlineMm(scene, {out.p_S_mm, direction, strip_mm, brightness, inside_mm});
+    const Eigen::Vector2d p_S_mm = out.p_S_mm + shape.vertex_mm;
+    const auto at = outlineMm(scene, {p_S_mm, direction, strip_mm, brightness, inside_mm});
     if (!at) return std::nullopt;
     return beyondMm(outline, direction, strip_mm, way, *at);
   };
   const Eigen::Vector2d outwards = (corner.tangent_in - corner.tangent_out).normalized();
+  // Where an arc cuts the corner from afar, the legs begin behind it.
+  const double arc_mm = arcLegMm(corner.turn_rad, std::max(0.0, -beyond(outwards, 0.0).value_or(0.0)));
+  const double from_mm = std::clamp(arc_mm + kBehindArcMm, kLegFromMm, kLegFromMostMm);
+  if (const auto leg = legOf(corner.in, from_mm)) in = leg;
+  if (const auto leg = legOf(corner.out, from_mm)) on = leg;
+  // An entity's left is the way's, or its right where the way runs against the entity.
+  shape.vertex_mm = vertexOf(corner.tangent_in, corner.in.at_start ? -in->offset_mm : in->offset_mm,
+                             corner.tangent_out, corner.out.at_start ? on->offset_mm : -on->offset_mm);
   const auto bisector = beyond(outwards, 0.0);
   if (!bisector) return out;
   out.found = true;
-  out.rounding_mm = std::max(0.0, -*bisector);
+  shape.rounding_mm = std::max(0.0, -*bisector);
   if (std::abs(corner.turn_rad) < kLeastTurn_rad) {
-    out.overshoot_mm = std::max(0.0, *bisector);
+    shape.over_in_mm = shape.over_out_mm = std::max(0.0, *bisector);
   } else {
-    out.overshoot_mm = 0.0;
     const auto run = [&](const Eigen::Vector2d& direction, const EntityEnd& end) {
       const auto over = beyond(direction, insideMm(stationAt(scene, end), half_width_mm));
-      if (over) out.overshoot_mm = std::max(out.overshoot_mm, *over);
+      return std::max(0.0, over.value_or(0.0));
     };
-    run(corner.tangent_in, corner.in);
-    run(-corner.tangent_out, corner.out);
+    shape.over_in_mm = run(corner.tangent_in, corner.in);
+    shape.over_out_mm = run(-corner.tangent_out, corner.out);
   }
-  out.sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm, brightness);
+  out.rounding_mm = shape.rounding_mm;
+  out.overshoot_mm = std::max(shape.over_in_mm, shape.over_out_mm);
+  out.deviation_mm = deviationMm(shape);
+  // How well the legs tell their vertex, along the bisector.
+  const double vertex_sigma_mm =
+      0.5 * std::hypot(in->offset_sigma_mm, on->offset_sigma_mm) / std::cos(0.5 * corner.turn_rad);
+  out.sigma_mm = std::hypot(vertex_sigma_mm, lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm,
+                                                       brightness > kThrough ? kCornerMm : kFaintCornerMm));
   return out;
 }
 
@@ -220,23 +216,29 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
   std::size_t from = end.at_start ? 0 : stations.size() - 1;
   for (int look = 0; look < 2 && !out.found; ++look) {
     const double station_mm = stations[from].station_mm;
-    const auto leg = legAt(kerf, station_mm);
+    const auto leg = legAt(kerf, station_mm, kLegFromMm);
     const double half_width_mm = leg ? leg->half_width_mm : 0.0;
     const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
-    // The kerf may lie beside the nominal curve: look along the kerf.
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
+    // The kerf may lie beside the nominal curve: look along the kerf. Where it ends tells where exactly.
+    const auto lookAt = [&](double offset_mm) {
+      const Eigen::Vector2d aside = offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
+      const double inside_mm = std::min(kEndInsideMm, insideMm(stations[from], half_width_mm));
+      return outlineMm(scene, {stations[from].p_S_mm + aside, outward, strip_mm, leg->brightness, inside_mm});
+    };
     if (leg) {
-      const Eigen::Vector2d aside = leg->offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
-      const double inside_mm = insideMm(stations[from], half_width_mm);
-      const Eigen::Vector2d p_S_mm = stations[from].p_S_mm + aside;
-      const auto at = outlineMm(scene, {p_S_mm, outward, strip_mm, leg->brightness, inside_mm});
+      const double first_mm = besideEnd(kerf, station_mm).value_or(leg->offset_mm);
+      auto at = lookAt(first_mm);
+      const double short_mm = at ? std::clamp(-*at, 0.0, kEndInsideMm) : 0.0;
+      if (const auto offset_mm = besideEnd(kerf, station_mm + (end.at_start ? short_mm : -short_mm)))
+        at = lookAt(*offset_mm);
       if (at) {
-        const KerfOutline outline = outlineOf(scene, p_S_mm, half_width_mm, leg->brightness);
+        const KerfOutline outline = outlineOf(scene, stations[from].p_S_mm, half_width_mm, leg->brightness);
         out.found = true;
         out.gap_mm = std::abs(station_mm - stationOfEnd(scene, end)) +
                      outline.reachMm(outward, strip_mm, {.tangent_in = outward}) - *at;
-        out.sigma_mm = lookSigma(leg->sigma_mm, strip_mm, leg->brightness);
+        out.sigma_mm = endSigma(leg->sigma_mm, strip_mm, leg->brightness);
         return out;
       }
     }
@@ -257,15 +259,15 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
 LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const EntityKerf& kerf = (*scene.kerfs)[start.plan];
   LineEnd out{.unit = scene.unit, .entity = kerf.entity, .at_start = true, .gap_mm = kNan, .sigma_mm = kNan};
-  const auto begin = legAt(kerf, 0.0);
-  const auto finish = legAt(kerf, scene.plan->entities[start.plan].length_mm);
+  const auto begin = legAt(kerf, 0.0, kLegFromMm);
+  const auto finish = legAt(kerf, scene.plan->entities[start.plan].length_mm, kLegFromMm);
   if (!begin || !finish) return out;
   const double half_width_mm = 0.5 * (begin->half_width_mm + finish->half_width_mm);
   const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
   const double brightness = std::min(begin->brightness, finish->brightness);
   const Eigen::Vector2d left(start.outward.y(), -start.outward.x());  // outward runs against the curve
   const double inside_mm = insideMm(stationAt(scene, start), half_width_mm);
-  const auto look = [&](const Leg& leg, const Eigen::Vector2d& outward) {
+  const auto look = [&](const KerfLeg& leg, const Eigen::Vector2d& outward) {
     return outlineMm(scene, {start.p_S_mm + leg.offset_mm * left, outward, strip_mm, brightness, inside_mm});
   };
   // Each end seen from its own side; where the kerf goes on there is no end to see.
@@ -273,7 +275,7 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   const auto after = look(*begin, start.outward);
   out.found = true;
   out.sigma_mm =
-      std::numbers::sqrt2 * lookSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
+      std::numbers::sqrt2 * endSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
   out.gap_mm = 0.0;
   if (before && after) {
     const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);

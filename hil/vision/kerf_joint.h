@@ -19,8 +19,9 @@ struct JointScene {
   int unit{};
 };
 
-/// The corner as cut, seen along its bisector from outside and along both legs. The kerf's centre line lies
-/// half a kerf inside its outline; KerfOutline tells what a perfect corner would show.
+/// The corner as cut, seen along its bisector from outside and along both legs, from where the legs as cut
+/// would meet. The kerf's centre line lies half a kerf inside its outline; KerfOutline tells what a perfect
+/// corner would show.
 CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner);
 
 /// Where a kerf ends, from the outline beyond it along the curve.

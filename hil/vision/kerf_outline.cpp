@@ -2,17 +2,21 @@
 #include "hil/vision/kerf_outline.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace kerfbench::hil {
 namespace {
 
-constexpr int kStripLines = 5;
-constexpr double kLensPx = 0.65;
+constexpr int kStripLines = 11;
+constexpr double kLensPx = 0.70;  // pixel's own area included
+constexpr double kPeakPx = 0.55;  // half of the middle that a caliper takes the brightness from
 constexpr double kSplinePx = 0.7071;
+constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
 constexpr double kStepsPerPx = 4.0;
 constexpr double kReachMm = 0.45;  // of a look, each way
+constexpr int kTopSamples = 40;
 constexpr int kArcElements = 12;
 constexpr double kMostShare = 50.0;
 
@@ -48,17 +52,33 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
     peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
     return;
   }
-  // The wider, the more energy; a kerf that is not open tells by its light.
+  // The wider, the more energy; a kerf that is not open tells by its light, which the lens has dimmed.
+  const bool open = look_.brightness > 0.85;
   double low = std::max(1e-3, std::min(1.0, seen_peak));
-  double high = look_.brightness > 0.85 ? kMostShare : low;
+  double high = kMostShare;
   for (int i = 0; i < 30 && high / low > 1.001; ++i) {
     const double middle = std::sqrt(low * high);
-    (seenHalf(middle, 0.0) < look_.half_width_mm ? low : high) = middle;
+    const bool less = open ? seenHalf(middle, 0.0) < look_.half_width_mm : seenTop(middle) < top;
+    (less ? low : high) = middle;
   }
   peak_share_ = std::sqrt(low * high);
 }
 
 int KerfOutline::samplesOfLook() const { return 1 + static_cast<int>(2.0 * kReachMm / step_mm_); }
+
+double KerfOutline::seenTop(double peak) const {
+  const double sigma_mm = std::hypot(kLensPx, kPeakPx / std::numbers::sqrt3) * look_.pixel_mm;
+  double sum = 0.0;
+  double weight = 0.0;
+  for (int i = -kTopSamples; i <= kTopSamples; ++i) {
+    const double y = 3.5 * sigma_mm * i / kTopSamples;
+    const double a = y / look_.beam_radius_mm;
+    const double w = std::exp(-0.5 * y * y / (sigma_mm * sigma_mm));
+    sum += w * grayAt(peak * std::exp(-2.0 * a * a));
+    weight += w;
+  }
+  return sum / weight;
+}
 
 double KerfOutline::grayAt(double share) const {
   const double left = 1.0 - std::min(1.0, share);
@@ -141,19 +161,26 @@ double KerfOutline::shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, con
 
 double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, const BeamWay& way) const {
   const Eigen::Vector2d beside(-direction.y(), direction.x());
-  // The lens averages across the strip too.
+  // Across the strip the lens averages too, and pixels count in part at its ends.
   const double lens_mm = kLensPx * look_.pixel_mm;
-  const double wide_mm = std::sqrt(strip_mm * strip_mm + 3.0 * lens_mm * lens_mm);
+  const double even_mm =
+      std::sqrt(strip_mm * strip_mm + 3.0 * kStripEndsPx2 * look_.pixel_mm * look_.pixel_mm);
+  std::vector<std::array<double, 2>> lines;  // Place and weight.
+  double weights = 0.0;
+  for (int i = 0; i < kStripLines; ++i) {
+    const double y = (even_mm + 2.5 * lens_mm) * (2.0 * (i + 0.5) / kStripLines - 1.0);
+    const double to = std::numbers::sqrt2 * lens_mm;
+    lines.push_back({y, std::erf((y + even_mm) / to) - std::erf((y - even_mm) / to)});
+    weights += lines.back()[1];
+  }
   const Path path = pathOf(way);
   std::vector<double> gray;
   for (int k = 0; k < samplesOfLook(); ++k) {
     const double x = -kReachMm + k * step_mm_;
     double sum = 0.0;
-    for (int i = 0; i < kStripLines; ++i) {
-      const double y = wide_mm * (2.0 * (i + 0.5) / kStripLines - 1.0);
-      sum += grayAt(shareAt(x * direction + y * beside, way, path));
-    }
-    gray.push_back(sum / kStripLines);
+    for (const auto& [y, weight] : lines)
+      sum += weight * grayAt(shareAt(x * direction + y * beside, way, path));
+    gray.push_back(sum / weights);
   }
   return fallMm(gray, -kReachMm);
 }

@@ -56,6 +56,8 @@ class KerfOutline {
   [[nodiscard]] double shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, const Path& path) const;
   [[nodiscard]] int samplesOfLook() const;
   [[nodiscard]] double grayAt(double share) const;
+  /// Of the middle of a straight kerf.
+  [[nodiscard]] double seenTop(double peak) const;
   /// Of a profile that falls outwards, blurred: where it crosses half way.
   [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;
 

@@ -59,9 +59,14 @@ struct CornerKerf {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Nominal.
   double turn_rad{};                                ///< From the tangent in to the tangent out, (-pi, pi].
   bool found{};
-  double rounding_mm{};   ///< Largest distance of the kerf's centre line inside the nominal corner; >= 0.
-  double overshoot_mm{};  ///< Largest distance outside; >= 0.
-  double sigma_mm{};      ///< Standard uncertainty of both.
+  /// How the corner is cut, relative to where its own legs as cut would meet: a cut that is displaced as a
+  /// whole has neither.
+  double rounding_mm{};   ///< Distance of the kerf's centre line inside of that place; >= 0.
+  double overshoot_mm{};  ///< How far the farther leg runs on beyond it, along the leg; >= 0.
+  /// Where the corner lies: the farthest that the kerf's centre line here lies from the nominal dieline, or
+  /// the nominal corner from the centre line (Hausdorff distance); >= 0. A displaced cut has it.
+  double deviation_mm{};
+  double sigma_mm{};  ///< Standard uncertainty of each, without pose and map.
 };
 
 /// Where an open entity begins or ends freely.

@@ -130,6 +130,20 @@ TEST(GaugeTruth, OfACornerIsRoundingOrOvershoot) {
   EXPECT_NEAR(truthOf({{.kind = FaultKind::kCorner, .size_mm = -0.07}}).overshoot_mm, 0.07, 1e-12);
 }
 
+TEST(GaugeTruth, OfACornerThatIsDisplacedIsNeitherRoundingNorOvershootButADeviation) {
+  const Fault offset{.kind = FaultKind::kOffset, .size_mm = 0.05, .direction_rad = 0.25 * std::numbers::pi};
+  const CutTruth displaced = truthOf({offset});
+  EXPECT_NEAR(displaced.rounding_mm, 0.0, 1e-9);
+  EXPECT_NEAR(displaced.overshoot_mm, 0.0, 1e-9);
+  EXPECT_NEAR(displaced.corner_mm, 0.05, 1e-4);  // Outwards, along the bisector.
+  const CutTruth rounded = truthOf({{.kind = FaultKind::kCorner, .size_mm = 0.07}, offset});
+  EXPECT_NEAR(rounded.rounding_mm, 0.07, 1e-4);
+  EXPECT_LT(rounded.corner_mm, 0.05);
+  const CutTruth run_over = truthOf({{.kind = FaultKind::kCorner, .size_mm = -0.07}, offset});
+  EXPECT_NEAR(run_over.overshoot_mm, 0.07, 1e-9);
+  EXPECT_GT(run_over.corner_mm, 0.1);
+}
+
 TEST(GaugeTruth, OfAScaledCircleIsNoLackOfRoundness) {
   const CutTruth truth = truthOf({{.kind = FaultKind::kScale, .size_mm = 0.08}});
   // Its middle is shifted by 40 um: what lies normal to the nominal circle is then not quite one harmonic.

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using namespace testing;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A flawless run with all corners of its outline and all ends of its crease.
+struct JointRun : SyntheticRun {
+  JointRun() {
+    for (int unit = 0; unit < evidence.print.units; ++unit) {
+      for (const int in : {kBottom, kRight, kTop, kLeft}) {
+        const int out = in == kLeft ? kBottom : in + 1;
+        evidence.kerf.corners.push_back({.unit = unit,
+                                         .entity_in = in,
+                                         .entity_out = out,
+                                         .p_S_mm = pointAt(curveOf(in), 1.0),
+                                         .turn_rad = 1.5708,
+                                         .found = true,
+                                         .rounding_mm = 0.002,
+                                         .overshoot_mm = 0.0,
+                                         .deviation_mm = 0.003,
+                                         .sigma_mm = 0.001});
+      }
+      for (const bool at_start : {true, false})
+        evidence.kerf.ends.push_back({unit, kCreaseLine, at_start, true, 0.004, 0.002});
+      evidence.kerf.ends.push_back({unit, kHole, true, true, 0.0, 0.002});
+    }
+  }
+  [[nodiscard]] const Curve& curveOf(int id) const {
+    return dieline.entities[static_cast<std::size_t>(id)].curve;
+  }
+  [[nodiscard]] CornerKerf& corner(std::size_t i) { return evidence.kerf.corners.at(i); }
+  [[nodiscard]] LineEnd& end(std::size_t i) { return evidence.kerf.ends.at(i); }
+};
+
+TEST(JointsCheck, PassesAFlawlessRunAndIsLeftOutWithoutJoints) {
+  JointRun run;
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kPass);
+  EXPECT_EQ(result.verdict, Verdict::kPass);
+  EXPECT_FALSE(hasCheck(SyntheticRun().inspected(), "joints"));
+}
+
+TEST(JointsCheck, ProvesACornerAndTellsWhy) {
+  JointRun run;
+  run.corner(1).rounding_mm = 0.08;
+  run.corner(1).deviation_mm = 0.075;
+  const auto result = run.inspected();
+  const Check& joints = checkOf(result, "joints");
+  EXPECT_EQ(joints.verdict, Verdict::kFail);
+  EXPECT_EQ(joints.subject, "unit 0, E1");
+  EXPECT_NEAR(joints.value, 0.075, 0.003);
+  EXPECT_GT(joints.chance_beyond, 0.999);
+  EXPECT_NE(joints.explanation.find("corner to E2 at x 60.00, y 40.00 mm"), std::string::npos)
+      << joints.explanation;
+  EXPECT_NE(joints.explanation.find("rounded off by 0.0800 mm"), std::string::npos) << joints.explanation;
+  EXPECT_EQ(result.verdict, Verdict::kFail);
+}
+
+TEST(JointsCheck, ACornerThatIsOnlyDisplacedDeviates) {
+  JointRun run;
+  run.corner(0).deviation_mm = 0.075;
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kFail);
+}
+
+TEST(JointsCheck, RoundingAloneIsNoDeviation) {
+  // Of a cut that is displaced outwards by about as much.
+  JointRun run;
+  run.corner(0).rounding_mm = 0.075;
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kPass);
+}
+
+TEST(JointsCheck, AnEndNeitherShortNorLongByMoreThanThePathMayBe) {
+  for (const double gap_mm : {0.06, -0.06}) {
+    JointRun run;
+    run.end(1).gap_mm = gap_mm;
+    const auto result = run.inspected();
+    const Check& joints = checkOf(result, "joints");
+    EXPECT_EQ(joints.verdict, Verdict::kFail);
+    EXPECT_NE(joints.explanation.find(gap_mm > 0.0 ? "0.0600 mm too early" : "0.0600 mm too late"),
+              std::string::npos)
+        << joints.explanation;
+  }
+}
+
+TEST(JointsCheck, AnOpenClosureFails) {
+  JointRun run;
+  run.end(2).gap_mm = 0.07;
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kFail);
+  EXPECT_NE(checkOf(result, "joints").explanation.find("0.0700 mm are left uncut"), std::string::npos);
+}
+
+TEST(JointsCheck, WithinItsUncertaintyOfTheLimitNothingIsProven) {
+  for (const double gap_mm : {0.049, 0.051}) {
+    JointRun run;
+    run.end(0).gap_mm = gap_mm;
+    EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kNotProven) << gap_mm;
+  }
+}
+
+TEST(JointsCheck, NoJointWithinReachOfAFaultPasses) {
+  // Even where it is measured badly.
+  JointRun run;
+  run.end(0).gap_mm = 0.04;
+  run.end(0).sigma_mm = 0.006;
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kNotProven);
+}
+
+TEST(JointsCheck, TheLimitIsThatOfThePath) {
+  JointRun run;
+  run.end(0).gap_mm = 0.08;
+  run.limits.path_mm = 0.1;
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(run.inspected(), "joints").limit, 0.1);
+}
+
+TEST(JointsCheck, AJointThatWasNotMeasuredIsInvalidAndNumbersThatAreNoneToo) {
+  JointRun unseen;
+  unseen.corner(2).found = false;
+  EXPECT_EQ(checkOf(unseen.inspected(), "joints").verdict, Verdict::kInvalid);
+  EXPECT_NE(checkOf(unseen.inspected(), "joints").explanation.find("could not be measured"),
+            std::string::npos);
+  for (const auto bend :
+       {+[](JointRun& r) { r.corner(0).deviation_mm = kNan; },
+        +[](JointRun& r) { r.corner(0).sigma_mm = kNan; }, +[](JointRun& r) { r.end(0).gap_mm = kNan; },
+        +[](JointRun& r) { r.end(0).sigma_mm = kNan; }}) {
+    JointRun run;
+    bend(run);
+    EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kInvalid);
+    EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+  }
+}
+
+TEST(JointsCheck, WhatIsNotCutAtAllIsLeftToCoverage) {
+  JointRun run;
+  for (Caliper& c : run.kerf(0, kTop).calipers) {
+    c.found = false;
+    c.offset_mm = c.width_mm = kNan;
+    c.brightness = 0.0;
+  }
+  for (CornerKerf& c : run.evidence.kerf.corners) {
+    if (c.unit == 0 && (c.entity_in == kTop || c.entity_out == kTop)) c.found = false;
+  }
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(run.inspected(), "coverage").verdict, Verdict::kFail);
+}
+
+TEST(JointsCheck, CornersOfTwoProcessesAreCountedAndNotJudged) {
+  JointRun run;
+  run.corner(0).entity_out = kCreaseLine;
+  run.corner(0).deviation_mm = 0.2;
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kPass);
+  EXPECT_NE(checkOf(result, "joints").explanation.find("1 corners of two processes"), std::string::npos);
+}
+
+TEST(Joints, DeviationCarriesTheUncertaintyOfThePlaceAndRoundingDoesNot) {
+  JointRun run;
+  const auto result = run.inspected();
+  const auto of = [&](JointResult::Kind kind) {
+    for (const JointResult& j : result.joints) {
+      if (j.kind == kind) return j.mm;
+    }
+    return Quantity{};
+  };
+  EXPECT_NEAR(of(JointResult::Kind::kRounding).U, 0.002, 1e-9);
+  EXPECT_GT(of(JointResult::Kind::kCorner).U, 0.002);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Corners of cuts that are displaced, rounded and run over; ends of creases.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "hil/vision/corner_shape.h"
+#include "tests/hil/vision/kerf_twin.h"
+#include "tests/hil/vision/synthetic.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+using test::TwinCut;
+
+constexpr double kPi = std::numbers::pi;
+
+Vector2d along(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+
+/// A right corner between the x and the y axis.
+CornerShape rightCorner() { return {.tangent_in = Vector2d::UnitX(), .tangent_out = Vector2d::UnitY()}; }
+
+TEST(CornerShape, OfAPerfectCornerDoesNotDeviate) { EXPECT_EQ(deviationMm(rightCorner()), 0.0); }
+
+TEST(CornerShape, DeviatesByItsRoundingOrByWhatItRunsOver) {
+  CornerShape shape = rightCorner();
+  shape.rounding_mm = 0.06;
+  EXPECT_NEAR(deviationMm(shape), 0.06, 1e-9);
+  // What noise leaves of an overrun does not close a corner that is cut.
+  shape.over_in_mm = 0.001;
+  EXPECT_NEAR(deviationMm(shape), 0.06, 1e-9);
+  shape.over_in_mm = 0.07;
+  shape.rounding_mm = 0.001;
+  EXPECT_NEAR(deviationMm(shape), 0.07, 1e-9);
+}
+
+TEST(CornerShape, DeviatesByHowFarItsVertexIsDisplacedAlongTheBisector) {
+  for (const double sign : {1.0, -1.0}) {
+    CornerShape shape = rightCorner();
+    shape.vertex_mm = sign * Vector2d(0.03, -0.03);
+    EXPECT_NEAR(deviationMm(shape), std::hypot(0.03, 0.03), 1e-9) << sign;
+  }
+}
+
+TEST(CornerShape, AddsRoundingToADisplacementInwardsAndTakesItFromOneOutwards) {
+  const Vector2d outwards = Vector2d(1.0, -1.0).normalized();
+  CornerShape shape = rightCorner();
+  shape.rounding_mm = 0.04;
+  shape.vertex_mm = -0.02 * outwards;
+  EXPECT_NEAR(deviationMm(shape), 0.06, 1e-9);
+  shape.vertex_mm = 0.02 * outwards;
+  // The legs now lie farther off than the arc: 0.02 mm times the cosine of 45 degrees.
+  EXPECT_NEAR(deviationMm(shape), 0.02, 1e-9);
+}
+
+TEST(CornerShape, OfLegsThatLieAsideMeetsWhereTheirLinesCross) {
+  for (const double turn : {0.3 * kPi, -0.5 * kPi, 0.7 * kPi}) {
+    const Vector2d in = along(0.4);
+    const Vector2d out = along(0.4 + turn);
+    const Vector2d shift(0.031, -0.017);
+    const auto aside = [&](const Vector2d& t) { return shift.dot(Vector2d(-t.y(), t.x())); };
+    EXPECT_LT((vertexOf(in, aside(in), out, aside(out)) - shift).norm(), 1e-12);
+  }
+}
+
+struct Asked {
+  Vector2d shift_mm;
+  double rounding_mm, over_mm;
+};
+
+/// Eight corners of one turn in eight directions.
+struct Corners {
+  TwinCut cut;
+  struct Way {
+    Vector2d corner, in, out;
+  };
+  std::vector<Way> ways;
+
+  Corners(double turn, const Asked& asked, std::uint64_t seed) {
+    cut.seed = cut.camera.board_seed = seed;
+    for (int i = 0; i < 8; ++i) {
+      const Way way{{-12.0 + 8.0 * (i % 4), i < 4 ? 4.0 : -4.0}, along(0.8 * i), along(0.8 * i + turn)};
+      ways.push_back(way);
+      // Every other entity runs against the way.
+      const Vector2d from = way.corner - 2.5 * way.in;
+      const Vector2d to = way.corner + 2.5 * way.out;
+      cut.share_of[cut.add(i % 2 == 0 ? LineCurve{from, way.corner} : LineCurve{way.corner, from})] = 0.0;
+      cut.share_of[cut.add(i % 3 == 0 ? LineCurve{to, way.corner} : LineCurve{way.corner, to})] = 0.0;
+    }
+    const double radius_mm = asked.rounding_mm / (1.0 / std::cos(0.5 * turn) - 1.0);
+    const double before_mm = radius_mm * std::tan(0.5 * std::abs(turn)) - asked.over_mm;
+    cut.also = [=, this](twin::Sheet& sheet) {
+      for (const Way& way : ways) {
+        const Vector2d corner = way.corner + asked.shift_mm;
+        const Vector2d stop = corner - before_mm * way.in;
+        cut.burn(sheet, corner - 2.5 * way.in, stop, 1.5);
+        cut.burn(sheet, corner + before_mm * way.out, corner + 2.5 * way.out, 1.5);
+        if (radius_mm <= 0.0) continue;
+        const Vector2d centre = stop + std::copysign(radius_mm, turn) * Vector2d(-way.in.y(), way.in.x());
+        const Vector2d from = stop - centre;
+        cut.burn(sheet, ArcCurve{centre, radius_mm, std::atan2(from.y(), from.x()), turn}, 0.0, 1.5);
+      }
+    };
+  }
+};
+
+TEST(KerfCorner, IsMeasuredAgainstItsOwnLegsWhereverTheCutLies) {
+  for (const double turn : {0.5 * kPi, -0.4 * kPi}) {
+    std::vector<double> roundings, overshoots, deviations, zs;
+    std::uint64_t seed = 0;
+    for (const Asked& asked : {Asked{{0.05, 0.02}, 0.0, 0.0}, Asked{{-0.03, 0.04}, 0.06, 0.0},
+                               Asked{{0.04, -0.03}, 0.0, 0.06}, Asked{{0.0, 0.0}, 0.06, 0.0}}) {
+      const Corners corners(turn, asked, ++seed);
+      const KerfScan scan = corners.cut.scan();
+      ASSERT_EQ(scan.corners.size(), 8U);
+      for (const CornerKerf& corner : scan.corners) {
+        ASSERT_TRUE(corner.found);
+        const auto way = std::min_element(corners.ways.begin(), corners.ways.end(), [&](auto& a, auto& b) {
+          return (a.corner - corner.p_S_mm).norm() < (b.corner - corner.p_S_mm).norm();
+        });
+        const double deviation = deviationMm({.tangent_in = way->in,
+                                              .tangent_out = way->out,
+                                              .vertex_mm = asked.shift_mm,
+                                              .rounding_mm = asked.rounding_mm,
+                                              .over_in_mm = asked.over_mm,
+                                              .over_out_mm = asked.over_mm});
+        roundings.push_back(corner.rounding_mm - asked.rounding_mm);
+        overshoots.push_back(corner.overshoot_mm - asked.over_mm);
+        deviations.push_back(corner.deviation_mm - deviation);
+        for (const double e : {roundings.back(), overshoots.back(), deviations.back()})
+          zs.push_back(e / corner.sigma_mm);
+      }
+    }
+    const test::Statistics r = test::statisticsOf(roundings);
+    const test::Statistics o = test::statisticsOf(overshoots);
+    const test::Statistics d = test::statisticsOf(deviations);
+    const test::Statistics z = test::statisticsOf(zs);
+    std::printf(
+        "  turn %.2f: rounding %.2f +- %.2f um, overshoot %.2f +- %.2f um, deviation %.2f +- %.2f um, "
+        "z %.2f\n",
+        turn, 1e3 * r.mean, 1e3 * r.sigma, 1e3 * o.mean, 1e3 * o.sigma, 1e3 * d.mean, 1e3 * d.sigma,
+        std::hypot(z.mean, z.sigma));
+    EXPECT_LT(std::hypot(r.mean, r.sigma), 0.002);
+    EXPECT_LT(std::hypot(o.mean, o.sigma), 0.002);
+    EXPECT_LT(std::hypot(d.mean, d.sigma), 0.0025);
+    EXPECT_LT(std::hypot(z.mean, z.sigma), 1.3);
+  }
+}
+
+TEST(KerfCorner, OfACreaseHasEndsWhereTheBeamStopped) {
+  std::vector<double> errors, zs;
+  std::uint64_t seed = 0;
+  for (const double share : {0.55, 0.7, 0.85}) {
+    TwinCut cut;
+    cut.seed = cut.camera.board_seed = ++seed;
+    for (int i = 0; i < 14; ++i) {
+      const Vector2d t = along(i * 0.47 + 0.1);
+      const Vector2d middle(-14.0 + 4.0 * (i % 7), i < 7 ? 4.0 : -4.0);
+      cut.share_of[cut.add(LineCurve{middle - 1.7 * t, middle + 1.7 * t}, Process::kCrease)] = share;
+    }
+    const KerfScan scan = cut.scan();
+    ASSERT_EQ(scan.ends.size(), 28U);
+    std::vector<double> own;
+    for (const LineEnd& end : scan.ends) {
+      ASSERT_TRUE(end.found) << end.entity;
+      own.push_back(end.gap_mm);
+      errors.push_back(end.gap_mm);
+      zs.push_back(end.gap_mm / end.sigma_mm);
+    }
+    const test::Statistics e = test::statisticsOf(own);
+    std::printf("  share %.2f: bias %.2f um, sigma %.2f um\n", share, 1e3 * e.mean, 1e3 * e.sigma);
+  }
+  const test::Statistics e = test::statisticsOf(errors);
+  const test::Statistics z = test::statisticsOf(zs);
+  EXPECT_LT(std::abs(e.mean), 0.002);
+  EXPECT_LT(std::hypot(z.mean, z.sigma), 1.3);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
