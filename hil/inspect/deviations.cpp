@@ -44,7 +44,9 @@ constexpr double kSigmaOfMad = 1.4826;
 // A width is the difference of two flanks, an offset their mean: twice as much if they erred each for itself;
 // what artefacts of known width show (`kerfbench gauge`).
 constexpr double kFlanks = 1.4;
-constexpr double kBlurShare = 0.12;  // Of what blur adds to a width: how well the lens's blur is known.
+// Of what blur adds to a width: how well the lens's blur is known, and how well one kerf's shape tells it.
+constexpr double kBlurShare = 0.06;
+constexpr double kOwnBlurShare = 0.035;
 
 struct KerfWidth {
   Quantity width;
@@ -83,7 +85,8 @@ KerfWidth widthOf(const EntityKerf& kerf, const ReadingLine& line) {
     n += 1.0;
   }
   const double u_blur_mm = kBlurShare * kerf.widening_mm;
-  const double u_own_mm = std::hypot(std::sqrt(variance), steady) / n;
+  const double u_own_mm =
+      std::hypot(std::hypot(std::sqrt(variance), steady) / n, kOwnBlurShare * kerf.widening_mm);
   return {{sum / n, 2.0 * std::hypot(u_own_mm, u_blur_mm)}, 2.0 * u_own_mm};
 }
 

@@ -77,6 +77,7 @@ void addKerf(const KerfScan& scan, Numbers& n) {
   for (const CornerKerf& corner : scan.corners) {
     n.need(corner.p_S_mm, "the place of a corner");
     n.need(corner.turn_rad, "the turn of a corner");
+    n.needUnless(!corner.found, corner.deviation_mm, "the deviation at a corner");
     n.needUnless(!corner.found, corner.rounding_mm, "the rounding of a corner");
     n.needUnless(!corner.found, corner.overshoot_mm, "the overshoot of a corner");
     n.needUnless(!corner.found, corner.sigma_mm, "the uncertainty of a corner");

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test and kerf_corner_test.
-constexpr double kEndMm = 0.0013;
+constexpr double kEndMm = 0.0015;
 constexpr double kFaintEndMm = 0.0018;
 constexpr double kCornerMm = 0.0009;
 constexpr double kFaintCornerMm = 0.0018;

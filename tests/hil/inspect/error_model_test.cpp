@@ -149,13 +149,15 @@ TEST(Joints, HaveTheirPlaceAndTwiceTheirSigma) {
   EXPECT_LT((jointOf(run, JointResult::Kind::kEndGap).p_S_mm - Vector2d(30, 38)).norm(), 1e-9);
 }
 
-TEST(Joints, OfTheSheetsPlaceOnlyAClosureKnowsNothing) {
+TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
   SyntheticRun run = withJoints();
   for (UnitPose& pose : run.evidence.kerf.units)
     pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
-  EXPECT_GT(jointOf(run, JointResult::Kind::kRounding).mm.U, 0.02);
+  EXPECT_GT(jointOf(run, JointResult::Kind::kCorner).mm.U, 0.02);
   EXPECT_GT(jointOf(run, JointResult::Kind::kEndGap).mm.U, 0.02);
-  // Both of its sides move with the sheet.
+  // Held against the kerf's own legs, or its own begin: all of that moves with the sheet.
+  for (const auto kind : {JointResult::Kind::kRounding, JointResult::Kind::kOvershoot})
+    EXPECT_NEAR(jointOf(run, kind).mm.U, 0.006, 1e-9);
   EXPECT_NEAR(jointOf(run, JointResult::Kind::kClosure, true).mm.U, 0.006, 1e-9);
 }
 

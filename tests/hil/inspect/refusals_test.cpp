@@ -93,6 +93,7 @@ const std::vector<Field>& fields() {
       {"caliper width", [](Run& r) -> double& { return caliper(r).width_mm; }},
       {"caliper width sigma", [](Run& r) -> double& { return caliper(r).width_sigma_mm; }},
       {"caliper brightness", [](Run& r) -> double& { return caliper(r).brightness; }},
+      {"corner deviation", [](Run& r) -> double& { return r.evidence.kerf.corners[0].deviation_mm; }},
       {"corner rounding", [](Run& r) -> double& { return r.evidence.kerf.corners[0].rounding_mm; }},
       {"corner overshoot", [](Run& r) -> double& { return r.evidence.kerf.corners[0].overshoot_mm; }},
       {"corner sigma", [](Run& r) -> double& { return r.evidence.kerf.corners[0].sigma_mm; }},
