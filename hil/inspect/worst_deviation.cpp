@@ -14,7 +14,7 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kDraws = 500;
+constexpr int kDraws = 1000;
 constexpr std::uint64_t kStreams = 4;  // Of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 

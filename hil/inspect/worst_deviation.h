@@ -49,9 +49,10 @@ struct LineKind {
 /// extreme of noisy values and so too large on average. By how much, and how far it scatters, is simulated: a
 /// likely truth (the estimates, drawn in towards a smooth trend of the line until only the scatter is left
 /// that noise does not explain) gets noise and shared errors drawn from the model and is measured in the same
-/// way, 500 times; the basic bootstrap gives value and U. The budget finds both again without simulation,
-/// from the crossing rate of the noise (Rice 1945) and gradients. RMS is of the readings, less the square
-/// that their uncertainty adds.
+/// way, 1000 times: the mean of what comes out corrects the value, twice its standard deviation is U. What
+/// the likely truth itself still owes to noise is hidden from that; worst_hidden bounds it. The budget finds
+/// both again without simulation (extreme_budget.h). RMS is of the readings, less the square that their
+/// uncertainty adds.
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
                                   double limit_mm, std::uint64_t seed);
 
