@@ -58,7 +58,7 @@ struct JobParameters {
 
 /// Deliberate mistakes, for releases that the bench must fail.
 struct PlannerFaults {
-  bool ignore_belt{false};    ///< x' = x, without v t.
+  bool ignore_belt{false};  ///< x' = x, without v t.
   /// x' = x + v t with the speed planned for and nothing else: the belt encoder tells when to begin, and is
   /// not followed then. The third regime of Hu, Hu, Jiang 2014 with v the mean over the cut, taken literally.
   bool mean_speed{false};
