@@ -59,7 +59,8 @@ std::string checkNumber(const Check& check, double value) {
   if (check.unit == "mm") return fmt::format("{:.4f} mm", value);
   if (check.unit == "us") return fmt::format("{:.2f} µs", value);
   if (check.unit == "ms") return fmt::format("{:.2f} ms", value);
-  if (check.name == "coverage" || check.name == "depth" || check.name == "perforation") {
+  if (check.name == "coverage" || check.name == "depth" || check.name == "perforation" ||
+      check.name == "spot_seen") {
     return fmt::format("{:.1f} %", 100.0 * value);
   }
   return check.unit.empty() ? fmt::format("{:.2f}", value) : fmt::format("{:.4g} {}", value, check.unit);
