@@ -10,6 +10,7 @@
 #include "hil/inspect/checks.h"
 #include "hil/inspect/cut_readings.h"
 #include "hil/inspect/error_model.h"
+#include "hil/inspect/extreme.h"
 #include "hil/inspect/spot_checks.h"
 #include "hil/inspect/worst_deviation.h"
 
@@ -19,6 +20,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMinNormalX = 0.7;    ///< Steeper lines do not let x be seen.
 constexpr std::size_t kMinFrames = 5;  ///< For a slope that means something.
+constexpr double kFaint = 4.0;         ///< Times the noise of a cut's other frames.
 constexpr std::uint64_t kSeed = 0x7374696c6c6d6d31ULL;
 
 /// The entity with the most frames of a run; -1 if none has any.
@@ -32,6 +34,22 @@ int entityOfRun(const LitFrames& lit, const LitRun& run) {
   return most == frames.end() ? -1 : most->first;
 }
 
+/// Whether a frame shows x of the spot on a line.
+bool showsX(const LitFrame& frame) {
+  return (frame.entity >= 0 || frame.left_entity >= 0) && !frame.ambiguous &&
+         std::abs(frame.n_x) >= kMinNormalX;
+}
+
+/// Frames that the laser lit for a part of the exposure only, as at the ends of a cut: the spot is faint, and
+/// the sheet's place is that of another moment. Told by the stated noise alone, never by the reading.
+double faintestSigma_mm(const LitFrames& lit, const LitRun& run) {
+  std::vector<double> sigma_mm;
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (showsX(lit.frames[i])) sigma_mm.push_back(lit.frames[i].sigma_mm);
+  }
+  return sigma_mm.empty() ? 0.0 : kFaint * medianOf(std::move(sigma_mm));
+}
+
 CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& run, const ModeField& field,
                   CutReadings& readings) {
   CutResult cut;
@@ -42,11 +60,11 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
   cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
   cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;
+  const double faintest_mm = faintestSigma_mm(lit, run);
   readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), field.modes());
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
-    if (frame.entity < 0 && frame.left_entity < 0) continue;
-    if (frame.ambiguous || std::abs(frame.n_x) < kMinNormalX) continue;
+    if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
     const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
     const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
     for (Eigen::Index k = 0; k < field.modes(); ++k) {

@@ -47,6 +47,18 @@ TEST(Excursion, AnOffsetIsNone) {
   EXPECT_NEAR(cut.drift_mm, 0.0, 2.0 * cut.drift_sigma_mm);
 }
 
+TEST(Excursion, AFrameThatWasLitInPartTellsNothing) {
+  SyntheticRun run;
+  const CutResult even = cutOf(run.inspected(), 0, kCreaseLine);
+  run.shiftSpot(0, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s < 5e-4 ? 0.045 : 0.0, 0.0); });
+  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+    if (std::abs(frame.mid_s - even.start_s) < 1e-6) frame.spot_sigma_mm = 0.03;
+  }
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "stillness_peak").verdict, Verdict::kPass);
+  EXPECT_EQ(cutOf(result, 0, kCreaseLine).frames, even.frames - 1);
+}
+
 TEST(Excursion, ASpotThatLeavesItsLineIsStillMeasured) {
   SyntheticRun run;
   run.shiftSpot(0, kCreaseLine, [](double t_s) {
