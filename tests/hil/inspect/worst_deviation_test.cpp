@@ -2,8 +2,8 @@
 // The largest deviation of many readings, its uncertainty, and the budget of it without simulation.
 #include "hil/inspect/worst_deviation.h"
 
-#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,8 +52,8 @@ TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
   };
   // The mean of the larger of two normal values is sigma / sqrt(pi) above theirs; together they share the
   // place of their unit and differ by noise only.
-  EXPECT_NEAR(bias(1), std::hypot(0.004, 0.0005) / std::sqrt(3.14159265), 2e-5);
-  EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(3.14159265), 2e-5);
+  EXPECT_NEAR(bias(1), std::hypot(0.004, 0.0005) / std::sqrt(std::numbers::pi), 2e-5);
+  EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
 }
 
 ErrorModel oneLine(std::uint64_t seed, double truth_mm, double noise_mm) {

@@ -2,7 +2,6 @@
 // A leg of kerf beside a joint, from calipers made by hand.
 #include "hil/vision/kerf_leg.h"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 
