@@ -3,6 +3,7 @@
 #include "hil/inspect/worst_deviation.h"
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <vector>
 
@@ -80,6 +81,24 @@ TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
   model.estimator_mm = 0.003;
   const double with_U = measureDeviations(model, {LineKind{}}, 0.1, 1).all.worst.U;
   EXPECT_NEAR(with_U, std::hypot(without_U, 0.006), 1e-9);
+}
+
+TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
+  // As much truth as noise: nobody knows which of two hundred places is the worst.
+  constexpr int kLines = 20;
+  double hidden_mm = 0.0, value_mm = 0.0, ratio = 0.0;
+  for (std::uint64_t seed = 1; seed <= kLines; ++seed) {
+    const DeviationResult result = measureDeviations(oneLine(seed, 0.004, 0.004), {LineKind{}}, 0.1, seed);
+    const UncertaintyBudget& b = result.budget;
+    hidden_mm += result.all.worst_hidden / kLines;
+    value_mm += (b.analytic_value - b.monte_carlo_value) / kLines;
+    ratio += b.analytic_U / b.monte_carlo_U / kLines;
+  }
+  std::printf("  hidden %.2f um, values differ by %.2f um, U by a factor of %.2f\n", 1e3 * hidden_mm,
+              1e3 * value_mm, ratio);
+  EXPECT_GT(hidden_mm, 0.001);
+  EXPECT_LT(std::abs(value_mm), 0.1 * hidden_mm);
+  EXPECT_NEAR(ratio, 1.0, 0.1);
 }
 
 }  // namespace
