@@ -90,6 +90,26 @@ TEST(KerfWidth, IsNotMovedByFewWildReadings) {
   EXPECT_NEAR(widthOf(0, kTop), before_mm, 2e-4);
 }
 
+TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
+  SyntheticRun run;
+  const auto widths = [&] {
+    for (const EntityResult& e : run.inspected().entities) {
+      if (e.unit == 0 && e.entity == kTop) return e;
+    }
+    return EntityResult{};
+  };
+  const EntityResult sharp = widths();
+  EXPECT_EQ(sharp.width_U_mm, sharp.width_own_U_mm);
+  run.kerf(0, kTop).widening_mm = 0.02;
+  const EntityResult blurred = widths();
+  EXPECT_GT(blurred.width_own_U_mm, sharp.width_own_U_mm);
+  // How well the lens is known counts for all kerfs alike; here, a twentieth of what it adds or more.
+  const double common_U_mm =
+      std::sqrt(blurred.width_U_mm * blurred.width_U_mm - blurred.width_own_U_mm * blurred.width_own_U_mm);
+  EXPECT_GT(common_U_mm, 2.0 * 0.05 * 0.02);
+  EXPECT_LT(common_U_mm, 2.0 * 0.10 * 0.02);
+}
+
 TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   SyntheticRun run;
   constexpr double kLobe_mm = 0.03;

@@ -59,6 +59,22 @@ TEST(Excursion, AFrameThatWasLitInPartTellsNothing) {
   EXPECT_EQ(cutOf(result, 0, kCreaseLine).frames, even.frames - 1);
 }
 
+TEST(Excursion, CalibrationOfTheCameraIsPartOfTheMeanPlaceAndNotOfTheStraying) {
+  SyntheticRun run;
+  const auto cut = [&] { return cutOf(run.inspected(), 0, kCreaseLine); };
+  CameraCalibration& camera = *run.evidence.spot_calibration;
+  camera.error_modes.clear();
+  const CutResult known = cut();
+  // The principal point along x: all places shift alike.
+  camera.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
+  camera.error_modes.back()[2] = 0.03;
+  const double shift_mm = camera.mapError(0, {0.0, 0.0}).norm();
+  ASSERT_GT(shift_mm, known.offset_sigma_mm);
+  const CutResult unknown = cut();
+  EXPECT_NEAR(unknown.offset_sigma_mm, std::hypot(known.offset_sigma_mm, shift_mm), 0.02 * shift_mm);
+  EXPECT_NEAR(unknown.excursion_U_mm, known.excursion_U_mm, 0.02 * known.excursion_U_mm);
+}
+
 TEST(Excursion, ASpotThatLeavesItsLineIsStillMeasured) {
   SyntheticRun run;
   run.shiftSpot(0, kCreaseLine, [](double t_s) {

@@ -86,6 +86,7 @@ TEST(JointsCheck, AnEndNeitherShortNorLongByMoreThanThePathMayBe) {
     const auto result = run.inspected();
     const Check& joints = checkOf(result, "joints");
     EXPECT_EQ(joints.verdict, Verdict::kFail);
+    EXPECT_GT(joints.chance_beyond, 0.99);
     EXPECT_NE(joints.explanation.find(gap_mm > 0.0 ? "0.0600 mm too early" : "0.0600 mm too late"),
               std::string::npos)
         << joints.explanation;

@@ -220,12 +220,14 @@ TEST(Refusals, FramesOutOfOrderAreInvalid) {
   EXPECT_TRUE(tells(run.inspected(), "out of order"));
 }
 
-TEST(Refusals, ALateStampIsFoundByTheSequence) {
-  SyntheticRun run;
-  run.evidence.spot.frames[100].mid_s += 0.0008;
-  const InspectionResult result = run.inspected();
-  EXPECT_EQ(result.verdict, Verdict::kInvalid);
-  EXPECT_TRUE(tells(result, "do not fit the numbers of its frames, first at number 100"));
+TEST(Refusals, ALateStampIsFoundByTheSequenceAndAnEarlyOneToo) {
+  for (const double off_s : {0.0008, -0.0008}) {
+    SyntheticRun run;
+    run.evidence.spot.frames[100].mid_s += off_s;
+    const InspectionResult result = run.inspected();
+    EXPECT_EQ(result.verdict, Verdict::kInvalid);
+    EXPECT_TRUE(tells(result, "do not fit the numbers of its frames, first at number 100")) << off_s;
+  }
 }
 
 TEST(Refusals, AStampThatIsLateWithAllThatFollowIsFoundByTheSheet) {
@@ -264,6 +266,17 @@ TEST(Refusals, DarkFramesWithinACutAreInvalid) {
   EXPECT_EQ(checkOf(result, "spot_seen").verdict, Verdict::kInvalid);
   EXPECT_NE(checkOf(result, "spot_seen").explanation.find("In 3 of "), std::string::npos);
   EXPECT_EQ(result.verdict, Verdict::kInvalid);
+}
+
+TEST(Refusals, OneDarkFrameAmongFaintOnesIsExcused) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const std::size_t dark = frameAt(run, run.evidence.gates.front().on_s + 0.1);
+  frames[dark].spot_W_mm.reset();
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid);
+  // The frame before it places the spot three times worse than usual: it glows faintly there.
+  frames[dark - 1].spot_sigma_mm *= 3.0;
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
 }
 
 TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The largest deviation of many readings, its uncertainty, and the budget of it without simulation.
+#include "hil/inspect/worst_deviation.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hil/inspect/extreme_budget.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr Eigen::Index kModes = 1;
+constexpr Eigen::Index kFirstMode = ReadingLine::kOwn;
+
+Eigen::RowVectorXd errors(double pose_mm, double camera_mm) {
+  Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + kModes);
+  shared[ReadingLine::kLine] = pose_mm;
+  shared[kFirstMode] = camera_mm;
+  return shared;
+}
+
+ExtremeLine oneReading(int unit, double seen_mm, double pose_mm, double camera_mm) {
+  return {unit,
+          {{.likely = seen_mm,
+            .seen = seen_mm,
+            .sigma = 0.0005,
+            .correlation = 0.0,
+            .shared = errors(pose_mm, camera_mm)}}};
+}
+
+TEST(ExtremeBudget, OfALineThatStandsOutIsThatOfThatLine) {
+  const ExtremeLine worst = oneReading(0, 0.100, 0.004, 0.001);
+  const ExtremeLine other = oneReading(1, 0.080, 0.001, 0.003);
+  for (const auto& lines : {std::vector{worst, other}, std::vector{other, worst}}) {
+    const ExtremeBudget budget = extremeBudget(lines);
+    EXPECT_NEAR(budget.u_pose, 0.004, 1e-5);
+    EXPECT_NEAR(budget.u_camera, 0.001, 1e-5);
+    EXPECT_NEAR(budget.u_noise, 0.0005, 5e-5);
+    EXPECT_NEAR(budget.extreme_bias, 0.0, 1e-5);
+  }
+}
+
+TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
+  const auto bias = [](int other_unit) {
+    return extremeBudget({oneReading(0, 0.1, 0.004, 0.0), oneReading(other_unit, 0.1, 0.004, 0.0)})
+        .extreme_bias;
+  };
+  // The mean of the larger of two normal values is sigma / sqrt(pi) above theirs; together they share the
+  // place of their unit and differ by noise only.
+  EXPECT_NEAR(bias(1), std::hypot(0.004, 0.0005) / std::sqrt(std::numbers::pi), 2e-5);
+  EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
+}
+
+ErrorModel oneLine(std::uint64_t seed, double truth_mm, double noise_mm) {
+  constexpr std::size_t kReadings = 200;
+  const CounterRandom truth(seed, 1);
+  const CounterRandom noise(seed, 2);
+  ReadingLine line;
+  for (std::size_t i = 0; i < kReadings; ++i) {
+    const double true_mm = truth_mm * truth.normal(i);
+    line.caliper.push_back(i);
+    line.reading_mm.push_back(true_mm + noise_mm * noise.normal(i));
+    line.sigma_mm.push_back(noise_mm);
+  }
+  line.segment = {0, kReadings};
+  line.shared = Eigen::MatrixXd::Zero(kReadings, ReadingLine::kOwn);
+  ErrorModel model;
+  model.lines.push_back(line);
+  return model;
+}
+
+TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
+  ErrorModel model = oneLine(1, 0.01, 0.002);
+  const double without_U = measureDeviations(model, {LineKind{}}, 0.1, 1).all.worst.U;
+  model.estimator_mm = 0.003;
+  const double with_U = measureDeviations(model, {LineKind{}}, 0.1, 1).all.worst.U;
+  EXPECT_NEAR(with_U, std::hypot(without_U, 0.006), 1e-9);
+}
+
+TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
+  // As much truth as noise: nobody knows which of two hundred places is the worst.
+  constexpr int kLines = 20;
+  double hidden_mm = 0.0, value_mm = 0.0, ratio = 0.0;
+  for (std::uint64_t seed = 1; seed <= kLines; ++seed) {
+    const DeviationResult result = measureDeviations(oneLine(seed, 0.004, 0.004), {LineKind{}}, 0.1, seed);
+    const UncertaintyBudget& b = result.budget;
+    hidden_mm += result.all.worst_hidden / kLines;
+    value_mm += (b.analytic_value - b.monte_carlo_value) / kLines;
+    ratio += b.analytic_U / b.monte_carlo_U / kLines;
+  }
+  std::printf("  hidden %.2f um, values differ by %.2f um, U by a factor of %.2f\n", 1e3 * hidden_mm,
+              1e3 * value_mm, ratio);
+  EXPECT_GT(hidden_mm, 0.001);
+  EXPECT_LT(std::abs(value_mm), 0.1 * hidden_mm);
+  EXPECT_NEAR(ratio, 1.0, 0.1);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
