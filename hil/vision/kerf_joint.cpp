@@ -21,6 +21,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // and 24 of the other: the longer is read too short by about the difference.
 constexpr double kUneven = 0.95;
 constexpr double kUnevenSigma = 0.2;
+// A difference of so few sigmas may be noise; then it is counted as uncertainty alone.
+constexpr double kUnevenSigmas = 5.0;
+constexpr double kUnevenUnseen = 0.5;
 constexpr double kEndMm = 0.0015;
 constexpr double kFaintEndMm = 0.0018;
 constexpr double kCornerMm = 0.0009;
@@ -200,17 +203,20 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
     shape.over_in_mm = run(corner.tangent_in, corner.in);
     shape.over_out_mm = run(-corner.tangent_out, corner.out);
   }
+  const double look_sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm,
+                                         brightness > kThrough ? kCornerMm : kFaintCornerMm);
   const double uneven_mm = std::abs(shape.over_in_mm - shape.over_out_mm);
-  (shape.over_in_mm > shape.over_out_mm ? shape.over_in_mm : shape.over_out_mm) += kUneven * uneven_mm;
+  const bool one_leg = uneven_mm > kUnevenSigmas * look_sigma_mm;
+  if (one_leg)
+    (shape.over_in_mm > shape.over_out_mm ? shape.over_in_mm : shape.over_out_mm) += kUneven * uneven_mm;
   out.rounding_mm = shape.rounding_mm;
   out.overshoot_mm = std::max(shape.over_in_mm, shape.over_out_mm);
   out.deviation_mm = deviationMm(shape);
   // How well the legs tell their vertex, along the bisector.
   const double vertex_sigma_mm =
       0.5 * std::hypot(in->offset_sigma_mm, on->offset_sigma_mm) / std::cos(0.5 * corner.turn_rad);
-  const double look_sigma_mm = lookSigma(std::max(in->sigma_mm, on->sigma_mm), strip_mm,
-                                         brightness > kThrough ? kCornerMm : kFaintCornerMm);
-  out.sigma_mm = std::hypot(vertex_sigma_mm, look_sigma_mm, kUnevenSigma * uneven_mm);
+  out.sigma_mm =
+      std::hypot(vertex_sigma_mm, look_sigma_mm, (one_leg ? kUnevenSigma : kUnevenUnseen) * uneven_mm);
   return out;
 }
 
