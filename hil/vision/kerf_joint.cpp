@@ -16,7 +16,6 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-// What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test and kerf_corner_test.
 // Either leg is looked at as if both ran over alike. Where one runs over alone by 60 um, 43 are seen of it
 // and 24 of the other: the longer is read too short by about the difference.
 constexpr double kUneven = 0.95;
@@ -24,6 +23,7 @@ constexpr double kUnevenSigma = 0.2;
 // A difference of so few sigmas may be noise; then it is counted as uncertainty alone.
 constexpr double kUnevenSigmas = 5.0;
 constexpr double kUnevenUnseen = 0.5;
+// What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test and kerf_corner_test.
 constexpr double kEndMm = 0.0015;
 constexpr double kFaintEndMm = 0.0018;
 constexpr double kCornerMm = 0.0009;

@@ -19,6 +19,9 @@ TEST(DrawnEvidence, IntervalsHoldTheTruthAndVerdictsAreNeverWrong) {
   // Asked are 94 to 96.8 %; by chance 150 cases may show 3.1 standard deviations less, one time in a
   // thousand.
   const double least = 0.94 - 3.1 * std::sqrt(0.94 * 0.06 / kCases);
+  EXPECT_GE(c.worst.share(), least);
+  EXPECT_GE(c.entity_worst.share(), least);
+  EXPECT_GE(c.worst_drift.share(), least);
   EXPECT_GE(c.rms.share(), least);
   EXPECT_GE(c.width.share(), least);
   EXPECT_GE(c.drift.share(), least);
