@@ -22,7 +22,7 @@ constexpr double kJump_s = 0.02;   // Between entities.
 constexpr double kCutShare = 1.6;  // Of the fluence that just cuts through.
 constexpr double kCreaseShare = 0.8;
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
-constexpr double kLeg_mm = 0.4;         // Of a corner, in which its way is looked for,
+constexpr double kLeg_mm = 0.6;         // Of a corner, in which its way is looked for,
 constexpr double kFine_mm = 0.001;      // at such steps.
 constexpr int kLightParts = 24;         // Of the beam's light along the path, to each side.
 constexpr double kLightReach = 4.0;     // Standard deviations.
@@ -56,7 +56,11 @@ ArtefactCut::ArtefactCut(const Artefact& artefact, std::vector<Fault> faults, co
       if (fault.kind == FaultKind::kEnd && fault.entity == entity.id)
         (fault.at_start ? line.start_gap_mm : line.end_gap_mm) += fault.size_mm;
     }
-    // A little beyond both ends, for lines that are cut too long.
+    // A little beyond both ends, for lines that are cut too long. The corner is cut without a break.
+    if (entity.id == artefact.corner_out) {
+      const Line& before = lines_[static_cast<std::size_t>(artefact.corner_in)];
+      time_s = before.start_s + (before.length_mm - 1.0) / kSpeed_mm_s;
+    }
     line.start_s = time_s + 1.0 / kSpeed_mm_s;
     const auto steps = static_cast<std::size_t>(std::ceil((line.length_mm + 2.0) / kStep_mm));
     const double step_s = kStep_mm / kSpeed_mm_s;
@@ -105,8 +109,14 @@ Vector2d ArtefactCut::shiftAt(const Line& line, double s_mm) const {
         shift += f.size_mm / reach_mm_ * leftOf(from_middle);
         break;
       case FaultKind::kWave:
-        shift +=
-            f.size_mm * std::sin(kTurn * u * wavesOn(line.length_mm, f.length_mm) + f.phase_rad) * normal;
+        if (line.entity->id == artefact_.corner_in || line.entity->id == artefact_.corner_out) {
+          // One swing goes on through the corner, or the beam would have to jump there.
+          const double past_mm = line.entity->id == artefact_.corner_in ? s_mm - line.length_mm : s_mm;
+          shift += f.size_mm * std::sin(kTurn * past_mm / f.length_mm + f.phase_rad) * direction;
+        } else {
+          shift +=
+              f.size_mm * std::sin(kTurn * u * wavesOn(line.length_mm, f.length_mm) + f.phase_rad) * normal;
+        }
         break;
       case FaultKind::kEntity:
         if (own) shift += f.size_mm * (std::holds_alternative<LineCurve>(curve) ? normal : direction);
@@ -213,15 +223,22 @@ ArtefactCut::Cut ArtefactCut::cutOfCorner() const {
 
 void ArtefactCut::addArc(std::vector<Vector2d>& way) const {
   if (!(corner_mm_ > 0.0)) return;
+  const Line& in = lines_[static_cast<std::size_t>(artefact_.corner_in)];
+  const Line& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
   const Cut cut = cutOfCorner();
+  const double before_mm = beforeCorner();
   // Fine, and one point on the bisector: the way's distance from the corner is told by its points.
   const int pieces =
       2 * std::max(2, static_cast<int>(std::ceil(cut.radius_mm * cut.turn_rad / (0.5 * kStep_mm))));
-  const Vector2d begin = way.back();
+  const Vector2d begin = pointAt(in.entity->curve, 1.0) - before_mm * cut.tangent_in;
+  const Vector2d shift_in = shiftAt(in, in.length_mm - before_mm);
+  const Vector2d shift_on = shiftAt(on, before_mm);
   for (int i = 1; i <= pieces; ++i) {
-    const double angle = cut.turn_rad * i / pieces;
+    const double share = static_cast<double>(i) / pieces;
+    const double angle = cut.turn_rad * share;
     way.push_back(begin +
-                  cut.radius_mm * (std::sin(angle) * cut.tangent_in + (1.0 - std::cos(angle)) * cut.side));
+                  cut.radius_mm * (std::sin(angle) * cut.tangent_in + (1.0 - std::cos(angle)) * cut.side) +
+                  (1.0 - share) * shift_in + share * shift_on);
   }
 }
 
@@ -234,11 +251,13 @@ void ArtefactCut::corner(CutTruth& truth) const {
   const Vector2d shift_in = shiftAt(in, in.length_mm);
   const Vector2d shift_on = shiftAt(on, 0.0);
   truth.corner_shift_mm = std::max(shift_in.norm(), shift_on.norm());
-  // Where the legs as cut would meet.
+  // Where the legs as cut would meet if they ran straight on.
+  const Vector2d at_in = pathAt(in, in.length_mm);
+  const Vector2d at_on = pathAt(on, 0.0);
   Eigen::Matrix2d normals;
-  normals << leftOf(t_in).transpose(), leftOf(t_out).transpose();
-  const Vector2d vertex =
-      nominal + normals.inverse() * Vector2d(leftOf(t_in).dot(shift_in), leftOf(t_out).dot(shift_on));
+  normals << leftOf(at_in - pathAt(in, in.length_mm - kFine_mm)).normalized().transpose(),
+      leftOf(pathAt(on, kFine_mm) - at_on).normalized().transpose();
+  const Vector2d vertex = normals.inverse() * Vector2d(normals.row(0).dot(at_in), normals.row(1).dot(at_on));
   const double before_mm = beforeCorner();
   std::vector<Vector2d> turn{pathAt(in, in.length_mm - before_mm)};
   addArc(turn);
@@ -255,9 +274,11 @@ void ArtefactCut::corner(CutTruth& truth) const {
     return least;
   };
   truth.corner_mm = toWay(nominal);
-  for (const Vector2d& p : turn)
-    truth.corner_mm = std::max(
-        truth.corner_mm, std::min(distanceToRay(p - nominal, -t_in), distanceToRay(p - nominal, t_out)));
+  for (const Vector2d& p : way) {
+    const Vector2d d = p - nominal;
+    if (std::max(-d.dot(t_in), d.dot(t_out)) > kNearCorner_mm) continue;  // Calipers judge there.
+    truth.corner_mm = std::max(truth.corner_mm, std::min(distanceToRay(d, -t_in), distanceToRay(d, t_out)));
+  }
   truth.rounding_mm = corner_mm_ > 0.0 ? toWay(vertex) : 0.0;
   truth.overshoot_mm =
       corner_mm_ > 0.0
@@ -358,7 +379,7 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
     const auto steps = static_cast<int>(std::ceil((to - from) / kStep_mm));
     std::vector<Vector2d> way;
     for (int i = 0; i <= steps; ++i) way.push_back(pathAt(line, from + (to - from) * i / steps));
-    // Its ends are those of the two legs, wherever they were shifted to.
+    // From the end of one leg to that of the other, wherever they were shifted to.
     if (&line == &first) addArc(way);
     burnWay(sheet, way, line, from, share * cutting_j_mm);
   }

@@ -163,14 +163,14 @@ std::vector<JointResult> measureJoints(const Evidence& evidence) {
   for (const CornerKerf& c : evidence.kerf.corners) {
     const double place_mm = placeSigma(evidence, c.unit, c.p_S_mm);
     JointResult j{JointResult::Kind::kCorner, c.unit, c.entity_in, c.entity_out, c.p_S_mm, false, {}};
-    j.mm = quantity(c.found, c.deviation_mm, c.sigma_mm, place_mm);
+    j.mm = quantity(c.found, c.deviation_mm, c.deviation_sigma_mm, place_mm);
     joints.push_back(j);
     // Against its own legs, which move with the sheet.
     j.kind = JointResult::Kind::kRounding;
-    j.mm = quantity(c.found, c.rounding_mm, c.sigma_mm, 0.0);
+    j.mm = quantity(c.found, c.rounding_mm, c.rounding_sigma_mm, 0.0);
     joints.push_back(j);
     j.kind = JointResult::Kind::kOvershoot;
-    j.mm = quantity(c.found, c.overshoot_mm, c.sigma_mm, 0.0);
+    j.mm = quantity(c.found, c.overshoot_mm, c.overshoot_sigma_mm, 0.0);
     joints.push_back(j);
   }
   for (const LineEnd& end : evidence.kerf.ends) {

@@ -80,7 +80,9 @@ void addKerf(const KerfScan& scan, Numbers& n) {
     n.needUnless(!corner.found, corner.deviation_mm, "the deviation at a corner");
     n.needUnless(!corner.found, corner.rounding_mm, "the rounding of a corner");
     n.needUnless(!corner.found, corner.overshoot_mm, "the overshoot of a corner");
-    n.needUnless(!corner.found, corner.sigma_mm, "the uncertainty of a corner");
+    n.needUnless(!corner.found, corner.deviation_sigma_mm, "the uncertainty of the deviation at a corner");
+    n.needUnless(!corner.found, corner.rounding_sigma_mm, "the uncertainty of the rounding of a corner");
+    n.needUnless(!corner.found, corner.overshoot_sigma_mm, "the uncertainty of the overshoot of a corner");
   }
   for (const LineEnd& end : scan.ends) {
     n.needUnless(!end.found, end.gap_mm, "the gap at the end of a line");

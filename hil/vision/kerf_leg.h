@@ -2,6 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "hil/vision/kerf_scan.h"
 
@@ -9,18 +12,30 @@ namespace kerfbench::hil {
 
 /// A leg of kerf beside a joint: the mean over its calipers over 1.7 mm.
 struct KerfLeg {
-  double offset_mm{};        ///< Along the entity's left normal, carried on to the joint.
-  double offset_sigma_mm{};  ///< Standard uncertainty of that, by the calipers' noise.
+  double offset_mm{};  ///< Along the entity's left normal, carried on straight to the joint.
   double half_width_mm{};
+  double flicker_mm{};  ///< By which half the width varies along the leg, beyond what noise explains.
   double brightness{};
   double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
 };
 
-/// Straight where its readings allow, else a parabola. From `from_mm` away from the joint on;
-/// `beside_corner`: calipers near a joint too, as far as from_mm keeps clear of the other leg. nullopt where
-/// fewer than two calipers saw the leg.
-std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm,
-                             bool beside_corner = false);
+/// From `from_mm` away from the joint on. nullopt where fewer than two calipers saw the leg.
+std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm);
+
+/// Where a caliper beside a joint saw the kerf.
+struct LegReading {
+  double away_mm{};    ///< From the joint, along the curve.
+  double offset_mm{};  ///< Along the entity's left normal.
+  double sigma_mm{};   ///< Standard uncertainty.
+};
+
+/// The calipers between `from_mm` and `to_mm` away from the joint that no joint disturbs, in order of
+/// station.
+std::vector<LegReading> readingsBeside(const EntityKerf& kerf, double station_mm, double from_mm,
+                                       double to_mm);
+
+/// Coefficients of a polynomial through readings, the constant first: offset over the way from the joint.
+Eigen::VectorXd polynomialThrough(const std::vector<LegReading>& readings, Eigen::Index degree);
 
 /// Offset of the kerf along the entity's left normal next to where it ends, from the half millimetre before
 /// that; nullopt where fewer than three calipers tell.

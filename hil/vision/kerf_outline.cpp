@@ -17,15 +17,7 @@ constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count i
 constexpr double kStepsPerPx = 4.0;
 constexpr double kReachMm = 0.45;  // of a look, each way
 constexpr int kTopSamples = 40;
-constexpr int kArcElements = 12;
 constexpr double kMostShare = 50.0;
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-/// From a way that comes along `tangent` and ends at the origin.
-double distanceToLeg(const Eigen::Vector2d& p, const Eigen::Vector2d& tangent) {
-  return p.dot(tangent) > 0.0 ? p.norm() : std::abs(cross(tangent, p));
-}
 
 }  // namespace
 
@@ -100,7 +92,7 @@ double KerfOutline::fallMm(const std::vector<double>& gray, double first_mm) con
     }
     return sum / weight;
   };
-  // From outside inwards: a ring of board inside of a turn does not end the kerf.
+  // From outside inwards.
   double outer = blurredAt(n - 1);
   for (int i = n - 2; i >= 0; --i) {
     const double inner = blurredAt(i);
@@ -112,55 +104,17 @@ double KerfOutline::fallMm(const std::vector<double>& gray, double first_mm) con
   return first_mm;
 }
 
-KerfOutline::Path KerfOutline::pathOf(const BeamWay& way) const {
-  Path path{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), {}};
-  if (!way.tangent_out) return path;
-  const Eigen::Vector2d& in = way.tangent_in;
-  const Eigen::Vector2d& out = *way.tangent_out;
-  if (way.beyond_mm >= 0.0) {
-    path.end_in = way.beyond_mm * in;
-    path.start_out = -way.beyond_mm * out;
-    return path;
-  }
-  const double turn = std::atan2(cross(in, out), in.dot(out));
-  const double radius_mm = -way.beyond_mm / std::max(1e-6, 1.0 / std::cos(0.5 * turn) - 1.0);
-  const double tangent_mm = radius_mm * std::tan(0.5 * std::abs(turn));
-  path.end_in = -tangent_mm * in;
-  path.start_out = tangent_mm * out;
-  const Eigen::Vector2d left(-in.y(), in.x());
-  const Eigen::Vector2d centre = path.end_in + std::copysign(radius_mm, turn) * left;
-  for (int i = 0; i < kArcElements; ++i) {
-    const double angle = turn * (i + 0.5) / kArcElements;
-    path.arc.push_back({centre + Eigen::Rotation2Dd(angle) * (path.end_in - centre),
-                        radius_mm * std::abs(turn) / kArcElements});
-  }
-  return path;
-}
-
-double KerfOutline::shareAt(const Eigen::Vector2d& p_mm, const BeamWay& way, const Path& path) const {
+double KerfOutline::shareAt(double beyond_mm, double beside_mm) const {
   const double w = look_.beam_radius_mm;
   if (!(w > 0.0)) {
-    double distance = distanceToLeg(p_mm - path.end_in, way.tangent_in);
-    if (way.tangent_out)
-      distance = std::min(distance, distanceToLeg(p_mm - path.start_out, -*way.tangent_out));
-    for (const Element& e : path.arc) distance = std::min(distance, (p_mm - e.p_mm).norm());
+    const double distance = beyond_mm > 0.0 ? std::hypot(beyond_mm, beside_mm) : std::abs(beside_mm);
     return distance < look_.half_width_mm ? peak_share_ : 0.0;
   }
-  const auto leg = [&](const Eigen::Vector2d& from_end, const Eigen::Vector2d& tangent) {
-    const double n = cross(tangent, from_end) / w;
-    return std::exp(-2.0 * n * n) * 0.5 * std::erfc(std::numbers::sqrt2 * from_end.dot(tangent) / w);
-  };
-  double share = leg(p_mm - path.end_in, way.tangent_in);
-  if (way.tangent_out) share += leg(p_mm - path.start_out, -*way.tangent_out);
-  for (const Element& e : path.arc) {
-    const double d2 = (p_mm - e.p_mm).squaredNorm() / (w * w);
-    share += std::sqrt(2.0 / std::numbers::pi) / w * e.length_mm * std::exp(-2.0 * d2);
-  }
-  return peak_share_ * share;
+  const double n = beside_mm / w;
+  return peak_share_ * std::exp(-2.0 * n * n) * 0.5 * std::erfc(std::numbers::sqrt2 * beyond_mm / w);
 }
 
-double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, const BeamWay& way) const {
-  const Eigen::Vector2d beside(-direction.y(), direction.x());
+double KerfOutline::reachMm(double strip_mm) const {
   // Across the strip the lens averages too, and pixels count in part at its ends.
   const double lens_mm = kLensPx * look_.pixel_mm;
   const double even_mm =
@@ -173,13 +127,11 @@ double KerfOutline::reachMm(const Eigen::Vector2d& direction, double strip_mm, c
     lines.push_back({y, std::erf((y + even_mm) / to) - std::erf((y - even_mm) / to)});
     weights += lines.back()[1];
   }
-  const Path path = pathOf(way);
   std::vector<double> gray;
   for (int k = 0; k < samplesOfLook(); ++k) {
     const double x = -kReachMm + k * step_mm_;
     double sum = 0.0;
-    for (const auto& [y, weight] : lines)
-      sum += weight * grayAt(shareAt(x * direction + y * beside, way, path));
+    for (const auto& [y, weight] : lines) sum += weight * grayAt(shareAt(x, y));
     gray.push_back(sum / weights);
   }
   return fallMm(gray, -kReachMm);

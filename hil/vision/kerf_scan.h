@@ -63,10 +63,12 @@ struct CornerKerf {
   /// whole has neither.
   double rounding_mm{};   ///< Distance of the kerf's centre line inside of that place; >= 0.
   double overshoot_mm{};  ///< How far the farther leg runs on beyond it, along the leg; >= 0.
-  /// Where the corner lies: the farthest that the kerf's centre line here lies from the nominal dieline, or
-  /// the nominal corner from the centre line (Hausdorff distance); >= 0. A displaced cut has it.
+  /// Where the corner lies: the farthest that the kerf's centre line lies from the nominal dieline within
+  /// KerfScanOptions::joint_clearance_mm of the corner, or the nominal corner from the centre line (Hausdorff
+  /// distance); >= 0. A displaced cut has it.
   double deviation_mm{};
-  double sigma_mm{};  ///< Standard uncertainty of each, without pose and map.
+  /// Standard uncertainties, without pose and map.
+  double rounding_sigma_mm{}, overshoot_sigma_mm{}, deviation_sigma_mm{};
 };
 
 /// Where an open entity begins or ends freely.

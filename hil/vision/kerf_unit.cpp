@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
+#include "hil/vision/kerf_corner.h"
 #include "hil/vision/kerf_flank.h"
 #include "hil/vision/kerf_joint.h"
 #include "hil/vision/kerf_stray.h"
@@ -173,7 +174,10 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) cons
                          .plan = &plan_,
                          .kerfs = &kerfs,
                          .unit = unit_};
-  for (const PlannedCorner& corner : plan_.corners) scan.corners.push_back(measureCorner(scene, corner));
+  std::vector<CornerKerf> corners(plan_.corners.size());
+  forEachIndex(corners.size(), options_.threads,
+               [&](std::size_t i) { corners[i] = measureCorner(scene, plan_.corners[i]); });
+  scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == Process::kPerforation) continue;  // It may end in a bridge.
     scan.ends.push_back(measureEnd(scene, end));

@@ -149,7 +149,9 @@ SyntheticRun withJoints() {
                                        .found = true,
                                        .rounding_mm = 0.02,
                                        .overshoot_mm = 0.0,
-                                       .sigma_mm = 0.003});
+                                       .rounding_sigma_mm = 0.003,
+                                       .overshoot_sigma_mm = 0.003,
+                                       .deviation_sigma_mm = 0.003});
   for (const bool at_start : {true, false})
     run.evidence.kerf.ends.push_back({0, kCreaseLine, at_start, true, 0.04, 0.003});
   run.evidence.kerf.ends.push_back({0, kHole, true, true, 0.05, 0.003});

@@ -28,7 +28,9 @@ struct JointRun : SyntheticRun {
                                          .rounding_mm = 0.002,
                                          .overshoot_mm = 0.0,
                                          .deviation_mm = 0.003,
-                                         .sigma_mm = 0.001});
+                                         .rounding_sigma_mm = 0.001,
+                                         .overshoot_sigma_mm = 0.001,
+                                         .deviation_sigma_mm = 0.001});
       }
       for (const bool at_start : {true, false})
         evidence.kerf.ends.push_back({unit, kCreaseLine, at_start, true, 0.004, 0.002});
@@ -133,8 +135,8 @@ TEST(JointsCheck, AJointThatWasNotMeasuredIsInvalidAndNumbersThatAreNoneToo) {
             std::string::npos);
   for (const auto bend :
        {+[](JointRun& r) { r.corner(0).deviation_mm = kNan; },
-        +[](JointRun& r) { r.corner(0).sigma_mm = kNan; }, +[](JointRun& r) { r.end(0).gap_mm = kNan; },
-        +[](JointRun& r) { r.end(0).sigma_mm = kNan; }}) {
+        +[](JointRun& r) { r.corner(0).deviation_sigma_mm = kNan; },
+        +[](JointRun& r) { r.end(0).gap_mm = kNan; }, +[](JointRun& r) { r.end(0).sigma_mm = kNan; }}) {
     JointRun run;
     bend(run);
     EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);

@@ -96,7 +96,12 @@ const std::vector<Field>& fields() {
       {"corner deviation", [](Run& r) -> double& { return r.evidence.kerf.corners[0].deviation_mm; }},
       {"corner rounding", [](Run& r) -> double& { return r.evidence.kerf.corners[0].rounding_mm; }},
       {"corner overshoot", [](Run& r) -> double& { return r.evidence.kerf.corners[0].overshoot_mm; }},
-      {"corner sigma", [](Run& r) -> double& { return r.evidence.kerf.corners[0].sigma_mm; }},
+      {"corner deviation sigma",
+       [](Run& r) -> double& { return r.evidence.kerf.corners[0].deviation_sigma_mm; }},
+      {"corner rounding sigma",
+       [](Run& r) -> double& { return r.evidence.kerf.corners[0].rounding_sigma_mm; }},
+      {"corner overshoot sigma",
+       [](Run& r) -> double& { return r.evidence.kerf.corners[0].overshoot_sigma_mm; }},
       {"corner place", [](Run& r) -> double& { return r.evidence.kerf.corners[0].p_S_mm.x(); }},
       {"corner turn", [](Run& r) -> double& { return r.evidence.kerf.corners[0].turn_rad; }},
       {"end gap", [](Run& r) -> double& { return r.evidence.kerf.ends[0].gap_mm; }},
@@ -148,7 +153,7 @@ SyntheticRun fullRun() {
   corner.turn_rad = 1.57;
   corner.found = true;
   corner.rounding_mm = corner.overshoot_mm = 0.002;
-  corner.sigma_mm = 0.001;
+  corner.deviation_sigma_mm = corner.rounding_sigma_mm = corner.overshoot_sigma_mm = 0.001;
   run.evidence.kerf.corners.push_back(corner);
   run.evidence.kerf.ends.push_back({0, kCreaseLine, true, true, 0.001, 0.001});
   run.evidence.kerf.strays.push_back({0, {10.0, 10.0}, 0.1});

@@ -3,7 +3,7 @@
 #include "hil/vision/kerf_leg.h"
 
 #include <cmath>
-#include <cstdio>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,21 +34,50 @@ EntityKerf kerfOf(std::uint64_t seed, double slope) {
   return kerf;
 }
 
-TEST(KerfLeg, IsCarriedOnToItsJointWithAnHonestUncertainty) {
+TEST(KerfLeg, IsCarriedOnToItsJoint) {
   constexpr int kLegs = 400;
-  double z2 = 0.0;
-  double mean_z = 0.0;
+  double mean_mm = 0.0;
+  double squares = 0.0;
   for (std::uint64_t seed = 1; seed <= kLegs; ++seed) {
     const auto leg = legAt(kerfOf(seed, 0.02), 0.0, 0.3);
     ASSERT_TRUE(leg.has_value());
-    const double z = leg->offset_mm / leg->offset_sigma_mm;
-    z2 += z * z / kLegs;
-    mean_z += z / kLegs;
+    EXPECT_NEAR(leg->half_width_mm, 0.1, 1e-12);
+    EXPECT_NEAR(leg->sigma_mm, kSigma_mm, 1e-12);
+    mean_mm += leg->offset_mm / kLegs;
+    squares += leg->offset_mm * leg->offset_mm / kLegs;
   }
-  std::printf("  z %.2f, mean %.2f\n", std::sqrt(z2), mean_z);
-  EXPECT_LT(std::abs(mean_z), 0.2);
-  EXPECT_GT(std::sqrt(z2), 0.8);
-  EXPECT_LT(std::sqrt(z2), 1.2);
+  // A line through readings from 0.3 to 2 mm, nine of which are independent, carried on to 0.
+  EXPECT_LT(std::abs(mean_mm), 1e-4);
+  EXPECT_LT(std::sqrt(squares), 1.2 * kSigma_mm);
+}
+
+TEST(KerfLeg, FlickersByWhatItsWidthVariesBeyondNoise) {
+  EntityKerf kerf = kerfOf(1, 0.0);
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+    kerf.calipers[i].width_mm += i % 2 == 0 ? 0.004 : -0.004;
+    kerf.calipers[i].width_sigma_mm = 0.001;
+  }
+  EXPECT_NEAR(legAt(kerf, 0.0, 0.3)->flicker_mm, std::sqrt(0.002 * 0.002 - 0.0005 * 0.0005), 5e-5);
+  for (Caliper& c : kerf.calipers) c.width_sigma_mm = 0.009;
+  EXPECT_EQ(legAt(kerf, 0.0, 0.3)->flicker_mm, 0.0);
+}
+
+TEST(KerfLeg, HasNoReadingsOfAnotherJointOrOfNothing) {
+  EntityKerf kerf = kerfOf(1, 0.0);
+  for (std::size_t i = 0; i < 8; ++i) kerf.calipers[i].near_joint = true;
+  kerf.calipers[12].found = false;
+  const auto readings = readingsBeside(kerf, 0.0, 0.3, 1.0);
+  ASSERT_EQ(readings.size(), 12U);
+  EXPECT_DOUBLE_EQ(readings.front().away_mm, 0.4);
+  EXPECT_DOUBLE_EQ(readings.back().away_mm, 1.0);
+}
+
+TEST(KerfLeg, IsFollowedByAPolynomialOfAnyDegree) {
+  std::vector<LegReading> readings;
+  for (const double s : {0.4, 0.5, 0.7, 1.0, 1.2})
+    readings.push_back({s, 0.01 - 0.2 * s + 0.3 * s * s - 0.05 * s * s * s, 0.001});
+  const Eigen::VectorXd c = polynomialThrough(readings, 3);
+  EXPECT_LT((c - Eigen::Vector4d(0.01, -0.2, 0.3, -0.05)).norm(), 1e-9);
 }
 
 }  // namespace
