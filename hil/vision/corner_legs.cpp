@@ -9,7 +9,7 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kBeforeNextMm = 0.25;
-// What calipers tell of a leg beyond the picture: all, where they lie on a straight line, else what a cubic
+// What calipers tell of a leg: all, where they lie on a straight line, else what a cubic
 // can follow.
 constexpr double kCalipersFromMm = 0.35;
 constexpr double kStraightToMm = 1.9;
@@ -20,6 +20,7 @@ constexpr double kOnArcMm = 0.04;  // so far off the line of the others.
 constexpr double kStraight = 1.5;  // of the readings' own sigma
 constexpr double kStraightCurvature_per_mm = 0.01;
 constexpr double kStraightTwist_per_mm2 = 0.02;
+constexpr double kPointsFromMm = 0.5;  // Nearer, a usual arc touches a caliper's window.
 constexpr double kCubicSigma = 0.004;
 constexpr double kSharedPixels = 1.4;  // Neighbours share half of their pixels.
 constexpr std::size_t kCubicFrom = 6;
@@ -86,8 +87,8 @@ LegGuess followCalipers(const JointScene& scene, const EntityEnd& end, const Ker
   setLine(through, sign, guess.near);
   if (far.size() < kLeastReadings) guess.far = guess.near;
   for (const LegReading& r : readings) {
-    const double beyond_mm = r.away_mm - lookedAtMm(scene, end);
-    if (beyond_mm < 0.0) continue;
+    if (r.away_mm < kPointsFromMm) continue;
+    const double beyond_mm = std::max(0.0, r.away_mm - lookedAtMm(scene, end));
     const double model_mm = straight ? 0.0 : kCubicSigma * beyond_mm;
     guess.known.points.push_back(
         {r.away_mm, sign * r.offset_mm, std::hypot(kSharedPixels * r.sigma_mm, model_mm)});

@@ -17,7 +17,7 @@ CornerLeg nominalLeg(const JointScene& scene, const EntityEnd& end);
 double lookedAtMm(const JointScene& scene, const EntityEnd& end);
 
 /// What calipers tell of a leg: where it lies near the corner; where it would if an arc that cuts the corner
-/// from afar had them follow it; and what they know that lies beyond the picture.
+/// from afar had them follow it; and their readings, which know of scorch.
 struct LegGuess {
   CornerLeg near, far;
   KnownLeg known;

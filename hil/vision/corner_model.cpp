@@ -114,7 +114,9 @@ CornerModel::CornerModel(const PixelGrid& grid, const std::vector<bool>& counts,
   }
 }
 
-void CornerModel::render(const CornerShape& shape, const CornerLight& light, std::vector<float>& gray) {
+void CornerModel::render(CornerShape shape, const CornerLight& light, std::vector<float>& gray) {
+  shape.in.offset_mm += light.scorch_in_mm;
+  shape.out.offset_mm += light.scorch_out_mm;
   const CornerWay way = wayOf(shape, 2 * kArcPieces);
   const LegLight in(shape.in, light.peak_in, way.end_in_mm, light.beam_radius_mm);
   const LegLight out(shape.out, light.peak_out, way.end_out_mm, light.beam_radius_mm);

@@ -17,7 +17,9 @@ struct CornerLight {
   double beam_radius_mm{0.1};  ///< 1/e².
   double board_gray{};
   double open_gray{};
-  double blur_px{0.7};  ///< RMS of the lens, the pixel's own area included.
+  double blur_px{0.7};     ///< RMS of the lens, the pixel's own area included.
+  double scorch_in_mm{};   ///< By which scorch on one side shifts the picture of the leg in to its left,
+  double scorch_out_mm{};  ///< and of the leg out.
 };
 
 /// A rectangle of pixels and where they lie: p_mm = first_mm + column * per_column_mm + row * per_row_mm,
@@ -47,7 +49,7 @@ class CornerModel {
   /// Only pixels that count are right. The nominal curves of `legs` are those of all shapes to come.
   CornerModel(const PixelGrid& grid, const std::vector<bool>& counts, const CornerShape& legs);
 
-  void render(const CornerShape& shape, const CornerLight& light, std::vector<float>& gray);
+  void render(CornerShape shape, const CornerLight& light, std::vector<float>& gray);
 
  private:
   /// A place that light is asked for.

@@ -22,7 +22,8 @@ constexpr double kRadiusSigma = 0.02;  // of its logarithm
 constexpr double kBoardSigma = 10.0;   // gray
 constexpr double kOpenSigma = 4.0;     // gray
 constexpr double kBlurSigma_px = 0.02;
-constexpr double kLengthStep_mm = 5e-4;  // of differences
+constexpr double kScorchSigma_mm = 0.0025;  // Calipers know of it (FlankModel), this model does not.
+constexpr double kLengthStep_mm = 5e-4;     // of differences
 constexpr double kGrayStep = 0.2;
 constexpr double kOtherStep = 2e-3;
 constexpr double kDarkShare = 0.1;  // between board and open kerf
@@ -40,7 +41,7 @@ VectorXd parametersOf(const CornerShape& shape, const CornerLight& light, Meetin
   x.head(kMeet) << shape.in.offset_mm, shape.in.slope, shape.in.curvature_per_mm, shape.in.twist_per_mm2,
       shape.out.offset_mm, shape.out.slope, shape.out.curvature_per_mm, shape.out.twist_per_mm2,
       std::log(light.peak_in), std::log(light.peak_out), std::log(light.beam_radius_mm), light.board_gray,
-      light.open_gray, light.blur_px;
+      light.open_gray, light.blur_px, light.scorch_in_mm, light.scorch_out_mm;
   if (meeting == Meeting::kArc) {
     x[kMeet] = shape.rounding_mm;
   } else {
@@ -74,7 +75,9 @@ CornerLight lightOf(const VectorXd& x) {
           std::exp(x[kRadius]),
           std::max(1.0, x[kBoard]),
           std::max(2.0, x[kOpen]),
-          x[kBlur]};
+          x[kBlur],
+          x[kInScorch],
+          x[kOutScorch]};
 }
 
 CornerProblem::CornerProblem(const CornerPicture& picture, const CornerKnown& known)
@@ -129,7 +132,8 @@ int CornerProblem::operator()(const VectorXd& x, VectorXd& f) const {
       (x[kPeakOut] - std::log(light.peak_out)) / kPeakSigma,
       (x[kRadius] - std::log(light.beam_radius_mm)) / kRadiusSigma,
       (x[kBoard] - light.board_gray) / kBoardSigma, (x[kOpen] - light.open_gray) / kOpenSigma,
-      (x[kBlur] - light.blur_px) / kBlurSigma_px, 0.0, 0.0;
+      (x[kBlur] - light.blur_px) / kBlurSigma_px, x[kInScorch] / kScorchSigma_mm,
+      x[kOutScorch] / kScorchSigma_mm, 0.0, 0.0;
   if (x.size() > kMeet + 1) {
     const double together_mm = std::abs(x[kMeet]);
     const double apart_mm = std::abs(x[kMeet + 1]);
@@ -144,7 +148,7 @@ int CornerProblem::df(const VectorXd& x, MatrixXd& jacobian) const {
   VectorXd there(values());
   (*this)(x, here);
   for (Index k = 0; k < inputs_; ++k) {
-    const bool length = k == kInOffset || k == kOutOffset || k >= kMeet;
+    const bool length = k == kInOffset || k == kOutOffset || k >= kInScorch;
     const bool gray = k == kBoard || k == kOpen;
     const double step = length ? kLengthStep_mm : gray ? kGrayStep : kOtherStep;
     VectorXd y = x;

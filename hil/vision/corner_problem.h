@@ -29,6 +29,8 @@ enum CornerParameter : Eigen::Index {
   kBoard,
   kOpen,
   kBlur,
+  kInScorch,
+  kOutScorch,
   kMeet
 };
 constexpr Eigen::Index kLegParameters = 8;
@@ -69,7 +71,7 @@ class CornerProblem {
   int df(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
 
  private:
-  static constexpr Eigen::Index kPriors = 14;
+  static constexpr Eigen::Index kPriors = 16;
   const CornerPicture& picture_;
   const CornerKnown& known_;
   mutable CornerModel model_;

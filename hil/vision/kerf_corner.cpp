@@ -28,11 +28,11 @@ constexpr int kDraws = 64;
 constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 // What the model of the picture leaves, measured (tests/hil/vision/kerf_corner_test.cpp): the lens is not
 // known better.
-constexpr double kArcModelMm = 0.00028;
+constexpr double kArcModelMm = 0.00032;
 constexpr double kEndsModelMm = 0.0007;
 constexpr double kRoundingModelMm = 0.0004;
 constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
-constexpr double kBentMeeting = 0.5;
+constexpr double kBentMeeting = 0.8;
 
 /// Points of other curves near the corner, from it.
 std::vector<Vector2d> othersNear(const JointScene& scene, const PlannedCorner& corner,

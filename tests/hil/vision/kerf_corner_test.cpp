@@ -218,6 +218,27 @@ TEST(KerfCorner, IsRunOverWhereOneLegAloneRunsOver) {
   EXPECT_LT(std::hypot(z.mean, z.sigma), 1.3);
 }
 
+TEST(KerfCorner, IsNotMovedByScorchOnOneSide) {
+  const auto cut = [](double darkening, std::uint64_t seed) {
+    Corners corners(0.5 * kPi, {{0.03, -0.02}, 0.05, 0.0}, seed);
+    corners.cut.board.scorch = {.fluence_j_mm2 = 0.15, .darkening = darkening, .shift_mm = {0.06, 0.04}};
+    return corners.cut.scan();
+  };
+  std::vector<double> moved;
+  for (const std::uint64_t seed : {31U, 32U}) {
+    const KerfScan clean = cut(0.0, seed);
+    const KerfScan scorched = cut(0.3, seed);
+    ASSERT_EQ(scorched.corners.size(), clean.corners.size());
+    for (std::size_t i = 0; i < clean.corners.size(); ++i) {
+      moved.push_back(scorched.corners[i].deviation_mm - clean.corners[i].deviation_mm);
+    }
+  }
+  const test::Statistics m = test::statisticsOf(moved);
+  std::printf("  moved %.2f +- %.2f um\n", 1e3 * m.mean, 1e3 * m.sigma);
+  // Without what the calipers know of it, by 3 um.
+  EXPECT_LT(std::hypot(m.mean, m.sigma), 0.0017);
+}
+
 TEST(KerfCorner, OfACreaseHasEndsWhereTheBeamStopped) {
   std::vector<double> errors, zs;
   std::uint64_t seed = 0;
