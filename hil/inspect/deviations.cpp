@@ -12,6 +12,7 @@
 #include "hil/inspect/error_model.h"
 #include "hil/inspect/extreme.h"
 #include "hil/inspect/worst_deviation.h"
+#include "hil/vision/kerf_profile.h"
 
 namespace kerfbench::hil::checks {
 namespace {
@@ -31,6 +32,7 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
   const auto* arc = std::get_if<ArcCurve>(&entity.curve);
   if (arc == nullptr || !isClosed(entity.curve)) return kind;
   kind.is_circle = true;
+  kind.window_rad = 2.0 * std::min(kWindowHalfMm / arc->radius_mm, kLongestArcRad);
   for (const std::size_t i : line.caliper) {
     const Eigen::Vector2d from = kerf.calipers[i].p_S_mm - arc->centre_mm;
     kind.angle_rad.push_back(std::atan2(from.y(), from.x()));

@@ -225,8 +225,14 @@ void unbend(const EntityPlan& plan, double pixel_mm, EntityKerf& kerf) {
     return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<double> taken_mm(n, 0.0);
-  for (std::size_t i = apart; i + apart < n; ++i) {
-    const double second = (offsetAt(i - apart) - 2.0 * offsetAt(i) + offsetAt(i + apart));
+  // A closed curve goes on past its first station, which is its last.
+  const std::size_t round = n - 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool inside = i >= apart && i + apart < n;
+    if (!inside && !(plan.closed && round > 2 * apart)) continue;
+    const std::size_t before = inside ? i - apart : (i + round - apart) % round;
+    const std::size_t after = inside ? i + apart : (i + apart) % round;
+    const double second = offsetAt(before) - 2.0 * offsetAt(i) + offsetAt(after);
     if (!std::isfinite(second)) continue;
     const double window_mm = 2.0 * kWindowHalfMm;
     taken_mm[i] = (window_mm * window_mm / 24.0 + 0.5 * lens_mm * lens_mm) * second / (apart_mm * apart_mm);
