@@ -72,58 +72,30 @@ Eigen::MatrixXd wavesOf(const std::vector<double>& angle_rad, int order) {
 }  // namespace
 
 /// Mean square of the coefficients from `first` on, as it would be of slow waves: they hold noise alone.
-double Roundness::noiseFrom(const Eigen::VectorXd& coefficient, const Eigen::VectorXd& gain,
-                            Eigen::Index first, double expected) {
+double Roundness::noiseFrom(const Eigen::VectorXd& coefficient, Eigen::Index first, double expected) const {
   const Eigen::Index left = coefficient.size() - first;
-  return (kBelief * expected + coefficient.tail(left).cwiseQuotient(gain.tail(left)).squaredNorm()) /
+  return (kBelief * expected + coefficient.tail(left).cwiseQuotient(through_.tail(left)).squaredNorm()) /
          (kBelief + static_cast<double>(left));
 }
 
-Roundness::Roundness(const ReadingLine& line, const std::vector<double>& all_rad, double window_rad)
-    : skipped_(atSeam(all_rad, window_rad)) {
-  if (2 * skipped_ >= all_rad.size()) return;
-  const std::vector<double> angle_rad(all_rad.begin() + static_cast<std::ptrdiff_t>(skipped_),
-                                      all_rad.end() - static_cast<std::ptrdiff_t>(skipped_));
-  const int most = mostWaves(angle_rad);
-  if (most < kLeastOrder) return;
-  const Eigen::MatrixXd everywhere = wavesOf(all_rad, most);
-  const auto inner = static_cast<Eigen::Index>(angle_rad.size());
-  const Eigen::MatrixXd waves = everywhere.middleRows(static_cast<Eigen::Index>(skipped_), inner);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(waves);
-  basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(waves.rows(), waves.cols());
-  const Eigen::Map<const Eigen::VectorXd> reading(line.reading_mm.data() + skipped_, waves.rows());
-  const Eigen::VectorXd coefficient = basis_.transpose() * reading;
-  const Eigen::Map<const Eigen::VectorXd> sigma(line.sigma_mm.data() + skipped_, waves.rows());
-  const double expected = sigma.squaredNorm() / static_cast<double>(waves.rows());
-  Eigen::VectorXd through = Eigen::VectorXd::Ones(coefficient.size());
-  for (int k = kLeastOrder; k <= most; ++k)
-    through.segment<2>(columnOf(k)).setConstant(throughWindow(0.5 * k * window_rad));
-  const double fine =
-      noiseFrom(coefficient, through, columnsOf(std::max(kLeastOrder, 2 * most / 3)), expected);
-  // The gain in expected error by one more wave is its power less twice its noise.
+/// The gain in expected error by one more wave is its power less twice its noise.
+void Roundness::chooseOrder(const Eigen::VectorXd& coefficient, int most, double noise) {
   double gain = 0.0;
   double best = -std::numeric_limits<double>::infinity();
   for (int k = kLeastOrder; k <= most; ++k) {
-    const double seen = through[columnOf(k)];
-    gain += coefficient.segment<2>(columnOf(k)).squaredNorm() - 2.0 * kPenalty * fine * seen * seen;
+    const double own = noise * through_[columnOf(k)] * through_[columnOf(k)];
+    gain += coefficient.segment<2>(columnOf(k)).squaredNorm() - 2.0 * kPenalty * own;
     if (gain > best) {
       best = gain;
       order_ = k;
     }
   }
-  const Eigen::Index columns = columnsOf(order_);
-  basis_ = basis_.leftCols(columns).eval();
-  Eigen::MatrixXd fit = qr.matrixQR()
-                            .topLeftCorner(columns, columns)
-                            .triangularView<Eigen::Upper>()
-                            .solve<Eigen::OnTheRight>(everywhere.leftCols(columns));
-  const Eigen::MatrixXd circle = everywhere.leftCols<kCircle>();
-  fit -= circle * circle.householderQr().solve(fit);
-  step_mm_ = (fit.row(fit.rows() - 1) - fit.row(0)).dot(coefficient.head(columns));
-  radius_ = fit.middleRows(static_cast<Eigen::Index>(skipped_), inner);
-  likely_of_ = coefficient.head(columns);
-  const double noise = noiseFrom(coefficient, through, columns, fine);
-  noise_mm_ = std::sqrt(noise);
+}
+
+/// Draws each wave in by what noise is likely to have added to it.
+void Roundness::findLikely(const Eigen::VectorXd& coefficient) {
+  likely_of_ = coefficient;
+  const double noise = noise_mm_ * noise_mm_;
   double held = 0.0;
   const auto drawIn = [&](Eigen::Index first, Eigen::Index count) {
     const double power = coefficient.segment(first, count).squaredNorm();
@@ -134,7 +106,42 @@ Roundness::Roundness(const ReadingLine& line, const std::vector<double>& all_rad
   };
   drawIn(kCircle, kSeam);
   for (int k = kLeastOrder; k <= order_; ++k) drawIn(columnOf(k), 2);
-  noise_share_ = held / (static_cast<double>(columns - kCircle) * noise);
+  noise_share_ = held / (static_cast<double>(coefficient.size() - kCircle) * noise);
+}
+
+Roundness::Roundness(const ReadingLine& line, const std::vector<double>& angle_rad, double window_rad)
+    : skipped_(atSeam(angle_rad, window_rad)) {
+  if (2 * skipped_ >= angle_rad.size()) return;
+  const auto skipped = static_cast<std::ptrdiff_t>(skipped_);
+  const int most = mostWaves({angle_rad.begin() + skipped, angle_rad.end() - skipped});
+  if (most < kLeastOrder) return;
+  const Eigen::MatrixXd everywhere = wavesOf(angle_rad, most);
+  const Eigen::Index inner = everywhere.rows() - 2 * skipped;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(everywhere.middleRows(skipped, inner));
+  basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(inner, everywhere.cols());
+  through_ = Eigen::VectorXd::Ones(everywhere.cols());
+  for (int k = kLeastOrder; k <= most; ++k)
+    through_.segment<2>(columnOf(k)).setConstant(throughWindow(0.5 * k * window_rad));
+
+  const Eigen::Map<const Eigen::VectorXd> reading(line.reading_mm.data() + skipped, inner);
+  const Eigen::Map<const Eigen::VectorXd> sigma(line.sigma_mm.data() + skipped, inner);
+  const Eigen::VectorXd coefficient = basis_.transpose() * reading;
+  const double stated = sigma.squaredNorm() / static_cast<double>(inner);
+  const double fine = noiseFrom(coefficient, columnsOf(std::max(kLeastOrder, 2 * most / 3)), stated);
+  chooseOrder(coefficient, most, fine);
+  const Eigen::Index columns = columnsOf(order_);
+  noise_mm_ = std::sqrt(noiseFrom(coefficient, columns, fine));
+  basis_ = basis_.leftCols(columns).eval();
+  // What the fit is at all readings, those at the seam too: the circle goes through all of them.
+  Eigen::MatrixXd fit = qr.matrixQR()
+                            .topLeftCorner(columns, columns)
+                            .triangularView<Eigen::Upper>()
+                            .solve<Eigen::OnTheRight>(everywhere.leftCols(columns));
+  const Eigen::MatrixXd circle = everywhere.leftCols<kCircle>();
+  fit -= circle * circle.householderQr().solve(fit);
+  radius_ = fit.middleRows(skipped, inner);
+  step_mm_ = (fit.row(fit.rows() - 1) - fit.row(0)).dot(coefficient.head(columns));
+  findLikely(coefficient.head(columns));
   as_read_mm_ = rangeOf(coefficient.head(columns));
   likely_mm_ = rangeOf(likely_of_);
 }

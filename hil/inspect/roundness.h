@@ -12,13 +12,17 @@ namespace kerfbench::hil {
 
 /// Circularity of a whole circle: the range of its radii about the least-squares circle (ISO 230-4), in mm.
 ///
-/// Readings around a circle repeat themselves after a turn, so they are fitted by waves of 1, 2, 3 … to the
-/// turn rather than piece by piece as an open line is: a smooth departure is taken as it is, without rounding
-/// off its peaks. As many waves are fitted as stand out of the noise (Mallows 1973: the order at which the
-/// error of the fit is expected to be least); their share of the noise is known, as the fit is linear.
+/// Readings around a circle are fitted by waves of 1, 2, 3 … to the turn rather than piece by piece as an
+/// open line is: a smooth departure is taken as it is, without rounding off its peaks. What changes in time,
+/// as a machine's errors do, need not close where begin and end meet: a step and a kink there are fitted as
+/// well, and readings whose windows reach over that seam are left out. As many waves are fitted as stand out
+/// of the noise (Mallows 1973: the order at which the error of the fit is expected to be least). The waves
+/// that were not tell the noise; of white noise a reading that is the mean over a window a leaves sin(k a/2)
+/// / (k a/2) in the k-th.
 class Roundness {
  public:
-  /// `angle_rad`: direction of each reading from the nominal centre, ascending or descending.
+  /// `angle_rad`: direction of each reading from the nominal centre, from begin to end of the line;
+  /// `window_rad`: what of the circle a reading is the mean over.
   Roundness(const ReadingLine& line, const std::vector<double>& angle_rad, double window_rad);
 
   /// False where so much of the circle was not seen that two waves to the turn cannot be told.
@@ -41,11 +45,14 @@ class Roundness {
 
  private:
   [[nodiscard]] double rangeOf(const Eigen::VectorXd& coefficient) const;
-  [[nodiscard]] static double noiseFrom(const Eigen::VectorXd& coefficient, const Eigen::VectorXd& gain,
-                                        Eigen::Index first, double expected);
+  [[nodiscard]] double noiseFrom(const Eigen::VectorXd& coefficient, Eigen::Index first,
+                                 double expected) const;
+  void chooseOrder(const Eigen::VectorXd& coefficient, int most, double noise);
+  void findLikely(const Eigen::VectorXd& coefficient);
 
   std::size_t skipped_;        ///< Readings at each end.
-  Eigen::MatrixXd basis_;      ///< Orthonormal columns: circle (3), then two for each further wave.
+  Eigen::MatrixXd basis_;      ///< Orthonormal columns: circle (3), seam (2), two for each further wave.
+  Eigen::VectorXd through_;    ///< What windows leave of the noise of each, in that of slow ones.
   Eigen::MatrixXd radius_;     ///< What a coefficient makes of the radii about the least-squares circle.
   Eigen::VectorXd likely_of_;  ///< Coefficients of the likely truth.
   int order_{};
