@@ -12,6 +12,7 @@
 #include "hil/inspect/error_model.h"
 #include "hil/inspect/extreme.h"
 #include "hil/inspect/worst_deviation.h"
+#include "hil/vision/kerf_profile.h"
 
 namespace kerfbench::hil::checks {
 namespace {
@@ -31,6 +32,7 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
   const auto* arc = std::get_if<ArcCurve>(&entity.curve);
   if (arc == nullptr || !isClosed(entity.curve)) return kind;
   kind.is_circle = true;
+  kind.window_rad = 2.0 * std::min(kWindowHalfMm / arc->radius_mm, kLongestArcRad);
   for (const std::size_t i : line.caliper) {
     const Eigen::Vector2d from = kerf.calipers[i].p_S_mm - arc->centre_mm;
     kind.angle_rad.push_back(std::atan2(from.y(), from.x()));
@@ -44,9 +46,12 @@ constexpr double kSigmaOfMad = 1.4826;
 // A width is the difference of two flanks, an offset their mean: twice as much if they erred each for itself;
 // what artefacts of known width show (`kerfbench gauge`).
 constexpr double kFlanks = 1.4;
-// Of what blur adds to a width: how well the lens's blur is known, and how well one kerf's shape tells it.
-constexpr double kBlurShare = 0.06;
+// Of what blur adds to a width: how well one kerf's shape tells it. How well the blur itself is known is
+// EntityKerf::widening_sigma_mm.
 constexpr double kOwnBlurShare = 0.035;
+// The same of one that lets only part of the light through, whose middle must tell how deep it is.
+constexpr double kShallowBlurShare = 0.06;
+constexpr double kShallow = 0.85;  // Brightness.
 
 struct KerfWidth {
   Quantity width;
@@ -70,6 +75,7 @@ KerfWidth widthOf(const EntityKerf& kerf, const ReadingLine& line) {
   double variance = 0.0;
   double behind = 0.0;
   double steady = 0.0;
+  double brightness = 0.0;
   std::size_t last = 0;
   for (const std::size_t i : line.caliper) {
     const Caliper& c = kerf.calipers[i];
@@ -82,12 +88,12 @@ KerfWidth widthOf(const EntityKerf& kerf, const ReadingLine& line) {
     steady += steady_mm;
     last = i;
     sum += c.width_mm;
+    brightness += c.brightness;
     n += 1.0;
   }
-  const double u_blur_mm = kBlurShare * kerf.widening_mm;
-  const double u_own_mm =
-      std::hypot(std::hypot(std::sqrt(variance), steady) / n, kOwnBlurShare * kerf.widening_mm);
-  return {{sum / n, 2.0 * std::hypot(u_own_mm, u_blur_mm)}, 2.0 * u_own_mm};
+  const double share = brightness < kShallow * n ? kShallowBlurShare : kOwnBlurShare;
+  const double u_own_mm = std::hypot(std::hypot(std::sqrt(variance), steady) / n, share * kerf.widening_mm);
+  return {{sum / n, 2.0 * std::hypot(u_own_mm, kerf.widening_sigma_mm)}, 2.0 * u_own_mm};
 }
 
 /// Standard uncertainty of a place on the sheet, per axis, by the pose of its unit and the camera's map.

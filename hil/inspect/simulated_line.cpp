@@ -53,38 +53,14 @@ double sumOfSquares(const std::vector<double>& values, LineKind::Rms about) {
   return about == LineKind::Rms::kAboutZero ? sum : sum - mean * mean * static_cast<double>(values.size());
 }
 
-/// Range of what is left after the least-squares circle.
-class SimulatedLine::Roundness {
- public:
-  explicit Roundness(const std::vector<double>& angle_rad) {
-    const auto n = static_cast<Eigen::Index>(angle_rad.size());
-    basis_.resize(n, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double angle = angle_rad[static_cast<std::size_t>(i)];
-      basis_.row(i) << 1.0, std::cos(angle), std::sin(angle);
-    }
-    solver_.compute(basis_);
-  }
-  [[nodiscard]] double of(const std::vector<double>& offset_mm) const {
-    const Eigen::Map<const Eigen::VectorXd> x(offset_mm.data(), static_cast<Eigen::Index>(offset_mm.size()));
-    const Eigen::VectorXd rest = x - basis_ * solver_.solve(x);
-    return rest.maxCoeff() - rest.minCoeff();
-  }
-
- private:
-  Eigen::MatrixXd basis_;
-  Eigen::HouseholderQR<Eigen::MatrixXd> solver_;
-};
-
-SimulatedLine::~SimulatedLine() = default;
-SimulatedLine::SimulatedLine(SimulatedLine&&) noexcept = default;
-
 SimulatedLine::SimulatedLine(const ReadingLine& line, const LineKind& kind)
     : rms(kind.rms), line_(line), smoother_(line), noise_(line.size()) {
   smoother_.smooth(line.reading_mm, estimate_mm, &level);
   likely_mm = likelyTruth();
-  if (kind.is_circle && line.size() >= 8 && kind.angle_rad.size() == line.size())
-    roundness_ = std::make_unique<Roundness>(kind.angle_rad);
+  if (kind.is_circle && kind.angle_rad.size() == line.size()) {
+    roundness_.emplace(line, kind.angle_rad, kind.window_rad);
+    if (!roundness_->isKnown()) roundness_.reset();
+  }
   for (std::size_t i = 0; i < line.size(); ++i) {
     error_squares +=
         line.sigma_mm[i] * line.sigma_mm[i] + line.shared.row(static_cast<Eigen::Index>(i)).squaredNorm();
@@ -125,10 +101,6 @@ std::vector<double> SimulatedLine::seen() const {
   std::vector<double> seen_mm;
   smoother_.apply(likely_mm, level, seen_mm);
   return seen_mm;
-}
-
-double SimulatedLine::roundnessOf(const std::vector<double>& offset_mm) const {
-  return roundness_->of(offset_mm);
 }
 
 double SimulatedLine::errorShareAt(std::size_t reading) const {

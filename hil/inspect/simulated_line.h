@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "hil/inspect/error_model.h"
 #include "hil/inspect/line_smoother.h"
+#include "hil/inspect/roundness.h"
 #include "hil/inspect/worst_deviation.h"
 #include "twin/base/random.h"
 
@@ -23,8 +24,6 @@ class SimulatedLine {
  public:
   /// Keeps references to the line; it must outlive this.
   SimulatedLine(const ReadingLine& line, const LineKind& kind);
-  ~SimulatedLine();
-  SimulatedLine(SimulatedLine&&) noexcept;
 
   /// Fills reading_mm and simulated_mm: the likely truth with noise of the given stream and the shared
   /// errors.
@@ -33,9 +32,8 @@ class SimulatedLine {
   [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
   /// The likely truth as it is measured without noise.
   [[nodiscard]] std::vector<double> seen() const;
-  [[nodiscard]] bool isRound() const { return roundness_ != nullptr; }
-  /// Range of what the least-squares circle leaves (ISO 230-4). Only of a circle.
-  [[nodiscard]] double roundnessOf(const std::vector<double>& offset_mm) const;
+  /// Only of a whole circle.
+  [[nodiscard]] const std::optional<Roundness>& roundness() const { return roundness_; }
   /// Share of the variance of the errors at a reading's estimate that the likely truth still holds: all of
   /// what is shared, noise_share of the noise.
   [[nodiscard]] double errorShareAt(std::size_t reading) const;
@@ -50,13 +48,12 @@ class SimulatedLine {
   std::vector<double> simulated_mm;  ///< Those smoothed.
 
  private:
-  class Roundness;
   [[nodiscard]] std::vector<double> likelyTruth();
 
   const ReadingLine& line_;
   LineSmoother smoother_;
   std::vector<double> noise_;
-  std::unique_ptr<Roundness> roundness_;
+  std::optional<Roundness> roundness_;
 };
 
 }  // namespace kerfbench::hil

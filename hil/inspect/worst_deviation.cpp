@@ -17,6 +17,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kDraws = 1000;
 constexpr std::uint64_t kStreams = 4;  // Of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
+constexpr std::uint64_t kRoundStream = kHiddenStream + 1;  // And on, for each draw of each line.
 
 std::size_t placeOfLargest(const std::vector<double>& values) {
   const auto at = std::max_element(values.begin(), values.end(),
@@ -163,24 +164,25 @@ Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::
     Tally::Numbers& numbers = tally.draws.emplace_back();
     std::uint64_t first = 0;
     for (std::size_t l = 0; l < lines.size(); ++l) {
-      lines[l].measure(noise, first, drawShared(model, l, seed, draw));
+      const Eigen::VectorXd shared = drawShared(model, l, seed, draw);
+      lines[l].measure(noise, first, shared);
       first += model.lines[l].size() + 1;
       numbers.worst.push_back(largestOf(lines[l].simulated_mm));
       numbers.sum_of_squares.push_back(sumOfSquares(lines[l].reading_mm, lines[l].rms));
-      if (lines[l].isRound()) round[l].push_back(lines[l].roundnessOf(lines[l].simulated_mm));
+      if (!lines[l].roundness()) continue;
+      const CounterRandom waves(seed, kRoundStream + kDraws * l + draw);
+      round[l].push_back(lines[l].roundness()->simulated(waves, model.lines[l].shared * shared));
     }
   }
   return tally;
 }
 
 /// The range about the least-squares circle is an extreme as well.
-Quantity circularityOf(const SimulatedLine& line, double estimator_mm, std::vector<double> drawn,
-                       std::uint64_t seed) {
-  const double hidden_mm = hiddenOf(line.noise_share, drawn, line.roundnessOf(line.seen()));
+Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::uint64_t seed) {
+  const double hidden_mm = hiddenOf(round.noiseShare(), drawn, round.likely());
   addHidden(hidden_mm, seed, drawn);
-  Quantity range =
-      basicInterval(line.roundnessOf(line.estimate_mm), line.roundnessOf(line.likely_mm), drawn, 0.0);
-  range.U = std::hypot(range.U, 2.0 * estimator_mm);
+  Quantity range = basicInterval(round.asRead(), round.likely(), drawn, 0.0);
+  range.U = std::hypot(range.U, 2.0 * round.unfittedSigma(), 2.0 * round.seamSigma());
   return range;
 }
 
@@ -258,9 +260,8 @@ DeviationResult measureDeviations(const ErrorModel& model, const std::vector<Lin
     } else {
       of_layer[static_cast<std::size_t>(known - result.layer_names.begin())].push_back(l);
     }
-    result.circularity.push_back(lines[l].isRound()
-                                     ? circularityOf(lines[l], model.estimator_mm, std::move(round[l]), seed)
-                                     : Quantity{});
+    result.circularity.push_back(
+        lines[l].roundness() ? circularityOf(*lines[l].roundness(), std::move(round[l]), seed) : Quantity{});
   }
   for (auto& members : of_layer)
     result.layers.push_back(Group(model, lines, std::move(members), tally).estimate(seed));

@@ -41,6 +41,7 @@ struct LineKind {
   Rms rms{Rms::kAboutZero};
   bool is_circle{};               ///< A whole circle.
   std::vector<double> angle_rad;  ///< Of a circle: direction of each reading from its centre.
+  double window_rad{};            ///< Of a circle: what of it one reading is the mean over.
 };
 
 /// Largest and RMS deviation with their uncertainty.

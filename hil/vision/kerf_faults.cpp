@@ -16,8 +16,12 @@ namespace {
 
 constexpr int kDarkGray = 4;  // Less light through the board tells kerf from board no longer.
 constexpr double kSaturatedShare = 0.02;
-constexpr double kInk = 0.6;     // Of the radius: all ink within …
-constexpr double kBoard = 1.25;  // … all board from here to kOuterRim.
+constexpr double kInk = 0.6;           // Of the radius: all ink within …
+constexpr double kBoard = 1.25;        // … all board from here to kOuterRim.
+constexpr double kMarkBlurPx = 0.015;  // Scatter of one mark of 100 px; counts as kBlurBelief marks.
+constexpr double kBlurBelief = 4.0;
+constexpr double kPrintEdgePx = 0.006;  // What a sharp print seemed to be blurred by.
+constexpr double kEdgePx = 4.0;         // Each way: pixels farther from the edge add nothing but noise.
 
 /// Means of ink and board about a disc.
 struct Levels {
@@ -67,7 +71,7 @@ double edgeBlurPx(const GrayImage& image, const CameraCalibration& calibration, 
   for (int r = box->top; r <= box->bottom; ++r) {
     for (int c = box->left; c <= box->right; ++c) {
       const double at = radiusAt(c, r);
-      if (at < kInk || at > kBoard) continue;
+      if (at < kInk || at > kBoard || std::abs(at - 1.0) * radius_px > kEdgePx) continue;
       const double darkness = (levels.board - image.gray(c, r)) / contrast;
       sum += darkness * (1.0 - darkness) + noise * noise;
     }
@@ -75,8 +79,26 @@ double edgeBlurPx(const GrayImage& image, const CameraCalibration& calibration, 
   return std::sqrt(std::numbers::pi) * sum / (2.0 * std::numbers::pi * radius_px);
 }
 
-void tellTileFaults(const std::vector<TileView>& tiles, const CameraCalibration& calibration, int unit,
-                    double widest_blur_px, std::vector<std::string>& problems) {
+LensBlur blurOf(const std::vector<TileView>& tiles, const CameraCalibration& calibration) {
+  std::vector<double> blur_px;
+  for (const TileView& view : tiles) {
+    for (const FoundMark& mark : view.marks) {
+      const double blur = edgeBlurPx(view.tile.image, calibration, mark, view.noise_gray);
+      if (std::isfinite(blur)) blur_px.push_back(blur);
+    }
+  }
+  if (blur_px.empty()) return kUsualBlur;
+  const auto middle = blur_px.begin() + static_cast<std::ptrdiff_t>(blur_px.size() / 2);
+  std::nth_element(blur_px.begin(), middle, blur_px.end());
+  const double median = *middle;
+  const auto n = static_cast<double>(blur_px.size());
+  double squares = kBlurBelief * kMarkBlurPx * kMarkBlurPx;
+  for (const double blur : blur_px) squares += (blur - median) * (blur - median);
+  return {median, std::hypot(std::sqrt(squares / (kBlurBelief + n) / n), kPrintEdgePx)};
+}
+
+void tellTileFaults(const std::vector<TileView>& tiles, int unit, const LensBlur& blur, double widest_blur_px,
+                    std::vector<std::string>& problems) {
   const std::string name = "unit " + std::to_string(unit) + ": ";
   const auto tell = [&](auto&& unfit, const char* what) {
     const auto count = std::count_if(tiles.begin(), tiles.end(),
@@ -88,20 +110,10 @@ void tellTileFaults(const std::vector<TileView>& tiles, const CameraCalibration&
   tell([](const Background& b) { return b.median() < kDarkGray; }, "dark");
   tell([](const Background& b) { return b.saturatedShare() > kSaturatedShare; }, "saturated");
   tell([](const Background& b) { return b.lifeless(); }, "without any noise");
-  std::vector<double> blur_px;
-  for (const TileView& view : tiles) {
-    for (const FoundMark& mark : view.marks) {
-      const double blur = edgeBlurPx(view.tile.image, calibration, mark, view.noise_gray);
-      if (std::isfinite(blur)) blur_px.push_back(blur);
-    }
-  }
-  if (blur_px.empty()) return;
-  const auto middle = blur_px.begin() + static_cast<std::ptrdiff_t>(blur_px.size() / 2);
-  std::nth_element(blur_px.begin(), middle, blur_px.end());
-  if (!(*middle > widest_blur_px)) return;
+  if (!(blur.px > widest_blur_px)) return;
   std::ostringstream text;
   text.precision(3);
-  text << name << "the pictures of the kerf camera are blurred by " << *middle << " px, more than "
+  text << name << "the pictures of the kerf camera are blurred by " << blur.px << " px, more than "
        << widest_blur_px;
   problems.push_back(text.str());
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hil/vision/kerf_tiles.h"
+#include "hil/vision/lens_blur.h"
 
 namespace kerfbench::hil {
 
@@ -18,9 +19,13 @@ namespace kerfbench::hil {
 double edgeBlurPx(const GrayImage& image, const CameraCalibration& calibration, const FoundMark& mark,
                   double noise_gray);
 
+/// Blur of the pictures of a unit: the median of its marks. Its uncertainty is that of their scatter, and of
+/// what the edge of the print itself is not sharp; kUsualBlur where no mark tells.
+LensBlur blurOf(const std::vector<TileView>& tiles, const CameraCalibration& calibration);
+
 /// Tiles of a unit that must not be measured in, as sentences: dark, saturated, without any noise; and all of
-/// them, where the median of their marks is blurred by more than widest_blur_px.
-void tellTileFaults(const std::vector<TileView>& tiles, const CameraCalibration& calibration, int unit,
-                    double widest_blur_px, std::vector<std::string>& problems);
+/// them, where they are blurred by more than widest_blur_px.
+void tellTileFaults(const std::vector<TileView>& tiles, int unit, const LensBlur& blur, double widest_blur_px,
+                    std::vector<std::string>& problems);
 
 }  // namespace kerfbench::hil

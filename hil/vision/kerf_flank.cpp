@@ -4,18 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Core>
 
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kLensPx = 0.65;
 constexpr double kSplinePx = 0.7071;  // RMS of the profile's own spline
 constexpr int kGridPerPx = 8;
+constexpr double kPeakPx = 0.55;  // half of the middle that a caliper takes the brightness from
+constexpr int kTopSamples = 24;
 constexpr double kReachPx = 7.0;   // beyond half a kerf
 constexpr double kSmoothMm = 1.0;  // along the curve, each way
 constexpr double kIndependentMm = 0.2;
+// Of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
+// scorch.
+constexpr double kScorchBlur = 0.93;
 constexpr double kModelShare = 0.22;  // of the shift: what the model of scorch leaves
 constexpr double kLeastOdd = 0.05;    // of the board's light: less cannot be told from noise
 constexpr double kTightBend_per_mm = 1.4;
@@ -74,11 +79,35 @@ double shareAt(const FlankQuery& q, double peak, double y_mm) {
   return peak * std::exp(-2.0 * a * a);
 }
 
+/// Light that the pixels in the middle of a kerf show, which the lens has mixed with that of its flanks.
+double seenTop(const FlankQuery& q, double peak, double transmission) {
+  const double sigma_mm = std::hypot(q.lens_px, kPeakPx / std::numbers::sqrt3) * q.pixel_mm;
+  double sum = 0.0;
+  double weight = 0.0;
+  for (int i = -kTopSamples; i <= kTopSamples; ++i) {
+    const double z = 3.5 * i / kTopSamples;
+    const double w = std::exp(-0.5 * z * z);
+    const double share = std::min(1.0, shareAt(q, peak, std::abs(z) * sigma_mm));
+    sum += w * q.open_gray * std::pow(transmission, 1.0 - share);
+    weight += w;
+  }
+  return sum / weight;
+}
+
 double peakShare(const FlankQuery& q, double transmission) {
   const auto shareOf = [&](double gray) {
     return 1.0 - std::log(std::min(gray, q.open_gray) / q.open_gray) / std::log(transmission);
   };
-  if (q.top_gray < kBarelyOpen * q.open_gray) return std::max(0.0, shareOf(q.top_gray));
+  if (q.top_gray < kBarelyOpen * q.open_gray) {
+    double low = std::max(0.0, shareOf(q.top_gray));
+    if (!(q.beam_radius_mm > 0.0)) return low;
+    double high = 1.0;
+    for (int i = 0; i < 20; ++i) {
+      const double middle = 0.5 * (low + high);
+      (seenTop(q, middle, transmission) < q.top_gray ? low : high) = middle;
+    }
+    return low;
+  }
   if (!(q.beam_radius_mm > 0.0)) return 1.0;
   const double a = q.half_width_mm / q.beam_radius_mm;
   return std::max(1.0, shareOf(0.5 * (q.top_gray + q.board_gray)) * std::exp(2.0 * a * a));
@@ -99,7 +128,7 @@ Shapes shapesOf(const FlankQuery& q) {
     left[i] = share >= 1.0 ? 0.0 : light[i];
   }
   s.light = light;
-  const double sigma_steps = std::hypot(kLensPx, kSplinePx) * kGridPerPx;
+  const double sigma_steps = std::hypot(q.lens_px, kSplinePx) * kGridPerPx;
   s.even = blurred(light, 1.0, sigma_steps);
   s.burnt = blurred(left, -1.0, sigma_steps);
   return s;
@@ -135,7 +164,9 @@ FlankModel::FlankModel(const FlankQuery& query) {
                     query.top_gray > 1.1 * query.board_gray && query.half_width_mm > 0.2 * query.pixel_mm &&
                     query.half_width_mm < kWidestMm;
   if (!sane) return;
-  const Shapes s = shapesOf(query);
+  FlankQuery scorched = query;
+  scorched.lens_px *= kScorchBlur;
+  const Shapes s = shapesOf(scorched);
   // Where the blurred profile is half way down.
   const double level = 0.5 * (s.even.front() + query.board_gray);
   std::size_t flank = 1;
@@ -153,12 +184,14 @@ FlankModel::FlankModel(const FlankQuery& query) {
 }
 
 void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                const KerfScanOptions& options, double pixel_mm, EntityKerf& kerf,
+                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
                 std::vector<double>& model_mm) {
   const std::size_t n = kerf.calipers.size();
   model_mm.assign(n, 0.0);
-  FlankQuery mean{
-      .open_gray = options.open_gray, .beam_radius_mm = options.beam_radius_mm, .pixel_mm = pixel_mm};
+  FlankQuery mean{.open_gray = options.open_gray,
+                  .beam_radius_mm = options.beam_radius_mm,
+                  .pixel_mm = pixel_mm,
+                  .lens_px = blur.px};
   double count = 0.0;
   const auto good = [&](std::size_t i) {
     const Caliper& c = kerf.calipers[i];
@@ -176,6 +209,9 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
     *value /= std::max(1.0, count);
   const FlankModel model(mean);
   kerf.widening_mm = model.widening_mm();
+  FlankQuery blurred = mean;
+  blurred.lens_px += blur.sigma_px;
+  kerf.widening_sigma_mm = std::abs(FlankModel(blurred).widening_mm() - kerf.widening_mm);
 
   std::vector<Eigen::Vector3d> sums(1, Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < n; ++i) {
@@ -206,27 +242,32 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
       model_mm[i] = kTightModel_mm;
     }
     // The lens draws both edges of a curve towards its centre.
-    const double lens_mm = kLensPx * pixel_mm;
+    const double lens_mm = blur.px * pixel_mm;
     c.offset_mm -= scorch_mm + 0.5 * lens_mm * lens_mm * bend_per_mm;
     c.width_mm -= kerf.widening_mm;
   }
 }
 
-void unbend(const EntityPlan& plan, double pixel_mm, EntityKerf& kerf) {
+void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf) {
   const std::size_t n = kerf.calipers.size();
   if (n < 2) return;
   const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);
   const auto apart = static_cast<std::size_t>(std::max(1.0, std::round(kBendMm / pitch_mm)));
   const double apart_mm = static_cast<double>(apart) * pitch_mm;
   if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to tell.
-  const double lens_mm = kLensPx * pixel_mm;
   const auto offsetAt = [&](std::size_t i) {
     const Caliper& c = kerf.calipers[i];
     return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<double> taken_mm(n, 0.0);
-  for (std::size_t i = apart; i + apart < n; ++i) {
-    const double second = (offsetAt(i - apart) - 2.0 * offsetAt(i) + offsetAt(i + apart));
+  // A closed curve goes on past its first station, which is its last.
+  const std::size_t round = n - 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool inside = i >= apart && i + apart < n;
+    if (!inside && !(plan.closed && round > 2 * apart)) continue;
+    const std::size_t before = inside ? i - apart : (i + round - apart) % round;
+    const std::size_t after = inside ? i + apart : (i + apart) % round;
+    const double second = offsetAt(before) - 2.0 * offsetAt(i) + offsetAt(after);
     if (!std::isfinite(second)) continue;
     const double window_mm = 2.0 * kWindowHalfMm;
     taken_mm[i] = (window_mm * window_mm / 24.0 + 0.5 * lens_mm * lens_mm) * second / (apart_mm * apart_mm);

@@ -5,6 +5,7 @@
 
 #include "hil/vision/kerf_caliper.h"
 #include "hil/vision/kerf_plan.h"
+#include "hil/vision/lens_blur.h"
 
 namespace kerfbench::hil {
 
@@ -16,6 +17,7 @@ struct FlankQuery {
   double open_gray{};
   double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
   double pixel_mm{};
+  double lens_px{};  ///< Standard deviation of the picture's blur.
 };
 
 /// Scorch takes a share k of the light of all board that is still there, more on one side than on the other:
@@ -44,13 +46,13 @@ class FlankModel {
 /// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
 /// `model_mm` gets what remains uncertain of that, per station.
 void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                const KerfScanOptions& options, double pixel_mm, EntityKerf& kerf,
+                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
                 std::vector<double>& model_mm);
 
 /// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
 /// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the
-/// lens draws both flanks in by k sigma²/2. The kerf's bend beyond that of the dieline is its second
-/// difference over readings 0.3 mm apart; where one of those is missing nothing is taken out.
-void unbend(const EntityPlan& plan, double pixel_mm, EntityKerf& kerf);
+/// lens, of blur sigma, draws both flanks in by k sigma²/2. The kerf's bend beyond that of the dieline is its
+/// second difference over readings 0.3 mm apart; where one of those is missing nothing is taken out.
+void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf);
 
 }  // namespace kerfbench::hil

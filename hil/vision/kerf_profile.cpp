@@ -11,7 +11,6 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kLongestArcRad = 0.35;  // of a small circle, each way
 constexpr double kLeastRest = 0.1;       // of the radius: beyond the centre of a hole its far side begins
 constexpr double kStraight_per_mm = 1e-6;
 

@@ -11,6 +11,7 @@ namespace kerfbench::hil {
 
 /// A caliper's window reaches so far along the curve, each way, where curve and ends allow.
 inline constexpr double kWindowHalfMm = 0.1;
+inline constexpr double kLongestArcRad = 0.35;  ///< Nor farther round a curve than this, each way.
 
 /// A window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to
 /// both sides of it.

@@ -120,7 +120,8 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
     forEachIndex(of_unit.size(), options.threads, [&](std::size_t i) {
       views[i] = viewTile(std::move(of_unit[i]), calibration, diameters_mm);
     });
-    tellTileFaults(views, calibration, unit, options.widest_blur_px, scan.problems);
+    const LensBlur blur = blurOf(views, calibration);
+    tellTileFaults(views, unit, blur, options.widest_blur_px, scan.problems);
     shareLight(views);
     const TileIndex index(views, calibration);
     const std::optional<UnitPlace> place = placeUnit(views, index, unit, print, calibration, scan.problems);
@@ -131,7 +132,7 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
-    const UnitScan unit_scan(calibration, plan, options, views, index, unit, place->X_TS);
+    const UnitScan unit_scan(calibration, plan, options, views, index, unit, place->X_TS, blur);
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }

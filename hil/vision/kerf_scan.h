@@ -50,6 +50,8 @@ struct EntityKerf {
   int entity{};                   ///< Entity id.
   std::vector<Caliper> calipers;  ///< In order of station.
   double widening_mm{};           ///< By which blur makes it look wider than Caliper::width_mm.
+  /// Standard uncertainty of that, common to all kerfs of the picture: how well its blur is known.
+  double widening_sigma_mm{};
 };
 
 /// Where two entities of one unit meet, or one turns: its corner as cut.

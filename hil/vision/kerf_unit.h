@@ -7,6 +7,7 @@
 #include "hil/vision/kerf_noise.h"
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_tiles.h"
+#include "hil/vision/lens_blur.h"
 
 namespace kerfbench::hil {
 
@@ -14,14 +15,16 @@ namespace kerfbench::hil {
 class UnitScan {
  public:
   UnitScan(const CameraCalibration& calibration, const KerfPlan& plan, const KerfScanOptions& options,
-           const std::vector<TileView>& tiles, const TileIndex& index, int unit, const PlaneMotion& X_TS)
+           const std::vector<TileView>& tiles, const TileIndex& index, int unit, const PlaneMotion& X_TS,
+           const LensBlur& blur)
       : calibration_(calibration),
         plan_(plan),
         options_(options),
         tiles_(tiles),
         index_(index),
         unit_(unit),
-        X_TS_(X_TS) {}
+        X_TS_(X_TS),
+        blur_(blur) {}
 
   /// Calipers with their uncertainties, corners, ends and the unit's worst patches.
   void cuts(KerfScan& scan) const;
@@ -53,6 +56,7 @@ class UnitScan {
   const TileIndex& index_;
   int unit_;
   PlaneMotion X_TS_;
+  LensBlur blur_;
 };
 
 }  // namespace kerfbench::hil

@@ -101,13 +101,13 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   const EntityResult sharp = widths();
   EXPECT_EQ(sharp.width_U_mm, sharp.width_own_U_mm);
   run.kerf(0, kTop).widening_mm = 0.02;
+  run.kerf(0, kTop).widening_sigma_mm = 0.0015;
   const EntityResult blurred = widths();
   EXPECT_GT(blurred.width_own_U_mm, sharp.width_own_U_mm);
-  // How well the lens is known counts for all kerfs alike; here, a twentieth of what it adds or more.
+  // How well the lens's blur is known counts for all kerfs alike.
   const double common_U_mm =
       std::sqrt(blurred.width_U_mm * blurred.width_U_mm - blurred.width_own_U_mm * blurred.width_own_U_mm);
-  EXPECT_GT(common_U_mm, 2.0 * 0.05 * 0.02);
-  EXPECT_LT(common_U_mm, 2.0 * 0.10 * 0.02);
+  EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
 }
 
 TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {

@@ -94,7 +94,7 @@ TEST(KerfRefusal, TheBlurOfAnEdgeIsThatOfTheCamera) {
     for (const FoundMark& mark : view.marks)
       mean_px += 0.25 * edgeBlurPx(view.tile.image, calibration, mark, view.noise_gray);
     std::printf("  psf %.2f px, seen %.3f px\n", psf_px, mean_px);
-    EXPECT_NEAR(mean_px, psf_px, 0.1);
+    EXPECT_NEAR(mean_px, psf_px, 0.02);
   }
 }
 

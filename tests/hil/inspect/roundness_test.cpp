@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/roundness.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hil/inspect/worst_deviation.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kSigma_mm = 0.0002;
+constexpr std::size_t kReadings = 140;
+constexpr double kWindow_rad = 0.09;
+
+/// A circle read with the white noise of `seed`; `radius` over the way round, 0 … 1.
+struct Circle {
+  Circle(const std::function<double(double)>& radius, std::uint64_t seed) {
+    const CounterRandom random(seed, 0);
+    for (std::size_t i = 0; i < kReadings; ++i) {
+      const double share = static_cast<double>(i) / kReadings;
+      kind.angle_rad.push_back(kTurn * share);
+      line.reading_mm.push_back(radius(share) + kSigma_mm * random.normal(i));
+      line.sigma_mm.push_back(kSigma_mm);
+      line.caliper.push_back(i);
+    }
+    kind.is_circle = true;
+    line.segment = {0, kReadings};
+    line.shared.setZero(kReadings, ReadingLine::kOwn);
+  }
+  [[nodiscard]] Quantity circularity() const {
+    ErrorModel model;
+    model.lines = {line};
+    return measureDeviations(model, {kind}, 0.05, 1).circularity.at(0);
+  }
+  ReadingLine line;
+  LineKind kind;
+};
+
+double coverage(const std::function<double(double)>& radius, double truth_mm) {
+  constexpr int kCases = 100;
+  int hits = 0;
+  for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
+    const Quantity q = Circle(radius, seed).circularity();
+    if (std::abs(q.value - truth_mm) <= q.U) ++hits;
+  }
+  return hits / static_cast<double>(kCases);
+}
+
+TEST(Roundness, IntervalsHoldTheTruth) {
+  // Of 100 cases at 95.45 % fewer than 88 would be odd. A perfect circle lies at the edge of what can be:
+  // what is stated is short there by some per cent.
+  EXPECT_GE(coverage([](double) { return 0.01; }, 0.0), 0.80);
+  EXPECT_GE(coverage([](double s) { return 0.02 * std::cos(3.0 * kTurn * s); }, 0.04), 0.88);
+  EXPECT_GE(coverage([](double s) { return 0.0015 * std::cos(2.0 * kTurn * s); }, 0.003), 0.88);
+}
+
+TEST(Roundness, AWaveIsNotRoundedOff) {
+  for (const double waves : {2.0, 5.0, 9.0}) {
+    const Circle circle([&](double s) { return 0.05 * std::sin(waves * kTurn * s); }, 7);
+    const Roundness round(circle.line, circle.kind.angle_rad, kWindow_rad);
+    EXPECT_EQ(round.order(), static_cast<int>(waves));
+    EXPECT_NEAR(round.asRead(), 0.1, 0.0005) << waves;
+  }
+}
+
+TEST(Roundness, SizeAndCentreAreNoMatterOfForm) {
+  const Circle circle([](double s) { return 0.3 + 0.2 * std::cos(kTurn * s) - 0.1 * std::sin(kTurn * s); },
+                      3);
+  const Quantity q = circle.circularity();
+  EXPECT_LT(q.value - q.U, 0.0001);
+  EXPECT_LT(q.value + q.U, 0.001);
+}
+
+TEST(Roundness, AStepWhereTheLineClosesIsSeen) {
+  // A ramp s around the circle leaves s - 1/2 + sin(2 pi s) / pi about its least-squares circle: nothing off
+  // its range.
+  const auto ramp = [](double s) { return 0.01 * s; };
+  const Circle circle(ramp, 5);
+  const Roundness round(circle.line, circle.kind.angle_rad, kWindow_rad);
+  EXPECT_NEAR(round.asRead(), 0.0097, 0.0005);
+  EXPECT_GT(round.seamSigma(), 0.0);
+}
+
+TEST(Roundness, OfHalfACircleNothingIsTold) {
+  Circle circle([](double) { return 0.0; }, 1);
+  for (double& angle : circle.kind.angle_rad) angle *= 0.4;
+  EXPECT_FALSE(Roundness(circle.line, circle.kind.angle_rad, kWindow_rad).isKnown());
+  EXPECT_TRUE(std::isnan(circle.circularity().value));
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
