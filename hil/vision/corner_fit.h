@@ -35,6 +35,7 @@ struct CornerKnown {
   /// First guesses, at least one; all have the same nominal curves.
   std::vector<CornerShape> legs;
   CornerLight light;
+  double blur_sigma_px{};  ///< Standard uncertainty of light.blur_px.
   KnownLeg in, out;
 };
 

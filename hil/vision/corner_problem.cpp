@@ -17,11 +17,11 @@ constexpr double kSlopeSigma = 0.2;
 // difference is about as large as both together, or this. And neither stops short where the other runs over.
 constexpr double kUneven_mm = 0.005;
 constexpr double kOpposite_mm = 0.003;
-constexpr double kPeakSigma = 1.0;     // of its logarithm
-constexpr double kRadiusSigma = 0.02;  // of its logarithm
-constexpr double kBoardSigma = 10.0;   // gray
-constexpr double kOpenSigma = 4.0;     // gray
-constexpr double kBlurSigma_px = 0.02;
+constexpr double kPeakSigma = 1.0;          // of its logarithm
+constexpr double kRadiusSigma = 0.02;       // of its logarithm
+constexpr double kBoardSigma = 10.0;        // gray
+constexpr double kOpenSigma = 4.0;          // gray
+constexpr double kBlurShapePx = 0.02;       // A lens blurs by no Gaussian quite.
 constexpr double kScorchSigma_mm = 0.0025;  // Calipers know of it (FlankModel), this model does not.
 constexpr double kLengthStep_mm = 5e-4;     // of differences
 constexpr double kGrayStep = 0.2;
@@ -132,8 +132,8 @@ int CornerProblem::operator()(const VectorXd& x, VectorXd& f) const {
       (x[kPeakOut] - std::log(light.peak_out)) / kPeakSigma,
       (x[kRadius] - std::log(light.beam_radius_mm)) / kRadiusSigma,
       (x[kBoard] - light.board_gray) / kBoardSigma, (x[kOpen] - light.open_gray) / kOpenSigma,
-      (x[kBlur] - light.blur_px) / kBlurSigma_px, x[kInScorch] / kScorchSigma_mm,
-      x[kOutScorch] / kScorchSigma_mm, 0.0, 0.0;
+      (x[kBlur] - light.blur_px) / std::hypot(known_.blur_sigma_px, kBlurShapePx),
+      x[kInScorch] / kScorchSigma_mm, x[kOutScorch] / kScorchSigma_mm, 0.0, 0.0;
   if (x.size() > kMeet + 1) {
     const double together_mm = std::abs(x[kMeet]);
     const double apart_mm = std::abs(x[kMeet + 1]);

@@ -5,6 +5,7 @@
 
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_tiles.h"
+#include "hil/vision/lens_blur.h"
 
 namespace kerfbench::hil {
 
@@ -16,6 +17,7 @@ struct JointScene {
   const KerfScanOptions* options{};
   const KerfPlan* plan{};
   const std::vector<EntityKerf>* kerfs{};  ///< Of the unit, in the plan's order.
+  LensBlur blur{kUsualBlur};
   int unit{};
 
   /// The tile that sees all within `reach_mm` of a point; nullptr if none does.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -198,6 +197,8 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   light.peak_out = peakOf(options, *on, light.board_gray);
   light.beam_radius_mm =
       options.beam_radius_mm > 0.0 ? options.beam_radius_mm : in->half_width_mm + on->half_width_mm;
+  light.blur_px = scene.blur.px;
+  known.blur_sigma_px = scene.blur.sigma_px;
   const auto fit = fitCorner(picture, known);
   if (!fit) return out;
   const double off_mm = std::max(std::abs(fit->shape.in.offset_mm), std::abs(fit->shape.out.offset_mm));

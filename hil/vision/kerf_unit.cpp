@@ -173,6 +173,7 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) cons
                          .options = &options_,
                          .plan = &plan_,
                          .kerfs = &kerfs,
+                         .blur = blur_,
                          .unit = unit_};
   std::vector<CornerKerf> corners(plan_.corners.size());
   forEachIndex(corners.size(), options_.threads,
