@@ -21,4 +21,7 @@ std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
 /// @throws PlanError that lists every fault with its line.
 std::vector<Segment> readGcode(const std::string& text);
 
+/// What a unit is of such a path: from the first mark to the last. The machine jumps to its start by itself.
+std::vector<Segment> unitOf(std::vector<Segment> path);
+
 }  // namespace kerfbench::planner

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -234,5 +235,12 @@ class Reader {
 }  // namespace
 
 std::vector<Segment> readGcode(const std::string& text) { return Reader().read(text); }
+
+std::vector<Segment> unitOf(std::vector<Segment> path) {
+  const auto marks = [](const Segment& segment) { return !segment.jump; };
+  path.erase(std::find_if(path.rbegin(), path.rend(), marks).base(), path.end());
+  path.erase(path.begin(), std::find_if(path.begin(), path.end(), marks));
+  return path;
+}
 
 }  // namespace kerfbench::planner

@@ -12,6 +12,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/plan.h"
 #include "hil/dieline/read.h"
 
@@ -88,10 +91,11 @@ std::string programText(const planner::Program& program) {
   return text;
 }
 
-std::string summaryOf(const Options& options, const planner::Plan& plan) {
+std::string summaryOf(const Options& options, const planner::CheckResult& checked,
+                      const planner::Plan& plan) {
   std::size_t bytes = 0;
   for (const auto& op : plan.program.ops) bytes += op.size();
-  return fmt::format(
+  std::string text = fmt::format(
       "{}: fits\n"
       "  belt            {:.2f} mm/s, at most {:.2f} mm/s\n"
       "  unit            {:.4f} s, with the way back {:.4f} s\n"
@@ -101,6 +105,30 @@ std::string summaryOf(const Options& options, const planner::Plan& plan) {
       options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
       bytes);
+  const planner::RoomNeeded room =
+      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.job,
+                          planner::Axes(options.machine, {}));
+  text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm\n", room.low_x_mm,
+                      room.high_x_mm, options.machine.field_min_mm[0], options.machine.field_max_mm[0]);
+  if (room.least_pitch_mm > 0.0) {
+    text += fmt::format("  pitch           {:.3f} mm at least at this speed{}\n", room.least_pitch_mm,
+                        options.job.units > 1 ? fmt::format(", {:g} mm given", options.job.pitch_mm) : "");
+  }
+  if (room.closed_form) {
+    text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014)\n",
+                        room.closed_form->least_pitch_mm, room.closed_form->travel_mm);
+  }
+  return text;
+}
+
+/// Everything wrong on standard error, or what the job takes.
+int check(const Options& options, const std::string& gcode) {
+  const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
+  for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
+  for (const std::string& error : checked.errors) std::cerr << error << '\n';
+  if (!checked.errors.empty()) return kBadInput;
+  std::cout << summaryOf(options, checked, planner::planFromGcode(gcode, options.machine, options.job));
+  return 0;
 }
 
 void addMachine(CLI::App& app, MachineParameters& m) {
@@ -188,12 +216,8 @@ int main(int argc, char** argv) try {
     write(options, text);
     return 0;
   }
-  const planner::Plan plan = planner::planFromGcode(text, options.machine, options.job);
-  if (program->parsed()) {
-    write(options, programText(plan.program));
-  } else {
-    std::cout << summaryOf(options, plan);
-  }
+  if (!program->parsed()) return check(options, text);
+  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
   return 0;
 } catch (const planner::PlanError& error) {
   std::cerr << error.what() << '\n';

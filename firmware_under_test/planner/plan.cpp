@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/check.h"
 #include "firmware_under_test/planner/cut_order.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/program.h"
@@ -25,61 +25,6 @@ constexpr double kBandsMm[] = {5.0, 15.0, 30.0, 60.0};
 void require(const MachineParameters& machine, const JobParameters& job) {
   const std::vector<std::string> faults = faultsOf(machine, job);
   if (!faults.empty()) throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
-}
-
-/// From the first mark to the last: the machine jumps to the start of a unit by itself.
-std::vector<Segment> trimmed(std::vector<Segment> path) {
-  const auto marks = [](const Segment& segment) { return !segment.jump; };
-  path.erase(std::find_if(path.rbegin(), path.rend(), marks).base(), path.end());
-  path.erase(path.begin(), std::find_if(path.begin(), path.end(), marks));
-  return path;
-}
-
-std::string nameOf(const Segment& segment) {
-  std::string name = segment.entity >= 0 ? fmt::format("E{}", segment.entity) : std::string();
-  if (segment.line > 0) name += fmt::format("{}G-code line {}", name.empty() ? "" : ", ", segment.line);
-  return name;
-}
-
-/// What no belt speed can mend: places across the belt.
-std::vector<std::string> lastingFaults(const std::vector<Segment>& path, const MachineParameters& machine) {
-  std::vector<std::string> faults;
-  for (const Segment& segment : path) {
-    double low = segment.start_mm.y();
-    double high = low;
-    const int parts = segment.isArc() ? 4 + static_cast<int>(std::abs(segment.sweep_rad) * 50.0) : 1;
-    for (int i = 0; i <= parts; ++i) {
-      const double y = segment.at(segment.lengthMm() * i / parts).y();
-      low = std::min(low, y);
-      high = std::max(high, y);
-    }
-    if (!segment.jump && (low < machine.field_min_mm[1] - 1e-6 || high > machine.field_max_mm[1] + 1e-6)) {
-      faults.push_back(fmt::format("{} spans y {:.3f} … {:.3f} mm, the field {:g} … {:g} mm", nameOf(segment),
-                                   low, high, machine.field_min_mm[1], machine.field_max_mm[1]));
-    }
-  }
-  return faults;
-}
-
-/// Marks for which the laser is too weak at the speed they reach.
-std::vector<std::string> powerFaults(const Solution& solution, const MachineParameters& machine,
-                                     const JobParameters& job) {
-  std::vector<std::string> faults;
-  std::set<std::string> named;
-  for (const Block& block : solution.paths.front().blocks) {
-    double most = 0.0;
-    for (const Sample& sample : block.samples)
-      most = std::max(most, powerByte(sample.marked_mm, machine, job));
-    if (most < 255.5) continue;
-    const std::string name =
-        block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
-    if (!named.insert(name).second) continue;
-    faults.push_back(fmt::format(
-        "from {}: {:g} J/mm at {:g} mm/s needs {:.1f} W, the laser has {:g} W; mark at {:.0f} mm/s at most",
-        name, job.cut_energy_j_per_mm, job.mark_speed_mm_s, most / 255.0 * machine.full_power_w,
-        machine.full_power_w, std::floor(0.99 * job.mark_speed_mm_s * 255.0 / most)));
-  }
-  return faults;
 }
 
 std::vector<std::string> processNames(const hil::Dieline& dieline) {
@@ -173,7 +118,7 @@ std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& mach
   if (speedWhileCutting(job) <= 0.0) return whole;
   const Axes axes(machine, faults);
   const auto highest = [&](const std::string& gcode) {
-    return maxBeltSpeed(trimmed(readGcode(gcode)), machine, job, axes);
+    return maxBeltSpeed(unitOf(readGcode(gcode)), machine, job, axes);
   };
   double best_speed = highest(whole);
   std::string best = whole;
@@ -192,31 +137,15 @@ std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& mach
 
 Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                    const PlannerFaults& faults) {
-  require(machine, job);
-  const std::vector<Segment> path = trimmed(readGcode(gcode));
-  std::vector<std::string> wrong = lastingFaults(path, machine);
-  if (!wrong.empty()) throw PlanError(fmt::format("{}", fmt::join(wrong, "\n")));
-
+  const CheckResult checked = checkJob(gcode, machine, job, faults);
+  if (!checked.solution) throw PlanError(fmt::format("{}", fmt::join(checked.errors, "\n")));
+  const std::vector<Segment> path = unitOf(readGcode(gcode));
   const Axes axes(machine, faults);
+  const double v = speedWhileCutting(job);
+  const Solution& solution = *checked.solution;
   Plan plan;
   plan.gcode = gcode;
-  const double v = speedWhileCutting(job);
-  plan.max_belt_speed_mm_s = job.stop_and_go ? feedLimit(machine) : maxBeltSpeed(path, machine, job, axes);
-  const SolveResult result = solve(path, machine, job, axes, v);
-  if (!result.solution || (v > 0.0 && v > plan.max_belt_speed_mm_s)) {
-    if (v <= 0.0) throw PlanError(result.reason);
-    const std::string reason =
-        result.solution ? "there is a slower speed at which it does not fit" : result.reason;
-    if (plan.max_belt_speed_mm_s <= 0.0) {
-      throw PlanError(fmt::format("the job fits at no belt speed, so not at {:g} mm/s: {}", v, reason));
-    }
-    throw PlanError(
-        fmt::format("a belt speed of {:g} mm/s is too high: {}; the highest for this job is {:.2f} mm/s", v,
-                    reason, plan.max_belt_speed_mm_s));
-  }
-  const Solution& solution = *result.solution;
-  wrong = powerFaults(solution, machine, job);
-  if (!wrong.empty()) throw PlanError(fmt::format("{}", fmt::join(wrong, "\n")));
+  plan.max_belt_speed_mm_s = checked.max_belt_speed_mm_s;
 
   const UnitLayout& layout = solution.layoutOf(0);
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
