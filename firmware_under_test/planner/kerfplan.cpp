@@ -16,6 +16,7 @@
 #include "firmware_under_test/planner/check.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/preview/preview.h"
 #include "hil/dieline/read.h"
 
 namespace {
@@ -205,6 +206,8 @@ int main(int argc, char** argv) try {
   const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
   const CLI::App* program = subcommand(
       "program", "Write the controller's program of all units, an operation per line in hex", true);
+  const CLI::App* preview = subcommand(
+      "preview", "Write a page that plays the job: one HTML file, nothing loaded from elsewhere", true);
   subcommand("check", "Say whether and how the job fits the machine", false);
   try {
     app.parse(argc, argv);
@@ -214,6 +217,11 @@ int main(int argc, char** argv) try {
   const std::string text = gcodeOf(options);
   if (gcode->parsed()) {
     write(options, text);
+    return 0;
+  }
+  if (preview->parsed()) {
+    const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
+    write(options, planner::previewHtml(name, text, options.machine, options.job));
     return 0;
   }
   if (!program->parsed()) return check(options, text);
