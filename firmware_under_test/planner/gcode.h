@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace kerfbench::planner {
 /// `names` holds for each entity the word after its id in the comment.
 std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
                        const std::vector<std::string>& names);
+/// The same with the word of each entity asked for; an empty one leaves it out.
+std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
+                       const std::function<std::string(int entity)>& name_of);
 
 /// What a G-code text says, jumps included, from its first point to its last mark.
 ///

@@ -17,6 +17,7 @@
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/preview/preview.h"
+#include "firmware_under_test/planner/selection.h"
 #include "hil/dieline/read.h"
 
 namespace {
@@ -31,6 +32,7 @@ constexpr int kBroken = 2;
 struct Options {
   std::string input;
   std::string output;
+  std::string entities, layers, processes;  ///< As typed; empty: all.
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -65,8 +67,12 @@ hil::Dieline readInput(const Options& options) {
 }
 
 std::string gcodeOf(const Options& options) {
-  if (isGcode(options.input)) return readText(options.input);
-  return planner::makeGcode(readInput(options), options.machine, options.job);
+  const planner::Selection selection =
+      planner::selectionFrom(options.entities, options.layers, options.processes);
+  if (isGcode(options.input)) return planner::select(readText(options.input), selection);
+  hil::Dieline dieline = readInput(options);
+  planner::select(dieline, selection);
+  return planner::makeGcode(dieline, options.machine, options.job);
 }
 
 void write(const Options& options, const std::string& text) {
@@ -199,6 +205,12 @@ int main(int argc, char** argv) try {
                     "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
         ->required();
     if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
+    const auto choice = [&](const char* option, std::string& value, const char* meaning) {
+      sub->add_option(option, value, meaning)->group("What is cut (all, if nothing is said)");
+    };
+    choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
+    choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
+    choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
     addMachine(*sub, options.machine);
     addJob(*sub, options.job);
     return sub;

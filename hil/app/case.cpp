@@ -40,6 +40,11 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   }
   refuseUnfit(file, webOf(the_case));
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
+  try {
+    planner::select(the_case.dieline, the_case.scenario.selection);
+  } catch (const planner::PlanError& error) {
+    throw ConfigError(fmt::format("{}: select: {}", the_case.scenario.path.string(), error.what()));
+  }
   refuseUnfit(the_case.dieline);
   return the_case;
 }

@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/app/dialogs.h"
 #include "hil/base/yaml_reader.h"
 #include "tests/hil/app/temp_folder.h"
 
 namespace kerfbench::hil {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 class CaseTest : public testing::Test {
@@ -53,6 +55,23 @@ TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
   const std::string lines = "machine: " + path.string() + "\n";
   EXPECT_EQ(faultsOf(lines), "");
   EXPECT_THAT(faultsOf(lines + "belt: {drive: controller}\n"), HasSubstr("feed"));
+}
+
+TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
+  const Case the_case = label("select: {entities: '0-3'}\n");
+  int cut = 0;
+  for (const Entity& entity : the_case.dieline.entities) cut += entity.process != Process::kIgnore ? 1 : 0;
+  EXPECT_EQ(cut, 4);
+  EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
+              AllOf(HasSubstr("'0-x'"), HasSubstr("'burn'"), HasSubstr("s.yaml:3")));
+  EXPECT_THAT(faultsOf("select: {entities: '70'}\n"), HasSubstr("select: E70: there is no such entity"));
+}
+
+TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
+  (void)temp_.write("edited.nc", "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  const PreparedJob job = prepareJob(label("planner: {gcode: edited.nc}\n"));
+  EXPECT_EQ(job.gcode, "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
 }
 
 TEST_F(CaseTest, ALineMayChangeItsSpeed) {
