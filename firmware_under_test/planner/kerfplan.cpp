@@ -15,6 +15,7 @@
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
 #include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/preview/preview.h"
 #include "firmware_under_test/planner/selection.h"
@@ -66,13 +67,16 @@ hil::Dieline readInput(const Options& options) {
   return dieline;
 }
 
-std::string gcodeOf(const Options& options) {
-  const planner::Selection selection =
-      planner::selectionFrom(options.entities, options.layers, options.processes);
-  if (isGcode(options.input)) return planner::select(readText(options.input), selection);
+hil::Dieline chosenOf(const Options& options) {
   hil::Dieline dieline = readInput(options);
-  planner::select(dieline, selection);
-  return planner::makeGcode(dieline, options.machine, options.job);
+  planner::select(dieline, planner::selectionFrom(options.entities, options.layers, options.processes));
+  return dieline;
+}
+
+std::string gcodeOf(const Options& options) {
+  if (!isGcode(options.input)) return planner::makeGcode(chosenOf(options), options.machine, options.job);
+  return planner::select(readText(options.input),
+                         planner::selectionFrom(options.entities, options.layers, options.processes));
 }
 
 void write(const Options& options, const std::string& text) {
@@ -183,6 +187,14 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--web-start", j.web_start_x_mm,
          "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
+  const std::map<std::string, JobParameters::Order> orders{{"shortest", JobParameters::Order::kShortest},
+                                                           {"nearest", JobParameters::Order::kNearest},
+                                                           {"drawn", JobParameters::Order::kDrawn}};
+  app.add_option("--order", j.order,
+                 "Order of a drawing's lines: shortest (air path), nearest (end, greedily) or drawn")
+      ->transform(CLI::CheckedTransformer(orders, CLI::ignore_case))
+      ->default_str("shortest")
+      ->group(group);
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
   app.add_flag("--stop-and-go", j.stop_and_go,
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")
@@ -220,11 +232,19 @@ int main(int argc, char** argv) try {
       "program", "Write the controller's program of all units, an operation per line in hex", true);
   const CLI::App* preview = subcommand(
       "preview", "Write a page that plays the job: one HTML file, nothing loaded from elsewhere", true);
+  const CLI::App* order = subcommand(
+      "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
+  }
+  if (order->parsed()) {
+    if (isGcode(options.input))
+      throw planner::PlanError(options.input + ": an order is chosen for a drawing");
+    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
+    return 0;
   }
   const std::string text = gcodeOf(options);
   if (gcode->parsed()) {

@@ -27,6 +27,33 @@ void require(const MachineParameters& machine, const JobParameters& job) {
   if (!faults.empty()) throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
+/// Orders that are shorter must fit at this share of the belt speed as well.
+constexpr double kSpareSpeed = 1.1;
+/// Whether an order fits takes a plan of the whole unit.
+constexpr int kMostQuestions = 300;
+
+const std::string& needed(const std::string& gcode) {
+  if (gcode.empty()) throw PlanError("the dieline holds nothing to cut");
+  return gcode;
+}
+
+std::vector<Segment> withJumps(const std::vector<std::vector<Segment>>& pieces) {
+  std::vector<Segment> path;
+  for (const std::vector<Segment>& piece : pieces) {
+    for (const Segment& segment : piece) {
+      if (!path.empty() && (segment.start_mm - path.back().end_mm).norm() > kJoinMm) {
+        Segment jump;
+        jump.jump = true;
+        jump.start_mm = path.back().end_mm;
+        jump.end_mm = segment.start_mm;
+        path.push_back(jump);
+      }
+      path.push_back(segment);
+    }
+  }
+  return path;
+}
+
 std::vector<std::string> processNames(const hil::Dieline& dieline) {
   int last = 0;
   for (const hil::Entity& entity : dieline.entities) last = std::max(last, entity.id);
@@ -110,29 +137,42 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults) {
   require(machine, job);
-  const auto write = [&](const OrderOptions& options) {
-    return writeGcode(cutOrder(dieline, job, faults, options), processNames(dieline));
+  const auto write = [&](const std::vector<Stop>& order) {
+    return writeGcode(piecesOf(order, job), processNames(dieline));
   };
-  const std::string whole = write(OrderOptions{});
-  if (whole.empty()) throw PlanError("the dieline holds nothing to cut");
-  if (speedWhileCutting(job) <= 0.0) return whole;
+  if (job.order == JobParameters::Order::kDrawn) return needed(write(drawnOrder(dieline, job, faults)));
+  std::vector<Stop> order = nearestOrder(dieline, job, faults, OrderOptions{});
+  std::string best = needed(write(order));
+  if (speedWhileCutting(job) <= 0.0) {
+    return job.order == JobParameters::Order::kShortest ? write(shortened(std::move(order), {}, 0)) : best;
+  }
   const Axes axes(machine, faults);
   const auto highest = [&](const std::string& gcode) {
     return maxBeltSpeed(unitOf(readGcode(gcode)), machine, job, axes);
   };
-  double best_speed = highest(whole);
-  std::string best = whole;
+  double best_speed = highest(best);
   for (const bool place_before_process : {false, true}) {
     for (const double band_mm : kBandsMm) {
-      if (best_speed >= job.belt_speed_mm_s) return best;
-      const std::string broken = write({true, place_before_process, band_mm});
-      const double speed = highest(broken);
+      if (best_speed >= job.belt_speed_mm_s) break;
+      std::vector<Stop> broken = nearestOrder(dieline, job, faults, {true, place_before_process, band_mm});
+      const std::string text = write(broken);
+      const double speed = highest(text);
       if (speed <= best_speed) continue;
-      best = broken;
+      best = text;
       best_speed = speed;
+      order = std::move(broken);
     }
   }
-  return best;
+  if (job.order != JobParameters::Order::kShortest || best_speed < job.belt_speed_mm_s) return best;
+  // The line may run faster than it is said to, so a shorter way must not cost all the room there was.
+  const double spare_speed = std::min(best_speed, kSpareSpeed * job.belt_speed_mm_s);
+  const auto fits = [&](const std::vector<Stop>& candidate) {
+    const std::vector<Segment> path = withJumps(piecesOf(candidate, job));
+    return solve(path, machine, job, axes, job.belt_speed_mm_s).solution.has_value() &&
+           solve(path, machine, job, axes, spare_speed).solution.has_value();
+  };
+  const std::string shorter = write(shortened(order, fits, kMostQuestions));
+  return highest(shorter) >= job.belt_speed_mm_s ? shorter : best;
 }
 
 Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,

@@ -54,6 +54,10 @@ struct JobParameters {
   /// x_W of unit 0's origin while the belt rests: at belt speed 0, or before the feed starts.
   double web_start_x_mm{};
   double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
+  /// The order in which a dieline is cut: the shortest air path that is found, a walk to the nearest end, or
+  /// as drawn. All but the last keep creases before cuts and holes before outlines.
+  enum class Order { kShortest, kNearest, kDrawn };
+  Order order{Order::kShortest};
 };
 
 /// Deliberate mistakes, for releases that the bench must fail.
@@ -94,9 +98,10 @@ struct Plan {
   double x_ref_mm{};             ///< x_W of unit 0's origin at its start.
 };
 
-/// Dieline to G-code: whole outlines, creases before cuts, holes before outlines. Where the belt is too fast
-/// for that, outlines are broken at their corners, and at last creases go first only where they lie side by
-/// side with cuts. G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE headings, Z as laser.
+/// Dieline to G-code in the job's order: whole outlines, creases before cuts, holes before outlines. Where
+/// the belt is too fast for that, outlines are broken at their corners, and at last creases go first only
+/// where they lie side by side with cuts. G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE
+/// headings, Z as laser.
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults = {});
 /// G-code of one unit to the program of all of them. @throws PlanError with line numbers.

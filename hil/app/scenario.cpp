@@ -265,6 +265,10 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.perforation_gap_mm =
       planner.number("perforation_gap_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_gap_mm});
   job.alternate = planner.boolean("alternate", false);
+  const std::string order = planner.choice("order", {"shortest", "nearest", "drawn"}, "shortest");
+  job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
+              : order == "nearest" ? planner::JobParameters::Order::kNearest
+                                   : planner::JobParameters::Order::kShortest;
   job.feed_by_controller = scenario.belt_by_controller;
   job.units = scenario.print.units;
   job.pitch_mm = scenario.print.pitch_mm;
