@@ -287,7 +287,8 @@ class Search {
     return true;
   }
 
-  /// Three pieces change places with others of their rank's stretch, and begin elsewhere; false if nothing moved.
+  /// Three pieces change places with others of their rank's stretch, and begin elsewhere; false if nothing
+  /// moved.
   bool disturb(Tour& tour) {
     bool moved = false;
     for (int i = 0; i < 3; ++i) {

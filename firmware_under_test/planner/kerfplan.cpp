@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/correction.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
@@ -34,6 +36,7 @@ struct Options {
   std::string input;
   std::string output;
   std::string entities, layers, processes;  ///< As typed; empty: all.
+  std::string correction;                   ///< File of the table.
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -144,18 +147,22 @@ int check(const Options& options, const std::string& gcode) {
 
 void addMachine(CLI::App& app, MachineParameters& m) {
   const std::map<std::string, MachineParameters::Head> heads{
-      {"two-mirror", MachineParameters::Head::kTwoMirror}, {"gantry", MachineParameters::Head::kGantry}};
+      {"two-mirror", MachineParameters::Head::kTwoMirror},
+      {"gantry", MachineParameters::Head::kGantry},
+      {"f-theta", MachineParameters::Head::kFTheta}};
   const std::string group = "Machine";
   const auto option = [&](const char* name, double& value, const char* help) {
     app.add_option(name, value, help)->group(group)->capture_default_str();
   };
-  app.add_option("--head", m.head, "What moves the beam: two-mirror or gantry")
+  app.add_option("--head", m.head,
+                 "What moves the beam: two-mirror, f-theta (two mirrors and a lens) or gantry")
       ->transform(CLI::CheckedTransformer(heads, CLI::ignore_case))
       ->default_str("two-mirror")
       ->group(group);
   option("--throw", m.throw_mm, "Y mirror to sheet, mm (two-mirror)");
   option("--mirror-spacing", m.mirror_spacing_mm, "X mirror to Y mirror, mm (two-mirror)");
-  option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror)");
+  option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror, f-theta)");
+  option("--focal-length", m.focal_length_mm, "Of the lens, mm (f-theta)");
   option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
   option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
   option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");
@@ -224,6 +231,9 @@ int main(int argc, char** argv) try {
     choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
     choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
     addMachine(*sub, options.machine);
+    sub->add_option("--correction", options.correction,
+                    "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
+        ->group("Machine");
     addJob(*sub, options.job);
     return sub;
   };
@@ -239,6 +249,10 @@ int main(int argc, char** argv) try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
+  }
+  if (!options.correction.empty()) {
+    options.machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
   }
   if (order->parsed()) {
     if (isGcode(options.input))

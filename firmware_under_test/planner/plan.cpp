@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/correction.h"
 #include "firmware_under_test/planner/cut_order.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/program.h"
@@ -27,6 +28,8 @@ void require(const MachineParameters& machine, const JobParameters& job) {
   if (!faults.empty()) throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
+/// Of a correction table; a fifth of what a cut may be off.
+constexpr double kCoarsestMm = 0.01;
 /// Orders that are shorter must fit at this share of the belt speed as well.
 constexpr double kSpareSpeed = 1.1;
 /// Whether an order fits takes a plan of the whole unit.
@@ -52,6 +55,44 @@ std::vector<Segment> withJumps(const std::vector<std::vector<Segment>>& pieces) 
     }
   }
   return path;
+}
+
+/// The table against head and field.
+std::vector<std::string> correctionFaults(const MachineParameters& machine) {
+  const CorrectionTable& table = *machine.correction;
+  const Eigen::AlignedBox2d area = table.area_mm();
+  const Eigen::Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
+  const Eigen::Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
+  std::vector<std::string> faults;
+  if (!area.contains(low) || !area.contains(high)) {
+    faults.push_back(fmt::format(
+        "{}: covers x {:g} … {:g}, y {:g} … {:g} mm; the field is x {:g} … {:g}, y {:g} … {:g} mm",
+        table.name(), area.min().x(), area.max().x(), area.min().y(), area.max().y(), low.x(), high.x(),
+        low.y(), high.y()));
+  }
+  const Axes axes(machine, {});
+  const CorrectionTable::Coarseness coarse = table.coarseness();
+  const double unit_mm = table.unit() == CorrectionTable::Unit::kMm
+                             ? 1.0
+                             : 1.0 / axes.stepsPerMm(coarse.p_W_mm).diagonal().cwiseAbs().minCoeff();
+  if (!(coarse.error * unit_mm <= kCoarsestMm)) {
+    faults.push_back(
+        fmt::format("{}: too coarse for its bends: near ({:g}, {:g}) mm two cubics through its nodes differ "
+                    "by {:.4f} mm; {:g} mm may be",
+                    table.name(), coarse.p_W_mm.x(), coarse.p_W_mm.y(), coarse.error * unit_mm, kCoarsestMm));
+  }
+  constexpr int kParts = 64;
+  for (int i = 0; i < (kParts + 1) * (kParts + 1); ++i) {
+    const Eigen::Vector2d share(i % (kParts + 1) / double(kParts), i / (kParts + 1) / double(kParts));
+    const Eigen::Vector2d p = low + share.cwiseProduct(high - low);
+    const Eigen::Matrix2d slopes = axes.stepsPerMm(p);
+    if (slopes(0, 0) > 0.0 && slopes(1, 1) > 0.0 && slopes.determinant() > 0.0) continue;
+    faults.push_back(
+        fmt::format("{}: not monotonic: at ({:g}, {:g}) mm the beam would go back where it should go on",
+                    table.name(), p.x(), p.y()));
+    break;
+  }
+  return faults;
 }
 
 std::vector<std::string> processNames(const hil::Dieline& dieline) {
@@ -81,6 +122,9 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     positive(machine.throw_mm, "throw_mm");
     notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
     positive(machine.mirror_step_rad, "mirror_step_rad");
+  } else if (machine.head == MachineParameters::Head::kFTheta) {
+    positive(machine.focal_length_mm, "focal_length_mm");
+    positive(machine.mirror_step_rad, "mirror_step_rad");
   } else {
     positive(machine.gantry_step_mm, "gantry_step_mm");
   }
@@ -90,6 +134,10 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     check(std::isfinite(low) && std::isfinite(high) && low <= 0.0 && high >= 0.0 && low < high,
           fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
                       low, high));
+  }
+  if (faults.empty() && machine.correction) {
+    const std::vector<std::string> wrong = correctionFaults(machine);
+    faults.insert(faults.end(), wrong.begin(), wrong.end());
   }
   // The delay goes to the controller as a byte of 25 us ticks.
   check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= 255 * 25e-6,
@@ -123,10 +171,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     check(std::isfinite(machine.print_mark_sensor_x_mm), "print_mark_sensor_x_mm must be a number");
     check(std::isfinite(job.eye_mark_x_mm), "eye_mark_x_mm must be a number");
     // The follow gain is an i16 of steps per count times 4096.
-    const bool gantry = machine.head == MachineParameters::Head::kGantry;
-    const double per_mm =
-        gantry ? 1.0 / machine.gantry_step_mm
-               : 0.5 / (machine.throw_mm + machine.mirror_spacing_mm) / machine.mirror_step_rad;
+    const double per_mm = Axes(machine, {}).xStepsPerMm(Eigen::Vector2d::Zero());
     check(!(per_mm * machine.encoder_count_mm * 4096.0 > 32767.0),
           fmt::format("an encoder count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
                       machine.encoder_count_mm, per_mm * machine.encoder_count_mm));

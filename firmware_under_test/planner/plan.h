@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,19 +11,24 @@
 
 namespace kerfbench::planner {
 
+class CorrectionTable;
+
 /// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The
 /// twin has its own, and a difference between the two is a fault that the bench must see.
 struct MachineParameters {
-  enum class Head { kTwoMirror, kGantry };
+  enum class Head { kTwoMirror, kGantry, kFTheta };
   Head head{Head::kTwoMirror};
   // Two mirrors (Cheng et al. 2014, eq. 2)
   double throw_mm{};           ///< L: Y mirror to sheet; > 0.
   double mirror_spacing_mm{};  ///< d; >= 0.
-  double mirror_step_rad{};    ///< Mechanical angle of one PUL.
+  double mirror_step_rad{};    ///< Mechanical angle of one PUL; f-theta too.
+  // Two mirrors and an f-theta lens: x = f 2θx, y = f 2θy; what the real one is off is the table's matter
+  double focal_length_mm{};  ///< f; > 0.
   // Gantry
   double gantry_step_mm{};
-  // Both
-  double field_min_mm[2]{};  ///< Reach of the beam in W, x and y.
+  // All
+  std::shared_ptr<const CorrectionTable> correction{};  ///< Of what the formula leaves; none: nothing.
+  double field_min_mm[2]{};                             ///< Reach of the beam in W, x and y.
   double field_max_mm[2]{};
   double tracking_delay_s{};        ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
   double encoder_count_mm{};        ///< Belt travel of one quadrature count.
@@ -66,9 +72,10 @@ struct PlannerFaults {
   /// x' = x + v t with the speed planned for and nothing else: the belt encoder tells when to begin, and is
   /// not followed then. The third regime of Hu, Hu, Jiang 2014 with v the mean over the cut, taken literally.
   bool mean_speed{false};
-  bool no_pincushion{false};  ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
-  int skip_entity{-1};        ///< Never cut; makeGcode leaves it out.
-  int repeat_entity{-1};      ///< Cut twice; makeGcode writes it again at the end.
+  /// x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx, and no correction table.
+  bool no_pincushion{false};
+  int skip_entity{-1};    ///< Never cut; makeGcode leaves it out.
+  int repeat_entity{-1};  ///< Cut twice; makeGcode writes it again at the end.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};
 };

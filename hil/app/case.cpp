@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <memory>
 #include <string>
 
+#include "firmware_under_test/planner/correction.h"
 #include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
 #include "twin/cutter/machine_faults.h"
@@ -71,6 +73,12 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   machine.throw_mm = told.throw_mm;
   machine.mirror_spacing_mm = told.mirror_spacing_mm;
   machine.mirror_step_rad = told.mirror_step_rad;
+  machine.focal_length_mm = told.focal_length_mm;
+  if (told.focal_length_mm > 0.0) machine.head = planner::MachineParameters::Head::kFTheta;
+  if (!told.correction_file.empty()) {
+    machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(told.correction_file));
+  }
   machine.gantry_step_mm = told.gantry_step_mm;
   for (int i = 0; i < 2; ++i) {
     machine.field_min_mm[i] = told.field_min_mm[i];
