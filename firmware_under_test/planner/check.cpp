@@ -15,6 +15,9 @@
 namespace kerfbench::planner {
 namespace {
 
+/// Bounds the memory of a plan: 4.5 million periods.
+constexpr double kLongestUnitS = 3600.0;
+
 std::string nameOf(int entity, int line) {
   std::string name = entity >= 0 ? fmt::format("E{}", entity) : std::string();
   if (line > 0) name += fmt::format("{}G-code line {}", name.empty() ? "" : ", ", line);
@@ -29,11 +32,27 @@ void addLines(const std::string& text, std::vector<std::string>& lines) {
   }
 }
 
+/// A bound from above, as if every move began and ended at rest.
+double longestS(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes) {
+  const double axis_mm_s = axes.axisLimits().minCoeff();
+  double sum = 0.0;
+  for (const Segment& segment : path) {
+    const double speed = std::min(segment.jump ? job.jump_speed_mm_s : job.mark_speed_mm_s, axis_mm_s);
+    sum += segment.lengthMm() / speed + 2.0 * std::sqrt(segment.lengthMm() / job.acceleration_mm_s2);
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const MachineParameters& machine) {
+  constexpr std::size_t kMostFaults = 100;
   std::vector<std::string> faults;
   for (const Segment& segment : path) {
+    if (faults.size() == kMostFaults) {
+      faults.emplace_back("and more marks may lie outside the field");
+      break;
+    }
     double low = segment.start_mm.y();
     double high = low;
     const int parts = segment.isArc() ? 4 + static_cast<int>(std::abs(segment.sweep_rad) * 50.0) : 1;
@@ -91,6 +110,12 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   add(outsideAcross(path, machine));
 
   const Axes axes(machine, faults);
+  const double longest_s = longestS(path, job, axes);
+  if (!(longest_s <= kLongestUnitS)) {
+    add({fmt::format("a unit would take up to {:.0f} s at these speeds; {:g} s may be planned", longest_s,
+                     kLongestUnitS)});
+    return result;
+  }
   const double v = speedWhileCutting(job);
   SolveResult solved = solve(path, machine, job, axes, v);
   result.max_belt_speed_mm_s = job.stop_and_go ? feedLimit(machine) : maxBeltSpeed(path, machine, job, axes);

@@ -35,6 +35,34 @@ constexpr double kSpareSpeed = 1.1;
 /// Whether an order fits takes a plan of the whole unit.
 constexpr int kMostQuestions = 300;
 
+/// Drawings that no sheet can hold, or of which there is too much to be put in order.
+void requireSane(const hil::Dieline& dieline) {
+  constexpr std::size_t kMostEntities = 20'000;
+  constexpr double kFarthestMm = 1e5;
+  std::string faults;
+  int count = 0;
+  if (dieline.entities.size() > kMostEntities)
+    throw PlanError(fmt::format("the drawing holds {} entities; {} can be put in order",
+                                dieline.entities.size(), kMostEntities));
+  for (const hil::Entity& entity : dieline.entities) {
+    if (entity.process == hil::Process::kIgnore) continue;
+    double farthest = 0.0;
+    bool finite = true;
+    for (int i = 0; i <= 16; ++i) {
+      const Eigen::Vector2d p = hil::pointAt(entity.curve, i / 16.0);
+      finite = finite && p.allFinite();
+      farthest = std::max(farthest, p.cwiseAbs().maxCoeff());
+    }
+    if (finite && farthest <= kFarthestMm) continue;
+    if (++count > 20) continue;
+    faults += fmt::format("{}E{}{}: reaches {} mm, out of all bounds", faults.empty() ? "" : "\n", entity.id,
+                          entity.origin.empty() ? "" : " (" + entity.origin + ")",
+                          finite ? fmt::format("{:g}", farthest) : "no number of");
+  }
+  if (count > 20) faults += fmt::format("\nand {} more", count - 20);
+  if (!faults.empty()) throw PlanError(faults);
+}
+
 const std::string& needed(const std::string& gcode) {
   if (gcode.empty()) throw PlanError("the dieline holds nothing to cut");
   return gcode;
@@ -112,26 +140,31 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   const auto check = [&](bool holds, const std::string& what) {
     if (!holds) faults.push_back(what);
   };
-  const auto positive = [&](double value, const char* name) {
+  // The upper bounds are beyond every machine; they keep what is computed from the numbers a number.
+  const auto positive = [&](double value, const char* name, double most = 1e6, double least = 0.0) {
     check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, value));
+    check(!(value > most), fmt::format("{} must be at most {:g}, but is {:g}", name, most, value));
+    check(!(value > 0.0 && value < least),
+          fmt::format("{} must be at least {:g}, but is {:g}", name, least, value));
   };
   const auto notNegative = [&](double value, const char* name) {
     check(std::isfinite(value) && value >= 0.0, fmt::format("{} must be >= 0, but is {:g}", name, value));
+    check(!(value > 1e6), fmt::format("{} must be at most 1e+06, but is {:g}", name, value));
   };
   if (machine.head == MachineParameters::Head::kTwoMirror) {
-    positive(machine.throw_mm, "throw_mm");
+    positive(machine.throw_mm, "throw_mm", 1e6, 0.1);
     notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
-    positive(machine.mirror_step_rad, "mirror_step_rad");
+    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
   } else if (machine.head == MachineParameters::Head::kFTheta) {
-    positive(machine.focal_length_mm, "focal_length_mm");
-    positive(machine.mirror_step_rad, "mirror_step_rad");
+    positive(machine.focal_length_mm, "focal_length_mm", 1e6, 0.1);
+    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
   } else {
-    positive(machine.gantry_step_mm, "gantry_step_mm");
+    positive(machine.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
   }
   for (int i = 0; i < 2; ++i) {
     const double low = machine.field_min_mm[i];
     const double high = machine.field_max_mm[i];
-    check(std::isfinite(low) && std::isfinite(high) && low <= 0.0 && high >= 0.0 && low < high,
+    check(low >= -1e5 && high <= 1e5 && low <= 0.0 && high >= 0.0 && low < high,
           fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
                       low, high));
   }
@@ -143,21 +176,22 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= 255 * 25e-6,
         fmt::format("tracking_delay_s must be in 0 … 6.375e-3, but is {:g}", machine.tracking_delay_s));
   positive(machine.full_power_w, "full_power_w");
-  positive(job.mark_speed_mm_s, "mark_speed_mm_s");
-  positive(job.jump_speed_mm_s, "jump_speed_mm_s");
-  positive(job.acceleration_mm_s2, "acceleration_mm_s2");
+  positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
+  positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
+  positive(job.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
   positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
-  positive(job.perforation_cut_mm, "perforation_cut_mm");
-  positive(job.perforation_gap_mm, "perforation_gap_mm");
-  check(job.units >= 1, fmt::format("units must be >= 1, but is {}", job.units));
+  positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
+  positive(job.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
+  check(job.units >= 1 && job.units <= 1'000'000,
+        fmt::format("units must be in 1 … 1000000, but is {}", job.units));
   if (job.units > 1) positive(job.pitch_mm, "pitch_mm");
   notNegative(job.belt_speed_mm_s, "belt_speed_mm_s");
   if (job.feed_by_controller) {
-    positive(machine.feed_step_mm, "feed_step_mm");
-    positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2");
-    check(std::isfinite(job.web_start_x_mm), "web_start_x_mm must be a number");
+    positive(machine.feed_step_mm, "feed_step_mm", 1e3, 1e-6);
+    positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2", 1e9, 1e-3);
+    check(std::abs(job.web_start_x_mm) <= 1e9, "web_start_x_mm must be a number within ±1e9");
   }
   if (job.stop_and_go) {
     check(job.feed_by_controller, "stop_and_go needs feed_by_controller");
@@ -167,11 +201,12 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
                       job.belt_speed_mm_s, feedLimit(machine)));
   }
   if (job.belt_speed_mm_s > 0.0) {
-    positive(machine.encoder_count_mm, "encoder_count_mm");
-    check(std::isfinite(machine.print_mark_sensor_x_mm), "print_mark_sensor_x_mm must be a number");
-    check(std::isfinite(job.eye_mark_x_mm), "eye_mark_x_mm must be a number");
+    positive(machine.encoder_count_mm, "encoder_count_mm", 1e3, 1e-6);
+    check(std::abs(machine.print_mark_sensor_x_mm) <= 1e6,
+          "print_mark_sensor_x_mm must be a number within ±1e6");
+    check(std::abs(job.eye_mark_x_mm) <= 1e6, "eye_mark_x_mm must be a number within ±1e6");
     // The follow gain is an i16 of steps per count times 4096.
-    const double per_mm = Axes(machine, {}).xStepsPerMm(Eigen::Vector2d::Zero());
+    const double per_mm = !faults.empty() ? 0.0 : Axes(machine, {}).xStepsPerMm(Eigen::Vector2d::Zero());
     check(!(per_mm * machine.encoder_count_mm * 4096.0 > 32767.0),
           fmt::format("an encoder count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
                       machine.encoder_count_mm, per_mm * machine.encoder_count_mm));
@@ -182,6 +217,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults) {
   require(machine, job);
+  requireSane(dieline);
   const auto write = [&](const std::vector<Stop>& order) {
     return writeGcode(piecesOf(order, job), processNames(dieline));
   };
@@ -241,6 +277,11 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   plan.x_ref_mm = layout.x_ref_mm;
   for (const Segment& segment : path) {
     (segment.jump || segment.z == 0.0 ? plan.jump_length_mm : plan.cut_length_mm) += segment.lengthMm();
+  }
+  constexpr double kMostPeriods = 1.5e8;  // 33 hours; some 60 bytes each
+  if (job.units * plan.cycle_time_s > kMostPeriods * kPeriodS) {
+    throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
+                                job.units, plan.cycle_time_s, kMostPeriods * kPeriodS / 3600.0));
   }
   plan.program = makeProgram(solution, machine, job, faults, axes);
   return plan;
