@@ -19,8 +19,8 @@ constexpr double kGainMm = 1e-6;
 constexpr int kCircleStarts = 24;
 /// Segments of more pieces are not moved as one by Or-opt.
 constexpr std::size_t kLongestMoved = 3;
-/// Above this number of pieces, 2-opt looks at neighbours no farther apart in the order than this.
-constexpr std::size_t kWindow = 1500;
+/// Pairs of pieces that a pass looks at: with many, those no farther apart in the order than that leaves.
+constexpr std::size_t kMostPairs = 1'500'000;
 constexpr int kDisturbances = 150;
 /// Larger orders are not disturbed: each new start costs a whole search.
 constexpr std::size_t kMostDisturbed = 80;
@@ -77,7 +77,10 @@ class Search {
  public:
   Search(std::vector<Stop> stops, const std::function<bool(const std::vector<Stop>&)>& fits,
          int most_questions)
-      : stops_(std::move(stops)), fits_(fits), questions_(most_questions) {
+      : stops_(std::move(stops)),
+        fits_(fits),
+        questions_(most_questions),
+        window_(std::max<std::size_t>(50, kMostPairs / stops_.size())) {
     for (const Stop& stop : stops_) variants_.push_back(variantsOf(stop.chain));
   }
 
@@ -139,8 +142,15 @@ class Search {
     return fits_(stopsOf(tour));
   }
 
-  /// Takes the other tour if it is allowed.
-  bool take(Tour& tour, Tour other) {
+  /// Changes the tour if the changed one is allowed.
+  template <typename Change>
+  bool take(Tour& tour, const Change& change) {
+    if (!fits_) {
+      change(tour);
+      return true;
+    }
+    Tour other = tour;
+    change(other);
     if (!allowed(other)) return false;
     tour = std::move(other);
     return true;
@@ -198,17 +208,22 @@ class Search {
         other[i].variant = v;
         const double gain =
             gapBefore(tour, i) + gapBefore(tour, i + 1) - gapBefore(other, i) - gapBefore(other, i + 1);
-        if (gain > kGainMm) better = take(tour, std::move(other)) || better;
+        if (gain > kGainMm) better = take(tour, [&](Tour& changed) { changed[i].variant = v; }) || better;
       }
     }
     return better;
+  }
+
+  void turnRound(Tour& tour, std::size_t i, std::size_t j) const {
+    std::reverse(tour.begin() + std::ptrdiff_t(i), tour.begin() + std::ptrdiff_t(j) + 1);
+    for (std::size_t k = i; k <= j; ++k) tour[k] = turned(tour[k]);
   }
 
   /// Turning [i, j] round keeps the ranks' sequence if they do not rise in it.
   bool twoOpt(Tour& tour) {
     bool better = false;
     for (std::size_t i = 0; i < tour.size(); ++i) {
-      for (std::size_t j = i; j < std::min(tour.size(), i + kWindow); ++j) {
+      for (std::size_t j = i; j < std::min(tour.size(), i + window_); ++j) {
         if (j > i && rank(tour[j]) > rank(tour[j - 1])) break;
         const Visit first = turned(tour[j]);
         const Visit last = turned(tour[i]);
@@ -216,10 +231,7 @@ class Search {
         const double then =
             (i > 0 ? gap(tour[i - 1], first) : 0.0) + (j + 1 < tour.size() ? gap(last, tour[j + 1]) : 0.0);
         if (now - then <= kGainMm) continue;
-        Tour other = tour;
-        std::reverse(other.begin() + std::ptrdiff_t(i), other.begin() + std::ptrdiff_t(j) + 1);
-        for (std::size_t k = i; k <= j; ++k) other[k] = turned(other[k]);
-        better = take(tour, std::move(other)) || better;
+        better = take(tour, [&](Tour& changed) { turnRound(changed, i, j); }) || better;
       }
     }
     return better;
@@ -239,7 +251,7 @@ class Search {
   bool moveForward(Tour& tour, std::size_t i, std::size_t j) {
     int least = rank(tour[i]);
     for (std::size_t k = i; k <= j; ++k) least = std::min(least, rank(tour[k]));
-    for (std::size_t k = j + 2; k <= std::min(tour.size(), j + kWindow); ++k) {
+    for (std::size_t k = j + 2; k <= std::min(tour.size(), j + window_); ++k) {
       if (rank(tour[k - 1]) > least) return false;
       if (tryMove(tour, i, j, k)) return true;
     }
@@ -249,7 +261,7 @@ class Search {
   bool moveBackward(Tour& tour, std::size_t i, std::size_t j) {
     int most = rank(tour[i]);
     for (std::size_t k = i; k <= j; ++k) most = std::max(most, rank(tour[k]));
-    for (std::size_t k = i; k-- > (i > kWindow ? i - kWindow : 0);) {
+    for (std::size_t k = i; k-- > (i > window_ ? i - window_ : 0);) {
       if (rank(tour[k]) < most) return false;
       if (tryMove(tour, i, j, k)) return true;
     }
@@ -266,16 +278,18 @@ class Search {
       const double added =
           (k > 0 ? gap(tour[k - 1], first) : 0.0) + (k < tour.size() ? gap(last, tour[k]) : 0.0);
       if (saved - added <= kGainMm) continue;
-      Tour moved(tour.begin() + std::ptrdiff_t(i), tour.begin() + std::ptrdiff_t(j) + 1);
-      if (turn) {
-        std::reverse(moved.begin(), moved.end());
-        for (Visit& visit : moved) visit = turned(visit);
-      }
-      Tour other = tour;
-      other.erase(other.begin() + std::ptrdiff_t(i), other.begin() + std::ptrdiff_t(j) + 1);
-      const std::size_t to = k > j ? k - moved.size() : k;
-      other.insert(other.begin() + std::ptrdiff_t(to), moved.begin(), moved.end());
-      if (take(tour, std::move(other))) return true;
+      const auto move = [&](Tour& changed) {
+        if (turn) turnRound(changed, i, j);
+        const auto from = changed.begin() + std::ptrdiff_t(i);
+        const auto end = changed.begin() + std::ptrdiff_t(j) + 1;
+        const auto to = changed.begin() + std::ptrdiff_t(k);
+        if (k > j) {
+          std::rotate(from, end, to);
+        } else {
+          std::rotate(to, from, end);
+        }
+      };
+      if (take(tour, move)) return true;
     }
     return false;
   }
@@ -315,6 +329,7 @@ class Search {
   std::vector<std::vector<Variant>> variants_;
   std::function<bool(const std::vector<Stop>&)> fits_;
   int questions_;
+  std::size_t window_;
   std::uint32_t random_{20140917};
 };
 

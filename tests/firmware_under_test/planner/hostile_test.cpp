@@ -238,7 +238,7 @@ TEST(Hostile, MutatedTablesAreReadOrRefused) {
   std::mt19937 random(5);
   int read = 0;
   int coarse = 0;
-  for (int round = 0; round < 3000; ++round) {
+  for (int round = 0; round < 1000; ++round) {
     std::string text = good;
     if (round % 2 == 0) {
       // A correction of another size, as small as one that could be true, or not.
@@ -267,8 +267,8 @@ TEST(Hostile, MutatedTablesAreReadOrRefused) {
     EXPECT_TRUE(axes.stepsAt({79, -79}).allFinite());
     EXPECT_TRUE(axes.axisLimits().allFinite());
   }
-  EXPECT_GT(read, 100);
-  EXPECT_GT(coarse, 100);
+  EXPECT_GT(read, 50);
+  EXPECT_GT(coarse, 50);
 }
 
 }  // namespace
