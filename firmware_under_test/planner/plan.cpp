@@ -111,7 +111,8 @@ std::vector<std::string> correctionFaults(const MachineParameters& machine) {
   }
   constexpr int kParts = 64;
   for (int i = 0; i < (kParts + 1) * (kParts + 1); ++i) {
-    const Eigen::Vector2d share(i % (kParts + 1) / double(kParts), i / (kParts + 1) / double(kParts));
+    const int row = i / (kParts + 1);
+    const Eigen::Vector2d share(i % (kParts + 1) / double(kParts), row / double(kParts));
     const Eigen::Vector2d p = low + share.cwiseProduct(high - low);
     const Eigen::Matrix2d slopes = axes.stepsPerMm(p);
     if (slopes(0, 0) > 0.0 && slopes(1, 1) > 0.0 && slopes.determinant() > 0.0) continue;
