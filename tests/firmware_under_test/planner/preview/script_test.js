@@ -100,7 +100,7 @@ function checkHostileText() {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'kerfplan-'));
   const file = path.join(folder, `<b onclick='x'>&.nc`);
   fs.writeFileSync(file, Buffer.concat([
-    Buffer.from('G00 X0 Y0 ;</script><script>alert(1)</script><!-- \nG01 X-20 Z1 ('), Buffer.from([0xff, 0xc3, 0x28, 0x41]),
+    Buffer.from('G00 X0 Y0 ;</script><script>alert(1)</script><!-- \nG01 X-20 Z1 ('), Buffer.from([0xff, 0xc3, 0x41]),
     Buffer.from(')\n')]));
   const {stdout, status} = fails('preview', [file]);
   assert.strictEqual(status, 0);
