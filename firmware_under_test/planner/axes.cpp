@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "firmware_under_test/controller/protocol.h"
+#include "firmware_under_test/planner/correction.h"
 
 namespace kerfbench::planner {
 
@@ -16,8 +17,12 @@ static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
 
 Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
     : machine_(machine), faults_(faults) {
-  if (machine.head == MachineParameters::Head::kGantry) {
-    x_per_mm_ = y_per_mm_ = 1.0 / machine.gantry_step_mm;
+  if (correction() != nullptr) {
+    boundSlopesBySampling();
+    return;
+  }
+  if (machine.head != MachineParameters::Head::kTwoMirror) {
+    x_per_mm_ = y_per_mm_ = formulaSlopes(Vector2d::Zero())(0, 0);
     return;
   }
   const double l = machine.throw_mm;
@@ -32,8 +37,32 @@ Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
                 machine.mirror_step_rad;
 }
 
-Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
+const CorrectionTable* Axes::correction() const {
+  return faults_.no_pincushion ? nullptr : machine_.correction.get();
+}
+
+/// A table may bend anywhere, so the whole field is looked at, four places to a cell of most tables.
+void Axes::boundSlopesBySampling() {
+  constexpr int kParts = 128;
+  constexpr double kBetween = 1.01;
+  const Vector2d low(machine_.field_min_mm[0], machine_.field_min_mm[1]);
+  const Vector2d high(machine_.field_max_mm[0], machine_.field_max_mm[1]);
+  for (int i = 0; i <= kParts; ++i) {
+    for (int j = 0; j <= kParts; ++j) {
+      const Vector2d share(static_cast<double>(i) / kParts, static_cast<double>(j) / kParts);
+      const Eigen::Matrix2d slopes = kBetween * stepsPerMm(low + share.cwiseProduct(high - low)).cwiseAbs();
+      x_per_mm_ = std::max(x_per_mm_, slopes(0, 0));
+      x_per_y_mm_ = std::max(x_per_y_mm_, slopes(0, 1));
+      y_per_x_mm_ = std::max(y_per_x_mm_, slopes(1, 0));
+      y_per_mm_ = std::max(y_per_mm_, slopes(1, 1));
+    }
+  }
+}
+
+Vector2d Axes::formulaAt(const Vector2d& p_W_mm) const {
   if (machine_.head == MachineParameters::Head::kGantry) return p_W_mm / machine_.gantry_step_mm;
+  if (machine_.head == MachineParameters::Head::kFTheta)
+    return p_W_mm / (2.0 * machine_.focal_length_mm) / machine_.mirror_step_rad;
   // Cheng et al. 2014, eq. 2.
   const double l = machine_.throw_mm;
   const double reach = faults_.no_pincushion ? l : std::hypot(l, p_W_mm.y()) + machine_.mirror_spacing_mm;
@@ -41,12 +70,38 @@ Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
          machine_.mirror_step_rad;
 }
 
-double Axes::xStepsPerMm(const Vector2d& p_W_mm) const {
-  if (machine_.head == MachineParameters::Head::kGantry) return 1.0 / machine_.gantry_step_mm;
+Eigen::Matrix2d Axes::formulaSlopes(const Vector2d& p_W_mm) const {
+  if (machine_.head == MachineParameters::Head::kGantry)
+    return Eigen::Matrix2d::Identity() / machine_.gantry_step_mm;
+  if (machine_.head == MachineParameters::Head::kFTheta)
+    return Eigen::Matrix2d::Identity() / (2.0 * machine_.focal_length_mm) / machine_.mirror_step_rad;
   const double l = machine_.throw_mm;
-  const double reach = faults_.no_pincushion ? l : std::hypot(l, p_W_mm.y()) + machine_.mirror_spacing_mm;
-  return 0.5 * reach / (reach * reach + p_W_mm.x() * p_W_mm.x()) / machine_.mirror_step_rad;
+  const double slant = std::hypot(l, p_W_mm.y());
+  const double reach = faults_.no_pincushion ? l : slant + machine_.mirror_spacing_mm;
+  const double reach_per_y = faults_.no_pincushion ? 0.0 : p_W_mm.y() / slant;
+  const double square = reach * reach + p_W_mm.x() * p_W_mm.x();
+  Eigen::Matrix2d slopes;
+  slopes << 0.5 * reach / square, -0.5 * p_W_mm.x() * reach_per_y / square, 0.0, 0.5 * l / (slant * slant);
+  return slopes / machine_.mirror_step_rad;
 }
+
+Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
+  const CorrectionTable* const table = correction();
+  if (table == nullptr) return formulaAt(p_W_mm);
+  const Vector2d d = table->at(p_W_mm).d;
+  return table->unit() == CorrectionTable::Unit::kMm ? formulaAt(p_W_mm + d)
+                                                     : Vector2d(formulaAt(p_W_mm) + d);
+}
+
+Eigen::Matrix2d Axes::stepsPerMm(const Vector2d& p_W_mm) const {
+  const CorrectionTable* const table = correction();
+  if (table == nullptr) return formulaSlopes(p_W_mm);
+  const CorrectionTable::Value value = table->at(p_W_mm);
+  if (table->unit() == CorrectionTable::Unit::kSteps) return formulaSlopes(p_W_mm) + value.gradient;
+  return formulaSlopes(p_W_mm + value.d) * (Eigen::Matrix2d::Identity() + value.gradient);
+}
+
+double Axes::xStepsPerMm(const Vector2d& p_W_mm) const { return stepsPerMm(p_W_mm)(0, 0); }
 
 Vector2d Axes::axisLimits() const {
   const double budget_per_s = kStepBudget / kPeriodS;
@@ -61,6 +116,14 @@ double Axes::speedLimit(const Vector2d& direction, double belt_speed_mm_s) const
   const double cross_rate = std::abs(direction.y()) * x_per_y_mm_;
   const double rate = direction.x() * x_per_mm_;
   double limit = budget_per_s / std::max(std::abs(direction.y()) * y_per_mm_, 1e-12);
+  if (y_per_x_mm_ > 0.0) {
+    // The belt moves the y axis too: |s ux + v| kyx + s |uy| ky <= budget, on the safe side of the absolute
+    // value.
+    const double rest = budget_per_s - belt_speed_mm_s * y_per_x_mm_;
+    if (rest <= 0.0) return 0.0;
+    const double both = std::abs(direction.y()) * y_per_mm_ + std::abs(direction.x()) * y_per_x_mm_;
+    limit = std::min(limit, rest / std::max(both, 1e-12));
+  }
   const double forward = rate + cross_rate;
   if (forward > 0.0) limit = std::min(limit, (budget_per_s - belt_per_s) / forward);
   const double backward = cross_rate - rate;

@@ -13,7 +13,7 @@ inline constexpr double kPeriodS = 0.8e-3;
 /// rounding and for what the follow correction adds when the belt runs unevenly.
 inline constexpr int kStepBudget = 28;
 
-/// Beam positions in W to axis steps: the planner's own inverse of the head.
+/// Beam positions in W to axis steps: the planner's own inverse of the head, its correction table included.
 class Axes {
  public:
   Axes(const MachineParameters& machine, const PlannerFaults& faults);
@@ -25,6 +25,8 @@ class Axes {
   /// The highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while
   /// the sheet moves along +x; the same everywhere in the field. 0 if the belt alone is too fast.
   [[nodiscard]] double speedLimit(const Eigen::Vector2d& direction, double belt_speed_mm_s) const;
+  /// d(steps)/d(p_W), 1/mm; row 0 is the x axis.
+  [[nodiscard]] Eigen::Matrix2d stepsPerMm(const Eigen::Vector2d& p_W_mm) const;
   /// The highest speed of the x axis, mm/s in W, and of the y axis.
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
   /// Number of the x axis in the protocol; y is the next.
@@ -32,11 +34,18 @@ class Axes {
   [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
 
  private:
+  /// Of the head alone.
+  [[nodiscard]] Eigen::Vector2d formulaAt(const Eigen::Vector2d& p_W_mm) const;
+  [[nodiscard]] Eigen::Matrix2d formulaSlopes(const Eigen::Vector2d& p_W_mm) const;
+  [[nodiscard]] const CorrectionTable* correction() const;
+  void boundSlopesBySampling();
+
   MachineParameters machine_;
   PlannerFaults faults_;
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
   double y_per_mm_{};
+  double y_per_x_mm_{};  ///< Largest |d(y steps)/dx|; the formulas alone have none.
 };
 
 }  // namespace kerfbench::planner

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include <Eigen/Geometry>
+
 #include "firmware_under_test/planner/flatten.h"
 
 namespace kerfbench::planner {
@@ -101,10 +103,13 @@ void setNesting(std::vector<Chain>& chains) {
   for (std::size_t i = 0; i < chains.size(); ++i) {
     if (chains[i].process != hil::Process::kCut || !chains[i].closed()) continue;
     const std::vector<Vector2d> polygon = polygonOf(chains[i]);
+    Eigen::AlignedBox2d box;
+    for (const Vector2d& p : polygon) box.extend(p);
     for (std::size_t j = 0; j < chains.size(); ++j) {
       if (j == i) continue;
       const Segment& probe = chains[j].segments[chains[j].segments.size() / 2];
-      if (inside(polygon, probe.at(0.5 * probe.lengthMm()))) ++chains[j].nesting;
+      const Vector2d p = probe.at(0.5 * probe.lengthMm());
+      if (box.contains(p) && inside(polygon, p)) ++chains[j].nesting;
     }
   }
 }

@@ -44,12 +44,11 @@ struct Choice {
 
 /// The next chain: on a moving sheet out of those that leave the field first, then the nearest end. Of lowest
 /// rank, in the whole unit or among those that leave first.
-Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks, const Vector2d& p, bool moving,
+Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks,
+              const std::vector<double>& downstream, const Vector2d& p, bool moving,
               const OrderOptions& options) {
   const double band_mm = options.band_mm;
   const bool place_first = moving && options.place_before_process;
-  std::vector<double> downstream;
-  for (const Chain& chain : pool) downstream.push_back(downstreamMm(chain.segments));
   std::vector<bool> allowed(pool.size(), true);
   const auto keepLowestRank = [&] {
     int lowest = std::numeric_limits<int>::max();
@@ -86,8 +85,8 @@ Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks, con
 
 }  // namespace
 
-std::vector<std::vector<Segment>> cutOrder(const hil::Dieline& dieline, const JobParameters& job,
-                                           const PlannerFaults& faults, const OrderOptions& options) {
+std::vector<Stop> nearestOrder(const hil::Dieline& dieline, const JobParameters& job,
+                               const PlannerFaults& faults, const OrderOptions& options) {
   std::vector<Chain> pool;
   for (const Chain& chain : joinChains(dieline, job, faults)) {
     if (!options.break_at_corners) {
@@ -99,23 +98,51 @@ std::vector<std::vector<Segment>> cutOrder(const hil::Dieline& dieline, const Jo
   int deepest = 0;
   for (const Chain& chain : pool) deepest = std::max(deepest, chain.nesting);
   std::vector<int> ranks;
-  for (const Chain& chain : pool) ranks.push_back(rankOf(chain, deepest));
-
-  std::vector<std::vector<Segment>> order;
+  std::vector<double> downstream;
+  for (const Chain& chain : pool) {
+    ranks.push_back(rankOf(chain, deepest));
+    downstream.push_back(downstreamMm(chain.segments));
+  }
+  std::vector<Stop> order;
   Vector2d p = Vector2d::Zero();
   while (!pool.empty()) {
-    const Choice choice = nextOf(pool, ranks, p, speedWhileCutting(job) > 0.0, options);
-    Chain chain = pool[choice.index];
-    pool.erase(pool.begin() + static_cast<std::ptrdiff_t>(choice.index));
-    ranks.erase(ranks.begin() + static_cast<std::ptrdiff_t>(choice.index));
-    if (choice.reverse) chain.segments = reversedPath(chain.segments);
-    p = chain.end();
-    if (chain.process == hil::Process::kPerforation) {
-      chain.segments = dashed(chain, job.perforation_cut_mm, job.perforation_gap_mm);
-    }
-    order.push_back(std::move(chain.segments));
+    const Choice choice = nextOf(pool, ranks, downstream, p, speedWhileCutting(job) > 0.0, options);
+    const auto at = static_cast<std::ptrdiff_t>(choice.index);
+    Stop stop{std::move(pool[choice.index]), ranks[choice.index]};
+    pool.erase(pool.begin() + at);
+    ranks.erase(ranks.begin() + at);
+    downstream.erase(downstream.begin() + at);
+    if (choice.reverse) stop.chain.segments = reversedPath(stop.chain.segments);
+    p = stop.chain.end();
+    order.push_back(std::move(stop));
   }
   return order;
+}
+
+std::vector<Stop> drawnOrder(const hil::Dieline& dieline, const JobParameters& job,
+                             const PlannerFaults& faults) {
+  std::vector<Stop> order;
+  hil::Dieline one;
+  for (const hil::Entity& entity : dieline.entities) {
+    one.entities = {entity};
+    for (Chain& chain : joinChains(one, job, faults)) order.push_back({std::move(chain), 0});
+  }
+  return order;
+}
+
+std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job) {
+  std::vector<std::vector<Segment>> pieces;
+  for (const Stop& stop : order) {
+    pieces.push_back(stop.chain.process == hil::Process::kPerforation
+                         ? dashed(stop.chain, job.perforation_cut_mm, job.perforation_gap_mm)
+                         : stop.chain.segments);
+  }
+  return pieces;
+}
+
+std::vector<std::vector<Segment>> cutOrder(const hil::Dieline& dieline, const JobParameters& job,
+                                           const PlannerFaults& faults, const OrderOptions& options) {
+  return piecesOf(nearestOrder(dieline, job, faults, options), job);
 }
 
 }  // namespace kerfbench::planner

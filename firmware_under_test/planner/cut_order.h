@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "firmware_under_test/planner/air_path.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/segment.h"
 
@@ -22,9 +23,19 @@ struct OrderOptions {
   bool operator==(const OrderOptions&) const = default;
 };
 
-/// Pieces of path that are cut without switching off, in order: creases, half-cuts and perforations before
-/// cuts, holes before outlines, and on a moving sheet what leaves the field first. A perforation is a piece
-/// with gaps.
+/// Chains in the order of a greedy walk to the nearest end: creases, half-cuts and perforations before cuts,
+/// holes before outlines, and on a moving sheet what leaves the field first.
+std::vector<Stop> nearestOrder(const hil::Dieline& dieline, const JobParameters& job,
+                               const PlannerFaults& faults, const OrderOptions& options);
+
+/// Entities one after the other as they stand in the drawing, in their own sense.
+std::vector<Stop> drawnOrder(const hil::Dieline& dieline, const JobParameters& job,
+                             const PlannerFaults& faults);
+
+/// What is cut without switching off; a perforation is one piece with gaps.
+std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job);
+
+/// The pieces of nearestOrder().
 std::vector<std::vector<Segment>> cutOrder(const hil::Dieline& dieline, const JobParameters& job,
                                            const PlannerFaults& faults, const OrderOptions& options);
 

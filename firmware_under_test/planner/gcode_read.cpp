@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -20,6 +21,18 @@ using Eigen::Vector2d;
 constexpr double kRadiusMismatchMm = 0.005;
 /// Beyond this a coordinate is a slip of the pen, and its square would eat the decimals of a micrometre.
 constexpr double kFarthestMm = 1e5;
+constexpr std::size_t kMostBytes = 64U << 20U;
+/// Marks and jumps; each takes a hundred bytes.
+constexpr std::size_t kMostMoves = 500'000;
+constexpr int kMostFaults = 100;
+
+/// Foreign text for a message: short, and nothing that a terminal would obey.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMost = 30;
+  std::string out;
+  for (const char c : text.substr(0, kMost)) out += c >= ' ' && c <= '~' ? c : '?';
+  return text.size() > kMost ? out + "…" : out;
+}
 
 struct Word {
   char letter{};
@@ -46,12 +59,17 @@ int entityOf(std::string_view comment) {
 class Reader {
  public:
   std::vector<Segment> read(const std::string& text) {
+    if (text.size() > kMostBytes) throw PlanError("G-code: more than 64 MiB of text");
     int number = 0;
     for (std::size_t from = 0; from < text.size() && !ended_;) {
       const std::size_t to = std::min(text.find('\n', from), text.size());
       readLine(strip(++number, std::string_view(text).substr(from, to - from)));
       from = to + 1;
+      if (path_.size() <= kMostMoves) continue;
+      fault(number, fmt::format("more than {} moves", kMostMoves));
+      break;
     }
+    if (count_ > kMostFaults) faults_ += fmt::format("G-code: and {} faults more\n", count_ - kMostFaults);
     bool any = false;
     for (const Segment& segment : path_) any = any || !segment.jump;
     if (!any && faults_.empty()) faults_ = "G-code: it holds no line or arc to cut\n";
@@ -64,18 +82,20 @@ class Reader {
 
  private:
   void fault(int line, const std::string& what) {
-    faults_ += fmt::format("G-code line {}: {}\n", line, what);
+    if (++count_ <= kMostFaults) faults_ += fmt::format("G-code line {}: {}\n", line, what);
   }
 
   Line strip(int number, std::string_view raw) {
     Line line{number, {}, -1};
     std::optional<std::string> comment;
+    bool nested = false;
     for (const char c : raw) {
       if (comment) {
         if (c == ')') {
           if (const int id = entityOf(*comment); id >= 0) line.entity = id;
           comment.reset();
         } else {
+          nested = nested || c == '(';
           *comment += c;
         }
       } else if (c == '(') {
@@ -86,6 +106,7 @@ class Reader {
         line.code += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
       }
     }
+    if (nested) fault(number, "a '(' within a comment: comments do not nest");
     if (comment) fault(number, "a comment without ')'");
     return line;
   }
@@ -99,7 +120,7 @@ class Reader {
     while (p != end) {
       const char letter = *p++;
       if (letter < 'A' || letter > 'Z') {
-        fault(line.number, fmt::format("'{}' where a word should begin", letter));
+        fault(line.number, fmt::format("'{}' where a word should begin", shown({&letter, 1})));
         return std::nullopt;
       }
       const char* last = p;
@@ -108,7 +129,8 @@ class Reader {
       double value = 0.0;
       const auto [stop, error] = std::from_chars(first, last, value, std::chars_format::fixed);
       if (error != std::errc() || stop != last || !std::isfinite(value)) {
-        fault(line.number, fmt::format("{} has no number ('{}')", letter, std::string(p, last)));
+        fault(line.number,
+              fmt::format("{} has no number ('{}')", letter, shown({p, static_cast<std::size_t>(last - p)})));
         good = false;
       }
       words.push_back({letter, value});
@@ -224,6 +246,7 @@ class Reader {
   }
 
   std::string faults_;
+  int count_{};  ///< Of faults; the text holds the first ones.
   std::vector<Segment> path_;
   std::optional<int> motion_;
   std::optional<Vector2d> position_;
@@ -234,5 +257,12 @@ class Reader {
 }  // namespace
 
 std::vector<Segment> readGcode(const std::string& text) { return Reader().read(text); }
+
+std::vector<Segment> unitOf(std::vector<Segment> path) {
+  const auto marks = [](const Segment& segment) { return !segment.jump; };
+  path.erase(std::find_if(path.rbegin(), path.rend(), marks).base(), path.end());
+  path.erase(path.begin(), std::find_if(path.begin(), path.end(), marks));
+  return path;
+}
 
 }  // namespace kerfbench::planner

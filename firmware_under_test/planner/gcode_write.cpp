@@ -19,6 +19,12 @@ Vector2d rounded(const Vector2d& p_mm) { return {rounded(p_mm.x()), rounded(p_mm
 
 std::string zWord(double z) { return fmt::format("Z{:g}", rounded(z)); }
 
+std::string commentOf(const Segment& segment, const std::function<std::string(int entity)>& name_of) {
+  if (segment.entity < 0) return {};
+  const std::string name = name_of(segment.entity);
+  return fmt::format(" (E{}{}{})", segment.entity, name.empty() ? "" : " ", name);
+}
+
 const char* headingOf(const Segment& segment) {
   if (!segment.isArc()) return "LINE";
   return segment.isCircle() ? "CIRCLE" : "ARC";
@@ -28,6 +34,11 @@ const char* headingOf(const Segment& segment) {
 
 std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
                        const std::vector<std::string>& names) {
+  return writeGcode(pieces, [&](int entity) { return names.at(std::size_t(entity)); });
+}
+
+std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
+                       const std::function<std::string(int entity)>& name_of) {
   std::string text;
   std::optional<Vector2d> at;
   for (const std::vector<Segment>& piece : pieces) {
@@ -35,9 +46,7 @@ std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
     for (const Segment& segment : piece) {
       const Vector2d start = rounded(segment.start_mm);
       const Vector2d end = rounded(segment.end_mm);
-      const std::string comment =
-          segment.entity < 0 ? std::string()
-                             : fmt::format(" (E{} {})", segment.entity, names[std::size_t(segment.entity)]);
+      const std::string comment = commentOf(segment, name_of);
       // Shorter than the last decimal: its neighbours meet there anyway.
       if (start == end && std::abs(segment.sweep_rad) < std::numbers::pi) continue;
       // Ends within 2 um are joined by the next line itself.

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -12,7 +13,14 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/preview/preview.h"
+#include "firmware_under_test/planner/selection.h"
 #include "hil/dieline/read.h"
 
 namespace {
@@ -27,6 +35,8 @@ constexpr int kBroken = 2;
 struct Options {
   std::string input;
   std::string output;
+  std::string entities, layers, processes;  ///< As typed; empty: all.
+  std::string correction;                   ///< File of the table.
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -60,9 +70,16 @@ hil::Dieline readInput(const Options& options) {
   return dieline;
 }
 
+hil::Dieline chosenOf(const Options& options) {
+  hil::Dieline dieline = readInput(options);
+  planner::select(dieline, planner::selectionFrom(options.entities, options.layers, options.processes));
+  return dieline;
+}
+
 std::string gcodeOf(const Options& options) {
-  if (isGcode(options.input)) return readText(options.input);
-  return planner::makeGcode(readInput(options), options.machine, options.job);
+  if (!isGcode(options.input)) return planner::makeGcode(chosenOf(options), options.machine, options.job);
+  return planner::select(readText(options.input),
+                         planner::selectionFrom(options.entities, options.layers, options.processes));
 }
 
 void write(const Options& options, const std::string& text) {
@@ -88,10 +105,11 @@ std::string programText(const planner::Program& program) {
   return text;
 }
 
-std::string summaryOf(const Options& options, const planner::Plan& plan) {
+std::string summaryOf(const Options& options, const planner::CheckResult& checked,
+                      const planner::Plan& plan) {
   std::size_t bytes = 0;
   for (const auto& op : plan.program.ops) bytes += op.size();
-  return fmt::format(
+  std::string text = fmt::format(
       "{}: fits\n"
       "  belt            {:.2f} mm/s, at most {:.2f} mm/s\n"
       "  unit            {:.4f} s, with the way back {:.4f} s\n"
@@ -101,22 +119,50 @@ std::string summaryOf(const Options& options, const planner::Plan& plan) {
       options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
       bytes);
+  const planner::RoomNeeded room =
+      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.job,
+                          planner::Axes(options.machine, {}));
+  text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm\n", room.low_x_mm,
+                      room.high_x_mm, options.machine.field_min_mm[0], options.machine.field_max_mm[0]);
+  if (room.least_pitch_mm > 0.0) {
+    text += fmt::format("  pitch           {:.3f} mm at least at this speed{}\n", room.least_pitch_mm,
+                        options.job.units > 1 ? fmt::format(", {:g} mm given", options.job.pitch_mm) : "");
+  }
+  if (room.closed_form) {
+    text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014)\n",
+                        room.closed_form->least_pitch_mm, room.closed_form->travel_mm);
+  }
+  return text;
+}
+
+/// Everything wrong on standard error, or what the job takes.
+int check(const Options& options, const std::string& gcode) {
+  const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
+  for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
+  for (const std::string& error : checked.errors) std::cerr << error << '\n';
+  if (!checked.errors.empty()) return kBadInput;
+  std::cout << summaryOf(options, checked, planner::planFromGcode(gcode, options.machine, options.job));
+  return 0;
 }
 
 void addMachine(CLI::App& app, MachineParameters& m) {
   const std::map<std::string, MachineParameters::Head> heads{
-      {"two-mirror", MachineParameters::Head::kTwoMirror}, {"gantry", MachineParameters::Head::kGantry}};
+      {"two-mirror", MachineParameters::Head::kTwoMirror},
+      {"gantry", MachineParameters::Head::kGantry},
+      {"f-theta", MachineParameters::Head::kFTheta}};
   const std::string group = "Machine";
   const auto option = [&](const char* name, double& value, const char* help) {
     app.add_option(name, value, help)->group(group)->capture_default_str();
   };
-  app.add_option("--head", m.head, "What moves the beam: two-mirror or gantry")
+  app.add_option("--head", m.head,
+                 "What moves the beam: two-mirror, f-theta (two mirrors and a lens) or gantry")
       ->transform(CLI::CheckedTransformer(heads, CLI::ignore_case))
       ->default_str("two-mirror")
       ->group(group);
   option("--throw", m.throw_mm, "Y mirror to sheet, mm (two-mirror)");
   option("--mirror-spacing", m.mirror_spacing_mm, "X mirror to Y mirror, mm (two-mirror)");
-  option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror)");
+  option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror, f-theta)");
+  option("--focal-length", m.focal_length_mm, "Of the lens, mm (f-theta)");
   option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
   option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
   option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");
@@ -148,6 +194,14 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--web-start", j.web_start_x_mm,
          "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
+  const std::map<std::string, JobParameters::Order> orders{{"shortest", JobParameters::Order::kShortest},
+                                                           {"nearest", JobParameters::Order::kNearest},
+                                                           {"drawn", JobParameters::Order::kDrawn}};
+  app.add_option("--order", j.order,
+                 "Order of a drawing's lines: shortest (air path), nearest (end, greedily) or drawn")
+      ->transform(CLI::CheckedTransformer(orders, CLI::ignore_case))
+      ->default_str("shortest")
+      ->group(group);
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
   app.add_flag("--stop-and-go", j.stop_and_go,
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")
@@ -170,30 +224,54 @@ int main(int argc, char** argv) try {
                     "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
         ->required();
     if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
+    const auto choice = [&](const char* option, std::string& value, const char* meaning) {
+      sub->add_option(option, value, meaning)->group("What is cut (all, if nothing is said)");
+    };
+    choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
+    choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
+    choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
     addMachine(*sub, options.machine);
+    sub->add_option("--correction", options.correction,
+                    "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
+        ->group("Machine");
     addJob(*sub, options.job);
     return sub;
   };
   const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
   const CLI::App* program = subcommand(
       "program", "Write the controller's program of all units, an operation per line in hex", true);
+  const CLI::App* preview = subcommand(
+      "preview", "Write a page that plays the job: one HTML file, nothing loaded from elsewhere", true);
+  const CLI::App* order = subcommand(
+      "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
+  if (!options.correction.empty()) {
+    options.machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
+  }
+  if (order->parsed()) {
+    if (isGcode(options.input))
+      throw planner::PlanError(options.input + ": an order is chosen for a drawing");
+    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
+    return 0;
+  }
   const std::string text = gcodeOf(options);
   if (gcode->parsed()) {
     write(options, text);
     return 0;
   }
-  const planner::Plan plan = planner::planFromGcode(text, options.machine, options.job);
-  if (program->parsed()) {
-    write(options, programText(plan.program));
-  } else {
-    std::cout << summaryOf(options, plan);
+  if (preview->parsed()) {
+    const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
+    write(options, planner::previewHtml(name, text, options.machine, options.job));
+    return 0;
   }
+  if (!program->parsed()) return check(options, text);
+  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
   return 0;
 } catch (const planner::PlanError& error) {
   std::cerr << error.what() << '\n';

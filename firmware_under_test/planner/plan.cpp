@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/correction.h"
 #include "firmware_under_test/planner/cut_order.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/program.h"
@@ -27,57 +28,98 @@ void require(const MachineParameters& machine, const JobParameters& job) {
   if (!faults.empty()) throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
-/// From the first mark to the last: the machine jumps to the start of a unit by itself.
-std::vector<Segment> trimmed(std::vector<Segment> path) {
-  const auto marks = [](const Segment& segment) { return !segment.jump; };
-  path.erase(std::find_if(path.rbegin(), path.rend(), marks).base(), path.end());
-  path.erase(path.begin(), std::find_if(path.begin(), path.end(), marks));
+/// Of a correction table; a fifth of what a cut may be off.
+constexpr double kCoarsestMm = 0.01;
+/// Orders that are shorter must fit at this share of the belt speed as well.
+constexpr double kSpareSpeed = 1.1;
+/// Whether an order fits takes a plan of the whole unit.
+constexpr int kMostQuestions = 300;
+
+/// Drawings that no sheet can hold, or of which there is too much to be put in order.
+void requireSane(const hil::Dieline& dieline) {
+  constexpr std::size_t kMostEntities = 20'000;
+  constexpr double kFarthestMm = 1e5;
+  std::string faults;
+  int count = 0;
+  if (dieline.entities.size() > kMostEntities)
+    throw PlanError(fmt::format("the drawing holds {} entities; {} can be put in order",
+                                dieline.entities.size(), kMostEntities));
+  for (const hil::Entity& entity : dieline.entities) {
+    if (entity.process == hil::Process::kIgnore) continue;
+    double farthest = 0.0;
+    bool finite = true;
+    for (int i = 0; i <= 16; ++i) {
+      const Eigen::Vector2d p = hil::pointAt(entity.curve, i / 16.0);
+      finite = finite && p.allFinite();
+      farthest = std::max(farthest, p.cwiseAbs().maxCoeff());
+    }
+    if (finite && farthest <= kFarthestMm) continue;
+    if (++count > 20) continue;
+    faults += fmt::format("{}E{}{}: reaches {} mm, out of all bounds", faults.empty() ? "" : "\n", entity.id,
+                          entity.origin.empty() ? "" : " (" + entity.origin + ")",
+                          finite ? fmt::format("{:g}", farthest) : "no number of");
+  }
+  if (count > 20) faults += fmt::format("\nand {} more", count - 20);
+  if (!faults.empty()) throw PlanError(faults);
+}
+
+const std::string& needed(const std::string& gcode) {
+  if (gcode.empty()) throw PlanError("the dieline holds nothing to cut");
+  return gcode;
+}
+
+std::vector<Segment> withJumps(const std::vector<std::vector<Segment>>& pieces) {
+  std::vector<Segment> path;
+  for (const std::vector<Segment>& piece : pieces) {
+    for (const Segment& segment : piece) {
+      if (!path.empty() && (segment.start_mm - path.back().end_mm).norm() > kJoinMm) {
+        Segment jump;
+        jump.jump = true;
+        jump.start_mm = path.back().end_mm;
+        jump.end_mm = segment.start_mm;
+        path.push_back(jump);
+      }
+      path.push_back(segment);
+    }
+  }
   return path;
 }
 
-std::string nameOf(const Segment& segment) {
-  std::string name = segment.entity >= 0 ? fmt::format("E{}", segment.entity) : std::string();
-  if (segment.line > 0) name += fmt::format("{}G-code line {}", name.empty() ? "" : ", ", segment.line);
-  return name;
-}
-
-/// What no belt speed can mend: places across the belt.
-std::vector<std::string> lastingFaults(const std::vector<Segment>& path, const MachineParameters& machine) {
+/// The table against head and field.
+std::vector<std::string> correctionFaults(const MachineParameters& machine) {
+  const CorrectionTable& table = *machine.correction;
+  const Eigen::AlignedBox2d area = table.area_mm();
+  const Eigen::Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
+  const Eigen::Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
   std::vector<std::string> faults;
-  for (const Segment& segment : path) {
-    double low = segment.start_mm.y();
-    double high = low;
-    const int parts = segment.isArc() ? 4 + static_cast<int>(std::abs(segment.sweep_rad) * 50.0) : 1;
-    for (int i = 0; i <= parts; ++i) {
-      const double y = segment.at(segment.lengthMm() * i / parts).y();
-      low = std::min(low, y);
-      high = std::max(high, y);
-    }
-    if (!segment.jump && (low < machine.field_min_mm[1] - 1e-6 || high > machine.field_max_mm[1] + 1e-6)) {
-      faults.push_back(fmt::format("{} spans y {:.3f} … {:.3f} mm, the field {:g} … {:g} mm", nameOf(segment),
-                                   low, high, machine.field_min_mm[1], machine.field_max_mm[1]));
-    }
-  }
-  return faults;
-}
-
-/// Marks for which the laser is too weak at the speed they reach.
-std::vector<std::string> powerFaults(const Solution& solution, const MachineParameters& machine,
-                                     const JobParameters& job) {
-  std::vector<std::string> faults;
-  std::set<std::string> named;
-  for (const Block& block : solution.paths.front().blocks) {
-    double most = 0.0;
-    for (const Sample& sample : block.samples)
-      most = std::max(most, powerByte(sample.marked_mm, machine, job));
-    if (most < 255.5) continue;
-    const std::string name =
-        block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
-    if (!named.insert(name).second) continue;
+  if (!area.contains(low) || !area.contains(high)) {
     faults.push_back(fmt::format(
-        "from {}: {:g} J/mm at {:g} mm/s needs {:.1f} W, the laser has {:g} W; mark at {:.0f} mm/s at most",
-        name, job.cut_energy_j_per_mm, job.mark_speed_mm_s, most / 255.0 * machine.full_power_w,
-        machine.full_power_w, std::floor(0.99 * job.mark_speed_mm_s * 255.0 / most)));
+        "{}: covers x {:g} … {:g}, y {:g} … {:g} mm; the field is x {:g} … {:g}, y {:g} … {:g} mm",
+        table.name(), area.min().x(), area.max().x(), area.min().y(), area.max().y(), low.x(), high.x(),
+        low.y(), high.y()));
+  }
+  const Axes axes(machine, {});
+  const CorrectionTable::Coarseness coarse = table.coarseness();
+  const double unit_mm = table.unit() == CorrectionTable::Unit::kMm
+                             ? 1.0
+                             : 1.0 / axes.stepsPerMm(coarse.p_W_mm).diagonal().cwiseAbs().minCoeff();
+  if (!(coarse.error * unit_mm <= kCoarsestMm)) {
+    faults.push_back(
+        fmt::format("{}: too coarse for its bends: near ({:g}, {:g}) mm two cubics through its nodes differ "
+                    "by {:.4f} mm; {:g} mm may be",
+                    table.name(), coarse.p_W_mm.x(), coarse.p_W_mm.y(), coarse.error * unit_mm, kCoarsestMm));
+  }
+  constexpr int kParts = 64;
+  for (int i = 0; i < (kParts + 1) * (kParts + 1); ++i) {
+    const int row = i / (kParts + 1);
+    const Eigen::Vector2d share(i % (kParts + 1) / double(kParts), row / double(kParts));
+    const Eigen::Vector2d p = low + share.cwiseProduct(high - low);
+    const Eigen::Matrix2d slopes = axes.stepsPerMm(p);
+    if (slopes(0, 0) > 0.0 && slopes(1, 1) > 0.0 && slopes.determinant() > 0.0) continue;
+    faults.push_back(
+        fmt::format("{}: not monotonic: at ({:g}, {:g}) mm the beam would go back where it should go on",
+                    table.name(), p.x(), p.y()));
+    break;
   }
   return faults;
 }
@@ -99,45 +141,58 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   const auto check = [&](bool holds, const std::string& what) {
     if (!holds) faults.push_back(what);
   };
-  const auto positive = [&](double value, const char* name) {
+  // The upper bounds are beyond every machine; they keep what is computed from the numbers a number.
+  const auto positive = [&](double value, const char* name, double most = 1e6, double least = 0.0) {
     check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, value));
+    check(!(value > most), fmt::format("{} must be at most {:g}, but is {:g}", name, most, value));
+    check(!(value > 0.0 && value < least),
+          fmt::format("{} must be at least {:g}, but is {:g}", name, least, value));
   };
   const auto notNegative = [&](double value, const char* name) {
     check(std::isfinite(value) && value >= 0.0, fmt::format("{} must be >= 0, but is {:g}", name, value));
+    check(!(value > 1e6), fmt::format("{} must be at most 1e+06, but is {:g}", name, value));
   };
   if (machine.head == MachineParameters::Head::kTwoMirror) {
-    positive(machine.throw_mm, "throw_mm");
+    positive(machine.throw_mm, "throw_mm", 1e6, 0.1);
     notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
-    positive(machine.mirror_step_rad, "mirror_step_rad");
+    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
+  } else if (machine.head == MachineParameters::Head::kFTheta) {
+    positive(machine.focal_length_mm, "focal_length_mm", 1e6, 0.1);
+    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
   } else {
-    positive(machine.gantry_step_mm, "gantry_step_mm");
+    positive(machine.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
   }
   for (int i = 0; i < 2; ++i) {
     const double low = machine.field_min_mm[i];
     const double high = machine.field_max_mm[i];
-    check(std::isfinite(low) && std::isfinite(high) && low <= 0.0 && high >= 0.0 && low < high,
+    check(low >= -1e5 && high <= 1e5 && low <= 0.0 && high >= 0.0 && low < high,
           fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
                       low, high));
+  }
+  if (faults.empty() && machine.correction) {
+    const std::vector<std::string> wrong = correctionFaults(machine);
+    faults.insert(faults.end(), wrong.begin(), wrong.end());
   }
   // The delay goes to the controller as a byte of 25 us ticks.
   check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= 255 * 25e-6,
         fmt::format("tracking_delay_s must be in 0 … 6.375e-3, but is {:g}", machine.tracking_delay_s));
   positive(machine.full_power_w, "full_power_w");
-  positive(job.mark_speed_mm_s, "mark_speed_mm_s");
-  positive(job.jump_speed_mm_s, "jump_speed_mm_s");
-  positive(job.acceleration_mm_s2, "acceleration_mm_s2");
+  positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
+  positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
+  positive(job.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
   positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
-  positive(job.perforation_cut_mm, "perforation_cut_mm");
-  positive(job.perforation_gap_mm, "perforation_gap_mm");
-  check(job.units >= 1, fmt::format("units must be >= 1, but is {}", job.units));
+  positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
+  positive(job.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
+  check(job.units >= 1 && job.units <= 1'000'000,
+        fmt::format("units must be in 1 … 1000000, but is {}", job.units));
   if (job.units > 1) positive(job.pitch_mm, "pitch_mm");
   notNegative(job.belt_speed_mm_s, "belt_speed_mm_s");
   if (job.feed_by_controller) {
-    positive(machine.feed_step_mm, "feed_step_mm");
-    positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2");
-    check(std::isfinite(job.web_start_x_mm), "web_start_x_mm must be a number");
+    positive(machine.feed_step_mm, "feed_step_mm", 1e3, 1e-6);
+    positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2", 1e9, 1e-3);
+    check(std::abs(job.web_start_x_mm) <= 1e9, "web_start_x_mm must be a number within ±1e9");
   }
   if (job.stop_and_go) {
     check(job.feed_by_controller, "stop_and_go needs feed_by_controller");
@@ -147,14 +202,12 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
                       job.belt_speed_mm_s, feedLimit(machine)));
   }
   if (job.belt_speed_mm_s > 0.0) {
-    positive(machine.encoder_count_mm, "encoder_count_mm");
-    check(std::isfinite(machine.print_mark_sensor_x_mm), "print_mark_sensor_x_mm must be a number");
-    check(std::isfinite(job.eye_mark_x_mm), "eye_mark_x_mm must be a number");
+    positive(machine.encoder_count_mm, "encoder_count_mm", 1e3, 1e-6);
+    check(std::abs(machine.print_mark_sensor_x_mm) <= 1e6,
+          "print_mark_sensor_x_mm must be a number within ±1e6");
+    check(std::abs(job.eye_mark_x_mm) <= 1e6, "eye_mark_x_mm must be a number within ±1e6");
     // The follow gain is an i16 of steps per count times 4096.
-    const bool gantry = machine.head == MachineParameters::Head::kGantry;
-    const double per_mm =
-        gantry ? 1.0 / machine.gantry_step_mm
-               : 0.5 / (machine.throw_mm + machine.mirror_spacing_mm) / machine.mirror_step_rad;
+    const double per_mm = !faults.empty() ? 0.0 : Axes(machine, {}).xStepsPerMm(Eigen::Vector2d::Zero());
     check(!(per_mm * machine.encoder_count_mm * 4096.0 > 32767.0),
           fmt::format("an encoder count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
                       machine.encoder_count_mm, per_mm * machine.encoder_count_mm));
@@ -165,58 +218,56 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults) {
   require(machine, job);
-  const auto write = [&](const OrderOptions& options) {
-    return writeGcode(cutOrder(dieline, job, faults, options), processNames(dieline));
+  requireSane(dieline);
+  const auto write = [&](const std::vector<Stop>& order) {
+    return writeGcode(piecesOf(order, job), processNames(dieline));
   };
-  const std::string whole = write(OrderOptions{});
-  if (whole.empty()) throw PlanError("the dieline holds nothing to cut");
-  if (speedWhileCutting(job) <= 0.0) return whole;
+  if (job.order == JobParameters::Order::kDrawn) return needed(write(drawnOrder(dieline, job, faults)));
+  std::vector<Stop> order = nearestOrder(dieline, job, faults, OrderOptions{});
+  std::string best = needed(write(order));
+  if (speedWhileCutting(job) <= 0.0) {
+    return job.order == JobParameters::Order::kShortest ? write(shortened(std::move(order), {}, 0)) : best;
+  }
   const Axes axes(machine, faults);
   const auto highest = [&](const std::string& gcode) {
-    return maxBeltSpeed(trimmed(readGcode(gcode)), machine, job, axes);
+    return maxBeltSpeed(unitOf(readGcode(gcode)), machine, job, axes);
   };
-  double best_speed = highest(whole);
-  std::string best = whole;
+  double best_speed = highest(best);
   for (const bool place_before_process : {false, true}) {
     for (const double band_mm : kBandsMm) {
-      if (best_speed >= job.belt_speed_mm_s) return best;
-      const std::string broken = write({true, place_before_process, band_mm});
-      const double speed = highest(broken);
+      if (best_speed >= job.belt_speed_mm_s) break;
+      std::vector<Stop> broken = nearestOrder(dieline, job, faults, {true, place_before_process, band_mm});
+      const std::string text = write(broken);
+      const double speed = highest(text);
       if (speed <= best_speed) continue;
-      best = broken;
+      best = text;
       best_speed = speed;
+      order = std::move(broken);
     }
   }
-  return best;
+  if (job.order != JobParameters::Order::kShortest || best_speed < job.belt_speed_mm_s) return best;
+  // The line may run faster than it is said to, so a shorter way must not cost all the room there was.
+  const double spare_speed = std::min(best_speed, kSpareSpeed * job.belt_speed_mm_s);
+  const auto fits = [&](const std::vector<Stop>& candidate) {
+    const std::vector<Segment> path = withJumps(piecesOf(candidate, job));
+    return solve(path, machine, job, axes, job.belt_speed_mm_s).solution.has_value() &&
+           solve(path, machine, job, axes, spare_speed).solution.has_value();
+  };
+  const std::string shorter = write(shortened(order, fits, kMostQuestions));
+  return highest(shorter) >= job.belt_speed_mm_s ? shorter : best;
 }
 
 Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                    const PlannerFaults& faults) {
-  require(machine, job);
-  const std::vector<Segment> path = trimmed(readGcode(gcode));
-  std::vector<std::string> wrong = lastingFaults(path, machine);
-  if (!wrong.empty()) throw PlanError(fmt::format("{}", fmt::join(wrong, "\n")));
-
+  const CheckResult checked = checkJob(gcode, machine, job, faults);
+  if (!checked.solution) throw PlanError(fmt::format("{}", fmt::join(checked.errors, "\n")));
+  const std::vector<Segment> path = unitOf(readGcode(gcode));
   const Axes axes(machine, faults);
+  const double v = speedWhileCutting(job);
+  const Solution& solution = *checked.solution;
   Plan plan;
   plan.gcode = gcode;
-  const double v = speedWhileCutting(job);
-  plan.max_belt_speed_mm_s = job.stop_and_go ? feedLimit(machine) : maxBeltSpeed(path, machine, job, axes);
-  const SolveResult result = solve(path, machine, job, axes, v);
-  if (!result.solution || (v > 0.0 && v > plan.max_belt_speed_mm_s)) {
-    if (v <= 0.0) throw PlanError(result.reason);
-    const std::string reason =
-        result.solution ? "there is a slower speed at which it does not fit" : result.reason;
-    if (plan.max_belt_speed_mm_s <= 0.0) {
-      throw PlanError(fmt::format("the job fits at no belt speed, so not at {:g} mm/s: {}", v, reason));
-    }
-    throw PlanError(
-        fmt::format("a belt speed of {:g} mm/s is too high: {}; the highest for this job is {:.2f} mm/s", v,
-                    reason, plan.max_belt_speed_mm_s));
-  }
-  const Solution& solution = *result.solution;
-  wrong = powerFaults(solution, machine, job);
-  if (!wrong.empty()) throw PlanError(fmt::format("{}", fmt::join(wrong, "\n")));
+  plan.max_belt_speed_mm_s = checked.max_belt_speed_mm_s;
 
   const UnitLayout& layout = solution.layoutOf(0);
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
@@ -227,6 +278,11 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   plan.x_ref_mm = layout.x_ref_mm;
   for (const Segment& segment : path) {
     (segment.jump || segment.z == 0.0 ? plan.jump_length_mm : plan.cut_length_mm) += segment.lengthMm();
+  }
+  constexpr double kMostPeriods = 1.5e8;  // 33 hours; some 60 bytes each
+  if (job.units * plan.cycle_time_s > kMostPeriods * kPeriodS) {
+    throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
+                                job.units, plan.cycle_time_s, kMostPeriods * kPeriodS / 3600.0));
   }
   plan.program = makeProgram(solution, machine, job, faults, axes);
   return plan;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,19 +11,24 @@
 
 namespace kerfbench::planner {
 
+class CorrectionTable;
+
 /// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The
 /// twin has its own, and a difference between the two is a fault that the bench must see.
 struct MachineParameters {
-  enum class Head { kTwoMirror, kGantry };
+  enum class Head { kTwoMirror, kGantry, kFTheta };
   Head head{Head::kTwoMirror};
   // Two mirrors (Cheng et al. 2014, eq. 2)
   double throw_mm{};           ///< L: Y mirror to sheet; > 0.
   double mirror_spacing_mm{};  ///< d; >= 0.
-  double mirror_step_rad{};    ///< Mechanical angle of one PUL.
+  double mirror_step_rad{};    ///< Mechanical angle of one PUL; f-theta too.
+  // Two mirrors and an f-theta lens: x = f 2θx, y = f 2θy; what the real one is off is the table's matter
+  double focal_length_mm{};  ///< f; > 0.
   // Gantry
   double gantry_step_mm{};
-  // Both
-  double field_min_mm[2]{};  ///< Reach of the beam in W, x and y.
+  // All
+  std::shared_ptr<const CorrectionTable> correction{};  ///< Of what the formula leaves; none: nothing.
+  double field_min_mm[2]{};                             ///< Reach of the beam in W, x and y.
   double field_max_mm[2]{};
   double tracking_delay_s{};        ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
   double encoder_count_mm{};        ///< Belt travel of one quadrature count.
@@ -54,6 +60,10 @@ struct JobParameters {
   /// x_W of unit 0's origin while the belt rests: at belt speed 0, or before the feed starts.
   double web_start_x_mm{};
   double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
+  /// The order in which a dieline is cut: the shortest air path that is found, a walk to the nearest end, or
+  /// as drawn. All but the last keep creases before cuts and holes before outlines.
+  enum class Order { kShortest, kNearest, kDrawn };
+  Order order{Order::kShortest};
 };
 
 /// Deliberate mistakes, for releases that the bench must fail.
@@ -62,9 +72,10 @@ struct PlannerFaults {
   /// x' = x + v t with the speed planned for and nothing else: the belt encoder tells when to begin, and is
   /// not followed then. The third regime of Hu, Hu, Jiang 2014 with v the mean over the cut, taken literally.
   bool mean_speed{false};
-  bool no_pincushion{false};  ///< x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx.
-  int skip_entity{-1};        ///< Never cut; makeGcode leaves it out.
-  int repeat_entity{-1};      ///< Cut twice; makeGcode writes it again at the end.
+  /// x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx, and no correction table.
+  bool no_pincushion{false};
+  int skip_entity{-1};    ///< Never cut; makeGcode leaves it out.
+  int repeat_entity{-1};  ///< Cut twice; makeGcode writes it again at the end.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};
 };
@@ -94,9 +105,10 @@ struct Plan {
   double x_ref_mm{};             ///< x_W of unit 0's origin at its start.
 };
 
-/// Dieline to G-code: whole outlines, creases before cuts, holes before outlines. Where the belt is too fast
-/// for that, outlines are broken at their corners, and at last creases go first only where they lie side by
-/// side with cuts. G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE headings, Z as laser.
+/// Dieline to G-code in the job's order: whole outlines, creases before cuts, holes before outlines. Where
+/// the belt is too fast for that, outlines are broken at their corners, and at last creases go first only
+/// where they lie side by side with cuts. G00/G01/G02/G03, I J from the arc's start, LINE / ARC / CIRCLE
+/// headings, Z as laser.
 std::string makeGcode(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job,
                       const PlannerFaults& faults = {});
 /// G-code of one unit to the program of all of them. @throws PlanError with line numbers.

@@ -13,9 +13,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Spare periods between two units: the controller takes its reference at a period's border.
-constexpr int kSparePeriods = 2;
-
 /// Shares of the path's limits for x and y: as the way goes, but an axis that moves at all gets enough to
 /// brake the speed of the belt.
 Vector2d sharesOf(const Vector2d& way_mm) {
@@ -125,6 +122,10 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
     bounds.min_x_ref_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
     bounds.play_mm = machine.encoder_count_mm;
   }
+  std::string reasons;
+  const auto refuse = [&](const std::string& reason) {
+    if (reasons.find(reason) == std::string::npos) reasons += (reasons.empty() ? "" : "; ") + reason;
+  };
   for (const UnitPath& unit : solution.paths) {
     LayoutResult result = layOut(unit, machine, job, bounds);
     if (!result.layout) return {std::nullopt, result.reason};
@@ -132,12 +133,13 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
   }
   for (const UnitLayout& layout : solution.layouts) {
     if (job.feed_by_controller || job.units < 2) break;
-    if (auto fault = marksFault(layout, machine, job)) return {std::nullopt, *fault};
+    if (auto fault = marksFault(layout, machine, job)) refuse(*fault);
   }
   for (int k = 0; k + 1 < job.units && k < 2; ++k) {
     if (axes.faults().return_unchecked) break;
-    if (auto fault = pitchFault(solution, k, job, axes)) return {std::nullopt, *fault};
+    if (auto fault = pitchFault(solution, k, job, axes)) refuse(*fault);
   }
+  if (!reasons.empty()) return {std::nullopt, reasons};
   return {std::move(solution), {}};
 }
 

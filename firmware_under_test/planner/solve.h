@@ -12,6 +12,9 @@
 
 namespace kerfbench::planner {
 
+/// Spare periods between two units: the controller takes its reference at a period's border.
+inline constexpr int kSparePeriods = 2;
+
 /// A move in W with the laser off that ends at rest; each axis takes its own least time.
 class Reposition {
  public:
@@ -39,7 +42,7 @@ struct Solution {
 
 struct SolveResult {
   std::optional<Solution> solution;
-  std::string reason;  ///< The constraint that fails, if there is no solution.
+  std::string reason;  ///< The constraints that fail, if there is no solution.
 };
 
 /// Fits the path of one unit into field and pitch at a belt speed.

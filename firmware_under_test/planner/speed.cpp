@@ -94,6 +94,8 @@ std::vector<double> planRun(std::span<const Segment> run, const SpeedLimits& lim
   }
   double total_s = 0.0;
   for (const Phase& phase : phases) total_s += phase.duration_s;
+  constexpr double kMostPeriods = 1e7;  // 320 MB of samples, beyond what may be planned
+  if (!(total_s < kMostPeriods * limits.period_s)) return {};
   const int periods = std::max(1, static_cast<int>(std::ceil(total_s / limits.period_s - 1e-9)));
   std::vector<double> stations{0.0};
   std::size_t at = 0;

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <memory>
 #include <string>
 
+#include "firmware_under_test/planner/correction.h"
 #include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
 #include "twin/cutter/machine_faults.h"
@@ -40,6 +42,11 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   }
   refuseUnfit(file, webOf(the_case));
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
+  try {
+    planner::select(the_case.dieline, the_case.scenario.selection);
+  } catch (const planner::PlanError& error) {
+    throw ConfigError(fmt::format("{}: select: {}", the_case.scenario.path.string(), error.what()));
+  }
   refuseUnfit(the_case.dieline);
   return the_case;
 }
@@ -66,6 +73,12 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   machine.throw_mm = told.throw_mm;
   machine.mirror_spacing_mm = told.mirror_spacing_mm;
   machine.mirror_step_rad = told.mirror_step_rad;
+  machine.focal_length_mm = told.focal_length_mm;
+  if (told.focal_length_mm > 0.0) machine.head = planner::MachineParameters::Head::kFTheta;
+  if (!told.correction_file.empty()) {
+    machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(told.correction_file));
+  }
   machine.gantry_step_mm = told.gantry_step_mm;
   for (int i = 0; i < 2; ++i) {
     machine.field_min_mm[i] = told.field_min_mm[i];

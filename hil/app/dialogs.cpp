@@ -50,8 +50,12 @@ PreparedJob prepareJob(const Case& the_case) {
     job.dialog = std::make_unique<TalkerDialog<LineOkSender>>(LineOkSender(job.gcode));
     return job;
   }
-  planner::Plan plan = planner::plan(the_case.dieline, plannerMachine(the_case), plannerJob(the_case),
-                                     the_case.scenario.planner_faults);
+  const std::filesystem::path& edited = the_case.scenario.job_gcode;
+  const planner::MachineParameters machine = plannerMachine(the_case);
+  const planner::JobParameters parameters = plannerJob(the_case);
+  const planner::PlannerFaults& faults = the_case.scenario.planner_faults;
+  planner::Plan plan = edited.empty() ? planner::plan(the_case.dieline, machine, parameters, faults)
+                                      : planner::planFromGcode(textOf(edited), machine, parameters, faults);
   job.summary = fmt::format(
       "{} unit{}, {:.0f} mm of marks and {:.0f} mm of jumps in {:.2f} s each; belt {} mm/s, at most {:.1f}",
       the_case.scenario.print.units, the_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,

@@ -85,8 +85,15 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
     result.throw_mm = told.number("throw_mm", {.min = 10, .max = 5000});
     result.mirror_spacing_mm = told.number("mirror_spacing_mm", {.min = 0, .max = 500});
     result.mirror_step_rad = kMicro * told.number("mirror_step_urad", {.min = 1e-3, .max = 1e5});
+    result.focal_length_mm = told.number("focal_length_mm", {.min = 0, .max = 5000, .fallback = 0.0});
   } else {
     result.gantry_step_mm = told.number("gantry_step_mm", {.min = 1e-6, .max = 10});
+  }
+  if (const std::string table = told.text("correction", ""); !table.empty()) {
+    const auto path = std::filesystem::absolute(told.folderOf("correction") / table).lexically_normal();
+    if (!std::filesystem::is_regular_file(path))
+      told.fault("correction", fmt::format("no such file '{}'", table));
+    result.correction_file = path.string();
   }
   const auto field = readBox(told, "field_x_mm", "field_y_mm");
   result.field_min_mm = field[0];

@@ -57,6 +57,24 @@ LayerProfile readLayers(YamlReader& file) {
   return profile;
 }
 
+planner::Selection readSelection(YamlReader select) {
+  const std::string entities = select.text("entities", "");
+  const std::string layers = select.text("layers", "");
+  const std::string process = select.text("process", "");
+  planner::Selection selection;
+  const auto limit = [&](const char* key, auto part) {
+    try {
+      part();
+    } catch (const planner::PlanError& error) {
+      select.fault(key, error.what());
+    }
+  };
+  limit("entities", [&] { selection.entities = planner::selectionFrom(entities, "", "").entities; });
+  limit("layers", [&] { selection.layers = planner::selectionFrom("", layers, "").layers; });
+  limit("process", [&] { selection.processes = planner::selectionFrom("", "", process).processes; });
+  return selection;
+}
+
 std::vector<twin::DepthPoint> readDepthCurve(YamlReader& board) {
   std::vector<twin::DepthPoint> curve;
   auto points = board.list("depth_curve");
@@ -247,6 +265,10 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.perforation_gap_mm =
       planner.number("perforation_gap_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_gap_mm});
   job.alternate = planner.boolean("alternate", false);
+  const std::string order = planner.choice("order", {"shortest", "nearest", "drawn"}, "shortest");
+  job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
+              : order == "nearest" ? planner::JobParameters::Order::kNearest
+                                   : planner::JobParameters::Order::kShortest;
   job.feed_by_controller = scenario.belt_by_controller;
   job.units = scenario.print.units;
   job.pitch_mm = scenario.print.pitch_mm;
@@ -306,12 +328,14 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.dieline = fileOf(file, "dieline");
   s.machine = fileOf(file, "machine");
   s.layers = readLayers(file);
+  s.selection = readSelection(file.section("select"));
   s.board = readBoard(file.section("board"));
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
+  if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");
   s.planner_faults = readPlannerFaults(planner.section("faults"));
   auto checks = file.section("checks");
   s.limits = readLimits(checks);

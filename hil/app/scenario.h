@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/selection.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
 #include "twin/base/print_layout.h"
@@ -46,6 +47,7 @@ struct Scenario {
   std::filesystem::path dieline;
   std::filesystem::path machine;
   LayerProfile layers;
+  planner::Selection selection;  ///< What of the dieline is cut, and judged.
   twin::BoardDescription board;
   PrintLayout print;
   double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
@@ -57,6 +59,7 @@ struct Scenario {
   FirmwareChoice firmware;
   planner::JobParameters job;
   planner::PlannerFaults planner_faults;
+  std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
   Limits limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
   int calibration_max_age_days{180};

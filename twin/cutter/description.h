@@ -70,6 +70,8 @@ struct ControllerDescription {
   double throw_mm{};
   double mirror_spacing_mm{};
   double mirror_step_rad{};
+  double focal_length_mm{};       ///< Of an f-theta lens; 0: a head without one.
+  std::string correction_file{};  ///< Its table of what the head's formula leaves; empty: none.
   double gantry_step_mm{};
   std::array<double, 2> field_min_mm{};
   std::array<double, 2> field_max_mm{};

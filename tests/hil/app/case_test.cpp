@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/app/case.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "firmware_under_test/planner/axes.h"
+#include "hil/app/dialogs.h"
 #include "hil/base/yaml_reader.h"
 #include "tests/hil/app/temp_folder.h"
+#include "twin/optics/scan_head.h"
 
 namespace kerfbench::hil {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 class CaseTest : public testing::Test {
@@ -53,6 +60,72 @@ TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
   const std::string lines = "machine: " + path.string() + "\n";
   EXPECT_EQ(faultsOf(lines), "");
   EXPECT_THAT(faultsOf(lines + "belt: {drive: controller}\n"), HasSubstr("feed"));
+}
+
+TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
+  const Case the_case = label("select: {entities: '0-3'}\n");
+  int cut = 0;
+  for (const Entity& entity : the_case.dieline.entities) cut += entity.process != Process::kIgnore ? 1 : 0;
+  EXPECT_EQ(cut, 4);
+  EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
+              AllOf(HasSubstr("'0-x'"), HasSubstr("'burn'"), HasSubstr("s.yaml:3")));
+  EXPECT_THAT(faultsOf("select: {entities: '70'}\n"), HasSubstr("select: E70: there is no such entity"));
+}
+
+TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
+  (void)temp_.write("edited.nc", "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  const PreparedJob job = prepareJob(label("planner: {gcode: edited.nc}\n"));
+  EXPECT_EQ(job.gcode, "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
+}
+
+// The table is found by trying: where to aim the head of the twin so that its spot lands on the node.
+TEST_F(CaseTest, AnFThetaHeadIsTrueWithItsTable) {
+  const twin::MachineDescription machine = readMachine(fixture("machines/f-theta-300.yaml"));
+  const twin::ScanHead head(machine.head, machine.beam);
+  const twin::Surface board{machine.surface};
+  const double f_mm = 430.0;
+  const auto spotOf = [&](const Eigen::Vector2d& mirror_rad) -> Eigen::Vector2d {
+    return head.spotAt(mirror_rad, Eigen::Vector2d::Zero(), board, 0.0).value().p_WQ_mm.head<2>();
+  };
+  std::string table = "x_mm,y_mm,dx_mm,dy_mm\n";
+  constexpr int kNodes = 33;
+  for (int i = 0; i < kNodes * kNodes; ++i) {
+    const Eigen::Vector2d p(-150.0 + 300.0 * (i % kNodes) / (kNodes - 1),
+                            -150.0 + 300.0 * (i / kNodes) / (kNodes - 1));
+    Eigen::Vector2d aim = p;
+    for (int k = 0; k < 60; ++k) aim += p - spotOf(aim / (2.0 * f_mm));
+    table += fmt::format("{},{},{},{}\n", p.x(), p.y(), aim.x() - p.x(), aim.y() - p.y());
+  }
+  (void)temp_.write("t.csv", table);
+  const std::string corrected = "extends: " + fixture("machines/f-theta-300.yaml").string() +
+                                "\ncontroller: {focal_length_mm: 430, correction: t.csv}\n";
+  const auto worst = [&](const std::string& lines) {
+    const auto path = temp_.write("f.yaml", lines);
+    const planner::MachineParameters told = plannerMachine(label("machine: " + path.string() + "\n"));
+    const planner::Axes axes(told, {});
+    EXPECT_TRUE(planner::faultsOf(told, planner::JobParameters{.cut_energy_j_per_mm = 0.1}).empty());
+    double worst_mm = 0.0;
+    for (int i = 0; i < 61 * 61; ++i) {
+      const Eigen::Vector2d p(-149.0 + 4.96 * (i % 61), -149.0 + 4.96 * (i / 61));
+      worst_mm = std::max(worst_mm, (spotOf(axes.stepsAt(p) * told.mirror_step_rad) - p).norm());
+    }
+    return worst_mm;
+  };
+  EXPECT_LT(worst(corrected), 0.001);
+  EXPECT_GT(worst("extends: " + fixture("machines/f-theta-300.yaml").string() +
+                  "\ncontroller: {focal_length_mm: 430}\n"),
+            1.0);
+  EXPECT_THAT(
+      faultsOf("machine: " + temp_.write("f.yaml", corrected + "surface: {height_mm: x}\n").string() + "\n"),
+      HasSubstr("height_mm"));
+  EXPECT_THAT(faultsOf("machine: " +
+                       temp_
+                           .write("f.yaml", "extends: " + fixture("machines/f-theta-300.yaml").string() +
+                                                "\ncontroller: {correction: lost.csv}\n")
+                           .string() +
+                       "\n"),
+              HasSubstr("no such file 'lost.csv'"));
 }
 
 TEST_F(CaseTest, ALineMayChangeItsSpeed) {
