@@ -14,6 +14,35 @@ static_assert(1UL * KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 
               "kPeriodS is the controller's");
 static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
 
+namespace {
+
+/// Largest second derivative of either axis over the field in any direction, steps per mm²: the Frobenius
+/// norm of the Hessian, by central differences at 17 x 17 places; it grows towards the rim, which is among
+/// them.
+Vector2d largestBend(const Axes& axes, const MachineParameters& machine) {
+  constexpr int kPlaces = 16;
+  constexpr double kH = 0.5;
+  Vector2d largest = Vector2d::Zero();
+  for (int i = 0; i <= kPlaces; ++i) {
+    for (int k = 0; k <= kPlaces; ++k) {
+      const auto place = [&](int axis, int index) {
+        const double low = machine.field_min_mm[axis];
+        return low + (machine.field_max_mm[axis] - low) * index / kPlaces;
+      };
+      const Vector2d p(place(0, i), place(1, k));
+      const auto at = [&](double dx, double dy) { return axes.stepsAt(p + kH * Vector2d(dx, dy)); };
+      const Vector2d xx = at(1, 0) - 2.0 * at(0, 0) + at(-1, 0);
+      const Vector2d yy = at(0, 1) - 2.0 * at(0, 0) + at(0, -1);
+      const Vector2d xy = 0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
+      const Vector2d norm = (xx.array().square() + yy.array().square() + 2.0 * xy.array().square()).sqrt();
+      largest = largest.cwiseMax(norm / (kH * kH));
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
 Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
     : machine_(machine), faults_(faults) {
   if (machine.head == MachineParameters::Head::kGantry) {
@@ -30,6 +59,18 @@ Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
   const double x_bound = std::min(x_far, nearest);
   x_per_y_mm_ = 0.5 * x_bound / (nearest * nearest + x_bound * x_bound) * y_far / std::hypot(l, y_far) /
                 machine.mirror_step_rad;
+  bend_per_mm2_ = largestBend(*this, machine);
+}
+
+Vector2d Axes::accelerationBox(double speed_mm_s) const {
+  if (machine_.head == MachineParameters::Head::kGantry || machine_.mirror_acceleration_rad_s2 <= 0.0 ||
+      faults_.no_mirror_limit) {
+    return Vector2d::Constant(1e12);
+  }
+  const double limit = machine_.mirror_acceleration_rad_s2 / machine_.mirror_step_rad;
+  const Vector2d left = Vector2d::Constant(limit) - bend_per_mm2_ * (speed_mm_s * speed_mm_s);
+  const double y = left.y() / y_per_mm_;
+  return {(left.x() - x_per_y_mm_ * y) / x_per_mm_, y};
 }
 
 Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {

@@ -25,8 +25,17 @@ class Axes {
   /// The highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while
   /// the sheet moves along +x; the same everywhere in the field. 0 if the belt alone is too fast.
   [[nodiscard]] double speedLimit(const Eigen::Vector2d& direction, double belt_speed_mm_s) const;
+  /// Accelerations on the sheet along x and y that together keep each mirror within its limit, whatever the
+  /// place in the field, while beam and sheet together move at up to `speed_mm_s`: the limit less what the
+  /// head's own distortion asks for at that speed, and for x less what y asks of it. Falls with speed, and
+  /// may come out negative: too fast. 1e12 without a limit.
+  [[nodiscard]] Eigen::Vector2d accelerationBox(double speed_mm_s) const;
   /// The highest speed of the x axis, mm/s in W, and of the y axis.
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
+  /// Reach of the beam across, mm.
+  [[nodiscard]] Eigen::Vector2d fieldY() const {
+    return {machine_.field_min_mm[1], machine_.field_max_mm[1]};
+  }
   /// Number of the x axis in the protocol; y is the next.
   [[nodiscard]] int firstAxis() const;
   [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
@@ -37,6 +46,8 @@ class Axes {
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
   double y_per_mm_{};
+  Eigen::Vector2d bend_per_mm2_{
+      Eigen::Vector2d::Zero()};  ///< Largest second derivative of steps in the field.
 };
 
 }  // namespace kerfbench::planner

@@ -117,6 +117,8 @@ void addMachine(CLI::App& app, MachineParameters& m) {
   option("--throw", m.throw_mm, "Y mirror to sheet, mm (two-mirror)");
   option("--mirror-spacing", m.mirror_spacing_mm, "X mirror to Y mirror, mm (two-mirror)");
   option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror)");
+  option("--mirror-acceleration", m.mirror_acceleration_rad_s2,
+         "Highest of either mirror, rad/s2 mechanical; 0: never the limit (two-mirror)");
   option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
   option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
   option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");
@@ -138,6 +140,10 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--mark-speed", j.mark_speed_mm_s, "Highest speed of marks on the sheet, mm/s");
   option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
   option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");
+  option(
+      "--jump-radius", j.jump_radius_mm,
+      "Arcs by which jumps leave and meet marks, mm: the beam does not stop; 0: straight jumps with stops; "
+      "-1: by the drawing's size, 1 mm up to 10 mm, 5 mm from 100 mm on");
   option("--cut-energy", j.cut_energy_j_per_mm, "Energy per length that cuts through (Z1), J/mm");
   option("--half-z", j.half_z, "Z of half-cuts and creases, 0 to 1");
   option("--perforation-cut", j.perforation_cut_mm, "Length of a dash, mm");

@@ -109,6 +109,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     positive(machine.throw_mm, "throw_mm");
     notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
     positive(machine.mirror_step_rad, "mirror_step_rad");
+    notNegative(machine.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
   } else {
     positive(machine.gantry_step_mm, "gantry_step_mm");
   }
@@ -126,6 +127,10 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   positive(job.mark_speed_mm_s, "mark_speed_mm_s");
   positive(job.jump_speed_mm_s, "jump_speed_mm_s");
   positive(job.acceleration_mm_s2, "acceleration_mm_s2");
+  check(job.jump_radius_mm == kRadiusOfDrawing ||
+            (std::isfinite(job.jump_radius_mm) && job.jump_radius_mm >= 0.0),
+        fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
+                    kRadiusOfDrawing, job.jump_radius_mm));
   positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
@@ -225,8 +230,9 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job));
   plan.cycle_time_s = plan.unit_time_s + way_back * kPeriodS;
   plan.x_ref_mm = layout.x_ref_mm;
+  plan.jump_length_mm = solution.paths.front().jump_length_mm;
   for (const Segment& segment : path) {
-    (segment.jump || segment.z == 0.0 ? plan.jump_length_mm : plan.cut_length_mm) += segment.lengthMm();
+    if (!segment.jump && segment.z != 0.0) plan.cut_length_mm += segment.lengthMm();
   }
   plan.program = makeProgram(solution, machine, job, faults, axes);
   return plan;

@@ -56,6 +56,7 @@ struct Scenario {
                          ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;
+  std::optional<double> jump_radius_mm;  ///< Of the job; the machine's if absent.
   planner::PlannerFaults planner_faults;
   Limits limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motion that runs through marks and jumps (S2): what it must not exceed, and what it must not move.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/solve.h"
+#include "firmware_under_test/planner/speed_profile.h"
+#include "firmware_under_test/planner/unit.h"
+#include "hil/dieline/read.h"
+#include "player.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kMirrorLimit_rad_s2 = 9.0;
+
+MachineParameters slowMirrors() {
+  MachineParameters machine = test::twoMirror();
+  machine.mirror_acceleration_rad_s2 = kMirrorLimit_rad_s2;
+  return machine;
+}
+
+JobParameters smoothJob(double radius_mm) {
+  JobParameters job = test::mirrorJob();
+  job.jump_speed_mm_s = 430.0;
+  job.acceleration_mm_s2 = 12000.0;
+  job.jump_radius_mm = radius_mm;
+  return job;
+}
+
+hil::Dieline button() {
+  return hil::readDieline(std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/button.dxf",
+                          hil::defaultLayerProfile());
+}
+
+/// Strokes of 1 … 6 mm anywhere in 50 x 50 mm.
+hil::Dieline strokes(unsigned seed) {
+  std::mt19937 bits(seed);
+  std::uniform_real_distribution<double> place(0.0, 50.0);
+  std::uniform_real_distribution<double> length(1.0, 6.0);
+  std::uniform_real_distribution<double> angle(0.0, 6.2831853);
+  std::vector<hil::Entity> entities;
+  for (int i = 0; i < 40; ++i) {
+    const Vector2d from(-place(bits), place(bits) - 25.0);
+    const double l = length(bits);
+    const double a = angle(bits);
+    entities.push_back(
+        test::line(from.x(), from.y(), from.x() + l * std::cos(a), from.y() + l * std::sin(a)));
+  }
+  return test::dielineOf(std::move(entities));
+}
+
+struct Case {
+  const char* name;
+  hil::Dieline dieline;
+  double belt_mm_s;
+  double radius_mm;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all{{"button", button(), 0.0, 5.0},
+                        {"button on the belt", button(), 35.0, 5.0},
+                        {"button with small arcs", button(), 0.0, 1.0},
+                        {"button by its size", button(), 30.0, kRadiusOfDrawing},
+                        {"label", test::label(), 60.0, 5.0},
+                        {"carton", test::carton(), 5.0, 5.0}};
+  for (unsigned seed = 1; seed <= 6; ++seed)
+    all.push_back({"strokes", strokes(seed), seed % 2 == 0 ? 0.0 : 60.0, 0.7 * seed});
+  return all;
+}
+
+class EveryFlow : public ::testing::TestWithParam<int> {
+ protected:
+  void SetUp() override {
+    case_ = cases()[std::size_t(GetParam())];
+    job_ = smoothJob(case_.radius_mm);
+    machine_ = slowMirrors();
+    path_ = readGcode(makeGcode(case_.dieline, machine_, job_));
+    while (path_.front().jump) path_.erase(path_.begin());
+  }
+  UnitPath planned(const JobParameters& job) const {
+    const auto unit = planUnit(path_, job, Axes(machine_, {}), case_.belt_mm_s);
+    EXPECT_TRUE(unit);
+    return unit.value_or(UnitPath{});
+  }
+  static std::vector<Sample> samplesOf(const UnitPath& unit) {
+    std::vector<Sample> samples;
+    for (const Block& block : unit.blocks)
+      samples.insert(samples.end(), block.samples.begin(), block.samples.end());
+    return samples;
+  }
+  Case case_;
+  JobParameters job_;
+  MachineParameters machine_;
+  std::vector<Segment> path_;
+};
+
+/// Mirror angles at the period ends. A second difference is a mean of the acceleration over two periods, so
+/// it exceeds no bound that the motion keeps; what may come on top is the turn of the tangent within an
+/// interval of the planner (0.04 rad either way) and the rounding of the G-code.
+TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
+  const Axes axes(machine_, {});
+  const UnitPath unit = planned(job_);
+  std::vector<Vector2d> points(3, unit.start_S_mm);
+  for (const Sample& sample : samplesOf(unit)) points.push_back(sample.p_S_mm);
+  points.insert(points.end(), 3, unit.endS());
+  double largest_rate = 0.0;
+  double largest_acceleration = 0.0;
+  double largest_path = 0.0;
+  // Anywhere in the field: the middle, and as far off as it goes.
+  for (const double x_ref_mm : {-20.0, 5.0, 30.0}) {
+    std::vector<Vector2d> steps;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double t_s = static_cast<double>(i) * kPeriodS;
+      double x_mm = points[i].x() + x_ref_mm + case_.belt_mm_s * t_s;
+      // A long unit would run out of the field: fold it back at the limit, where a test of limits ends.
+      if (std::abs(x_mm) > 80.0) x_mm = std::nan("");
+      steps.push_back(axes.stepsAt({x_mm, points[i].y()}));
+    }
+    for (std::size_t i = 1; i + 1 < steps.size(); ++i) {
+      if (!steps[i - 1].allFinite() || !steps[i].allFinite() || !steps[i + 1].allFinite()) continue;
+      largest_rate = std::max(largest_rate, (steps[i] - steps[i - 1]).cwiseAbs().maxCoeff());
+      const Vector2d second = steps[i + 1] - 2.0 * steps[i] + steps[i - 1];
+      largest_acceleration = std::max(largest_acceleration, second.cwiseAbs().maxCoeff());
+    }
+  }
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    largest_path = std::max(largest_path, (points[i + 1] - 2.0 * points[i] + points[i - 1]).norm());
+  }
+  const double per_s2 = machine_.mirror_step_rad / (kPeriodS * kPeriodS);
+  EXPECT_LE(largest_rate, kStepBudget + 0.05);
+  EXPECT_LE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 1.01);
+  EXPECT_GE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 0.85) << "the mirrors should be used";
+  EXPECT_LE(largest_path / (kPeriodS * kPeriodS), job_.acceleration_mm_s2 * 1.01);
+  RecordProperty("largest_rad_s2", std::to_string(largest_acceleration * per_s2));
+}
+
+TEST_P(EveryFlow, PositionsAreContinuousAndNoFasterThanToldTo) {
+  const UnitPath unit = planned(job_);
+  Vector2d before = unit.start_S_mm;
+  for (const Sample& sample : samplesOf(unit)) {
+    const double way_mm = (sample.p_S_mm - before).norm();
+    const double most_mm_s = sample.marked_mm > 0.0 ? job_.mark_speed_mm_s : job_.jump_speed_mm_s;
+    EXPECT_LE(way_mm, most_mm_s * kPeriodS * (1.0 + 1e-9));
+    before = sample.p_S_mm;
+  }
+  EXPECT_LT((before - path_.back().end_mm).norm(), 1e-12);
+}
+
+/// The laser is on from the first point of each mark to its last, at borders of periods, and nowhere else.
+TEST_P(EveryFlow, MarksAreCoveredExactly) {
+  const UnitPath unit = planned(job_);
+  double wanted_mm = 0.0;
+  std::vector<Vector2d> ends;  // of marks, in order, as drawn
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    if (path_[i].jump) continue;
+    wanted_mm += path_[i].z * path_[i].lengthMm();
+    if (i == 0 || path_[i - 1].jump) ends.push_back(path_[i].start_mm);
+    if (i + 1 == path_.size() || path_[i + 1].jump) ends.push_back(path_[i].end_mm);
+  }
+  double marked_mm = 0.0;
+  std::vector<Vector2d> switched;
+  Vector2d before = unit.start_S_mm;
+  bool on = false;
+  for (const Sample& sample : samplesOf(unit)) {
+    if ((sample.marked_mm > 0.0) != on) switched.push_back(before);
+    on = sample.marked_mm > 0.0;
+    marked_mm += sample.marked_mm;
+    before = sample.p_S_mm;
+    if (!on) continue;
+    double off_mm = 1e9;
+    for (const hil::Entity& entity : case_.dieline.entities)
+      off_mm = std::min(off_mm, hil::nearestOn(entity.curve, before).distance_mm);
+    EXPECT_LT(off_mm, 0.0025) << "of the dieline: 2 um of flattening, and the G-code's decimals";
+  }
+  if (on) switched.push_back(before);
+  EXPECT_NEAR(marked_mm, wanted_mm, 1e-9 * wanted_mm);
+  ASSERT_EQ(switched.size(), ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) EXPECT_LT((switched[i] - ends[i]).norm(), 1e-9) << i;
+}
+
+TEST_P(EveryFlow, TakesNoLongerThanStraightJumps) {
+  JobParameters straight = job_;
+  straight.jump_radius_mm = 0.0;
+  EXPECT_LE(samplesOf(planned(job_)).size(), samplesOf(planned(straight)).size());
+}
+
+TEST_P(EveryFlow, TheWholeProgramBurnsTheDieline) {
+  job_.belt_speed_mm_s = case_.belt_mm_s;
+  job_.web_start_x_mm = 25.0;
+  if (std::string(case_.name) == "carton" && case_.belt_mm_s == 0.0) return;
+  const Plan plan = planFromGcode(makeGcode(case_.dieline, machine_, job_), machine_, job_);
+  const test::Played played = test::play(plan.program, machine_, job_);
+  EXPECT_EQ(played.error, "");
+  EXPECT_LT(test::worstDeviationMm(played, case_.dieline, job_), 0.016);
+  EXPECT_LT(test::worstGapMm(played, case_.dieline, job_, 0), 0.016);
+  for (const test::Period& period : played.periods) {
+    EXPECT_LE(period.largest_steps, 29);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_GE(period.to_W_mm[i], machine_.field_min_mm[i] - 0.007);
+      EXPECT_LE(period.to_W_mm[i], machine_.field_max_mm[i] + 0.007);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Planner, EveryFlow, ::testing::Range(0, static_cast<int>(cases().size())),
+                         [](const auto& instance) {
+                           std::string name = cases()[std::size_t(instance.param)].name;
+                           for (char& c : name)
+                             c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+                           return name + "_" + std::to_string(instance.param);
+                         });
+
+TEST(Flow, TheButtonGainsAThirdOfItsMeanSpeed) {
+  const MachineParameters machine = slowMirrors();
+  JobParameters job = smoothJob(5.0);
+  job.acceleration_mm_s2 = 9000.0;
+  job.web_start_x_mm = 25.0;
+  const Plan smooth = planner::plan(button(), machine, job);
+  job.jump_radius_mm = 0.0;
+  const Plan straight = planner::plan(button(), machine, job);
+  EXPECT_LT(smooth.unit_time_s * 1.33, straight.unit_time_s);
+  EXPECT_GT(smooth.jump_length_mm, straight.jump_length_mm) << "longer ways, sooner done";
+}
+
+TEST(Flow, DashesOnALineAreRunThroughAtFullSpeed) {
+  std::vector<hil::Entity> dashes;
+  for (int i = 0; i < 12; ++i) dashes.push_back(test::line(-5.0 * i, 0, -5.0 * i - 3.0, 0));
+  const MachineParameters machine = slowMirrors();
+  JobParameters job = smoothJob(5.0);
+  job.jump_speed_mm_s = job.mark_speed_mm_s;
+  job.web_start_x_mm = 30.0;
+  const Plan plan = planner::plan(test::dielineOf(std::move(dashes)), machine, job);
+  // 58 mm at 300 mm/s and one ramp at either end, but for the wait for a border of periods at each of 22
+  // ends.
+  const double ideal_s = 58.0 / 300.0 + 300.0 / 9000.0;
+  EXPECT_LT(plan.unit_time_s, ideal_s * 1.08);
+}
+
+TEST(Flow, WaitsForTheSheetAtRest) {
+  // Three fields long: units of which the far end comes into reach long after the near one.
+  std::vector<hil::Entity> rows;
+  for (int i = 0; i < 40; ++i) rows.push_back(test::line(-10.0 * i, -3, -10.0 * i, 3));
+  const hil::Dieline dieline = test::dielineOf(std::move(rows));
+  JobParameters job = smoothJob(5.0);
+  job.belt_speed_mm_s = 20.0;
+  const Plan plan = planner::plan(dieline, slowMirrors(), job);
+  const test::Played played = test::play(plan.program, slowMirrors(), job);
+  EXPECT_EQ(played.error, "");
+  EXPECT_LT(test::worstDeviationMm(played, dieline, job), 0.016);
+  EXPECT_LT(test::worstGapMm(played, dieline, job, 0), 0.016);
+}
+
+TEST(AccelerationBox, HoldsEverywhereInTheField) {
+  const MachineParameters machine = slowMirrors();
+  const Axes axes(machine, {});
+  constexpr double kSpeed = 500.0;
+  const Vector2d box = axes.accelerationBox(kSpeed);
+  ASSERT_GT(box.minCoeff(), 8000.0);
+  double largest = 0.0;
+  constexpr double kDt = 1e-4;
+  for (double x = -79.0; x <= 79.1; x += 15.8) {
+    for (double y = -79.0; y <= 79.1; y += 15.8) {
+      for (double angle = 0.0; angle < 6.28; angle += 0.3) {
+        for (const Vector2d& corner : {Vector2d(1, 1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(-1, -1)}) {
+          const Vector2d v = kSpeed * Vector2d(std::cos(angle), std::sin(angle));
+          const auto at = [&](double t) {
+            return axes.stepsAt(Vector2d(x, y) + v * t + 0.5 * t * t * box.cwiseProduct(corner));
+          };
+          const Vector2d second = (at(kDt) - 2.0 * at(0.0) + at(-kDt)) / (kDt * kDt);
+          largest = std::max(largest, second.cwiseAbs().maxCoeff() * machine.mirror_step_rad);
+        }
+      }
+    }
+  }
+  EXPECT_LE(largest, kMirrorLimit_rad_s2 * 1.0001);
+  EXPECT_GE(largest, kMirrorLimit_rad_s2 * 0.97) << "the bound should not waste acceleration";
+}
+
+TEST(AccelerationBox, KnowsNoLimitWhereNoneIsTold) {
+  EXPECT_GT(Axes(test::twoMirror(), {}).accelerationBox(1000.0).minCoeff(), 1e11);
+  EXPECT_GT(Axes(slowMirrors(), {.no_mirror_limit = true}).accelerationBox(1000.0).minCoeff(), 1e11);
+  EXPECT_LT(Axes(slowMirrors(), {}).accelerationBox(1e5).minCoeff(), 0.0)
+      << "too fast for the head's distortion";
+}
+
+Segment straight(const Vector2d& from, const Vector2d& to) {
+  Segment segment;
+  segment.start_mm = from;
+  segment.end_mm = to;
+  return segment;
+}
+
+FlowLimits plain() {
+  FlowLimits limits;
+  limits.mark_mm_s = limits.jump_mm_s = 200.0;
+  limits.acceleration_mm_s2 = 2000.0;
+  limits.period_s = kPeriodS;
+  limits.axes_mm_s = [](const Vector2d&) { return 1e9; };
+  return limits;
+}
+
+TEST(SpeedProfile, TakesTheTimeOfTheTrapezoid) {
+  const std::vector<Segment> run{straight({0, 0}, {60, 80})};
+  const SpeedProfile profile(run, plain());
+  SpeedProfile::Speeds fast = profile.fastestFrom(0.0);
+  const SpeedProfile::Speeds back = profile.fastestTo(0.0);
+  for (std::size_t i = 0; i < fast.size(); ++i) fast[i] = std::min(fast[i], back[i]);
+  // 100 mm at 200 mm/s and 2000 mm/s²: 0.1 s up, 0.4 s level, 0.1 s down; the peak is reached at a node.
+  EXPECT_NEAR(profile.durationS(fast), 0.6, 0.01);
+  EXPECT_GE(profile.durationS(fast), 0.6 - 1e-9);
+}
+
+TEST(SpeedProfile, IsRealisedInAnyTimeBetweenItsBounds) {
+  Segment arc = straight({0, 0}, {20, 0});
+  arc.centre_mm = {10, 0};
+  arc.sweep_rad = -3.14159265358979;
+  const std::vector<Segment> run{straight({0, -15}, {0, 0}), arc};
+  const SpeedProfile profile(run, plain());
+  const auto fast_from = profile.fastestFrom(100.0);
+  const auto fast_to = profile.fastestTo(50.0);
+  const auto slow_from = profile.slowestFrom(fast_from.front());
+  const auto slow_to = profile.slowestTo(50.0);
+  SpeedProfile::Speeds fast, slow;
+  for (std::size_t i = 0; i < fast_from.size(); ++i) {
+    fast.push_back(std::min(fast_from[i], fast_to[i]));
+    slow.push_back(std::max(slow_from[i], slow_to[i]));
+  }
+  const double shortest_s = profile.durationS(fast);
+  for (const double stretch : {1.0, 1.01, 1.1, 1.5, 3.0}) {
+    const auto speeds = profile.realise(slow, fast, shortest_s * stretch);
+    EXPECT_NEAR(profile.durationS(speeds), shortest_s * stretch, 1e-6 * shortest_s);
+    EXPECT_DOUBLE_EQ(speeds.front(), 100.0);
+    EXPECT_DOUBLE_EQ(speeds.back(), 50.0);
+  }
+}
+
+}  // namespace
+}  // namespace kerfbench::planner
