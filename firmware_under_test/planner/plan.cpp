@@ -127,6 +127,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   positive(job.mark_speed_mm_s, "mark_speed_mm_s");
   positive(job.jump_speed_mm_s, "jump_speed_mm_s");
   positive(job.acceleration_mm_s2, "acceleration_mm_s2");
+  notNegative(job.jump_acceleration_mm_s2, "jump_acceleration_mm_s2");
   check(job.jump_radius_mm == kRadiusOfDrawing ||
             (std::isfinite(job.jump_radius_mm) && job.jump_radius_mm >= 0.0),
         fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",

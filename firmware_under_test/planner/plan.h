@@ -40,6 +40,7 @@ struct JobParameters {
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};
+  double jump_acceleration_mm_s2{0};  ///< Of jumps and of the way back; 0: as of marks.
   /// Radius of the arcs by which jumps leave one mark and meet the next (S2), so that the beam runs through
   /// without a stop; 0: straight jumps from rest to rest; kRadiusOfDrawing: paperRadiusMm().
   double jump_radius_mm{0};
@@ -62,6 +63,11 @@ struct JobParameters {
   double web_start_x_mm{};
   double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
 };
+
+/// Acceleration of jumps, as told or as that of marks.
+inline double jumpAcceleration(const JobParameters& job) {
+  return job.jump_acceleration_mm_s2 > 0.0 ? job.jump_acceleration_mm_s2 : job.acceleration_mm_s2;
+}
 
 /// Deliberate mistakes, for releases that the bench must fail.
 struct PlannerFaults {

@@ -34,13 +34,13 @@ double wayS(double length_mm, double v0, double top, double acceleration) {
 /// What marks lose by ending, and beginning, at v instead of running on at full speed.
 double rampLossS(double v, const FlowLimits& limits) {
   const double short_of = std::max(0.0, limits.mark_mm_s - v);
-  return short_of * short_of / (limits.least() * limits.mark_mm_s);
+  return short_of * short_of / (limits.least(false) * limits.mark_mm_s);
 }
 
 /// Estimate for one jump: arcs at the speed that their bend allows, the line faster.
 double costS(const std::vector<Segment>& path, double radius_mm, const FlowLimits& limits) {
   const bool bends = std::any_of(path.begin(), path.end(), [](const Segment& s) { return s.isArc(); });
-  const double acceleration = limits.least();
+  const double acceleration = limits.least(true);
   double v = std::min(limits.mark_mm_s, limits.jump_mm_s);
   if (bends) v = std::min(v, std::sqrt(0.8 * acceleration * radius_mm));
   double total_s = rampLossS(v, limits);
@@ -68,7 +68,7 @@ bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
 std::optional<std::vector<Segment>> bestCurve(const JumpEnds& ends, double radius_mm,
                                               const FlowLimits& limits) {
   const double straight_mm = (ends.to_mm - ends.from_mm).norm();
-  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits.jump_mm_s, limits.least());
+  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits.jump_mm_s, limits.least(true));
   std::optional<std::vector<Segment>> best;
   for (const double share : kRadiusShares) {
     const auto curve = smoothJump(ends, share * radius_mm);

@@ -31,7 +31,7 @@ AxisMove axisMove(int axis, const Vector2d& p0, double v0, const Vector2d& p1, c
   const double share = sharesOf(p1 - p0)[axis];
   const double speed = std::min(job.jump_speed_mm_s * share, axes.axisLimits()[axis]);
   const double mirror = axes.accelerationBox(axes.axisLimits().cwiseMin(job.jump_speed_mm_s).norm())[axis];
-  return {p0[axis], v0, p1[axis], speed, std::min(job.acceleration_mm_s2 * share, mirror)};
+  return {p0[axis], v0, p1[axis], speed, std::min(jumpAcceleration(job) * share, mirror)};
 }
 
 /// The controller keeps the marks that have passed the sensor and whose units have not begun; it holds only

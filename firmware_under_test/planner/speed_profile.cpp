@@ -25,16 +25,21 @@ int intervalsOf(const Segment& segment) {
 
 }  // namespace
 
-double FlowLimits::least() const { return std::min(acceleration_mm_s2, box_mm_s2.minCoeff()); }
+double FlowLimits::least(bool jump) const {
+  return std::min(jump ? jump_acceleration_mm_s2 : acceleration_mm_s2, box_mm_s2.minCoeff());
+}
 
 SpeedProfile::SpeedProfile(std::span<const Segment> run, const FlowLimits& limits)
-    : acceleration_mm_s2_(limits.acceleration_mm_s2), box_mm_s2_(limits.box_mm_s2), cap_{kInfinite} {
+    : acceleration_mm_s2_(run.front().jump ? limits.jump_acceleration_mm_s2 : limits.acceleration_mm_s2),
+      box_mm_s2_(limits.box_mm_s2),
+      cap_{kInfinite} {
   const double path_mm_s = run.front().jump ? limits.jump_mm_s : limits.mark_mm_s;
   for (std::size_t i = 0; i < run.size(); ++i) {
     if (i > 0) {
       const double turn = turnRad(run[i - 1], run[i]);
       // The turn happens within one period.
-      if (turn > 1e-9) cap_.back() = std::min(cap_.back(), limits.least() * limits.period_s / turn);
+      if (turn > 1e-9)
+        cap_.back() = std::min(cap_.back(), limits.least(run.front().jump) * limits.period_s / turn);
     }
     add(run[i], path_mm_s, limits);
   }

@@ -16,7 +16,8 @@ namespace kerfbench::planner {
 struct FlowLimits {
   double mark_mm_s{};
   double jump_mm_s{};
-  double acceleration_mm_s2{};  ///< Of the path, its length as a vector.
+  double acceleration_mm_s2{};  ///< Of marks, its length as a vector.
+  double jump_acceleration_mm_s2{};
   /// Of each axis alone, along x and y: what the mirrors allow, see Axes::accelerationBox().
   Eigen::Vector2d box_mm_s2{Eigen::Vector2d::Constant(1e12)};
   double low_y_mm{-1e12}, high_y_mm{1e12};  ///< Of the field: jumps may not swing out of it.
@@ -24,8 +25,8 @@ struct FlowLimits {
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
 
-  /// Acceleration that no limit forbids, whatever its direction.
-  [[nodiscard]] double least() const;
+  /// Acceleration of marks, or of jumps, that no limit forbids, whatever its direction.
+  [[nodiscard]] double least(bool jump) const;
 };
 
 /// The speeds that a stretch of path admits. Between nodes the path acceleration is constant.

@@ -38,9 +38,11 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
 /// Each run from rest to rest.
 std::vector<std::vector<double>> restStations(const std::vector<Run>& runs, const FlowLimits& limits) {
   std::vector<std::vector<double>> stations;
-  SpeedLimits each{0.0, limits.least(), limits.period_s, limits.axes_mm_s};
+  SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s};
   for (const Run& run : runs) {
-    each.path_mm_s = run.segments.front().jump ? limits.jump_mm_s : limits.mark_mm_s;
+    const bool jump = run.segments.front().jump;
+    each.path_mm_s = jump ? limits.jump_mm_s : limits.mark_mm_s;
+    each.acceleration_mm_s2 = limits.least(jump);
     stations.push_back(planRun(run.segments, each));
   }
   return stations;
@@ -178,12 +180,13 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
   FlowLimits limits{job.mark_speed_mm_s,
                     job.jump_speed_mm_s,
                     job.acceleration_mm_s2,
+                    jumpAcceleration(job),
                     axes.accelerationBox(top_mm_s),
                     axes.fieldY()[0],
                     axes.fieldY()[1],
                     kPeriodS,
                     [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); }};
-  if (limits.least() <= 0.0) return std::nullopt;
+  if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
   const bool smooth = job.jump_radius_mm != 0.0;
   const std::vector<Run> runs =
       smooth ? smoothRuns(path, radiusFor(path, job), limits, stops) : straightRuns(path);

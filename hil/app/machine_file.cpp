@@ -86,7 +86,7 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
     result.mirror_spacing_mm = told.number("mirror_spacing_mm", {.min = 0, .max = 500});
     result.mirror_step_rad = kMicro * told.number("mirror_step_urad", {.min = 1e-3, .max = 1e5});
     result.mirror_acceleration_rad_s2 =
-        told.number("mirror_acceleration_rad_s2", {.min = 0, .max = 1e8, .fallback = 0.0});
+        told.number("mirror_acceleration_rad_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
   } else {
     result.gantry_step_mm = told.number("gantry_step_mm", {.min = 1e-6, .max = 10});
   }

@@ -237,6 +237,8 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
       planner.number("jump_speed_mm_s", {.min = 1, .max = 5000, .fallback = job.jump_speed_mm_s});
   job.acceleration_mm_s2 =
       planner.number("acceleration_mm_s2", {.min = 10, .max = 1e6, .fallback = job.acceleration_mm_s2});
+  job.jump_acceleration_mm_s2 =
+      planner.number("jump_acceleration_mm_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
   // Who sends G-code of his own needs no planner.
   const bool planned = scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench;
   job.cut_energy_j_per_mm = planner.number(

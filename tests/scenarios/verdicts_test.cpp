@@ -34,6 +34,9 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, GoodRelease,
                                          GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
                                          GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
                                          GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
+                                         GoodCase{"button_native", "scenarios/native/button.yaml"},
+                                         GoodCase{"button_straight_native",
+                                                  "scenarios/native/button-straight.yaml"},
                                          GoodCase{"strip_avr", "scenarios/strip-crosscut.yaml"},
                                          GoodCase{"strip_native", "scenarios/native/strip-crosscut.yaml"}),
                          [](const auto& instance) { return std::string(instance.param.name); });
@@ -62,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
                     BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
                     BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
-                    BadCase{"strip-return-slow", "path"}),
+                    BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
       std::string name = instance.param.name;
       std::ranges::replace(name, '-', '_');

@@ -299,7 +299,7 @@ Segment straight(const Vector2d& from, const Vector2d& to) {
 FlowLimits plain() {
   FlowLimits limits;
   limits.mark_mm_s = limits.jump_mm_s = 200.0;
-  limits.acceleration_mm_s2 = 2000.0;
+  limits.acceleration_mm_s2 = limits.jump_acceleration_mm_s2 = 2000.0;
   limits.period_s = kPeriodS;
   limits.axes_mm_s = [](const Vector2d&) { return 1e9; };
   return limits;
