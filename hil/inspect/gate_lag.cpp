@@ -28,8 +28,9 @@ constexpr double kRoughness_mm = 0.005;
 /// Above this the motion was neither of the two: a jerk-limited start, or a cut that goes on from another.
 constexpr double kMaxChiSquare = 9.0;
 
-/// By which chi square must fall for the parameter that a start at speed has more.
-constexpr double kClearlyBetter = 16.0;
+/// By which chi square must fall for the parameter that a start at speed has more: by chance one start in
+/// forty.
+constexpr double kClearlyBetter = 6.0;
 
 struct Start {
   double lag_s{};  ///< Gate minus the instant at which the beam set off; > 0: the gate is late.
