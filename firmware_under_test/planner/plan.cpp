@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/cross_cut.h"
 #include "firmware_under_test/planner/cut_order.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/program.h"
@@ -211,8 +212,10 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   const SolveResult result = solve(path, machine, job, axes, v);
   if (!result.solution || (v > 0.0 && v > plan.max_belt_speed_mm_s)) {
     if (v <= 0.0) throw PlanError(result.reason);
-    const std::string reason =
-        result.solution ? "there is a slower speed at which it does not fit" : result.reason;
+    std::string reason = result.solution ? "there is a slower speed at which it does not fit" : result.reason;
+    if (const auto cut = crossCutOf(path, machine, job)) {
+      for (const std::string& fault : cut->faults()) reason += fmt::format("; {}", fault);
+    }
     if (plan.max_belt_speed_mm_s <= 0.0) {
       throw PlanError(fmt::format("the job fits at no belt speed, so not at {:g} mm/s: {}", v, reason));
     }
