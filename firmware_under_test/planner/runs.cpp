@@ -11,6 +11,7 @@
 namespace kerfbench::planner {
 namespace {
 
+constexpr double kNoWayMm = 1e-9;
 constexpr double kRadiusShares[] = {1.0, 0.5, 0.25, 0.125};
 
 /// Runs end where the laser or the direction changes.
@@ -115,7 +116,8 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
     if (!path[i].jump) {
       run.segments.assign(path.begin() + static_cast<std::ptrdiff_t>(i),
                           path.begin() + static_cast<std::ptrdiff_t>(end));
-      run.begins_block = runs.empty();
+      run.begins_block =
+          runs.empty() || (path[i - 1].jump && !runs.back().segments.front().jump && after_stop);
       run.rests = after_stop || (!path[i - 1].jump && turnRad(path[i - 1], path[i]) > kTangentRad);
       after_stop = false;
       runs.push_back(std::move(run));
@@ -133,8 +135,9 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
     if (curve) {
       run.segments = *curve;
     } else {
-      run.segments = {straightJump(path[i], path[end - 1])};
-      run.rests = run.begins_block = after_stop = true;
+      after_stop = run.rests = run.begins_block = true;
+      const Segment jump = straightJump(path[i], path[end - 1]);
+      if (jump.lengthMm() > kNoWayMm) run.segments = {jump};
     }
     if (!run.segments.empty()) runs.push_back(std::move(run));
     i = end;

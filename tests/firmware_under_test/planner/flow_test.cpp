@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/planner/axes.h"
@@ -286,6 +287,72 @@ TEST(AccelerationBox, KnowsNoLimitWhereNoneIsTold) {
   EXPECT_GT(Axes(slowMirrors(), {.no_mirror_limit = true}).accelerationBox(1000.0).minCoeff(), 1e11);
   EXPECT_LT(Axes(slowMirrors(), {}).accelerationBox(1e5).minCoeff(), 0.0)
       << "too fast for the head's distortion";
+}
+
+/// G-code as nobody would write it: tiny marks, jumps on jumps, marks without power, ends that meet, half
+/// power.
+TEST(Flow, AnyGcodeIsRunInOrderWithFiniteNumbers) {
+  const MachineParameters machine = slowMirrors();
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    std::mt19937 bits(seed);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::string gcode = "G00 X0 Y0\n";
+    Vector2d at(0, 0);
+    for (int i = 0; i < 60; ++i) {
+      const double reach = std::pow(10.0, 4.0 * unit(bits) - 3.0);  // 1 um … 10 mm
+      const double angle = std::floor(8.0 * unit(bits)) * 0.7853981634;
+      const Vector2d to =
+          (at + reach * Vector2d(std::cos(angle), std::sin(angle))).cwiseMax(-40.0).cwiseMin(40.0);
+      const double kind = unit(bits);
+      if (kind < 0.4) {
+        gcode += fmt::format("G00 X{:.4f} Y{:.4f}\n", to.x(), to.y());
+      } else if (kind < 0.5) {
+        gcode += fmt::format("G02 X{0:.4f} Y{1:.4f} I{2:.4f} J0 Z1\n", at.x(), at.y(), 0.01 + reach);
+        continue;
+      } else {
+        gcode += fmt::format("G01 X{:.4f} Y{:.4f} Z{}\n", to.x(), to.y(),
+                             kind < 0.6    ? 0.0
+                             : kind < 0.75 ? 0.5
+                                           : 1.0);
+      }
+      at = to;
+    }
+    gcode += "G01 X1 Y1 Z1\n";
+    std::vector<Segment> path = readGcode(gcode);
+    while (path.front().jump) path.erase(path.begin());
+    double wanted_mm = 0.0;
+    for (const Segment& segment : path) wanted_mm += segment.jump ? 0.0 : segment.z * segment.lengthMm();
+    const auto planned = planUnit(path, smoothJob(seed % 3 == 0 ? kRadiusOfDrawing : 0.1 * seed),
+                                  Axes(machine, {}), seed % 2 == 0 ? 0.0 : 30.0);
+    ASSERT_TRUE(planned) << seed;
+    double marked_mm = 0.0;
+    Vector2d before = planned->start_S_mm;
+    for (const Block& block : planned->blocks) {
+      for (const Sample& sample : block.samples) {
+        ASSERT_TRUE(sample.p_S_mm.allFinite() && std::isfinite(sample.marked_mm)) << seed;
+        EXPECT_GE(sample.marked_mm, 0.0);
+        EXPECT_LE((sample.p_S_mm - before).norm(), 430.0 * kPeriodS * 1.001) << seed;
+        marked_mm += sample.marked_mm;
+        before = sample.p_S_mm;
+      }
+    }
+    EXPECT_NEAR(marked_mm, wanted_mm, 1e-9 * wanted_mm) << seed;
+    EXPECT_LT((before - path.back().end_mm).norm(), 1e-12);
+  }
+}
+
+TEST(Flow, AJumpAwayAndBackIsAStopAtTheMostAndNoWay) {
+  const std::vector<Segment> path = readGcode(
+      "G00 X0 Y0\nG01 X5 Y0 Z1\nG00 X20 Y20\nG00 X5 Y0\nG01 X5 Y5 Z1\nG00 X9 Y9\nG00 X5 Y5\nG01 X5 Y9 Z1\n");
+  const auto first = std::find_if(path.begin(), path.end(), [](const Segment& s) { return !s.jump; });
+  const auto unit = planUnit({first, path.end()}, smoothJob(2.0), Axes(slowMirrors(), {}), 0.0);
+  ASSERT_TRUE(unit);
+  EXPECT_EQ(unit->blocks.size(), 2U) << "the corner is a stop, the straight run is not";
+  EXPECT_LT(unit->jump_length_mm, 1e-9);
+  double marked_mm = 0.0;
+  for (const Block& block : unit->blocks)
+    for (const Sample& sample : block.samples) marked_mm += sample.marked_mm;
+  EXPECT_NEAR(marked_mm, 14.0, 1e-9);
 }
 
 TEST(Reposition, KeepsTheMirrorsWithinTheirLimitOnTheWayBack) {
