@@ -16,29 +16,33 @@ static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
 
 namespace {
 
-/// Largest second derivative of either axis over the field in any direction, steps per mm²: the Frobenius
-/// norm of the Hessian, by central differences at 17 x 17 places; it grows towards the rim, which is among
-/// them.
-Vector2d largestBend(const Axes& axes, const MachineParameters& machine) {
-  constexpr int kPlaces = 16;
-  constexpr double kH = 0.5;
-  Vector2d largest = Vector2d::Zero();
-  for (int i = 0; i <= kPlaces; ++i) {
-    for (int k = 0; k <= kPlaces; ++k) {
+/// 17 x 17 places over the field; its rim, where the distortion is worst, and the middle are among them.
+std::vector<Vector2d> placesIn(const MachineParameters& machine) {
+  constexpr int kParts = 16;
+  std::vector<Vector2d> places;
+  for (int i = 0; i <= kParts; ++i) {
+    for (int k = 0; k <= kParts; ++k) {
       const auto place = [&](int axis, int index) {
         const double low = machine.field_min_mm[axis];
-        return low + (machine.field_max_mm[axis] - low) * index / kPlaces;
+        return low + (machine.field_max_mm[axis] - low) * index / kParts;
       };
-      const Vector2d p(place(0, i), place(1, k));
-      const auto at = [&](double dx, double dy) { return axes.stepsAt(p + kH * Vector2d(dx, dy)); };
-      const Vector2d xx = at(1, 0) - 2.0 * at(0, 0) + at(-1, 0);
-      const Vector2d yy = at(0, 1) - 2.0 * at(0, 0) + at(0, -1);
-      const Vector2d xy = 0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
-      const Vector2d norm = (xx.array().square() + yy.array().square() + 2.0 * xy.array().square()).sqrt();
-      largest = largest.cwiseMax(norm / (kH * kH));
+      places.emplace_back(place(0, i), place(1, k));
     }
   }
-  return largest;
+  places.emplace_back(0.0, 0.0);
+  return places;
+}
+
+constexpr double kDifferenceMm = 0.5;
+
+/// Second derivative of either axis in the worst direction, steps per mm²: the Frobenius norm of the Hessian.
+Vector2d bendAt(const Axes& axes, const Vector2d& p) {
+  const auto at = [&](double dx, double dy) { return axes.stepsAt(p + kDifferenceMm * Vector2d(dx, dy)); };
+  const Vector2d xx = at(1, 0) - 2.0 * at(0, 0) + at(-1, 0);
+  const Vector2d yy = at(0, 1) - 2.0 * at(0, 0) + at(0, -1);
+  const Vector2d xy = 0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
+  const Vector2d norm = (xx.array().square() + yy.array().square() + 2.0 * xy.array().square()).sqrt();
+  return norm / (kDifferenceMm * kDifferenceMm);
 }
 
 }  // namespace
@@ -59,7 +63,12 @@ Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
   const double x_bound = std::min(x_far, nearest);
   x_per_y_mm_ = 0.5 * x_bound / (nearest * nearest + x_bound * x_bound) * y_far / std::hypot(l, y_far) /
                 machine.mirror_step_rad;
-  bend_per_mm2_ = largestBend(*this, machine);
+  for (const Vector2d& p : placesIn(machine)) {
+    bend_per_mm2_ = bend_per_mm2_.cwiseMax(bendAt(*this, p));
+    const Vector2d dy(0.0, kDifferenceMm);
+    const double x_per_y = (stepsAt(p + dy).x() - stepsAt(p - dy).x()) / (2.0 * kDifferenceMm);
+    x_rates_.emplace_back(xStepsPerMm(p), std::abs(x_per_y));
+  }
 }
 
 Vector2d Axes::accelerationBox(double speed_mm_s) const {
@@ -70,7 +79,9 @@ Vector2d Axes::accelerationBox(double speed_mm_s) const {
   const double limit = machine_.mirror_acceleration_rad_s2 / machine_.mirror_step_rad;
   const Vector2d left = Vector2d::Constant(limit) - bend_per_mm2_ * (speed_mm_s * speed_mm_s);
   const double y = left.y() / y_per_mm_;
-  return {(left.x() - x_per_y_mm_ * y) / x_per_mm_, y};
+  double x = 1e12;
+  for (const Vector2d& rate : x_rates_) x = std::min(x, (left.x() - rate.y() * y) / rate.x());
+  return {x, y};
 }
 
 Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {

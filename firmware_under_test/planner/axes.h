@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "firmware_under_test/planner/plan.h"
@@ -46,6 +48,7 @@ class Axes {
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
   double y_per_mm_{};
+  std::vector<Eigen::Vector2d> x_rates_;  ///< x steps per mm along x and along y, over the field.
   Eigen::Vector2d bend_per_mm2_{
       Eigen::Vector2d::Zero()};  ///< Largest second derivative of steps in the field.
 };

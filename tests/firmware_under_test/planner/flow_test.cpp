@@ -256,19 +256,17 @@ TEST(Flow, WaitsForTheSheetAtRest) {
   EXPECT_LT(test::worstGapMm(played, dieline, job, 0), 0.016);
 }
 
-TEST(AccelerationBox, HoldsEverywhereInTheField) {
-  const MachineParameters machine = slowMirrors();
+/// The most that either mirror has to do anywhere in the field while the box is used to its corners.
+double largestInTheField(const MachineParameters& machine, double speed_mm_s) {
   const Axes axes(machine, {});
-  constexpr double kSpeed = 500.0;
-  const Vector2d box = axes.accelerationBox(kSpeed);
-  ASSERT_GT(box.minCoeff(), 8000.0);
+  const Vector2d box = axes.accelerationBox(speed_mm_s);
   double largest = 0.0;
   constexpr double kDt = 1e-4;
   for (double x = -79.0; x <= 79.1; x += 15.8) {
     for (double y = -79.0; y <= 79.1; y += 15.8) {
       for (double angle = 0.0; angle < 6.28; angle += 0.3) {
         for (const Vector2d& corner : {Vector2d(1, 1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(-1, -1)}) {
-          const Vector2d v = kSpeed * Vector2d(std::cos(angle), std::sin(angle));
+          const Vector2d v = speed_mm_s * Vector2d(std::cos(angle), std::sin(angle));
           const auto at = [&](double t) {
             return axes.stepsAt(Vector2d(x, y) + v * t + 0.5 * t * t * box.cwiseProduct(corner));
           };
@@ -278,8 +276,21 @@ TEST(AccelerationBox, HoldsEverywhereInTheField) {
       }
     }
   }
-  EXPECT_LE(largest, kMirrorLimit_rad_s2 * 1.0001);
-  EXPECT_GE(largest, kMirrorLimit_rad_s2 * 0.97) << "the bound should not waste acceleration";
+  return largest;
+}
+
+TEST(AccelerationBox, HoldsEverywhereInTheField) {
+  MachineParameters machine = slowMirrors();
+  EXPECT_LE(largestInTheField(machine, 500.0), kMirrorLimit_rad_s2 * 1.0001);
+  EXPECT_GE(largestInTheField(machine, 500.0), kMirrorLimit_rad_s2 * 0.97)
+      << "the bound should not waste acceleration";
+  // So near that the field is as wide as the throw, x feels y, and the head's distortion wants its share.
+  machine.throw_mm = 100.0;
+  machine.mirror_spacing_mm = 0.0;
+  for (const double speed_mm_s : {0.0, 30.0, 120.0}) {
+    EXPECT_LE(largestInTheField(machine, speed_mm_s), kMirrorLimit_rad_s2 * 1.0001) << speed_mm_s;
+    EXPECT_GE(largestInTheField(machine, speed_mm_s), kMirrorLimit_rad_s2 * 0.6) << speed_mm_s;
+  }
 }
 
 TEST(AccelerationBox, KnowsNoLimitWhereNoneIsTold) {
