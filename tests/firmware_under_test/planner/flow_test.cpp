@@ -262,13 +262,15 @@ double largestInTheField(const MachineParameters& machine, double speed_mm_s) {
   const Vector2d box = axes.accelerationBox(speed_mm_s);
   double largest = 0.0;
   constexpr double kDt = 1e-4;
-  for (double x = -79.0; x <= 79.1; x += 15.8) {
-    for (double y = -79.0; y <= 79.1; y += 15.8) {
-      for (double angle = 0.0; angle < 6.28; angle += 0.3) {
+  for (int i = -5; i <= 5; ++i) {
+    for (int k = -5; k <= 5; ++k) {
+      const Vector2d place(15.8 * i, 15.8 * k);
+      for (int turn = 0; turn < 21; ++turn) {
+        const double angle = 0.3 * turn;
         for (const Vector2d& corner : {Vector2d(1, 1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(-1, -1)}) {
           const Vector2d v = speed_mm_s * Vector2d(std::cos(angle), std::sin(angle));
           const auto at = [&](double t) {
-            return axes.stepsAt(Vector2d(x, y) + v * t + 0.5 * t * t * box.cwiseProduct(corner));
+            return axes.stepsAt(place + v * t + 0.5 * t * t * box.cwiseProduct(corner));
           };
           const Vector2d second = (at(kDt) - 2.0 * at(0.0) + at(-kDt)) / (kDt * kDt);
           largest = std::max(largest, second.cwiseAbs().maxCoeff() * machine.mirror_step_rad);
