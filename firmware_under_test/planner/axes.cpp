@@ -15,6 +15,39 @@ static_assert(1UL * KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 
               "kPeriodS is the controller's");
 static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
 
+namespace {
+
+/// 17 x 17 places over the field; its rim, where the distortion is worst, and the middle are among them.
+std::vector<Vector2d> placesIn(const MachineParameters& machine) {
+  constexpr int kParts = 16;
+  std::vector<Vector2d> places;
+  for (int i = 0; i <= kParts; ++i) {
+    for (int k = 0; k <= kParts; ++k) {
+      const auto place = [&](int axis, int index) {
+        const double low = machine.field_min_mm[axis];
+        return low + (machine.field_max_mm[axis] - low) * index / kParts;
+      };
+      places.emplace_back(place(0, i), place(1, k));
+    }
+  }
+  places.emplace_back(0.0, 0.0);
+  return places;
+}
+
+constexpr double kDifferenceMm = 0.5;
+
+/// Second derivative of either axis in the worst direction, steps per mm²: the Frobenius norm of the Hessian.
+Vector2d bendAt(const Axes& axes, const Vector2d& p) {
+  const auto at = [&](double dx, double dy) { return axes.stepsAt(p + kDifferenceMm * Vector2d(dx, dy)); };
+  const Vector2d xx = at(1, 0) - 2.0 * at(0, 0) + at(-1, 0);
+  const Vector2d yy = at(0, 1) - 2.0 * at(0, 0) + at(0, -1);
+  const Vector2d xy = 0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
+  const Vector2d norm = (xx.array().square() + yy.array().square() + 2.0 * xy.array().square()).sqrt();
+  return norm / (kDifferenceMm * kDifferenceMm);
+}
+
+}  // namespace
+
 Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
     : machine_(machine), faults_(faults) {
   if (correction() != nullptr) {
@@ -35,6 +68,25 @@ Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
   const double x_bound = std::min(x_far, nearest);
   x_per_y_mm_ = 0.5 * x_bound / (nearest * nearest + x_bound * x_bound) * y_far / std::hypot(l, y_far) /
                 machine.mirror_step_rad;
+  for (const Vector2d& p : placesIn(machine)) {
+    bend_per_mm2_ = bend_per_mm2_.cwiseMax(bendAt(*this, p));
+    const Vector2d dy(0.0, kDifferenceMm);
+    const double x_per_y = (stepsAt(p + dy).x() - stepsAt(p - dy).x()) / (2.0 * kDifferenceMm);
+    x_rates_.emplace_back(xStepsPerMm(p), std::abs(x_per_y));
+  }
+}
+
+Vector2d Axes::accelerationBox(double speed_mm_s) const {
+  if (machine_.head == MachineParameters::Head::kGantry || machine_.mirror_acceleration_rad_s2 <= 0.0 ||
+      faults_.no_mirror_limit) {
+    return Vector2d::Constant(1e12);
+  }
+  const double limit = machine_.mirror_acceleration_rad_s2 / machine_.mirror_step_rad;
+  const Vector2d left = Vector2d::Constant(limit) - bend_per_mm2_ * (speed_mm_s * speed_mm_s);
+  const double y = left.y() / y_per_mm_;
+  double x = 1e12;
+  for (const Vector2d& rate : x_rates_) x = std::min(x, (left.x() - rate.y() * y) / rate.x());
+  return {x, y};
 }
 
 const CorrectionTable* Axes::correction() const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "firmware_under_test/planner/plan.h"
@@ -27,8 +29,17 @@ class Axes {
   [[nodiscard]] double speedLimit(const Eigen::Vector2d& direction, double belt_speed_mm_s) const;
   /// d(steps)/d(p_W), 1/mm; row 0 is the x axis.
   [[nodiscard]] Eigen::Matrix2d stepsPerMm(const Eigen::Vector2d& p_W_mm) const;
+  /// Accelerations on the sheet along x and y that together keep each mirror within its limit, whatever the
+  /// place in the field, while beam and sheet together move at up to `speed_mm_s`: the limit less what the
+  /// head's own distortion asks for at that speed, and for x less what y asks of it. Falls with speed, and
+  /// may come out negative: too fast. 1e12 without a limit.
+  [[nodiscard]] Eigen::Vector2d accelerationBox(double speed_mm_s) const;
   /// The highest speed of the x axis, mm/s in W, and of the y axis.
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
+  /// Reach of the beam across, mm.
+  [[nodiscard]] Eigen::Vector2d fieldY() const {
+    return {machine_.field_min_mm[1], machine_.field_max_mm[1]};
+  }
   /// Number of the x axis in the protocol; y is the next.
   [[nodiscard]] int firstAxis() const;
   [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
@@ -45,7 +56,10 @@ class Axes {
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
   double y_per_mm_{};
-  double y_per_x_mm_{};  ///< Largest |d(y steps)/dx|; the formulas alone have none.
+  double y_per_x_mm_{};                   ///< Largest |d(y steps)/dx|; the formulas alone have none.
+  std::vector<Eigen::Vector2d> x_rates_;  ///< x steps per mm along x and along y, over the field.
+  Eigen::Vector2d bend_per_mm2_{
+      Eigen::Vector2d::Zero()};  ///< Largest second derivative of steps in the field.
 };
 
 }  // namespace kerfbench::planner

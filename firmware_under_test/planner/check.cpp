@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "firmware_under_test/planner/cross_cut.h"
 #include "firmware_under_test/planner/cut_twice.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/program.h"
@@ -123,8 +124,10 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   if (v <= 0.0) {
     if (!solved.solution) addLines(solved.reason, result.errors);
   } else if (!solved.solution || v > highest) {
-    const std::string reason =
-        solved.solution ? "there is a slower speed at which it does not fit" : solved.reason;
+    std::string reason = solved.solution ? "there is a slower speed at which it does not fit" : solved.reason;
+    if (const auto cut = crossCutOf(path, machine, job)) {
+      for (const std::string& fault : cut->faults()) reason += fmt::format("; {}", fault);
+    }
     result.errors.push_back(
         highest > 0.0
             ? fmt::format(
@@ -139,8 +142,8 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   return result;
 }
 
-RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path, const JobParameters& job,
-                      const Axes& axes) {
+RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path,
+                      const MachineParameters& machine, const JobParameters& job, const Axes& axes) {
   RoomNeeded room;
   room.low_x_mm = std::numeric_limits<double>::infinity();
   room.high_x_mm = -room.low_x_mm;
@@ -171,12 +174,7 @@ RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path
     room.least_pitch_mm =
         std::max(room.least_pitch_mm, v * cycle * kPeriodS - next.x_ref_mm + layout.x_ref_mm);
   }
-  const bool straight_across =
-      path.size() == 1 && !path[0].isArc() && std::abs(path[0].end_mm.x() - path[0].start_mm.x()) < 1e-3;
-  if (v > 0.0 && straight_across) {
-    const double cut_s = path[0].lengthMm() / job.mark_speed_mm_s;
-    room.closed_form = {v * cut_s * (v / job.jump_speed_mm_s + 1.0), v * cut_s};
-  }
+  if (const auto cut = crossCutOf(path, machine, job)) room.closed_form = {cut->cycleMm(), cut->carriedMm()};
   return room;
 }
 

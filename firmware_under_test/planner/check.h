@@ -35,8 +35,8 @@ struct RoomNeeded {
   };
   std::optional<ClosedForm> closed_form;
 };
-RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path, const JobParameters& job,
-                      const Axes& axes);
+RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path,
+                      const MachineParameters& machine, const JobParameters& job, const Axes& axes);
 
 /// Marks that lie outside the field across the belt, which no belt speed can mend.
 std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const MachineParameters& machine);

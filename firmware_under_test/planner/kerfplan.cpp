@@ -16,6 +16,7 @@
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
 #include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/cross_cut.h"
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
@@ -120,8 +121,8 @@ std::string summaryOf(const Options& options, const planner::CheckResult& checke
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
       bytes);
   const planner::RoomNeeded room =
-      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.job,
-                          planner::Axes(options.machine, {}));
+      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.machine,
+                          options.job, planner::Axes(options.machine, {}));
   text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm\n", room.low_x_mm,
                       room.high_x_mm, options.machine.field_min_mm[0], options.machine.field_max_mm[0]);
   if (room.least_pitch_mm > 0.0) {
@@ -163,6 +164,8 @@ void addMachine(CLI::App& app, MachineParameters& m) {
   option("--mirror-spacing", m.mirror_spacing_mm, "X mirror to Y mirror, mm (two-mirror)");
   option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror, f-theta)");
   option("--focal-length", m.focal_length_mm, "Of the lens, mm (f-theta)");
+  option("--mirror-acceleration", m.mirror_acceleration_rad_s2,
+         "Highest of either mirror, rad/s2 mechanical; 0: never the limit (two-mirror)");
   option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
   option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
   option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");
@@ -184,6 +187,12 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--mark-speed", j.mark_speed_mm_s, "Highest speed of marks on the sheet, mm/s");
   option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
   option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");
+  option("--jump-acceleration", j.jump_acceleration_mm_s2,
+         "Of jumps and of the way back, mm/s2; 0: as of marks");
+  option(
+      "--jump-radius", j.jump_radius_mm,
+      "Arcs by which jumps leave and meet marks, mm: the beam does not stop; 0: straight jumps with stops; "
+      "-1: by the drawing's size, 1 mm up to 10 mm, 5 mm from 100 mm on");
   option("--cut-energy", j.cut_energy_j_per_mm, "Energy per length that cuts through (Z1), J/mm");
   option("--half-z", j.half_z, "Z of half-cuts and creases, 0 to 1");
   option("--perforation-cut", j.perforation_cut_mm, "Length of a dash, mm");
@@ -207,6 +216,13 @@ void addJob(CLI::App& app, JobParameters& j) {
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")
       ->group(group);
   app.add_flag("--feed", j.feed_by_controller, "The controller drives the belt")->group(group);
+}
+
+planner::CrossCut crossCut(const Options& options, double width_mm) {
+  const MachineParameters& m = options.machine;
+  const JobParameters& j = options.job;
+  return {j.pitch_mm,        width_mm,          m.field_max_mm[0] - m.field_min_mm[0],
+          j.belt_speed_mm_s, j.mark_speed_mm_s, j.jump_speed_mm_s};
 }
 
 }  // namespace
@@ -245,10 +261,23 @@ int main(int argc, char** argv) try {
   const CLI::App* order = subcommand(
       "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
+  double strip_width_mm = 800.0;
+  CLI::App* throughput = app.add_subcommand(
+      "throughput",
+      "Compare, for a strip cut to length, feeding and stopping with cutting on the run: limits of head and "
+      "belt, "
+      "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
+  throughput->add_option("--width", strip_width_mm, "Of the strip, mm")->capture_default_str();
+  addMachine(*throughput, options.machine);
+  addJob(*throughput, options.job);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
+  }
+  if (throughput->parsed()) {
+    std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
+    return 0;
   }
   if (!options.correction.empty()) {
     options.machine.correction =

@@ -156,9 +156,11 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     positive(machine.throw_mm, "throw_mm", 1e6, 0.1);
     notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
     positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
+    notNegative(machine.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
   } else if (machine.head == MachineParameters::Head::kFTheta) {
     positive(machine.focal_length_mm, "focal_length_mm", 1e6, 0.1);
     positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
+    notNegative(machine.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
   } else {
     positive(machine.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
   }
@@ -180,6 +182,11 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
   positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
   positive(job.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
+  notNegative(job.jump_acceleration_mm_s2, "jump_acceleration_mm_s2");
+  check(job.jump_radius_mm == kRadiusOfDrawing ||
+            (std::isfinite(job.jump_radius_mm) && job.jump_radius_mm >= 0.0),
+        fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
+                    kRadiusOfDrawing, job.jump_radius_mm));
   positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
@@ -276,8 +283,9 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job));
   plan.cycle_time_s = plan.unit_time_s + way_back * kPeriodS;
   plan.x_ref_mm = layout.x_ref_mm;
+  plan.jump_length_mm = solution.paths.front().jump_length_mm;
   for (const Segment& segment : path) {
-    (segment.jump || segment.z == 0.0 ? plan.jump_length_mm : plan.cut_length_mm) += segment.lengthMm();
+    if (!segment.jump && segment.z != 0.0) plan.cut_length_mm += segment.lengthMm();
   }
   constexpr double kMostPeriods = 1.5e8;  // 33 hours; some 60 bytes each
   if (job.units * plan.cycle_time_s > kMostPeriods * kPeriodS) {

@@ -19,9 +19,10 @@ struct MachineParameters {
   enum class Head { kTwoMirror, kGantry, kFTheta };
   Head head{Head::kTwoMirror};
   // Two mirrors (Cheng et al. 2014, eq. 2)
-  double throw_mm{};           ///< L: Y mirror to sheet; > 0.
-  double mirror_spacing_mm{};  ///< d; >= 0.
-  double mirror_step_rad{};    ///< Mechanical angle of one PUL; f-theta too.
+  double throw_mm{};                    ///< L: Y mirror to sheet; > 0.
+  double mirror_spacing_mm{};           ///< d; >= 0.
+  double mirror_step_rad{};             ///< Mechanical angle of one PUL; f-theta too.
+  double mirror_acceleration_rad_s2{};  ///< Of each mirror, mechanical; 0: never the limit. f-theta too.
   // Two mirrors and an f-theta lens: x = f 2θx, y = f 2θy; what the real one is off is the table's matter
   double focal_length_mm{};  ///< f; > 0.
   // Gantry
@@ -37,11 +38,18 @@ struct MachineParameters {
   double full_power_w{};  ///< At PWM duty 255/255.
 };
 
+/// JobParameters::jump_radius_mm: let the drawing's size decide.
+inline constexpr double kRadiusOfDrawing = -1.0;
+
 struct JobParameters {
   double belt_speed_mm_s{};  ///< > 0 while the board moves, 0 for a resting sheet.
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};
+  double jump_acceleration_mm_s2{0};  ///< Of jumps and of the way back; 0: as of marks.
+  /// Radius of the arcs by which jumps leave one mark and meet the next (S2), so that the beam runs through
+  /// without a stop; 0: straight jumps from rest to rest; kRadiusOfDrawing: paperRadiusMm().
+  double jump_radius_mm{0};
   /// Power over speed that cuts through, Z1 (S3's P_ua times the spot diameter).
   double cut_energy_j_per_mm{};
   double half_z{0.5};  ///< Z of half-cut and crease.
@@ -66,6 +74,11 @@ struct JobParameters {
   Order order{Order::kShortest};
 };
 
+/// Acceleration of jumps, as told or as that of marks.
+inline double jumpAcceleration(const JobParameters& job) {
+  return job.jump_acceleration_mm_s2 > 0.0 ? job.jump_acceleration_mm_s2 : job.acceleration_mm_s2;
+}
+
 /// Deliberate mistakes, for releases that the bench must fail.
 struct PlannerFaults {
   bool ignore_belt{false};  ///< x' = x, without v t.
@@ -74,8 +87,9 @@ struct PlannerFaults {
   bool mean_speed{false};
   /// x = L tan 2θx instead of (sqrt(L² + y²) + d) tan 2θx, and no correction table.
   bool no_pincushion{false};
-  int skip_entity{-1};    ///< Never cut; makeGcode leaves it out.
-  int repeat_entity{-1};  ///< Cut twice; makeGcode writes it again at the end.
+  int skip_entity{-1};          ///< Never cut; makeGcode leaves it out.
+  int repeat_entity{-1};        ///< Cut twice; makeGcode writes it again at the end.
+  bool no_mirror_limit{false};  ///< Nobody heeds MachineParameters::mirror_acceleration_rad_s2.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};
 };

@@ -27,7 +27,8 @@ AxisMove axisMove(int axis, const Vector2d& p0, double v0, const Vector2d& p1, c
                   const Axes& axes) {
   const double share = sharesOf(p1 - p0)[axis];
   const double speed = std::min(job.jump_speed_mm_s * share, axes.axisLimits()[axis]);
-  return {p0[axis], v0, p1[axis], speed, job.acceleration_mm_s2 * share};
+  const double mirror = axes.accelerationBox(axes.axisLimits().cwiseMin(job.jump_speed_mm_s).norm())[axis];
+  return {p0[axis], v0, p1[axis], speed, std::min(jumpAcceleration(job) * share, mirror)};
 }
 
 /// The controller keeps the marks that have passed the sensor and whose units have not begun; it holds only
@@ -55,6 +56,68 @@ std::optional<std::string> pitchFault(const Solution& solution, int unit, const 
       "the pitch of {:g} mm brings the next unit after {:.4f} s, but a unit with the way back takes "
       "{:.4f} s",
       job.pitch_mm, between_s, cycle * kPeriodS);
+}
+
+/// One path, or two if the job alternates; empty if the belt is too fast for the axes.
+std::vector<UnitPath> planPaths(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
+                                double belt_speed_mm_s, const std::vector<std::vector<bool>>& stops) {
+  std::vector<UnitPath> paths;
+  const std::size_t count = job.alternate && job.units > 1 ? 2 : 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto unit = planUnit(i > 0 ? reversedPath(path) : path, job, axes, belt_speed_mm_s,
+                         i < stops.size() ? stops[i] : std::vector<bool>{});
+    if (!unit) return {};
+    paths.push_back(std::move(*unit));
+  }
+  return paths;
+}
+
+/// Places the units in field and pitch.
+SolveResult layOutAll(std::vector<UnitPath> paths, const MachineParameters& machine, const JobParameters& job,
+                      const Axes& axes) {
+  Solution solution;
+  solution.paths = std::move(paths);
+  const double v = solution.paths.front().belt_speed_mm_s;
+  solution.belt_speed_mm_s = v;
+  if (v <= 0.0) {
+    for (int k = 0; k < job.units; ++k) {
+      LayoutResult result = layOut(solution.pathOf(k), machine,
+                                   {job.web_start_x_mm - (job.stop_and_go ? 0 : k) * job.pitch_mm, 0.0, 0.0});
+      if (!result.layout) return {std::nullopt, result.reason};
+      solution.layouts.push_back(std::move(*result.layout));
+    }
+    return {std::move(solution), {}};
+  }
+  StartBounds bounds;
+  if (job.feed_by_controller) {
+    if (v > feedLimit(machine)) {
+      return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s", feedLimit(machine))};
+    }
+    bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job);
+    bounds.play_mm = v * kPeriodS;
+  } else {
+    bounds.min_x_ref_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
+    bounds.play_mm = machine.encoder_count_mm;
+  }
+  for (const UnitPath& unit : solution.paths) {
+    LayoutResult result = layOut(unit, machine, bounds);
+    if (!result.layout) return {std::nullopt, result.reason};
+    solution.layouts.push_back(std::move(*result.layout));
+  }
+  std::string reasons;
+  const auto refuse = [&](const std::string& reason) {
+    if (reasons.find(reason) == std::string::npos) reasons += (reasons.empty() ? "" : "; ") + reason;
+  };
+  for (const UnitLayout& layout : solution.layouts) {
+    if (job.feed_by_controller || job.units < 2) break;
+    if (auto fault = marksFault(layout, machine, job)) refuse(*fault);
+  }
+  for (int k = 0; k + 1 < job.units && k < 2; ++k) {
+    if (axes.faults().return_unchecked) break;
+    if (auto fault = pitchFault(solution, k, job, axes)) refuse(*fault);
+  }
+  if (!reasons.empty()) return {std::nullopt, reasons};
+  return {std::move(solution), {}};
 }
 
 }  // namespace
@@ -90,57 +153,26 @@ double feedRampMm(double belt_speed_mm_s, const JobParameters& job) {
 
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
                   const JobParameters& job, const Axes& axes, double belt_speed_mm_s) {
-  const double v = belt_speed_mm_s;
-  Solution solution;
-  solution.belt_speed_mm_s = v;
-  const bool two = job.alternate && job.units > 1;
-  for (const bool odd : {false, true}) {
-    if (odd && !two) continue;
-    std::optional<UnitPath> unit = planUnit(odd ? reversedPath(path) : path, job, axes, v);
-    if (!unit) {
-      return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
-    }
-    solution.paths.push_back(std::move(*unit));
-  }
-  if (v <= 0.0) {
-    for (int k = 0; k < job.units; ++k) {
-      LayoutResult result = layOut(solution.pathOf(k), machine, job,
-                                   {job.web_start_x_mm - (job.stop_and_go ? 0 : k) * job.pitch_mm, 0.0, 0.0});
-      if (!result.layout) return {std::nullopt, result.reason};
-      solution.layouts.push_back(std::move(*result.layout));
-    }
-    return {std::move(solution), {}};
-  }
-  StartBounds bounds;
-  if (job.feed_by_controller) {
-    if (v > feedLimit(machine)) {
-      return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s", feedLimit(machine))};
-    }
-    bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job);
-    bounds.play_mm = v * kPeriodS;
-  } else {
-    bounds.min_x_ref_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
-    bounds.play_mm = machine.encoder_count_mm;
-  }
-  std::string reasons;
-  const auto refuse = [&](const std::string& reason) {
-    if (reasons.find(reason) == std::string::npos) reasons += (reasons.empty() ? "" : "; ") + reason;
+  const auto with = [&](const JobParameters& way,
+                        const std::vector<std::vector<bool>>& stops) -> SolveResult {
+    std::vector<UnitPath> paths = planPaths(path, way, axes, belt_speed_mm_s, stops);
+    if (!paths.empty()) return layOutAll(std::move(paths), machine, way, axes);
+    return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
   };
-  for (const UnitPath& unit : solution.paths) {
-    LayoutResult result = layOut(unit, machine, job, bounds);
-    if (!result.layout) return {std::nullopt, result.reason};
-    solution.layouts.push_back(std::move(*result.layout));
+  SolveResult result = with(job, {});
+  if (result.solution || job.jump_radius_mm == 0.0) return result;
+  // At speed the sheet cannot be waited for: rest where the straight jumps have to wait.
+  JobParameters straight = job;
+  straight.jump_radius_mm = 0.0;
+  SolveResult held = with(straight, {});
+  if (!held.solution) return held;
+  std::vector<std::vector<bool>> stops;
+  for (const UnitLayout& layout : held.solution->layouts) {
+    std::vector<bool>& waits = stops.emplace_back();
+    for (std::size_t i = 1; i < layout.waits.size(); ++i) waits.push_back(layout.waits[i] > 0);
   }
-  for (const UnitLayout& layout : solution.layouts) {
-    if (job.feed_by_controller || job.units < 2) break;
-    if (auto fault = marksFault(layout, machine, job)) refuse(*fault);
-  }
-  for (int k = 0; k + 1 < job.units && k < 2; ++k) {
-    if (axes.faults().return_unchecked) break;
-    if (auto fault = pitchFault(solution, k, job, axes)) refuse(*fault);
-  }
-  if (!reasons.empty()) return {std::nullopt, reasons};
-  return {std::move(solution), {}};
+  SolveResult mixed = with(job, stops);
+  return mixed.solution ? std::move(mixed) : std::move(held);
 }
 
 double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,

@@ -8,23 +8,16 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
+#include "firmware_under_test/planner/jump_curve.h"
+#include "firmware_under_test/planner/runs.h"
 #include "firmware_under_test/planner/speed.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
-
-/// Runs end where the laser or the direction changes.
-std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
-  std::size_t i = first + 1;
-  while (i < path.size() && !path[first].jump && !path[i].jump && path[i].z == path[first].z &&
-         turnRad(path[i - 1], path[i]) <= kTangentRad) {
-    ++i;
-  }
-  return i;
-}
 
 void addSamples(std::span<const Segment> run, const std::vector<double>& stations,
                 std::vector<Sample>& samples) {
@@ -40,6 +33,40 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
     samples.push_back({run[segment].at(stations[k] - begun_mm), marked_mm, run[segment].line});
   }
   samples.back().p_S_mm = run.back().end_mm;
+}
+
+/// Each run from rest to rest.
+std::vector<std::vector<double>> restStations(const std::vector<Run>& runs, const FlowLimits& limits) {
+  std::vector<std::vector<double>> stations;
+  SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s};
+  for (const Run& run : runs) {
+    const bool jump = run.segments.front().jump;
+    each.path_mm_s = jump ? limits.jump_mm_s : limits.mark_mm_s;
+    each.acceleration_mm_s2 = limits.least(jump);
+    stations.push_back(planRun(run.segments, each));
+  }
+  return stations;
+}
+
+std::vector<std::vector<double>> flowStations(const std::vector<Run>& runs, const FlowLimits& limits) {
+  std::vector<std::vector<Segment>> paths;
+  std::vector<bool> rests;
+  for (const Run& run : runs) {
+    paths.push_back(run.segments);
+    rests.push_back(run.rests);
+  }
+  return planFlow(paths, rests, limits);
+}
+
+double radiusFor(const std::vector<Segment>& path, const JobParameters& job) {
+  if (job.jump_radius_mm != kRadiusOfDrawing) return job.jump_radius_mm;
+  Eigen::AlignedBox2d box;
+  for (const Segment& segment : path) {
+    if (segment.jump) continue;
+    constexpr int kParts = 16;
+    for (int i = 0; i <= kParts; ++i) box.extend(segment.at(segment.lengthMm() * i / kParts));
+  }
+  return paperRadiusMm(box.sizes().maxCoeff());
 }
 
 void setExtremes(Block& block, const Vector2d& start_S_mm, double belt_speed_mm_s) {
@@ -146,26 +173,40 @@ double catchUpMm(double u, double belt_speed_mm_s, int periods) {
 }
 
 std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
-                                 double belt_speed_mm_s) {
+                                 double belt_speed_mm_s, const std::vector<bool>& stops) {
+  const double top_mm_s =
+      std::min(std::max(job.mark_speed_mm_s, job.jump_speed_mm_s), axes.axisLimits().norm()) +
+      belt_speed_mm_s;
+  FlowLimits limits{job.mark_speed_mm_s,
+                    job.jump_speed_mm_s,
+                    job.acceleration_mm_s2,
+                    jumpAcceleration(job),
+                    axes.accelerationBox(top_mm_s),
+                    axes.fieldY()[0],
+                    axes.fieldY()[1],
+                    kPeriodS,
+                    [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); }};
+  if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
+  const bool smooth = job.jump_radius_mm != 0.0;
+  const std::vector<Run> runs =
+      smooth ? smoothRuns(path, radiusFor(path, job), limits, stops) : straightRuns(path);
+  const std::vector<std::vector<double>> stations =
+      smooth ? flowStations(runs, limits) : restStations(runs, limits);
   UnitPath unit;
   unit.start_S_mm = path.front().start_mm;
   unit.belt_speed_mm_s = belt_speed_mm_s;
-  SpeedLimits limits{0.0, job.acceleration_mm_s2, kPeriodS,
-                     [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); }};
-  for (std::size_t i = 0; i < path.size();) {
-    const std::size_t end = runEnd(path, i);
-    if (unit.blocks.empty() || (path[i].jump && !path[i - 1].jump)) unit.blocks.emplace_back();
+  unit.acceleration_mm_s2 = std::min(job.acceleration_mm_s2, limits.box_mm_s2.x());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (stations.size() <= i || stations[i].empty()) return std::nullopt;
+    const Segment& first = runs[i].segments.front();
+    if (runs[i].begins_block) unit.blocks.emplace_back();
+    if (first.jump || first.z == 0.0) unit.jump_length_mm += stations[i].back();
     Block& block = unit.blocks.back();
-    if (!path[i].jump && block.line == 0) {
-      block.entity = path[i].entity;
-      block.line = path[i].line;
+    if (!first.jump && block.line == 0) {
+      block.entity = first.entity;
+      block.line = first.line;
     }
-    limits.path_mm_s = path[i].jump ? job.jump_speed_mm_s : job.mark_speed_mm_s;
-    const std::span<const Segment> run(path.data() + i, end - i);
-    const std::vector<double> stations = planRun(run, limits);
-    if (stations.empty()) return std::nullopt;
-    addSamples(run, stations, block.samples);
-    i = end;
+    addSamples(runs[i].segments, stations[i], block.samples);
   }
   Vector2d start = unit.start_S_mm;
   for (Block& block : unit.blocks) {
@@ -175,12 +216,11 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
   return unit;
 }
 
-LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const JobParameters& job,
-                    const StartBounds& bounds) {
+LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const StartBounds& bounds) {
   if (bounds.fixed_x_ref_mm) return layOutResting(unit, machine, *bounds.fixed_x_ref_mm);
   const double v = unit.belt_speed_mm_s;
   UnitLayout layout;
-  layout.catch_up_periods = catchUpPeriods(v, job.acceleration_mm_s2);
+  layout.catch_up_periods = catchUpPeriods(v, unit.acceleration_mm_s2);
   const double catch_up_mm =
       v * layout.catch_up_periods * kPeriodS;  // of the belt; the beam makes half of it
   const double lead_mm = v * machine.tracking_delay_s;

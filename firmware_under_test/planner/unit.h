@@ -19,7 +19,7 @@ struct Sample {
 };
 
 /// A jump and the marks after it, up to the next jump: runs without a break, since the sheet cannot be waited
-/// for with the laser on.
+/// for with the laser on. Smooth jumps lie within a block: nor can it be waited for at speed.
 struct Block {
   int entity{-1};
   int line{};
@@ -34,6 +34,8 @@ struct UnitPath {
   Eigen::Vector2d start_S_mm{Eigen::Vector2d::Zero()};
   std::vector<Block> blocks;
   double belt_speed_mm_s{};
+  double jump_length_mm{};      ///< Way with the laser off, between the marks.
+  double acceleration_mm_s2{};  ///< Of the beam along x while it catches up with the sheet.
   [[nodiscard]] const Eigen::Vector2d& endS() const { return blocks.back().samples.back().p_S_mm; }
 };
 
@@ -55,9 +57,10 @@ struct LayoutResult {
 };
 
 /// Periods of one unit; nullopt if the belt is too fast for the x axis. `path` begins and ends with marks but
-/// may hold jumps in between.
+/// may hold jumps in between. With a jump radius the beam runs through marks and jumps; stops[k] has it rest
+/// before and after the jump k, so that it can wait there for the sheet. Straight jumps are all of that kind.
 std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
-                                 double belt_speed_mm_s);
+                                 double belt_speed_mm_s, const std::vector<bool>& stops = {});
 
 /// Bounds on the start of a unit other than the field.
 struct StartBounds {
@@ -68,8 +71,7 @@ struct StartBounds {
 
 /// Chooses x_ref. As long as no wait is needed, the middle of what the field allows; else the latest start
 /// after which every block still finds its place, with waits before those that are yet upstream of the field.
-LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const JobParameters& job,
-                    const StartBounds& bounds);
+LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const StartBounds& bounds);
 
 /// Speed of the catch-up is v (3 u² - 2 u³): no step of acceleration, 1.5 v / T at most, and v T / 2 of way.
 int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2);

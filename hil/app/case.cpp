@@ -79,6 +79,7 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
     machine.correction =
         std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(told.correction_file));
   }
+  machine.mirror_acceleration_rad_s2 = told.mirror_acceleration_rad_s2;
   machine.gantry_step_mm = told.gantry_step_mm;
   for (int i = 0; i < 2; ++i) {
     machine.field_min_mm[i] = told.field_min_mm[i];
@@ -108,6 +109,7 @@ double webStartX_mm(const Case& the_case) {
 planner::JobParameters plannerJob(const Case& the_case) {
   planner::JobParameters job = the_case.scenario.job;
   job.web_start_x_mm = webStartX_mm(the_case);
+  job.jump_radius_mm = the_case.scenario.jump_radius_mm.value_or(the_case.machine.controller.jump_radius_mm);
   return job;
 }
 

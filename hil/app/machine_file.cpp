@@ -86,6 +86,8 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
     result.mirror_spacing_mm = told.number("mirror_spacing_mm", {.min = 0, .max = 500});
     result.mirror_step_rad = kMicro * told.number("mirror_step_urad", {.min = 1e-3, .max = 1e5});
     result.focal_length_mm = told.number("focal_length_mm", {.min = 0, .max = 5000, .fallback = 0.0});
+    result.mirror_acceleration_rad_s2 =
+        told.number("mirror_acceleration_rad_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
   } else {
     result.gantry_step_mm = told.number("gantry_step_mm", {.min = 1e-6, .max = 10});
   }
@@ -98,6 +100,7 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
   const auto field = readBox(told, "field_x_mm", "field_y_mm");
   result.field_min_mm = field[0];
   result.field_max_mm = field[1];
+  result.jump_radius_mm = told.number("jump_radius_mm", {.min = -1, .max = 1000, .fallback = 0.0});
   result.tracking_delay_s = kMilli * told.number("tracking_delay_ms", {.min = 0, .max = 5});
   result.encoder_count_mm = told.number("encoder_count_mm", {.min = 1e-4, .max = 10});
   result.print_mark_sensor_x_mm = told.number("print_mark_sensor_x_mm", {.min = -1e4, .max = 1e4});

@@ -255,6 +255,8 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
       planner.number("jump_speed_mm_s", {.min = 1, .max = 5000, .fallback = job.jump_speed_mm_s});
   job.acceleration_mm_s2 =
       planner.number("acceleration_mm_s2", {.min = 10, .max = 1e6, .fallback = job.acceleration_mm_s2});
+  job.jump_acceleration_mm_s2 =
+      planner.number("jump_acceleration_mm_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
   // Who sends G-code of his own needs no planner.
   const bool planned = scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench;
   job.cut_energy_j_per_mm = planner.number(
@@ -281,6 +283,7 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   result.ignore_belt = faults.boolean("ignore_belt", false);
   result.mean_speed = faults.boolean("mean_speed", false);
   result.no_pincushion = faults.boolean("no_pincushion", false);
+  result.no_mirror_limit = faults.boolean("no_mirror_limit", false);
   result.return_unchecked = faults.boolean("return_unchecked", false);
   result.skip_entity =
       static_cast<int>(faults.integer("skip_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
@@ -336,6 +339,11 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
   if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");
+  if (planner.has("jump_radius_mm")) {
+    s.jump_radius_mm = planner.number("jump_radius_mm", {.min = -1, .max = 1000});
+    if (*s.jump_radius_mm < 0.0 && *s.jump_radius_mm != planner::kRadiusOfDrawing)
+      planner.fault("jump_radius_mm", "is a radius, 0 for straight jumps, or -1 for that of the drawing");
+  }
   s.planner_faults = readPlannerFaults(planner.section("faults"));
   auto checks = file.section("checks");
   s.limits = readLimits(checks);

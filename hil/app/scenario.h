@@ -58,6 +58,7 @@ struct Scenario {
                          ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;
+  std::optional<double> jump_radius_mm;  ///< Of the job; the machine's if absent.
   planner::PlannerFaults planner_faults;
   std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
   Limits limits;

@@ -28,15 +28,19 @@ TEST_P(GoodRelease, PassesAndSaysSo) {
   std::printf("%s", run.output.c_str());
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, GoodRelease,
-                         testing::Values(GoodCase{"label_avr", "scenarios/label-on-belt.yaml"},
-                                         GoodCase{"label_fed", "scenarios/label-fed.yaml"},
-                                         GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
-                                         GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
-                                         GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
-                                         GoodCase{"strip_avr", "scenarios/strip-crosscut.yaml"},
-                                         GoodCase{"strip_native", "scenarios/native/strip-crosscut.yaml"}),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Scenarios, GoodRelease,
+    testing::Values(GoodCase{"label_avr", "scenarios/label-on-belt.yaml"},
+                    GoodCase{"label_fed", "scenarios/label-fed.yaml"},
+                    GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
+                    GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
+                    GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
+                    GoodCase{"button_native", "scenarios/native/button.yaml"},
+                    GoodCase{"button_on_belt_native", "scenarios/native/button-on-belt.yaml"},
+                    GoodCase{"button_straight_native", "scenarios/native/button-straight.yaml"},
+                    GoodCase{"strip_avr", "scenarios/strip-crosscut.yaml"},
+                    GoodCase{"strip_native", "scenarios/native/strip-crosscut.yaml"}),
+    [](const auto& instance) { return std::string(instance.param.name); });
 
 struct BadCase {
   const char* name;   // fixtures/scenarios/faults/<name>.yaml
@@ -62,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
                     BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
                     BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
-                    BadCase{"strip-return-slow", "path"}),
+                    BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
       std::string name = instance.param.name;
       std::ranges::replace(name, '-', '_');

@@ -70,9 +70,11 @@ struct ControllerDescription {
   double throw_mm{};
   double mirror_spacing_mm{};
   double mirror_step_rad{};
-  double focal_length_mm{};       ///< Of an f-theta lens; 0: a head without one.
-  std::string correction_file{};  ///< Its table of what the head's formula leaves; empty: none.
+  double focal_length_mm{};             ///< Of an f-theta lens; 0: a head without one.
+  std::string correction_file{};        ///< Its table of what the head's formula leaves; empty: none.
+  double mirror_acceleration_rad_s2{};  ///< Of each mirror, mechanical; 0: never the limit.
   double gantry_step_mm{};
+  double jump_radius_mm{};  ///< Of the arcs of jumps; 0: straight jumps; -1: by the drawing's size.
   std::array<double, 2> field_min_mm{};
   std::array<double, 2> field_max_mm{};
   double tracking_delay_s{};

@@ -184,6 +184,7 @@ void findControllerFaults(FaultList& faults, const ControllerDescription& told) 
   notNegative("mirror_spacing", told.mirror_spacing_mm, "mm");
   notNegative("mirror_step", told.mirror_step_rad, "rad");
   notNegative("gantry_step", told.gantry_step_mm, "mm");
+  notNegative("mirror_acceleration", told.mirror_acceleration_rad_s2, "rad/s²");
   notNegative("tracking_delay", told.tracking_delay_s, "s");
   notNegative("encoder_count", told.encoder_count_mm, "mm");
   notNegative("feed_step", told.feed_step_mm, "mm");

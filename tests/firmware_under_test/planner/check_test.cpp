@@ -62,7 +62,7 @@ TEST(Check, RoomOfThePapersStripExceedsItsClosedFormByTheRamps) {
   const CheckResult checked = checkJob(text, test::gantry(), job);
   ASSERT_TRUE(checked.solution);
   const RoomNeeded room =
-      roomNeeded(*checked.solution, unitOf(readGcode(text)), job, Axes(test::gantry(), {}));
+      roomNeeded(*checked.solution, unitOf(readGcode(text)), test::gantry(), job, Axes(test::gantry(), {}));
   ASSERT_TRUE(room.closed_form);
   // SEEDS S0: x0 >= 695.7 mm.
   EXPECT_NEAR(room.closed_form->travel_mm, 695.65, 0.01);

@@ -54,6 +54,20 @@ TEST_F(CaseTest, ThePlannerIsToldTheDataSheetAndNotTheTruth) {
   EXPECT_EQ(plannerMachine(the_case).encoder_count_mm, 0.01);
 }
 
+TEST_F(CaseTest, TheMachineSetsTheRadiusOfJumpsAndTheScenarioWins) {
+  const auto path =
+      temp_.write("slow.yaml", "extends: " + fixture("machines/two-mirror-slow.yaml").string() + "\n");
+  const std::string slow = "machine: " + path.string() + "\n";
+  EXPECT_EQ(plannerJob(label("")).jump_radius_mm, 0.0);
+  EXPECT_EQ(plannerJob(label(slow)).jump_radius_mm, 5.0);
+  EXPECT_EQ(plannerMachine(label(slow)).mirror_acceleration_rad_s2, 9.0);
+  EXPECT_EQ(plannerJob(label(slow + "planner: {jump_radius_mm: 0}\n")).jump_radius_mm, 0.0);
+  EXPECT_EQ(plannerJob(label("planner: {jump_radius_mm: -1}\n")).jump_radius_mm, planner::kRadiusOfDrawing);
+  EXPECT_EQ(plannerJob(label("planner: {jump_acceleration_mm_s2: 5000}\n")).jump_acceleration_mm_s2, 5000.0);
+  EXPECT_THAT(faultsOf("planner: {jump_radius_mm: -0.5}\n"),
+              HasSubstr("planner.jump_radius_mm: is a radius"));
+}
+
 TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
   const auto path = temp_.write(
       "no-feed.yaml", "extends: " + fixture("machines/two-mirror.yaml").string() + "\nbelt: {feed: ~}\n");

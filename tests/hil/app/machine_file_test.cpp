@@ -76,8 +76,8 @@ TEST_F(MachineFileTest, TheTwoMirrorMachineReads) {
 }
 
 TEST_F(MachineFileTest, EveryMachineOfTheHouseCanRun) {
-  for (const char* name :
-       {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "f-theta-300", "strip-gantry"}) {
+  for (const char* name : {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "two-mirror-slow",
+                           "f-theta-300", "strip-gantry"}) {
     const MachineDescription machine = readMachine(fixture(std::string("machines/") + name + ".yaml"));
     EXPECT_EQ(machine.name, name);
     EXPECT_NO_THROW(twin::Twin(machine, twin::WebDescription{}, TickRate{})) << name;
@@ -222,17 +222,18 @@ TEST_F(MachineFileTest, ControllersAreToldTheTruth) {
   }
   const MachineDescription stepper = readMachine(fixture("machines/two-mirror-stepper.yaml"));
   const MachineDescription lens = readMachine(fixture("machines/f-theta-300.yaml"));
-  for (const auto* machine : {&mirrors, &stepper, &lens}) {
+  const MachineDescription slow = readMachine(fixture("machines/two-mirror-slow.yaml"));
+  for (const auto* machine : {&mirrors, &stepper, &slow, &lens}) {
     EXPECT_NEAR(machine->controller.mirror_step_rad, machine->galvo_x.step, 1e-18);
     EXPECT_NEAR(machine->controller.mirror_step_rad, machine->galvo_y.step, 1e-18);
     EXPECT_NEAR(machine->controller.feed_step_mm, machine->belt.feed.step, 1e-15);
   }
-  for (const auto* machine : {&mirrors, &lens}) {
+  for (const auto* machine : {&mirrors, &slow, &lens}) {
     const twin::ServoDescription& servo = servoOf(machine->galvo_x);
     EXPECT_NEAR(machine->controller.tracking_delay_s, 2.0 * servo.damping / servo.natural_frequency_rad_s,
                 2e-8);
   }
-  for (const auto* machine : {&mirrors, &stepper, &lens, &strip}) {
+  for (const auto* machine : {&mirrors, &stepper, &slow, &lens, &strip}) {
     EXPECT_EQ(machine->controller.encoder_count_mm, machine->belt.encoder.count_mm);
     EXPECT_EQ(machine->controller.print_mark_sensor_x_mm, machine->belt.print_mark_sensor.x_mm);
     EXPECT_EQ(machine->controller.full_power_w, machine->laser.full_power_w);

@@ -12,8 +12,8 @@ namespace kerfbench::hil {
 namespace {
 
 TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
-  for (const char* name :
-       {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper", "two-mirror-linecutter"}) {
+  for (const char* name : {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper",
+                           "two-mirror-linecutter", "two-mirror-slow"}) {
     const MachineFile file = readMachineFile(fixture("machines/" + std::string(name) + ".yaml"));
     for (const auto& [camera, named] : {std::pair(file.machine.spot_camera, file.spot_camera),
                                         std::pair(file.machine.kerf_camera, file.kerf_camera)}) {
