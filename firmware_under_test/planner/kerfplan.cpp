@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "firmware_under_test/planner/kerf.h"
 #include "firmware_under_test/planner/plan.h"
 #include "hil/dieline/read.h"
 
@@ -61,8 +62,18 @@ hil::Dieline readInput(const Options& options) {
 }
 
 std::string gcodeOf(const Options& options) {
-  if (isGcode(options.input)) return readText(options.input);
-  return planner::makeGcode(readInput(options), options.machine, options.job);
+  const bool compensates = options.job.kerf_radius_mm > 0.0;
+  if (isGcode(options.input)) {
+    if (compensates)
+      throw planner::PlanError(options.input + ": G-code is the beam's path, --kerf-radius is for drawings");
+    return readText(options.input);
+  }
+  const hil::Dieline dieline = readInput(options);
+  std::string gcode = planner::makeGcode(dieline, options.machine, options.job);
+  if (compensates) {
+    for (const std::string& note : planner::compensate(dieline, options.job).notes) std::cerr << note << '\n';
+  }
+  return gcode;
 }
 
 void write(const Options& options, const std::string& text) {
@@ -129,6 +140,27 @@ void addMachine(CLI::App& app, MachineParameters& m) {
   option("--full-power", m.full_power_w, "Laser power at full duty, W");
 }
 
+void addKerf(CLI::App& app, JobParameters& j) {
+  using OpenCuts = JobParameters::OpenCuts;
+  const std::map<std::string, OpenCuts> sides{
+      {"line", OpenCuts::kOnTheLine}, {"left", OpenCuts::kLeft}, {"right", OpenCuts::kRight}};
+  const std::string group = "Kerf";
+  app.add_option(
+         "--kerf-radius", j.kerf_radius_mm,
+         "Half the width of a cut, mm: the beam runs beside the cuts by it, so that their edges lie on "
+         "the dieline; 0: on the lines. Creases, half-cuts and perforations are not moved")
+      ->group(group)
+      ->capture_default_str();
+  app.add_option("--open-cuts", j.open_cuts,
+                 "Where the beam runs along open cuts: on the line, left or right of it as drawn")
+      ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
+      ->default_str("line")
+      ->group(group);
+  app.add_flag("--allow-lost", j.allow_lost_features,
+               "Cut without features smaller than the kerf rather than refuse; they are named")
+      ->group(group);
+}
+
 void addJob(CLI::App& app, JobParameters& j) {
   const std::string group = "Job";
   const auto option = [&](const char* name, auto& value, const char* help) {
@@ -148,6 +180,7 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--web-start", j.web_start_x_mm,
          "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
+  addKerf(app, j);
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
   app.add_flag("--stop-and-go", j.stop_and_go,
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")

@@ -131,6 +131,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
   positive(job.perforation_cut_mm, "perforation_cut_mm");
   positive(job.perforation_gap_mm, "perforation_gap_mm");
+  notNegative(job.kerf_radius_mm, "kerf_radius_mm");
   check(job.units >= 1, fmt::format("units must be >= 1, but is {}", job.units));
   if (job.units > 1) positive(job.pitch_mm, "pitch_mm");
   notNegative(job.belt_speed_mm_s, "belt_speed_mm_s");

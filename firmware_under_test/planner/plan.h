@@ -54,6 +54,15 @@ struct JobParameters {
   /// x_W of unit 0's origin while the belt rests: at belt speed 0, or before the feed starts.
   double web_start_x_mm{};
   double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
+  /// Half the width of the cut, by which the beam runs beside the lines of process cut so that their edges
+  /// lie on the dieline (kerf.h); 0: the beam runs on the lines. Creases, half-cuts and perforations have no
+  /// edge to keep and are never moved.
+  double kerf_radius_mm{};
+  /// Which side of an open cut the beam takes, as seen along it as drawn.
+  enum class OpenCuts { kOnTheLine, kLeft, kRight };
+  OpenCuts open_cuts{OpenCuts::kOnTheLine};
+  /// Cut what can be cut of features smaller than the kerf, rather than refuse.
+  bool allow_lost_features{false};
 };
 
 /// Deliberate mistakes, for releases that the bench must fail.
