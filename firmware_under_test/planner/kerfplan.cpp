@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware_under_test/planner/kerf.h"
+#include "firmware_under_test/planner/kerfplan_compensate.h"
 #include "firmware_under_test/planner/plan.h"
 #include "hil/dieline/read.h"
 
@@ -140,27 +141,6 @@ void addMachine(CLI::App& app, MachineParameters& m) {
   option("--full-power", m.full_power_w, "Laser power at full duty, W");
 }
 
-void addKerf(CLI::App& app, JobParameters& j) {
-  using OpenCuts = JobParameters::OpenCuts;
-  const std::map<std::string, OpenCuts> sides{
-      {"line", OpenCuts::kOnTheLine}, {"left", OpenCuts::kLeft}, {"right", OpenCuts::kRight}};
-  const std::string group = "Kerf";
-  app.add_option(
-         "--kerf-radius", j.kerf_radius_mm,
-         "Half the width of a cut, mm: the beam runs beside the cuts by it, so that their edges lie on "
-         "the dieline; 0: on the lines. Creases, half-cuts and perforations are not moved")
-      ->group(group)
-      ->capture_default_str();
-  app.add_option("--open-cuts", j.open_cuts,
-                 "Where the beam runs along open cuts: on the line, left or right of it as drawn")
-      ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
-      ->default_str("line")
-      ->group(group);
-  app.add_flag("--allow-lost", j.allow_lost_features,
-               "Cut without features smaller than the kerf rather than refuse; they are named")
-      ->group(group);
-}
-
 void addJob(CLI::App& app, JobParameters& j) {
   const std::string group = "Job";
   const auto option = [&](const char* name, auto& value, const char* help) {
@@ -180,7 +160,7 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--web-start", j.web_start_x_mm,
          "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
   option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
-  addKerf(app, j);
+  planner::addKerfOptions(app, j);
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
   app.add_flag("--stop-and-go", j.stop_and_go,
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")
@@ -211,11 +191,14 @@ int main(int argc, char** argv) try {
   const CLI::App* program = subcommand(
       "program", "Write the controller's program of all units, an operation per line in hex", true);
   subcommand("check", "Say whether and how the job fits the machine", false);
+  const planner::CompensateCommand compensate(app);
+  const planner::ProveCommand prove(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
+  if (compensate.run() || prove.run()) return 0;
   const std::string text = gcodeOf(options);
   if (gcode->parsed()) {
     write(options, text);

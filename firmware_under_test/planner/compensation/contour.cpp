@@ -20,6 +20,7 @@ using Eigen::Vector2d;
 constexpr double kOneJointMm = 0.02;
 constexpr double kNoLengthMm = 1e-9;
 constexpr std::size_t kMostFaults = 20;
+constexpr std::size_t kMostNames = 4;
 
 bool finite(const Segment& s) {
   return s.start_mm.allFinite() && s.end_mm.allFinite() && s.centre_mm.allFinite() &&
@@ -148,7 +149,11 @@ std::string entityNames(const std::vector<int>& entities) {
     const std::string name = fmt::format("E{}", entity);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
-  return names.empty() ? "the contour" : fmt::format("{}", fmt::join(names, " and "));
+  if (names.empty()) return "the contour";
+  if (names.size() <= kMostNames) return fmt::format("{}", fmt::join(names, " and "));
+  const std::size_t more = names.size() - kMostNames;
+  names.resize(kMostNames);
+  return fmt::format("{} and {} more", fmt::join(names, ", "), more);
 }
 
 std::string placeName(const std::vector<int>& entities, const Vector2d& p_mm) {

@@ -25,7 +25,7 @@ class CompensationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// "E3", or "E3 and E7"; "the contour" where there is no number.
+/// "E3", "E3 and E7", or the first four and how many more; "the contour" where there is no number.
 std::string entityNames(const std::vector<int>& entities);
 /// "E3 at (1.000, 2.000)"
 std::string placeName(const std::vector<int>& entities, const Eigen::Vector2d& p_mm);

@@ -15,6 +15,8 @@ using Eigen::Vector2d;
 constexpr double kRight = 0.5 * std::numbers::pi;
 /// Crossings of the fold that are no farther apart than this part of the radius are one.
 constexpr double kSame = 1e-6;
+/// Points of a path that are; what is left out so shows in no distance.
+constexpr double kMerged = 1e-9;
 
 /// One of the two lines at the fold, seen from its own half plane, and the direction of the other.
 struct Leg {
@@ -82,13 +84,13 @@ LegPath legPath(const Leg& leg, double fold) {
   const double blocked = std::max(0.0, leg.nu.dot(leg.w)) / (1.0 - leg.v.dot(leg.w));
   const double at_fold = leg.own > kRight ? -1.0 / std::tan(leg.own) : 0.0;
   path.cut = std::max(blocked, at_fold);
-  path.drawn_back = blocked > at_fold + kSame;
+  path.drawn_back = blocked > at_fold + kMerged;
   const Vector2d q(fold, 0.0);
   const Vector2d p = leg.nu + path.cut * leg.v;
-  if ((p - q).norm() < kSame) return path;
+  if ((p - q).norm() < kMerged) return path;
   path.points.push_back(p);
   const Vector2d out_p = path.drawn_back ? leg.outward(p) : leg.nu;
-  const bool on_other = leg.other > kRight && fold * std::sin(leg.other) < 1.0 + kSame;
+  const bool on_other = leg.other > kRight && fold * std::sin(leg.other) < 1.0 + kMerged;
   const Vector2d out_q = on_other ? leg.outward(q) : Vector2d::UnitX();
   // The paper's parallel joint is as good as the tangent where it stays outside.
   const bool parallel = !path.drawn_back && on_other && leg.own < kRight && out_q.dot(leg.nu) >= 0.0;
@@ -97,7 +99,7 @@ LegPath legPath(const Leg& leg, double fold) {
   tangents.push_back({q, parallel ? leg.nu : clockwise(out_q)});
   for (std::size_t k = 0; k + 1 < tangents.size(); ++k) {
     const Vector2d corner = meet(tangents[k], tangents[k + 1]);
-    if ((corner - path.points.back()).norm() > kSame && (corner - q).norm() > kSame) {
+    if ((corner - path.points.back()).norm() > kMerged && (corner - q).norm() > kMerged) {
       path.points.push_back(corner);
     }
   }
