@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -27,20 +28,24 @@ bool finite(const Segment& s) {
          std::isfinite(s.sweep_rad);
 }
 
-void requireSound(const Segment& segment) {
+void requireSound(const Segment& segment, double join_mm) {
   if (!finite(segment)) {
     throw CompensationError(entityNames({segment.entity}) + " holds a number that is not finite");
   }
   if (!segment.isArc()) return;
   const double difference =
       (segment.start_mm - segment.centre_mm).norm() - (segment.end_mm - segment.centre_mm).norm();
-  if (std::abs(difference) > 1e-3) {
+  if (!(segment.radiusMm() > kNoLengthMm)) {
+    throw CompensationError(placeName({segment.entity}, segment.start_mm) + ": an arc without a radius");
+  }
+  if (std::abs(difference) > join_mm) {
     throw CompensationError(fmt::format("{}: the arc's ends lie {:.4f} mm apart in radius",
                                         placeName({segment.entity}, segment.start_mm), std::abs(difference)));
   }
 }
 
-/// One circle through both ends: they move along their radius.
+/// One circle through both ends, which move along their radius, and the sweep that leads from one to the
+/// other.
 Segment trueArc(Segment arc) {
   const double r = arc.radiusMm();
   const Vector2d from = arc.start_mm - arc.centre_mm;
@@ -49,6 +54,8 @@ Segment trueArc(Segment arc) {
     arc.start_mm = arc.centre_mm + r * from.normalized();
     arc.end_mm = arc.centre_mm + r * to.normalized();
   }
+  const double between = std::atan2(cross(from, to), from.dot(to));
+  arc.sweep_rad += std::remainder(between - arc.sweep_rad, 2.0 * std::numbers::pi);
   return arc;
 }
 
@@ -163,8 +170,9 @@ std::string placeName(const std::vector<int>& entities, const Vector2d& p_mm) {
 Contour healed(Contour contour, double join_mm) {
   std::vector<Segment> sound;
   for (const Segment& segment : contour.segments) {
-    requireSound(segment);
-    if (segment.lengthMm() > kNoLengthMm) sound.push_back(segment.isArc() ? trueArc(segment) : segment);
+    requireSound(segment, join_mm);
+    if (segment.lengthMm() > kNoLengthMm)
+      sound.push_back(segment.isArc() && !segment.isCircle() ? trueArc(segment) : segment);
   }
   contour.segments.clear();
   if (sound.size() == 1 && sound.front().isCircle()) {

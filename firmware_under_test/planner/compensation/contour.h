@@ -32,8 +32,8 @@ std::string placeName(const std::vector<int>& entities, const Eigen::Vector2d& p
 
 /// The contour without segments of no length and without gaps at its joints: ends are moved, a line goes
 /// between those that cannot be. A full circle, and a contour that says so, is closed.
-/// @throws CompensationError if a number is not finite, an arc's radii differ, or a joint gapes by more than
-/// `join_mm`.
+/// @throws CompensationError if a number is not finite, or an arc's radii differ or a joint gapes by more
+/// than `join_mm`.
 Contour healed(Contour contour, double join_mm);
 
 /// Sentences for all places where contours cross, touch or run back over themselves or each other: inside

@@ -39,7 +39,11 @@ void meetLineCircle(const Segment& line, const Segment& arc, std::vector<Vector2
   out.push_back(foot + half * u);
 }
 
-void meetCircles(const Segment& a, const Segment& b, std::vector<Vector2d>& out) {
+/// Seen from the smaller circle: from a centre kilometres away the half chord would be lost in rounding.
+void meetCircles(const Segment& one, const Segment& other, std::vector<Vector2d>& out) {
+  const bool swap = one.radiusMm() > other.radiusMm();
+  const Segment& a = swap ? other : one;
+  const Segment& b = swap ? one : other;
   const Vector2d between = b.centre_mm - a.centre_mm;
   const double d = between.norm();
   const double ra = a.radiusMm();

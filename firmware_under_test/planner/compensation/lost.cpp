@@ -94,28 +94,41 @@ Vector2d beside(const Contour& contour, std::size_t segment, double s_mm, double
   return source.at(s_mm) + side * radius_mm * Vector2d(-t.y(), t.x());
 }
 
-double edgeDistance(const std::vector<BeamPath>& paths, const Vector2d& p, double radius_mm) {
+double edgeDistance(const std::vector<Boxed>& paths, const Vector2d& p, double radius_mm) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const BeamPath& path : paths) {
-    for (const Segment& segment : path.segments) nearest = std::min(nearest, distanceMm(segment, p));
+  for (const Boxed& path : paths) {
+    if (path.box.squaredExteriorDistance(p) >= nearest * nearest) continue;
+    nearest = std::min(nearest, distanceMm(path.curve, p));
   }
   return nearest - radius_mm;
 }
 
+/// The curves of which one may be the nearest to places no farther than `reach_mm` from p.
+std::vector<Boxed> candidates(const std::vector<Boxed>& paths, const Vector2d& p, double reach_mm) {
+  const double bound = edgeDistance(paths, p, 0.0) + 2.0 * reach_mm;
+  std::vector<Boxed> near;
+  for (const Boxed& path : paths) {
+    if (path.box.squaredExteriorDistance(p) <= bound * bound) near.push_back(path);
+  }
+  return near;
+}
+
 LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
-                     const std::vector<BeamPath>& paths, double radius_mm) {
+                     const std::vector<Boxed>& paths, double radius_mm) {
   constexpr int kSamples = 32;
   LostStretch lost;
   lost.depth_mm = -std::numeric_limits<double>::infinity();
+  for (const Interval& interval : run) lost.length_mm += interval.to_mm - interval.from_mm;
+  const Vector2d begin = contour.segments[run.front().segment].at(run.front().from_mm);
+  const std::vector<Boxed> near = candidates(paths, begin, lost.length_mm);
   for (const Interval& interval : run) {
     const Segment& segment = contour.segments[interval.segment];
-    lost.length_mm += interval.to_mm - interval.from_mm;
     if (std::find(lost.entities.begin(), lost.entities.end(), segment.entity) == lost.entities.end()) {
       lost.entities.push_back(segment.entity);
     }
     for (int k = 0; k <= kSamples; ++k) {
       const Vector2d p = segment.at(interval.from_mm + (interval.to_mm - interval.from_mm) * k / kSamples);
-      const double depth = edgeDistance(paths, p, radius_mm);
+      const double depth = edgeDistance(near, p, radius_mm);
       if (depth <= lost.depth_mm) continue;
       lost.depth_mm = depth;
       lost.p_mm = p;
@@ -135,12 +148,16 @@ LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
 
 std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours, const std::vector<Piece>& kept,
                                        const std::vector<BeamPath>& paths, double radius_mm) {
+  std::vector<Boxed> curves;
+  for (const BeamPath& path : paths) {
+    for (const Segment& segment : path.segments) curves.push_back(boxed(segment));
+  }
   std::vector<LostStretch> all;
   for (std::size_t c = 0; c < contours.size(); ++c) {
     const bool any = std::any_of(kept.begin(), kept.end(),
                                  [&](const Piece& piece) { return piece.contour == c && !piece.joint; });
     for (const auto& run : runs(contours[c], uncovered(contours[c], c, kept, radius_mm))) {
-      LostStretch lost = describe(contours[c], run, paths, radius_mm);
+      LostStretch lost = describe(contours[c], run, curves, radius_mm);
       lost.contour = c;
       if (!any) {
         lost.kind = LostStretch::Kind::kWhole;

@@ -53,9 +53,13 @@ bool legIsFree(const Segment& leg, const Contour& own, std::size_t i, const std:
   constexpr int kSamples = 16;
   const double margin = 0.5 * leg.lengthMm() / kSamples;
   const std::size_t next = (i + 1) % own.segments.size();
-  for (int k = 0; k <= kSamples; ++k) {
-    const Vector2d p = leg.at(leg.lengthMm() * k / kSamples);
-    for (const Boxed& obstacle : obstacles) {
+  Eigen::AlignedBox2d reach = boxOf(leg);
+  reach.min().array() -= radius_mm + margin;
+  reach.max().array() += radius_mm + margin;
+  for (const Boxed& obstacle : obstacles) {
+    if (!reach.intersects(obstacle.box)) continue;
+    for (int k = 0; k <= kSamples; ++k) {
+      const Vector2d p = leg.at(leg.lengthMm() * k / kSamples);
       if (obstacle.box.squaredExteriorDistance(p) >= std::pow(radius_mm + margin, 2)) continue;
       const auto is = [&](const Segment& s) {
         return s.start_mm == obstacle.curve.start_mm && s.end_mm == obstacle.curve.end_mm &&

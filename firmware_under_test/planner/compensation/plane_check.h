@@ -9,7 +9,9 @@
 namespace kerfbench::planner {
 
 /// What samples say of a beam path. Shares nothing with offsetContours() but the Segment: contours and paths
-/// become chords no more than 4e-6 mm off their curves, and distances are those between points and chords.
+/// become chords no more than 4e-6 mm off their curves, and distances are those between points and chords. So
+/// it cannot tell the sides of a wedge where they are no farther apart than that: it may call a place missed
+/// at the very tip of a cusp.
 struct PlaneCheck {
   std::size_t samples{};
   double nearest_mm{};   ///< Least distance of a path from a contour.

@@ -303,6 +303,38 @@ TEST(PlaneOffset, ManyShortSegmentsOfACurve) {
   }
 }
 
+/// Biarcs of a gentle curve have centres kilometres away: their distances come with rounding.
+TEST(PlaneOffset, ArcsOfKilometres) {
+  for (const double sweep : {1e-3, 3.4e-5, 1e-6, -3.4e-5}) {
+    for (const double away : {0.0, 800.0}) {
+      const double x = away;
+      const double y = -away;
+      const Contour shape =
+          closed({arc(x, y, x + 8.0, y - 3.0, sweep), arc(x + 8.0, y - 3.0, x + 7.5, y + 4.0, 0.4),
+                  arc(x + 7.5, y + 4.0, x + 3.0, y + 1.0, -sweep), arc(x + 3.0, y + 1.0, x, y, 1.2)},
+                 Side::kLeft);
+      for (const double radius : {0.05, 0.3, 0.7}) {
+        Contour other = shape;
+        other.side = Side::kRight;
+        checked({shape}, radius);
+        checked({other}, radius);
+      }
+    }
+  }
+}
+
+TEST(PlaneOffset, EndsRoundedToTheFilesDecimalsDoNoHarm) {
+  std::mt19937 random(99);
+  for (int i = 0; i < 12; ++i) {
+    Contour contour = test::star(random, 15, 4.0, 9.0, 1.0, {300.0, -200.0});
+    for (Segment& s : contour.segments) {
+      for (Eigen::Vector2d* p : {&s.start_mm, &s.end_mm}) *p = (*p * 1e3).array().round() / 1e3;
+    }
+    contour.side = i % 2 == 0 ? Side::kLeft : Side::kRight;
+    if (contactFaults({healed(contour, 0.002)}).empty()) checked({contour}, 0.15);
+  }
+}
+
 TEST(PlaneOffset, OpenChainsKeepTheirSideAndStopWhereTheyWouldBurn) {
   const Contour hook{polygon({{0.0, 0.0}, {5.0, 0.0}, {5.0, 0.3}, {0.0, 0.3}}), Side::kLeft, false};
   Contour open = hook;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -116,6 +117,46 @@ TEST(SpaceOffset, AClosedContourRoundABoxEndsWhereItBegins) {
     EXPECT_LT((path.points.front().p_mm - path.points.back().p_mm).norm(), 1e-12);
     EXPECT_EQ(path.joints.size(), 5U);
   }
+}
+
+/// A strip folded at random, run along from either end with the beam on the same side of it.
+TEST(SpaceOffset, RunBackwardsThePathIsTheSame) {
+  std::mt19937 random(5);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  int paths = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    SpaceContour contour;
+    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // columns: fold, across it in the plane, normal
+    Vector3d p(1.0, 2.0, 3.0);
+    for (int i = 0; i < 6; ++i) {
+      contour.points.push_back({p, frame.col(2)});
+      const double slant = uniform(-1.1, 1.1);
+      p += uniform(2.0, 5.0) * (std::sin(slant) * frame.col(0) + std::cos(slant) * frame.col(1));
+      const double fold = uniform(-80.0, 120.0) * kDeg;  // > 0: the edge sticks out
+      frame = Eigen::AngleAxisd(-fold, frame.col(0)) * frame;
+    }
+    contour.points.push_back({p, frame.col(2)});
+    SpaceContour back;
+    for (std::size_t i = contour.points.size(); i-- > 0;) {
+      back.points.push_back({contour.points[i].p_mm, contour.points[i > 0 ? i - 1 : 0].axis});
+    }
+    back.side = Side::kRight;
+    const std::string why = refusal(contour, 0.15);
+    EXPECT_EQ(why.empty(), refusal(back, 0.15).empty()) << why << "\n" << refusal(back, 0.15);
+    if (!why.empty()) continue;
+    ++paths;
+    const SpacePath there = offsetInSpace(contour, 0.15);
+    const SpacePath again = offsetInSpace(back, 0.15);
+    ASSERT_EQ(there.points.size(), again.points.size());
+    for (std::size_t i = 0; i < there.points.size(); ++i) {
+      const SpacePoint& other = again.points[there.points.size() - 1 - i];
+      EXPECT_LT((there.points[i].p_mm - other.p_mm).norm(), 1e-9);
+      EXPECT_LT((there.points[i].axis - other.axis).norm(), 1e-9);
+    }
+  }
+  EXPECT_GT(paths, 30);
 }
 
 TEST(SpaceHostile, AnglesBeyondTheLimits) {
