@@ -153,6 +153,38 @@ Joint jointAfter(const Contour& contour, std::size_t i) {
   return joint;
 }
 
+namespace {
+
+/// Decides on the joint's kind and adds what goes between the two offsets.
+void addJoint(const Contour& contour, double side, double radius_mm, const std::vector<Boxed>& obstacles,
+              Joint& joint, std::vector<Piece>& pieces) {
+  const std::size_t i = joint.segment;
+  const Segment& a = contour.segments[i];
+  const Segment& b = contour.segments[(i + 1) % contour.segments.size()];
+  if (std::abs(joint.turn_rad) * radius_mm < kNoTurnMm) {
+    joint.kind = JointKind::kTangent;
+    return;
+  }
+  if (side * joint.turn_rad > 0.0) {
+    joint.kind = JointKind::kShortened;
+    return;
+  }
+  if (std::abs(joint.turn_rad) < 0.5 * kPi + 1e-9) {
+    const Legs legs = legsOf(a, b, joint, side, radius_mm);
+    if (legIsFree(legs.first, contour, i, obstacles, radius_mm) &&
+        legIsFree(legs.second, contour, i, obstacles, radius_mm)) {
+      joint.kind = JointKind::kExtended;
+      pieces.push_back({legs.first, joint.contour, i, side, true});
+      pieces.push_back({legs.second, joint.contour, i, side, true});
+      return;
+    }
+  }
+  joint.kind = JointKind::kInserted;
+  pieces.push_back({arcRound(a, joint, side, radius_mm), joint.contour, i, side, true});
+}
+
+}  // namespace
+
 std::vector<Piece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
                              double radius_mm, std::vector<Joint>& joints) {
   std::vector<Piece> pieces;
@@ -164,28 +196,9 @@ std::vector<Piece> rawPieces(const std::vector<Contour>& contours, const std::ve
       const Segment& a = contour.segments[i];
       if (const auto moved = offsetOf(a, side, radius_mm)) pieces.push_back({*moved, c, i, side, false});
       if ((!contour.closed && i + 1 == n) || (n == 1 && a.isCircle())) continue;
-      const Segment& b = contour.segments[(i + 1) % n];
       Joint joint = jointAfter(contour, i);
       joint.contour = c;
-      if (std::abs(joint.turn_rad) * radius_mm < kNoTurnMm) {
-        joint.kind = JointKind::kTangent;
-      } else if (side * joint.turn_rad > 0.0) {
-        joint.kind = JointKind::kShortened;
-      } else {
-        joint.kind = JointKind::kInserted;
-        if (std::abs(joint.turn_rad) < 0.5 * kPi + 1e-9) {
-          const Legs legs = legsOf(a, b, joint, side, radius_mm);
-          if (legIsFree(legs.first, contour, i, obstacles, radius_mm) &&
-              legIsFree(legs.second, contour, i, obstacles, radius_mm)) {
-            joint.kind = JointKind::kExtended;
-            pieces.push_back({legs.first, c, i, side, true});
-            pieces.push_back({legs.second, c, i, side, true});
-          }
-        }
-        if (joint.kind == JointKind::kInserted) {
-          pieces.push_back({arcRound(a, joint, side, radius_mm), c, i, side, true});
-        }
-      }
+      addJoint(contour, side, radius_mm, obstacles, joint, pieces);
       joints.push_back(joint);
     }
   }

@@ -73,8 +73,9 @@ Contour planeJoint(double turn_rad, double first_sweep_rad, double second_sweep_
 }
 
 void provePlane(Proof& proof) {
-  const double step = proof.grid.turn_step_deg;
-  for (double turn = -180.0 + step; turn < 180.0 - 0.5 * step; turn += step) {
+  const int steps = static_cast<int>(180.0 / proof.grid.turn_step_deg);
+  for (int i = 1 - steps; i < steps; ++i) {
+    const double turn = i * proof.grid.turn_step_deg;
     for (const double first : {0.0, 0.8, -0.8}) {
       for (const double second : {0.0, 0.9, -0.9}) {
         for (const Side side : {Side::kLeft, Side::kRight}) {

@@ -94,9 +94,12 @@ void tryCorner(Proof& proof, const FoldCorner& angles, double radius_mm, Side si
 void proveSpace(Proof& proof) {
   const ProofGrid& grid = proof.grid;
   const auto forAngles = [&](const auto& with) {
-    for (double alpha = 0.5 * grid.fold_step_deg; alpha < 180.0; alpha += grid.fold_step_deg) {
-      for (double beta = 0.5 * grid.fold_step_deg; beta < 180.0; beta += grid.fold_step_deg) {
-        for (const Side side : {Side::kLeft, Side::kRight}) with(alpha, beta, side);
+    const int steps = static_cast<int>(180.0 / grid.fold_step_deg);
+    for (int i = 0; i < steps; ++i) {
+      for (int k = 0; k < steps; ++k) {
+        for (const Side side : {Side::kLeft, Side::kRight}) {
+          with((i + 0.5) * grid.fold_step_deg, (k + 0.5) * grid.fold_step_deg, side);
+        }
       }
     }
   };

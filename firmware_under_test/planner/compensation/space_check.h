@@ -18,7 +18,7 @@ struct SpaceCorner {
   Side side{Side::kLeft};
 
   /// Lines of `length_mm`, turned and moved so that nothing is parallel to an axis.
-  static SpaceCorner of(const FoldCorner& corner, double length_mm, Side side);
+  static SpaceCorner of(const FoldCorner& angles, double length_mm, Side side);
   [[nodiscard]] SpaceContour contour() const;
 };
 
