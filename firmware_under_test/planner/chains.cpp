@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "firmware_under_test/planner/flatten.h"
+#include "firmware_under_test/planner/kerf.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -143,8 +144,15 @@ std::vector<Chain> joinChains(const hil::Dieline& dieline, const JobParameters& 
       extend(chain, pool);
       chain.segments = reversedPath(chain.segments);
     }
-    if (chain.closed()) rotateToDownstreamCorner(chain);
     chains.push_back(std::move(chain));
+  }
+  if (job.kerf_radius_mm > 0.0) {
+    setNesting(chains);
+    chains = compensate(chains, job).chains;
+  }
+  for (Chain& chain : chains) {
+    chain.nesting = 0;
+    if (chain.closed()) rotateToDownstreamCorner(chain);
   }
   chains.insert(chains.end(), twice.begin(), twice.end());
   setNesting(chains);

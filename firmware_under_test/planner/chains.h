@@ -22,8 +22,9 @@ struct Chain {
   [[nodiscard]] bool closed() const { return (start() - end()).norm() < kJoinMm; }
 };
 
-/// Joins the entities; where several meet, the straightest way on is taken. Sets the nesting. A closed chain
-/// begins at its most downstream corner, or joint if it has no corner.
+/// Joins the entities; where several meet, the straightest way on is taken. Sets the nesting. With a kerf
+/// radius the cuts are those of the beam's centre (kerf.h, which says what it refuses). A closed chain begins
+/// at its most downstream corner, or joint if it has no corner.
 std::vector<Chain> joinChains(const hil::Dieline& dieline, const JobParameters& job,
                               const PlannerFaults& faults);
 

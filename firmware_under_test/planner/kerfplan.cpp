@@ -18,6 +18,8 @@
 #include "firmware_under_test/planner/correction.h"
 #include "firmware_under_test/planner/cross_cut.h"
 #include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/kerf.h"
+#include "firmware_under_test/planner/kerfplan_compensate.h"
 #include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/preview/preview.h"
@@ -78,9 +80,19 @@ hil::Dieline chosenOf(const Options& options) {
 }
 
 std::string gcodeOf(const Options& options) {
-  if (!isGcode(options.input)) return planner::makeGcode(chosenOf(options), options.machine, options.job);
-  return planner::select(readText(options.input),
-                         planner::selectionFrom(options.entities, options.layers, options.processes));
+  const bool compensates = options.job.kerf_radius_mm > 0.0;
+  if (isGcode(options.input)) {
+    if (compensates)
+      throw planner::PlanError(options.input + ": G-code is the beam's path, --kerf-radius is for drawings");
+    return planner::select(readText(options.input),
+                           planner::selectionFrom(options.entities, options.layers, options.processes));
+  }
+  const hil::Dieline dieline = chosenOf(options);
+  std::string gcode = planner::makeGcode(dieline, options.machine, options.job);
+  if (compensates) {
+    for (const std::string& note : planner::compensate(dieline, options.job).notes) std::cerr << note << '\n';
+  }
+  return gcode;
 }
 
 void write(const Options& options, const std::string& text) {
@@ -211,6 +223,7 @@ void addJob(CLI::App& app, JobParameters& j) {
       ->transform(CLI::CheckedTransformer(orders, CLI::ignore_case))
       ->default_str("shortest")
       ->group(group);
+  planner::addKerfOptions(app, j);
   app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
   app.add_flag("--stop-and-go", j.stop_and_go,
                "With --feed: feed a pitch at the belt speed, stop, cut at rest")
@@ -270,11 +283,14 @@ int main(int argc, char** argv) try {
   throughput->add_option("--width", strip_width_mm, "Of the strip, mm")->capture_default_str();
   addMachine(*throughput, options.machine);
   addJob(*throughput, options.job);
+  const planner::CompensateCommand compensate(app);
+  const planner::ProveCommand prove(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
+  if (compensate.run() || prove.run()) return 0;
   if (throughput->parsed()) {
     std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
     return 0;

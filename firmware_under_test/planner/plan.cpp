@@ -192,6 +192,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
   positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
   positive(job.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
+  notNegative(job.kerf_radius_mm, "kerf_radius_mm");
   check(job.units >= 1 && job.units <= 1'000'000,
         fmt::format("units must be in 1 … 1000000, but is {}", job.units));
   if (job.units > 1) positive(job.pitch_mm, "pitch_mm");

@@ -72,6 +72,15 @@ struct JobParameters {
   /// as drawn. All but the last keep creases before cuts and holes before outlines.
   enum class Order { kShortest, kNearest, kDrawn };
   Order order{Order::kShortest};
+  /// Half the width of the cut, by which the beam runs beside the lines of process cut so that their edges
+  /// lie on the dieline (kerf.h); 0: the beam runs on the lines. Creases, half-cuts and perforations have no
+  /// edge to keep and are never moved.
+  double kerf_radius_mm{};
+  /// Which side of an open cut the beam takes, as seen along it as drawn.
+  enum class OpenCuts { kOnTheLine, kLeft, kRight };
+  OpenCuts open_cuts{OpenCuts::kOnTheLine};
+  /// Cut what can be cut of features smaller than the kerf, rather than refuse.
+  bool allow_lost_features{false};
 };
 
 /// Acceleration of jumps, as told or as that of marks.

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "firmware_under_test/planner/compensation/curves.h"
+#include "firmware_under_test/planner/compensation/offset.h"
+
+namespace kerfbench::planner {
+
+/// A piece of curve that the beam's path may follow, in the sense of its contour.
+struct Piece {
+  Segment curve;
+  std::size_t contour{};
+  std::size_t segment{};  ///< Of the contour.
+  double side{};          ///< +1: the beam runs to the left of the contour.
+  bool joint{};           ///< Belongs to the joint at the segment's end.
+};
+
+/// A Segment with its box, to be found fast.
+struct Boxed {
+  Segment curve;
+  Eigen::AlignedBox2d box;
+  double slack_mm;  ///< What rounding makes of a distance to it.
+};
+Boxed boxed(const Segment& curve);
+std::vector<Boxed> boxed(const std::vector<Contour>& contours);
+
+/// True if no curve is nearer to p than `radius_mm`, but for rounding.
+bool isFree(const std::vector<Boxed>& obstacles, const Eigen::Vector2d& p_mm, double radius_mm);
+
+/// Offset of one segment; nothing where an arc is too tight for it.
+std::optional<Segment> offsetOf(const Segment& segment, double side, double radius_mm);
+
+/// The joint after segment i.
+Joint jointAfter(const Contour& contour, std::size_t i);
+
+/// Offsets of all segments and their joints, before anything is cut. Sets the joints' kinds.
+std::vector<Piece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
+                             double radius_mm, std::vector<Joint>& joints);
+
+/// Pieces end to end. Closed contours: @throws CompensationError where an end meets no other.
+std::vector<BeamPath> stitched(std::vector<Piece> pieces, const std::vector<Contour>& contours);
+
+/// What of the contours is not cut by the paths. `kept` holds the offset pieces that remained.
+std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours, const std::vector<Piece>& kept,
+                                       const std::vector<BeamPath>& paths, double radius_mm);
+
+}  // namespace kerfbench::planner

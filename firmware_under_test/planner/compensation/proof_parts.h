@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "firmware_under_test/planner/compensation/proof.h"
+
+namespace kerfbench::planner {
+
+/// The two halves of prove().
+void proveSpace(Proof& proof);
+void provePlane(Proof& proof);
+
+}  // namespace kerfbench::planner

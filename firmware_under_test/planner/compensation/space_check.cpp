@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/compensation/space_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector3d;
+
+double pointToLine(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
+  const Vector3d d = b - a;
+  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return (p - a - t * d).norm();
+}
+
+/// Places along a line of `length`, dense where its distance from B is small.
+std::vector<double> stations(double length, double from_b, double radius_mm) {
+  std::vector<double> at;
+  for (double s = 0.0; s < length;) {
+    at.push_back(s);
+    s += std::abs(s - from_b) < 20.0 * radius_mm ? 0.02 * radius_mm : radius_mm;
+  }
+  at.push_back(length);
+  return at;
+}
+
+double toPath(const std::vector<SpacePoint>& path, const Vector3d& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vector3d& a = path[i].p_mm;
+    const Vector3d& b = path[i + 1].p_mm;
+    least = std::min(least, a == b ? (p - a).norm() : pointToLine(p, a, b));
+  }
+  return least;
+}
+
+}  // namespace
+
+SpaceCorner SpaceCorner::of(const FoldCorner& angles, double length_mm, Side side) {
+  const Eigen::Matrix3d turn =
+      (Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) * Eigen::AngleAxisd(0.4, Vector3d::UnitX()) *
+       Eigen::AngleAxisd(-1.1, Vector3d::UnitY()))
+          .toRotationMatrix();
+  const double mirror = side == Side::kLeft ? 1.0 : -1.0;
+  SpaceCorner c;
+  c.side = side;
+  c.along = turn * Vector3d(mirror, 0.0, 0.0);
+  c.h1 = turn * Vector3d::UnitY();
+  c.n1 = turn * Vector3d::UnitZ();
+  c.h2 = std::cos(angles.omega_rad) * c.h1 + std::sin(angles.omega_rad) * c.n1;
+  c.n2 = std::sin(angles.omega_rad) * c.h1 - std::cos(angles.omega_rad) * c.n1;
+  c.b = Vector3d(12.0, -7.0, 30.0);
+  c.a = c.b + length_mm * (-std::cos(angles.alpha_rad) * c.along + std::sin(angles.alpha_rad) * c.h1);
+  c.c = c.b + length_mm * (-std::cos(angles.beta_rad) * c.along + std::sin(angles.beta_rad) * c.h2);
+  return c;
+}
+
+SpaceContour SpaceCorner::contour() const {
+  SpaceContour contour;
+  contour.side = side;
+  contour.points = {{a, n1}, {b, n2}, {c, n2}};
+  return contour;
+}
+
+SpaceCheck checkCorner(const SpaceCorner& corner, const std::vector<SpacePoint>& path, double radius_mm) {
+  SpaceCheck check;
+  check.nearest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vector3d d = path[i + 1].p_mm - path[i].p_mm;
+    const double length = d.norm();
+    if (length == 0.0) continue;
+    const bool in_first = (path[i].axis - corner.n1).norm() < 1e-9;
+    const Vector3d& n = in_first ? corner.n1 : corner.n2;
+    const Vector3d& h = in_first ? corner.h1 : corner.h2;
+    for (const double s : stations(length, -d.dot(path[i].p_mm - corner.b) / length, radius_mm)) {
+      ++check.samples;
+      const Vector3d p = path[i].p_mm + s / length * d;
+      check.nearest_mm = std::min(
+          {check.nearest_mm, pointToLine(p, corner.a, corner.b), pointToLine(p, corner.b, corner.c)});
+      check.off_surface_mm =
+          std::max({check.off_surface_mm, std::abs((p - corner.b).dot(n)), -(p - corner.b).dot(h)});
+    }
+  }
+  const double mirror = corner.side == Side::kLeft ? 1.0 : -1.0;
+  for (const bool first : {true, false}) {
+    const Vector3d& from = first ? corner.a : corner.b;
+    const Vector3d& to = first ? corner.b : corner.c;
+    const double length = (to - from).norm();
+    const Vector3d u = (to - from) / length;
+    const Vector3d beside = mirror * radius_mm * (first ? corner.n1 : corner.n2).cross(u);
+    for (const double s : stations(length, first ? length : 0.0, radius_mm)) {
+      ++check.samples;
+      const Vector3d p = from + s * u + beside;
+      if ((p - corner.b).dot(first ? corner.h1 : corner.h2) < 0.0) continue;
+      const double other = first ? pointToLine(p, corner.b, corner.c) : pointToLine(p, corner.a, corner.b);
+      if (other < radius_mm * (1.0 + 1e-9)) continue;
+      check.missed_mm = std::max(check.missed_mm, toPath(path, p));
+    }
+  }
+  return check;
+}
+
+}  // namespace kerfbench::planner

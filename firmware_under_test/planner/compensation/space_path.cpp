@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/compensation/space_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <Eigen/Geometry>
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDeg = kPi / 180.0;
+constexpr double kNoLengthMm = 1e-6;
+constexpr double kTooNearMm = 1e-6;
+/// A line nearer to the fold's direction than this runs along it; a turn nearer to 180° turns back.
+constexpr double kAlongRad = 0.1 * kDeg;
+constexpr std::size_t kMostFaults = 20;
+
+struct Line {
+  Vector3d a;
+  Vector3d b;
+  Vector3d u;   ///< Unit, from a to b.
+  Vector3d n;   ///< Unit, perpendicular to u.
+  Vector3d nu;  ///< Unit, to the beam's side in the plane.
+  double length{};
+};
+
+/// The beam's way round the end of one line and the begin of the next.
+struct Corner {
+  double cut_first_mm{};
+  double cut_second_mm{};
+  std::vector<SpacePoint> points;
+  SpaceJointReport report;
+};
+
+std::string placeOf(const SpaceContour& contour, std::size_t point) {
+  const Vector3d& p = contour.points[point].p_mm;
+  const std::string where = fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
+  if (point < contour.file_lines.size()) return fmt::format("line {}: {}", contour.file_lines[point], where);
+  return fmt::format("point {} {}", point + 1, where);
+}
+
+std::vector<Line> linesOf(const SpaceContour& contour, const SpaceLimits& limits,
+                          std::vector<std::string>& faults) {
+  std::vector<Line> lines;
+  const double side = contour.side == Side::kLeft ? 1.0 : -1.0;
+  for (std::size_t i = 0; i + 1 < contour.points.size(); ++i) {
+    const SpacePoint& from = contour.points[i];
+    Line line{from.p_mm, contour.points[i + 1].p_mm, {}, {}, {}, 0.0};
+    const auto fault = [&](const std::string& what) { faults.push_back(placeOf(contour, i) + ": " + what); };
+    if (!line.a.allFinite() || !line.b.allFinite() || !from.axis.allFinite()) {
+      fault("a number is not finite");
+      continue;
+    }
+    line.length = (line.b - line.a).norm();
+    if (line.length < kNoLengthMm) {
+      fault("a line of no length begins here");
+      continue;
+    }
+    if (std::abs(from.axis.norm() - 1.0) > 0.01) {
+      fault(fmt::format("the axis is no unit vector, its length is {:.4f}", from.axis.norm()));
+      continue;
+    }
+    line.u = (line.b - line.a) / line.length;
+    const double askew = std::asin(std::clamp(from.axis.normalized().dot(line.u), -1.0, 1.0)) / kDeg;
+    if (std::abs(askew) > limits.askew_deg) {
+      fault(fmt::format("the axis stands {:.2f}° off the right angle to its line", std::abs(askew)));
+      continue;
+    }
+    line.n = (from.axis - from.axis.dot(line.u) * line.u).normalized();
+    line.nu = side * line.n.cross(line.u);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+/// In one plane: shortened, extended, or two corners on tangents where it turns away by more than 90°.
+Corner planeCorner(const Line& in, const Line& out, double radius_mm, double side) {
+  Corner corner;
+  corner.report.joint = SpaceJoint::kPlanar;
+  corner.report.corner.omega_rad = kPi;
+  const double turn = side * std::atan2(in.n.dot(in.u.cross(out.u)), in.u.dot(out.u));
+  const double reach = radius_mm * std::tan(0.5 * std::abs(turn));
+  const Vector3d foot = in.b + radius_mm * in.nu;
+  if (turn > 0.0) {
+    corner.cut_first_mm = corner.cut_second_mm = reach;
+    corner.points.push_back({foot - reach * in.u, in.n});
+  } else if (-turn < 0.5 * kPi + 1e-9) {
+    corner.points.push_back({foot + reach * in.u, in.n});
+  } else {
+    const double half = radius_mm * std::tan(-0.25 * turn);
+    corner.points.push_back({foot + half * in.u, in.n});
+    corner.points.push_back({out.a + radius_mm * out.nu - half * out.u, in.n});
+  }
+  return corner;
+}
+
+/// The two half planes at a fold, or why there is no way round.
+struct Fold {
+  Vector3d along;  ///< On the offsets' side.
+  Vector3d h1;     ///< From the fold into the plane of AB.
+  Vector3d h2;
+  FoldCorner corner;
+  std::string fault;
+};
+
+Fold foldOf(const Line& in, const Line& out, const SpaceLimits& limits) {
+  Fold fold;
+  const auto refuse = [&](std::string why) {
+    fold.fault = std::move(why);
+    return fold;
+  };
+  const Vector3d m = in.n.cross(out.n).normalized();
+  fold.along = in.nu.dot(m) > 0.0 ? m : Vector3d(-m);
+  const double alpha = std::acos(std::clamp(in.u.dot(fold.along), -1.0, 1.0));
+  const double beta = std::acos(std::clamp(-out.u.dot(fold.along), -1.0, 1.0));
+  for (const double angle : {alpha, beta}) {
+    if (std::min(angle, kPi - angle) < kAlongRad)
+      return refuse("a line runs along the fold between its planes");
+  }
+  const auto across = [&](const Vector3d& v) {
+    return Vector3d((v - v.dot(fold.along) * fold.along).normalized());
+  };
+  fold.h1 = across(-in.u);
+  fold.h2 = across(out.u);
+  double omega = std::atan2(fold.h2.dot(in.n), fold.h2.dot(fold.h1));
+  if (omega < 0.0) omega += 2.0 * kPi;
+  const double deg = omega / kDeg;
+  const Vector3d expected = std::sin(omega) * fold.h1 - std::cos(omega) * in.n;
+  if (out.n.dot(expected) < 0.5) return refuse("the axis changes to the other face of the sheet");
+  if (deg < limits.narrowest_deg - 1e-6) {
+    return refuse(fmt::format("{:.2f}° between the planes: below {:g}° the head has no room", deg,
+                              limits.narrowest_deg));
+  }
+  if (deg > 360.0 - limits.pierced_deg) {
+    return refuse(fmt::format("{:.2f}° round the edge: above {:g}° the beam pierces the second plane", deg,
+                              360.0 - limits.pierced_deg));
+  }
+  fold.corner = {alpha, beta, omega};
+  return fold;
+}
+
+Corner foldCorner(const Line& in, const Line& out, const Fold& fold, double radius_mm) {
+  Corner corner;
+  const FoldPath path = foldPath(fold.corner, radius_mm);
+  corner.cut_first_mm = path.cut_first_mm;
+  corner.cut_second_mm = path.cut_second_mm;
+  const Vector3d& b = in.b;
+  for (const Vector2d& p : path.first) {
+    corner.points.push_back({b + p.x() * fold.along + p.y() * fold.h1, in.n});
+  }
+  corner.points.push_back({b + path.fold_mm * fold.along, in.n});
+  corner.points.push_back({b + path.fold_mm * fold.along, out.n});
+  for (auto p = path.second.rbegin(); p != path.second.rend(); ++p) {
+    corner.points.push_back({b + p->x() * fold.along + p->y() * fold.h2, out.n});
+  }
+  corner.report.corner = fold.corner;
+  corner.report.joint = fold.corner.joint();
+  corner.report.number = fold.corner.number();
+  corner.report.drawn_back = path.drawn_back;
+  return corner;
+}
+
+Corner cornerAt(const SpaceContour& contour, std::size_t point, const Line& in, const Line& out,
+                double radius_mm, const SpaceLimits& limits, std::vector<std::string>& faults) {
+  Corner corner;
+  const double between = std::atan2(in.n.cross(out.n).norm(), in.n.dot(out.n)) / kDeg;
+  if (between <= limits.planar_deg) {
+    if (std::acos(std::clamp(in.u.dot(out.u), -1.0, 1.0)) > kPi - kAlongRad) {
+      faults.push_back(placeOf(contour, point) + ": the contour turns back on itself");
+      return corner;
+    }
+    corner = planeCorner(in, out, radius_mm, contour.side == Side::kLeft ? 1.0 : -1.0);
+  } else if (between > 180.0 - 1e-6) {
+    faults.push_back(placeOf(contour, point) + ": the planes lie back to back, or face to face");
+  } else {
+    const Fold fold = foldOf(in, out, limits);
+    if (fold.fault.empty()) {
+      corner = foldCorner(in, out, fold, radius_mm);
+    } else {
+      faults.push_back(placeOf(contour, point) + ": " + fold.fault);
+    }
+  }
+  corner.report.point = point;
+  return corner;
+}
+
+/// Pieces of path that come nearer than the radius to a line of the contour.
+void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, const SpacePath& path,
+                double radius_mm, std::vector<std::string>& faults) {
+  for (std::size_t j = 0; j < lines.size(); ++j) {
+    const Line& line = lines[j];
+    Eigen::AlignedBox3d box(line.a);
+    box.extend(line.b);
+    double nearest = radius_mm - kTooNearMm;
+    Vector3d where = Vector3d::Zero();
+    for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
+      const Vector3d& p = path.points[i].p_mm;
+      const Vector3d& q = path.points[i + 1].p_mm;
+      Eigen::AlignedBox3d piece(p);
+      piece.extend(q);
+      if (box.exteriorDistance(piece) >= radius_mm) continue;
+      const double d = distanceMm(p, q, line.a, line.b);
+      if (d >= nearest) continue;
+      nearest = d;
+      where = 0.5 * (p + q);
+    }
+    if (nearest < radius_mm - kTooNearMm) {
+      faults.push_back(
+          fmt::format("{}: the path comes as near as {:.4f} mm to the line that begins here, about ({:.3f}, "
+                      "{:.3f}, {:.3f})",
+                      placeOf(contour, j), nearest, where.x(), where.y(), where.z()));
+    }
+  }
+}
+
+void throwIfAny(std::vector<std::string> faults) {
+  if (faults.empty()) return;
+  if (faults.size() > kMostFaults) {
+    const std::size_t more = faults.size() - kMostFaults;
+    faults.resize(kMostFaults);
+    faults.push_back(fmt::format("and {} more", more));
+  }
+  throw CompensationError(fmt::format("{}", fmt::join(faults, "\n")));
+}
+
+}  // namespace
+
+double distanceMm(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0, const Vector3d& b1) {
+  // Least of |r + s d1 - t d2| over the unit square: the border lines, and the inner minimum if it is inside.
+  const Vector3d d1 = a1 - a0;
+  const Vector3d d2 = b1 - b0;
+  const Vector3d r = a0 - b0;
+  const auto toLine = [](const Vector3d& p, const Vector3d& from, const Vector3d& d) {
+    const double square = d.squaredNorm();
+    const double t = square > 0.0 ? std::clamp((p - from).dot(d) / square, 0.0, 1.0) : 0.0;
+    return (p - from - t * d).norm();
+  };
+  double least = std::min({toLine(a0, b0, d2), toLine(a1, b0, d2), toLine(b0, a0, d1), toLine(b1, a0, d1)});
+  const double det = d1.squaredNorm() * d2.squaredNorm() - d1.dot(d2) * d1.dot(d2);
+  if (det > 1e-18 * d1.squaredNorm() * d2.squaredNorm()) {
+    const double s = (d1.dot(d2) * d2.dot(r) - d2.squaredNorm() * d1.dot(r)) / det;
+    const double t = (d1.squaredNorm() * d2.dot(r) - d1.dot(d2) * d1.dot(r)) / det;
+    if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) least = std::min(least, (r + s * d1 - t * d2).norm());
+  }
+  return least;
+}
+
+SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const SpaceLimits& limits) {
+  if (!(radius_mm > 0.0) || !std::isfinite(radius_mm)) {
+    throw CompensationError(fmt::format("the spot's radius must be > 0, but is {:g} mm", radius_mm));
+  }
+  if (contour.points.size() < 2) throw CompensationError("a contour needs two points");
+  std::vector<std::string> faults;
+  const std::vector<Line> lines = linesOf(contour, limits, faults);
+  throwIfAny(faults);
+
+  const std::size_t n = lines.size();
+  const bool closed = n > 2 && (lines.front().a - lines.back().b).norm() < kNoLengthMm;
+  std::vector<Corner> corners;
+  for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
+    corners.push_back(cornerAt(contour, i + 1, lines[i], lines[(i + 1) % n], radius_mm, limits, faults));
+  }
+  throwIfAny(faults);
+
+  for (std::size_t i = 0; i < n; ++i) {
+    const double begin = i > 0 ? corners[i - 1].cut_second_mm : (closed ? corners.back().cut_second_mm : 0.0);
+    const double end = i < corners.size() ? corners[i].cut_first_mm : 0.0;
+    if (begin + end > lines[i].length - kNoLengthMm) {
+      faults.push_back(fmt::format("{}: the line is {:.4f} mm long, its joints take {:.4f} mm of it",
+                                   placeOf(contour, i), lines[i].length, begin + end));
+    }
+  }
+  throwIfAny(faults);
+
+  SpacePath path;
+  if (!closed) path.points.push_back({lines.front().a + radius_mm * lines.front().nu, lines.front().n});
+  for (const Corner& corner : corners) {
+    path.points.insert(path.points.end(), corner.points.begin(), corner.points.end());
+    path.joints.push_back(corner.report);
+  }
+  if (closed) {
+    path.points.insert(path.points.begin(), path.points.back());
+  } else {
+    path.points.push_back({lines.back().b + radius_mm * lines.back().nu, lines.back().n});
+  }
+  checkClear(contour, lines, path, radius_mm, faults);
+  throwIfAny(faults);
+  return path;
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware_under_test/planner/compensation/contour.h"
+#include "firmware_under_test/planner/compensation/space_joint.h"
+
+namespace kerfbench::planner {
+
+/// Lines in space, one after the other. The axis of a point is that of the line which begins there; that of
+/// the last point is not used. A polyline whose last point is its first is closed.
+struct SpaceContour {
+  std::vector<SpacePoint> points;
+  std::vector<int> file_lines;  ///< Of the points, for messages; may be empty.
+  Side side{Side::kLeft};       ///< Of the beam, seen from the head.
+};
+
+struct SpaceLimits {
+  double narrowest_deg{90.0};  ///< A free angle below it leaves no room for the head.
+  double planar_deg{0.01};     ///< Within so much of 180° two planes are one.
+  /// Above 360° less this the beam pierces the second plane while it cuts in the first. [The paper names the
+  /// limit and gives no figure.]
+  double pierced_deg{10.0};
+  double askew_deg{0.5};  ///< An axis may be off the right angle to its line by this, and is made good.
+};
+
+/// A joint as it was made.
+struct SpaceJointReport {
+  std::size_t point{};  ///< Of the contour: B.
+  SpaceJoint joint{SpaceJoint::kPlanar};
+  FoldCorner corner;
+  int number{};
+  bool drawn_back{};
+};
+
+struct SpacePath {
+  /// Corners of the beam's path. A place on a fold comes twice, with the axis of each plane: there the head
+  /// turns.
+  std::vector<SpacePoint> points;
+  std::vector<SpaceJointReport> joints;
+};
+
+/// The path of the beam at `radius_mm` from the contour, on its side, each line offset in the plane that its
+/// axis stands upon (Chi et al. 2014).
+/// @throws CompensationError that lists every place with its reason: free angles beyond the limits, axes that
+/// are no unit vectors, askew or on the other face, lines along a fold, of no length or too short for their
+/// joints, a line that turns back, and a path that comes nearer than the radius to any other line.
+SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const SpaceLimits& limits = {});
+
+/// Least distance of two line segments.
+double distanceMm(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1, const Eigen::Vector3d& b0,
+                  const Eigen::Vector3d& b1);
+
+}  // namespace kerfbench::planner
