@@ -221,6 +221,7 @@ TEST(Flow, TheButtonGainsAThirdOfItsMeanSpeed) {
   JobParameters job = smoothJob(5.0);
   job.acceleration_mm_s2 = 9000.0;
   job.web_start_x_mm = 25.0;
+  job.order = JobParameters::Order::kNearest;  // as the scenarios native/button and native/button-straight
   const Plan smooth = planner::plan(button(), machine, job);
   job.jump_radius_mm = 0.0;
   const Plan straight = planner::plan(button(), machine, job);
