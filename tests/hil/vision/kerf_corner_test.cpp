@@ -218,6 +218,77 @@ TEST(KerfCorner, IsRunOverWhereOneLegAloneRunsOver) {
   EXPECT_LT(std::hypot(z.mean, z.sigma), 1.3);
 }
 
+/// A line that turns by 90 degrees into an arc of 2.5 mm, to either side; whoever draws it.
+TEST(KerfCorner, WithACurvedLegIsHeldAgainstThatCurve) {
+  constexpr double kRadiusMm = 2.5;
+  std::vector<double> errors, zs;
+  std::uint64_t seed = 50;
+  for (const double side : {1.0, -1.0}) {
+    for (const bool against : {false, true}) {
+      TwinCut cut;
+      cut.seed = cut.camera.board_seed = ++seed;
+      const Vector2d shift(0.03, 0.02);
+      for (int i = 0; i < 4; ++i) {
+        const Vector2d corner(-12.0 + 8.0 * i, 1.0);
+        const double heading = 0.7 * i + 0.2;
+        const Vector2d in = along(heading);
+        // The arc starts along `out` and bends to one side.
+        const Vector2d out = along(heading + 0.5 * kPi);
+        const Vector2d centre = corner + side * kRadiusMm * Vector2d(-out.y(), out.x());
+        const Vector2d from = corner - centre;
+        const double start = std::atan2(from.y(), from.x());
+        const ArcCurve arc{centre, kRadiusMm, start, side * 1.2};
+        const ArcCurve backwards{centre, kRadiusMm, start + side * 1.2, -side * 1.2};
+        cut.share_of[cut.add(LineCurve{corner - 2.5 * in, corner})] = 0.0;
+        cut.share_of[cut.add(against ? backwards : arc)] = 0.0;
+        const auto before = cut.also;
+        cut.also = [=, &cut](twin::Sheet& sheet) {
+          if (before) before(sheet);
+          cut.burn(sheet, corner + shift - 2.5 * in, corner + shift, 1.5);
+          cut.burn(sheet, ArcCurve{centre + shift, kRadiusMm, start, side * 1.2}, 0.0, 1.5);
+        };
+      }
+      const KerfScan scan = cut.scan();
+      ASSERT_EQ(scan.corners.size(), 4U);
+      for (const CornerKerf& corner : scan.corners) {
+        ASSERT_TRUE(corner.found);
+        errors.push_back(corner.deviation_mm - shift.norm());
+        zs.push_back(errors.back() / corner.deviation_sigma_mm);
+        EXPECT_LT(corner.rounding_mm, 0.012);
+        EXPECT_LT(corner.overshoot_mm, 0.012);
+      }
+    }
+  }
+  const test::Statistics e = test::statisticsOf(errors);
+  const test::Statistics z = test::statisticsOf(zs);
+  std::printf("  %.2f +- %.2f um, z %.2f\n", 1e3 * e.mean, 1e3 * e.sigma, std::hypot(z.mean, z.sigma));
+  EXPECT_LT(std::hypot(e.mean, e.sigma), 0.0025);
+  EXPECT_LT(std::hypot(z.mean, z.sigma), 1.4);
+}
+
+TEST(KerfCorner, IsNotDisturbedByAKerfThatEndsBesideItsLeg) {
+  const auto scanWith = [](bool neighbour) {
+    Corners corners(0.5 * kPi, {{0.02, 0.03}, 0.05, 0.0}, 61);
+    std::vector<LineCurve> others;
+    for (const Corners::Way& way : corners.ways) {
+      const Vector2d left(-way.out.y(), way.out.x());
+      const Vector2d end = way.corner + 0.72 * way.out + 0.3 * left;
+      if (neighbour) others.push_back({end, end + 1.5 * left});
+    }
+    for (const LineCurve& line : others) corners.cut.add(line);
+    return corners.cut.scan();
+  };
+  const KerfScan alone = scanWith(false);
+  const KerfScan beside = scanWith(true);
+  ASSERT_EQ(alone.corners.size(), 8U);
+  ASSERT_EQ(beside.corners.size(), 8U);
+  for (std::size_t i = 0; i < alone.corners.size(); ++i) {
+    ASSERT_TRUE(beside.corners[i].found);
+    EXPECT_NEAR(beside.corners[i].deviation_mm, alone.corners[i].deviation_mm, 0.0015);
+    EXPECT_NEAR(beside.corners[i].rounding_mm, alone.corners[i].rounding_mm, 0.004);
+  }
+}
+
 TEST(KerfCorner, IsNotMovedByScorchOnOneSide) {
   const auto cut = [](double darkening, std::uint64_t seed) {
     Corners corners(0.5 * kPi, {{0.03, -0.02}, 0.05, 0.0}, seed);
