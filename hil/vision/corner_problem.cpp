@@ -136,9 +136,9 @@ int CornerProblem::operator()(const VectorXd& x, VectorXd& f) const {
       x[kInScorch] / kScorchSigma_mm, x[kOutScorch] / kScorchSigma_mm, 0.0, 0.0;
   if (x.size() > kMeet + 1) {
     const double together_mm = std::abs(x[kMeet]);
-    const double apart_mm = std::abs(x[kMeet + 1]);
+    const double apart_mm = x[kMeet + 1];
     f[f.size() - 2] = apart_mm / (together_mm + kUneven_mm);
-    f[f.size() - 1] = std::max(0.0, apart_mm - together_mm) / kOpposite_mm;
+    f[f.size() - 1] = std::max(0.0, std::abs(apart_mm) - together_mm) / kOpposite_mm;
   }
   return 0;
 }
