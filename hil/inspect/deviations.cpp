@@ -48,7 +48,7 @@ constexpr double kSigmaOfMad = 1.4826;
 constexpr double kFlanks = 1.4;
 // Of what blur adds to a width: how well one kerf's shape tells it. How well the blur itself is known is
 // EntityKerf::widening_sigma_mm.
-constexpr double kOwnBlurShare = 0.035;
+constexpr double kOwnBlurShare = 0.032;
 // The same of one that lets only part of the light through, whose middle must tell how deep it is.
 constexpr double kShallowBlurShare = 0.06;
 constexpr double kShallow = 0.85;  // Brightness.

@@ -26,7 +26,7 @@ struct UncertaintyBudget {
   std::string unit;      ///< "mm"
   double as_read{};      ///< Before corrections.
   std::vector<BudgetEntry> entries;
-  double analytic_U{};         ///< 2 x root sum of squares of the entries (JCGM 100).
+  double analytic_U{};         ///< 2 x root sum of squares of the entries (JCGM 100), cut off at nought.
   double analytic_value{};     ///< as_read less the corrections.
   double monte_carlo_U{};      ///< Twice the standard deviation of simulated measurements (JCGM 101).
   double monte_carlo_value{};  ///< The reading, corrected by their mean.

@@ -229,8 +229,11 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
     variance += entry.u * entry.u;
     out.analytic_value -= entry.correction;
   }
-  out.analytic_U = 2.0 * std::sqrt(variance);
-  out.analytic_value = std::max(out.analytic_value, 0.0);
+  // A magnitude below nought is impossible: the interval ends there, as that of the simulation does.
+  const double low = std::max(out.analytic_value - 2.0 * std::sqrt(variance), 0.0);
+  const double high = std::max(out.analytic_value + 2.0 * std::sqrt(variance), low);
+  out.analytic_U = 0.5 * (high - low);
+  out.analytic_value = 0.5 * (low + high);
   out.monte_carlo_U = all.worst.U;
   out.monte_carlo_value = all.worst.value;
   out.draws = kDraws;

@@ -28,7 +28,7 @@ constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 // What the model of the picture leaves, measured (tests/hil/vision/kerf_corner_test.cpp): the lens is not
 // known better.
 constexpr double kArcModelMm = 0.00032;
-constexpr double kEndsModelMm = 0.0007;
+constexpr double kEndsModelMm = 0.0008;
 constexpr double kRoundingModelMm = 0.0004;
 constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
 constexpr double kBentMeeting = 0.8;

@@ -83,6 +83,16 @@ TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
   EXPECT_NEAR(with_U, std::hypot(without_U, 0.006), 1e-9);
 }
 
+TEST(WorstDeviation, BothIntervalsOfAFlawlessCutEndAtNought) {
+  // How far the largest noise reaches is known, and taken off.
+  ErrorModel model = oneLine(3, 0.0, 0.002);
+  model.estimator_mm = 0.003;
+  const UncertaintyBudget b = measureDeviations(model, {LineKind{}}, 0.1, 1).budget;
+  EXPECT_NEAR(b.analytic_value - b.analytic_U, 0.0, 1e-12);
+  EXPECT_LT(b.analytic_U, 0.006) << "twice what the estimator leaves, uncut";
+  EXPECT_NEAR(b.analytic_U / b.monte_carlo_U, 1.0, 0.2);
+}
+
 TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
   // As much truth as noise: nobody knows which of two hundred places is the worst.
   constexpr int kLines = 20;
