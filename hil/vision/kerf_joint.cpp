@@ -115,18 +115,23 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
     const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
-    // The kerf may lie beside the nominal curve: look along the kerf. Where it ends tells where exactly.
-    const auto lookAt = [&](double offset_mm) {
-      const Eigen::Vector2d aside = offset_mm * Eigen::Vector2d(-tangent.y(), tangent.x());
+    const Eigen::Vector2d left(-tangent.y(), tangent.x());
+    // The kerf may lie beside the nominal curve, and askew to it: look along the kerf.
+    const auto lookAt = [&](const EndLine& line) -> std::optional<double> {
       const double inside_mm = std::min(kEndInsideMm, insideMm(stations[from], half_width_mm));
-      return outlineMm(scene, {stations[from].p_S_mm + aside, outward, strip_mm, leg->brightness, inside_mm});
+      const Eigen::Vector2d along = (outward - line.slope * left).normalized();
+      const auto at = outlineMm(scene, {stations[from].p_S_mm + line.offset_mm * left, along, strip_mm,
+                                        leg->brightness, inside_mm});
+      return at ? std::optional(*at * along.dot(outward)) : std::nullopt;
     };
     if (leg) {
-      const double first_mm = besideEnd(kerf, station_mm).value_or(leg->offset_mm);
-      auto at = lookAt(first_mm);
+      auto at = lookAt(besideEnd(kerf, station_mm).value_or(EndLine{leg->offset_mm, 0.0}));
+      // Where it ends tells where exactly it lies.
       const double short_mm = at ? std::clamp(-*at, 0.0, kEndInsideMm) : 0.0;
-      if (const auto offset_mm = besideEnd(kerf, station_mm + (end.at_start ? short_mm : -short_mm)))
-        at = lookAt(*offset_mm);
+      if (auto line = besideEnd(kerf, station_mm + (end.at_start ? short_mm : -short_mm))) {
+        line->offset_mm -= line->slope * short_mm;
+        at = lookAt(*line);
+      }
       if (at) {
         const KerfOutline outline = outlineOf(scene, stations[from].p_S_mm, half_width_mm, leg->brightness);
         out.found = true;

@@ -11,6 +11,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kLegMm = 1.7;
+constexpr double kStatedShare =
+    0.5;  // A width's stated variance holds more than scatter from one to the next.
 
 }  // namespace
 
@@ -44,7 +46,7 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double f
   double flicker = 0.0;
   for (const double half_mm : half_widths_mm)
     flicker += (half_mm - leg.half_width_mm) * (half_mm - leg.half_width_mm) / (n - 1.0);
-  leg.flicker_mm = std::sqrt(std::max(0.0, flicker - width_variance / n));
+  leg.flicker_mm = std::sqrt(std::max(0.0, flicker - kStatedShare * width_variance / n));
   // A short leg does not tell a direction.
   const bool directed = readings.size() > 3 && farthest_mm - nearest_mm > 0.6 * kLegMm;
   leg.offset_mm = directed ? polynomialThrough(readings, 1)[0] : mean_mm / n;
@@ -74,12 +76,13 @@ Eigen::VectorXd polynomialThrough(const std::vector<LegReading>& readings, Eigen
   return basis.householderQr().solve(offsets);
 }
 
-std::optional<double> besideEnd(const EntityKerf& kerf, double station_mm) {
+std::optional<EndLine> besideEnd(const EntityKerf& kerf, double station_mm) {
   constexpr double kFromMm = 0.12;
   constexpr double kToMm = 0.5;
   const std::vector<LegReading> readings = readingsBeside(kerf, station_mm, kFromMm, kToMm);
   if (readings.size() < 3) return std::nullopt;
-  return polynomialThrough(readings, 1)[0];
+  const Eigen::VectorXd line = polynomialThrough(readings, 1);
+  return EndLine{line[0], line[1]};
 }
 
 }  // namespace kerfbench::hil

@@ -37,8 +37,13 @@ std::vector<LegReading> readingsBeside(const EntityKerf& kerf, double station_mm
 /// Coefficients of a polynomial through readings, the constant first: offset over the way from the joint.
 Eigen::VectorXd polynomialThrough(const std::vector<LegReading>& readings, Eigen::Index degree);
 
-/// Offset of the kerf along the entity's left normal next to where it ends, from the half millimetre before
-/// that; nullopt where fewer than three calipers tell.
-std::optional<double> besideEnd(const EntityKerf& kerf, double station_mm);
+/// A straight line along a kerf near its end.
+struct EndLine {
+  double offset_mm{};  ///< At the end, along the entity's left normal.
+  double slope{};      ///< How it changes with the way from the end.
+};
+
+/// From the half millimetre before the end; nullopt where fewer than three calipers tell.
+std::optional<EndLine> besideEnd(const EntityKerf& kerf, double station_mm);
 
 }  // namespace kerfbench::hil
