@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -165,6 +166,51 @@ TEST(PowerLibrary, RefusesFilesThatAreNone) {
     EXPECT_NE(refusal.ofLaser(text), "") << text;
   }
   EXPECT_THROW((void)readLaser("/nowhere/laser.yaml"), PowerError);
+}
+
+TEST(PowerLibrary, WhateverIsDamagedIsRefusedOrStillRises) {
+  const std::string whole = textOf(test::kPowerFolder + "co2-tube-80w.yaml");
+  const std::string text = whole.substr(whole.find("version"));
+  const auto path =
+      std::filesystem::temp_directory_path() / ("planner-power-damaged-" + std::to_string(::getpid()));
+  std::mt19937_64 random(31);
+  constexpr char kBytes[] = "0123456789.-+eE:,{}[]&*!?|>'\\\"#%@ \n\t\0\xff~naif";
+  const Material steel = test::steel();
+  int refused = 0;
+  for (int i = 0; i < 600; ++i) {
+    std::string damaged = text;
+    const int count = std::uniform_int_distribution<int>(1, 4)(random);
+    for (int k = 0; k < count; ++k) {
+      const std::size_t at = std::uniform_int_distribution<std::size_t>(0, damaged.size() - 1)(random);
+      const char byte = kBytes[std::uniform_int_distribution<std::size_t>(0, sizeof kBytes - 2)(random)];
+      const auto way = std::uniform_int_distribution<int>(0, 2)(random);
+      if (way == 0) damaged[at] = byte;
+      if (way == 1) damaged.insert(at, 1, byte);
+      if (way == 2) damaged.erase(at, 3);
+    }
+    std::ofstream(path, std::ios::binary) << damaged;
+    try {
+      const LaserTube tube = readLaser(path);
+      const PowerModel model(steel, tube, {0.2, 0.2, std::nullopt});
+      for (std::size_t k = 1; k < tube.power.points().size(); ++k) {
+        ASSERT_GT(tube.power.points()[k].x, tube.power.points()[k - 1].x) << damaged;
+        ASSERT_GT(tube.power.points()[k].y, tube.power.points()[k - 1].y) << damaged;
+      }
+      const double power_w = model.at(model.speedsFor(0.2).highest_mm_s, 0.2).power_w;
+      ASSERT_TRUE(power_w >= tube.least_w && power_w <= tube.most_w) << damaged;
+    } catch (const PowerError&) {
+      ++refused;
+    }
+  }
+  std::filesystem::remove(path);
+  EXPECT_GT(refused, 200);
+  EXPECT_LT(refused, 590);
+}
+
+TEST(PowerLibrary, RefusesNestingThatWouldExhaustTheStack) {
+  const Refusal refusal("deep");
+  EXPECT_NE(refusal.ofMaterial("points: " + std::string(200'000, '[')), "");
+  EXPECT_NE(refusal.ofMaterial(std::string(2'000'000, '#')), "");
 }
 
 }  // namespace

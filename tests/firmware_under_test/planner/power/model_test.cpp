@@ -26,11 +26,13 @@ std::string refusal(const PowerWish& wish) {
 }
 
 TEST(PowerModel, TheChainLeadsFromDepthToDepth) {
+  const Material steel = test::steel();
+  const LaserTube tube = test::tube();
   std::mt19937_64 random(21);
   for (int i = 0; i < 2000; ++i) {
     const double spot = std::uniform_real_distribution<double>(0.2, 0.5)(random);
     const double depth = std::uniform_real_distribution<double>(0.01, 0.48)(random);
-    const PowerModel model(test::steel(), test::tube(), {spot, depth, std::nullopt});
+    const PowerModel model(steel, tube, {spot, depth, std::nullopt});
     const PowerModel::Speeds range = model.speedsFor(depth);
     const double speed =
         std::uniform_real_distribution<double>(range.lowest_mm_s, range.highest_mm_s)(random);
