@@ -88,7 +88,7 @@ YamlReader opened(const std::filesystem::path& path, const char* kind) {
 }
 
 /// Of points with faults a stand-in: finish() refuses the file.
-Curve curveOf(Read read) { return read.sound ? Curve(std::move(read.points)) : Curve(); }
+Curve curveOf(const Read& read) { return read.sound ? Curve(read.points) : Curve(); }
 
 }  // namespace
 
@@ -100,10 +100,10 @@ Material readMaterial(const std::filesystem::path& path) try {
   YamlReader units = file.section("units");
   (void)units.choice("power_per_area", {"J/mm2"});
   (void)units.choice("depth", {"mm"});
-  Read read = readPoints(file, "power_per_area", "depth");
+  const Read read = readPoints(file, "power_per_area", "depth");
   if (!read.points.empty() && read.points.front().y != 0.0)
     file.fault("points", "the first must be where cutting begins, at depth 0");
-  material.depth = curveOf(std::move(read));
+  material.depth = curveOf(read);
   file.finish();
   return material;
 } catch (const hil::ConfigError& error) {
@@ -118,9 +118,9 @@ LaserTube readLaser(const std::filesystem::path& path) try {
   YamlReader units = file.section("units");
   laser.control_unit = units.choice("control", {"%", "V"});
   (void)units.choice("power", {"W"});
-  Read read = readPoints(file, "control", "power");
+  const Read read = readPoints(file, "control", "power");
   laser.full_control = file.number("full_control", {.min = 1e-3, .max = kMost});
-  laser.power = curveOf(std::move(read));
+  laser.power = curveOf(read);
   const double low_w = laser.power.least().y;
   const double high_w = laser.power.greatest().y;
   laser.least_w = file.number("least_power_w", {.min = 0.0, .max = kMost, .fallback = low_w});

@@ -18,7 +18,6 @@
 namespace kerfbench::planner {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -30,7 +29,7 @@ std::string textOf(const std::string& path) {
 /// Writes the text to a file of its own and says how reading it is refused; empty: it is not.
 class Refusal {
  public:
-  explicit Refusal(std::string name)
+  explicit Refusal(const std::string& name)
       : path_(std::filesystem::temp_directory_path() /
               ("planner-power-" + std::to_string(::getpid()) + "-" + name)) {}
   ~Refusal() { std::filesystem::remove(path_); }
@@ -60,7 +59,8 @@ const char* const kHead = "version: 1\nkind: material\nname: m\nunits: {power_pe
 
 std::string points(const std::vector<std::pair<std::string, std::string>>& rows) {
   std::string text = "points:\n";
-  for (const auto& [x, y] : rows) text += "  - {power_per_area: " + x + ", depth: " + y + "}\n";
+  for (const auto& [x, y] : rows)
+    text.append("  - {power_per_area: ").append(x).append(", depth: ").append(y).append("}\n");
   return text;
 }
 

@@ -121,6 +121,32 @@ TEST(PowerLoop, AMeasurementOfThePeriodBeforeNeedsALowerGain) {
     EXPECT_LT(errorAfter(60, gain, 40.0, 0.4, 1), 1e-6) << gain;
 }
 
+// The PWM has steps: the power changes between the two next to what is wanted, and its mean is what is
+// wanted.
+TEST(PowerLoop, ThroughThePwmItsMeanIsExact) {
+  const auto model = test::steelModel(0.2);
+  std::mt19937_64 random(6);
+  for (int i = 0; i < 200; ++i) {
+    const double gain = std::uniform_real_distribution<double>(0.8, 1.2)(random);
+    const double wanted = std::uniform_real_distribution<double>(8.0, 60.0)(random);
+    double power = wanted;
+    double sum_w = 0.0;
+    constexpr int kPeriods = 500;
+    for (int k = 0; k < kPeriods; ++k) {
+      const std::uint8_t byte = model->byteFor(model->laser().power.inverse(power).value());
+      const double made_w = gain * model->powerOf(byte);
+      if (k >= 20) {
+        const double step_w = gain * (model->powerOf(std::uint8_t(byte + 1)) - model->powerOf(byte));
+        EXPECT_NEAR(made_w, wanted, 2.0 * step_w);
+      }
+      sum_w += made_w;
+      power = nextPower(power, wanted, made_w, kLimits);
+    }
+    // All the error there ever was is what the power was changed by, and the first period's.
+    EXPECT_NEAR(sum_w / kPeriods, wanted, 20.0 / kPeriods);
+  }
+}
+
 // Noise of the measurement goes through, amplified by no more than 1 / (1 - |1 - G|).
 TEST(PowerLoop, NoiseOfTheMeasurementStaysBounded) {
   std::mt19937_64 random(5);

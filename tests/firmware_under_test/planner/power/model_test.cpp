@@ -49,7 +49,8 @@ TEST(PowerModel, SaysWhatDepthIsReachedWhereTheLaserSaturates) {
   const auto model = test::steelModel(0.2);
   const PowerModel::Speeds range = model->speedsFor(0.2);
   double before = 1.0;
-  for (double speed = 1.0; speed < 1000.0; speed *= 1.1) {
+  for (int i = 0; i < 72; ++i) {
+    const double speed = std::pow(1.1, i);
     const PowerModel::Setting s = model->at(speed, 0.2);
     EXPECT_GE(s.power_w, model->laser().least_w);
     EXPECT_LE(s.power_w, model->laser().most_w);
