@@ -12,12 +12,14 @@ namespace kerfbench::planner {
 namespace {
 
 constexpr double kFullDuty = 255.0;
+/// Less is no cut.
+constexpr double kLeastDepth_mm = 1e-4;
 /// G-code has four decimals.
 constexpr double kSameZ = 5e-5;
 
 std::string depthFault(const char* name, double depth_mm, const Material& material) {
-  if (!(depth_mm > 0.0) || !std::isfinite(depth_mm))
-    return fmt::format("{} must be > 0 mm, but is {:g}", name, depth_mm);
+  if (!(depth_mm >= kLeastDepth_mm) || !std::isfinite(depth_mm))
+    return fmt::format("{} must be at least {:g} mm, but is {:g}", name, kLeastDepth_mm, depth_mm);
   const Curve::Point& last = material.depth.greatest();
   if (depth_mm > last.y)
     return fmt::format("{}: {:g} mm cannot be had in {}: it saturates at {:g} J/mm2, {:g} mm is the greatest",

@@ -9,19 +9,23 @@
 namespace kerfbench::planner {
 
 std::vector<double> tableSpeeds(const PowerModel& model, double depth_mm) {
-  const PowerModel::Speeds range = model.speedsFor(depth_mm);
   constexpr double kSlowest_mm_s = 1.0;
-  std::vector<double> speeds{range.highest_mm_s};
-  if (range.lowest_mm_s > 0.0) speeds.push_back(range.lowest_mm_s);
-  double decade = std::pow(10.0, std::floor(std::log10(std::max(range.lowest_mm_s / 2.0, kSlowest_mm_s))));
+  constexpr double kFastest_mm_s = 1e6;
+  const PowerModel::Speeds range = model.speedsFor(depth_mm);
+  const double lowest = std::min(range.lowest_mm_s, kFastest_mm_s);
+  const double highest = std::min(range.highest_mm_s, kFastest_mm_s);
+  std::vector<double> speeds{highest};
+  if (lowest > 0.0) speeds.push_back(lowest);
+  double decade = std::pow(10.0, std::floor(std::log10(std::max(lowest / 2.0, kSlowest_mm_s))));
   for (bool on = true; on; decade *= 10.0) {
     for (const double step : {1.0, 2.0, 5.0}) {
-      if (!on || decade * step < range.lowest_mm_s / 2.5) continue;
+      if (!on || decade * step < lowest / 2.5) continue;
       speeds.push_back(decade * step);
-      on = decade * step <= range.highest_mm_s;
+      on = decade * step <= highest;
     }
   }
   std::sort(speeds.begin(), speeds.end());
+  speeds.erase(std::unique(speeds.begin(), speeds.end()), speeds.end());
   return speeds;
 }
 

@@ -94,9 +94,9 @@ TEST(PowerModel, RefusesEverythingWrongAtOnce) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(
       refusal({nan, -1.0, 3.0}),
-      AllOf(HasSubstr("spot diameter must be in"), HasSubstr("depth must be > 0 mm, but is -1"),
+      AllOf(HasSubstr("spot diameter must be in"), HasSubstr("depth must be at least 0.0001 mm, but is -1"),
             HasSubstr("half depth: 3 mm cannot be had"), HasSubstr("must be less than the depth of cuts")));
-  for (const double bad : {nan, 0.0, -0.2, 1e308, std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {nan, 0.0, -0.2, 1e-300, 1e308, std::numeric_limits<double>::infinity()}) {
     EXPECT_NE(refusal({0.2, bad, std::nullopt}), "") << bad;
     EXPECT_NE(refusal({bad, 0.2, std::nullopt}), "") << bad;
     EXPECT_NE(refusal({0.2, 0.2, bad}), "") << bad;
@@ -108,6 +108,18 @@ TEST(PowerModel, RefusesEverythingWrongAtOnce) {
   const auto model = test::steelModel(0.2);
   for (const double bad : {nan, 0.0, -1.0}) EXPECT_THROW((void)model->at(bad, 0.2), std::domain_error);
   EXPECT_THROW((void)model->at(100.0, 0.5), std::domain_error);
+}
+
+TEST(PowerModel, TheTableEndsForTheOddestLibraries) {
+  for (const double steepest : {5e-324, 1e-300, 1e-6, 1.0, 1e6}) {
+    const Material odd{"odd", "", Curve({{0.0, 0.0}, {steepest, 1.0}})};
+    const PowerModel model(odd, test::tube(), {0.01, 0.5, std::nullopt});
+    const std::vector<double> speeds = tableSpeeds(model, 0.5);
+    EXPECT_GE(speeds.size(), 2U);
+    EXPECT_LE(speeds.size(), 40U);
+    for (const double speed : speeds) EXPECT_TRUE(speed > 0.0 && speed <= 2e6) << speed;
+    EXPECT_THAT(powerTable(model, 0.5, speeds), HasSubstr("odd with CO2 tube"));
+  }
 }
 
 TEST(PowerModel, ZTellsTheDepth) {
