@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -44,6 +45,36 @@ double longestS(const std::vector<Segment>& path, const JobParameters& job, cons
   return sum;
 }
 
+std::string markName(const Block& block) {
+  return block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
+}
+
+/// Marks that the power model's laser is too weak for.
+std::vector<std::string> tooWeak(const UnitPath& unit, const JobParameters& job) {
+  std::vector<std::string> faults;
+  std::set<std::string> named;
+  for (const Block& block : unit.blocks) {
+    const Sample* worst = nullptr;
+    PowerModel::Setting most;
+    for (const Sample& sample : block.samples) {
+      if (sample.marked_mm <= 0.0) continue;
+      const PowerModel::Setting setting = powerSetting(sample, job);
+      if (setting.limit != PowerModel::Limit::kMost || setting.wanted_w <= most.wanted_w) continue;
+      most = setting;
+      worst = &sample;
+    }
+    if (worst == nullptr || !named.insert(markName(block)).second) continue;
+    const double depth_mm = job.power->depthOf(worst->z, job.half_z);
+    faults.push_back(fmt::format(
+        "from {}: {:g} mm deep at {:.1f} mm/s needs {:.1f} W, {} gives {:g} W, enough for {:.3f} mm; mark at "
+        "{:.1f} mm/s at most",
+        markName(block), depth_mm, worst->marked_mm / worst->z / kPeriodS, most.wanted_w,
+        job.power->laser().name, most.power_w, most.depth_mm,
+        std::floor(job.power->speedsFor(depth_mm).highest_mm_s * 10.0) / 10.0));
+  }
+  return faults;
+}
+
 }  // namespace
 
 std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const MachineParameters& machine) {
@@ -73,15 +104,14 @@ std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const M
 
 std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParameters& machine,
                                      const JobParameters& job) {
+  if (job.power) return tooWeak(unit, job);
   std::vector<std::string> faults;
   std::set<std::string> named;
   for (const Block& block : unit.blocks) {
     double most = 0.0;
-    for (const Sample& sample : block.samples)
-      most = std::max(most, powerByte(sample.marked_mm, machine, job));
+    for (const Sample& sample : block.samples) most = std::max(most, powerByte(sample, machine, job));
     if (most < 255.5) continue;
-    const std::string name =
-        block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
+    const std::string name = markName(block);
     if (!named.insert(name).second) continue;
     faults.push_back(fmt::format(
         "from {}: {:g} J/mm at {:g} mm/s needs {:.1f} W, the laser has {:g} W; mark at {:.0f} mm/s at most",
@@ -89,6 +119,37 @@ std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParamete
         machine.full_power_w, std::floor(0.99 * job.mark_speed_mm_s * 255.0 / most)));
   }
   return faults;
+}
+
+std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters& job) {
+  if (!job.power) return {};
+  struct Slow {
+    double way_mm{}, depth_mm{};
+    int periods{};
+  };
+  std::map<double, Slow> by_z;
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) {
+      if (sample.marked_mm <= 0.0) continue;
+      const PowerModel::Setting setting = powerSetting(sample, job);
+      if (setting.limit != PowerModel::Limit::kLeast) continue;
+      Slow& slow = by_z[sample.z];
+      slow.way_mm += sample.marked_mm / sample.z;
+      slow.depth_mm = std::max(slow.depth_mm, setting.depth_mm);
+      ++slow.periods;
+    }
+  }
+  std::vector<std::string> warnings;
+  for (const auto& [z, slow] : by_z) {
+    const double wanted_mm = job.power->depthOf(z, job.half_z);
+    warnings.push_back(
+        fmt::format("Z{:g}: below {:.1f} mm/s {} gives no less than {:g} W: {:.3f} mm of way in {} periods "
+                    "get up to {:.3f} mm "
+                    "deep, {:g} mm are wanted",
+                    z, job.power->speedsFor(wanted_mm).lowest_mm_s, job.power->laser().name,
+                    job.power->laser().least_w, slow.way_mm, slow.periods, slow.depth_mm, wanted_mm));
+  }
+  return warnings;
 }
 
 CheckResult checkJob(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
@@ -137,7 +198,11 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   }
   auto unit = planUnit(path, job, axes, v);
   if (!unit) unit = planUnit(path, job, axes, 0.0);  // what the laser lacks, it lacks on a resting sheet too
-  if (unit) add(powerFaults(*unit, machine, job));
+  if (unit) {
+    add(powerFaults(*unit, machine, job));
+    const std::vector<std::string> slow = powerWarnings(*unit, job);
+    result.warnings.insert(result.warnings.end(), slow.begin(), slow.end());
+  }
   if (result.errors.empty()) result.solution = std::move(solved.solution);
   return result;
 }

@@ -45,4 +45,8 @@ std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const M
 std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParameters& machine,
                                      const JobParameters& job);
 
+/// Where a job with a power model marks so slowly that the laser's least power is too much: a sentence for
+/// each Z.
+std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters& job);
+
 }  // namespace kerfbench::planner

@@ -20,6 +20,7 @@
 #include "firmware_under_test/planner/gcode.h"
 #include "firmware_under_test/planner/kerf.h"
 #include "firmware_under_test/planner/kerfplan_compensate.h"
+#include "firmware_under_test/planner/kerfplan_power.h"
 #include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/preview/preview.h"
@@ -40,6 +41,7 @@ struct Options {
   std::string output;
   std::string entities, layers, processes;  ///< As typed; empty: all.
   std::string correction;                   ///< File of the table.
+  planner::PowerOptions power;
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
                             .mirror_spacing_mm = 15.0,
@@ -264,6 +266,7 @@ int main(int argc, char** argv) try {
                     "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
         ->group("Machine");
     addJob(*sub, options.job);
+    planner::addPowerOptions(*sub, options.power);
     return sub;
   };
   const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
@@ -285,12 +288,13 @@ int main(int argc, char** argv) try {
   addJob(*throughput, options.job);
   const planner::CompensateCommand compensate(app);
   const planner::ProveCommand prove(app);
+  const planner::PowerCommand power(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 64;
   }
-  if (compensate.run() || prove.run()) return 0;
+  if (compensate.run() || prove.run() || power.run()) return 0;
   if (throughput->parsed()) {
     std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
     return 0;
@@ -299,6 +303,7 @@ int main(int argc, char** argv) try {
     options.machine.correction =
         std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
   }
+  options.job.power = planner::powerModelOf(options.power);
   if (order->parsed()) {
     if (isGcode(options.input))
       throw planner::PlanError(options.input + ": an order is chosen for a drawing");
@@ -319,6 +324,9 @@ int main(int argc, char** argv) try {
   write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
   return 0;
 } catch (const planner::PlanError& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const planner::PowerError& error) {
   std::cerr << error.what() << '\n';
   return kBadInput;
 } catch (const hil::DielineError& error) {

@@ -187,7 +187,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
             (std::isfinite(job.jump_radius_mm) && job.jump_radius_mm >= 0.0),
         fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
                     kRadiusOfDrawing, job.jump_radius_mm));
-  positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
+  if (!job.power) positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
   positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);

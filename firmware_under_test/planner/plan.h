@@ -12,6 +12,7 @@
 namespace kerfbench::planner {
 
 class CorrectionTable;
+class PowerModel;
 
 /// What the reference controller knows of its machine: data-sheet values typed in by whoever set it up. The
 /// twin has its own, and a difference between the two is a fault that the bench must see.
@@ -52,6 +53,9 @@ struct JobParameters {
   double jump_radius_mm{0};
   /// Power over speed that cuts through, Z1 (S3's P_ua times the spot diameter).
   double cut_energy_j_per_mm{};
+  /// Material, laser and wanted depths, by which the laser is controlled instead of cut_energy_j_per_mm and
+  /// full_power_w; none: power proportional to speed and to Z.
+  std::shared_ptr<const PowerModel> power{};
   double half_z{0.5};  ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};

@@ -29,8 +29,8 @@ class Writer {
   Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
       : axes_(axes), machine_(machine), job_(job), v_(belt_speed_mm_s) {}
 
-  /// One period that ends with the beam at p_W.
-  void period(const Vector2d& p_W_mm, double marked_mm, int entity) {
+  /// One period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
+  void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
     const Vector2d wanted = axes_.stepsAt(p_W_mm);
     int count[2];
     for (int i = 0; i < 2; ++i) {
@@ -53,10 +53,9 @@ class Writer {
     axis(axes_.firstAxis(), count[0]);
     axis(axes_.firstAxis() + 1, count[1]);
     axis(KB_FEED, feedSteps());
-    if (marked_mm > 0.0) {
+    if (mark != nullptr && mark->marked_mm > 0.0) {
       mask |= KB_OP_POWER;
-      op.push_back(
-          static_cast<std::uint8_t>(std::lround(std::min(powerByte(marked_mm, machine_, job_), 255.0))));
+      op.push_back(static_cast<std::uint8_t>(std::lround(std::min(powerByte(*mark, machine_, job_), 255.0))));
     }
     if (following_) {
       const double gain = axes_.xStepsPerMm(p_W_mm) * machine_.encoder_count_mm * 4096.0;
@@ -72,12 +71,12 @@ class Writer {
   }
 
   void hold(int periods) {
-    for (int i = 0; i < periods; ++i) period(p_W_mm_, 0.0, -1);
+    for (int i = 0; i < periods; ++i) period(p_W_mm_, nullptr, -1);
   }
 
   void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
     const Reposition way(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
-    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), 0.0, -1);
+    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), nullptr, -1);
   }
 
   void waitMark(std::int32_t offset) {
@@ -171,7 +170,7 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
   const Vector2d park = writer.at();
   for (int k = 1; k <= layout.catch_up_periods; ++k) {
     const double u = static_cast<double>(k) / layout.catch_up_periods;
-    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods), 0.0), 0.0, -1);
+    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods), 0.0), nullptr, -1);
   }
   int k = layout.catch_up_periods;
   const auto inMachine = [&](const Vector2d& p_S_mm) {
@@ -182,20 +181,25 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
     const Block& block = unit.blocks[i];
     for (int wait = 0; wait < layout.waits[i]; ++wait) {
       ++k;
-      writer.period(inMachine(p_S), 0.0, block.entity);
+      writer.period(inMachine(p_S), nullptr, block.entity);
     }
     for (const Sample& sample : block.samples) {
       ++k;
       p_S = sample.p_S_mm;
-      writer.period(inMachine(p_S), sample.marked_mm, block.entity);
+      writer.period(inMachine(p_S), &sample, block.entity);
     }
   }
 }
 
 }  // namespace
 
-double powerByte(double marked_mm, const MachineParameters& machine, const JobParameters& job) {
-  const double power_w = job.cut_energy_j_per_mm * marked_mm / kPeriodS;
+PowerModel::Setting powerSetting(const Sample& sample, const JobParameters& job) {
+  return job.power->at(sample.marked_mm / sample.z / kPeriodS, job.power->depthOf(sample.z, job.half_z));
+}
+
+double powerByte(const Sample& sample, const MachineParameters& machine, const JobParameters& job) {
+  if (job.power) return job.power->byteFor(powerSetting(sample, job).control);
+  const double power_w = job.cut_energy_j_per_mm * sample.marked_mm / kPeriodS;
   return power_w / machine.full_power_w * 255.0;
 }
 

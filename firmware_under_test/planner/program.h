@@ -2,6 +2,7 @@
 #pragma once
 
 #include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/power/model.h"
 #include "firmware_under_test/planner/solve.h"
 
 namespace kerfbench::planner {
@@ -11,8 +12,11 @@ namespace kerfbench::planner {
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
                     const PlannerFaults& faults, const Axes& axes);
 
-/// PWM byte for marks of Z times `marked_mm` in one period (S3: energy per length stays, so power follows
-/// speed). May exceed 255: the laser is then too weak.
-double powerByte(double marked_mm, const MachineParameters& machine, const JobParameters& job);
+/// PWM byte for the marks of one period, marked_mm > 0 (S3: power follows speed). Without a power model
+/// energy per length stays, and the byte may exceed 255: the laser is then too weak. With one it is a whole
+/// number within the laser's limits.
+double powerByte(const Sample& sample, const MachineParameters& machine, const JobParameters& job);
+/// What the power model makes of the marks of one period, marked_mm > 0. @pre job.power
+PowerModel::Setting powerSetting(const Sample& sample, const JobParameters& job);
 
 }  // namespace kerfbench::planner

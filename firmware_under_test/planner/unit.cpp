@@ -30,7 +30,7 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
       length_mm = run[++segment].lengthMm();
     }
     const double marked_mm = run[0].z * (stations[k] - stations[k - 1]);
-    samples.push_back({run[segment].at(stations[k] - begun_mm), marked_mm, run[segment].line});
+    samples.push_back({run[segment].at(stations[k] - begun_mm), marked_mm, run[segment].line, run[0].z});
   }
   samples.back().p_S_mm = run.back().end_mm;
 }

@@ -16,6 +16,7 @@ struct Sample {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   double marked_mm{};  ///< Path in the period times Z; 0: laser off.
   int line{};          ///< Of the G-code that is under way at the end of the period; 0 if it has none.
+  double z{};          ///< Of the mark; 0: laser off.
 };
 
 /// A jump and the marks after it, up to the next jump: runs without a break, since the sheet cannot be waited

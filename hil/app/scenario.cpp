@@ -7,9 +7,12 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
+#include "firmware_under_test/planner/power/model.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/day.h"
 
@@ -246,6 +249,35 @@ FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
   return result;
 }
 
+/// S3: by depth, with a material and a laser, instead of by energy per length.
+std::shared_ptr<const planner::PowerModel> readPower(YamlReader power) {
+  const fs::path material = fileOf(power, "material");
+  const fs::path laser = fileOf(power, "laser");
+  planner::PowerWish wish{.spot_diameter_mm = power.number("spot_diameter_mm", {.min = 0.01, .max = 10}),
+                          .depth_mm = power.number("depth_mm", {.min = 1e-4, .max = 100}),
+                          .half_depth_mm = std::nullopt};
+  if (power.has("half_depth_mm"))
+    wish.half_depth_mm = power.number("half_depth_mm", {.min = 1e-4, .max = 100});
+  const auto read = [&](const char* key, const fs::path& file, auto reader) {
+    decltype(std::optional(reader(file))) library;
+    try {
+      if (!file.empty()) library = reader(file);
+    } catch (const planner::PowerError& error) {
+      power.fault(key, fmt::format("cannot be used:\n{}", error.what()));
+    }
+    return library;
+  };
+  const auto the_material = read("material", material, planner::readMaterial);
+  const auto the_laser = read("laser", laser, planner::readLaser);
+  if (!the_material || !the_laser) return nullptr;
+  try {
+    return std::make_shared<planner::PowerModel>(*the_material, *the_laser, wish);
+  } catch (const planner::PowerError& error) {
+    power.fault("depth_mm", error.what());
+    return nullptr;
+  }
+}
+
 planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   planner::JobParameters job;
   job.belt_speed_mm_s = scenario.belt_speed_mm_s;
@@ -259,8 +291,11 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
       planner.number("jump_acceleration_mm_s2", {.min = 0, .max = 1e6, .fallback = 0.0});
   // Who sends G-code of his own needs no planner.
   const bool planned = scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench;
+  const bool by_depth = planner.has("power");
   job.cut_energy_j_per_mm = planner.number(
-      "cut_energy_j_per_mm", {1e-4, 10, planned ? std::nullopt : std::optional(job.cut_energy_j_per_mm)});
+      "cut_energy_j_per_mm",
+      {1e-4, 10, planned && !by_depth ? std::nullopt : std::optional(job.cut_energy_j_per_mm)});
+  if (by_depth) job.power = readPower(planner.section("power"));
   job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
   job.perforation_cut_mm =
       planner.number("perforation_cut_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_cut_mm});

@@ -104,12 +104,15 @@ TEST(IncludeRules, TheFirmwareAndItsPlannerKnowNothingOfTheTwin) {
       "");
 }
 
+// And the house's strict YAML, which judges nothing.
 TEST(IncludeRules, OfTheBenchThePlannerUsesTheDielineAlone) {
-  EXPECT_EQ(offenders([](const Include& i) {
-              return in(i.file, "firmware_under_test") && in(i.target, "hil") &&
-                     !in(i.target, "hil/dieline") && i.target != "hil/source/pin_stream.h";
-            }),
-            "");
+  EXPECT_EQ(
+      offenders([](const Include& i) {
+        return in(i.file, "firmware_under_test") && in(i.target, "hil") && !in(i.target, "hil/dieline") &&
+               i.target != "hil/source/pin_stream.h" &&
+               !(in(i.file, "firmware_under_test/planner/power") && i.target == "hil/base/yaml_reader.h");
+      }),
+      "");
 }
 
 struct Library {

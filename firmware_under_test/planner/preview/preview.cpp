@@ -112,12 +112,22 @@ json differences(const Film& film, int axis) {
   return list;
 }
 
+double fullPower(const MachineParameters& machine, const JobParameters& job) {
+  return job.power ? job.power->laser().most_w : machine.full_power_w;
+}
+
 json powersOf(const Film& film, const MachineParameters& machine, const JobParameters& job) {
   json list = json::array();
   for (const Sample& sample : film.samples) {
-    const double per_period_mm = sample.marked_mm;
-    const long byte = std::lround(std::min(powerByte(per_period_mm, machine, job), 255.0));
-    list.push_back(per_period_mm > 0.0 ? std::max(1L, byte) : 0L);
+    long share = 0;  // of full power, in 255ths
+    if (sample.marked_mm > 0.0) {
+      const double byte = std::min(powerByte(sample, machine, job), 255.0);
+      share = std::lround(job.power ? 255.0 * job.power->powerOf(static_cast<std::uint8_t>(byte)) /
+                                          fullPower(machine, job)
+                                    : byte);
+      share = std::max(1L, share);
+    }
+    list.push_back(share);
   }
   return list;
 }
@@ -188,7 +198,7 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
       filmOf(*unit, checked.solution ? checked.solution->layoutOf(0).waits : std::vector<int>());
 
   json data{{"period_s", film.period_s},
-            {"full_power_w", machine.full_power_w},
+            {"full_power_w", fullPower(machine, job)},
             {"belt_mm_s", v},
             {"x", differences(film, 0)},
             {"y", differences(film, 1)},

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/power/model.h"
 #include "hil/app/dialogs.h"
 #include "hil/base/yaml_reader.h"
 #include "tests/hil/app/temp_folder.h"
@@ -66,6 +67,25 @@ TEST_F(CaseTest, TheMachineSetsTheRadiusOfJumpsAndTheScenarioWins) {
   EXPECT_EQ(plannerJob(label("planner: {jump_acceleration_mm_s2: 5000}\n")).jump_acceleration_mm_s2, 5000.0);
   EXPECT_THAT(faultsOf("planner: {jump_radius_mm: -0.5}\n"),
               HasSubstr("planner.jump_radius_mm: is a radius"));
+}
+
+TEST_F(CaseTest, PowerIsByEnergyOrByDepth) {
+  const std::string power =
+      fmt::format("planner: {{power: {{material: {}, laser: {}, spot_diameter_mm: 0.2, ",
+                  fixture("power/mild-steel.yaml").string(), fixture("power/co2-tube-80w.yaml").string());
+  EXPECT_EQ(plannerJob(label("")).power, nullptr);
+  const Case by_depth = label(power + "depth_mm: 0.3, half_depth_mm: 0.1}}\n");
+  ASSERT_NE(plannerJob(by_depth).power, nullptr);
+  EXPECT_EQ(plannerJob(by_depth).power->depthOf(1.0, 0.5), 0.3);
+  EXPECT_EQ(plannerJob(by_depth).power->depthOf(0.5, 0.5), 0.1);
+  EXPECT_THAT(faultsOf(power + "depth_mm: 0.5}}\n"),
+              HasSubstr("s.yaml:3: planner.power.depth_mm: depth: 0.5 mm cannot be had in mild steel"));
+  const auto broken = temp_.write("broken.yaml", "version: 1\nkind: laser\n");
+  EXPECT_THAT(
+      faultsOf("planner: {power: {material: no.yaml, laser: " + broken.string() + ", width: 3}}\n"),
+      AllOf(HasSubstr("planner.power.material: no such file 'no.yaml'"),
+            HasSubstr("planner.power.depth_mm: missing"), HasSubstr("planner.power.laser: cannot be used"),
+            HasSubstr("broken.yaml:1: points: 0 of them"), HasSubstr("planner.power.width: unknown key")));
 }
 
 TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {

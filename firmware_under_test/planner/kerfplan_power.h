@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "firmware_under_test/planner/power/model.h"
+
+namespace kerfbench::planner {
+
+struct PowerOptions {
+  std::string material, laser;  ///< Files; both or none.
+  double depth_mm{};            ///< 0: not told.
+  double half_depth_mm{};       ///< 0: not told.
+  double spot_diameter_mm{0.2};
+};
+
+void addPowerOptions(CLI::App& app, PowerOptions& options);
+
+/// Null if nothing of it was asked for. @throws PowerError that names all that is wrong.
+std::shared_ptr<const PowerModel> powerModelOf(const PowerOptions& options);
+
+/// `kerfplan power`: the chain from speed to control signal as a table.
+class PowerCommand {
+ public:
+  explicit PowerCommand(CLI::App& app);
+  /// True if it was asked for, and is done.
+  bool run() const;
+
+ private:
+  struct Options;
+  CLI::App* sub_;
+  std::shared_ptr<Options> options_;
+};
+
+}  // namespace kerfbench::planner
