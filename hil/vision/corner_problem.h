@@ -67,7 +67,7 @@ class CornerProblem {
   }
   [[nodiscard]] int values() const { return static_cast<int>(pixels() + points() + kPriors); }
 
-  int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& residuals) const;
+  int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& f) const;
   int df(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
 
  private:

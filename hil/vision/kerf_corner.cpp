@@ -31,7 +31,7 @@ constexpr double kArcModelMm = 0.00032;
 constexpr double kEndsModelMm = 0.0008;
 constexpr double kRoundingModelMm = 0.0004;
 constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
-constexpr double kBentMeeting = 0.8;
+constexpr double kBentMeeting = 1.3;
 
 /// Points of other curves near the corner, from it.
 std::vector<Vector2d> othersNear(const JointScene& scene, const PlannedCorner& corner,

@@ -57,7 +57,7 @@ TEST(KerfLeg, FlickersByWhatItsWidthVariesBeyondNoise) {
     kerf.calipers[i].width_mm += i % 2 == 0 ? 0.004 : -0.004;
     kerf.calipers[i].width_sigma_mm = 0.001;
   }
-  EXPECT_NEAR(legAt(kerf, 0.0, 0.3)->flicker_mm, std::sqrt(0.002 * 0.002 - 0.0005 * 0.0005), 5e-5);
+  EXPECT_NEAR(legAt(kerf, 0.0, 0.3)->flicker_mm, std::sqrt(0.002 * 0.002 - 0.5 * 0.0005 * 0.0005), 5e-5);
   for (Caliper& c : kerf.calipers) c.width_sigma_mm = 0.009;
   EXPECT_EQ(legAt(kerf, 0.0, 0.3)->flicker_mm, 0.0);
 }
