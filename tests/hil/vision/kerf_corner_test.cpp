@@ -272,7 +272,7 @@ TEST(KerfCorner, IsNotDisturbedByAKerfThatEndsBesideItsLeg) {
     std::vector<LineCurve> others;
     for (const Corners::Way& way : corners.ways) {
       const Vector2d left(-way.out.y(), way.out.x());
-      const Vector2d end = way.corner + 0.72 * way.out + 0.3 * left;
+      const Vector2d end = way.corner + 0.66 * way.out + 0.27 * left;
       if (neighbour) others.push_back({end, end + 1.5 * left});
     }
     for (const LineCurve& line : others) corners.cut.add(line);
