@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kStripLines = 11;
 constexpr double kLensPx = kUsualBlur.px;  // pixel's own area included
-constexpr double kPeakPx = 0.55;  // half of the middle that a caliper takes the brightness from
+constexpr double kPeakPx = 0.55;           // half of the middle that a caliper takes the brightness from
 constexpr double kSplinePx = 0.7071;
 constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
 constexpr double kStepsPerPx = 4.0;

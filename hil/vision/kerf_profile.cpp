@@ -11,7 +11,7 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr double kLeastRest = 0.1;       // of the radius: beyond the centre of a hole its far side begins
+constexpr double kLeastRest = 0.1;  // of the radius: beyond the centre of a hole its far side begins
 constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;
