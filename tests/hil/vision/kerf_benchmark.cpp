@@ -136,7 +136,7 @@ void pathAtPitch(benchmark::State& state, double pitch_mm) {
     const TileIndex index(at.views, p.calibration);
     const KerfPlan plan = planKerf(p.cut.dieline, options);
     KerfScan scan;
-    UnitScan(p.calibration, plan, options, at.views, index, 0, at.X_TS).cuts(scan);
+    UnitScan(p.calibration, plan, options, at.views, index, 0, at.X_TS, kUsualBlur).cuts(scan);
     worst = 0.0;
     calipers = 0;
     for (const EntityKerf& kerf : scan.entities) {
