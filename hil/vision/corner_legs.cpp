@@ -9,14 +9,13 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kBeforeNextMm = 0.25;
-// What calipers tell of a leg: all, where they lie on a straight line, else what a cubic
-// can follow.
+// What calipers tell of a leg: all, where they lie on a straight line, else what a cubic can follow.
 constexpr double kCalipersFromMm = 0.35;
 constexpr double kStraightToMm = 1.9;
 constexpr double kBentToMm = 1.25;
-constexpr double kBehindArcMm =
-    0.85;                          // Nearer, an arc that cuts the corner from afar has calipers follow it,
-constexpr double kOnArcMm = 0.04;  // so far off the line of the others.
+// Nearer, an arc that cuts the corner from afar has calipers follow it, so far off the line of the others.
+constexpr double kBehindArcMm = 0.85;
+constexpr double kOnArcMm = 0.04;
 constexpr double kStraight = 1.5;  // of the readings' own sigma
 constexpr double kStraightCurvature_per_mm = 0.01;
 constexpr double kStraightTwist_per_mm2 = 0.02;

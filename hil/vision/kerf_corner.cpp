@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kBesideMm = 0.36;   // of it, to both sides
+constexpr double kBesideMm = 0.36;   // of each leg, to both sides
 constexpr double kLegFromMm = 0.3;   // from where on calipers tell where a leg lies
 constexpr double kOnLegMm = 0.05;    // A point of another curve is not so near to a leg of the corner.
 constexpr double kMostOffMm = 0.35;  // Where a kerf lies farther off, the pixels do not hold it.
