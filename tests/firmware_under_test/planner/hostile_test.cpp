@@ -19,19 +19,10 @@
 namespace kerfbench::planner {
 namespace {
 
+using test::refusal;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-template <typename Do>
-std::string refusal(const Do& action) {
-  try {
-    action();
-  } catch (const PlanError& error) {
-    return error.what();
-  }
-  return {};
-}
 
 std::string faultsIn(const std::string& text) {
   return refusal([&] { readGcode(text); });

@@ -34,6 +34,17 @@ struct Played {
 /// Runs the program. The belt's position comes from the print marks and its speed, or from the feed steps.
 Played play(const Program& program, const MachineParameters& machine, const JobParameters& job);
 
+/// What a PlanError says that the action throws; empty if it throws none.
+template <typename Do>
+std::string refusal(const Do& action) {
+  try {
+    action();
+  } catch (const PlanError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 MachineParameters twoMirror();
 MachineParameters gantry();
 JobParameters mirrorJob();

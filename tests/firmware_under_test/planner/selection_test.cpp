@@ -15,20 +15,11 @@ namespace kerfbench::planner {
 namespace {
 
 using hil::Process;
+using test::refusal;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
-
-template <typename Do>
-std::string refusal(const Do& action) {
-  try {
-    action();
-  } catch (const PlanError& error) {
-    return error.what();
-  }
-  return {};
-}
 
 std::set<int> cutIn(const std::string& gcode) {
   std::set<int> ids;
