@@ -9,14 +9,7 @@
 #include <numeric>
 #include <vector>
 
-// The same loops for processors with wider registers, chosen when the program starts: whole numbers, so the
-// result is the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define KERFBENCH_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define KERFBENCH_WIDE
-#endif
+#include "hil/vision/wide.h"
 
 namespace kerfbench::hil {
 namespace {

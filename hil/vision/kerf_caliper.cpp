@@ -72,9 +72,9 @@ std::optional<double> lightAt(const Profile& profile, double across_mm) {
   float sum = 0.0F;
   int count = 0;
   for (const PixelAcross& pixel : profile.pixels) {
-    if (std::abs(pixel.across_mm - at) > half) continue;
-    sum += pixel.gray;
-    ++count;
+    const bool near = std::abs(pixel.across_mm - at) <= half;
+    sum += near ? pixel.gray : 0.0F;
+    count += near ? 1 : 0;
   }
   if (count < 2) return std::nullopt;
   return static_cast<double>(sum) / count;

@@ -8,6 +8,8 @@
 
 #include <Eigen/LU>
 
+#include "hil/vision/wide.h"
+
 namespace kerfbench::hil {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is si
 constexpr float kFoot = 0.5F * static_cast<float>(kTaps);
 constexpr std::size_t kPhases = 64;  // of a sample's step
 
-constexpr std::size_t kPadded = (kTaps + 3) / 4 * 4;  // whole vectors of the processor
+constexpr std::size_t kPadded = (kTaps + 7) / 8 * 8;  // whole vectors of the processor
 
 using Taps = std::array<float, kPadded>;
 
@@ -106,29 +108,34 @@ void collect(const Level* levels, double scale, const GrayImage& image, const Ei
   }
 }
 
-void spread(Profile& profile, std::size_t count) {
-  const std::array<Taps, kPhases>& table = tapTable();
-  // Room for the spline's feet at both ends.
-  profile.gray.assign(count + 2 * kTaps + kPadded - kTaps, 0.0F);
-  profile.weight.assign(count + 2 * kTaps + kPadded - kTaps, 0.0F);
-  const auto per_step = static_cast<float>(1.0 / profile.step_mm);
-  const auto zero = static_cast<float>(kTaps) - static_cast<float>(profile.first_mm / profile.step_mm);
-  const auto limit = static_cast<float>(count + kTaps) + kFoot;
-  for (const PixelAcross& pixel : profile.pixels) {
+/// Adds each pixel to the samples around it; sample i of the profile is [i + kTaps] of `gray` and `weight`.
+KERFBENCH_WIDE void addPixels(std::span<const PixelAcross> pixels, float per_step, float zero, float limit,
+                              float* __restrict gray, float* __restrict weight) {
+  const Taps* const table = tapTable().data();
+  for (const PixelAcross& pixel : pixels) {
     const float place = pixel.across_mm * per_step + zero;
     if (!(place >= kFoot) || place >= limit) continue;
     const int whole = static_cast<int>(place);
     const auto phase = static_cast<std::size_t>((place - static_cast<float>(whole)) * kPhases);
-    const Taps& taps = table[std::min(phase, kPhases - 1)];
+    const float* __restrict taps = table[std::min(phase, kPhases - 1)].data();
     const std::size_t from = static_cast<std::size_t>(whole) + 1 - kTaps / 2;
-    float* gray = profile.gray.data() + from;
-    float* weight = profile.weight.data() + from;
     const float light = pixel.share * pixel.gray;
+    const float share = pixel.share;
     for (std::size_t i = 0; i < kPadded; ++i) {
-      gray[i] += taps[i] * light;
-      weight[i] += taps[i] * pixel.share;
+      gray[from + i] += taps[i] * light;
+      weight[from + i] += taps[i] * share;
     }
   }
+}
+
+void spread(Profile& profile, std::size_t count) {
+  // Room for the spline's feet at both ends.
+  profile.gray.assign(count + kTaps + kPadded, 0.0F);
+  profile.weight.assign(count + kTaps + kPadded, 0.0F);
+  const auto per_step = static_cast<float>(1.0 / profile.step_mm);
+  const auto zero = static_cast<float>(kTaps) - static_cast<float>(profile.first_mm / profile.step_mm);
+  addPixels(profile.pixels, per_step, zero, static_cast<float>(count + kTaps) + kFoot, profile.gray.data(),
+            profile.weight.data());
   for (std::size_t i = 0; i < count; ++i) {
     const float w = profile.weight[i + kTaps];
     profile.weight[i] = w;
