@@ -71,7 +71,7 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   if (!conclusion.firmware_sha256.empty())
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
   judge(
-      the_case, twin, run.problems, options.jobs, stopwatch,
+      the_case, twin, run, options.jobs, stopwatch,
       [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);

@@ -35,6 +35,24 @@ std::vector<GateInterval> gatesOf(const twin::Twin& twin) {
   return gates;
 }
 
+/// Edges of A and B to places: A leads B when the belt runs along +Wx; both are low at the start.
+std::vector<BeltEdge> beltOf(const PinRecording& recording, double count_mm) {
+  std::vector<BeltEdge> edges;
+  bool a = false;
+  bool b = false;
+  long counts = 0;
+  for (const SensorEdge& edge : recording.sensors) {
+    if (edge.signal != Signal::kEncoderA && edge.signal != Signal::kEncoderB) continue;
+    const bool of_a = edge.signal == Signal::kEncoderA;
+    bool& line = of_a ? a : b;
+    if (line == edge.level) continue;
+    line = edge.level;
+    counts += (of_a == (a != b)) ? 1 : -1;
+    edges.push_back({recording.rate.seconds(edge.tick), static_cast<double>(counts) * count_mm});
+  }
+  return edges;
+}
+
 std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const Entity& entity : dieline.entities) {
@@ -48,8 +66,8 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
 
 }  // namespace
 
-void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
-           Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
+void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, int jobs, Stopwatch& stopwatch,
+           const ProgressFn& progress, RunReport& report) {
   const Scenario& scenario = the_case.scenario;
   const BenchCameras cameras = readCalibrations(the_case);
 
@@ -58,7 +76,9 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   evidence.print = scenario.print;
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
-  evidence.problems = problems;
+  evidence.belt_count_mm = the_case.machine.controller.encoder_count_mm;
+  evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
+  evidence.problems = run.problems;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())
     evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");

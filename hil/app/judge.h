@@ -10,9 +10,8 @@
 namespace kerfbench::hil {
 
 /// What the cameras of the bench see of a run that the twin has lived through, measured and judged. Fills the
-/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result). `problems` come from the
-/// run.
-void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
+/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result).
+void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, int jobs,
            Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report);
 
 }  // namespace kerfbench::hil

@@ -87,6 +87,7 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   if (!(blank && dark)) {
     add(checks::stillnessCheck(limits, lit, stillness));
     add(checks::excursionCheck(limits, stillness));
+    add(checks::beltCheck(evidence, limits, lit));
     add(checks::spotSeenCheck(evidence, lit));
     add(checks::spotPathCheck(evidence, limits, lit));
   }

@@ -37,6 +37,12 @@ struct GateInterval {
   double off_s{};
 };
 
+/// An edge of the belt's encoder, as the pins showed it.
+struct BeltEdge {
+  double time_s{};
+  double x_mm{};  ///< Of the belt since the start, by what the controller is told that a count is worth.
+};
+
 /// Everything the verdict may rest on: pictures and pins, never the model.
 struct Evidence {
   const Dieline* dieline{};
@@ -45,6 +51,8 @@ struct Evidence {
   KerfScan kerf;
   std::vector<PulseTiming> pulses;
   std::vector<GateInterval> gates;
+  std::vector<BeltEdge> belt;  ///< By time; empty without an encoder, or if the belt stood.
+  double belt_count_mm{};      ///< Travel of one count.
   /// With which the pictures were read. A camera without one, a reading outside its area and a reading
   /// without a stated uncertainty of its own each make the verdict INVALID.
   std::optional<CameraCalibration> kerf_calibration;

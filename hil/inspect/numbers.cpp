@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Is every number of the evidence a number?
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 
 namespace kerfbench::hil::checks {
 namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Counts what is no number, and remembers where the first was.
 class Numbers {
@@ -113,6 +116,13 @@ void addPins(const Evidence& evidence, Numbers& n) {
     n.need(gate.on_s, "the time at which the gate opened");
     n.need(gate.off_s, "the time at which the gate closed");
   }
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (const BeltEdge& edge : evidence.belt) {
+    n.need(edge.time_s >= last_s ? edge.time_s : kNan, "the time of an edge of the belt's encoder");
+    n.need(edge.x_mm, "the place of the belt");
+    last_s = edge.time_s;
+  }
+  n.need(evidence.belt_count_mm, "the travel of a count of the belt's encoder");
   n.need(evidence.pin_u_s, "the uncertainty of a pin's time");
 }
 

@@ -47,6 +47,10 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
 Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
 /// nullopt if no cut shows x: stillnessCheck() tells.
 std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
+/// The sheet's way over each cut by the pictures against that by the belt's encoder: INVALID where they part
+/// by more than the limit of stillness, for one of them is wrong. nullopt without an encoder, with one too
+/// coarse to tell, and where the belt stood.
+std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 /// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);

@@ -25,11 +25,14 @@ constexpr double kOnLegMm = 0.05;    // A point of another curve is not so near 
 constexpr double kMostOffMm = 0.35;  // Where a kerf lies farther off, the pixels do not hold it.
 constexpr int kDraws = 64;
 constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
-// What the model of the picture leaves, measured (tests/hil/vision/kerf_corner_test.cpp): the lens is not
-// known better.
-constexpr double kArcModelMm = 0.00032;
-constexpr double kEndsModelMm = 0.0008;
-constexpr double kRoundingModelMm = 0.0004;
+// What the model of the picture leaves, measured on artefacts (./bench gauge): the lens is not known better.
+constexpr double kArcModelMm = 0.0004;
+constexpr double kLegsModelMm = 0.0003;
+constexpr double kRoundingModelMm = 0.0003;
+// Of where a leg ends that runs over. One that hardly stands out is none; told worst are those of about
+// 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
+constexpr double kEndsNearShare = 1.0 / 3.0;  // of how far it runs over
+constexpr double kEndsFarMm2 = 3.8e-5;        // over how far it runs over
 constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
 constexpr double kBentMeeting = 1.3;
 
@@ -130,6 +133,23 @@ double bendWithin(const CornerLeg& leg, double length_mm) {
          (std::abs(leg.curvature_per_mm) / 2.0 + std::abs(leg.twist_per_mm2) * length_mm / 6.0);
 }
 
+double endModelMm(double over_mm) {
+  return over_mm > 0.0 ? std::min(kEndsNearShare * over_mm, kEndsFarMm2 / over_mm) : 0.0;
+}
+
+/// What the model leaves of a deviation: ends count as far as the deviation is theirs.
+double deviationModelMm(const CornerShape& shape, double reach_mm) {
+  if (shape.rounding_mm > 0.0) return kArcModelMm;
+  CornerShape longer = shape, shorter = shape;
+  for (CornerLeg CornerShape::*leg : {&CornerShape::in, &CornerShape::out}) {
+    const double model_mm = endModelMm((shape.*leg).over_mm);
+    (longer.*leg).over_mm += model_mm;
+    (shorter.*leg).over_mm -= model_mm;
+  }
+  const double of_ends_mm = 0.5 * (deviationMm(longer, reach_mm) - deviationMm(shorter, reach_mm));
+  return std::hypot(kLegsModelMm, of_ends_mm);
+}
+
 /// Deviation and how the legs meet, with what they are worth.
 void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKerf& out) {
   const auto overOf = [](const CornerShape& s) { return std::max({0.0, s.in.over_mm, s.out.over_mm}); };
@@ -153,14 +173,15 @@ void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKe
       std::acos(std::clamp(-fit.shape.in.outwards.dot(fit.shape.out.outwards), -1.0, 1.0));
   const double hidden_mm = arc ? arcLegMm(turn_rad, fit.shape.rounding_mm) : over_mm;
   const double bent_mm = std::max(bendWithin(fit.shape.in, hidden_mm), bendWithin(fit.shape.out, hidden_mm));
-  const double model_mm = std::hypot(arc ? kArcModelMm : kEndsModelMm, flicker_mm);
+  const double meeting_mm = std::hypot(flicker_mm, kBentMeeting * bent_mm);
   // The farthest of many places that are each uncertain lies too far.
   out.deviation_mm = std::max(0.0, deviation_mm - deviation.mean());
-  out.deviation_sigma_mm = deviation.sigma(std::hypot(model_mm, kBentDeviation * bent_mm));
+  out.deviation_sigma_mm = deviation.sigma(
+      std::hypot(deviationModelMm(fit.shape, reach_mm), flicker_mm, kBentDeviation * bent_mm));
   out.rounding_mm = std::max(0.0, fit.shape.rounding_mm);
-  out.rounding_sigma_mm = rounding.sigma(std::hypot(model_mm, kRoundingModelMm, kBentMeeting * bent_mm));
+  out.rounding_sigma_mm = rounding.sigma(std::hypot(kArcModelMm, kRoundingModelMm, meeting_mm));
   out.overshoot_mm = arc ? 0.0 : std::max(0.0, over_mm - over.mean());
-  out.overshoot_sigma_mm = over.sigma(std::hypot(model_mm, kBentMeeting * bent_mm));
+  out.overshoot_sigma_mm = over.sigma(std::hypot(kLegsModelMm, endModelMm(over_mm), meeting_mm));
 }
 
 }  // namespace

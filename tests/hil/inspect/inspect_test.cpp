@@ -22,7 +22,7 @@ TEST(Inspect, AFlawlessRunPassesEveryCheck) {
   }
   EXPECT_TRUE(result.problems.empty());
   EXPECT_EQ(result.verdict, Verdict::kPass);
-  EXPECT_EQ(result.checks.size(), 15U);
+  EXPECT_EQ(result.checks.size(), 16U);
 }
 
 TEST(Inspect, EveryKindOfBrokenEvidenceIsInvalid) {

@@ -2,24 +2,25 @@
 // Refused or INVALID, never PASS. Where each reason is found in the pictures, and here: that the verdict
 // heeds it.
 //
-//   reason                      spot camera                              kerf camera
-//   dark                        SpotRefusal.DarkFrames                   KerfRefusal.DarkPictures
-//   saturated                   SpotRefusal.SaturatedFrames              KerfRefusal.SaturatedPictures
-//   blurred                     SpotRefusal.BlurredFrames                KerfRefusal.BlurredPictures
-//   empty                       SpotRefusal.FramesThatNoSensorTook,      KerfRefusal.EmptyPictures,
-//   NoPictureAtAll
-//                               OneBadFrameIsEnough
-//   no spot, gate open          Refusals.DarkFramesWithinACut…           (coverage)
-//   wrong camera size           SpotRefusal.FramesOfAnotherSize,         KerfRefusal.PicturesOfAnotherSize,
-//                               CameraFiles.OneOfAnotherCameraIsAProblem
-//                               CameraFiles.OneOfAnotherCameraIsAProblem
+// clang-format off
+//   reason                      spot camera                               kerf camera
+//   dark                        SpotRefusal.DarkFrames                    KerfRefusal.DarkPictures
+//   saturated                   SpotRefusal.SaturatedFrames               KerfRefusal.SaturatedPictures
+//   blurred                     SpotRefusal.BlurredFrames                 KerfRefusal.BlurredPictures
+//   empty                       SpotRefusal.FramesThatNoSensorTook,       KerfRefusal.EmptyPictures,
+//                               SpotRefusal.OneBadFrameIsEnough           KerfRefusal.NoPictureAtAll
+//   no spot, gate open          Refusals.DarkFramesWithinACut…            (coverage)
+//   wrong camera size           SpotRefusal.FramesOfAnotherSize,          KerfRefusal.PicturesOfAnotherSize,
+//                               CameraFiles.OneOfAnotherCameraIsAProblem  CameraFiles.OneOfAnotherCameraIsAProblem
 //   another's calibration       Calibration.OfAnotherCameraMakesARunInvalid (both), CameraFiles
-//   board outside the field     Refusals below (area), SpotRefusal       KerfRefusal.ABoardBesideTheField
-//   marks missing or moved      SpotRefusal.MarksThatAreMissing, …Moved
-//   KerfRefusal.MarksThatAreMissingOrMoved frames dropped around a cut Refusals.AFrameLost…, RefusedRuns (a
-//   tile that is missing: no tile) late frames                 Refusals.ALateStamp…, RefusedRuns        – NaN
-//   Refusals.NoFieldMayBeNoNumber            the same no cut at all               Refusals, RefusedRuns
-//   coverage: FAIL
+//   board outside the field     Refusals below (area), SpotRefusal        KerfRefusal.ABoardBesideTheField
+//   marks missing or moved      SpotRefusal.MarksThatAreMissing, …Moved   KerfRefusal.MarksThatAreMissingOrMoved
+//   frames dropped around a cut Refusals.AFrameLost…, RefusedRuns         (a tile that is missing: no tile)
+//   late frames                 Refusals.ALateStamp…, RefusedRuns         –
+//   sheet and encoder part      Belt.…                                    –
+//   NaN                         Refusals.NoFieldMayBeNoNumber             the same
+//   no cut at all               Refusals, RefusedRuns                     coverage: FAIL
+// clang-format on
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -122,6 +123,9 @@ const std::vector<Field>& fields() {
       {"first violation", [](Run& r) -> double& { return r.evidence.pulses[0].first_violation_s; }},
       {"gate on", [](Run& r) -> double& { return r.evidence.gates[1].on_s; }},
       {"gate off", [](Run& r) -> double& { return r.evidence.gates[1].off_s; }},
+      {"belt time", [](Run& r) -> double& { return r.evidence.belt[700].time_s; }},
+      {"belt place", [](Run& r) -> double& { return r.evidence.belt[700].x_mm; }},
+      {"belt count", [](Run& r) -> double& { return r.evidence.belt_count_mm; }},
       {"pin_u", [](Run& r) -> double& { return r.evidence.pin_u_s; }},
       {"spot fx", [](Run& r) -> double& { return r.evidence.spot_calibration->fx_px; }},
       {"spot map_u", [](Run& r) -> double& { return r.evidence.spot_calibration->map_u_mm; }},

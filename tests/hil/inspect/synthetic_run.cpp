@@ -92,6 +92,10 @@ SyntheticRun::SyntheticRun() {
   }
   addKerf();
   addFrames();
+  evidence.belt_count_mm = 0.01;
+  const double end_mm = kBelt_mm_s * evidence.spot.frames.back().mid_s;
+  for (int count = 1; 0.01 * count <= end_mm; ++count)
+    evidence.belt.push_back({0.01 * count / kBelt_mm_s, 0.01 * count});
 }
 
 SyntheticRun::SyntheticRun(const SyntheticRun& other)
