@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The controller's language on its UART (8N1, 250 000 baud), used by the firmware (C) and by its host half
- * (C++).
+/* The controller's language on its UART (8N1, 250 000 baud on the AVR), used by the firmware (C) and by its
+ * host half (C++).
  *
  * Frame:  SYNC  TYPE  SEQ  LEN  payload[LEN]  CRC16
  *   SYNC  0xA5.   SEQ counts frames of the host, modulo 256; the answer repeats it.
@@ -11,17 +11,11 @@
 #ifndef KERFBENCH_CONTROLLER_PROTOCOL_H
 #define KERFBENCH_CONTROLLER_PROTOCOL_H
 
-#define KB_BAUD 250000UL
+#include "firmware_under_test/controller/target.h"
+
 #define KB_SYNC 0xA5
 #define KB_PAYLOAD_MAX 128
 #define KB_REPLY_TIMEOUT_MS 50
-
-/* Time base: a step tick of 400 CPU cycles (25 us); an interpolation period of 32 ticks (0.8 ms). An axis
- * makes at most one step in a tick and at most 31 in a period. */
-#define KB_CPU_HZ 16000000UL
-#define KB_TICK_CYCLES 400U
-#define KB_TICKS_PER_PERIOD 32U
-#define KB_MAX_STEPS_PER_PERIOD 31
 
 enum kb_axis { KB_GALVO_X, KB_GALVO_Y, KB_GANTRY_X, KB_GANTRY_Y, KB_FEED, KB_AXES };
 
@@ -37,9 +31,10 @@ enum kb_request {
 
 /* Controller -> host. */
 enum kb_reply {
-  KB_ACK = 0x81,   /* u16 free bytes of the queue */
-  KB_NAK = 0x82,   /* u8 reason */
-  KB_INFO = 0x83,  /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period */
+  KB_ACK = 0x81,  /* u16 free bytes of the queue */
+  KB_NAK = 0x82,  /* u8 reason */
+  KB_INFO = 0x83, /* u8 protocol version, u16 queue size, u16 tick cycles, u8 ticks per period, then the block
+                     of release.h */
   KB_STATE = 0x84, /* u8 state, u8 fault, u16 free bytes, i32 belt counts, i32 steps of each axis */
   KB_EVENT = 0x85  /* u8 state, u8 fault: sent by itself whenever the state changes (SEQ = 0) */
 };
@@ -69,8 +64,7 @@ enum kb_fault {
  * and KB_STOPPED: a new program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from
  * any other state to KB_IDLE. A frame with the type and SEQ of the last one accepted since HELLO is answered
  * again and not executed again. A frame that pauses for more than 20 ms is forgotten. */
-#define KB_PROTOCOL_VERSION 1
-#define KB_QUEUE_SIZE 4096U /* one byte less can be filled */
+#define KB_PROTOCOL_VERSION 2
 #define KB_MARKS_MAX 8
 
 /* Program: a stream of operations.
@@ -105,9 +99,10 @@ enum kb_op {
 };
 
 /* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
- * u8 gate_off_delay_ticks, u8 idle_power. Delays count from the period boundary and let the laser wait for
- * the mirrors' tracking delay; power follows with the same delay as the gate. */
-#define KB_CONFIG_LEN 7
+ * u8 gate_off_delay_ticks, u8 idle_power, u8 high byte of gate_on_delay_ticks, u8 of gate_off_delay_ticks.
+ * Delays count from the period boundary and let the laser wait for the mirrors' tracking delay; power follows
+ * with the same delay as the gate. */
+#define KB_CONFIG_LEN 9
 
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7

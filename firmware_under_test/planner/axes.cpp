@@ -11,10 +11,6 @@ namespace kerfbench::planner {
 
 using Eigen::Vector2d;
 
-static_assert(1UL * KB_TICKS_PER_PERIOD * KB_TICK_CYCLES == KB_CPU_HZ / 10000 * 8,
-              "kPeriodS is the controller's");
-static_assert(kStepBudget < KB_MAX_STEPS_PER_PERIOD);
-
 namespace {
 
 /// 17 x 17 places over the field; its rim, where the distortion is worst, and the middle are among them.
@@ -156,12 +152,12 @@ Eigen::Matrix2d Axes::stepsPerMm(const Vector2d& p_W_mm) const {
 double Axes::xStepsPerMm(const Vector2d& p_W_mm) const { return stepsPerMm(p_W_mm)(0, 0); }
 
 Vector2d Axes::axisLimits() const {
-  const double budget_per_s = kStepBudget / kPeriodS;
+  const double budget_per_s = target().stepBudget() / periodS();
   return {budget_per_s / x_per_mm_, budget_per_s / y_per_mm_};
 }
 
 double Axes::speedLimit(const Vector2d& direction, double belt_speed_mm_s) const {
-  const double budget_per_s = kStepBudget / kPeriodS;
+  const double budget_per_s = target().stepBudget() / periodS();
   const double belt_per_s = belt_speed_mm_s * x_per_mm_;
   if (belt_per_s >= budget_per_s) return 0.0;
   // |s ux + v| kx + s |uy| kxy <= budget, solved for s on both sides of the absolute value.

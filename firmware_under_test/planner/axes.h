@@ -9,12 +9,6 @@
 
 namespace kerfbench::planner {
 
-/// An interpolation period of the controller (protocol.h).
-inline constexpr double kPeriodS = 0.8e-3;
-/// Steps per period that the planner gives an axis, of the 31 that the controller can make: the rest is for
-/// rounding and for what the follow correction adds when the belt runs unevenly.
-inline constexpr int kStepBudget = 28;
-
 /// Beam positions in W to axis steps: the planner's own inverse of the head, its correction table included.
 class Axes {
  public:
@@ -43,6 +37,8 @@ class Axes {
   /// Number of the x axis in the protocol; y is the next.
   [[nodiscard]] int firstAxis() const;
   [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
+  [[nodiscard]] const Target& target() const { return machine_.target; }
+  [[nodiscard]] double periodS() const { return machine_.target.periodS(); }
 
  private:
   /// Of the head alone.

@@ -50,7 +50,8 @@ std::string markName(const Block& block) {
 }
 
 /// Marks that the power model's laser is too weak for.
-std::vector<std::string> tooWeak(const UnitPath& unit, const JobParameters& job) {
+std::vector<std::string> tooWeak(const UnitPath& unit, const MachineParameters& machine,
+                                 const JobParameters& job) {
   std::vector<std::string> faults;
   std::set<std::string> named;
   for (const Block& block : unit.blocks) {
@@ -58,7 +59,7 @@ std::vector<std::string> tooWeak(const UnitPath& unit, const JobParameters& job)
     PowerModel::Setting most;
     for (const Sample& sample : block.samples) {
       if (sample.marked_mm <= 0.0) continue;
-      const PowerModel::Setting setting = powerSetting(sample, job);
+      const PowerModel::Setting setting = powerSetting(sample, machine, job);
       if (setting.limit != PowerModel::Limit::kMost || setting.wanted_w <= most.wanted_w) continue;
       most = setting;
       worst = &sample;
@@ -68,7 +69,7 @@ std::vector<std::string> tooWeak(const UnitPath& unit, const JobParameters& job)
     faults.push_back(fmt::format(
         "from {}: {:g} mm deep at {:.1f} mm/s needs {:.1f} W, {} gives {:g} W, enough for {:.3f} mm; mark at "
         "{:.1f} mm/s at most",
-        markName(block), depth_mm, worst->marked_mm / worst->z / kPeriodS, most.wanted_w,
+        markName(block), depth_mm, worst->marked_mm / worst->z / machine.target.periodS(), most.wanted_w,
         job.power->laser().name, most.power_w, most.depth_mm,
         std::floor(job.power->speedsFor(depth_mm).highest_mm_s * 10.0) / 10.0));
   }
@@ -104,7 +105,7 @@ std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const M
 
 std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParameters& machine,
                                      const JobParameters& job) {
-  if (job.power) return tooWeak(unit, job);
+  if (job.power) return tooWeak(unit, machine, job);
   std::vector<std::string> faults;
   std::set<std::string> named;
   for (const Block& block : unit.blocks) {
@@ -121,7 +122,8 @@ std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParamete
   return faults;
 }
 
-std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters& job) {
+std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParameters& machine,
+                                       const JobParameters& job) {
   if (!job.power) return {};
   struct Slow {
     double way_mm{}, depth_mm{};
@@ -131,7 +133,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters
   for (const Block& block : unit.blocks) {
     for (const Sample& sample : block.samples) {
       if (sample.marked_mm <= 0.0) continue;
-      const PowerModel::Setting setting = powerSetting(sample, job);
+      const PowerModel::Setting setting = powerSetting(sample, machine, job);
       if (setting.limit != PowerModel::Limit::kLeast) continue;
       Slow& slow = by_z[sample.z];
       slow.way_mm += sample.marked_mm / sample.z;
@@ -200,7 +202,7 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
   if (!unit) unit = planUnit(path, job, axes, 0.0);  // what the laser lacks, it lacks on a resting sheet too
   if (unit) {
     add(powerFaults(*unit, machine, job));
-    const std::vector<std::string> slow = powerWarnings(*unit, job);
+    const std::vector<std::string> slow = powerWarnings(*unit, machine, job);
     result.warnings.insert(result.warnings.end(), slow.begin(), slow.end());
   }
   if (result.errors.empty()) result.solution = std::move(solved.solution);
@@ -213,6 +215,7 @@ RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path
   room.low_x_mm = std::numeric_limits<double>::infinity();
   room.high_x_mm = -room.low_x_mm;
   const double v = solution.belt_speed_mm_s;
+  const double period_s = axes.periodS();
   const auto reach = [&](double x_mm) {
     room.low_x_mm = std::min(room.low_x_mm, x_mm);
     room.high_x_mm = std::max(room.high_x_mm, x_mm);
@@ -227,17 +230,17 @@ RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path
     double beta_mm = layout.end_W_mm.x() - unit.endS().x();
     for (std::size_t i = unit.blocks.size(); i-- > 0;) {
       const Block& block = unit.blocks[i];
-      beta_mm -= v * static_cast<double>(block.samples.size()) * kPeriodS;
+      beta_mm -= v * static_cast<double>(block.samples.size()) * period_s;
       reach(beta_mm + block.low_mm);
       reach(beta_mm + block.high_mm);
-      beta_mm -= v * layout.waits[i] * kPeriodS;
+      beta_mm -= v * layout.waits[i] * period_s;
     }
     if (v <= 0.0) continue;
     const UnitLayout& next = solution.layoutOf(k + 1);
     const Reposition back(layout.end_W_mm, v, next.park_W_mm, job, axes);
     const int cycle = layout.catch_up_periods + layout.sheet_periods + back.periods() + kSparePeriods;
     room.least_pitch_mm =
-        std::max(room.least_pitch_mm, v * cycle * kPeriodS - next.x_ref_mm + layout.x_ref_mm);
+        std::max(room.least_pitch_mm, v * cycle * period_s - next.x_ref_mm + layout.x_ref_mm);
   }
   if (const auto cut = crossCutOf(path, machine, job)) room.closed_form = {cut->cycleMm(), cut->carriedMm()};
   return room;

@@ -171,7 +171,9 @@ std::optional<Link::Reply> Link::takeReply() {
 }
 
 void Link::accept(const Reply& reply) {
-  if (reply.type == KB_EVENT && reply.payload.size() == 2) {
+  if (reply.type == KB_INFO) {
+    infoSeen(reply.payload);
+  } else if (reply.type == KB_EVENT && reply.payload.size() == 2) {
     stateSeen(reply.payload[0], reply.payload[1]);
   } else if (reply.type == KB_STATE && reply.payload.size() >= 4) {
     stateSeen(reply.payload[0], reply.payload[1]);
@@ -215,6 +217,18 @@ void Link::refused(std::uint8_t reason) {
   }
 }
 
+/// Follows the answer to HELLO, whose sequence number it has; if it is lost, HELLO is said again.
+void Link::infoSeen(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t kBeforeBlock = 6;
+  if (found_ || state_ != State::kConfiguring) return;
+  found_ = payload.size() > kBeforeBlock ? targetFrom(payload.subspan(kBeforeBlock)) : std::nullopt;
+  if (!found_) {
+    fail("the controller does not say what it is: its firmware is another version than this host");
+  } else if (const std::string other = differenceOf(program_.target, *found_); !other.empty()) {
+    fail("the program was planned for another controller: this one has " + other);
+  }
+}
+
 void Link::stateSeen(std::uint8_t state, std::uint8_t fault) {
   if (state_ != State::kRunning && !(state_ == State::kLoading && !frame_.empty() && frame_[1] == KB_START)) {
     return;  // of a program before this one
@@ -246,7 +260,12 @@ void Link::sendNext() {
       send(KB_HELLO, {});
       break;
     case State::kConfiguring:
-      send(KB_CONFIG, program_.config);
+      if (found_) {
+        send(KB_CONFIG, program_.config);
+      } else if (now_s_ - sent_s_ >= kReplyTime_s) {
+        state_ = State::kConnecting;
+        send(KB_HELLO, {});
+      }
       break;
     case State::kLoading:
       if (fits && frame_fits) {

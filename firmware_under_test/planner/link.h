@@ -25,6 +25,8 @@ class Link {
   [[nodiscard]] State state() const;
   /// One sentence for people: why it failed, or how far it is.
   [[nodiscard]] std::string message() const;
+  /// As the controller told in INFO; empty before.
+  [[nodiscard]] std::string version() const { return found_ ? found_->version : std::string(); }
   /// Share of the program sent, 0 … 1.
   [[nodiscard]] double progress() const;
 
@@ -40,6 +42,7 @@ class Link {
   void accept(const Reply& reply);
   void accepted(std::size_t free_bytes);
   void refused(std::uint8_t reason);
+  void infoSeen(std::span<const std::uint8_t> payload);
   void stateSeen(std::uint8_t state, std::uint8_t fault);
   void fail(std::string why);
   /// The next frame to send, or nothing to do now.
@@ -54,6 +57,7 @@ class Link {
   std::vector<std::uint8_t> out_;       ///< What step() returns.
   double now_s_{};
   double first_s_{-1.0};         ///< Of the first step().
+  std::optional<Target> found_;  ///< As the controller says of itself.
   std::size_t op_{};             ///< First operation not yet accepted.
   std::size_t ops_under_way_{};  ///< In the frame that waits for its answer.
   std::size_t free_bytes_{};

@@ -26,7 +26,7 @@ std::vector<OrderCost> orderCosts(const hil::Dieline& dieline, const MachinePara
     if (job.belt_speed_mm_s > 0.0) cost.max_belt_speed_mm_s = checked.max_belt_speed_mm_s;
     if (checked.solution) {
       const UnitLayout& layout = checked.solution->layoutOf(0);
-      cost.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * kPeriodS;
+      cost.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * machine.target.periodS();
     }
     costs.push_back(cost);
   }

@@ -175,9 +175,10 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
     const std::vector<std::string> wrong = correctionFaults(machine);
     faults.insert(faults.end(), wrong.begin(), wrong.end());
   }
-  // The delay goes to the controller as a byte of 25 us ticks.
-  check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= 255 * 25e-6,
-        fmt::format("tracking_delay_s must be in 0 … 6.375e-3, but is {:g}", machine.tracking_delay_s));
+  check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= machine.target.longestDelayS(),
+        fmt::format(
+            "tracking_delay_s must be in 0 … {:g}, by which this controller can delay the laser, but is {:g}",
+            machine.target.longestDelayS(), machine.tracking_delay_s));
   positive(machine.full_power_w, "full_power_w");
   positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
   positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
@@ -279,19 +280,20 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
 
   const UnitLayout& layout = solution.layoutOf(0);
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
-  plan.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * kPeriodS;
+  const double period_s = axes.periodS();
+  plan.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * period_s;
   int way_back = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
-  if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job));
-  plan.cycle_time_s = plan.unit_time_s + way_back * kPeriodS;
+  if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job, period_s));
+  plan.cycle_time_s = plan.unit_time_s + way_back * period_s;
   plan.x_ref_mm = layout.x_ref_mm;
   plan.jump_length_mm = solution.paths.front().jump_length_mm;
   for (const Segment& segment : path) {
     if (!segment.jump && segment.z != 0.0) plan.cut_length_mm += segment.lengthMm();
   }
   constexpr double kMostPeriods = 1.5e8;  // 33 hours; some 60 bytes each
-  if (job.units * plan.cycle_time_s > kMostPeriods * kPeriodS) {
+  if (job.units * plan.cycle_time_s > kMostPeriods * period_s) {
     throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
-                                job.units, plan.cycle_time_s, kMostPeriods * kPeriodS / 3600.0));
+                                job.units, plan.cycle_time_s, kMostPeriods * period_s / 3600.0));
   }
   plan.program = makeProgram(solution, machine, job, faults, axes);
   return plan;

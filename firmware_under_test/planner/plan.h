@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_under_test/planner/target.h"
 #include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
@@ -37,6 +38,7 @@ struct MachineParameters {
   double print_mark_sensor_x_mm{};  ///< In W.
   double feed_step_mm{};  ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
   double full_power_w{};  ///< At PWM duty 255/255.
+  Target target{};        ///< The controller.
 };
 
 /// JobParameters::jump_radius_mm: let the drawing's size decide.
@@ -119,6 +121,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
 struct Program {
   std::vector<std::uint8_t> config;            ///< KB_CONFIG payload.
   std::vector<std::vector<std::uint8_t>> ops;  ///< Whole operations, in order.
+  Target target{};                             ///< The controller that it was planned for.
 };
 
 struct Plan {

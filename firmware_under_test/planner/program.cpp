@@ -27,7 +27,7 @@ void append(Op& op, std::uint64_t value, int bytes) {
 class Writer {
  public:
   Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
-      : axes_(axes), machine_(machine), job_(job), v_(belt_speed_mm_s) {}
+      : axes_(axes), machine_(machine), job_(job), v_(belt_speed_mm_s), period_s_(axes.periodS()) {}
 
   /// One period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
   void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
@@ -37,10 +37,10 @@ class Writer {
       const int to = static_cast<int>(std::lround(wanted[i]));
       count[i] = to - steps_[i];
       steps_[i] = to;
-      if (std::abs(count[i]) > KB_MAX_STEPS_PER_PERIOD) {
+      if (std::abs(count[i]) > axes_.target().max_steps) {
         throw PlanError(
             fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
-                        i == 0 ? 'x' : 'y', count[i], kPeriodS * 1e3, KB_MAX_STEPS_PER_PERIOD));
+                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, axes_.target().max_steps));
       }
     }
     std::uint8_t mask = 0;
@@ -111,19 +111,19 @@ class Writer {
   int feedSteps() {
     if (pitch_period_) {
       ++*pitch_period_;
-      const double to_mm = pitches_ * job_.pitch_mm + feedOfPitch(job_).at(*pitch_period_ * kPeriodS);
-      if (*pitch_period_ >= feedOfPitchPeriods(job_)) {
+      const double to_mm = pitches_ * job_.pitch_mm + feedOfPitch(job_).at(*pitch_period_ * period_s_);
+      if (*pitch_period_ >= feedOfPitchPeriods(job_, period_s_)) {
         pitch_period_.reset();
         ++pitches_;
       }
       return feedTo(to_mm);
     }
     if (feed_speed_ == 0.0 && feed_target_ == 0.0) return 0;
-    const double step = v_ / std::max(1, feedRampPeriods(v_, job_));
+    const double step = v_ / std::max(1, feedRampPeriods(v_, job_, period_s_));
     const double before = feed_speed_;
     feed_speed_ += std::clamp(feed_target_ - feed_speed_, -step, step);
     if (std::abs(feed_speed_ - feed_target_) < 1e-6 * v_) feed_speed_ = feed_target_;
-    feed_mm_ += 0.5 * (before + feed_speed_) * kPeriodS;
+    feed_mm_ += 0.5 * (before + feed_speed_) * period_s_;
     return feedTo(feed_mm_);
   }
 
@@ -138,6 +138,7 @@ class Writer {
   const MachineParameters& machine_;
   const JobParameters& job_;
   double v_;
+  double period_s_;
   std::vector<Op> ops_;
   Vector2d p_W_mm_{Vector2d::Zero()};  // the machine wakes with its beam at W's origin
   int steps_[2]{};
@@ -170,11 +171,11 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
   const Vector2d park = writer.at();
   for (int k = 1; k <= layout.catch_up_periods; ++k) {
     const double u = static_cast<double>(k) / layout.catch_up_periods;
-    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods), 0.0), nullptr, -1);
+    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods, unit.period_s), 0.0), nullptr, -1);
   }
   int k = layout.catch_up_periods;
   const auto inMachine = [&](const Vector2d& p_S_mm) {
-    return Vector2d(p_S_mm.x() + x_ref_mm + v * (k * kPeriodS + tracking_delay_s), p_S_mm.y());
+    return Vector2d(p_S_mm.x() + x_ref_mm + v * (k * unit.period_s + tracking_delay_s), p_S_mm.y());
   };
   Vector2d p_S = unit.start_S_mm;
   for (std::size_t i = 0; i < unit.blocks.size(); ++i) {
@@ -193,29 +194,32 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
 
 }  // namespace
 
-PowerModel::Setting powerSetting(const Sample& sample, const JobParameters& job) {
-  return job.power->at(sample.marked_mm / sample.z / kPeriodS, job.power->depthOf(sample.z, job.half_z));
+PowerModel::Setting powerSetting(const Sample& sample, const MachineParameters& machine,
+                                 const JobParameters& job) {
+  return job.power->at(sample.marked_mm / sample.z / machine.target.periodS(),
+                       job.power->depthOf(sample.z, job.half_z));
 }
 
 double powerByte(const Sample& sample, const MachineParameters& machine, const JobParameters& job) {
-  if (job.power) return job.power->byteFor(powerSetting(sample, job).control);
-  const double power_w = job.cut_energy_j_per_mm * sample.marked_mm / kPeriodS;
+  if (job.power) return job.power->byteFor(powerSetting(sample, machine, job).control);
+  const double power_w = job.cut_energy_j_per_mm * sample.marked_mm / machine.target.periodS();
   return power_w / machine.full_power_w * 255.0;
 }
 
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
                     const PlannerFaults& faults, const Axes& axes) {
   const double v = solution.belt_speed_mm_s;
+  const double period_s = axes.periodS();
   const bool moving = v > 0.0;
   const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
   const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
   Program program;
-  const double nominal = moving ? v * kPeriodS / machine.encoder_count_mm * 65536.0 : 0.0;
+  const double nominal = moving ? v * period_s / machine.encoder_count_mm * 65536.0 : 0.0;
   append(program.config, static_cast<std::uint64_t>(std::llround(nominal)), 4);
-  const auto delay =
-      static_cast<std::uint8_t>(std::lround(machine.tracking_delay_s / (kPeriodS / KB_TICKS_PER_PERIOD)));
-  for (const std::uint8_t byte : {delay, delay, std::uint8_t{0}})
-    program.config.push_back(byte);  // idle power 0
+  const auto delay = static_cast<unsigned>(std::lround(machine.tracking_delay_s / machine.target.tick_s));
+  for (const unsigned byte : {delay, delay, 0U, delay >> 8, delay >> 8})  // idle power 0
+    program.config.push_back(static_cast<std::uint8_t>(byte));
+  program.target = machine.target;
 
   Writer writer(axes, machine, job, v);
   double v_now = 0.0;
@@ -227,9 +231,9 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
     double x_ref_mm = layout.x_ref_mm;
     if (moving && job.feed_by_controller) {
       // Timed: the unit starts at the first border of a period at which the web has come far enough.
-      const double from_mm = job.web_start_x_mm - unit * job.pitch_mm + feedRampMm(v, job);
+      const double from_mm = job.web_start_x_mm - unit * job.pitch_mm + feedRampMm(v, job, period_s);
       const double start_mm =
-          from_mm + std::ceil((planned_x_ref_mm - from_mm) / (v * kPeriodS) - 1e-9) * v * kPeriodS;
+          from_mm + std::ceil((planned_x_ref_mm - from_mm) / (v * period_s) - 1e-9) * v * period_s;
       if (!faults.ignore_belt) {
         x_ref_mm = start_mm;
         layout.park_W_mm.x() += start_mm - planned_x_ref_mm;

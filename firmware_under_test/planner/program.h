@@ -17,6 +17,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
 /// number within the laser's limits.
 double powerByte(const Sample& sample, const MachineParameters& machine, const JobParameters& job);
 /// What the power model makes of the marks of one period, marked_mm > 0. @pre job.power
-PowerModel::Setting powerSetting(const Sample& sample, const JobParameters& job);
+PowerModel::Setting powerSetting(const Sample& sample, const MachineParameters& machine,
+                                 const JobParameters& job);
 
 }  // namespace kerfbench::planner

@@ -51,11 +51,11 @@ std::optional<std::string> pitchFault(const Solution& solution, int unit, const 
   const Reposition back(now.end_W_mm, v, next.park_W_mm, job, axes);
   const int cycle = now.catch_up_periods + now.sheet_periods + back.periods() + kSparePeriods;
   const double between_s = (job.pitch_mm + next.x_ref_mm - now.x_ref_mm) / v;
-  if (cycle * kPeriodS <= between_s) return std::nullopt;
+  if (cycle * axes.periodS() <= between_s) return std::nullopt;
   return fmt::format(
       "the pitch of {:g} mm brings the next unit after {:.4f} s, but a unit with the way back takes "
       "{:.4f} s",
-      job.pitch_mm, between_s, cycle * kPeriodS);
+      job.pitch_mm, between_s, cycle * axes.periodS());
 }
 
 /// One path, or two if the job alternates; empty if the belt is too fast for the axes.
@@ -93,8 +93,8 @@ SolveResult layOutAll(std::vector<UnitPath> paths, const MachineParameters& mach
     if (v > feedLimit(machine)) {
       return {std::nullopt, fmt::format("the feed makes no more than {:.1f} mm/s", feedLimit(machine))};
     }
-    bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job);
-    bounds.play_mm = v * kPeriodS;
+    bounds.min_x_ref_mm = job.web_start_x_mm + feedRampMm(v, job, axes.periodS());
+    bounds.play_mm = v * axes.periodS();
   } else {
     bounds.min_x_ref_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
     bounds.play_mm = machine.encoder_count_mm;
@@ -125,30 +125,33 @@ SolveResult layOutAll(std::vector<UnitPath> paths, const MachineParameters& mach
 Reposition::Reposition(const Vector2d& p0_W_mm, double v0_mm_s, const Vector2d& p1_W_mm,
                        const JobParameters& job, const Axes& axes)
     : x_(axisMove(0, p0_W_mm, v0_mm_s, p1_W_mm, job, axes)),
-      y_(axisMove(1, p0_W_mm, 0.0, p1_W_mm, job, axes)) {}
+      y_(axisMove(1, p0_W_mm, 0.0, p1_W_mm, job, axes)),
+      period_s_(axes.periodS()) {}
 
 int Reposition::periods() const {
-  return static_cast<int>(std::ceil(std::max(x_.durationS(), y_.durationS()) / kPeriodS - 1e-9));
+  return static_cast<int>(std::ceil(std::max(x_.durationS(), y_.durationS()) / period_s_ - 1e-9));
 }
 
-Vector2d Reposition::at(int period) const { return {x_.at(period * kPeriodS), y_.at(period * kPeriodS)}; }
+Vector2d Reposition::at(int period) const { return {x_.at(period * period_s_), y_.at(period * period_s_)}; }
 
-int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job) {
-  return static_cast<int>(std::ceil(belt_speed_mm_s / job.feed_acceleration_mm_s2 / kPeriodS - 1e-9));
+int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job, double period_s) {
+  return static_cast<int>(std::ceil(belt_speed_mm_s / job.feed_acceleration_mm_s2 / period_s - 1e-9));
 }
 
-double feedLimit(const MachineParameters& machine) { return kStepBudget * machine.feed_step_mm / kPeriodS; }
+double feedLimit(const MachineParameters& machine) {
+  return machine.target.stepBudget() * machine.feed_step_mm / machine.target.periodS();
+}
 
 AxisMove feedOfPitch(const JobParameters& job) {
   return {0.0, 0.0, job.pitch_mm, job.belt_speed_mm_s, job.feed_acceleration_mm_s2};
 }
 
-int feedOfPitchPeriods(const JobParameters& job) {
-  return static_cast<int>(std::ceil(feedOfPitch(job).durationS() / kPeriodS - 1e-9));
+int feedOfPitchPeriods(const JobParameters& job, double period_s) {
+  return static_cast<int>(std::ceil(feedOfPitch(job).durationS() / period_s - 1e-9));
 }
 
-double feedRampMm(double belt_speed_mm_s, const JobParameters& job) {
-  return 0.5 * belt_speed_mm_s * feedRampPeriods(belt_speed_mm_s, job) * kPeriodS;
+double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double period_s) {
+  return 0.5 * belt_speed_mm_s * feedRampPeriods(belt_speed_mm_s, job, period_s) * period_s;
 }
 
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,

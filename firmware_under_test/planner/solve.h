@@ -27,6 +27,7 @@ class Reposition {
  private:
   AxisMove x_;
   AxisMove y_;
+  double period_s_;
 };
 
 /// A job in time at one belt speed. Odd units differ from even ones if the job alternates.
@@ -61,10 +62,10 @@ inline double speedWhileCutting(const JobParameters& job) {
 double feedLimit(const MachineParameters& machine);
 /// The belt's move by one pitch, from rest to rest.
 AxisMove feedOfPitch(const JobParameters& job);
-int feedOfPitchPeriods(const JobParameters& job);
+int feedOfPitchPeriods(const JobParameters& job, double period_s);
 
 /// Way of the belt while the controller's feed speeds up.
-double feedRampMm(double belt_speed_mm_s, const JobParameters& job);
-int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job);
+double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double period_s);
+int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job, double period_s);
 
 }  // namespace kerfbench::planner

@@ -69,11 +69,11 @@ double radiusFor(const std::vector<Segment>& path, const JobParameters& job) {
   return paperRadiusMm(box.sizes().maxCoeff());
 }
 
-void setExtremes(Block& block, const Vector2d& start_S_mm, double belt_speed_mm_s) {
+void setExtremes(Block& block, const Vector2d& start_S_mm, double belt_speed_mm_s, double period_s) {
   block.low_mm = block.high_mm = start_S_mm.x();
   double t_s = 0.0;
   for (const Sample& sample : block.samples) {
-    t_s += kPeriodS;
+    t_s += period_s;
     const double x = sample.p_S_mm.x() + belt_speed_mm_s * t_s;
     block.low_mm = std::min(block.low_mm, x);
     block.high_mm = std::max(block.high_mm, x);
@@ -94,7 +94,7 @@ struct Pass {
 class Layouter {
  public:
   Layouter(const UnitPath& unit, double low_mm, double high_mm)
-      : unit_(unit), low_mm_(low_mm), high_mm_(high_mm), step_mm_(unit.belt_speed_mm_s * kPeriodS) {}
+      : unit_(unit), low_mm_(low_mm), high_mm_(high_mm), step_mm_(unit.belt_speed_mm_s * unit.period_s) {}
 
   Pass from(double beta_mm) const {
     Pass pass;
@@ -164,12 +164,12 @@ LayoutResult layOutResting(const UnitPath& unit, const MachineParameters& machin
 
 }  // namespace
 
-int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2) {
-  return static_cast<int>(std::ceil(1.5 * belt_speed_mm_s / acceleration_mm_s2 / kPeriodS - 1e-9));
+int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2, double period_s) {
+  return static_cast<int>(std::ceil(1.5 * belt_speed_mm_s / acceleration_mm_s2 / period_s - 1e-9));
 }
 
-double catchUpMm(double u, double belt_speed_mm_s, int periods) {
-  return belt_speed_mm_s * periods * kPeriodS * u * u * u * (1.0 - 0.5 * u);
+double catchUpMm(double u, double belt_speed_mm_s, int periods, double period_s) {
+  return belt_speed_mm_s * periods * period_s * u * u * u * (1.0 - 0.5 * u);
 }
 
 std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
@@ -184,7 +184,7 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
                     axes.accelerationBox(top_mm_s),
                     axes.fieldY()[0],
                     axes.fieldY()[1],
-                    kPeriodS,
+                    axes.periodS(),
                     [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); }};
   if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
   const bool smooth = job.jump_radius_mm != 0.0;
@@ -195,6 +195,7 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
   UnitPath unit;
   unit.start_S_mm = path.front().start_mm;
   unit.belt_speed_mm_s = belt_speed_mm_s;
+  unit.period_s = axes.periodS();
   unit.acceleration_mm_s2 = std::min(job.acceleration_mm_s2, limits.box_mm_s2.x());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (stations.size() <= i || stations[i].empty()) return std::nullopt;
@@ -210,7 +211,7 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
   }
   Vector2d start = unit.start_S_mm;
   for (Block& block : unit.blocks) {
-    setExtremes(block, start, belt_speed_mm_s);
+    setExtremes(block, start, belt_speed_mm_s, unit.period_s);
     start = block.samples.back().p_S_mm;
   }
   return unit;
@@ -220,9 +221,9 @@ LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, cons
   if (bounds.fixed_x_ref_mm) return layOutResting(unit, machine, *bounds.fixed_x_ref_mm);
   const double v = unit.belt_speed_mm_s;
   UnitLayout layout;
-  layout.catch_up_periods = catchUpPeriods(v, unit.acceleration_mm_s2);
+  layout.catch_up_periods = catchUpPeriods(v, unit.acceleration_mm_s2, unit.period_s);
   const double catch_up_mm =
-      v * layout.catch_up_periods * kPeriodS;  // of the belt; the beam makes half of it
+      v * layout.catch_up_periods * unit.period_s;  // of the belt; the beam makes half of it
   const double lead_mm = v * machine.tracking_delay_s;
   const double low_mm = machine.field_min_mm[0] + machine.encoder_count_mm;
   const double high_mm = machine.field_max_mm[0] - bounds.play_mm;
@@ -257,7 +258,7 @@ LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, cons
   }
   layout.x_ref_mm = beta - catch_up_mm - lead_mm;
   layout.park_W_mm = unit.start_S_mm + Vector2d(beta - 0.5 * catch_up_mm, 0.0);
-  layout.end_W_mm = unit.endS() + Vector2d(beta + v * layout.sheet_periods * kPeriodS, 0.0);
+  layout.end_W_mm = unit.endS() + Vector2d(beta + v * layout.sheet_periods * unit.period_s, 0.0);
   return {layout, {}};
 }
 

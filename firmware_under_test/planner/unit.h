@@ -37,6 +37,7 @@ struct UnitPath {
   double belt_speed_mm_s{};
   double jump_length_mm{};      ///< Way with the laser off, between the marks.
   double acceleration_mm_s2{};  ///< Of the beam along x while it catches up with the sheet.
+  double period_s{};            ///< Of the controller.
   [[nodiscard]] const Eigen::Vector2d& endS() const { return blocks.back().samples.back().p_S_mm; }
 };
 
@@ -75,8 +76,8 @@ struct StartBounds {
 LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const StartBounds& bounds);
 
 /// Speed of the catch-up is v (3 u² - 2 u³): no step of acceleration, 1.5 v / T at most, and v T / 2 of way.
-int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2);
+int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2, double period_s);
 /// x_W relative to the park position at time fraction u of the catch-up.
-double catchUpMm(double u, double belt_speed_mm_s, int periods);
+double catchUpMm(double u, double belt_speed_mm_s, int periods, double period_s);
 
 }  // namespace kerfbench::planner

@@ -51,7 +51,8 @@ PreparedJob prepareJob(const Case& the_case) {
     return job;
   }
   const std::filesystem::path& edited = the_case.scenario.job_gcode;
-  const planner::MachineParameters machine = plannerMachine(the_case);
+  planner::MachineParameters machine = plannerMachine(the_case);
+  machine.target = planner::targetOfImage(the_case.scenario.firmware.image);
   const planner::JobParameters parameters = plannerJob(the_case);
   const planner::PlannerFaults& faults = the_case.scenario.planner_faults;
   planner::Plan plan = edited.empty() ? planner::plan(the_case.dieline, machine, parameters, faults)

@@ -3,16 +3,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 
+#include "firmware_under_test/planner/target.h"
 #include "hil/source/open.h"
 
 namespace kerfbench::hil {
 namespace {
 
-// Events in a quantum of 0.5 ms that no controller of a die-cutter makes: 2 million a second, 20 times what
-// the reference controller makes with all axes at full speed.
-constexpr std::uint64_t kFlood = 1000;
+// Events in a quantum of 0.5 ms that no controller of a die-cutter makes: 50 in each of the AVR release's
+// ticks, 20 times what it makes with all axes at full speed. A faster controller makes no more than five in a
+// tick of its own.
+std::uint64_t flood(const FirmwareChoice& firmware) {
+  constexpr double kQuantum_s = 0.5e-3;
+  constexpr double kLeast = 1000.0;
+  if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return static_cast<std::uint64_t>(kLeast);
+  const double tick_s = planner::targetOfImage(firmware.image).tick_s;
+  return static_cast<std::uint64_t>(std::max(kLeast, 5.0 * kQuantum_s / tick_s));
+}
 
 }  // namespace
 
@@ -27,7 +36,7 @@ std::unique_ptr<SignalSource> openRelease(const FirmwareChoice& firmware,
   options.mcu = firmware.mcu;
   options.clock_hz = firmware.clock_hz;
   options.baud = firmware.baud;
-  options.max_events_per_quantum = kFlood;
+  options.max_events_per_quantum = flood(firmware);
   try {
     return openChild(options);
   } catch (const std::runtime_error& e) {

@@ -101,6 +101,10 @@ struct CutResult {
   double peak_U_mm{};
   double rms_mm{};  ///< About the mean, without what the frames' noise adds.
   double rms_U_mm{};
+  /// Highest speed of the spot on the sheet, over 2 ms of way, as the crow flies: on a bend a little less
+  /// than along it. NaN if there are fewer than two frames.
+  double top_speed_mm_s{};
+  double top_speed_U_mm_s{};
   std::vector<double> time_s{};       ///< For the report's plot.
   std::vector<double> residual_mm{};  ///< x-residual of spot against the dieline on the moving sheet.
   std::vector<double> sheet_x_mm{};   ///< x_W of the origin of the sheet's unit.

@@ -25,6 +25,8 @@ struct Stillness {
   double excursion_chance_beyond{std::numeric_limits<double>::quiet_NaN()};
 };
 Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
+/// Fills top_speed_mm_s of a cut and its uncertainty.
+void measureTopSpeed(const LitFrames& lit, const LitRun& run, CutResult& cut);
 struct CutReadings;
 /// Offset and excursion of each cut, and the worst excursion. `q`: correlation of neighbouring frames' noise.
 void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,

@@ -57,6 +57,7 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   cut.entity = entityOfRun(lit, run);
   cut.start_s = lit.frames[run.begin].time_s;
   cut.end_s = lit.frames[run.end - 1].time_s;
+  measureTopSpeed(lit, run, cut);
   cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
   cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
   cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;

@@ -163,16 +163,16 @@ std::string stillnessFigures(const RunReport& report) {
       "<table><thead><tr><th>Cut<th class=num>Start, s<th class=num>Length, ms<th class=num>Frames<th "
       "class=num>Drift ± U, µm<th class=num>Offset ± U, µm<th class=num>Astray ± U, µm<th class=num>Peak, "
       "µm<th "
-      "class=num>RMS, µm</tr></thead><tbody>";
+      "class=num>RMS, µm<th class=num>Top speed, mm/s</tr></thead><tbody>";
   for (std::size_t i = 0; i < std::min(cuts.size(), kMaxRows); ++i) {
     const CutResult& c = *cuts[i];
     html += fmt::format(
         "<tr><td>unit {}, E{}<td class=num>{:.4f}<td class=num>{:.1f}<td class=num>{}<td class=num>{:+.1f} ± "
         "{:.1f}<td class=num>{:+.1f} ± {:.1f}<td class=num>{:.1f} ± {:.1f}<td class=num>{:.1f}<td "
-        "class=num>{:.1f}</tr>",
+        "class=num>{:.1f}<td class=num>{:.0f}</tr>",
         c.unit, c.entity, c.start_s, 1e3 * (c.end_s - c.start_s), c.frames, 1e3 * c.drift_mm,
         2e3 * c.drift_sigma_mm, 1e3 * c.offset_mm, 2e3 * c.offset_sigma_mm, 1e3 * c.excursion_mm,
-        1e3 * c.excursion_U_mm, 1e3 * c.peak_mm, 1e3 * c.rms_mm);
+        1e3 * c.excursion_U_mm, 1e3 * c.peak_mm, 1e3 * c.rms_mm, c.top_speed_mm_s);
   }
   html += "</tbody></table>";
   html += fmt::format(

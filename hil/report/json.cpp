@@ -93,6 +93,8 @@ J cutJson(const CutResult& c) {
   j["peak_U_mm"] = rounded(c.peak_U_mm);
   j["rms_mm"] = rounded(c.rms_mm);
   j["rms_U_mm"] = rounded(c.rms_U_mm);
+  j["top_speed_mm_s"] = rounded(c.top_speed_mm_s);
+  j["top_speed_U_mm_s"] = rounded(c.top_speed_U_mm_s);
   return j;
 }
 

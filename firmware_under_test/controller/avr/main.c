@@ -10,6 +10,11 @@ volatile uint8_t kb_rx_end;
 uint8_t kb_rx_first;
 
 ISR(TIMER1_COMPA_vect) {
+  /* What can be read is read before PUL rises: it adds to the time that DIR has been set up. */
+  const uint8_t dir_a = kb_engine.dir_a;
+  const uint8_t out_c = kb_engine.out_c;
+  const uint8_t rest_c = out_c & (uint8_t)~KB_FEED_PUL;
+  const uint8_t inputs = PINL;
 #ifdef KB_DEFECT_PULSES_LOST
   /* Defect: "the UART must not overrun", so a tick gives way to a waiting byte, and its steps are gone. */
   if (UCSR0A & _BV(RXC0)) {
@@ -22,20 +27,18 @@ ISR(TIMER1_COMPA_vect) {
   const uint8_t steps = kb_engine.out_a & 0x55U;
   const uint8_t stepping_dirs = (uint8_t)(steps << 1);
   PORTA = steps | shown;
-  PORTC = kb_engine.out_c;
+  PORTC = out_c;
   __builtin_avr_delay_cycles(14); /* with the code around it 2 us, as measured */
   shown = (uint8_t)((shown & ~stepping_dirs) | (kb_engine.out_a & stepping_dirs));
   PORTA = steps | shown;
 #else
   PORTA = kb_engine.out_a;
-  PORTC = kb_engine.out_c;
+  PORTC = out_c;
 #endif
-  const uint8_t dir_a = kb_engine.dir_a;
-  const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
   if (kb_engine.ticks_left == 0) {
     kb_tick_boundary(TCNT3);
   }
-  kb_tick_compute(PINL);
+  kb_tick_compute(inputs);
 #ifdef KB_DEFECT_DIR_LATE
   (void)dir_a;
   PORTA = shown;

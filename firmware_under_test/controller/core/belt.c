@@ -7,7 +7,9 @@
 
 struct kb_belt kb_belt;
 
-enum { KB_STANDING_PERIODS = 30 }; /* 24 ms without an edge: slower than 1 mm/s at 0.01 mm a count */
+enum {
+  KB_STANDING_PERIODS = KB_PERIODS_IN_MS(24)
+}; /* without an edge: slower than 1 mm/s at 0.01 mm a count */
 
 void kb_belt_init(void) {
   const uint8_t saved = kb_hal_lock();
@@ -26,15 +28,20 @@ static int32_t interpolate(const struct kb_edge* edge, uint16_t time, bool stand
   }
   const int16_t age = (int16_t)(time - edge->time);
   const int16_t speed = (int16_t)(kb_belt.speed >> 8); /* 1/256 count per period; 40 counts a period fit */
+#if KB_PERIOD_CYCLES / KB_TIME_CYCLES == 200
   /* age / 200 as 328 / 65536, in two shifts to stay inside 32 bits. */
   const int32_t moved = ((((int32_t)speed * age) >> 8) * 328) >> 8;
+#else
+  const int32_t moved = (int32_t)speed * age / KB_TIME_PER_PERIOD;
+#endif
   const int32_t forwards = edge->backwards ? -moved : moved;
   int32_t part = forwards;
   if (part > 512) {
     part = 512;
-  } else if (part < -512) { /* an edge later than the boundary, or a belt that has just turned */
+  } else if (part < -512 && age >= 0) { /* a belt that has just turned */
     part = -512;
-  }
+  } /* An edge later than the boundary, by more than one where the main loop was busy, leads back as far as it
+       is. */
   return base + (edge->backwards ? -part : part);
 }
 
@@ -52,7 +59,7 @@ void kb_belt_update(uint16_t boundary_time) {
   const bool standing = kb_belt.idle_periods >= KB_STANDING_PERIODS;
 #ifdef KB_DEFECT_BELT_LATE
   /* Defect: where the belt was 100 us ago passes for where it is. */
-  const int32_t measured = interpolate(&edge, (uint16_t)(boundary_time - 25U), standing);
+  const int32_t measured = interpolate(&edge, (uint16_t)(boundary_time - 1600U / KB_TIME_CYCLES), standing);
 #else
   const int32_t measured = interpolate(&edge, boundary_time, standing);
 #endif

@@ -4,7 +4,7 @@
  * The encoder interrupt comes on both edges of A, two counts apart. Between edges the position is that of the
  * last edge plus speed times the time since, at most the two counts to the next edge, so the filter sees no
  * staircase. Positions are in 1/256 count, modulo 2^32: only differences of them have a meaning. Times are in
- * units of 64 CPU cycles (4 us), 200 a period, modulo 2^16. */
+ * units of KB_TIME_CYCLES (4 us on the AVR, 200 a period), modulo 2^16. */
 #ifndef KERFBENCH_CONTROLLER_BELT_H
 #define KERFBENCH_CONTROLLER_BELT_H
 
@@ -13,7 +13,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 
-enum { KB_TIME_PER_PERIOD = 200 };
+enum { KB_TIME_PER_PERIOD = KB_PERIOD_CYCLES / KB_TIME_CYCLES };
 
 struct kb_edge {
   int32_t count;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "controller.h"
 
+#include <string.h>
+
 #include "belt.h"
 #include "engine.h"
+#include "firmware_under_test/controller/release.h"
 #include "frame.h"
 #include "hal.h"
 #include "program.h"
 
-enum { KB_FRAME_PAUSE_PERIODS = 25 };
+enum { KB_FRAME_PAUSE_PERIODS = KB_PERIODS_IN_MS(20) };
 
 static struct {
   uint8_t state;
@@ -64,11 +67,12 @@ static void ack(uint8_t seq) {
 }
 
 static void sendInfo(uint8_t seq) {
-  uint8_t payload[6];
+  uint8_t payload[6 + KB_RELEASE_LEN];
   payload[0] = KB_PROTOCOL_VERSION;
   putU16(payload + 1, KB_QUEUE_SIZE);
   putU16(payload + 3, KB_TICK_CYCLES);
   payload[5] = KB_TICKS_PER_PERIOD;
+  memcpy(payload + 6, &kb_release, KB_RELEASE_LEN);
   kb_frame_send(KB_INFO, seq, payload, sizeof(payload));
 }
 
@@ -96,8 +100,8 @@ static uint8_t configure(const struct kb_frame* frame) {
   const struct kb_config config = {
       .nominal_per_period =
           (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24,
-      .gate_on_delay = b[4],
-      .gate_off_delay = b[5],
+      .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[7] << 8),
+      .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[8] << 8),
       .idle_power = b[6],
   };
   if (!kb_program_configure(&config)) {

@@ -28,6 +28,9 @@ static void laserOff(void) {
   kb_engine.gate = 0;
   kb_engine.power = 0;
   kb_engine.sigma = 0;
+#if KB_PWM_TICKS > 1
+  kb_engine.pwm_left = 0;
+#endif
   kb_engine.laser_first = kb_engine.laser_end;
   kb_engine.out_c = (uint8_t)(kb_engine.out_c & (KB_FEED_PUL | KB_FEED_DIR));
 }

@@ -6,8 +6,8 @@
  * of the computation, and a DIR that changes with a new period does so after the last PUL of the old one and
  * most of a tick before the first PUL of the new one.
  *
- * An axis with m steps in a period adds 8 m to an 8-bit accumulator each tick and steps when it overflows: 32
- * ticks add 256 m, so the count is exact and the accumulator ends where it began. */
+ * An axis with m steps in a period of n ticks adds m 256 / n to an 8-bit accumulator each tick and steps when
+ * it overflows: n ticks add 256 m, so the count is exact and the accumulator ends where it began. */
 #ifndef KERFBENCH_CONTROLLER_ENGINE_H
 #define KERFBENCH_CONTROLLER_ENGINE_H
 
@@ -21,25 +21,25 @@ enum {
   KB_FEED_DIR = 0x02,
   KB_LASER_GATE = 0x04,
   KB_LASER_PWM = 0x08,
-  KB_ACC_START = 128,  /* The first step of m comes after half of its spacing. */
-  KB_LASER_EVENTS = 16 /* More than 255 ticks of delay can hold: one a period. */
+  KB_ACC_START = 128, /* The first step of m comes after half of its spacing. */
+  KB_INC_PER_STEP = 256U / KB_TICKS_PER_PERIOD
 };
 
 /* Levels of the inputs, as kb_hal_inputs() gives them: the bits of port L. */
 enum { KB_IN_LIMIT_X = 0x01, KB_IN_LIMIT_Y = 0x02, KB_IN_LIMITS = 0x03, KB_IN_INTERLOCK = 0x04 };
 
 struct kb_period {
-  uint8_t inc[KB_AXES]; /* 8 * steps */
+  uint8_t inc[KB_AXES]; /* KB_INC_PER_STEP * steps */
   uint8_t dir_a;        /* DIR bits of port A */
   uint8_t dir_c;
   bool laser_changes;
-  uint8_t laser_delay; /* ticks from the start of the period */
-  uint8_t gate;        /* 0 or KB_LASER_GATE */
+  kb_ticks_t laser_delay; /* ticks from the start of the period */
+  uint8_t gate;           /* 0 or KB_LASER_GATE */
   uint8_t power;
 };
 
 struct kb_laser_event {
-  uint8_t due;
+  kb_ticks_t due;
   uint8_t gate;
   uint8_t power;
 };
@@ -51,10 +51,14 @@ struct kb_engine {
   uint8_t dir_a;
   uint8_t dir_c;
   uint8_t ticks_left; /* of the period, including the next tick to be computed */
-  uint8_t tick;       /* counts all ticks, modulo 256 */
+  kb_ticks_t tick;    /* counts all ticks, modulo its range */
   uint8_t gate;
   uint8_t power;
   uint8_t sigma;
+#if KB_PWM_TICKS > 1
+  uint8_t pwm; /* 0 or KB_LASER_PWM */
+  uint8_t pwm_left;
+#endif
   uint8_t laser_first;
   uint8_t laser_end;
   uint8_t acc[KB_AXES];
@@ -97,7 +101,7 @@ static inline void kb_tick_boundary(uint16_t now) {
     if (e->next.laser_changes) {
       const uint8_t end = e->laser_end;
       volatile struct kb_laser_event* const event = &e->laser[end];
-      event->due = (uint8_t)(e->tick + e->next.laser_delay);
+      event->due = (kb_ticks_t)(e->tick + e->next.laser_delay);
       event->gate = e->next.gate;
       event->power = e->next.power;
       e->laser_end = (uint8_t)((end + 1U) & (KB_LASER_EVENTS - 1U));
@@ -116,6 +120,20 @@ static inline void kb_tick_boundary(uint16_t now) {
       e->laser_first = e->laser_end;
     }
   }
+}
+
+/* One bit of the laser's PWM. */
+static inline uint8_t kb_tick_pwm(void) {
+  volatile struct kb_engine* const e = &kb_engine;
+  const uint8_t power = e->power;
+  uint8_t sigma = (uint8_t)(e->sigma + power); /* modulo 255 */
+  uint8_t bit = 0;
+  if (sigma < power || sigma == 255U) {
+    sigma = (uint8_t)(sigma + 1U);
+    bit = KB_LASER_PWM;
+  }
+  e->sigma = sigma;
+  return bit;
 }
 
 /* Works out what the next tick writes. */
@@ -144,21 +162,29 @@ static inline void kb_tick_compute(uint8_t inputs) {
 #undef KB_DDA
 
   const uint8_t first = e->laser_first;
-  const uint8_t tick = e->tick;
-  e->tick = (uint8_t)(tick + 1U);
+  const kb_ticks_t tick = e->tick;
+  e->tick = (kb_ticks_t)(tick + 1U);
   if (first != e->laser_end && e->laser[first].due == tick) {
     e->gate = e->laser[first].gate;
     e->power = e->laser[first].power;
     e->laser_first = (uint8_t)((first + 1U) & (KB_LASER_EVENTS - 1U));
+#if KB_PWM_TICKS > 1
+    if (e->power == 0 || !(e->out_c & KB_LASER_GATE)) { /* on with the gate, off at once */
+      e->pwm_left = 0;
+    }
+#endif
   }
   if (inputs & KB_IN_INTERLOCK) {
-    const uint8_t power = e->power;
-    uint8_t sigma = (uint8_t)(e->sigma + power); /* modulo 255 */
-    if (sigma < power || sigma == 255U) {
-      sigma = (uint8_t)(sigma + 1U);
-      out_c |= KB_LASER_PWM;
+#if KB_PWM_TICKS > 1
+    if (e->pwm_left == 0) {
+      e->pwm = kb_tick_pwm();
+      e->pwm_left = KB_PWM_TICKS;
     }
-    e->sigma = sigma;
+    e->pwm_left--;
+    out_c |= e->pwm;
+#else
+    out_c |= kb_tick_pwm();
+#endif
     out_c = (uint8_t)(out_c | e->gate);
   }
   e->out_c = out_c;

@@ -56,15 +56,17 @@ void kb_program_init(void) {
 }
 
 bool kb_program_configure(const struct kb_config* config) {
-  const int16_t apart = (int16_t)(config->gate_on_delay - config->gate_off_delay);
-  if (apart >= (int16_t)KB_TICKS_PER_PERIOD || apart <= -(int16_t)KB_TICKS_PER_PERIOD) {
+  const uint16_t on = config->gate_on_delay;
+  const uint16_t off = config->gate_off_delay;
+  const uint16_t apart = on > off ? (uint16_t)(on - off) : (uint16_t)(off - on);
+  if (apart >= KB_TICKS_PER_PERIOD || on > KB_LONGEST_DELAY_TICKS || off > KB_LONGEST_DELAY_TICKS) {
     return false;
   }
   p.config = *config;
 #ifdef KB_DEFECT_GATE_LATE
   /* Defect: the laser's own delay of 2 ms is added where it should be taken off. */
-  p.config.gate_on_delay = (uint8_t)(config->gate_on_delay > 175 ? 255 : config->gate_on_delay + 80);
-  p.config.gate_off_delay = (uint8_t)(config->gate_off_delay > 175 ? 255 : config->gate_off_delay + 80);
+  p.config.gate_on_delay = (uint16_t)(config->gate_on_delay > 175 ? 255 : config->gate_on_delay + 80);
+  p.config.gate_off_delay = (uint16_t)(config->gate_off_delay > 175 ? 255 : config->gate_off_delay + 80);
 #endif
   p.configured = true;
   return true;
@@ -118,11 +120,11 @@ static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
   uint8_t at = 1;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     if (op & (uint8_t)(1U << axis)) {
-      const int8_t count = (int8_t)peek(at++);
+      const int16_t count = (int8_t)peek(at++);
       if (count > KB_MAX_STEPS_PER_PERIOD || count < -KB_MAX_STEPS_PER_PERIOD) {
         return KB_FAULT_OVERSPEED;
       }
-      p.steps[axis] = count;
+      p.steps[axis] = (int8_t)count;
     }
   }
   if (op & KB_OP_POWER) {
@@ -179,7 +181,7 @@ static void offer(bool lit, uint8_t power) {
   struct kb_period period;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     const int8_t steps = p.steps[axis];
-    period.inc[axis] = (uint8_t)((steps < 0 ? -steps : steps) << 3);
+    period.inc[axis] = (uint8_t)((uint8_t)(steps < 0 ? -steps : steps) * KB_INC_PER_STEP);
     p.position[axis] += steps;
     if (steps != 0) {
       uint8_t* const dir = axis == KB_FEED ? &p.dir_c : &p.dir_a;
@@ -191,7 +193,7 @@ static void offer(bool lit, uint8_t power) {
   period.dir_c = p.dir_c;
   const uint8_t gate = lit ? KB_LASER_GATE : 0;
   period.laser_changes = gate != p.gate || power != p.power;
-  period.laser_delay = lit ? p.config.gate_on_delay : p.config.gate_off_delay;
+  period.laser_delay = (kb_ticks_t)(lit ? p.config.gate_on_delay : p.config.gate_off_delay);
   period.gate = p.gate = gate;
   period.power = p.power = power;
   kb_engine_offer(&period);
@@ -229,7 +231,7 @@ static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fa
     if (op == KB_OP_END) {
       p.phase = KB_PHASE_TAIL;
       /* Until the last delayed laser event is out and the last period has run. */
-      const uint8_t delay =
+      const uint16_t delay =
           p.config.gate_off_delay > p.config.gate_on_delay ? p.config.gate_off_delay : p.config.gate_on_delay;
       p.periods_left = (uint16_t)(delay / KB_TICKS_PER_PERIOD + 2U);
       drop(length);
@@ -352,7 +354,7 @@ void kb_program_halt(void) {
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     const int8_t current = dropped ? p.previous_steps[axis] : p.steps[axis];
     const uint8_t count = (uint8_t)(current < 0 ? -current : current);
-    const uint8_t done = (uint8_t)((KB_ACC_START + (uint16_t)(8U * count) * done_ticks) >> 8);
+    const uint8_t done = (uint8_t)((KB_ACC_START + (uint16_t)(KB_INC_PER_STEP * count) * done_ticks) >> 8);
     const int8_t lost = (int8_t)(count - done);
     p.position[axis] -= current < 0 ? -lost : lost;
     if (dropped) {

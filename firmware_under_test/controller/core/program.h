@@ -11,8 +11,8 @@
 
 struct kb_config {
   uint32_t nominal_per_period;
-  uint8_t gate_on_delay;
-  uint8_t gate_off_delay;
+  uint16_t gate_on_delay; /* ticks */
+  uint16_t gate_off_delay;
   uint8_t idle_power;
 };
 
@@ -27,7 +27,7 @@ void kb_queue_put(uint8_t offset, uint8_t byte);
 void kb_queue_commit(uint8_t length);
 
 void kb_program_init(void);
-/* False where gate delays differ by a period or more: their order could turn round. */
+/* False where gate delays differ by a period or more (their order could turn round), or are too long. */
 bool kb_program_configure(const struct kb_config* config);
 bool kb_program_configured(void);
 void kb_program_start(void);

@@ -13,10 +13,18 @@
 #include "message.h"
 
 enum {
-  KB_RISE_CYCLES = 53,  /* tick to the first store */
-  KB_FALL_CYCLES = 163, /* to PUL low */
-  KB_DIR_CYCLES = 167,  /* to DIR */
-  KB_BYTE_CYCLES = 640,
+#ifdef KB_TARGET_GALVO
+  /* A pulse generator in logic: PUL high for 7 cycles of 62.5 ns, low for at least 9; DIR changes 8 before an
+     edge of PUL. */
+  KB_RISE_CYCLES = 1, /* tick to the first store */
+  KB_FALL_CYCLES = 8, /* to PUL low */
+  KB_DIR_CYCLES = 9,  /* to DIR */
+#else
+  KB_RISE_CYCLES = 53,
+  KB_FALL_CYCLES = 163,
+  KB_DIR_CYCLES = 167,
+#endif
+  KB_BYTE_CYCLES = 10 * KB_CPU_HZ / KB_BAUD,
   KB_PORT_A = 0,
   KB_PORT_C = 2,
   KB_PORT_D = 3,
@@ -57,7 +65,7 @@ void kb_hal_tx(uint8_t byte) {
   m.tx_free = m.now + KB_BYTE_CYCLES;
 }
 
-static uint16_t timeNow(void) { return (uint16_t)(m.now / 64U); }
+static uint16_t timeNow(void) { return (uint16_t)(m.now / KB_TIME_CYCLES); }
 
 static void writePort(uint64_t at, uint8_t port, uint8_t level) {
   const uint8_t changed = m.level[port] ^ level;
@@ -203,7 +211,9 @@ static bool openImage(struct kb_buffer* request) {
     return false;
   }
   if ((clock_hz != 0 && clock_hz != KB_CPU_HZ) || (baud != 0 && baud != KB_BAUD)) {
-    refuse("the native controller runs at 16 MHz and 250000 baud only");
+    char why[80];
+    snprintf(why, sizeof(why), "this native controller runs at %lu Hz and %lu baud only", KB_CPU_HZ, KB_BAUD);
+    refuse(why);
     return false;
   }
   kb_controller_init();
@@ -213,7 +223,7 @@ static bool openImage(struct kb_buffer* request) {
   kb_put_uint(&reply, 1, 8);
   kb_put_uint(&reply, KB_CPU_HZ, 8);
   kb_put_uint(&reply, 0, 4);
-  kb_put_text(&reply, "native controller, core built for the host");
+  kb_put_text(&reply, "native controller \"" KB_TARGET_NAME "\", core built for the host");
   kb_write_message(KB_PS_HELLO, &reply);
   kb_buffer_free(&reply);
   return true;

@@ -78,11 +78,12 @@ std::vector<std::string> linesOf(const std::string& text) {
 /// The unit period by period, waits included.
 struct Film {
   std::vector<Sample> samples;  ///< The first is the start.
-  double period_s{kPeriodS};
+  double period_s{};
 };
 
 Film filmOf(const UnitPath& unit, const std::vector<int>& waits) {
   Film film;
+  film.period_s = unit.period_s;
   film.samples.push_back({unit.start_S_mm, 0.0, 0});
   for (std::size_t i = 0; i < unit.blocks.size(); ++i) {
     const Block& block = unit.blocks[i];
@@ -209,7 +210,8 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
             {"field", nullptr}};
   if (checked.solution) {
     const UnitLayout& layout = checked.solution->layoutOf(0);
-    const double before_s = layout.catch_up_periods * kPeriodS + (v > 0.0 ? machine.tracking_delay_s : 0.0);
+    const double before_s =
+        layout.catch_up_periods * axes.periodS() + (v > 0.0 ? machine.tracking_delay_s : 0.0);
     data["field"] = {{"beta_mm", layout.x_ref_mm + v * before_s},
                      {"min", machine.field_min_mm},
                      {"max", machine.field_max_mm}};
@@ -225,8 +227,9 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
       body, "%FIELD_KEY%",
       checked.solution ? "<span class=key><i class=fieldbox></i>reach of the beam on the sheet</span>" : "");
   replace(body, "%NOTE%",
-          film.period_s > kPeriodS ? fmt::format("Every {:.0f}th period is drawn.", film.period_s / kPeriodS)
-                                   : std::string());
+          film.period_s > axes.periodS()
+              ? fmt::format("Every {:.0f}th period is drawn.", film.period_s / axes.periodS())
+              : std::string());
   replace(body, "%TITLE%", escaped(title));
   std::string page =
       "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "firmware_under_test/controller/release.h"
 #include "runner.h"
 
 namespace kerfbench::controller_test {
@@ -15,7 +16,10 @@ TEST(Frame, HelloIsAcknowledgedWithInfo) {
   Runner runner;
   const auto answer = runner.ask(frame(KB_HELLO, 9));
   auto want = frame(KB_ACK, 9, {0xFF, 0x0F});
-  const auto info = frame(KB_INFO, 9, {KB_PROTOCOL_VERSION, 0x00, 0x10, 0x90, 0x01, 32});
+  std::vector<std::uint8_t> payload{KB_PROTOCOL_VERSION, 0x00, 0x10, 0x90, 0x01, 32};
+  const auto* const block = reinterpret_cast<const std::uint8_t*>(&kb_release);
+  payload.insert(payload.end(), block, block + KB_RELEASE_LEN);
+  const auto info = frame(KB_INFO, 9, payload);
   for (const std::uint8_t byte : info) want.push_back(byte);
   EXPECT_EQ(answer, want);
 }

@@ -23,7 +23,9 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
           static_cast<std::uint8_t>(nominal >> 24),
           on_ticks,
           off_ticks,
-          idle_power};
+          idle_power,
+          0,
+          0};
 }
 
 inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,

@@ -116,7 +116,7 @@ TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   for (const double x_ref_mm : {-20.0, 5.0, 30.0}) {
     std::vector<Vector2d> steps;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double t_s = static_cast<double>(i) * kPeriodS;
+      const double t_s = static_cast<double>(i) * Target{}.periodS();
       double x_mm = points[i].x() + x_ref_mm + case_.belt_mm_s * t_s;
       // A long unit would run out of the field: fold it back at the limit, where a test of limits ends.
       if (std::abs(x_mm) > 80.0) x_mm = std::nan("");
@@ -132,11 +132,11 @@ TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     largest_path = std::max(largest_path, (points[i + 1] - 2.0 * points[i] + points[i - 1]).norm());
   }
-  const double per_s2 = machine_.mirror_step_rad / (kPeriodS * kPeriodS);
-  EXPECT_LE(largest_rate, kStepBudget + 0.05);
+  const double per_s2 = machine_.mirror_step_rad / (Target{}.periodS() * Target{}.periodS());
+  EXPECT_LE(largest_rate, Target{}.stepBudget() + 0.05);
   EXPECT_LE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 1.01);
   EXPECT_GE(largest_acceleration * per_s2, kMirrorLimit_rad_s2 * 0.85) << "the mirrors should be used";
-  EXPECT_LE(largest_path / (kPeriodS * kPeriodS), job_.acceleration_mm_s2 * 1.01);
+  EXPECT_LE(largest_path / (Target{}.periodS() * Target{}.periodS()), job_.acceleration_mm_s2 * 1.01);
   RecordProperty("largest_rad_s2", std::to_string(largest_acceleration * per_s2));
 }
 
@@ -146,7 +146,7 @@ TEST_P(EveryFlow, PositionsAreContinuousAndNoFasterThanToldTo) {
   for (const Sample& sample : samplesOf(unit)) {
     const double way_mm = (sample.p_S_mm - before).norm();
     const double most_mm_s = sample.marked_mm > 0.0 ? job_.mark_speed_mm_s : job_.jump_speed_mm_s;
-    EXPECT_LE(way_mm, most_mm_s * kPeriodS * (1.0 + 1e-9));
+    EXPECT_LE(way_mm, most_mm_s * Target{}.periodS() * (1.0 + 1e-9));
     before = sample.p_S_mm;
   }
   EXPECT_LT((before - path_.back().end_mm).norm(), 1e-12);
@@ -345,7 +345,7 @@ TEST(Flow, AnyGcodeIsRunInOrderWithFiniteNumbers) {
       for (const Sample& sample : block.samples) {
         ASSERT_TRUE(sample.p_S_mm.allFinite() && std::isfinite(sample.marked_mm)) << seed;
         EXPECT_GE(sample.marked_mm, 0.0);
-        EXPECT_LE((sample.p_S_mm - before).norm(), 430.0 * kPeriodS * 1.001) << seed;
+        EXPECT_LE((sample.p_S_mm - before).norm(), 430.0 * Target{}.periodS() * 1.001) << seed;
         marked_mm += sample.marked_mm;
         before = sample.p_S_mm;
       }
@@ -377,11 +377,12 @@ TEST(Reposition, KeepsTheMirrorsWithinTheirLimitOnTheWayBack) {
   for (const Vector2d& to : {Vector2d(-70, 70), Vector2d(60, 70), Vector2d(-70, -70), Vector2d(20, -65)}) {
     const Vector2d from(60, -70);
     const Reposition way(from, 25.0, to, job, axes);
-    std::vector<Vector2d> steps{axes.stepsAt(from - Vector2d(25.0 * kPeriodS, 0.0))};
+    std::vector<Vector2d> steps{axes.stepsAt(from - Vector2d(25.0 * Target{}.periodS(), 0.0))};
     for (int k = 0; k <= way.periods() + 1; ++k) steps.push_back(axes.stepsAt(way.at(k)));
     double largest = 0.0;
     for (std::size_t i = 1; i + 1 < steps.size(); ++i) {
-      const Vector2d second = (steps[i + 1] - 2.0 * steps[i] + steps[i - 1]) / (kPeriodS * kPeriodS);
+      const Vector2d second =
+          (steps[i + 1] - 2.0 * steps[i] + steps[i - 1]) / (Target{}.periodS() * Target{}.periodS());
       largest = std::max(largest, second.cwiseAbs().maxCoeff() * machine.mirror_step_rad);
     }
     EXPECT_LE(largest, kMirrorLimit_rad_s2 * 1.001);

@@ -148,9 +148,9 @@ TEST(AxisMove, ArrivesAtRestWithinItsLimits) {
 }
 
 TEST(CatchUp, BeginsAtRestAndEndsWithTheBelt) {
-  const int periods = catchUpPeriods(200.0, 2500.0);
+  const int periods = catchUpPeriods(200.0, 2500.0, 0.8e-3);
   const double total_s = periods * 0.8e-3;
-  const auto x = [&](double t) { return catchUpMm(t / total_s, 200.0, periods); };
+  const auto x = [&](double t) { return catchUpMm(t / total_s, 200.0, periods, 0.8e-3); };
   EXPECT_NEAR(x(total_s), 0.5 * 200.0 * total_s, 1e-9);
   EXPECT_NEAR((x(1e-6) - x(0)) / 1e-6, 0.0, 1e-3);
   EXPECT_NEAR((x(total_s) - x(total_s - 1e-6)) / 1e-6, 200.0, 1e-3);
@@ -174,8 +174,8 @@ TEST(Axes, SpeedLimitHoldsEverywhereInTheField) {
           largest = std::max(largest, (axes.stepsAt(p + v * 0.8e-3) - axes.stepsAt(p)).cwiseAbs().maxCoeff());
         }
       }
-      EXPECT_LE(largest, kStepBudget + 0.05);
-      EXPECT_GE(largest, kStepBudget * 0.93) << "the bound should not waste speed";
+      EXPECT_LE(largest, Target{}.stepBudget() + 0.05);
+      EXPECT_GE(largest, Target{}.stepBudget() * 0.93) << "the bound should not waste speed";
     }
   }
   EXPECT_EQ(axes.speedLimit(Vector2d::UnitX(), 500.0), 0.0);

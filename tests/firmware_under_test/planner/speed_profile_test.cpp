@@ -23,7 +23,7 @@ FlowLimits plain() {
   FlowLimits limits;
   limits.mark_mm_s = limits.jump_mm_s = 200.0;
   limits.acceleration_mm_s2 = limits.jump_acceleration_mm_s2 = 2000.0;
-  limits.period_s = kPeriodS;
+  limits.period_s = Target{}.periodS();
   limits.axes_mm_s = [](const Vector2d&) { return 1e9; };
   return limits;
 }

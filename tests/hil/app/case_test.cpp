@@ -107,6 +107,7 @@ TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
 }
 
 TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
+  (void)temp_.write("controller-avr.hex", contentOf(KERFBENCH_BINARY_DIR "/firmware/controller-avr.hex"));
   (void)temp_.write("edited.nc", "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
   const PreparedJob job = prepareJob(label("planner: {gcode: edited.nc}\n"));
   EXPECT_EQ(job.gcode, "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");

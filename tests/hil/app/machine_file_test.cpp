@@ -77,7 +77,7 @@ TEST_F(MachineFileTest, TheTwoMirrorMachineReads) {
 
 TEST_F(MachineFileTest, EveryMachineOfTheHouseCanRun) {
   for (const char* name : {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "two-mirror-slow",
-                           "f-theta-300", "strip-gantry"}) {
+                           "two-mirror-fast", "f-theta-300", "strip-gantry"}) {
     const MachineDescription machine = readMachine(fixture(std::string("machines/") + name + ".yaml"));
     EXPECT_EQ(machine.name, name);
     EXPECT_NO_THROW(twin::Twin(machine, twin::WebDescription{}, TickRate{})) << name;
@@ -223,23 +223,43 @@ TEST_F(MachineFileTest, ControllersAreToldTheTruth) {
   const MachineDescription stepper = readMachine(fixture("machines/two-mirror-stepper.yaml"));
   const MachineDescription lens = readMachine(fixture("machines/f-theta-300.yaml"));
   const MachineDescription slow = readMachine(fixture("machines/two-mirror-slow.yaml"));
-  for (const auto* machine : {&mirrors, &stepper, &slow, &lens}) {
+  const MachineDescription fast = readMachine(fixture("machines/two-mirror-fast.yaml"));
+  for (const auto* machine : {&mirrors, &stepper, &slow, &fast, &lens}) {
     EXPECT_NEAR(machine->controller.mirror_step_rad, machine->galvo_x.step, 1e-18);
     EXPECT_NEAR(machine->controller.mirror_step_rad, machine->galvo_y.step, 1e-18);
     EXPECT_NEAR(machine->controller.feed_step_mm, machine->belt.feed.step, 1e-15);
   }
-  for (const auto* machine : {&mirrors, &slow, &lens}) {
+  for (const auto* machine : {&mirrors, &slow, &fast, &lens}) {
     const twin::ServoDescription& servo = servoOf(machine->galvo_x);
     EXPECT_NEAR(machine->controller.tracking_delay_s, 2.0 * servo.damping / servo.natural_frequency_rad_s,
                 2e-8);
   }
-  for (const auto* machine : {&mirrors, &stepper, &slow, &lens, &strip}) {
+  for (const auto* machine : {&mirrors, &stepper, &slow, &fast, &lens, &strip}) {
     EXPECT_EQ(machine->controller.encoder_count_mm, machine->belt.encoder.count_mm);
     EXPECT_EQ(machine->controller.print_mark_sensor_x_mm, machine->belt.print_mark_sensor.x_mm);
     EXPECT_EQ(machine->controller.full_power_w, machine->laser.full_power_w);
     EXPECT_EQ(twin::faultsOf(machine->spot_camera), "");
     EXPECT_EQ(twin::faultsOf(machine->kerf_camera), "");
   }
+}
+
+TEST_F(MachineFileTest, APulseOfTheFastMachineMovesTheSpotByThreeMicrometresAtMost) {
+  const MachineDescription machine = readMachine(fixture("machines/two-mirror-fast.yaml"));
+  const auto& told = machine.controller;
+  double longest_mm = 0.0;  // Cheng et al. 2014, eq. 1, by its derivatives
+  for (const double x_mm : {told.field_min_mm[0], 0.0, told.field_max_mm[0]}) {
+    for (const double y_mm : {told.field_min_mm[1], 0.0, told.field_max_mm[1]}) {
+      const double slant_mm = std::hypot(machine.head.throw_mm, y_mm);
+      const double reach_mm = slant_mm + machine.head.mirror_spacing_mm;
+      const double x_by_x = 2.0 * (reach_mm + x_mm * x_mm / reach_mm) * machine.galvo_x.step;
+      const double y_by_y = 2.0 * slant_mm * slant_mm / machine.head.throw_mm * machine.galvo_y.step;
+      const double x_by_y = x_mm / reach_mm * y_mm / slant_mm * y_by_y;
+      longest_mm = std::max({longest_mm, x_by_x, std::hypot(y_by_y, x_by_y)});
+    }
+  }
+  RecordProperty("longest_pulse_um", std::to_string(1e3 * longest_mm));
+  EXPECT_LE(longest_mm, 3e-3);
+  EXPECT_GE(longest_mm, 2.9e-3) << "finer steps would cost pulse rate";
 }
 
 TEST_F(MachineFileTest, TheSpotCameraSeesTheWholeField) {

@@ -13,7 +13,7 @@ namespace {
 
 TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
   for (const char* name : {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper",
-                           "two-mirror-linecutter", "two-mirror-slow"}) {
+                           "two-mirror-linecutter", "two-mirror-slow", "two-mirror-fast"}) {
     const MachineFile file = readMachineFile(fixture("machines/" + std::string(name) + ".yaml"));
     for (const auto& [camera, named] : {std::pair(file.machine.spot_camera, file.spot_camera),
                                         std::pair(file.machine.kerf_camera, file.kerf_camera)}) {

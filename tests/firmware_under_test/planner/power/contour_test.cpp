@@ -70,7 +70,7 @@ class Contour : public ::testing::TestWithParam<double> {
         if (sample.marked_mm <= 0.0) continue;
         const double from_mm = lit_.empty() ? 0.0 : lit_.back().to_mm;
         if (lit_.size() < bytes.size())
-          lit_.push_back({from_mm, from_mm + sample.marked_mm, sample.marked_mm / kPeriodS,
+          lit_.push_back({from_mm, from_mm + sample.marked_mm, sample.marked_mm / Target{}.periodS(),
                           std::uint8_t(bytes[lit_.size()])});
       }
     }

@@ -56,7 +56,7 @@ TEST(PowerOfAJob, WithoutAModelItIsProportionalByteForByte) {
   const std::vector<int> bytes = bytesOf(plan, job);
   ASSERT_EQ(marks.size(), bytes.size());
   for (std::size_t i = 0; i < marks.size(); ++i) {
-    const double power_w = job.cut_energy_j_per_mm * marks[i].marked_mm / kPeriodS;
+    const double power_w = job.cut_energy_j_per_mm * marks[i].marked_mm / Target{}.periodS();
     ASSERT_EQ(bytes[i], std::lround(std::min(power_w / machine.full_power_w * 255.0, 255.0))) << i;
   }
 }
@@ -90,7 +90,7 @@ TEST(PowerOfAJob, EachProcessGetsItsDepth) {
   ASSERT_EQ(marks.size(), bytes.size());
   int cuts = 0, creases = 0;
   for (std::size_t i = 0; i < marks.size(); ++i) {
-    const double speed = marks[i].marked_mm / marks[i].z / kPeriodS;
+    const double speed = marks[i].marked_mm / marks[i].z / Target{}.periodS();
     if (speed < 90.0) continue;
     const double depth = job.power->depthBy(job.power->powerOf(std::uint8_t(bytes[i])), speed);
     const double wanted = marks[i].z == 1.0 ? 0.2 : 0.07;

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Time base and sizes of the controllers that the core is built for. A host must not rely on them: it reads
+ * them from the image or from INFO (release.h).
+ *
+ * A step tick of KB_TICK_CYCLES; an interpolation period of KB_TICKS_PER_PERIOD ticks, a power of two up to
+ * 128; in it an axis makes at most KB_MAX_STEPS_PER_PERIOD steps, one in a tick. */
+#ifndef KERFBENCH_CONTROLLER_TARGET_H
+#define KERFBENCH_CONTROLLER_TARGET_H
+
+#include <stdint.h>
+
+#define KB_CPU_HZ 16000000UL
+
+#ifdef KB_TARGET_GALVO
+/* For digital galvos with PUL/DIR inputs of some MHz: ticks of 1 us, periods of 128 us. The interpolation of
+ * the core on a processor that is fast enough for it, or in front of a pulse generator in logic; here on a
+ * computer, where it takes no time. */
+#define KB_TARGET_NAME "galvo"
+#define KB_BAUD 2000000UL
+#define KB_TICK_CYCLES 16U
+#define KB_TICKS_PER_PERIOD 128U
+#define KB_QUEUE_SIZE 32768U /* one byte less can be filled */
+#define KB_TIME_CYCLES 16U
+#define KB_PWM_TICKS 8U
+#define KB_LASER_EVENTS 64U
+#define KB_SETUP_CYCLES 8U /* never less of PUL and DIR, see release.h */
+#define KB_HOLD_CYCLES 8U
+#define KB_WIDTH_CYCLES 7U
+#define KB_SPACE_CYCLES 9U
+typedef uint16_t kb_ticks_t;
+#else
+/* What an ATmega2560 at 16 MHz bears: ticks of 25 us, periods of 0.8 ms. */
+#define KB_TARGET_NAME "avr"
+#define KB_BAUD 250000UL
+#define KB_TICK_CYCLES 400U
+#define KB_TICKS_PER_PERIOD 32U
+#define KB_QUEUE_SIZE 4096U
+#define KB_TIME_CYCLES 64U /* of the timer that stamps belt edges */
+#define KB_PWM_TICKS 1U    /* one bit of the laser's PWM */
+#define KB_LASER_EVENTS 16U
+#define KB_SETUP_CYCLES 80U
+#define KB_HOLD_CYCLES 100U
+#define KB_WIDTH_CYCLES 100U
+#define KB_SPACE_CYCLES 80U
+typedef uint8_t kb_ticks_t;
+#endif
+
+#define KB_MAX_STEPS_PER_PERIOD ((int8_t)(KB_TICKS_PER_PERIOD - 1U))
+/* Each period may change the laser once, and the ring of changes on their way must hold them. */
+#define KB_LONGEST_DELAY_TICKS                                    \
+  ((KB_LASER_EVENTS - 1U) * KB_TICKS_PER_PERIOD > (kb_ticks_t)~0U \
+       ? (kb_ticks_t)~0U                                          \
+       : (KB_LASER_EVENTS - 1U) * KB_TICKS_PER_PERIOD)
+#define KB_PERIOD_CYCLES (1UL * KB_TICK_CYCLES * KB_TICKS_PER_PERIOD)
+/* Whole periods in this many milliseconds. */
+#define KB_PERIODS_IN_MS(ms) ((ms) * (KB_CPU_HZ / 1000UL) / KB_PERIOD_CYCLES)
+
+#endif
