@@ -140,7 +140,7 @@ static uint8_t start(const struct kb_frame* frame) {
     return KB_NAK_STATE;
   }
   for (uint8_t i = 0; i < KB_CHECK_LEN; ++i) {
-    if (frame->payload[i] != kb_check_byte(&kb_job_check, i)) {
+    if (!kb_check_holds(&kb_job_check, i, frame->payload[i])) {
       return KB_NAK_CHECK;
     }
   }

@@ -57,7 +57,7 @@ static void atData(uint8_t byte) {
   if (rx.taken < program) {
     kb_check_add(&rx.check, byte);
     kb_queue_put(rx.taken, byte);
-  } else if (byte != kb_check_byte(&rx.check, (uint8_t)(rx.taken - program))) {
+  } else if (!kb_check_holds(&rx.check, (uint8_t)(rx.taken - program), byte)) {
     rx.frame.nak = KB_NAK_CHECK;
   }
 }
