@@ -31,7 +31,7 @@ Program jobProgram() {
   std::mt19937 random(11);
   Program program;
   program.config = config(0.0, 5, 5);
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 1100; ++i) {
     const bool lit = i / 12 % 3 != 2;
     std::vector<std::uint8_t> op{static_cast<std::uint8_t>(KB_OP_MOVE | 0x1F | (lit ? KB_OP_POWER : 0))};
     for (int axis = 0; axis < KB_AXES; ++axis) {
