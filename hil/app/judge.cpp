@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hil/app/camera_files.h"
 #include "hil/camera/twin_frames.h"
@@ -48,8 +49,9 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
 
 }  // namespace
 
-void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems, int jobs,
-           Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
+void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string>& problems,
+           const std::optional<ControllerAccount>& account, int jobs, Stopwatch& stopwatch,
+           const ProgressFn& progress, RunReport& report) {
   const Scenario& scenario = the_case.scenario;
   const BenchCameras cameras = readCalibrations(the_case);
 
@@ -58,6 +60,7 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   evidence.print = scenario.print;
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
+  evidence.account = account;
   evidence.problems = problems;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())
@@ -96,6 +99,17 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   report.spot = std::move(evidence.spot);
   report.pulses = std::move(evidence.pulses);
   stopwatch.lap("inspection");
+}
+
+void judgeSafeState(const Case& the_case, const twin::Twin& twin, SafeStateEvidence evidence,
+                    RunReport& report) {
+  evidence.pulses = twin.pulseTiming();
+  evidence.gates = gatesOf(twin);
+  report.result = inspectSafeState(evidence);
+  report.limits = the_case.scenario.limits;
+  report.dieline = the_case.dieline;
+  report.print = the_case.scenario.print;
+  report.pulses = std::move(evidence.pulses);
 }
 
 }  // namespace kerfbench::hil

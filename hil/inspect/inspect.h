@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/dieline/geometry.h"
+#include "hil/inspect/controller_account.h"
 #include "hil/inspect/uncertainty.h"
 #include "hil/inspect/verdict.h"
 #include "hil/vision/camera_calibration.h"
@@ -45,6 +46,7 @@ struct Evidence {
   KerfScan kerf;
   std::vector<PulseTiming> pulses;
   std::vector<GateInterval> gates;
+  std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
   /// With which the pictures were read. A camera without one, a reading outside its area and a reading
   /// without a stated uncertainty of its own each make the verdict INVALID.
   std::optional<CameraCalibration> kerf_calibration;
