@@ -23,8 +23,8 @@ enum kb_axis { KB_GALVO_X, KB_GALVO_Y, KB_GANTRY_X, KB_GANTRY_Y, KB_FEED, KB_AXE
 enum kb_request {
   KB_HELLO = 0x01,  /* -                                        -> ACK, then INFO */
   KB_CONFIG = 0x02, /* struct kb_config, field by field */
-  KB_DATA = 0x03,   /* program bytes, whole operations only */
-  KB_START = 0x04,  /* run the queue */
+  KB_DATA = 0x03,   /* program bytes, whole operations only, then u32 job check up to their end */
+  KB_START = 0x04,  /* u32 job check: run the queue */
   KB_STOP = 0x05,   /* stop now, laser off, queue emptied */
   KB_STATUS = 0x06  /* -                                        -> ACK, then STATE */
 };
@@ -45,7 +45,8 @@ enum kb_nak {
   KB_NAK_LENGTH = 3,
   KB_NAK_FULL = 4,
   KB_NAK_STATE = 5,
-  KB_NAK_VALUE = 6
+  KB_NAK_VALUE = 6,
+  KB_NAK_CHECK = 7 /* the job check differs: not the program that the host has sent */
 };
 enum kb_state { KB_IDLE, KB_RUNNING, KB_DONE, KB_STOPPED };
 enum kb_fault {
@@ -56,15 +57,33 @@ enum kb_fault {
   KB_FAULT_PROGRAM,   /* an operation that does not exist */
   KB_FAULT_OVERSPEED, /* a move of more than KB_MAX_STEPS_PER_PERIOD */
   KB_FAULT_LATE,      /* the controller itself did not prepare a period in time */
-  KB_FAULT_MARKS      /* more print marks waited than KB_MARKS_MAX - 1: a unit would be lost */
+  KB_FAULT_MARKS,     /* more print marks waited than KB_MARKS_MAX - 1: a unit would be lost */
+  KB_FAULT_SILENT,    /* no frame was accepted for KB_SILENCE_PERIODS while running */
+  KB_FAULT_UART,      /* KB_LINE_ERRORS_MAX line errors without an accepted frame between, while running */
+  KB_FAULT_ENCODER,   /* the belt that is followed does not move as it should, or A misses edges */
+  KB_FAULT_BELT_FAST, /* the belt is too fast for the job, or the axis cannot keep up with it */
+  KB_FAULT_WATCHDOG   /* the main loop stood still; the controller was reset */
 };
+
+/* What leads to KB_STOPPED, how soon, and what the axes do: docs/CONTROLLER.md. */
+#define KB_SILENCE_PERIODS KB_PERIODS_IN_MS(250) /* a host repeats and asks more often than that */
+#define KB_LINE_ERRORS_MAX 8U                    /* framing errors, overruns, damaged frames */
+#define KB_ENCODER_WINDOW_COUNTS 16U /* of nominal travel, and 2 periods at least: a quarter must be seen */
+#define KB_ENCODER_ERRORS_MAX 8U     /* edges of A without a change of A, since START */
+#define KB_BELT_FAST_PERIODS KB_PERIODS_IN_MS(7) /* in a row */
 
 /* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START
  * are refused while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE
  * and KB_STOPPED: a new program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from
  * any other state to KB_IDLE. A frame with the type and SEQ of the last one accepted since HELLO is answered
- * again and not executed again. A frame that pauses for more than 20 ms is forgotten. */
+ * again and not executed again. A frame that pauses for more than 20 ms is forgotten. A configuration holds
+ * for one START.
+ *
+ * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload and then of the program, a += byte, b += a;
+ * the check is a | b << 16. So a frame that deceives the CRC, and one that only one side believes to have
+ * been accepted, are refused before anything of them is run. */
 #define KB_PROTOCOL_VERSION 2
+#define KB_CHECK_LEN 4
 #define KB_MARKS_MAX 8
 
 /* Program: a stream of operations.
@@ -99,10 +118,10 @@ enum kb_op {
 };
 
 /* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
- * u8 gate_off_delay_ticks, u8 idle_power, u8 high byte of gate_on_delay_ticks, u8 of gate_off_delay_ticks.
- * Delays count from the period boundary and let the laser wait for the mirrors' tracking delay; power follows
- * with the same delay as the gate. */
-#define KB_CONFIG_LEN 9
+ * u8 gate_off_delay_ticks, u8 idle_power, u32 max_per_period (as nominal; 0: any speed), u8 high byte of
+ * gate_on_delay_ticks, u8 of gate_off_delay_ticks. Delays count from the period boundary and let the laser
+ * wait for the mirrors' tracking delay; power follows with the same delay as the gate. */
+#define KB_CONFIG_LEN 13
 
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7

@@ -14,7 +14,8 @@ namespace {
 constexpr double kConnectTime_s = 2.0;
 constexpr double kReplyTime_s = KB_REPLY_TIMEOUT_MS * 1e-3;
 constexpr double kFullQueueTime_s = 0.010;  // twelve periods: some 60 bytes of a queue of 4096
-constexpr double kStateTime_s = 0.100;      // an EVENT could be lost on the line
+constexpr double kStateTime_s = 0.050;      // an EVENT could be lost on the line
+constexpr double kAccountTime_s = 0.250;    // for the answer to the last question
 constexpr int kMaxRepeats = 20;
 constexpr std::size_t kOverhead = 6;  // SYNC TYPE SEQ LEN CRC CRC
 
@@ -48,6 +49,16 @@ std::string_view faultInWords(std::uint8_t fault) {
       return "it did not prepare the next period in time";
     case KB_FAULT_MARKS:
       return "more print marks came than it can keep";
+    case KB_FAULT_SILENT:
+      return "it heard nothing from its host for too long";
+    case KB_FAULT_UART:
+      return "the line to it is disturbed";
+    case KB_FAULT_ENCODER:
+      return "the belt's encoder does not tell of the motion that it should (broken wire?)";
+    case KB_FAULT_BELT_FAST:
+      return "the belt is too fast for this job";
+    case KB_FAULT_WATCHDOG:
+      return "its main loop stood still, and its watchdog reset it";
     default:
       return "of a fault that this host does not know";
   }
@@ -67,6 +78,8 @@ std::string_view refusalInWords(std::uint8_t reason) {
       return "it is not allowed in this state";
     case KB_NAK_VALUE:
       return "a value is out of range";
+    case KB_NAK_CHECK:
+      return "it is not the program that was sent (job check)";
     default:
       return "of a reason that this host does not know";
   }
@@ -93,7 +106,7 @@ std::string_view requestInWords(std::uint8_t type) {
 
 Link::Link(Program program) : program_(std::move(program)) {
   const bool op_too_long = std::any_of(program_.ops.begin(), program_.ops.end(), [](const auto& op) {
-    return op.empty() || op.size() > KB_PAYLOAD_MAX;
+    return op.empty() || op.size() > KB_PAYLOAD_MAX - KB_CHECK_LEN;
   });
   if (program_.config.size() != KB_CONFIG_LEN) {
     fail("the program's configuration does not have " + std::to_string(KB_CONFIG_LEN) + " bytes");
@@ -118,6 +131,7 @@ std::vector<std::uint8_t> Link::step(std::span<const std::uint8_t> received, dou
     }
     accept(*reply);
   }
+  if (end_ && now_s_ - end_s_ >= kAccountTime_s) conclude();
   if (state_ == State::kFailed || state_ == State::kDone) {
     return {};
   }
@@ -177,6 +191,10 @@ void Link::accept(const Reply& reply) {
     stateSeen(reply.payload[0], reply.payload[1]);
   } else if (reply.type == KB_STATE && reply.payload.size() >= 4) {
     stateSeen(reply.payload[0], reply.payload[1]);
+    if (end_ && reply.payload[0] != KB_RUNNING) conclude();
+  } else if (reply.type == KB_INFO && !reply.payload.empty() && reply.payload[0] != KB_PROTOCOL_VERSION) {
+    fail("the controller speaks version " + std::to_string(reply.payload[0]) +
+         " of the protocol, this host " + std::to_string(KB_PROTOCOL_VERSION));
   } else if (!frame_.empty() && reply.seq == seq_) {
     if (reply.type == KB_ACK && reply.payload.size() == 2) {
       accepted(reply.payload[0] | static_cast<std::size_t>(reply.payload[1]) << 8);
@@ -196,8 +214,11 @@ void Link::accepted(std::size_t free_bytes) {
     state_ = State::kConfiguring;
   } else if (type == KB_CONFIG) {
     state_ = State::kLoading;
+    check_ = {};
+    for (const std::uint8_t byte : program_.config) check_.add(byte);
   } else if (type == KB_DATA) {
     op_ += ops_under_way_;
+    check_ = check_under_way_;
   } else if (type == KB_START) {
     state_ = State::kRunning;
     asked_s_ = now_s_;
@@ -205,8 +226,12 @@ void Link::accepted(std::size_t free_bytes) {
 }
 
 void Link::refused(std::uint8_t reason) {
-  // The first two can come from noise on the line; the last heals as the queue empties.
-  if (reason == KB_NAK_CRC) {
+  if (end_) {
+    frame_.clear();  // whatever it was, it is late
+    return;
+  }
+  // The first three can come from noise on the line; the last heals as the queue empties.
+  if (reason == KB_NAK_CRC || reason == KB_NAK_CHECK) {
     resend_ = true;
   } else if (reason == KB_NAK_STATE && state_ == State::kRunning) {
     frame_.clear();
@@ -234,15 +259,26 @@ void Link::stateSeen(std::uint8_t state, std::uint8_t fault) {
     return;  // of a program before this one
   }
   if (state == KB_STOPPED) {
-    fail("the controller stopped: " + std::string(faultInWords(fault)));
+    ended("the controller stopped: " + std::string(faultInWords(fault)));
   } else if (state == KB_DONE) {
-    if (op_ + (frame_.empty() ? 0 : ops_under_way_) < program_.ops.size()) {
-      fail("the controller says that it is done before it has the whole program");
-    } else {
-      state_ = State::kDone;
-    }
+    const bool whole = op_ + (frame_.empty() ? 0 : ops_under_way_) >= program_.ops.size();
+    ended(whole ? "" : "the controller says that it is done before it has the whole program");
   } else if (refused_in_run_ || (state == KB_IDLE && state_ == State::kRunning)) {
     fail("the controller has lost the program: it may have been reset");
+  }
+}
+
+void Link::ended(std::string why) {
+  if (end_) return;  // the first word counts
+  end_ = std::move(why);
+  end_s_ = now_s_;
+}
+
+void Link::conclude() {
+  if (end_->empty()) {
+    state_ = State::kDone;
+  } else {
+    fail(*end_);
   }
 }
 
@@ -252,7 +288,7 @@ void Link::fail(std::string why) {
 }
 
 void Link::sendNext() {
-  const bool wholly_sent = op_ == program_.ops.size();
+  const bool wholly_sent = op_ == program_.ops.size() || end_;
   const bool fits = !wholly_sent && free_bytes_ >= program_.ops[op_].size();
   const bool frame_fits = !wholly_sent && free_bytes_ >= KB_PAYLOAD_MAX;
   switch (state_) {
@@ -268,14 +304,18 @@ void Link::sendNext() {
       }
       break;
     case State::kLoading:
-      if (fits && frame_fits) {
+      if (end_) {
+        send(KB_STATUS, {});
+      } else if (fits && frame_fits) {
         sendData();
       } else {
-        send(KB_START, {});
+        std::vector<std::uint8_t> payload;
+        check_.appendTo(payload);
+        send(KB_START, payload);
       }
       break;
     default:
-      if (refused_in_run_) {
+      if (refused_in_run_ || end_) {
         send(KB_STATUS, {});
       } else if (fits && frame_fits) {
         sendData();
@@ -288,14 +328,24 @@ void Link::sendNext() {
 
 void Link::sendData() {
   std::vector<std::uint8_t> payload;
-  const std::size_t room = std::min<std::size_t>(KB_PAYLOAD_MAX, free_bytes_);
+  const std::size_t room = std::min<std::size_t>(KB_PAYLOAD_MAX - KB_CHECK_LEN, free_bytes_);
   std::size_t end = op_;
   while (end < program_.ops.size() && payload.size() + program_.ops[end].size() <= room) {
     payload.insert(payload.end(), program_.ops[end].begin(), program_.ops[end].end());
     ++end;
   }
   ops_under_way_ = end - op_;
+  check_under_way_ = check_;
+  for (const std::uint8_t byte : payload) check_under_way_.add(byte);
+  check_under_way_.appendTo(payload);
   send(KB_DATA, payload);
+}
+
+void Link::Check::appendTo(std::vector<std::uint8_t>& payload) const {
+  for (const unsigned half : {unsigned{a}, unsigned{b}}) {
+    payload.push_back(static_cast<std::uint8_t>(half & 0xFFU));
+    payload.push_back(static_cast<std::uint8_t>(half >> 8));
+  }
 }
 
 void Link::send(std::uint8_t type, std::span<const std::uint8_t> payload) {

@@ -13,7 +13,9 @@
 namespace kerfbench::planner {
 
 /// The host half of protocol.h as a pure state machine: bytes and time in, bytes out. Says HELLO until
-/// answered, then CONFIG, fills the queue, START, keeps the queue full, waits for DONE.
+/// answered, then CONFIG, fills the queue, START, keeps the queue full, waits for DONE. When the controller
+/// has done or stopped it is asked once more where axes and belt are (KB_STATE), for whoever listens on the
+/// line.
 class Link {
  public:
   enum class State { kConnecting, kConfiguring, kLoading, kRunning, kDone, kFailed };
@@ -44,6 +46,10 @@ class Link {
   void refused(std::uint8_t reason);
   void infoSeen(std::span<const std::uint8_t> payload);
   void stateSeen(std::uint8_t state, std::uint8_t fault);
+  /// The controller has come to its end; an empty `why` is a success.
+  void ended(std::string why);
+  /// Takes over what ended() was told.
+  void conclude();
   void fail(std::string why);
   /// The next frame to send, or nothing to do now.
   void sendNext();
@@ -65,6 +71,18 @@ class Link {
   std::uint8_t seq_{};
   double sent_s_{};
   double asked_s_{};  ///< Of the last STATUS.
+  /// Job check (protocol.h) of what the controller has accepted, and with the frame that waits.
+  struct Check {
+    std::uint16_t a{1}, b{};
+    void add(std::uint8_t byte) {
+      a = static_cast<std::uint16_t>(a + byte);
+      b = static_cast<std::uint16_t>(b + a);
+    }
+    void appendTo(std::vector<std::uint8_t>& payload) const;
+  };
+  Check check_, check_under_way_;
+  std::optional<std::string> end_;  ///< Of ended().
+  double end_s_{};
   int repeats_{};
   bool refused_in_run_{false};  ///< A frame was refused while running: ask why before giving up.
   bool resend_{false};

@@ -295,7 +295,7 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
     throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
                                 job.units, plan.cycle_time_s, kMostPeriods * period_s / 3600.0));
   }
-  plan.program = makeProgram(solution, machine, job, faults, axes);
+  plan.program = makeProgram(solution, machine, job, faults, axes, plan.max_belt_speed_mm_s);
   return plan;
 }
 

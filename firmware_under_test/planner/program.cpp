@@ -207,18 +207,21 @@ double powerByte(const Sample& sample, const MachineParameters& machine, const J
 }
 
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
-                    const PlannerFaults& faults, const Axes& axes) {
+                    const PlannerFaults& faults, const Axes& axes, double max_belt_speed_mm_s) {
   const double v = solution.belt_speed_mm_s;
   const double period_s = axes.periodS();
   const bool moving = v > 0.0;
   const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
   const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
   Program program;
-  const double nominal = moving ? v * period_s / machine.encoder_count_mm * 65536.0 : 0.0;
-  append(program.config, static_cast<std::uint64_t>(std::llround(nominal)), 4);
+  const double counts_per_mm_s = moving ? period_s / machine.encoder_count_mm * 65536.0 : 0.0;
+  append(program.config, static_cast<std::uint64_t>(std::llround(v * counts_per_mm_s)), 4);
   const auto delay = static_cast<unsigned>(std::lround(machine.tracking_delay_s / machine.target.tick_s));
-  for (const unsigned byte : {delay, delay, 0U, delay >> 8, delay >> 8})  // idle power 0
+  for (const unsigned byte : {delay, delay, 0U})  // idle power 0
     program.config.push_back(static_cast<std::uint8_t>(byte));
+  const double most = follows ? std::min(max_belt_speed_mm_s * counts_per_mm_s, 1e9) : 0.0;
+  append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
+  for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
   program.target = machine.target;
 
   Writer writer(axes, machine, job, v);

@@ -70,9 +70,13 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   report.versions = {{"kerfbench", KERFBENCH_VERSION}};
   if (!conclusion.firmware_sha256.empty())
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
-  judge(
-      the_case, twin, run, options.jobs, stopwatch,
-      [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
+  if (conclusion.safe_state) {
+    judgeSafeState(the_case, twin, *conclusion.safe_state, report);
+  } else {
+    judge(
+        the_case, twin, run, conclusion.account, options.jobs, stopwatch,
+        [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
+  }
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
   writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);

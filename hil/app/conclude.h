@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "hil/app/lockstep.h"
 #include "hil/app/machine_film.h"
 #include "hil/app/stopwatch.h"
+#include "hil/inspect/safe_state.h"
 
 namespace kerfbench::hil {
 
@@ -20,9 +22,11 @@ struct Conclusion {
   std::string firmware;     ///< For people.
   std::string source_id;
   std::string firmware_sha256;
-  const twin::DrawnMachine* drawn{};  ///< The machine that ran; not null.
-  const MachineFilm* film{};          ///< For the report's pictures; not null.
-  std::string gcode;                  ///< Written to the results folder unless empty.
+  const twin::DrawnMachine* drawn{};            ///< The machine that ran; not null.
+  const MachineFilm* film{};                    ///< For the report's pictures; not null.
+  std::string gcode;                            ///< Written to the results folder unless empty.
+  std::optional<ControllerAccount> account;     ///< As in Evidence.
+  std::optional<SafeStateEvidence> safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
 };
 /// Returns the exit code of the verdict.
 int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const Conclusion& conclusion,

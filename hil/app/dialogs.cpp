@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <system_error>
 #include <utility>
 
+#include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/link.h"
 #include "hil/source/line_ok.h"
 
@@ -39,6 +42,28 @@ std::string textOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+// Steps of one axis in an operation.
+int stepsIn(const std::vector<std::uint8_t>& op, int axis) {
+  const unsigned bit = 1U << static_cast<unsigned>(axis);
+  if ((op[0] & KB_OP_MOVE) == 0 || (op[0] & bit) == 0) return 0;
+  const int before = std::popcount(op[0] & (bit - 1U));
+  return static_cast<std::int8_t>(op[1 + static_cast<std::size_t>(before)]);
+}
+
+// Cuts the program off behind a lit move across the belt, so that its last steps tell where it ends.
+void starve(planner::Program& program, double share, int axis, PreparedJob& job) {
+  constexpr int kManySteps = 4;
+  const auto from = static_cast<std::size_t>(share * static_cast<double>(program.ops.size()));
+  for (std::size_t i = 0; i < program.ops.size(); ++i) {
+    const int steps = std::abs(stepsIn(program.ops[i], axis));
+    job.starved_pulses += steps;
+    if (i < from || steps < kManySteps || (program.ops[i][0] & KB_OP_POWER) == 0) continue;
+    program.ops.resize(i + 1);
+    return;
+  }
+  throw planner::PlanError("provoke.host_starves_after_share: no lit move across the belt after it");
+}
+
 }  // namespace
 
 PreparedJob prepareJob(const Case& the_case) {
@@ -62,6 +87,14 @@ PreparedJob prepareJob(const Case& the_case) {
       the_case.scenario.print.units, the_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
       plan.jump_length_mm, plan.unit_time_s, the_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
   job.gcode = std::move(plan.gcode);
+  job.target = machine.target;
+  job.max_belt_speed_mm_s = plan.max_belt_speed_mm_s;
+  const ProvokeChoice& provoke = the_case.scenario.provoke;
+  if (provoke.cause == ProvokeChoice::Cause::kHostStarves) {
+    const bool gantry = machine.head == planner::MachineParameters::Head::kGantry;
+    job.starved_pul = gantry ? Signal::kGantryYPul : Signal::kGalvoYPul;
+    starve(plan.program, provoke.share, gantry ? KB_GANTRY_Y : KB_GALVO_Y, job);
+  }
   job.dialog = std::make_unique<TalkerDialog<planner::Link>>(planner::Link(std::move(plan.program)));
   return job;
 }

@@ -3,16 +3,22 @@
 
 #include <memory>
 
+#include "firmware_under_test/planner/target.h"
 #include "hil/app/case.h"
 #include "hil/app/dialog.h"
+#include "twin/base/signal_map.h"
 
 namespace kerfbench::hil {
 
 /// A job ready to be sent, and what is worth telling of it.
 struct PreparedJob {
   std::unique_ptr<Dialog> dialog;
-  std::string summary;  ///< One line.
-  std::string gcode;    ///< For the results folder.
+  std::string summary;                 ///< One line.
+  std::string gcode;                   ///< For the results folder.
+  planner::Target target;              ///< That was planned for.
+  double max_belt_speed_mm_s{};        ///< As the planner has told the controller.
+  Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,
+  long long starved_pulses{};          ///< and its pulses in what the host has.
 };
 
 /// Plans the job (reference controller) or reads the G-code (line-and-ok firmware).

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hil/app/camera_files.h"
 #include "hil/camera/twin_frames.h"
@@ -66,7 +67,8 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
 
 }  // namespace
 
-void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, int jobs, Stopwatch& stopwatch,
+void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
+           const std::optional<ControllerAccount>& account, int jobs, Stopwatch& stopwatch,
            const ProgressFn& progress, RunReport& report) {
   const Scenario& scenario = the_case.scenario;
   const BenchCameras cameras = readCalibrations(the_case);
@@ -79,6 +81,7 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, in
   evidence.belt_count_mm = the_case.machine.controller.encoder_count_mm;
   evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
   evidence.problems = run.problems;
+  evidence.account = account;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())
     evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");
@@ -116,6 +119,17 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, in
   report.spot = std::move(evidence.spot);
   report.pulses = std::move(evidence.pulses);
   stopwatch.lap("inspection");
+}
+
+void judgeSafeState(const Case& the_case, const twin::Twin& twin, SafeStateEvidence evidence,
+                    RunReport& report) {
+  evidence.pulses = twin.pulseTiming();
+  evidence.gates = gatesOf(twin);
+  report.result = inspectSafeState(evidence);
+  report.limits = the_case.scenario.limits;
+  report.dieline = the_case.dieline;
+  report.print = the_case.scenario.print;
+  report.pulses = std::move(evidence.pulses);
 }
 
 }  // namespace kerfbench::hil

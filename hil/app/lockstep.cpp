@@ -56,7 +56,11 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
   Batch batch;
   for (int round = 0; now < end; ++round) {
     const Tick until = std::min(now + quantum, end);
-    if (info.accepts_input) sendSensors(source, twin.predictSensors(until), map, result.recording);
+    if (info.accepts_input) {
+      std::vector<SensorEdge> edges = twin.predictSensors(until);
+      if (options.provocation != nullptr) options.provocation->changeSensors(edges, now, until);
+      sendSensors(source, edges, map, result.recording);
+    }
     const Stop stop = source.advance(until, batch);
     now = batch.watermark;
     if (hasGap(batch.events)) {
@@ -71,11 +75,13 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
       break;
     }
     const double now_s = info.rate.seconds(now);
+    if (options.ear != nullptr) options.ear->hear(batch.uart, now_s);
     if (dialog != nullptr && !finishing) {
-      const auto answer = dialog->step(batch.uart, now_s);
+      auto answer = dialog->step(batch.uart, now_s);
+      if (options.provocation != nullptr) answer = options.provocation->toController(answer, now_s);
       if (!answer.empty()) source.uartWrite(answer);
       finishing = dialog->state() != Dialog::State::kBusy;
-      if (dialog->state() == Dialog::State::kFailed) {
+      if (dialog->state() == Dialog::State::kFailed && options.provocation == nullptr) {
         result.problems.push_back(fmt::format("at {:.3f} s: {}", now_s, dialog->message()));
       }
       // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
@@ -84,7 +90,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
     }
     if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
   }
-  if (dialog != nullptr && !finishing && result.problems.empty()) {
+  if (dialog != nullptr && !finishing && result.problems.empty() && options.provocation == nullptr) {
     result.problems.push_back(
         fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
   }

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "hil/app/controller_ear.h"
 #include "hil/app/dialog.h"
+#include "hil/app/provoke.h"
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
 #include "twin/cutter/twin.h"
@@ -17,6 +19,8 @@ struct LockstepOptions {
   /// edge by 0.25 um at most.
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
+  Provocation* provocation{};  ///< May be null. If not, a dialog that fails or never ends is no problem.
+  ControllerEar* ear{};        ///< May be null.
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 

@@ -10,7 +10,9 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
 #include "hil/app/machine_film.h"
+#include "hil/app/pin_sums.h"
 #include "hil/app/release.h"
+#include "hil/app/safe_demand.h"
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/source/open.h"
@@ -52,6 +54,26 @@ ProgressFn progressOn(Console& console) {
   return [&console](double now_s, const std::string& what) { console.progress(now_s, what); };
 }
 
+constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
+
+/// Only a pin that the line to the controller was cut on leaves it without a question to answer.
+bool canBeAsked(const ProvokeChoice& provoke) {
+  return provoke.cause != ProvokeChoice::Cause::kUartSilent &&
+         provoke.cause != ProvokeChoice::Cause::kUartNoise;
+}
+
+SafeStateEvidence safeStateEvidence(const Case& the_case, const PreparedJob& job, const LockstepResult& run,
+                                    const ControllerEar& ear, const PinSums& pins, double line_cut_s) {
+  SafeStateEvidence evidence;
+  evidence.demand = safeStateDemand(the_case, job, pins, line_cut_s);
+  evidence.last_pulse_s = pins.lastPulse_s();
+  evidence.end_s = run.recording.rate.seconds(run.recording.end);
+  evidence.reports = ear.reports();
+  if (canBeAsked(the_case.scenario.provoke)) evidence.account = pins.accountBeside(ear.account());
+  evidence.problems = run.problems;
+  return evidence;
+}
+
 int runOne(const fs::path& path, const CommonOptions& options) {
   Stopwatch stopwatch;
   Console console(options.quiet);
@@ -70,8 +92,17 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
+  const bool provoked = scenario.provoke.cause != ProvokeChoice::Cause::kNone;
+  Provocation provocation(scenario.provoke, info.rate, scenario.seed);
+  if (provoked) {
+    lockstep.provocation = &provocation;
+    lockstep.settle_s = kSettleAfterStop_s;
+  }
+  ControllerEar ear;
+  lockstep.ear = &ear;
   const LockstepResult run =
       runLockstep(filmed, twin, the_case.machine.signals, job.dialog.get(), lockstep, progressOn(console));
+  if (provoked) console.say("  " + job.dialog->message());
   film.add(twin);
   stopwatch.lap("firmware and machine");
 
@@ -84,6 +115,12 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.film = &film;
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
   conclusion.gcode = std::move(job.gcode);
+  if (scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench) {
+    const PinSums pins(run.recording, the_case.machine.signals);
+    conclusion.account = pins.accountBeside(ear.account());
+    if (provoked)
+      conclusion.safe_state = safeStateEvidence(the_case, job, run, ear, pins, provocation.lineCut_s());
+  }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 

@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/selection.h"
+#include "hil/app/provoke.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
 #include "twin/base/print_layout.h"
@@ -61,6 +62,7 @@ struct Scenario {
   std::optional<double> jump_radius_mm;  ///< Of the job; the machine's if absent.
   planner::PlannerFaults planner_faults;
   std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
+  ProvokeChoice provoke;
   Limits limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
   int calibration_max_age_days{180};

@@ -105,6 +105,7 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
     add(checks::gateLagCheck(evidence, limits, lit));
   }
   add(checks::pulseTimingCheck(evidence));
+  if (evidence.account) add(checks::accountCheck(*evidence.account));
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/dieline/geometry.h"
+#include "hil/inspect/controller_account.h"
 #include "hil/inspect/uncertainty.h"
 #include "hil/inspect/verdict.h"
 #include "hil/vision/camera_calibration.h"
@@ -53,6 +54,7 @@ struct Evidence {
   std::vector<GateInterval> gates;
   std::vector<BeltEdge> belt;  ///< By time; empty without an encoder, or if the belt stood.
   double belt_count_mm{};      ///< Travel of one count.
+  std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
   /// With which the pictures were read. A camera without one, a reading outside its area and a reading
   /// without a stated uncertainty of its own each make the verdict INVALID.
   std::optional<CameraCalibration> kerf_calibration;

@@ -16,7 +16,8 @@ int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
 struct Check {
   std::string name{};  ///< "path", "joints", "coverage", "depth", "perforation", "kerf_width", "stray",
                        ///< "laser_timing", "stillness_x", "stillness_peak", "belt", "spot_seen", "spot_path",
-                       ///< "repeat", "laser_gate", "pulse_timing"
+                       ///< "repeat", "laser_gate", "pulse_timing", "account", "safe_state", "safe_stop",
+                       ///< "safe_report"
   std::string title{};    ///< For people.
   std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
   std::string unit{};     ///< "mm", "", "us"

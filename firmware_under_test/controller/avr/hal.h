@@ -5,12 +5,14 @@
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
+#include <avr/wdt.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 extern volatile uint8_t kb_rx_bytes[256];
 extern volatile uint8_t kb_rx_end;
 extern uint8_t kb_rx_first;
+extern volatile uint8_t kb_rx_errors;
 
 static inline uint8_t kb_hal_lock(void) {
   const uint8_t saved = SREG;
@@ -34,6 +36,20 @@ static inline bool kb_hal_rx(uint8_t* byte) {
   *byte = kb_rx_bytes[kb_rx_first++];
   return true;
 }
+
+enum { KB_RX_BACKLOG = 200 }; /* 8 ms behind the wire: some 2 ms later bytes would be overwritten */
+
+/* Framing errors and overruns since the last call. */
+static inline uint8_t kb_hal_rx_errors(void) {
+  const uint8_t saved = kb_hal_lock();
+  const uint8_t errors = kb_rx_errors;
+  kb_rx_errors = 0;
+  kb_hal_unlock(saved);
+  const bool behind = (uint8_t)(kb_rx_end - kb_rx_first) > KB_RX_BACKLOG;
+  return behind ? (uint8_t)(errors + 1U) : errors;
+}
+
+static inline void kb_hal_feed_watchdog(void) { wdt_reset(); }
 
 static inline bool kb_hal_tx_ready(void) { return (UCSR0A & _BV(UDRE0)) != 0; }
 static inline void kb_hal_tx(uint8_t byte) { UDR0 = byte; }

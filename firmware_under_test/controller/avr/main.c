@@ -8,6 +8,7 @@
 volatile uint8_t kb_rx_bytes[256];
 volatile uint8_t kb_rx_end;
 uint8_t kb_rx_first;
+volatile uint8_t kb_rx_errors;
 
 ISR(TIMER1_COMPA_vect) {
   /* What can be read is read before PUL rises: it adds to the time that DIR has been set up. */
@@ -53,20 +54,30 @@ ISR(TIMER1_COMPA_vect) {
 
 ISR(INT2_vect) {
   const uint8_t pins = PIND;
-  kb_belt_edge((pins & _BV(2)) != 0, (pins & _BV(1)) != 0, TCNT3);
+  kb_belt_edge((uint8_t)(pins >> 1) & KB_A, pins & KB_B, TCNT3);
 }
 
 ISR(INT3_vect) { kb_belt_mark_edge(TCNT3); }
 
-ISR(USART0_RX_vect) { kb_rx_bytes[kb_rx_end++] = UDR0; }
+ISR(USART0_RX_vect) {
+  if (UCSR0A & (_BV(FE0) | _BV(DOR0))) { /* of the byte that the next read takes */
+    kb_rx_errors = (uint8_t)(kb_rx_errors + 1U);
+  }
+  kb_rx_bytes[kb_rx_end++] = UDR0;
+}
 
 int main(void) {
+  /* The watchdog stays on over its own reset. 16 ms, reset only: with its interrupt on it would not reset a
+   * controller whose interrupts are off. Reset lets go of all pins; the gate's input needs a pull-down. */
+  const uint8_t reset_cause = MCUSR;
+  MCUSR = 0;
+  wdt_enable(WDTO_15MS);
   /* Edges before anything else: the level mode of reset would fire, and slows an emulator down. */
   EICRA = _BV(ISC20) | _BV(ISC31) | _BV(ISC30);
   DDRA = 0xFF;
   DDRC = KB_FEED_PUL | KB_FEED_DIR | KB_LASER_GATE | KB_LASER_PWM;
 
-  kb_controller_init();
+  kb_controller_init((reset_cause & _BV(WDRF)) ? KB_FAULT_WATCHDOG : KB_OK);
 
   UCSR0A = _BV(U2X0);
   UBRR0 = F_CPU / 8UL / KB_BAUD - 1UL;

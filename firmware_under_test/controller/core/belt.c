@@ -18,11 +18,17 @@ void kb_belt_init(void) {
   kb_hal_unlock(saved);
 }
 
+/* Whole count from its low byte, within half its range of the last one. */
+static int32_t wholeCount(uint8_t low) {
+  return kb_belt.last_count + (int8_t)(uint8_t)(low - (uint8_t)(uint32_t)kb_belt.last_count);
+}
+
 /* The position at `time` from an edge, in 1/256 count. */
 static int32_t interpolate(const struct kb_edge* edge, uint16_t time, bool standing) {
   /* An edge at count c means [c, c + 2) behind it when forwards, and the same edge passed backwards leaves c
    * - 2. */
-  const int32_t base = (edge->count + (edge->backwards ? 2 : 0)) * 256;
+  const int32_t count = wholeCount(edge->count) + (edge->backwards ? 2 : 0);
+  const int32_t base = (int32_t)((uint32_t)count * 256U);
   if (standing) {
     return base + (edge->backwards ? -256 : 256); /* half-way to the next edge */
   }
@@ -50,8 +56,8 @@ void kb_belt_update(uint16_t boundary_time) {
   const struct kb_edge edge = kb_belt.edge;
   kb_hal_unlock(saved);
 
-  if (edge.count != kb_belt.last_count) {
-    kb_belt.last_count = edge.count;
+  if (edge.count != (uint8_t)(uint32_t)kb_belt.last_count) {
+    kb_belt.last_count = wholeCount(edge.count);
     kb_belt.idle_periods = 0;
   } else if (kb_belt.idle_periods < KB_STANDING_PERIODS) {
     kb_belt.idle_periods++;
@@ -110,3 +116,9 @@ int32_t kb_belt_ahead(uint8_t periods) {
 }
 
 int32_t kb_belt_counts(void) { return kb_belt.position >> 8; }
+
+void kb_belt_clear_errors(void) {
+  const uint8_t saved = kb_hal_lock();
+  kb_belt.errors = 0;
+  kb_hal_unlock(saved);
+}

@@ -16,7 +16,7 @@
 enum { KB_TIME_PER_PERIOD = KB_PERIOD_CYCLES / KB_TIME_CYCLES };
 
 struct kb_edge {
-  int32_t count;
+  uint8_t count; /* low byte: the interrupt has little time, and the main loop comes each period */
   uint16_t time;
   bool backwards;
 };
@@ -28,13 +28,14 @@ struct kb_belt {
   uint16_t mark_time[KB_MARKS_MAX];
   uint8_t mark_end;
   uint8_t mark_lost;
+  uint8_t errors; /* edges of A without a change of A, modulo 256 */
   /* Main loop. */
   int32_t position;   /* at the last boundary, 1/256 count */
   int32_t speed;      /* per period, 1/65536 count */
   uint8_t mark_taken; /* next latch to be turned into a position */
   uint8_t mark_first; /* next mark to be used */
   uint16_t idle_periods;
-  int32_t last_count;
+  int32_t last_count; /* whole, at the last boundary */
   int32_t mark[KB_MARKS_MAX];
 };
 
@@ -52,25 +53,36 @@ bool kb_belt_marks_lost(void);
 /* Position expected `periods` after the last boundary. */
 int32_t kb_belt_ahead(uint8_t periods);
 int32_t kb_belt_counts(void);
+void kb_belt_clear_errors(void);
 
-/* Encoder interrupt, each edge of A, with the levels after it. */
-static inline void kb_belt_edge(bool a, bool b, uint16_t now) {
+enum { KB_A = 2, KB_B = 2 };
+
+/* Encoder interrupt, each edge of A, with the levels after it: KB_A and KB_B, or 0. */
+static inline void kb_belt_edge(uint8_t a, uint8_t b, uint16_t now) {
+  /* Bit 1 of the count is the opposite of A's level, from the second edge on. Where A has not changed two
+   * edges came closer than the interrupt can follow: noise, or a belt far too fast. */
+  uint8_t count = kb_belt.edge.count;
+  if (((count ^ a) & KB_A) != 0) {
+    kb_belt.errors = (uint8_t)(kb_belt.errors + 1U);
+    return;
+  }
 #ifdef KB_DEFECT_ENCODER_SCALE
-  /* Defect: a pulley of the wrong size in the configuration; every 100 counts read as 101. */
+  /* Defect: a pulley of the wrong size in the configuration; every 400 counts read as 404. */
   static uint8_t edges;
-  if (++edges == 50U) {
+  if (++edges == 200U) {
     edges = 0;
-    kb_belt.edge.count += a != b ? 1 : -1;
+    count = (uint8_t)(a != b ? count + 4U : count - 4U);
   }
 #endif
   /* A leads B forwards: behind an edge of A they differ. */
   if (a != b) {
-    kb_belt.edge.count += 2;
+    count = (uint8_t)(count + 2U);
     kb_belt.edge.backwards = false;
   } else {
-    kb_belt.edge.count -= 2;
+    count = (uint8_t)(count - 2U);
     kb_belt.edge.backwards = true;
   }
+  kb_belt.edge.count = count;
   kb_belt.edge.time = now;
 }
 

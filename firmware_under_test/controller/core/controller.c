@@ -9,6 +9,7 @@
 #include "frame.h"
 #include "hal.h"
 #include "program.h"
+#include "watch.h"
 
 enum { KB_FRAME_PAUSE_PERIODS = KB_PERIODS_IN_MS(20) };
 
@@ -17,23 +18,33 @@ static struct {
   uint8_t fault;
   uint8_t boundaries;    /* seen */
   uint8_t quiet_periods; /* since the last byte */
+  uint8_t line_errors;   /* since the last frame accepted */
+  uint16_t silent_periods;
+#ifdef KB_DEFECT_MAIN_STUCK
+  bool stuck;
+#endif
   bool event_due;
   bool answered; /* the two fields below hold */
   uint8_t last_type;
   uint8_t last_seq;
 } c;
 
-void kb_controller_init(void) {
+void kb_controller_init(enum kb_fault reset_cause) {
   kb_engine_init();
   kb_belt_init();
   kb_program_init();
   kb_frame_init();
-  c.state = KB_IDLE;
-  c.fault = KB_OK;
+  c.state = reset_cause == KB_OK ? KB_IDLE : KB_STOPPED;
+  c.fault = (uint8_t)reset_cause;
   c.boundaries = 0;
   c.quiet_periods = 0;
-  c.event_due = false;
+  c.line_errors = 0;
+  c.silent_periods = 0;
+  c.event_due = reset_cause != KB_OK;
   c.answered = false;
+#ifdef KB_DEFECT_MAIN_STUCK
+  c.stuck = false;
+#endif
 }
 
 static void enter(uint8_t state, uint8_t fault) {
@@ -44,9 +55,16 @@ static void enter(uint8_t state, uint8_t fault) {
   }
 }
 
-static void stop(uint8_t fault) {
+/* Axes stand. What they were slowing down for came first, and is what people must know. */
+static void stop(enum kb_fault fault) {
+  const enum kb_fault first = kb_program_ramping();
   kb_program_halt();
-  enter(KB_STOPPED, fault);
+  enter(KB_STOPPED, (uint8_t)(first != KB_OK ? first : fault));
+}
+
+static void lineErrors(uint8_t more) {
+  c.line_errors =
+      more > KB_LINE_ERRORS_MAX - c.line_errors ? KB_LINE_ERRORS_MAX : (uint8_t)(c.line_errors + more);
 }
 
 static uint8_t putU16(uint8_t* to, uint16_t value) {
@@ -100,30 +118,47 @@ static uint8_t configure(const struct kb_frame* frame) {
   const struct kb_config config = {
       .nominal_per_period =
           (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24,
-      .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[7] << 8),
-      .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[8] << 8),
+      .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[11] << 8),
+      .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8),
       .idle_power = b[6],
+      .max_per_period = (uint32_t)b[7] | (uint32_t)b[8] << 8 | (uint32_t)b[9] << 16 | (uint32_t)b[10] << 24,
   };
-  if (!kb_program_configure(&config)) {
+  if (config.max_per_period > INT32_MAX || !kb_program_configure(&config)) {
     return KB_NAK_VALUE;
   }
   kb_queue_clear();
+  kb_job_check.a = 1;
+  kb_job_check.b = 0;
+  for (uint8_t i = 0; i < KB_CONFIG_LEN; ++i) {
+    kb_check_add(&kb_job_check, b[i]);
+  }
   enter(KB_IDLE, KB_OK);
   return 0;
 }
 
-static uint8_t start(void) {
-  if (c.state == KB_RUNNING || !kb_program_configured() || kb_queue_empty()) {
+static uint8_t start(const struct kb_frame* frame) {
+  if (frame->length != KB_CHECK_LEN) {
+    return KB_NAK_LENGTH;
+  }
+  if (c.state != KB_IDLE || !kb_program_configured() || kb_queue_empty()) {
     return KB_NAK_STATE;
   }
+  for (uint8_t i = 0; i < KB_CHECK_LEN; ++i) {
+    if (!kb_check_holds(&kb_job_check, i, frame->payload[i])) {
+      return KB_NAK_CHECK;
+    }
+  }
   kb_program_start();
+  kb_watch_start();
+  c.silent_periods = 0;
   enter(KB_RUNNING, KB_OK);
   return 0;
 }
 
 /* Carries a request out; 0, or why not. */
 static uint8_t execute(const struct kb_frame* frame) {
-  if (frame->type != KB_DATA && frame->type != KB_CONFIG && frame->length != 0) {
+  const bool bare = frame->type == KB_HELLO || frame->type == KB_STOP || frame->type == KB_STATUS;
+  if (bare && frame->length != 0) {
     return KB_NAK_LENGTH;
   }
   switch (frame->type) {
@@ -139,10 +174,11 @@ static uint8_t execute(const struct kb_frame* frame) {
       if (c.state == KB_DONE || c.state == KB_STOPPED) {
         return KB_NAK_STATE;
       }
-      kb_queue_commit(frame->length);
+      kb_queue_commit((uint8_t)(frame->length - KB_CHECK_LEN));
+      kb_frame_commit();
       return 0;
     case KB_START:
-      return start();
+      return start(frame);
     case KB_STOP:
       if (c.state == KB_RUNNING) {
         stop(KB_OK);
@@ -162,17 +198,20 @@ static void answer(const struct kb_frame* frame) {
   uint8_t nak = frame->nak;
   /* An answer that was lost makes the host repeat; what it asks for has been done. A repeat of data may not
    * fit. */
-  const bool repeated = (nak == 0 || nak == KB_NAK_FULL) && c.answered && frame->type == c.last_type &&
-                        frame->seq == c.last_seq && frame->type != KB_HELLO;
+  const bool repeated = (nak == 0 || nak == KB_NAK_FULL || nak == KB_NAK_CHECK) && c.answered &&
+                        frame->type == c.last_type && frame->seq == c.last_seq && frame->type != KB_HELLO;
   if (repeated) {
     nak = 0;
   } else if (nak == 0) {
     nak = execute(frame);
   }
   if (nak != 0) {
+    lineErrors(nak == KB_NAK_CRC ? 1 : 0);
     kb_frame_send(KB_NAK, frame->seq, &nak, 1);
     return;
   }
+  c.line_errors = 0;
+  c.silent_periods = 0;
   c.answered = true;
   c.last_type = frame->type;
   c.last_seq = frame->seq;
@@ -196,21 +235,51 @@ static void receive(void) {
   }
 }
 
+/* What lets the axes slow down. */
+static void watch(void) {
+  if (c.silent_periods < KB_SILENCE_PERIODS) {
+    c.silent_periods++;
+  }
+  enum kb_fault fault = kb_watch_belt();
+  if (c.silent_periods >= KB_SILENCE_PERIODS) {
+    fault = KB_FAULT_SILENT;
+  } else if (c.line_errors >= KB_LINE_ERRORS_MAX) {
+    fault = KB_FAULT_UART;
+  } else if (kb_belt_marks_lost()) {
+    fault = KB_FAULT_MARKS;
+  }
+  if (fault != KB_OK) {
+    kb_program_ramp(fault);
+  }
+}
+
 static void newPeriod(void) {
   const uint8_t saved = kb_hal_lock();
   const uint16_t boundary_time = kb_engine.boundary_time;
   c.boundaries = kb_engine.boundaries;
   kb_hal_unlock(saved);
   kb_belt_update(boundary_time);
+  lineErrors(kb_hal_rx_errors());
+  kb_hal_feed_watchdog(); /* both the tick and the main loop are alive */
   if (c.quiet_periods < KB_FRAME_PAUSE_PERIODS) {
     c.quiet_periods++;
   } else {
+#ifdef KB_DEFECT_MAIN_STUCK
+    c.stuck = c.state == KB_RUNNING && kb_frame_begun();
+#endif
     kb_frame_forget();
+  }
+  if (c.state == KB_RUNNING) {
+    watch();
   }
 }
 
 static void run(void) {
-  const uint8_t inputs = kb_hal_inputs();
+  uint8_t inputs = kb_hal_inputs();
+#ifdef KB_DEFECT_INTERLOCK_IGNORED
+  /* Defect: a bridge from the commissioning is still in place. */
+  inputs |= KB_IN_INTERLOCK;
+#endif
   if (!(inputs & KB_IN_INTERLOCK)) {
     stop(KB_FAULT_INTERLOCK);
     return;
@@ -223,10 +292,6 @@ static void run(void) {
     stop(KB_FAULT_LATE);
     return;
   }
-  if (kb_belt_marks_lost()) {
-    stop(KB_FAULT_MARKS);
-    return;
-  }
   /* In this order: a boundary that came since newPeriod() has not been seen by the belt filter yet. */
   if (kb_engine.next_ready || c.boundaries != kb_engine.boundaries) {
     return;
@@ -234,7 +299,7 @@ static void run(void) {
   enum kb_fault fault = KB_OK;
   const enum kb_step step = kb_program_step(&fault);
   if (step == KB_STEP_FAULT) {
-    stop((uint8_t)fault);
+    stop(fault);
   } else if (step == KB_STEP_DONE) {
     kb_engine.demand = false;
     enter(KB_DONE, KB_OK);
@@ -244,6 +309,12 @@ static void run(void) {
 }
 
 void kb_controller_poll(void) {
+#ifdef KB_DEFECT_MAIN_STUCK
+  /* Defect: waits for the rest of a frame for ever. */
+  if (c.stuck) {
+    return;
+  }
+#endif
   if (c.boundaries != kb_engine.boundaries) {
     newPeriod();
   }

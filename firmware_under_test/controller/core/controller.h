@@ -9,7 +9,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-void kb_controller_init(void);
+/* KB_OK after power-on, or what made the controller start anew: KB_STOPPED then. */
+void kb_controller_init(enum kb_fault reset_cause);
 void kb_controller_poll(void);
 #ifdef __cplusplus
 }

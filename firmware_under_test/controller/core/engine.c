@@ -32,6 +32,7 @@ static void laserOff(void) {
   kb_engine.pwm_left = 0;
 #endif
   kb_engine.laser_first = kb_engine.laser_end;
+  kb_engine.next.laser_changes = false;
   kb_engine.out_c = (uint8_t)(kb_engine.out_c & (KB_FEED_PUL | KB_FEED_DIR));
 }
 

@@ -78,7 +78,7 @@ extern volatile struct kb_engine kb_engine;
 void kb_engine_init(void);
 /* Main loop only, when !next_ready. */
 void kb_engine_offer(const struct kb_period* period);
-/* Laser off and no delayed laser event left; takes effect in the tick at hand or the next. */
+/* Laser off and no laser event left, delayed or offered; takes effect in the tick at hand or the next. */
 void kb_engine_laser_off(void);
 /* Axes stand, laser off, offered period dropped. Returns the ticks of the current period that were really
  * output. */
@@ -174,7 +174,11 @@ static inline void kb_tick_compute(uint8_t inputs) {
     }
 #endif
   }
-  if (inputs & KB_IN_INTERLOCK) {
+#ifdef KB_DEFECT_INTERLOCK_IGNORED
+  inputs |= KB_IN_INTERLOCK;
+#endif
+  /* The main loop may be a whole period away: guard and limits act here. */
+  if ((inputs & (KB_IN_INTERLOCK | KB_IN_LIMITS)) == KB_IN_INTERLOCK) {
 #if KB_PWM_TICKS > 1
     if (e->pwm_left == 0) {
       e->pwm = kb_tick_pwm();

@@ -12,8 +12,11 @@ static struct {
   uint8_t taken;
   uint8_t crc_low;
   uint16_t crc;
+  struct kb_check check; /* as it would be with this frame */
   struct kb_frame frame;
 } rx;
+
+struct kb_check kb_job_check;
 
 static uint8_t tx_bytes[KB_TX_SIZE];
 static uint8_t tx_first;
@@ -25,10 +28,14 @@ static uint16_t tx_crc;
 
 void kb_frame_init(void) {
   rx.state = KB_AT_SYNC;
+  kb_job_check.a = 1;
+  kb_job_check.b = 0;
   tx_first = tx_end = 0;
   tx_sent = tx_length = tx_crc_bytes = 0;
 }
 
+void kb_frame_commit(void) { kb_job_check = rx.check; }
+bool kb_frame_begun(void) { return rx.state != KB_AT_SYNC; }
 void kb_frame_forget(void) { rx.state = KB_AT_SYNC; }
 
 static void atLength(uint8_t byte) {
@@ -36,15 +43,42 @@ static void atLength(uint8_t byte) {
   rx.frame.nak = 0;
   rx.taken = 0;
   const bool data = rx.frame.type == KB_DATA;
-  if (byte > (data ? KB_PAYLOAD_MAX : KB_SHORT_PAYLOAD)) {
+  rx.check = kb_job_check;
+  if (byte > (data ? KB_PAYLOAD_MAX : KB_SHORT_PAYLOAD) || (data && byte <= KB_CHECK_LEN)) {
     rx.frame.nak = KB_NAK_LENGTH;
-  } else if (data && byte > kb_queue_free()) {
+  } else if (data && (uint16_t)(byte - KB_CHECK_LEN) > kb_queue_free()) {
     rx.frame.nak = KB_NAK_FULL; /* known only once the CRC has proven the length */
   }
   rx.state = byte == 0 ? KB_AT_CRC_LOW : KB_AT_PAYLOAD;
 }
 
+static void atData(uint8_t byte) {
+  const uint8_t program = (uint8_t)(rx.frame.length - KB_CHECK_LEN);
+  if (rx.taken < program) {
+    kb_check_add(&rx.check, byte);
+    kb_queue_put(rx.taken, byte);
+  } else if (!kb_check_holds(&rx.check, (uint8_t)(rx.taken - program), byte)) {
+    rx.frame.nak = KB_NAK_CHECK;
+  }
+}
+
+static void atPayload(uint8_t byte) {
+  rx.crc = kb_crc16(rx.crc, byte);
+  if (rx.frame.type != KB_DATA) {
+    rx.frame.payload[rx.taken] = byte;
+  } else if (rx.frame.nak == 0) {
+    atData(byte);
+  }
+  if (++rx.taken == rx.frame.length) {
+    rx.state = KB_AT_CRC_LOW;
+  }
+}
+
 bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
+  if (rx.state == KB_AT_PAYLOAD) { /* nearly all bytes: before the table of the others */
+    atPayload(byte);
+    return false;
+  }
   if (rx.state != KB_AT_SYNC && rx.state < KB_AT_CRC_LOW) {
     rx.crc = kb_crc16(rx.crc, byte);
   }
@@ -69,16 +103,6 @@ bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
         rx.state = KB_AT_SYNC;
         *frame = rx.frame;
         return true;
-      }
-      return false;
-    case KB_AT_PAYLOAD:
-      if (rx.frame.type != KB_DATA) {
-        rx.frame.payload[rx.taken] = byte;
-      } else if (rx.frame.nak == 0) {
-        kb_queue_put(rx.taken, byte);
-      }
-      if (++rx.taken == rx.frame.length) {
-        rx.state = KB_AT_CRC_LOW;
       }
       return false;
     case KB_AT_CRC_LOW:

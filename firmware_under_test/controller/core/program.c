@@ -22,6 +22,7 @@ static struct {
   struct kb_config config;
   bool configured;
   enum phase phase;
+  enum kb_fault ramp_fault;
   uint16_t periods_left; /* of STAND and TAIL */
   int8_t steps[KB_AXES]; /* of the last period offered, correction included; RAMP slows them down */
   int8_t previous_steps[KB_AXES];
@@ -34,6 +35,7 @@ static struct {
   uint8_t follow; /* axis + 1, or 0 */
   int16_t gain;
   int16_t correction[KB_AXES];
+  bool lags;
   int32_t reference; /* belt position of n = 0, 1/256 count */
   uint32_t nominal;  /* n at the end of the period, 1/256 count, modulo 2^32 */
   uint8_t nominal_part;
@@ -75,7 +77,10 @@ bool kb_program_configure(const struct kb_config* config) {
 bool kb_program_configured(void) { return p.configured; }
 
 void kb_program_start(void) {
+  p.configured = false;
   p.phase = KB_PHASE_RUN;
+  p.ramp_fault = KB_OK;
+  p.lags = false;
   p.follow = 0;
   p.gain = 0;
   p.gate = 0;
@@ -87,6 +92,24 @@ void kb_program_start(void) {
   kb_belt_clear_marks();
   p.reference = kb_belt_ahead(1);
 }
+
+void kb_program_ramp(enum kb_fault fault) {
+  if (p.phase == KB_PHASE_RAMP) {
+    return;
+  }
+  p.phase = KB_PHASE_RAMP;
+  p.ramp_fault = fault;
+  kb_engine_laser_off();
+}
+
+enum kb_fault kb_program_ramping(void) { return p.phase == KB_PHASE_RAMP ? p.ramp_fault : KB_OK; }
+
+bool kb_program_follows(void) {
+  return p.follow != 0 && (p.phase == KB_PHASE_RUN || p.phase == KB_PHASE_STAND);
+}
+
+bool kb_program_lags(void) { return kb_program_follows() && p.lags; }
+const struct kb_config* kb_program_config(void) { return &p.config; }
 
 int32_t kb_program_position(uint8_t axis) { return p.position[axis]; }
 
@@ -171,6 +194,10 @@ static bool correct(bool referenced) {
     p.correction[axis] = (int16_t)(p.correction[axis] + total - p.steps[axis]);
     p.steps[axis] = (int8_t)total;
     pending = pending || p.correction[axis] != target;
+    if (followed) {
+      const int16_t missing = (int16_t)(target - p.correction[axis]);
+      p.lags = missing > KB_MAX_STEPS_PER_PERIOD || missing < -KB_MAX_STEPS_PER_PERIOD;
+    }
   }
   return pending;
 }
@@ -309,8 +336,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
         memcpy(p.steps, p.previous_steps, sizeof(p.steps));
         return KB_STEP_ON;
       }
-      p.phase = KB_PHASE_RAMP;
-      kb_engine_laser_off();
+      kb_program_ramp(KB_FAULT_DRY);
     }
   }
   switch (p.phase) {
@@ -332,7 +358,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       power = 0;
       if (!rampDown()) {
         memcpy(p.steps, p.previous_steps, sizeof(p.steps));
-        *fault = KB_FAULT_DRY;
+        *fault = p.ramp_fault;
         return KB_STEP_FAULT;
       }
       break;
@@ -365,5 +391,6 @@ void kb_program_halt(void) {
   memset(p.previous_steps, 0, sizeof(p.previous_steps));
   p.gate = 0;
   p.power = 0;
+  p.phase = KB_PHASE_RUN;
   kb_queue_clear();
 }

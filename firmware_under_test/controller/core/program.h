@@ -14,6 +14,7 @@ struct kb_config {
   uint16_t gate_on_delay; /* ticks */
   uint16_t gate_off_delay;
   uint8_t idle_power;
+  uint32_t max_per_period;
 };
 
 enum kb_step { KB_STEP_ON, KB_STEP_DONE, KB_STEP_FAULT };
@@ -30,7 +31,18 @@ void kb_program_init(void);
 /* False where gate delays differ by a period or more (their order could turn round), or are too long. */
 bool kb_program_configure(const struct kb_config* config);
 bool kb_program_configured(void);
+/* Uses the configuration up: the next start needs one of its own. */
 void kb_program_start(void);
+/* Laser off at once, and the axes slow down in the periods to come; then kb_program_step() gives this fault.
+ * The first fault counts. */
+void kb_program_ramp(enum kb_fault fault);
+/* What the axes slow down for, or KB_OK. */
+enum kb_fault kb_program_ramping(void);
+/* True while the axes have to be with the belt. */
+bool kb_program_follows(void);
+/* More steps are missing on the axis that follows than a period can hold. */
+bool kb_program_lags(void);
+const struct kb_config* kb_program_config(void);
 /* Prepares the next period and offers it to the engine, which must be able to take one. It may offer none
  * yet. */
 enum kb_step kb_program_step(enum kb_fault* fault);

@@ -16,6 +16,9 @@ extern "C" {
 #endif
 uint8_t kb_hal_inputs(void);
 bool kb_hal_rx(uint8_t* byte);
+/* Framing errors and overruns since the last call. */
+uint8_t kb_hal_rx_errors(void);
+void kb_hal_feed_watchdog(void);
 bool kb_hal_tx_ready(void);
 void kb_hal_tx(uint8_t byte);
 #ifdef __cplusplus

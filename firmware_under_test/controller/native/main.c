@@ -25,6 +25,7 @@ enum {
   KB_DIR_CYCLES = 167,
 #endif
   KB_BYTE_CYCLES = 10 * KB_CPU_HZ / KB_BAUD,
+  KB_WATCHDOG_CYCLES = 16 * (KB_CPU_HZ / 1000), /* 16 ms, as on the AVR */
   KB_PORT_A = 0,
   KB_PORT_C = 2,
   KB_PORT_D = 3,
@@ -37,10 +38,12 @@ static struct {
   uint64_t next_tick;
   uint64_t next_byte; /* earliest end of the next byte on the wire to the controller */
   uint64_t tx_free;
+  uint64_t fed; /* the watchdog, last */
   uint8_t port_d;
   uint8_t port_l;
   uint8_t level[4]; /* of output ports, by number */
   bool rx_full;
+  uint8_t rx_errors;
   uint8_t rx_byte;
   uint64_t max_events;
   struct kb_buffer drives; /* u64 tick, u8 port, u8 bit, u8 level */
@@ -57,6 +60,15 @@ bool kb_hal_rx(uint8_t* byte) {
   m.rx_full = false;
   return full;
 }
+
+/* The wire is a pipe without framing errors; a byte not taken before the next is an overrun. */
+uint8_t kb_hal_rx_errors(void) {
+  const uint8_t errors = m.rx_errors;
+  m.rx_errors = 0;
+  return errors;
+}
+
+void kb_hal_feed_watchdog(void) { m.fed = m.now; }
 
 bool kb_hal_tx_ready(void) { return m.now >= m.tx_free; }
 
@@ -95,6 +107,20 @@ static void tick(void) {
   writePort(m.now + KB_DIR_CYCLES, KB_PORT_C, (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c));
 }
 
+/* As the AVR's: all pins low, and a new start. */
+static bool watchdogFires(void) {
+  if (m.now - m.fed < KB_WATCHDOG_CYCLES) {
+    return false;
+  }
+  writePort(m.now, KB_PORT_A, 0);
+  writePort(m.now, KB_PORT_C, 0);
+  m.rx_full = false;
+  m.fed = m.now;
+  m.next_tick = m.now + KB_TICK_CYCLES;
+  kb_controller_init(KB_FAULT_WATCHDOG);
+  return true;
+}
+
 static void driveInput(unsigned port, unsigned bit, bool level) {
   if (bit > 7 || (port != KB_PORT_D && port != KB_PORT_L)) {
     return;
@@ -106,7 +132,7 @@ static void driveInput(unsigned port, unsigned bit, bool level) {
     return;
   }
   if (bit == 2) {
-    kb_belt_edge((*pins & 4U) != 0, (*pins & 2U) != 0, timeNow());
+    kb_belt_edge((uint8_t)(*pins >> 1) & KB_A, *pins & KB_B, timeNow());
   } else if (bit == 3 && level) {
     kb_belt_mark_edge(timeNow());
   }
@@ -148,12 +174,15 @@ static void runUntil(uint64_t until) {
       continue;
     }
     if (byte == at) {
+      m.rx_errors = (uint8_t)(m.rx_errors + (m.rx_full && m.rx_errors < UINT8_MAX ? 1 : 0));
       m.rx_byte = (uint8_t)kb_get_uint(&m.rx, 1);
       m.rx_full = true;
       m.next_byte = at + KB_BYTE_CYCLES;
     } else {
-      tick();
-      m.next_tick += KB_TICK_CYCLES;
+      if (!watchdogFires()) {
+        tick();
+        m.next_tick += KB_TICK_CYCLES;
+      }
     }
     kb_controller_poll();
     kb_controller_poll();
@@ -216,7 +245,7 @@ static bool openImage(struct kb_buffer* request) {
     refuse(why);
     return false;
   }
-  kb_controller_init();
+  kb_controller_init(KB_OK);
   m.next_tick = KB_TICK_CYCLES;
   struct kb_buffer reply = {0};
   kb_put_uint(&reply, KB_PS_VERSION, 4);

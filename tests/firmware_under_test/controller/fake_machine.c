@@ -23,6 +23,12 @@ bool kb_hal_rx(uint8_t* byte) {
   rx_full = false;
   return full;
 }
+uint8_t kb_hal_rx_errors(void) {
+  const uint8_t errors = fake.rx_errors;
+  fake.rx_errors = 0;
+  return errors;
+}
+void kb_hal_feed_watchdog(void) { fake.fed++; }
 bool kb_hal_tx_ready(void) { return tx_cycles >= 640; }
 void kb_hal_tx(uint8_t byte) {
   tx_cycles = 0;
@@ -37,7 +43,7 @@ void fakeReset(void) {
   fake.next_mark_count = INFINITY;
   rx_full = false;
   rx_cycles = tx_cycles = 0;
-  kb_controller_init();
+  kb_controller_init(KB_OK);
 }
 
 /* Moves the belt through one tick in four parts, edges at a quarter of a tick. */
@@ -51,7 +57,10 @@ static void moveBelt(void) {
     if (edge != edge_before) {
       const bool forwards = edge > edge_before;
       const bool a = fmod(fabs(edge), 2.0) == 0.0;
-      kb_belt_edge(a, forwards ? !a : a, now);
+      const bool b = forwards ? !a : a;
+      if (!fake.a_lost) {
+        kb_belt_edge(a ? KB_A : 0, !fake.b_lost && b ? KB_B : 0, now);
+      }
     }
     if (before < fake.next_mark_count && fake.belt_count >= fake.next_mark_count) {
       kb_belt_mark_edge(now);
@@ -85,9 +94,17 @@ void fakeTick(void) {
   kb_controller_poll();
 }
 
+void fakeWatchdogReset(void) { kb_controller_init(KB_FAULT_WATCHDOG); }
+void fakeEdge(bool a, bool b) {
+  kb_belt_edge(a ? KB_A : 0, b ? KB_B : 0, (uint16_t)(fake.tick * 400U / 64U));
+}
 int32_t fakePosition(int axis) { return kb_program_position((uint8_t)axis); }
 int32_t fakeBeltAhead256(uint8_t periods) { return kb_belt_ahead(periods); }
 uint16_t fakeQueueFree(void) { return kb_queue_free(); }
+void fakeJobCheck(unsigned* a, unsigned* b) {
+  *a = kb_job_check.a;
+  *b = kb_job_check.b;
+}
 uint16_t fakeCrc(const uint8_t* bytes, int size) {
   uint16_t crc = 0xFFFF;
   for (int i = 0; i < size; ++i) {

@@ -23,7 +23,11 @@ struct fake_machine {
   double next_mark_count;    // a print mark is here
   double mark_pitch_counts;  // and the next this far behind
   uint64_t marks;
-  uint8_t inputs;  // port L
+  bool a_lost;        // the wire of A
+  bool b_lost;        // reads low
+  uint8_t rx_errors;  // framing errors and overruns to be told
+  uint64_t fed;       // the watchdog, so often
+  uint8_t inputs;     // port L
   uint64_t tick;
   struct fake_tick last;
   bool (*from_host)(void* context, uint8_t* byte);  // polled at the pace of the baud rate
@@ -35,9 +39,12 @@ extern struct fake_machine fake;
 
 void fakeReset(void);
 void fakeTick(void);
+void fakeWatchdogReset(void);
+void fakeEdge(bool a, bool b);  // of the encoder
 int32_t fakePosition(int axis);
 int32_t fakeBeltAhead256(uint8_t periods);
 uint16_t fakeQueueFree(void);
+void fakeJobCheck(unsigned* a, unsigned* b);
 uint16_t fakeCrc(const uint8_t* bytes, int size);
 
 #ifdef __cplusplus

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/release.h"
@@ -26,7 +28,7 @@ TEST(Frame, HelloIsAcknowledgedWithInfo) {
 
 TEST(Frame, ADamagedFrameIsRefusedAndLeavesNoTrace) {
   Runner runner;
-  auto bytes = frame(KB_DATA, 1, {KB_OP_MOVE | 1, 5, KB_OP_END});
+  auto bytes = JobCheck({}).data(1, {KB_OP_MOVE | 1, 5, KB_OP_END});
   bytes[5] ^= 0x10;
   EXPECT_EQ(runner.ask(bytes), frame(KB_NAK, 1, {KB_NAK_CRC}));
   EXPECT_EQ(fakeQueueFree(), KB_QUEUE_SIZE - 1);
@@ -34,7 +36,7 @@ TEST(Frame, ADamagedFrameIsRefusedAndLeavesNoTrace) {
 
 TEST(Frame, ARepeatedFrameIsAnsweredButNotExecutedTwice) {
   Runner runner;
-  const auto bytes = frame(KB_DATA, 1, {KB_OP_MOVE | 1, 5});
+  const auto bytes = JobCheck({}).data(1, {KB_OP_MOVE | 1, 5});
   const auto first = runner.ask(bytes);
   EXPECT_EQ(runner.ask(bytes), first);
   EXPECT_EQ(fakeQueueFree(), KB_QUEUE_SIZE - 1 - 2);
@@ -59,19 +61,40 @@ TEST(Frame, GarbageDoesNotStopItFromAnswering) {
 
 TEST(Frame, RefusesWhatTheStateForbids) {
   Runner runner;
-  EXPECT_EQ(runner.ask(frame(KB_START, 1)), frame(KB_NAK, 1, {KB_NAK_STATE}));
+  EXPECT_EQ(runner.ask(frame(KB_START, 1, JobCheck({}).bytes())), frame(KB_NAK, 1, {KB_NAK_STATE}));
   EXPECT_EQ(runner.ask(frame(0x55, 2)), frame(KB_NAK, 2, {KB_NAK_TYPE}));
   EXPECT_EQ(runner.ask(frame(KB_CONFIG, 3, config(0, 0, 100))), frame(KB_NAK, 3, {KB_NAK_VALUE}));
   EXPECT_EQ(runner.ask(frame(KB_HELLO, 4, {1})), frame(KB_NAK, 4, {KB_NAK_LENGTH}));
+  EXPECT_EQ(runner.ask(frame(KB_START, 5)), frame(KB_NAK, 5, {KB_NAK_LENGTH}));
+}
+
+TEST(Frame, RefusesAProgramThatIsNotTheOneSent) {
+  Runner runner;
+  runner.ask(frame(KB_CONFIG, 1, config()));
+  JobCheck check(config());
+  const auto first = check.data(2, {KB_OP_MOVE | 1, 5});
+  const auto second = check.data(3, {KB_OP_MOVE | 1, 6});
+  EXPECT_EQ(runner.ask(second), frame(KB_NAK, 3, {KB_NAK_CHECK})) << "the one before it is missing";
+  EXPECT_EQ(fakeQueueFree(), KB_QUEUE_SIZE - 1);
+  EXPECT_EQ(runner.ask(first), frame(KB_ACK, 2, {0xFD, 0x0F}));
+  EXPECT_EQ(runner.ask(frame(KB_START, 4, check.bytes())), frame(KB_NAK, 4, {KB_NAK_CHECK}));
+  EXPECT_EQ(runner.ask(second), frame(KB_ACK, 3, {0xFB, 0x0F}));
+  auto wrong_config = check.bytes();
+  wrong_config[0] ^= 1;
+  EXPECT_EQ(runner.ask(frame(KB_START, 5, wrong_config)), frame(KB_NAK, 5, {KB_NAK_CHECK}));
+  const auto started = runner.ask(frame(KB_START, 6, check.bytes()));
+  const auto ack = frame(KB_ACK, 6, {0xFB, 0x0F});
+  EXPECT_TRUE(std::equal(ack.begin(), ack.end(), started.begin()));
 }
 
 TEST(Frame, RefusesDataThatDoesNotFit) {
   Runner runner;
   std::uint8_t seq = 0;
-  const std::vector<std::uint8_t> payload(KB_PAYLOAD_MAX, KB_OP_MOVE);
-  while (fakeQueueFree() >= KB_PAYLOAD_MAX) runner.ask(frame(KB_DATA, ++seq, payload));
+  JobCheck check({});
+  const std::vector<std::uint8_t> program(KB_PAYLOAD_MAX - KB_CHECK_LEN, KB_OP_MOVE);
+  while (fakeQueueFree() >= program.size()) runner.ask(check.data(++seq, program));
   ++seq;
-  EXPECT_EQ(runner.ask(frame(KB_DATA, seq, payload)), frame(KB_NAK, seq, {KB_NAK_FULL}));
+  EXPECT_EQ(runner.ask(check.data(seq, program)), frame(KB_NAK, seq, {KB_NAK_FULL}));
 }
 
 }  // namespace

@@ -25,6 +25,14 @@ def frame(kind, seq, payload=b""):
     return b"\xa5" + body + struct.pack("<H", crc16(body))
 
 
+def job_check(data):
+    a, b = 1, 0
+    for byte in data:
+        a = a + byte & 0xFFFF
+        b = b + a & 0xFFFF
+    return struct.pack("<HH", a, b)
+
+
 class Child:
     def __init__(self, path):
         self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -60,7 +68,8 @@ def main():
     assert kind == 65
     child.send(2, struct.pack("<QHHB", 100, PORT_L, 2, 1))
     program = bytes([0x81, 31]) + bytes([0x81, 0x100 - 31]) + b"\x00"
-    child.send(3, frame(1, 1) + frame(2, 2, bytes(9)) + frame(3, 3, program) + frame(4, 4))
+    check = job_check(bytes(13) + program)
+    child.send(3, frame(1, 1) + frame(2, 2, bytes(13)) + frame(3, 3, program + check) + frame(4, 4, check))
     events, answers = [], b""
     for until in range(7000, 16_000_000 // 10, 7000):  # a quantum that is no multiple of a tick
         more, sent = child.advance(until)

@@ -15,17 +15,18 @@
 namespace kerfbench::controller_test {
 
 inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_t on_ticks = 0,
-                                        std::uint8_t off_ticks = 0, std::uint8_t idle_power = 0) {
-  const auto nominal = static_cast<std::uint32_t>(nominal_counts * 65536.0 + 0.5);
-  return {static_cast<std::uint8_t>(nominal),
-          static_cast<std::uint8_t>(nominal >> 8),
-          static_cast<std::uint8_t>(nominal >> 16),
-          static_cast<std::uint8_t>(nominal >> 24),
-          on_ticks,
-          off_ticks,
-          idle_power,
-          0,
-          0};
+                                        std::uint8_t off_ticks = 0, double most_counts = 0.0) {
+  const auto put = [](std::vector<std::uint8_t>& to, double counts) {
+    const auto value = static_cast<std::uint32_t>(counts * 65536.0 + 0.5);
+    for (unsigned i = 0; i < 4; ++i) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  };
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(KB_CONFIG_LEN);
+  put(bytes, nominal_counts);
+  for (const std::uint8_t byte : {on_ticks, off_ticks, std::uint8_t{0}}) bytes.push_back(byte);
+  put(bytes, most_counts);
+  bytes.resize(KB_CONFIG_LEN);  // high bytes of the delays: 0
+  return bytes;
 }
 
 inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,
@@ -44,6 +45,37 @@ inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,
   return bytes;
 }
 
+/// The host's side of the job check, written apart from the link's.
+class JobCheck {
+ public:
+  explicit JobCheck(const std::vector<std::uint8_t>& config) { add(config); }
+  /// Where the controller stands.
+  static JobCheck accepted() {
+    JobCheck check({});
+    fakeJobCheck(&check.a_, &check.b_);
+    return check;
+  }
+  void add(const std::vector<std::uint8_t>& bytes) {
+    for (const unsigned byte : bytes) {
+      a_ = (a_ + byte) & 0xFFFFU;
+      b_ = (b_ + a_) & 0xFFFFU;
+    }
+  }
+  [[nodiscard]] std::vector<std::uint8_t> bytes() const {
+    return {static_cast<std::uint8_t>(a_), static_cast<std::uint8_t>(a_ >> 8), static_cast<std::uint8_t>(b_),
+            static_cast<std::uint8_t>(b_ >> 8)};
+  }
+  /// KB_DATA with these program bytes, which count from now on.
+  std::vector<std::uint8_t> data(std::uint8_t seq, std::vector<std::uint8_t> program) {
+    add(program);
+    for (const std::uint8_t byte : bytes()) program.push_back(byte);
+    return frame(KB_DATA, seq, program);
+  }
+
+ private:
+  unsigned a_{1}, b_{0};
+};
+
 /// Link and core with a line between them, and what the pins did.
 class Runner {
  public:
@@ -54,7 +86,9 @@ class Runner {
       return static_cast<Runner*>(self)->takeByte(byte);
     };
     fake.to_host = [](void* self, std::uint8_t byte) {
-      static_cast<Runner*>(self)->from_controller.push_back(byte);
+      auto* const runner = static_cast<Runner*>(self);
+      runner->from_controller.push_back(byte);
+      if (runner->listen) runner->listen(byte);
     };
   }
 
@@ -120,7 +154,10 @@ class Runner {
 
   std::deque<std::uint8_t> to_controller;
   std::vector<std::uint8_t> from_controller;
-  double loss{0.0};  ///< Share of bytes to the controller that are lost or damaged.
+  std::function<void(std::uint8_t)> listen;  ///< Hears every byte of the controller.
+  bool cut_line{false};                      ///< Nothing of the host arrives,
+  std::deque<std::uint8_t> babble;           ///< but this.
+  double loss{0.0};                          ///< Share of bytes to the controller that are lost or damaged.
   std::mt19937 random{7};
   std::array<long, KB_AXES> pulses{}, edges{};
   std::array<unsigned, KB_AXES> dir_before{};
@@ -130,6 +167,12 @@ class Runner {
 
  private:
   bool takeByte(std::uint8_t* byte) {
+    if (cut_line) to_controller.clear();
+    if (cut_line && !babble.empty()) {
+      *byte = babble.front();
+      babble.clear();
+      return true;
+    }
     if (to_controller.empty()) return false;
     *byte = to_controller.front();
     to_controller.pop_front();

@@ -132,12 +132,16 @@ std::string refusal(const hil::Dieline& dieline, const MachineParameters& machin
 TEST(Config, LaserWaitsForTheMirrorsAndTheBeltIsCounted) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = 200.0;
-  const auto config = planner::plan(test::label(), test::twoMirror(), job).program.config;
+  const auto plan = planner::plan(test::label(), test::twoMirror(), job);
+  const auto& config = plan.program.config;
   ASSERT_EQ(config.size(), std::size_t(KB_CONFIG_LEN));
   // 200 mm/s * 0.8 ms / 0.01 mm = 16 counts.
   EXPECT_EQ(config[0] | config[1] << 8 | config[2] << 16 | config[3] << 24, 16 << 16);
   EXPECT_EQ(config[4], 8);  // 0.19 ms in ticks of 25 us
   EXPECT_EQ(config[5], 8);
+  const int most = config[7] | config[8] << 8 | config[9] << 16 | config[10] << 24;
+  EXPECT_EQ(most, std::lround(plan.max_belt_speed_mm_s * 0.8e-3 / 0.01 * 65536.0));
+  EXPECT_GT(most, 16 << 16);
 }
 
 TEST(Refusal, AWeakLaserIsNamedWithTheSpeedItCouldDo) {

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/pin_sums.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// A KB_STATE takes 1.4 ms on the wire, its ACK before it and an EVENT in its way 0.3 ms each; the belt in it
+// is that of the last border of a period (0.8 ms), the bench looks every 0.5 ms, and the main loop may be a
+// period behind.
+constexpr double kAccountOldest_s = 5e-3;
+constexpr double kAccountYoungest_s = 1.3e-3;
+
+// The order of KB_STATE.
+constexpr std::array<Signal, ControllerEar::kAxes> kPuls{
+    Signal::kGalvoXPul, Signal::kGalvoYPul, Signal::kGantryXPul, Signal::kGantryYPul, Signal::kFeedPul};
+
+Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(pul) + 1); }
+
+}  // namespace
+
+PinSums::PinSums(const PinRecording& recording, const SignalMap& map) {
+  for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}});
+  addOutputs(recording, map);
+  addBelt(recording);
+  belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
+  std::erase_if(axes_, [&](const Axis& axis) { return !map.pin(axis.pul) || !map.pin(dirOf(axis.pul)); });
+}
+
+void PinSums::addOutputs(const PinRecording& recording, const SignalMap& map) {
+  for (Axis& axis : axes_) {
+    const auto pul = map.pin(axis.pul);
+    const auto dir = map.pin(dirOf(axis.pul));
+    if (!pul || !dir) continue;
+    bool forwards = false;
+    for (const PinEvent& event : recording.outputs) {
+      if (event.port == dir->port) forwards = (event.level >> dir->bit & 1U) != 0;
+      const bool rises = event.port == pul->port && (event.changed >> pul->bit & 1U) != 0 &&
+                         (event.level >> pul->bit & 1U) != 0;
+      if (!rises) continue;
+      axis.net += forwards ? 1 : -1;
+      axis.pulses_s.push_back(recording.rate.seconds(event.tick));
+    }
+    if (!axis.pulses_s.empty()) last_pulse_s_ = std::max(last_pulse_s_, axis.pulses_s.back());
+  }
+}
+
+void PinSums::addBelt(const PinRecording& recording) {
+  bool a = false;
+  bool b = false;
+  long long counts = 0;
+  for (const SensorEdge& edge : recording.sensors) {
+    if (edge.signal != Signal::kEncoderA && edge.signal != Signal::kEncoderB) continue;
+    bool& line = edge.signal == Signal::kEncoderA ? a : b;
+    if (line == edge.level) continue;
+    line = edge.level;
+    // A leads B forwards: behind an edge of A they differ, behind one of B they are equal.
+    counts += (edge.signal == Signal::kEncoderA) == (a != b) ? 1 : -1;
+    belt_.push_back({recording.rate.seconds(edge.tick), counts});
+  }
+}
+
+long long PinSums::beltCountsAt(double time_s) const {
+  const auto next = std::ranges::upper_bound(belt_, time_s, {}, &BeltEdge::time_s);
+  return next == belt_.begin() ? 0 : (next - 1)->counts;
+}
+
+std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word) const {
+  const double from_s = word.time_s - kAccountOldest_s;
+  const double to_s = word.time_s - kAccountYoungest_s;
+  long long low = beltCountsAt(from_s);
+  long long high = low;
+  auto edge = std::ranges::upper_bound(belt_, from_s, {}, &BeltEdge::time_s);
+  for (; edge != belt_.end() && edge->time_s <= to_s; ++edge) {
+    low = std::min(low, edge->counts);
+    high = std::max(high, edge->counts);
+  }
+  return {low, high};
+}
+
+double PinSums::pulse_s(Signal pul, long long count) const {
+  const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
+  if (axis == axes_.end() || count < 1 || count > static_cast<long long>(axis->pulses_s.size())) return kNan;
+  return axis->pulses_s[static_cast<std::size_t>(count - 1)];
+}
+
+double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
+  for (const BeltEdge& edge : belt_) {
+    if (edge.time_s < span_s) continue;
+    const long long moved = edge.counts - beltCountsAt(edge.time_s - span_s);
+    if (static_cast<double>(moved) > counts_per_s * span_s + 1.0) return edge.time_s;
+  }
+  return kNan;
+}
+
+ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Account>& told) const {
+  ControllerAccount account;
+  account.told = told.has_value();
+  if (!told) return account;
+  for (const Axis& axis : axes_) {
+    const auto index = static_cast<std::size_t>(std::ranges::find(kPuls, axis.pul) - kPuls.begin());
+    std::string name(signalName(axis.pul));
+    name.resize(name.size() - std::string_view("_pul").size());
+    account.axes.push_back({name, told->steps[index], axis.net});
+  }
+  if (belt_wired_ && told->first_belt.time_s < told->belt.time_s) {
+    const auto [first_min, first_max] = beltAround(told->first_belt);
+    const auto [last_min, last_max] = beltAround(told->belt);
+    account.belt = {told->belt.counts - told->first_belt.counts, last_min - first_max, last_max - first_min};
+  }
+  return account;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "hil/app/controller_ear.h"
+#include "hil/inspect/controller_account.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::hil {
+
+/// What the pins of a run add up to, from the recording alone: not what the twin made of them.
+class PinSums {
+ public:
+  /// The sensors by tick, outputs by tick.
+  PinSums(const PinRecording& recording, const SignalMap& map);
+
+  /// Time of the last rising edge of any PUL; < 0: none.
+  [[nodiscard]] double lastPulse_s() const { return last_pulse_s_; }
+  /// Time of the rising edge number `count` (from 1) of this PUL; NaN if it never came.
+  [[nodiscard]] double pulse_s(Signal pul, long long count) const;
+  /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
+  [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
+  /// Beside what the controller told last; axes that are not wired are left out.
+  [[nodiscard]] ControllerAccount accountBeside(const std::optional<ControllerEar::Account>& told) const;
+
+ private:
+  struct Axis {
+    Signal pul{};
+    long long net{};
+    std::vector<double> pulses_s;
+  };
+  struct BeltEdge {
+    double time_s{};
+    long long counts{};  ///< After it.
+  };
+  [[nodiscard]] long long beltCountsAt(double time_s) const;
+  /// Least and most counts while the controller can have looked for what it then told.
+  [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word) const;
+  void addOutputs(const PinRecording& recording, const SignalMap& map);
+  void addBelt(const PinRecording& recording);
+
+  std::vector<Axis> axes_;
+  std::vector<BeltEdge> belt_;
+  bool belt_wired_{};
+  double last_pulse_s_{-1.0};
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/provoke.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hil/app/controller_ear.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Cause = ProvokeChoice::Cause;
+
+struct CauseKey {
+  const char* key;
+  Cause cause;
+};
+
+constexpr CauseKey kTimed[] = {{"interlock_open_at_s", Cause::kInterlock},
+                               {"limit_hit_at_s", Cause::kLimit},
+                               {"encoder_lost_at_s", Cause::kEncoder},
+                               {"uart_silent_at_s", Cause::kUartSilent},
+                               {"uart_noise_at_s", Cause::kUartNoise}};
+
+bool isLost(const ProvokeChoice& choice, Signal signal) {
+  return (signal == Signal::kEncoderA && choice.encoder_lines != "b") ||
+         (signal == Signal::kEncoderB && choice.encoder_lines != "a");
+}
+
+}  // namespace
+
+ProvokeChoice readProvoke(YamlReader provoke) {
+  ProvokeChoice choice;
+  std::string causes;
+  const auto found = [&](const char* key, Cause cause) {
+    causes += fmt::format("{}{}", causes.empty() ? "" : ", ", key);
+    if (choice.cause != Cause::kNone) provoke.fault(key, "one thing at a time: " + causes);
+    choice.cause = cause;
+  };
+  for (const CauseKey& timed : kTimed) {
+    if (!provoke.has(timed.key)) continue;
+    found(timed.key, timed.cause);
+    choice.at_s = provoke.number(timed.key, {.min = 1e-6, .max = 36000});
+  }
+  if (provoke.has("host_starves_after_share")) {
+    found("host_starves_after_share", Cause::kHostStarves);
+    choice.share = provoke.number("host_starves_after_share", {.min = 0.01, .max = 0.99});
+  }
+  if (provoke.boolean("belt_too_fast", false)) found("belt_too_fast", Cause::kBeltTooFast);
+  choice.open_for_s = provoke.number("interlock_open_for_s", {.min = 1e-6, .max = 36000, .fallback = 0.02});
+  choice.limit = provoke.choice("limit", {"x", "y"}, "x");
+  choice.encoder_lines = provoke.choice("encoder_lines", {"both", "a", "b"}, "both");
+  const double noise = provoke.number("uart_noise_share", {.min = 1e-6, .max = 1, .fallback = 1.0});
+  if (choice.cause == Cause::kUartNoise) choice.share = noise;
+  if (provoke.has("expect")) choice.expect = provoke.choice("expect", faultNames());
+  return choice;
+}
+
+Provocation::Provocation(const ProvokeChoice& choice, TickRate rate, std::uint64_t seed)
+    : choice_(choice),
+      at_(rate.ticksAt(choice.at_s)),
+      closed_again_(rate.ticksAt(choice.at_s + choice.open_for_s)),
+      random_(static_cast<std::mt19937::result_type>(seed)),
+      line_cut_s_(std::numeric_limits<double>::quiet_NaN()) {}
+
+void Provocation::changeSensors(std::vector<SensorEdge>& edges, Tick from, Tick until) const {
+  const auto add = [&](Tick tick, Signal signal, bool level) {
+    if (tick > from && tick <= until) edges.push_back({tick, signal, level});
+  };
+  if (choice_.cause == Cause::kInterlock) {
+    add(at_, Signal::kInterlock, false);
+    add(closed_again_, Signal::kInterlock, true);
+  } else if (choice_.cause == Cause::kLimit) {
+    const Signal signal = choice_.limit == "x" ? Signal::kLimitX : Signal::kLimitY;
+    std::erase_if(edges, [&](const SensorEdge& edge) { return edge.signal == signal && edge.tick >= at_; });
+    add(at_, signal, true);
+  } else if (choice_.cause == Cause::kEncoder) {
+    std::erase_if(edges,
+                  [&](const SensorEdge& edge) { return edge.tick >= at_ && isLost(choice_, edge.signal); });
+  }
+  std::ranges::stable_sort(edges, {}, &SensorEdge::tick);
+}
+
+std::vector<std::uint8_t> Provocation::toController(std::vector<std::uint8_t> bytes, double now_s) {
+  if (now_s < choice_.at_s || bytes.empty()) return bytes;
+  if (choice_.cause == Cause::kUartSilent) {
+    if (!std::isnan(line_cut_s_)) return {};
+    line_cut_s_ = now_s;
+    bytes.resize(bytes.size() / 2);
+  } else if (choice_.cause == Cause::kUartNoise) {
+    if (std::isnan(line_cut_s_)) line_cut_s_ = now_s;
+    for (std::uint8_t& byte : bytes) {
+      if (static_cast<double>(random_()) < choice_.share * 4294967296.0)
+        byte = static_cast<std::uint8_t>(byte ^ (1U << (random_() & 7U)));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/base/yaml_reader.h"
+#include "twin/base/pin_event.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::hil {
+
+/// Section `provoke` of a scenario: what is to go wrong, so that the controller must end in a safe state.
+struct ProvokeChoice {
+  enum class Cause {
+    kNone,
+    kInterlock,    ///< The guard opens, for a while.
+    kLimit,        ///< An end-of-travel switch closes, and stays so.
+    kEncoder,      ///< Wires of the encoder break: the last level stays.
+    kUartSilent,   ///< Nothing of the host arrives, from the middle of a frame on.
+    kUartNoise,    ///< A share of the host's bytes is damaged.
+    kHostStarves,  ///< The host has a part of the program only.
+    kBeltTooFast   ///< The line runs away (belt.profile says how).
+  };
+  Cause cause{Cause::kNone};
+  double at_s{};  ///< Of all but the last two.
+  double open_for_s{0.02};
+  std::string limit{"x"};
+  std::string encoder_lines{"both"};
+  double share{};      ///< Of bytes damaged, or of the program that the host has.
+  std::string expect;  ///< Name of the fault to be reported; empty: what fits the cause.
+};
+
+/// @param provoke faults are noted in it.
+ProvokeChoice readProvoke(YamlReader provoke);
+
+/// Does to sensors and line what is to be provoked. Deterministic.
+class Provocation {
+ public:
+  Provocation(const ProvokeChoice& choice, TickRate rate, std::uint64_t seed);
+
+  /// Edges of the twin's sensors in (from, until], by tick, as they reach the controller.
+  void changeSensors(std::vector<SensorEdge>& edges, Tick from, Tick until) const;
+  /// Bytes that the host sends now, as they reach the controller.
+  std::vector<std::uint8_t> toController(std::vector<std::uint8_t> bytes, double now_s);
+  /// When it came about on the line; NaN before.
+  [[nodiscard]] double lineCut_s() const { return line_cut_s_; }
+
+ private:
+  ProvokeChoice choice_;
+  Tick at_;
+  Tick closed_again_;
+  std::mt19937 random_;
+  double line_cut_s_;
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/provoke.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hil/app/controller_ear.h"
+#include "hil/app/pin_sums.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Cause = ProvokeChoice::Cause;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr TickRate kRate{1, 16'000'000};
+
+ProvokeChoice at(Cause cause, double at_s) {
+  ProvokeChoice choice;
+  choice.cause = cause;
+  choice.at_s = at_s;
+  return choice;
+}
+
+std::vector<std::tuple<Tick, Signal, bool>> changed(const ProvokeChoice& choice,
+                                                    std::vector<SensorEdge> edges, Tick from, Tick until) {
+  Provocation(choice, kRate, 1).changeSensors(edges, from, until);
+  std::vector<std::tuple<Tick, Signal, bool>> result;
+  for (const SensorEdge& edge : edges) result.emplace_back(edge.tick, edge.signal, edge.level);
+  return result;
+}
+
+TEST(Provocation, TheGuardOpensForAWhile) {
+  auto choice = at(Cause::kInterlock, 1e-3);
+  choice.open_for_s = 1e-4;
+  EXPECT_THAT(changed(choice, {{17000, Signal::kPrintMark, true}}, 8000, 24000),
+              ElementsAre(std::tuple{Tick{16000}, Signal::kInterlock, false},
+                          std::tuple{Tick{17000}, Signal::kPrintMark, true},
+                          std::tuple{Tick{17600}, Signal::kInterlock, true}));
+  EXPECT_THAT(changed(choice, {}, 16000, 17599), IsEmpty()) << "each edge once";
+}
+
+TEST(Provocation, ALimitStaysHitWhateverTheTwinSays) {
+  EXPECT_THAT(changed(at(Cause::kLimit, 1e-3),
+                      {{15000, Signal::kLimitX, true}, {17000, Signal::kLimitX, false}}, 8000, 24000),
+              ElementsAre(std::tuple{Tick{15000}, Signal::kLimitX, true},
+                          std::tuple{Tick{16000}, Signal::kLimitX, true}));
+}
+
+TEST(Provocation, BrokenWiresAreSilentFromThenOn) {
+  const std::vector<SensorEdge> edges{
+      {15999, Signal::kEncoderA, true}, {16000, Signal::kEncoderB, true}, {16001, Signal::kEncoderA, false}};
+  auto choice = at(Cause::kEncoder, 1e-3);
+  EXPECT_EQ(changed(choice, edges, 8000, 24000).size(), 1U);
+  choice.encoder_lines = "b";
+  EXPECT_THAT(changed(choice, edges, 8000, 24000),
+              ElementsAre(std::tuple{Tick{15999}, Signal::kEncoderA, true},
+                          std::tuple{Tick{16001}, Signal::kEncoderA, false}));
+}
+
+TEST(Provocation, ASilentHostIsCutOffWithinAFrame) {
+  Provocation provocation(at(Cause::kUartSilent, 1.0), kRate, 1);
+  EXPECT_THAT(provocation.toController({1, 2, 3, 4}, 0.9), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(provocation.toController({}, 1.0), IsEmpty());
+  EXPECT_TRUE(std::isnan(provocation.lineCut_s()));
+  EXPECT_THAT(provocation.toController({1, 2, 3, 4}, 1.1), ElementsAre(1, 2));
+  EXPECT_THAT(provocation.toController({1, 2, 3, 4}, 1.2), IsEmpty());
+  EXPECT_EQ(provocation.lineCut_s(), 1.1);
+}
+
+TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
+  auto choice = at(Cause::kUartNoise, 1.0);
+  choice.share = 0.25;
+  const std::vector<std::uint8_t> zeros(10000, 0);
+  Provocation one(choice, kRate, 7);
+  Provocation other(choice, kRate, 7);
+  const auto bytes = one.toController(zeros, 1.0);
+  EXPECT_EQ(bytes, other.toController(zeros, 1.0));
+  const auto damaged = std::ranges::count_if(bytes, [](std::uint8_t byte) { return byte != 0; });
+  EXPECT_NEAR(static_cast<double>(damaged), 2500.0, 4 * std::sqrt(2500.0 * 0.75));
+}
+
+// "STATE: stopped by its interlock, belt at 0x01020304, axes 5 … 9", its CRC by the reference algorithm.
+std::vector<std::uint8_t> frame(std::vector<std::uint8_t> body) {
+  unsigned crc = 0xFFFF;
+  for (const std::uint8_t byte : body) {
+    for (int bit = 7; bit >= 0; --bit) {
+      const bool top = (crc >> 15 & 1U) != (static_cast<unsigned>(byte) >> bit & 1U);
+      crc = (crc << 1 & 0xFFFFU) ^ (top ? 0x1021U : 0U);
+    }
+  }
+  body.insert(body.begin(), 0xA5);
+  body.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  body.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return body;
+}
+
+std::vector<std::uint8_t> state(std::uint8_t now, std::uint8_t fault, std::uint8_t belt) {
+  std::vector<std::uint8_t> body{0x84, 1, 28, now, fault, 0, 0, belt, 3, 2, 1};
+  for (std::uint8_t axis = 0; axis < 5; ++axis) {
+    for (const std::uint8_t byte : {axis, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}}) {
+      body.push_back(byte);
+    }
+  }
+  return frame(body);
+}
+
+TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
+  ControllerEar ear;
+  std::vector<std::uint8_t> line = state(1, 0, 4);
+  const auto event = frame({0x85, 0, 2, 3, 2});
+  line.insert(line.end(), {0xA5, 0x00, 0xFF, 0xA5, 0xA5});
+  line.insert(line.end(), event.begin(), event.end());
+  for (const std::uint8_t byte : line) ear.hear(std::vector{byte}, 1.0);
+  EXPECT_FALSE(ear.account()) << "it runs";
+  ear.hear(state(3, 2, 44), 2.0);
+  ASSERT_TRUE(ear.account());
+  EXPECT_EQ(ear.account()->first_belt.counts, 0x01020304);
+  EXPECT_EQ(ear.account()->belt.counts, 0x0102032C);
+  EXPECT_EQ(ear.account()->belt.time_s, 2.0);
+  EXPECT_THAT(ear.account()->steps, ElementsAre(0, 1, 2, 3, 4));
+  ASSERT_EQ(ear.reports().size(), 2U);
+  EXPECT_EQ(ear.reports()[1].fault, "interlock");
+  EXPECT_TRUE(ear.reports()[1].stopped);
+}
+
+TEST(ControllerEar, DamagedFramesAreNotHeard) {
+  ControllerEar ear;
+  auto line = state(3, 2, 0);
+  line[6] ^= 1;
+  ear.hear(line, 1.0);
+  EXPECT_FALSE(ear.account());
+  EXPECT_TRUE(ear.reports().empty());
+}
+
+TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
+  SignalMap map;
+  map.assign(Signal::kGalvoXPul, {0, 0});
+  map.assign(Signal::kGalvoXDir, {0, 1});
+  map.assign(Signal::kEncoderA, {3, 2});
+  map.assign(Signal::kEncoderB, {3, 1});
+  PinRecording recording;
+  recording.rate = kRate;
+  Tick tick = 0;
+  const auto pulse = [&](bool forwards) {
+    const auto dir = static_cast<std::uint16_t>(forwards ? 2 : 0);
+    recording.outputs.push_back({tick += 1000, 0, 3, static_cast<std::uint16_t>(dir | 1), 0});
+    recording.outputs.push_back({tick += 1000, 0, 1, dir, 0});
+  };
+  for (int i = 0; i < 7; ++i) pulse(true);
+  for (int i = 0; i < 3; ++i) pulse(false);
+  // 1000 counts a second forwards, then ten back.
+  const auto belt = [&](int phase, double time_s) {
+    const bool a = phase == 1 || phase == 2;
+    const bool a_changes = phase == 1 || phase == 3;
+    recording.sensors.push_back({kRate.ticksAt(time_s), a_changes ? Signal::kEncoderA : Signal::kEncoderB,
+                                 a_changes ? a : phase == 2});
+  };
+  for (int i = 1; i <= 1000; ++i) belt(i % 4, 1e-3 * i);
+  const PinSums sums(recording, map);
+  EXPECT_EQ(sums.lastPulse_s(), kRate.seconds(19000));
+  EXPECT_EQ(sums.pulse_s(Signal::kGalvoXPul, 2), kRate.seconds(3000));
+  EXPECT_TRUE(std::isnan(sums.pulse_s(Signal::kGalvoXPul, 11)));
+  EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
+  EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
+  ControllerEar::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
+  const auto account = sums.accountBeside(told);
+  ASSERT_EQ(account.axes.size(), 1U) << "what is wired";
+  EXPECT_EQ(account.axes[0].name, "galvo_x");
+  EXPECT_EQ(account.axes[0].seen, 4);
+  ASSERT_TRUE(account.belt);
+  EXPECT_EQ(account.belt->told, 798);
+  EXPECT_EQ(account.belt->seen_min, 800 - 3);  // 3.7 ms in which it can have looked
+  EXPECT_EQ(account.belt->seen_max, 800 + 3);
+  EXPECT_FALSE(sums.accountBeside(std::nullopt).told);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
