@@ -11,6 +11,8 @@
 #ifndef KERFBENCH_CONTROLLER_PROTOCOL_H
 #define KERFBENCH_CONTROLLER_PROTOCOL_H
 
+#include <stdint.h>
+
 #define KB_BAUD 250000UL
 #define KB_SYNC 0xA5
 #define KB_PAYLOAD_MAX 128
@@ -71,7 +73,9 @@ enum kb_fault {
 };
 
 /* What leads to KB_STOPPED, how soon, and what the axes do: docs/CONTROLLER.md. */
-#define KB_SILENCE_PERIODS 312U      /* 250 ms; a host repeats and asks more often than that */
+#define KB_SILENCE_MS 250UL /* a host repeats and asks more often than that */
+#define KB_SILENCE_PERIODS \
+  ((uint16_t)(KB_SILENCE_MS * (KB_CPU_HZ / 1000UL) / ((uint32_t)KB_TICK_CYCLES * KB_TICKS_PER_PERIOD)))
 #define KB_LINE_ERRORS_MAX 8U        /* framing errors, overruns, damaged frames */
 #define KB_ENCODER_WINDOW_COUNTS 16U /* of nominal travel, and 2 periods at least: a quarter must be seen */
 #define KB_ENCODER_ERRORS_MAX 8U     /* edges of A without a change of A, since START */

@@ -71,7 +71,7 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
   if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return;
   const PinSums pins(recording, the_case.machine.signals);
   const ControllerEar ear(recording);
-  conclusion.account = pins.accountBeside(ear.account());
+  conclusion.account = pins.accountBeside(ear.account(), the_case.scenario.firmware.baud);
   const ProvokeChoice& provoke = the_case.scenario.provoke;
   if (provoke.cause == ProvokeChoice::Cause::kNone) return;
   SafeStateEvidence evidence;

@@ -15,7 +15,7 @@ constexpr double kTick_s = 25e-6;
 constexpr double kStand_s = 2 * kPeriod_s;  // the period at hand, and one that the main loop may be busy
 constexpr double kRamp_s = 8 * kPeriod_s;   // the period offered, one under way, five of the ramp
 constexpr double kReport_s = 0.05;
-constexpr double kFrame_s = 134 * 40e-6;  // a frame may be on the wire when the host falls silent
+constexpr double kFrameBits = 134 * 10;  // a frame may be on the wire when the host falls silent
 constexpr double kSilence_s = 0.25;
 constexpr double kEncoderCounts = 16;
 constexpr double kFastPeriods = 8;
@@ -34,6 +34,7 @@ double encoderWindow_s(const Case& the_case) {
 SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, const PinSums& pins,
                                 double line_cut_s) {
   const ProvokeChoice& provoke = the_case.scenario.provoke;
+  const double frame_s = kFrameBits / the_case.scenario.firmware.baud;
   SafeStateDemand demand;
   demand.cause_s = provoke.at_s;
   demand.stop_s = kRamp_s;
@@ -62,14 +63,14 @@ SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, co
       demand.cause = "the host fell silent within a frame";
       demand.faults = {"silent"};
       demand.cause_s = line_cut_s;
-      demand.window_s = kFrame_s + kSilence_s + 2 * kPeriod_s;
+      demand.window_s = frame_s + kSilence_s + 2 * kPeriod_s;
       break;
     case Cause::kUartNoise:
       demand.cause =
           fmt::format("{:g} % of the host's bytes were damaged from there on", 100 * provoke.share);
       demand.faults = {"uart", "silent"};
       demand.cause_s = line_cut_s;
-      demand.window_s = kFrame_s + kSilence_s + 2 * kPeriod_s;
+      demand.window_s = frame_s + kSilence_s + 2 * kPeriod_s;
       break;
     case Cause::kHostStarves:
       demand.cause = "the last step came of what the host has sent";
@@ -89,7 +90,7 @@ SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, co
   if (!provoke.expect.empty()) demand.faults = {provoke.expect};
   if (provoke.expect == "watchdog") {
     // A main loop that is stuck over a broken frame: the tick's interrupt finds no period prepared.
-    demand.window_s = kFrame_s + kFramePause_s + 3 * kPeriod_s + kTick_s;
+    demand.window_s = frame_s + kFramePause_s + 3 * kPeriod_s + kTick_s;
     demand.stop_s = kStand_s;
   }
   return demand;
