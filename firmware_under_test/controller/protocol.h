@@ -66,11 +66,12 @@ enum kb_fault {
 };
 
 /* What leads to KB_STOPPED, how soon, and what the axes do: docs/CONTROLLER.md. */
-#define KB_SILENCE_PERIODS KB_PERIODS_IN_MS(250) /* a host repeats and asks more often than that */
-#define KB_LINE_ERRORS_MAX 8U                    /* framing errors, overruns, damaged frames */
+#define KB_SILENCE_MS 250UL /* a host repeats and asks more often than that */
+#define KB_SILENCE_PERIODS ((uint16_t)KB_PERIODS_IN_MS(KB_SILENCE_MS))
+#define KB_LINE_ERRORS_MAX 8U        /* framing errors, overruns, damaged frames */
 #define KB_ENCODER_WINDOW_COUNTS 16U /* of nominal travel, and 2 periods at least: a quarter must be seen */
 #define KB_ENCODER_ERRORS_MAX 8U     /* edges of A without a change of A, since START */
-#define KB_BELT_FAST_PERIODS KB_PERIODS_IN_MS(7) /* in a row */
+#define KB_BELT_FAST_PERIODS ((uint8_t)KB_PERIODS_IN_MS(7)) /* in a row */
 
 /* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START
  * are refused while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE

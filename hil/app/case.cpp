@@ -40,6 +40,11 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
     throw ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
                                   the_case.scenario.path.string(), the_case.scenario.machine.string()));
   }
+  for (const Signal signal : signalsOf(the_case.scenario.provoke)) {
+    if (the_case.machine.signals.pin(signal)) continue;
+    throw ConfigError(fmt::format("{}: provoke: {} has no pin {}", the_case.scenario.path.string(),
+                                  the_case.scenario.machine.string(), signalName(signal)));
+  }
   refuseUnfit(file, webOf(the_case));
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
   try {

@@ -34,6 +34,10 @@ std::vector<std::string> faultNames() {
           "marks", "silent", "uart",      "encoder", "belt-fast", "watchdog"};
 }
 
+ControllerEar::ControllerEar(const PinRecording& recording) {
+  for (const HeardBytes& heard : recording.uart) hear(heard.bytes, recording.rate.seconds(heard.tick));
+}
+
 void ControllerEar::hear(std::span<const std::uint8_t> bytes, double now_s) {
   heard_.insert(heard_.end(), bytes.begin(), bytes.end());
   for (;;) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/inspect/safe_state.h"
+#include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
 
@@ -30,6 +31,9 @@ class ControllerEar {
     std::array<long long, kAxes> steps{};
   };
 
+  ControllerEar() = default;
+  /// Hears a whole recording.
+  explicit ControllerEar(const PinRecording& recording);
   void hear(std::span<const std::uint8_t> bytes, double now_s);
   /// Changes of its state, by time.
   [[nodiscard]] const std::vector<ControllerReport>& reports() const { return reports_; }

@@ -75,7 +75,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
       break;
     }
     const double now_s = info.rate.seconds(now);
-    if (options.ear != nullptr) options.ear->hear(batch.uart, now_s);
+    if (!batch.uart.empty()) result.recording.uart.push_back({now, batch.uart});
     if (dialog != nullptr && !finishing) {
       auto answer = dialog->step(batch.uart, now_s);
       if (options.provocation != nullptr) answer = options.provocation->toController(answer, now_s);

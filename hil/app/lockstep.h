@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/controller_ear.h"
 #include "hil/app/dialog.h"
 #include "hil/app/provoke.h"
 #include "hil/source/signal_source.h"
@@ -20,7 +19,6 @@ struct LockstepOptions {
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
   Provocation* provocation{};  ///< May be null. If not, a dialog that fails or never ends is no problem.
-  ControllerEar* ear{};        ///< May be null.
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 

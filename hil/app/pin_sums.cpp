@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// A KB_STATE takes 1.4 ms on the wire, its ACK before it and an EVENT in its way 0.3 ms each; the belt in it
-// is that of the last border of a period (0.8 ms), the bench looks every 0.5 ms, and the main loop may be a
-// period behind.
-constexpr double kAccountOldest_s = 5e-3;
-constexpr double kAccountYoungest_s = 1.3e-3;
+// On the wire a KB_STATE follows its ACK, and perhaps an EVENT. The belt in it is that of the last border of
+// a period (0.8 ms), the main loop may be a period behind, and the bench looks every 0.5 ms.
+constexpr double kStateBits = 34 * 10;
+constexpr double kBitsBefore = 16 * 10;
+constexpr double kControllerBehind_s = 3e-3;
 
 // The order of KB_STATE.
 constexpr std::array<Signal, ControllerEar::kAxes> kPuls{
@@ -71,9 +71,9 @@ long long PinSums::beltCountsAt(double time_s) const {
   return next == belt_.begin() ? 0 : (next - 1)->counts;
 }
 
-std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word) const {
-  const double from_s = word.time_s - kAccountOldest_s;
-  const double to_s = word.time_s - kAccountYoungest_s;
+std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word, double baud) const {
+  const double to_s = word.time_s - kStateBits / baud;
+  const double from_s = to_s - kBitsBefore / baud - kControllerBehind_s;
   long long low = beltCountsAt(from_s);
   long long high = low;
   auto edge = std::ranges::upper_bound(belt_, from_s, {}, &BeltEdge::time_s);
@@ -99,7 +99,8 @@ double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
   return kNan;
 }
 
-ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Account>& told) const {
+ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Account>& told,
+                                         double baud) const {
   ControllerAccount account;
   account.told = told.has_value();
   if (!told) return account;
@@ -110,8 +111,8 @@ ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Acco
     account.axes.push_back({name, told->steps[index], axis.net});
   }
   if (belt_wired_ && told->first_belt.time_s < told->belt.time_s) {
-    const auto [first_min, first_max] = beltAround(told->first_belt);
-    const auto [last_min, last_max] = beltAround(told->belt);
+    const auto [first_min, first_max] = beltAround(told->first_belt, baud);
+    const auto [last_min, last_max] = beltAround(told->belt, baud);
     account.belt = {told->belt.counts - told->first_belt.counts, last_min - first_max, last_max - first_min};
   }
   return account;

@@ -23,8 +23,9 @@ class PinSums {
   [[nodiscard]] double pulse_s(Signal pul, long long count) const;
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
   [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
-  /// Beside what the controller told last; axes that are not wired are left out.
-  [[nodiscard]] ControllerAccount accountBeside(const std::optional<ControllerEar::Account>& told) const;
+  /// Beside what the controller told last, at this baud rate; axes that are not wired are left out.
+  [[nodiscard]] ControllerAccount accountBeside(const std::optional<ControllerEar::Account>& told,
+                                                double baud) const;
 
  private:
   struct Axis {
@@ -38,7 +39,8 @@ class PinSums {
   };
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts while the controller can have looked for what it then told.
-  [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word) const;
+  [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word,
+                                                           double baud) const;
   void addOutputs(const PinRecording& recording, const SignalMap& map);
   void addBelt(const PinRecording& recording);
 

@@ -34,8 +34,10 @@ struct ProvokeChoice {
   std::string expect;  ///< Name of the fault to be reported; empty: what fits the cause.
 };
 
-/// @param provoke faults are noted in it.
-ProvokeChoice readProvoke(YamlReader provoke);
+/// Faults are noted in `provoke`.
+ProvokeChoice readProvoke(YamlReader provoke, bool belt_is_followed);
+/// The wires that it takes.
+std::vector<Signal> signalsOf(const ProvokeChoice& choice);
 
 /// Does to sensors and line what is to be provoked. Deterministic.
 class Provocation {

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "hil/app/commands.h"
 #include "hil/app/conclude.h"
@@ -16,6 +18,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/source/open.h"
+#include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -56,22 +59,29 @@ ProgressFn progressOn(Console& console) {
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
 
-/// Only a pin that the line to the controller was cut on leaves it without a question to answer.
+/// A controller that nothing reaches any more cannot answer the last question.
 bool canBeAsked(const ProvokeChoice& provoke) {
   return provoke.cause != ProvokeChoice::Cause::kUartSilent &&
          provoke.cause != ProvokeChoice::Cause::kUartNoise;
 }
 
-SafeStateEvidence safeStateEvidence(const Case& the_case, const PreparedJob& job, const LockstepResult& run,
-                                    const ControllerEar& ear, const PinSums& pins, double line_cut_s) {
+/// What the controller itself said of the run, and of its end if that was provoked.
+void hearController(const Case& the_case, const PreparedJob& job, const PinRecording& recording,
+                    const std::vector<std::string>& problems, double line_cut_s, Conclusion& conclusion) {
+  if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return;
+  const PinSums pins(recording, the_case.machine.signals);
+  const ControllerEar ear(recording);
+  conclusion.account = pins.accountBeside(ear.account(), the_case.scenario.firmware.baud);
+  const ProvokeChoice& provoke = the_case.scenario.provoke;
+  if (provoke.cause == ProvokeChoice::Cause::kNone) return;
   SafeStateEvidence evidence;
   evidence.demand = safeStateDemand(the_case, job, pins, line_cut_s);
   evidence.last_pulse_s = pins.lastPulse_s();
-  evidence.end_s = run.recording.rate.seconds(run.recording.end);
+  evidence.end_s = recording.rate.seconds(recording.end);
   evidence.reports = ear.reports();
-  if (canBeAsked(the_case.scenario.provoke)) evidence.account = pins.accountBeside(ear.account());
-  evidence.problems = run.problems;
-  return evidence;
+  if (canBeAsked(provoke)) evidence.account = conclusion.account;
+  evidence.problems = problems;
+  conclusion.safe_state = std::move(evidence);
 }
 
 int runOne(const fs::path& path, const CommonOptions& options) {
@@ -98,8 +108,6 @@ int runOne(const fs::path& path, const CommonOptions& options) {
     lockstep.provocation = &provocation;
     lockstep.settle_s = kSettleAfterStop_s;
   }
-  ControllerEar ear;
-  lockstep.ear = &ear;
   const LockstepResult run =
       runLockstep(filmed, twin, the_case.machine.signals, job.dialog.get(), lockstep, progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
@@ -115,12 +123,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.film = &film;
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
   conclusion.gcode = std::move(job.gcode);
-  if (scenario.firmware.dialog == FirmwareChoice::Dialog::kKerfbench) {
-    const PinSums pins(run.recording, the_case.machine.signals);
-    conclusion.account = pins.accountBeside(ear.account());
-    if (provoked)
-      conclusion.safe_state = safeStateEvidence(the_case, job, run, ear, pins, provocation.lineCut_s());
-  }
+  hearController(the_case, job, run.recording, run.problems, provocation.lineCut_s(), conclusion);
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 
@@ -132,8 +135,10 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
                           recording.string()));
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   std::unique_ptr<SignalSource> source;
+  PinRecording recorded;  // for what a source does not hand on: sensors, and the controller's words
   try {
     source = openVcd(recording, the_case.machine.signals);
+    recorded = readVcd(recording, the_case.machine.signals);
   } catch (const std::runtime_error& e) {
     throw InputFault(e.what());
   }
@@ -145,8 +150,9 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
-  const LockstepResult run =
+  LockstepResult run =
       runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+  run.recording.sensors = recorded.sensors;
   film.add(twin);
   stopwatch.lap("machine");
 
@@ -156,6 +162,12 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   conclusion.source_id = info.config_id;
   conclusion.drawn = &drawn;
   conclusion.film = &film;
+  // A recording without the controller's words is judged by its pins alone.
+  if (!recorded.uart.empty()) {
+    const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
+    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded, run.problems,
+                   std::numeric_limits<double>::quiet_NaN(), conclusion);
+  }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 

@@ -380,7 +380,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
       planner.fault("jump_radius_mm", "is a radius, 0 for straight jumps, or -1 for that of the drawing");
   }
   s.planner_faults = readPlannerFaults(planner.section("faults"));
-  s.provoke = readProvoke(file.section("provoke"));
+  s.provoke = readProvoke(file.section("provoke"), s.belt_speed_mm_s > 0.0 && !s.belt_by_controller);
   if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
       s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");

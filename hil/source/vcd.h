@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -10,19 +11,27 @@
 
 namespace kerfbench::hil {
 
+/// Bytes that the controller said on its UART, all heard at this tick.
+struct HeardBytes {
+  Tick tick{};
+  std::vector<std::uint8_t> bytes;
+  friend bool operator==(const HeardBytes&, const HeardBytes&) = default;
+};
+
 /// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay.
 struct PinRecording {
   TickRate rate;
   std::vector<PinEvent> outputs;    ///< What the controller did, by tick.
   std::vector<SensorEdge> sensors;  ///< What the bench drove, by tick.
+  std::vector<HeardBytes> uart;     ///< By tick.
   Tick end{};                       ///< End of the run; the file closes with a time stamp there, since
                                     ///< sigrok drops changes at the last stamp otherwise.
   bool own{};                       ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
-/// for: the exact tick, the end of the run, and gaps. Only wired signals are written; what a port does on
-/// other pins is lost.
+/// for: the exact tick, the end of the run, gaps, and what the controller said. Only wired signals are
+/// written; what a port does on other pins is lost.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 

@@ -169,6 +169,9 @@ class Reader {
     } else if (words[1] == "end") {
       own_end_ = number<Tick>(words[2]);
       if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
+    } else if (words[1] == "words") {
+      own_words_ = number<std::size_t>(words[2]);
+      if (!own_words_) fault("a number of words of " + shown(words[2]) + " makes no sense");
     } else if (words[1] == "gap") {
       const auto tick = number<Tick>(words[2]);
       const auto port = words.size() > 3 ? number<std::uint16_t>(words[3]) : std::nullopt;
@@ -177,6 +180,25 @@ class Reader {
       } else {
         fault("a gap makes no sense");
       }
+    }
+  }
+
+  void heard(const std::vector<std::string_view>& words) {
+    const auto tick = number<Tick>(words[2]);
+    const std::string_view hex = words.size() > 3 ? words[3] : "";
+    HeardBytes said{tick.value_or(0), {}};
+    bool good = tick && !hex.empty() && hex.size() % 2 == 0 &&
+                (recording_.uart.empty() || *tick > recording_.uart.back().tick);
+    for (std::size_t i = 0; good && i < hex.size(); i += 2) {
+      std::uint8_t byte = 0;
+      const auto done = std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);
+      good = done.ec == std::errc{} && done.ptr == hex.data() + i + 2;
+      said.bytes.push_back(byte);
+    }
+    if (good) {
+      recording_.uart.push_back(std::move(said));
+    } else {
+      fault("bytes of a UART make no sense");
     }
   }
 
@@ -225,7 +247,8 @@ class Reader {
           break;
         case '$':
           if (token == "$comment") {
-            section(token);
+            const auto words = section(token);
+            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") heard(words);
           } else if (token != "$end" && !token.starts_with("$dump")) {
             fault("unknown section " + shown(token));
           }
@@ -300,6 +323,8 @@ class Reader {
     recording_.end = own_end_.value_or(tick_);
     if (own_end_ && (*own_end_ < last || tick_ < *own_end_))
       fault("the file ends before its end: it is truncated");
+    if (recording_.uart.size() != own_words_.value_or(recording_.uart.size()))
+      fault("not all of the controller's words are there: it is truncated");
     for (const auto& gap : gaps_) {
       auto& events = recording_.outputs;
       auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
@@ -332,6 +357,7 @@ class Reader {
   int exponent_{-1};
   std::optional<TickRate> own_rate_;
   std::optional<Tick> own_end_;
+  std::optional<std::size_t> own_words_;
   std::vector<Gap> gaps_;
   std::array<bool, kSignalCount> seen_{};
   std::unordered_map<std::string_view, Wire> wires_;

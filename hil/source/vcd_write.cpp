@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/base/atomic_file.h"
@@ -43,6 +44,7 @@ class Writer {
     // sigrok drops what happens at the last stamp.
     const Tick last = stamped_ ? tick_ + 1 : 0;
     stamp(std::max(recording_.end, last));
+    words();
     return std::move(text_);
   }
 
@@ -51,6 +53,8 @@ class Writer {
     text_ += "$version kerfbench $end\n$comment kerfbench tick " + std::to_string(recording_.rate.num) + "/" +
              std::to_string(recording_.rate.den) + " $end\n$comment kerfbench end " +
              std::to_string(recording_.end) + " $end\n";
+    if (!recording_.uart.empty())
+      text_ += "$comment kerfbench words " + std::to_string(recording_.uart.size()) + " $end\n";
     for (const auto& event : recording_.outputs) {
       if ((event.flags & PinEvent::kGap) == 0) continue;
       text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) +
@@ -64,6 +68,19 @@ class Writer {
     text_ += "$upscope $end\n$enddefinitions $end\n#0\n$dumpvars\n";
     for (const auto signal : wired_) change(signal, false);
     text_ += "$end\n";
+  }
+
+  // At the end: sigrok reads a header again and again while it grows.
+  void words() {
+    for (const auto& [tick, bytes] : recording_.uart) {
+      text_ += "$comment kerfbench uart " + std::to_string(tick) + " ";
+      static constexpr std::string_view kDigits = "0123456789abcdef";
+      for (const std::uint8_t byte : bytes) {
+        text_ += kDigits[byte >> 4U];
+        text_ += kDigits[byte & 15U];
+      }
+      text_ += " $end\n";
+    }
   }
 
   void writeOutput(const PinEvent& event) {

@@ -312,6 +312,11 @@ void kb_controller_poll(void) {
 #ifdef KB_DEFECT_MAIN_STUCK
   /* Defect: waits for the rest of a frame for ever. */
   if (c.stuck) {
+#ifdef KB_DEFECT_ALL_STUCK
+    (void)kb_hal_lock();
+    for (;;) {
+    }
+#endif
     return;
   }
 #endif

@@ -91,7 +91,7 @@ TEST(Target, AProgramOfALongDelayIsRefusedWhereTheControllerCannotWaitSoLong) {
   EXPECT_THAT(refusal([&] { plan(test::label(), machine, test::mirrorJob()); }), HasSubstr("0 … 0.006375"));
   machine.target = targetOfImage(kFirmware / "controller-native-galvo");
   EXPECT_EQ(refusal([&] { plan(test::label(), machine, test::mirrorJob()); }), "");
-  EXPECT_EQ(plan(test::label(), machine, test::mirrorJob()).program.config[7], 7000 >> 8);
+  EXPECT_EQ(plan(test::label(), machine, test::mirrorJob()).program.config[11], 7000 >> 8);
 }
 
 }  // namespace

@@ -8,12 +8,14 @@
 
 #include "hil/app/controller_ear.h"
 #include "hil/app/pin_sums.h"
+#include "tests/hil/app/temp_folder.h"
 
 namespace kerfbench::hil {
 namespace {
 
 using Cause = ProvokeChoice::Cause;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr TickRate kRate{1, 16'000'000};
@@ -31,6 +33,32 @@ std::vector<std::tuple<Tick, Signal, bool>> changed(const ProvokeChoice& choice,
   std::vector<std::tuple<Tick, Signal, bool>> result;
   for (const SensorEdge& edge : edges) result.emplace_back(edge.tick, edge.signal, edge.level);
   return result;
+}
+
+std::string refusalOf(const std::string& section, bool belt_is_followed = true) {
+  const TempFolder folder;
+  const auto path = folder.write("provoke.yaml", "provoke: {" + section + "}\n");
+  try {
+    auto file = YamlReader::openFile(path);
+    (void)readProvoke(file.section("provoke"), belt_is_followed);
+    file.finish();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ProvokeSection, OneCauseAndWhatBelongsToIt) {
+  EXPECT_EQ(refusalOf("interlock_open_at_s: 1, interlock_open_for_s: 0.1"), "");
+  EXPECT_EQ(refusalOf("encoder_lost_at_s: 1, encoder_lines: a"), "");
+  EXPECT_EQ(refusalOf("uart_silent_at_s: 1, expect: watchdog"), "");
+  EXPECT_THAT(refusalOf("interlock_open_at_s: 1, limit_hit_at_s: 2"), HasSubstr("one thing at a time"));
+  EXPECT_THAT(refusalOf("limit_hit_at_s: 1, encoder_lines: a"), HasSubstr("not there"));
+  EXPECT_THAT(refusalOf("expect: dry"), HasSubstr("not there"));
+  EXPECT_THAT(refusalOf("uart_silent_at_s: 1, expect: boredom"), HasSubstr("boredom"));
+  EXPECT_THAT(refusalOf("interlock_open_at_s: -1"), HasSubstr("interlock_open_at_s"));
+  EXPECT_THAT(refusalOf("encoder_lost_at_s: 1", false), HasSubstr("line drives"));
+  EXPECT_THAT(refusalOf("cat_on_the_belt_at_s: 1"), HasSubstr("unknown key"));
 }
 
 TEST(Provocation, TheGuardOpensForAWhile) {
@@ -167,15 +195,15 @@ TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
   EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
   ControllerEar::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
-  const auto account = sums.accountBeside(told);
+  const auto account = sums.accountBeside(told, 250e3);
   ASSERT_EQ(account.axes.size(), 1U) << "what is wired";
   EXPECT_EQ(account.axes[0].name, "galvo_x");
   EXPECT_EQ(account.axes[0].seen, 4);
   ASSERT_TRUE(account.belt);
   EXPECT_EQ(account.belt->told, 798);
-  EXPECT_EQ(account.belt->seen_min, 800 - 3);  // 3.7 ms in which it can have looked
+  EXPECT_EQ(account.belt->seen_min, 800 - 3);  // 3.64 ms in which it can have looked
   EXPECT_EQ(account.belt->seen_max, 800 + 3);
-  EXPECT_FALSE(sums.accountBeside(std::nullopt).told);
+  EXPECT_FALSE(sums.accountBeside(std::nullopt, 250e3).told);
 }
 
 }  // namespace

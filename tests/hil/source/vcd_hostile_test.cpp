@@ -86,6 +86,16 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"tick_nonsense", "$comment kerfbench tick 1/-4 $end\n" + header() + "#0\n", ":1: a tick"},
         Case{"off_tick", "$comment kerfbench tick 1/16000000 $end\n" + header() + "#0\n#624\n",
              "not on a tick"},
+        Case{"uart_half_a_byte", header() + "#0\n#1\n$comment kerfbench uart 5 a5b $end\n",
+             ":11: bytes of a UART"},
+        Case{"uart_no_hex", header() + "#0\n#1\n$comment kerfbench uart 5 a5g0 $end\n",
+             ":11: bytes of a UART"},
+        Case{"uart_goes_back",
+             header() + "#0\n#1\n$comment kerfbench uart 5 a5 $end\n$comment kerfbench uart 5 a5 $end\n",
+             ":12: bytes of a UART"},
+        Case{"uart_words_missing",
+             "$comment kerfbench words 2 $end\n" + header() + "#0\n#1\n$comment kerfbench uart 5 a5 $end\n",
+             "truncated"},
         Case{"cut_at_end",
              "$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 9 $end\n" + header() +
                  "#0\n#625\n1!\n",
@@ -94,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(VcdTest, EveryTruncationOfAFileIsRefused) {
   auto recording = sampleRecording(6);
+  recording.uart = {{8000, {0x00, 0xA5}}, {16000, {0x7F}}};
   writeVcd(file("whole.vcd"), recording, sampleMap());
   const auto whole = contentOf(file("whole.vcd"));
   recording = readVcd(file("whole.vcd"), sampleMap());
@@ -102,6 +113,7 @@ TEST_F(VcdTest, EveryTruncationOfAFileIsRefused) {
     if (refusal(path) != "accepted") continue;
     // Only what follows the end of the run may be missing.
     EXPECT_EQ(readVcd(path, sampleMap()).outputs, recording.outputs) << size;
+    EXPECT_EQ(readVcd(path, sampleMap()).uart, recording.uart) << size;
   }
 }
 

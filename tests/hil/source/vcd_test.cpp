@@ -72,6 +72,13 @@ TEST_F(VcdTest, GapsSurvive) {
   EXPECT_EQ(back.outputs[60].flags, PinEvent::kGap);
 }
 
+TEST_F(VcdTest, TheControllersWordsSurvive) {
+  auto recording = sampleRecording(10);
+  recording.uart = {{8000, {0x00, 0xA5, 0xFF}}, {16000, {0x7F}}};
+  writeVcd(file("uart.vcd"), recording, sampleMap());
+  EXPECT_EQ(readVcd(file("uart.vcd"), sampleMap()).uart, recording.uart);
+}
+
 TEST_F(VcdTest, EventsOutOfOrderAreNotWritten) {
   PinRecording recording;
   recording.outputs = {{5, 0, 1, 1, 0}, {4, 0, 1, 0, 0}};
