@@ -110,6 +110,28 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
 }
 
+TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
+  SyntheticRun run;
+  const auto ownU = [&] {
+    for (const EntityResult& e : run.inspected().entities) {
+      if (e.unit == 0 && e.entity == kTop) return e.width_own_U_mm;
+    }
+    return 0.0;
+  };
+  const double independent_mm = ownU();
+  // Offsets tell how alike neighbours are: here each is the mean of four draws, twice as large.
+  for (EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (std::size_t i = 0; i + 3 < kerf.calipers.size(); ++i) {
+      double sum_mm = 0.0;
+      for (std::size_t k = 0; k < 4; ++k) sum_mm += kerf.calipers[i + k].offset_mm;
+      if (std::isfinite(sum_mm)) kerf.calipers[i].offset_mm = 0.5 * sum_mm;
+    }
+  }
+  // Of neighbours with q = 0.75 the mean is sqrt((1 + q) / (1 - q)) = 2.6 times less certain.
+  EXPECT_GT(ownU(), 1.8 * independent_mm);
+  EXPECT_LT(ownU(), 3.2 * independent_mm);
+}
+
 TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   SyntheticRun run;
   constexpr double kLobe_mm = 0.03;
