@@ -103,6 +103,7 @@ struct PlannerFaults {
   int skip_entity{-1};          ///< Never cut; makeGcode leaves it out.
   int repeat_entity{-1};        ///< Cut twice; makeGcode writes it again at the end.
   bool no_mirror_limit{false};  ///< Nobody heeds MachineParameters::mirror_acceleration_rad_s2.
+  bool kerf_wrong_side{false};  ///< Compensation runs inside of outlines and outside of holes.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};
 };

@@ -92,7 +92,8 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   report.versions.insert(report.versions.end(), cameras.facts.begin(), cameras.facts.end());
   report.dieline = the_case.dieline;
   report.print = scenario.print;
-  report.kerf = std::move(evidence.kerf);
+  report.kerf = report.result.edges ? std::move(*report.result.edges) : std::move(evidence.kerf);
+  report.result.edges.reset();
   report.spot = std::move(evidence.spot);
   report.pulses = std::move(evidence.pulses);
   stopwatch.lap("inspection");

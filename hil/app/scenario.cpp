@@ -306,6 +306,12 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
               : order == "nearest" ? planner::JobParameters::Order::kNearest
                                    : planner::JobParameters::Order::kShortest;
+  job.kerf_radius_mm = planner.number("kerf_radius_mm", {.min = 0, .max = 2, .fallback = 0.0});
+  const std::string open_cuts = planner.choice("open_cuts", {"line", "left", "right"}, "line");
+  job.open_cuts = open_cuts == "left"    ? planner::JobParameters::OpenCuts::kLeft
+                  : open_cuts == "right" ? planner::JobParameters::OpenCuts::kRight
+                                         : planner::JobParameters::OpenCuts::kOnTheLine;
+  job.allow_lost_features = planner.boolean("allow_lost_features", false);
   job.feed_by_controller = scenario.belt_by_controller;
   job.units = scenario.print.units;
   job.pitch_mm = scenario.print.pitch_mm;
@@ -320,6 +326,7 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   result.no_pincushion = faults.boolean("no_pincushion", false);
   result.no_mirror_limit = faults.boolean("no_mirror_limit", false);
   result.return_unchecked = faults.boolean("return_unchecked", false);
+  result.kerf_wrong_side = faults.boolean("kerf_wrong_side", false);
   result.skip_entity =
       static_cast<int>(faults.integer("skip_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
   result.repeat_entity =
@@ -329,6 +336,11 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
 
 Limits readLimits(YamlReader& checks) {
   Limits limits;
+  const std::string edge = checks.choice("edge", {"none", "nesting", "outside", "inside"}, "none");
+  limits.edge = edge == "nesting"   ? Limits::Edge::kNesting
+                : edge == "outside" ? Limits::Edge::kOutside
+                : edge == "inside"  ? Limits::Edge::kInside
+                                    : Limits::Edge::kCentre;
   limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
   limits.stillness_mm =
       checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});

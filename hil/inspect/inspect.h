@@ -17,6 +17,11 @@
 namespace kerfbench::hil {
 
 struct Limits {
+  /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside of
+  /// closed cuts, inside of them, or outside of outlines and inside of holes (closed cuts within an odd number
+  /// of others). Open cuts and other processes have no such edge and are judged by their centre.
+  enum class Edge { kCentre, kOutside, kInside, kNesting };
+  Edge edge{Edge::kCentre};
   double path_mm{0.05};  ///< Of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
@@ -131,6 +136,8 @@ struct InspectionResult {
   std::vector<CutResult> cuts;
   std::vector<UncertaintyBudget> budgets;  ///< Of the quantities that decide: path, stillness.
   std::vector<std::string> problems;
+  /// With Limits::edge: the scan as read at the wanted piece's edge, which is what was judged.
+  std::optional<KerfScan> edges;
 };
 
 /// Compares what was measured with the dieline. Pure: the same evidence gives the same result, to the bit.

@@ -14,7 +14,7 @@ int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
 
 /// One check of a verdict quantity against its limit.
 struct Check {
-  std::string name{};     ///< "path", "joints", "coverage", "depth", "perforation", "kerf_width", "stray",
+  std::string name{};     ///< "path" or "edge", "joints", "coverage", "depth", "perforation", "kerf_width", "stray",
                           ///< "laser_timing", "stillness_x", "stillness_peak", "spot_seen", "spot_path",
                           ///< "repeat", "laser_gate", "pulse_timing"
   std::string title{};    ///< For people.

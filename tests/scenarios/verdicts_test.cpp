@@ -31,6 +31,8 @@ TEST_P(GoodRelease, PassesAndSaysSo) {
 INSTANTIATE_TEST_SUITE_P(
     Scenarios, GoodRelease,
     testing::Values(GoodCase{"label_avr", "scenarios/label-on-belt.yaml"},
+                    GoodCase{"label_edges_avr", "scenarios/label-edges.yaml"},
+                    GoodCase{"label_edges_native", "scenarios/native/label-edges.yaml"},
                     GoodCase{"label_fed", "scenarios/label-fed.yaml"},
                     GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
                     GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
@@ -65,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadCase{"belt-ignored", "stillness_x"}, BadCase{"encoder-scale", "path"},
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
                     BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
+                    BadCase{"edges-uncompensated", "edge"}, BadCase{"edges-wrong-side", "edge"},
                     BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
                     BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
