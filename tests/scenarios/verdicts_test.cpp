@@ -37,6 +37,8 @@ INSTANTIATE_TEST_SUITE_P(
                     GoodCase{"label_native", "scenarios/native/label-on-belt.yaml"},
                     GoodCase{"carton_avr", "scenarios/carton-on-belt.yaml"},
                     GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
+                    GoodCase{"three_layers_avr", "scenarios/carton-three-layers.yaml"},
+                    GoodCase{"three_layers_native", "scenarios/native/carton-three-layers.yaml"},
                     GoodCase{"button_native", "scenarios/native/button.yaml"},
                     GoodCase{"button_on_belt_native", "scenarios/native/button-on-belt.yaml"},
                     GoodCase{"button_straight_native", "scenarios/native/button-straight.yaml"},
@@ -68,8 +70,9 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
                     BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
                     BadCase{"edges-uncompensated", "edge"}, BadCase{"edges-wrong-side", "edge"},
-                    BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
-                    BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
+                    BadCase{"half-cut-through", "depth"}, BadCase{"entity-skipped", "coverage"},
+                    BadCase{"entity-twice", "repeat"}, BadCase{"strip-return-slow", "path"},
+                    BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
       std::string name = instance.param.name;
       std::ranges::replace(name, '-', '_');
