@@ -32,7 +32,8 @@ enum kb_request {
   KB_DATA = 0x03,   /* program bytes, whole operations only */
   KB_START = 0x04,  /* run the queue */
   KB_STOP = 0x05,   /* stop now, laser off, queue emptied */
-  KB_STATUS = 0x06  /* -                                        -> ACK, then STATE */
+  KB_STATUS = 0x06, /* -                                        -> ACK, then STATE */
+  KB_POWER = 0x20   /* the loop on the measured power, after CONFIG, which ends it; empty: no loop */
 };
 
 /* Controller -> host. */
@@ -109,11 +110,18 @@ enum kb_op {
  * the mirrors' tracking delay; power follows with the same delay as the gate. */
 #define KB_CONFIG_LEN 7
 
+/* KB_POWER payload: u8 gain (1/256), u8 least and u8 most power, u16 ticks from the start of a period until the meter tells
+ * of its energy (gate delay included), then of the powers 0, 16, … 240, 255 a u16 each: rising edges of the meter in a
+ * period, in 1/16; they must not fall. The controller counts modulo 256. */
+#define KB_POWER_POINTS 17
+#define KB_POWER_LEN (5 + 2 * KB_POWER_POINTS)
+#define KB_POWER_DELAY_MAX 352 /* ticks */
+
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7
  * port C: feed PUL C0 DIR C1, laser gate C2, laser PWM C3
  * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1,
- *         interlock L2 (high: closed)
+ *         interlock L2 (high: closed), power meter H7 (T4)
  * DIR high is the positive direction; the rising edge of PUL steps.
  *
  * Laser PWM is a first-order sigma-delta: each tick (40 kHz) carries one bit, a power p gives p high ticks in

@@ -78,6 +78,8 @@ std::string_view requestInWords(std::uint8_t type) {
       return "the greeting";
     case KB_CONFIG:
       return "the configuration";
+    case KB_POWER:
+      return "the laser's curve for the loop on its power";
     case KB_DATA:
       return "a part of the program";
     case KB_START:
@@ -192,7 +194,9 @@ void Link::accepted(std::size_t free_bytes) {
   resend_ = false;
   if (type == KB_HELLO) {
     state_ = State::kConfiguring;
-  } else if (type == KB_CONFIG) {
+  } else if (type == KB_CONFIG && !program_.power.empty()) {
+    send(KB_POWER, program_.power);
+  } else if (type == KB_CONFIG || type == KB_POWER) {
     state_ = State::kLoading;
   } else if (type == KB_DATA) {
     op_ += ops_under_way_;

@@ -58,6 +58,9 @@ void judge(const Case& the_case, twin::Twin& twin, const std::vector<std::string
   evidence.print = scenario.print;
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
+  for (const double edge_s : twin.powerMonitorEdges_s())
+    evidence.power_edges_s.push_back(edge_s - the_case.machine.power_monitor.delay_s);
+  evidence.power_quantum_j = the_case.machine.power_monitor.quantum_j;
   evidence.problems = problems;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())

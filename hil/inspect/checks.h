@@ -57,6 +57,10 @@ Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationR
 Check coverageCheck(const Evidence& evidence, const Limits& limits,
                     const std::vector<EntityResult>& entities);
 std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);
+/// Creases and half-cuts are as deep everywhere, by the light that comes through.
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits);
+/// Energy per length of the marks, by power meter and spot camera.
+std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
                                       const std::vector<EntityResult>& entities);
 Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,

@@ -93,6 +93,7 @@ void measureAndDecide(const Evidence& evidence, const Limits& limits, const chec
   if (!(blank && dark)) add(checks::repeatCheck(evidence, limits, lit, result.entities));
   if (!blank) {
     add(checks::depthCheck(evidence, limits));
+    add(checks::evenDepthCheck(evidence, limits));
     add(checks::perforationCheck(evidence, limits, result.entities));
     add(checks::kerfWidthCheck(evidence, limits, result.entities));
     add(checks::laserTimingCheck(evidence, limits, result.entities, edges));
@@ -101,6 +102,7 @@ void measureAndDecide(const Evidence& evidence, const Limits& limits, const chec
   if (!(blank && dark)) {
     add(checks::laserGateCheck(evidence, limits));
     add(checks::gateLagCheck(evidence, limits, lit));
+    add(checks::lineEnergyCheck(evidence, limits, lit));
   }
   add(checks::pulseTimingCheck(evidence));
   for (Check& check : result.checks) {

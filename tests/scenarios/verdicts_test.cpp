@@ -39,6 +39,8 @@ INSTANTIATE_TEST_SUITE_P(
                     GoodCase{"carton_native", "scenarios/native/carton-on-belt.yaml"},
                     GoodCase{"three_layers_avr", "scenarios/carton-three-layers.yaml"},
                     GoodCase{"three_layers_native", "scenarios/native/carton-three-layers.yaml"},
+                    GoodCase{"short_lines_avr", "scenarios/short-lines.yaml"},
+                    GoodCase{"short_lines_native", "scenarios/native/short-lines.yaml"},
                     GoodCase{"button_native", "scenarios/native/button.yaml"},
                     GoodCase{"button_on_belt_native", "scenarios/native/button-on-belt.yaml"},
                     GoodCase{"button_straight_native", "scenarios/native/button-straight.yaml"},
@@ -70,9 +72,10 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"dir-late", "pulse_timing"}, BadCase{"pulses-lost", "path"},
                     BadCase{"pincushion-uncorrected", "path"}, BadCase{"gate-late", "gate_lag"},
                     BadCase{"edges-uncompensated", "edge"}, BadCase{"edges-wrong-side", "edge"},
-                    BadCase{"half-cut-through", "depth"}, BadCase{"entity-skipped", "coverage"},
-                    BadCase{"entity-twice", "repeat"}, BadCase{"strip-return-slow", "path"},
-                    BadCase{"button-straight-fast", "path"}),
+                    BadCase{"short-lines-open-loop", "line_energy"},
+                    BadCase{"short-lines-constant-power", "even_depth"}, BadCase{"half-cut-through", "depth"},
+                    BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
+                    BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
       std::string name = instance.param.name;
       std::ranges::replace(name, '-', '_');

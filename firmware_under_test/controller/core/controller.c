@@ -5,6 +5,7 @@
 #include "engine.h"
 #include "frame.h"
 #include "hal.h"
+#include "power_loop.h"
 #include "program.h"
 
 enum { KB_FRAME_PAUSE_PERIODS = 25 };
@@ -24,6 +25,7 @@ void kb_controller_init(void) {
   kb_engine_init();
   kb_belt_init();
   kb_program_init();
+  kb_power_init();
   kb_frame_init();
   c.state = KB_IDLE;
   c.fault = KB_OK;
@@ -103,9 +105,20 @@ static uint8_t configure(const struct kb_frame* frame) {
   if (!kb_program_configure(&config)) {
     return KB_NAK_VALUE;
   }
+  kb_power_init();
   kb_queue_clear();
   enter(KB_IDLE, KB_OK);
   return 0;
+}
+
+static uint8_t closeLoop(const struct kb_frame* frame) {
+  if (c.state != KB_IDLE || !kb_program_configured()) {
+    return KB_NAK_STATE;
+  }
+  if (frame->length != 0 && frame->length != KB_POWER_LEN) {
+    return KB_NAK_LENGTH;
+  }
+  return kb_power_configure(frame->payload, frame->length) ? 0 : KB_NAK_VALUE;
 }
 
 static uint8_t start(void) {
@@ -119,7 +132,7 @@ static uint8_t start(void) {
 
 /* Carries a request out; 0, or why not. */
 static uint8_t execute(const struct kb_frame* frame) {
-  if (frame->type != KB_DATA && frame->type != KB_CONFIG && frame->length != 0) {
+  if (frame->type != KB_DATA && frame->type != KB_CONFIG && frame->type != KB_POWER && frame->length != 0) {
     return KB_NAK_LENGTH;
   }
   switch (frame->type) {
@@ -137,6 +150,8 @@ static uint8_t execute(const struct kb_frame* frame) {
       }
       kb_queue_commit(frame->length);
       return 0;
+    case KB_POWER:
+      return closeLoop(frame);
     case KB_START:
       return start();
     case KB_STOP:
@@ -195,8 +210,10 @@ static void receive(void) {
 static void newPeriod(void) {
   const uint8_t saved = kb_hal_lock();
   const uint16_t boundary_time = kb_engine.boundary_time;
+  const uint8_t power_counter = kb_power_counter;
   c.boundaries = kb_engine.boundaries;
   kb_hal_unlock(saved);
+  kb_power_boundary(power_counter);
   kb_belt_update(boundary_time);
   if (c.quiet_periods < KB_FRAME_PAUSE_PERIODS) {
     c.quiet_periods++;

@@ -8,7 +8,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 
-enum { KB_SHORT_PAYLOAD = 16 };
+enum { KB_SHORT_PAYLOAD = KB_POWER_LEN };
 
 struct kb_frame {
   uint8_t type;

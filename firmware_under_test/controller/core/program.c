@@ -5,6 +5,7 @@
 
 #include "belt.h"
 #include "engine.h"
+#include "power_loop.h"
 
 enum {
   KB_QUEUE_MASK = KB_QUEUE_SIZE - 1U,
@@ -190,6 +191,7 @@ static void offer(bool lit, uint8_t power) {
   period.dir_a = p.dir_a;
   period.dir_c = p.dir_c;
   const uint8_t gate = lit ? KB_LASER_GATE : 0;
+  power = kb_power_command(lit, power);
   period.laser_changes = gate != p.gate || power != p.power;
   period.laser_delay = lit ? p.config.gate_on_delay : p.config.gate_off_delay;
   period.gate = p.gate = gate;

@@ -8,6 +8,7 @@
 #include "firmware_under_test/controller/core/belt.h"
 #include "firmware_under_test/controller/core/controller.h"
 #include "firmware_under_test/controller/core/engine.h"
+#include "firmware_under_test/controller/core/power_loop.h"
 #include "hal.h"
 #include "hil/source/pin_stream.h"
 #include "message.h"
@@ -20,6 +21,7 @@ enum {
   KB_PORT_A = 0,
   KB_PORT_C = 2,
   KB_PORT_D = 3,
+  KB_PORT_H = 7,
   KB_PORT_L = 11,
   KB_EVENT_BYTES = 16
 };
@@ -31,7 +33,9 @@ static struct {
   uint64_t tx_free;
   uint8_t port_d;
   uint8_t port_l;
-  uint8_t level[4]; /* of output ports, by number */
+  bool power_level;
+  uint8_t power_edges; /* rising ones of the power meter */
+  uint8_t level[4];     /* of output ports, by number */
   bool rx_full;
   uint8_t rx_byte;
   uint64_t max_events;
@@ -79,6 +83,7 @@ static void tick(void) {
   const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
   if (kb_engine.ticks_left == 0) {
     kb_tick_boundary(timeNow());
+    kb_power_counter = m.power_edges;
   }
   kb_tick_compute(m.port_l);
   writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, dir_a);
@@ -88,6 +93,13 @@ static void tick(void) {
 }
 
 static void driveInput(unsigned port, unsigned bit, bool level) {
+  if (port == KB_PORT_H && bit == 7) {
+    if (level && !m.power_level) {
+      m.power_edges++;
+    }
+    m.power_level = level;
+    return;
+  }
   if (bit > 7 || (port != KB_PORT_D && port != KB_PORT_L)) {
     return;
   }
