@@ -26,7 +26,8 @@ enum kb_request {
   KB_DATA = 0x03,   /* program bytes, whole operations only, then u32 job check up to their end */
   KB_START = 0x04,  /* u32 job check: run the queue */
   KB_STOP = 0x05,   /* stop now, laser off, queue emptied */
-  KB_STATUS = 0x06  /* -                                        -> ACK, then STATE */
+  KB_STATUS = 0x06, /* -                                        -> ACK, then STATE */
+  KB_POWER = 0x20   /* the loop on the measured power, after CONFIG, which ends it; empty: no loop */
 };
 
 /* Controller -> host. */
@@ -80,9 +81,9 @@ enum kb_fault {
  * again and not executed again. A frame that pauses for more than 20 ms is forgotten. A configuration holds
  * for one START.
  *
- * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload and then of the program, a += byte, b += a;
- * the check is a | b << 16. So a frame that deceives the CRC, and one that only one side believes to have
- * been accepted, are refused before anything of them is run. */
+ * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload, of POWER's if there is one, and then of the
+ * program, a += byte, b += a; the check is a | b << 16. So a frame that deceives the CRC, and one that only
+ * one side believes to have been accepted, are refused before anything of them is run. */
 #define KB_PROTOCOL_VERSION 2
 #define KB_CHECK_LEN 4
 #define KB_MARKS_MAX 8
@@ -124,11 +125,18 @@ enum kb_op {
  * wait for the mirrors' tracking delay; power follows with the same delay as the gate. */
 #define KB_CONFIG_LEN 13
 
+/* KB_POWER payload: u8 gain (1/256), u8 least and u8 most power, u16 ticks from the start of a period until
+ * the meter tells of its energy (gate delay included), then of the powers 0, 16, … 240, 255 a u16 each:
+ * rising edges of the meter in a period, in 1/16; they must not fall. The controller counts modulo 256. */
+#define KB_POWER_POINTS 17
+#define KB_POWER_LEN (5 + 2 * KB_POWER_POINTS)
+#define KB_POWER_DELAY_MAX 352 /* ticks */
+
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7
  * port C: feed PUL C0 DIR C1, laser gate C2, laser PWM C3
  * inputs: encoder A D2 (INT2), encoder B D1, print mark D3 (INT3), limit X L0, limit Y L1,
- *         interlock L2 (high: closed)
+ *         interlock L2 (high: closed), power meter H7 (T4)
  * DIR high is the positive direction; the rising edge of PUL steps.
  *
  * Laser PWM is a first-order sigma-delta: each tick (40 kHz) carries one bit, a power p gives p high ticks in

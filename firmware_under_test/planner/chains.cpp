@@ -148,7 +148,7 @@ std::vector<Chain> joinChains(const hil::Dieline& dieline, const JobParameters& 
   }
   if (job.kerf_radius_mm > 0.0) {
     setNesting(chains);
-    chains = compensate(chains, job).chains;
+    chains = compensate(chains, job, faults).chains;
   }
   for (Chain& chain : chains) {
     chain.nesting = 0;

@@ -107,10 +107,15 @@ void tell(const std::vector<LostStretch>& all, const JobParameters& job, std::ve
 
 }  // namespace
 
-Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job) {
+Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
+                       const PlannerFaults& planner_faults) {
   Compensated result;
   std::vector<std::string> faults;
   Work work = workOf(chains, job, result, faults);
+  if (planner_faults.kerf_wrong_side) {
+    for (Contour& contour : work.contours)
+      contour.side = contour.side == Side::kLeft ? Side::kRight : Side::kLeft;
+  }
   try {
     result.offset = offsetContours(work.contours, job.kerf_radius_mm);
   } catch (const CompensationError& error) {

@@ -26,7 +26,8 @@ struct Compensated {
 /// lost are notes; a contour without any path, or a narrow feature off by more than kLostMm, is refused
 /// unless allow_lost_features.
 /// @throws PlanError that lists all of it, and cuts that touch or cross themselves or each other.
-Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job);
+Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
+                       const PlannerFaults& faults = {});
 
 /// The same of a dieline whose chains are not joined yet.
 Compensated compensate(const hil::Dieline& dieline, const JobParameters& job);

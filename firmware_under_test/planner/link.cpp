@@ -91,6 +91,8 @@ std::string_view requestInWords(std::uint8_t type) {
       return "the greeting";
     case KB_CONFIG:
       return "the configuration";
+    case KB_POWER:
+      return "the laser's curve for the loop on its power";
     case KB_DATA:
       return "a part of the program";
     case KB_START:
@@ -212,10 +214,13 @@ void Link::accepted(std::size_t free_bytes) {
   resend_ = false;
   if (type == KB_HELLO) {
     state_ = State::kConfiguring;
-  } else if (type == KB_CONFIG) {
+  } else if (type == KB_CONFIG && !program_.power.empty()) {
+    send(KB_POWER, program_.power);
+  } else if (type == KB_CONFIG || type == KB_POWER) {
     state_ = State::kLoading;
     check_ = {};
     for (const std::uint8_t byte : program_.config) check_.add(byte);
+    for (const std::uint8_t byte : program_.power) check_.add(byte);
   } else if (type == KB_DATA) {
     op_ += ops_under_way_;
     check_ = check_under_way_;

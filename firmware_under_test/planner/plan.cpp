@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
 #include "firmware_under_test/planner/correction.h"
@@ -179,6 +180,8 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
         fmt::format(
             "tracking_delay_s must be in 0 … {:g}, by which this controller can delay the laser, but is {:g}",
             machine.target.longestDelayS(), machine.tracking_delay_s));
+  check(machine.laser_lag_s >= 0.0 && machine.laser_lag_s <= 1.0,
+        fmt::format("laser_lag_s must be in 0 … 1, but is {:g}", machine.laser_lag_s));
   positive(machine.full_power_w, "full_power_w");
   positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
   positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
@@ -189,6 +192,26 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
         fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
                     kRadiusOfDrawing, job.jump_radius_mm));
   if (!job.power) positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
+  check(std::isfinite(job.jerk_mm_s3) && job.jerk_mm_s3 >= 0.0,
+        fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job.jerk_mm_s3));
+  check(job.jerk_mm_s3 <= 0.0 || job.jump_radius_mm == 0.0,
+        "jerk_mm_s3 is planned for straight jumps alone: jump_radius_mm must be 0");
+  if (job.power_loop) {
+    check(job.power != nullptr, "a loop on the measured power needs a material and a laser");
+    positive(machine.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
+    // The controller looks back over so many ticks, the gate's delay and its own tick among them.
+    check(machine.power_delay_s >= 0.0 &&
+              machine.power_delay_s + machine.tracking_delay_s <= (KB_POWER_DELAY_MAX - 2) * 25e-6,
+          fmt::format("power_delay_s, {:g}, and tracking_delay_s must be in 0 … {:g} together",
+                      machine.power_delay_s, (KB_POWER_DELAY_MAX - 2) * 25e-6));
+    // The controller counts to 255, also of a tube that makes half as much again.
+    const double full_w = job.power == nullptr ? 0.0 : job.power->laser().power.greatest().y;
+    const double edges = full_w * 0.8e-3 / (2.0 * machine.power_quantum_j);
+    check(job.power == nullptr || (edges >= 16.0 && edges <= 160.0 * (1.0 + 1e-9)),
+          fmt::format(
+              "at full power the power meter sends {:.1f} edges in a period; the loop works with 16 … 160",
+              edges));
+  }
   check(job.half_z > 0.0 && job.half_z <= 1.0,
         fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
   positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);

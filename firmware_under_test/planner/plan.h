@@ -36,9 +36,12 @@ struct MachineParameters {
   double tracking_delay_s{};        ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
   double encoder_count_mm{};        ///< Belt travel of one quadrature count.
   double print_mark_sensor_x_mm{};  ///< In W.
-  double feed_step_mm{};  ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
-  double full_power_w{};  ///< At PWM duty 255/255.
-  Target target{};        ///< The controller.
+  double feed_step_mm{};     ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
+  double full_power_w{};     ///< At PWM duty 255/255.
+  double power_quantum_j{};  ///< Energy for each edge of the power meter; 0: there is none.
+  double power_delay_s{};    ///< Until it tells.
+  double laser_lag_s{};      ///< Of the power behind its control signal: it is sent earlier by this.
+  Target target{};           ///< The controller.
 };
 
 /// JobParameters::jump_radius_mm: let the drawing's size decide.
@@ -58,7 +61,9 @@ struct JobParameters {
   /// Material, laser and wanted depths, by which the laser is controlled instead of cut_energy_j_per_mm and
   /// full_power_w; none: power proportional to speed and to Z.
   std::shared_ptr<const PowerModel> power{};
-  double half_z{0.5};  ///< Z of half-cut and crease.
+  bool power_loop{false};  ///< The controller corrects the power by the meter; needs `power` and a meter.
+  double jerk_mm_s3{0};    ///< Most change of acceleration in marks and straight jumps; 0: no limit.
+  double half_z{0.5};      ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};
   int units{1};
@@ -105,6 +110,8 @@ struct PlannerFaults {
   int skip_entity{-1};          ///< Never cut; makeGcode leaves it out.
   int repeat_entity{-1};        ///< Cut twice; makeGcode writes it again at the end.
   bool no_mirror_limit{false};  ///< Nobody heeds MachineParameters::mirror_acceleration_rad_s2.
+  bool constant_power{false};   ///< Of each mark: that of its speed, ramps or not.
+  bool kerf_wrong_side{false};  ///< Compensation runs inside of outlines and outside of holes.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};
 };
@@ -121,7 +128,8 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
 struct Program {
   std::vector<std::uint8_t> config;            ///< KB_CONFIG payload.
   std::vector<std::vector<std::uint8_t>> ops;  ///< Whole operations, in order.
-  Target target{};                             ///< The controller that it was planned for.
+  std::vector<std::uint8_t> power{};           ///< KB_POWER payload; empty: no loop on the power.
+  Target target{};                             ///< The controller.
 };
 
 struct Plan {

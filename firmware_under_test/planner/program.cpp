@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -192,6 +193,41 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
   }
 }
 
+/// As if the beam ran at its full speed everywhere, for whoever tells the laser its power.
+UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_s) {
+  for (Block& block : path.blocks) {
+    for (Sample& sample : block.samples) {
+      if (sample.marked_mm > 0.0) sample.marked_mm = sample.z * mark_speed_mm_s * period_s;
+    }
+  }
+  return path;
+}
+
+/// KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): of an integrator
+/// whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))).
+std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
+                                           unsigned gate_delay_ticks) {
+  const Target& target = machine.target;
+  const PowerModel& model = *job.power;
+  const int ticks = static_cast<int>(gate_delay_ticks) + 1 +
+                    static_cast<int>(std::lround(machine.power_delay_s / target.tick_s));
+  // A period is prepared while another runs, by what the one before that has measured.
+  const double late = 2.0 + std::ceil(static_cast<double>(ticks) / target.ticks_per_period);
+  const double gain = 0.8 * std::sin(std::numbers::pi / (2.0 * (2.0 * late + 1.0)));
+  Op payload;
+  append(payload, static_cast<std::uint64_t>(std::lround(256.0 * gain)), 1);
+  append(payload, model.byteFor(0.0), 1);
+  append(payload, model.byteFor(model.laser().full_control), 1);
+  append(payload, static_cast<std::uint64_t>(ticks), 2);
+  for (int i = 0; i < KB_POWER_POINTS; ++i) {
+    const auto byte = static_cast<std::uint8_t>(std::min(16 * i, 255));
+    // Beneath its curve's first point a laser is not known; the loop never goes there.
+    const double edges = model.powerOf(byte) * target.periodS() / (2.0 * machine.power_quantum_j);
+    append(payload, static_cast<std::uint64_t>(std::lround(16.0 * edges)), 2);
+  }
+  return payload;
+}
+
 }  // namespace
 
 PowerModel::Setting powerSetting(const Sample& sample, const MachineParameters& machine,
@@ -216,7 +252,9 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   Program program;
   const double counts_per_mm_s = moving ? period_s / machine.encoder_count_mm * 65536.0 : 0.0;
   append(program.config, static_cast<std::uint64_t>(std::llround(v * counts_per_mm_s)), 4);
-  const auto delay = static_cast<unsigned>(std::lround(machine.tracking_delay_s / machine.target.tick_s));
+  // The laser waits for the mirrors, less what it lags by itself.
+  const double wait_s = std::max(0.0, machine.tracking_delay_s - machine.laser_lag_s);
+  const auto delay = static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
   for (const unsigned byte : {delay, delay, 0U})  // idle power 0
     program.config.push_back(static_cast<std::uint8_t>(byte));
   const double most = follows ? std::min(max_belt_speed_mm_s * counts_per_mm_s, 1e9) : 0.0;
@@ -224,10 +262,13 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
   program.target = machine.target;
 
+  if (job.power_loop) program.power = powerLoopPayload(machine, job, delay);
   Writer writer(axes, machine, job, v);
   double v_now = 0.0;
   for (int unit = 0; unit < job.units; ++unit) {
-    const UnitPath& path = solution.pathOf(unit);
+    const UnitPath path = faults.constant_power
+                              ? withConstantPower(solution.pathOf(unit), job.mark_speed_mm_s, period_s)
+                              : solution.pathOf(unit);
     UnitLayout layout = solution.layoutOf(unit);
     const double planned_x_ref_mm = layout.x_ref_mm;
     if (moving && faults.ignore_belt) layout = frozen(path, layout, machine);

@@ -15,6 +15,7 @@ struct SpeedLimits {
   double period_s{};
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
+  double jerk_mm_s3{0.0};  ///< Most change of the acceleration, as a vector; 0: no limit.
 };
 
 /// Where the beam is at each end of a period along a run: arc lengths from the run's start, the first 0 and
@@ -23,6 +24,12 @@ struct SpeedLimits {
 /// S2's limits: top speed, centripetal acceleration, and the distance left to stop, by one pass forward and
 /// one backward. Time is then stretched to the next whole period, which keeps all limits. Empty if the axes
 /// allow no speed at all.
+///
+/// With a jerk J speeds change along S-curves, without acceleration along the path wherever a limit changes.
+/// On lines the path has 0.8 J. On an arc of radius R J/2 is for the bend, v³/R² <= J/2, and of the rest 0.3
+/// J for the path and 0.6 J for what a path acceleration a does across it, 3 v a/R. Where the curvature
+/// changes by k, or a polyline turns by t, the samples see v² k, or v t/T, come within one period T: v² k/T
+/// <= 0.6 J, v t/T² <= 0.6 J.
 std::vector<double> planRun(std::span<const Segment> run, const SpeedLimits& limits);
 
 /// One axis from (x0, v0) to rest at x1 in least time under limits of speed and acceleration.

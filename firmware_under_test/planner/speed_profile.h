@@ -24,6 +24,7 @@ struct FlowLimits {
   double period_s{};
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
+  double jerk_mm_s3{0.0};  ///< Of planRun() alone: planFlow() knows none.
 
   /// Acceleration of marks, or of jumps, that no limit forbids, whatever its direction.
   [[nodiscard]] double least(bool jump) const;

@@ -38,7 +38,7 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
 /// Each run from rest to rest.
 std::vector<std::vector<double>> restStations(const std::vector<Run>& runs, const FlowLimits& limits) {
   std::vector<std::vector<double>> stations;
-  SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s};
+  SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s, limits.jerk_mm_s3};
   for (const Run& run : runs) {
     const bool jump = run.segments.front().jump;
     each.path_mm_s = jump ? limits.jump_mm_s : limits.mark_mm_s;
@@ -185,7 +185,8 @@ std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobPara
                     axes.fieldY()[0],
                     axes.fieldY()[1],
                     axes.periodS(),
-                    [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); }};
+                    [&](const Vector2d& direction) { return axes.speedLimit(direction, belt_speed_mm_s); },
+                    job.jerk_mm_s3};
   if (limits.box_mm_s2.minCoeff() <= 0.0) return std::nullopt;
   const bool smooth = job.jump_radius_mm != 0.0;
   const std::vector<Run> runs =

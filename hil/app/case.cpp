@@ -95,6 +95,9 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   machine.print_mark_sensor_x_mm = told.print_mark_sensor_x_mm;
   machine.feed_step_mm = told.feed_step_mm;
   machine.full_power_w = told.full_power_w;
+  machine.power_quantum_j = told.power_quantum_j;
+  machine.laser_lag_s = told.laser_lag_s;
+  machine.power_delay_s = told.power_delay_s;
   return machine;
 }
 

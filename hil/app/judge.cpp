@@ -82,6 +82,9 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
   evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
   evidence.problems = run.problems;
   evidence.account = account;
+  for (const double edge_s : twin.powerMonitorEdges_s())
+    evidence.power_edges_s.push_back(edge_s - the_case.machine.power_monitor.delay_s);
+  evidence.power_quantum_j = the_case.machine.power_monitor.quantum_j;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   if (evidence.gates.empty())
     evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");
@@ -115,7 +118,8 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
   report.versions.insert(report.versions.end(), cameras.facts.begin(), cameras.facts.end());
   report.dieline = the_case.dieline;
   report.print = scenario.print;
-  report.kerf = std::move(evidence.kerf);
+  report.kerf = report.result.edges ? std::move(*report.result.edges) : std::move(evidence.kerf);
+  report.result.edges.reset();
   report.spot = std::move(evidence.spot);
   report.pulses = std::move(evidence.pulses);
   stopwatch.lap("inspection");

@@ -106,6 +106,9 @@ twin::ControllerDescription readController(YamlReader told, MachineDescription::
   result.print_mark_sensor_x_mm = told.number("print_mark_sensor_x_mm", {.min = -1e4, .max = 1e4});
   result.feed_step_mm = told.number("feed_step_mm", {.min = 0, .max = 10, .fallback = 0.0});
   result.full_power_w = told.number("full_power_w", {.min = 0.1, .max = 1e5});
+  result.power_quantum_j = kMilli * told.number("power_quantum_mj", {.min = 0, .max = 1e5, .fallback = 0.0});
+  result.laser_lag_s = kMilli * told.number("laser_lag_ms", {.min = 0, .max = 5, .fallback = 0.0});
+  result.power_delay_s = kMilli * told.number("power_delay_ms", {.min = 0, .max = 8, .fallback = 0.0});
   return result;
 }
 

@@ -250,7 +250,7 @@ FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
 }
 
 /// S3: by depth, with a material and a laser, instead of by energy per length.
-std::shared_ptr<const planner::PowerModel> readPower(YamlReader power) {
+std::shared_ptr<const planner::PowerModel> readPower(YamlReader& power) {
   const fs::path material = fileOf(power, "material");
   const fs::path laser = fileOf(power, "laser");
   planner::PowerWish wish{.spot_diameter_mm = power.number("spot_diameter_mm", {.min = 0.01, .max = 10}),
@@ -295,7 +295,12 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.cut_energy_j_per_mm = planner.number(
       "cut_energy_j_per_mm",
       {1e-4, 10, planned && !by_depth ? std::nullopt : std::optional(job.cut_energy_j_per_mm)});
-  if (by_depth) job.power = readPower(planner.section("power"));
+  if (by_depth) {
+    YamlReader power = planner.section("power");
+    job.power = readPower(power);
+    job.power_loop = power.boolean("closed_loop", false);
+  }
+  job.jerk_mm_s3 = planner.number("jerk_mm_s3", {.min = 0, .max = 1e12, .fallback = 0.0});
   job.half_z = planner.number("half_z", {.min = 0.05, .max = 0.95, .fallback = job.half_z});
   job.perforation_cut_mm =
       planner.number("perforation_cut_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_cut_mm});
@@ -306,6 +311,12 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
               : order == "nearest" ? planner::JobParameters::Order::kNearest
                                    : planner::JobParameters::Order::kShortest;
+  job.kerf_radius_mm = planner.number("kerf_radius_mm", {.min = 0, .max = 2, .fallback = 0.0});
+  const std::string open_cuts = planner.choice("open_cuts", {"line", "left", "right"}, "line");
+  job.open_cuts = open_cuts == "left"    ? planner::JobParameters::OpenCuts::kLeft
+                  : open_cuts == "right" ? planner::JobParameters::OpenCuts::kRight
+                                         : planner::JobParameters::OpenCuts::kOnTheLine;
+  job.allow_lost_features = planner.boolean("allow_lost_features", false);
   job.feed_by_controller = scenario.belt_by_controller;
   job.units = scenario.print.units;
   job.pitch_mm = scenario.print.pitch_mm;
@@ -320,6 +331,8 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
   result.no_pincushion = faults.boolean("no_pincushion", false);
   result.no_mirror_limit = faults.boolean("no_mirror_limit", false);
   result.return_unchecked = faults.boolean("return_unchecked", false);
+  result.kerf_wrong_side = faults.boolean("kerf_wrong_side", false);
+  result.constant_power = faults.boolean("constant_power", false);
   result.skip_entity =
       static_cast<int>(faults.integer("skip_entity", {.min = -1, .max = 1e6, .fallback = -1.0}));
   result.repeat_entity =
@@ -329,6 +342,11 @@ planner::PlannerFaults readPlannerFaults(YamlReader faults) {
 
 Limits readLimits(YamlReader& checks) {
   Limits limits;
+  const std::string edge = checks.choice("edge", {"none", "nesting", "outside", "inside"}, "none");
+  limits.edge = edge == "nesting"   ? Limits::Edge::kNesting
+                : edge == "outside" ? Limits::Edge::kOutside
+                : edge == "inside"  ? Limits::Edge::kInside
+                                    : Limits::Edge::kCentre;
   limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
   limits.stillness_mm =
       checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});
@@ -336,6 +354,12 @@ Limits readLimits(YamlReader& checks) {
       checks.number("min_coverage", {.min = 0.5, .max = 1.0, .fallback = limits.min_coverage});
   limits.kerf_width_mm =
       checks.number("kerf_width_mm", {.min = 0.001, .max = 10, .fallback = limits.kerf_width_mm});
+  limits.even_depth_share =
+      checks.number("even_depth_share", {.min = 0, .max = 1, .fallback = limits.even_depth_share});
+  limits.line_energy_j_mm =
+      checks.number("line_energy_j_mm", {.min = 0, .max = 100, .fallback = limits.line_energy_j_mm});
+  limits.line_energy_share =
+      checks.number("line_energy_share", {.min = 1e-4, .max = 1, .fallback = limits.line_energy_share});
   limits.stray_mm = checks.number("stray_mm", {.min = 0.05, .max = 100, .fallback = limits.stray_mm});
   return limits;
 }
@@ -386,6 +410,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
   auto checks = file.section("checks");
   s.limits = readLimits(checks);
+  s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
   s.calibration_max_age_days = static_cast<int>(
       checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
   s.date = file.text("date", "");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/inspect/edges.h"
 #include "hil/inspect/inspect.h"
 #include "hil/inspect/worst_deviation.h"
 
@@ -35,8 +36,9 @@ std::vector<const Caliper*> innerStations(const EntityKerf& kerf, const Curve& c
 
 /// Share of the inner stations that are burnt as the process asks.
 double coverageOf(const Evidence& evidence, const EntityKerf& kerf, const Limits& limits);
-/// Deviation of all lines with its uncertainty.
-DeviationResult measureLines(const Evidence& evidence, const Limits& limits);
+/// Deviation of all lines with its uncertainty; of an edgeScan(), with its sides.
+DeviationResult measureLines(const Evidence& evidence, const Limits& limits,
+                             const EdgeSides* edges = nullptr);
 /// One result for each scanned entity, in the order of the scan; passes is still NaN.
 std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits,
                                           const DeviationResult& deviations);
@@ -55,13 +57,18 @@ Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationR
 Check coverageCheck(const Evidence& evidence, const Limits& limits,
                     const std::vector<EntityResult>& entities);
 std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);
+/// Creases and half-cuts are as deep everywhere, by the light that comes through.
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits);
+/// Energy per length of the marks, by power meter and spot camera.
+std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
                                       const std::vector<EntityResult>& entities);
 Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
                      const std::vector<EntityResult>& entities);
 Check strayCheck(const Evidence& evidence, const Limits& limits);
 std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
-                                      const std::vector<EntityResult>& entities);
+                                      const std::vector<EntityResult>& entities,
+                                      const EdgeSides* edges = nullptr);
 /// Corners by their distance from the dieline, free ends by how far they are too short or too long, closures
 /// by their gap; all against the limit of the path. An overlap at a closure lies on the dieline and is no
 /// deviation.

@@ -111,11 +111,13 @@ double placeSigma(const Evidence& evidence, int unit, const Eigen::Vector2d& p_S
 
 }  // namespace
 
-DeviationResult measureLines(const Evidence& evidence, const Limits& limits) {
-  const ErrorModel model = errorModelOf(evidence);
+DeviationResult measureLines(const Evidence& evidence, const Limits& limits, const EdgeSides* edges) {
+  ErrorModel model = errorModelOf(evidence);
+  if (edges != nullptr) addWidthErrors(evidence.kerf, *edges, model);
   std::vector<LineKind> kinds;
   for (const ReadingLine& line : model.lines) kinds.push_back(kindOf(evidence, line));
   DeviationResult result = measureDeviations(model, kinds, limits.path_mm, kSeed);
+  if (edges != nullptr) addBlurUncertainty(evidence.kerf, *edges, limits.path_mm, result);
   for (std::size_t l = 0; l < model.lines.size(); ++l) {
     const KerfWidth width = widthOf(evidence.kerf.entities[model.lines[l].kerf], model.lines[l]);
     result.widths.push_back(width.width);

@@ -159,7 +159,8 @@ Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
 }
 
 std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
-                                      const std::vector<EntityResult>& entities) {
+                                      const std::vector<EntityResult>& entities, const EdgeSides* edges) {
+  const double half_kerf_mm = edges != nullptr ? halfKerf(evidence.kerf, *edges) : 0.0;
   Check check{.name = "laser_timing",
               .title = "The laser burns from the first to the last point of each line",
               .unit = "mm"};
@@ -184,14 +185,19 @@ std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& li
     }
     const double length_mm = lengthOf(entity.curve);
     const std::vector<Caliper> backward(kerf.calipers.rbegin(), kerf.calipers.rend());
-    const EndGap gaps[] = {
+    EndGap gaps[] = {
         gapAt(
             kerf.calipers, [](const Caliper& c) { return c.station_mm; }, threshold),
         gapAt(
             backward, [&](const Caliper& c) { return length_mm - c.station_mm; }, threshold),
     };
-    for (const EndGap& gap : gaps) {
+    for (EndGap& gap : gaps) {
       ++ends;
+      if (edges != nullptr) {
+        const double shortened_mm =
+            shortenedBy(evidence.kerf, *evidence.dieline, *edges, half_kerf_mm, kerf, &gap == &gaps[0]);
+        gap.gap_mm = std::max(0.0, gap.gap_mm - shortened_mm);
+      }
       if (gap.gap_mm > limits.end_gap_mm) ++late;
       if (!std::isnan(check.value) && gap.gap_mm <= check.value) continue;
       check.value = gap.gap_mm;

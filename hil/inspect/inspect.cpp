@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks.h"
+#include "hil/inspect/edges.h"
 #include "hil/inspect/spot_association.h"
 #include "hil/inspect/spot_checks.h"
 
@@ -40,23 +41,20 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
-}  // namespace
-
-InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
-  if (evidence.dieline == nullptr) throw std::invalid_argument("inspect: the evidence has no dieline");
-  InspectionResult result;
-  result.problems = evidence.problems;
-  append(result.problems, evidence.kerf.problems);
-  auto structural = structuralProblems(evidence);
-  append(structural, checks::numberProblems(evidence, limits));
-  append(result.problems, structural);
-  if (!structural.empty()) return result;
-
+/// `edges`: the evidence's kerf is an edgeScan().
+void measureAndDecide(const Evidence& evidence, const Limits& limits, const checks::EdgeSides* edges,
+                      InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
-  const LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
+  LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
+  const double half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
+  LitFrames motion = lit;
+  if (edges != nullptr) {
+    checks::measureFromBeamLine(*edges, half_kerf_mm, lit);
+    checks::measureFromOwnKerf(evidence.kerf, *edges, motion);
+  }
   append(result.problems, checks::spotProblems(evidence, lit));
 
-  const DeviationResult deviations = checks::measureLines(evidence, limits);
+  const DeviationResult deviations = checks::measureLines(evidence, limits, edges);
   result.entities = checks::measureEntities(evidence, limits, deviations);
   result.rms_mm = deviations.all.rms;
   for (std::size_t i = 0; i < deviations.layers.size(); ++i) {
@@ -65,7 +63,7 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   }
   result.joints = checks::measureJoints(evidence);
   checks::countPasses(evidence, lit, result.entities);
-  const checks::Stillness stillness = checks::measureCuts(evidence, lit, limits);
+  const checks::Stillness stillness = checks::measureCuts(evidence, motion, limits);
   result.cuts = stillness.cuts;
   for (const UncertaintyBudget& budget : {deviations.budget, stillness.budget}) {
     if (!budget.entries.empty()) result.budgets.push_back(budget);
@@ -81,7 +79,8 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   const bool blank = checks::isBlank(result.entities);
   const bool dark = lit.lit == 0;
   if (!blank) {
-    add(checks::pathCheck(evidence, limits, deviations));
+    Check path = checks::pathCheck(evidence, limits, deviations);
+    add(edges == nullptr ? path : checks::edgeCheck(path, *edges, half_kerf_mm));
     add(checks::jointsCheck(evidence, limits, result.joints, result.entities));
   }
   if (!(blank && dark)) {
@@ -95,14 +94,16 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   if (!(blank && dark)) add(checks::repeatCheck(evidence, limits, lit, result.entities));
   if (!blank) {
     add(checks::depthCheck(evidence, limits));
+    add(checks::evenDepthCheck(evidence, limits));
     add(checks::perforationCheck(evidence, limits, result.entities));
     add(checks::kerfWidthCheck(evidence, limits, result.entities));
-    add(checks::laserTimingCheck(evidence, limits, result.entities));
+    add(checks::laserTimingCheck(evidence, limits, result.entities, edges));
   }
   add(checks::strayCheck(evidence, limits));
   if (!(blank && dark)) {
     add(checks::laserGateCheck(evidence, limits));
     add(checks::gateLagCheck(evidence, limits, lit));
+    add(checks::lineEnergyCheck(evidence, limits, lit));
   }
   add(checks::pulseTimingCheck(evidence));
   if (evidence.account) add(checks::accountCheck(*evidence.account));
@@ -110,6 +111,29 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
   result.verdict = combine(result.checks, result.problems.empty());
+}
+
+}  // namespace
+
+InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
+  if (evidence.dieline == nullptr) throw std::invalid_argument("inspect: the evidence has no dieline");
+  InspectionResult result;
+  result.problems = evidence.problems;
+  append(result.problems, evidence.kerf.problems);
+  auto structural = structuralProblems(evidence);
+  append(structural, checks::numberProblems(evidence, limits));
+  append(result.problems, structural);
+  if (!structural.empty()) return result;
+  if (limits.edge == Limits::Edge::kCentre) {
+    measureAndDecide(evidence, limits, nullptr, result);
+    return result;
+  }
+  const checks::EdgeSides edges = checks::kerfSides(*evidence.dieline, limits.edge);
+  append(result.problems, edges.problems);
+  Evidence at_edges = evidence;
+  at_edges.kerf = checks::edgeScan(evidence.kerf, *evidence.dieline, edges);
+  measureAndDecide(at_edges, limits, &edges, result);
+  result.edges = std::move(at_edges.kerf);
   return result;
 }
 

@@ -18,6 +18,11 @@
 namespace kerfbench::hil {
 
 struct Limits {
+  /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
+  /// of closed cuts, inside of them, or outside of outlines and inside of holes (closed cuts within an odd
+  /// number of others). Open cuts and other processes have no such edge and are judged by their centre.
+  enum class Edge { kCentre, kOutside, kInside, kNesting };
+  Edge edge{Edge::kCentre};
   double path_mm{0.05};  ///< Of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
@@ -30,6 +35,10 @@ struct Limits {
       0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
   double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
   double perforation_share{0.10};    ///< Largest departure of the measured share from the ordered one.
+  double even_depth_share{0};        ///< Largest change of depth along creases and half-cuts; 0: not judged.
+  double board_transmission{0.12};   ///< Light through whole board, by which depth is told.
+  double line_energy_j_mm{0};        ///< Laser energy per length that marks were to get; 0: not judged.
+  double line_energy_share{0.0147};  ///< Largest departure from it (Wang, Li, Chen 2010).
 };
 
 /// An interval of the laser gate, as the pins showed it.
@@ -52,9 +61,12 @@ struct Evidence {
   KerfScan kerf;
   std::vector<PulseTiming> pulses;
   std::vector<GateInterval> gates;
-  std::vector<BeltEdge> belt;  ///< By time; empty without an encoder, or if the belt stood.
-  double belt_count_mm{};      ///< Travel of one count.
+  std::vector<BeltEdge> belt;                ///< By time; empty without an encoder, or if the belt stood.
+  double belt_count_mm{};                    ///< Travel of one count.
   std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
+  /// A power meter's pin: when it toggled, its delay taken off, and the energy that each edge stands for.
+  std::vector<double> power_edges_s;
+  double power_quantum_j{};
   /// With which the pictures were read. A camera without one, a reading outside its area and a reading
   /// without a stated uncertainty of its own each make the verdict INVALID.
   std::optional<CameraCalibration> kerf_calibration;
@@ -145,6 +157,8 @@ struct InspectionResult {
   std::vector<CutResult> cuts;
   std::vector<UncertaintyBudget> budgets;  ///< Of the quantities that decide: path, stillness.
   std::vector<std::string> problems;
+  /// With Limits::edge: the scan as read at the wanted piece's edge, which is what was judged.
+  std::optional<KerfScan> edges;
 };
 
 /// Compares what was measured with the dieline. Pure: the same evidence gives the same result, to the bit.

@@ -150,7 +150,8 @@ void addOrder(const Evidence& evidence, const Limits& limits, Numbers& n) {
   }
   for (const double v : {limits.path_mm, limits.stillness_mm, limits.min_coverage, limits.kerf_width_mm,
                          limits.stray_mm, limits.end_gap_mm, limits.passes, limits.gate_tail_s,
-                         limits.gate_lag_s, limits.perforation_open_share, limits.perforation_share})
+                         limits.gate_lag_s, limits.perforation_open_share, limits.perforation_share,
+                         limits.even_depth_share, limits.line_energy_j_mm, limits.line_energy_share})
     n.need(v, "a limit");
 }
 

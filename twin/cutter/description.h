@@ -82,6 +82,9 @@ struct ControllerDescription {
   double print_mark_sensor_x_mm{};
   double feed_step_mm{};
   double full_power_w{};
+  double power_quantum_j{};  ///< Of the power monitor; 0: the controller has none.
+  double power_delay_s{};
+  double laser_lag_s{};  ///< Of the power behind the controller's PWM.
 };
 
 /// A laser die-cutter. Constant; what moves is in Twin.

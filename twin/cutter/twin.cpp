@@ -73,6 +73,7 @@ std::vector<SensorEdge> Twin::predictSensors(Tick until) {
   std::vector<SensorEdge> edges;
   if (!predicting_) edges.push_back({now_ + 1, Signal::kInterlock, true});
   predicting_ = true;
+  monitor_.connect();
   // The machine's state is that of its last whole step, a fraction of a step before now.
   const double behind_s = now_s() - time_s();
   const MachinePose pose = model_.pose();
@@ -161,7 +162,7 @@ void Twin::emitPart(double heard_s, double from_s, double to_s) {
   if (energy_j <= 0.0) return;
   emitted_j_ += energy_j;
   emissions_.push_back({begin, end, energy_j});
-  if (monitor_wired_ && predicting_) monitor_.emitted(energy_j, part_begin_s, part_s);
+  if (monitor_wired_) monitor_.emitted(energy_j, part_begin_s, part_s);
 }
 
 const Twin::View& Twin::view() {

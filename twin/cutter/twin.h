@@ -64,6 +64,8 @@ class Twin {
   [[nodiscard]] std::vector<std::pair<double, double>> gateIntervals() const {
     return pins_.gateIntervals(now_s());
   }
+  /// Edges of the power monitor's pin, one for each quantum of energy, s; empty if nobody wired it.
+  [[nodiscard]] const std::vector<double>& powerMonitorEdges_s() const { return monitor_.edges_s(); }
   /// Exposures of the spot camera that have ended; each is handed out once.
   std::vector<Exposure> takeExposures() { return exposures_.take(); }
   /// Steppers that the load has pulled over, by time.

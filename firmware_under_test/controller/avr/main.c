@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The core on an ATmega2560: Timer1 gives the ticks, Timer3 the time of belt edges, USART0 the host. */
+/* The core on an ATmega2560: Timer1 gives the ticks, Timer3 the time of belt edges, Timer4 counts those of the power
+ * meter, USART0 the host. */
 #include "firmware_under_test/controller/core/belt.h"
 #include "firmware_under_test/controller/core/controller.h"
 #include "firmware_under_test/controller/core/engine.h"
+#include "firmware_under_test/controller/core/power_loop.h"
 #include "hal.h"
 
 volatile uint8_t kb_rx_bytes[256];
@@ -36,8 +38,9 @@ ISR(TIMER1_COMPA_vect) {
   PORTA = kb_engine.out_a;
   PORTC = out_c;
 #endif
-  if (kb_engine.ticks_left == 0) {
+  if (kb_tick_begins_period()) {
     kb_tick_boundary(TCNT3);
+    kb_power_counter = TCNT4L;
   }
   kb_tick_compute(inputs);
 #ifdef KB_DEFECT_DIR_LATE
@@ -85,6 +88,7 @@ int main(void) {
   UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
 
   TCCR3B = _BV(CS31) | _BV(CS30); /* 64 cycles */
+  TCCR4B = _BV(CS42) | _BV(CS41) | _BV(CS40); /* rising edges of T4 */
   OCR1A = KB_TICK_CYCLES - 1U;
   TIMSK1 = _BV(OCIE1A);
   TCCR1B = _BV(WGM12) | _BV(CS10);

@@ -8,6 +8,7 @@
 #include "firmware_under_test/controller/release.h"
 #include "frame.h"
 #include "hal.h"
+#include "power_loop.h"
 #include "program.h"
 #include "watch.h"
 
@@ -33,6 +34,7 @@ void kb_controller_init(enum kb_fault reset_cause) {
   kb_engine_init();
   kb_belt_init();
   kb_program_init();
+  kb_power_init();
   kb_frame_init();
   c.state = reset_cause == KB_OK ? KB_IDLE : KB_STOPPED;
   c.fault = (uint8_t)reset_cause;
@@ -126,6 +128,7 @@ static uint8_t configure(const struct kb_frame* frame) {
   if (config.max_per_period > INT32_MAX || !kb_program_configure(&config)) {
     return KB_NAK_VALUE;
   }
+  kb_power_init();
   kb_queue_clear();
   kb_job_check.a = 1;
   kb_job_check.b = 0;
@@ -133,6 +136,22 @@ static uint8_t configure(const struct kb_frame* frame) {
     kb_check_add(&kb_job_check, b[i]);
   }
   enter(KB_IDLE, KB_OK);
+  return 0;
+}
+
+static uint8_t closeLoop(const struct kb_frame* frame) {
+  if (c.state != KB_IDLE || !kb_program_configured()) {
+    return KB_NAK_STATE;
+  }
+  if (frame->length != 0 && frame->length != KB_POWER_LEN) {
+    return KB_NAK_LENGTH;
+  }
+  if (!kb_power_configure(frame->payload, frame->length)) {
+    return KB_NAK_VALUE;
+  }
+  for (uint8_t i = 0; i < frame->length; ++i) {
+    kb_check_add(&kb_job_check, frame->payload[i]);
+  }
   return 0;
 }
 
@@ -177,6 +196,8 @@ static uint8_t execute(const struct kb_frame* frame) {
       kb_queue_commit((uint8_t)(frame->length - KB_CHECK_LEN));
       kb_frame_commit();
       return 0;
+    case KB_POWER:
+      return closeLoop(frame);
     case KB_START:
       return start(frame);
     case KB_STOP:
@@ -227,6 +248,10 @@ static void receive(void) {
   uint8_t byte;
   struct kb_frame frame;
   /* A few at a time: the next period must not wait for a burst. */
+  if (kb_frame_take(4) != 0) {
+    c.quiet_periods = 0;
+    return;
+  }
   for (uint8_t i = 0; i < 4 && kb_hal_rx(&byte); ++i) {
     c.quiet_periods = 0;
     if (kb_frame_byte(byte, &frame)) {
@@ -256,8 +281,10 @@ static void watch(void) {
 static void newPeriod(void) {
   const uint8_t saved = kb_hal_lock();
   const uint16_t boundary_time = kb_engine.boundary_time;
+  const uint8_t power_counter = kb_power_counter;
   c.boundaries = kb_engine.boundaries;
   kb_hal_unlock(saved);
+  kb_power_boundary(power_counter);
   kb_belt_update(boundary_time);
   lineErrors(kb_hal_rx_errors());
   kb_hal_feed_watchdog(); /* both the tick and the main loop are alive */

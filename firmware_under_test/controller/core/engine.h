@@ -84,10 +84,20 @@ void kb_engine_laser_off(void);
  * output. */
 uint8_t kb_engine_halt(bool* next_dropped);
 
-/* The boundary of a period: called by the interrupt instead of nothing when ticks_left is 0. */
+/* Counts the tick that is to be computed; true where it is the first of a period. */
+static inline bool kb_tick_begins_period(void) {
+  const uint8_t left = kb_engine.ticks_left;
+  if (left == 0) {
+    return true;
+  }
+  kb_engine.ticks_left = (uint8_t)(left - 1U);
+  return false;
+}
+
+/* The boundary of a period: called by the interrupt where kb_tick_begins_period(). */
 static inline void kb_tick_boundary(uint16_t now) {
   volatile struct kb_engine* const e = &kb_engine;
-  e->ticks_left = KB_TICKS_PER_PERIOD;
+  e->ticks_left = KB_TICKS_PER_PERIOD - 1U;
   e->boundaries++;
   e->boundary_time = now;
   if (e->next_ready) {
@@ -143,7 +153,6 @@ static inline void kb_tick_compute(uint8_t inputs) {
   uint8_t inc;
   uint8_t acc;
 
-  e->ticks_left--;
 #define KB_DDA(axis, target, bit)       \
   inc = e->inc[axis];                   \
   acc = (uint8_t)(e->acc[axis] + inc);  \

@@ -62,23 +62,31 @@ static void atData(uint8_t byte) {
   }
 }
 
-static void atPayload(uint8_t byte) {
-  rx.crc = kb_crc16(rx.crc, byte);
-  if (rx.frame.type != KB_DATA) {
-    rx.frame.payload[rx.taken] = byte;
-  } else if (rx.frame.nak == 0) {
-    atData(byte);
+uint8_t kb_frame_take(uint8_t most) {
+  if (rx.state != KB_AT_PAYLOAD || rx.frame.type != KB_DATA || rx.frame.nak != 0) {
+    return 0;
   }
-  if (++rx.taken == rx.frame.length) {
-    rx.state = KB_AT_CRC_LOW;
+  const uint8_t from = rx.taken;
+  const uint8_t program = (uint8_t)(rx.frame.length - KB_CHECK_LEN);
+  const uint8_t end = program - from > most ? (uint8_t)(from + most) : program;
+  uint8_t taken = from;
+  uint16_t crc = rx.crc;
+  struct kb_check check = rx.check;
+  uint16_t at = kb_queue_end(from);
+  uint8_t byte;
+  while (taken < end && kb_hal_rx(&byte)) {
+    crc = kb_crc16(crc, byte);
+    kb_check_add(&check, byte);
+    at = kb_queue_store(at, byte);
+    taken++;
   }
+  rx.crc = crc;
+  rx.check = check;
+  rx.taken = taken;
+  return (uint8_t)(taken - from);
 }
 
 bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
-  if (rx.state == KB_AT_PAYLOAD) { /* nearly all bytes: before the table of the others */
-    atPayload(byte);
-    return false;
-  }
   if (rx.state != KB_AT_SYNC && rx.state < KB_AT_CRC_LOW) {
     rx.crc = kb_crc16(rx.crc, byte);
   }
@@ -103,6 +111,16 @@ bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
         rx.state = KB_AT_SYNC;
         *frame = rx.frame;
         return true;
+      }
+      return false;
+    case KB_AT_PAYLOAD:
+      if (rx.frame.type != KB_DATA) {
+        rx.frame.payload[rx.taken] = byte;
+      } else if (rx.frame.nak == 0) {
+        atData(byte);
+      }
+      if (++rx.taken == rx.frame.length) {
+        rx.state = KB_AT_CRC_LOW;
       }
       return false;
     case KB_AT_CRC_LOW:

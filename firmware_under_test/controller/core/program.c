@@ -5,6 +5,7 @@
 
 #include "belt.h"
 #include "engine.h"
+#include "power_loop.h"
 
 enum {
   KB_QUEUE_MASK = KB_QUEUE_SIZE - 1U,
@@ -45,7 +46,12 @@ static struct {
 void kb_queue_clear(void) { queue_first = queue_end = 0; }
 uint16_t kb_queue_free(void) { return (uint16_t)((queue_first - queue_end - 1U) & KB_QUEUE_MASK); }
 bool kb_queue_empty(void) { return queue_first == queue_end; }
-void kb_queue_put(uint8_t offset, uint8_t byte) { queue[(queue_end + offset) & KB_QUEUE_MASK] = byte; }
+uint16_t kb_queue_end(uint8_t offset) { return (uint16_t)((queue_end + offset) & KB_QUEUE_MASK); }
+uint16_t kb_queue_store(uint16_t at, uint8_t byte) {
+  queue[at] = byte;
+  return (uint16_t)((at + 1U) & KB_QUEUE_MASK);
+}
+void kb_queue_put(uint8_t offset, uint8_t byte) { queue[kb_queue_end(offset)] = byte; }
 void kb_queue_commit(uint8_t length) { queue_end = (uint16_t)((queue_end + length) & KB_QUEUE_MASK); }
 
 static uint16_t queued(void) { return (uint16_t)((queue_end - queue_first) & KB_QUEUE_MASK); }
@@ -219,6 +225,7 @@ static void offer(bool lit, uint8_t power) {
   period.dir_a = p.dir_a;
   period.dir_c = p.dir_c;
   const uint8_t gate = lit ? KB_LASER_GATE : 0;
+  power = kb_power_command(lit, power);
   period.laser_changes = gate != p.gate || power != p.power;
   period.laser_delay = (kb_ticks_t)(lit ? p.config.gate_on_delay : p.config.gate_off_delay);
   period.gate = p.gate = gate;

@@ -25,6 +25,9 @@ void kb_queue_clear(void);
 uint16_t kb_queue_free(void);
 bool kb_queue_empty(void);
 void kb_queue_put(uint8_t offset, uint8_t byte);
+/* The place `offset` bytes behind the end, and a byte stored there; returns the next place. */
+uint16_t kb_queue_end(uint8_t offset);
+uint16_t kb_queue_store(uint16_t at, uint8_t byte);
 void kb_queue_commit(uint8_t length);
 
 void kb_program_init(void);

@@ -8,6 +8,7 @@
 #include "firmware_under_test/controller/core/belt.h"
 #include "firmware_under_test/controller/core/controller.h"
 #include "firmware_under_test/controller/core/engine.h"
+#include "firmware_under_test/controller/core/power_loop.h"
 #include "hal.h"
 #include "hil/source/pin_stream.h"
 #include "message.h"
@@ -29,6 +30,7 @@ enum {
   KB_PORT_A = 0,
   KB_PORT_C = 2,
   KB_PORT_D = 3,
+  KB_PORT_H = 7,
   KB_PORT_L = 11,
   KB_EVENT_BYTES = 16
 };
@@ -41,7 +43,9 @@ static struct {
   uint64_t fed; /* the watchdog, last */
   uint8_t port_d;
   uint8_t port_l;
-  uint8_t level[4]; /* of output ports, by number */
+  bool power_level;
+  uint8_t power_edges; /* rising ones of the power meter */
+  uint8_t level[4];     /* of output ports, by number */
   bool rx_full;
   uint8_t rx_errors;
   uint8_t rx_byte;
@@ -97,8 +101,9 @@ static void tick(void) {
   writePort(m.now + KB_RISE_CYCLES, KB_PORT_C, kb_engine.out_c);
   const uint8_t dir_a = kb_engine.dir_a;
   const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
-  if (kb_engine.ticks_left == 0) {
+  if (kb_tick_begins_period()) {
     kb_tick_boundary(timeNow());
+    kb_power_counter = m.power_edges;
   }
   kb_tick_compute(m.port_l);
   writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, dir_a);
@@ -122,6 +127,13 @@ static bool watchdogFires(void) {
 }
 
 static void driveInput(unsigned port, unsigned bit, bool level) {
+  if (port == KB_PORT_H && bit == 7) {
+    if (level && !m.power_level) {
+      m.power_edges++;
+    }
+    m.power_level = level;
+    return;
+  }
   if (bit > 7 || (port != KB_PORT_D && port != KB_PORT_L)) {
     return;
   }

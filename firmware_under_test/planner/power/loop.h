@@ -17,7 +17,8 @@ struct PowerLimits {
 /// With the paper's gain of 1 the error of a tube that makes G times what it should shrinks by |1 - G| in
 /// each period: settled within ±20 % of 1, unstable from 2 on. That holds for P_f of the same period as P(k).
 /// If it comes a period late, or the tube takes a good part of a period to answer, gain 1 rings without end;
-/// gain 0.4 then settles.
+/// gain 0.4 then settles. The firmware's own is controller/core/power_loop.h, which learns in shares of
+/// P_out.
 /// @param gain in (0, 1].
 double nextPower(double power_w, double wanted_w, double measured_w, const PowerLimits& limits,
                  double gain = 1.0);

@@ -77,7 +77,7 @@ void fakeTick(void) {
   fake.last.first_c = kb_engine.out_c;
   fake.last.low_a = kb_engine.dir_a;
   fake.last.low_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
-  if (kb_engine.ticks_left == 0) {
+  if (kb_tick_begins_period()) {
     kb_tick_boundary((uint16_t)(fake.tick * 400U / 64U));
   }
   kb_tick_compute(fake.inputs);

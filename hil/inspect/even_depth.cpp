@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether creases and half-cuts are equally deep all along, by the light that comes through.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks.h"
+#include "hil/inspect/error_model.h"
+#include "hil/inspect/extreme.h"
+
+namespace kerfbench::hil::checks {
+namespace {
+
+/// A single caliper tells depth to 1 % of itself, by the grid of pixels more than by their noise.
+constexpr double kBlock_mm = 1.0;
+constexpr std::size_t kBlocks = 5;  // Of one look at the depth: to 0.2 %.
+/// From a free end on: there the beam sets off, and a controller that measures its power has not measured
+/// yet. Wang, Li, Chen 2010 except the start too.
+constexpr double kStart_mm = 3.0;
+constexpr double kMeet_mm = 0.02;
+constexpr double kMedianSquare = 0.4549;  // Of a standard normal value.
+
+struct Reading {
+  double share{};       ///< Depth over the board's thickness.
+  double station_mm{};  ///< Along the chain.
+  const Caliper* caliper{};
+};
+
+/// Entities of one process that go on where the one before ends.
+struct Chain {
+  int unit{};
+  int entity{};  ///< Its first.
+  Process process{};
+  double length_mm{};
+  std::vector<Reading> readings;
+};
+
+/// Mean over a millimetre. Blocks of one row follow each other without a gap.
+struct Block {
+  double share{};
+  const Caliper* middle{};
+};
+struct Row {
+  const Chain* chain{};
+  std::vector<Block> blocks;
+};
+
+/// Depth by Beer's law over the board that is left: open (board / open)^(1 - depth).
+double depthOf(double brightness, double transmission) {
+  return 1.0 - std::log(transmission + brightness * (1.0 - transmission)) / std::log(transmission);
+}
+
+std::vector<Chain> chainsOf(const Evidence& evidence, double transmission) {
+  std::vector<Chain> chains;
+  const Curve* before = nullptr;
+  for (const EntityKerf& kerf : evidence.kerf.entities) {
+    const Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)];
+    if (entity.process != Process::kCrease && entity.process != Process::kHalfCut) continue;
+    const bool goes_on = before != nullptr && chains.back().unit == kerf.unit &&
+                         chains.back().process == entity.process &&
+                         (pointAt(*before, 1.0) - pointAt(entity.curve, 0.0)).norm() <= kMeet_mm;
+    if (!goes_on) chains.push_back({kerf.unit, kerf.entity, entity.process, 0.0, {}});
+    Chain& chain = chains.back();
+    for (const Caliper& c : kerf.calipers) {
+      if (judgesOffset(c))
+        chain.readings.push_back({depthOf(c.brightness, transmission), chain.length_mm + c.station_mm, &c});
+    }
+    chain.length_mm += lengthOf(entity.curve);
+    before = &entity.curve;
+  }
+  for (Chain& chain : chains) {
+    std::erase_if(chain.readings, [&](const Reading& r) {
+      return r.station_mm < kStart_mm || r.station_mm > chain.length_mm - kStart_mm;
+    });
+  }
+  return chains;
+}
+
+std::vector<Row> rowsOf(const std::vector<Chain>& chains) {
+  std::vector<Row> rows;
+  for (const Chain& chain : chains) {
+    const auto& r = chain.readings;
+    for (std::size_t first = 0; first < r.size();) {
+      const double begin_mm = r[first].station_mm;
+      std::size_t end = first;
+      double sum = 0.0;
+      while (end < r.size() && r[end].station_mm < begin_mm + kBlock_mm) sum += r[end++].share;
+      const bool gap = first == 0 || begin_mm - r[first - 1].station_mm > 0.5 * kBlock_mm;
+      const bool part = r[end - 1].station_mm - begin_mm < 0.5 * kBlock_mm;
+      if (gap || part) rows.push_back({&chain, {}});
+      if (!part)
+        rows.back().blocks.push_back({sum / static_cast<double>(end - first), r[(first + end) / 2].caliper});
+      first = end;
+    }
+  }
+  return rows;
+}
+
+/// Standard uncertainty of a block, from second differences: what varies slowly is depth. Their median, which
+/// places that are too deep hardly raise.
+double sigmaOf(const std::vector<Row>& rows) {
+  std::vector<double> squares;
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i + 2 < row.blocks.size(); ++i) {
+      const double d = row.blocks[i].share - 2.0 * row.blocks[i + 1].share + row.blocks[i + 2].share;
+      squares.push_back(d * d / 6.0);
+    }
+  }
+  return std::sqrt(medianOf(std::move(squares)) / kMedianSquare);
+}
+
+}  // namespace
+
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits) {
+  if (!(limits.even_depth_share > 0.0)) return std::nullopt;
+  const std::vector<Chain> chains = chainsOf(evidence, limits.board_transmission);
+  if (chains.empty()) return std::nullopt;
+  Check check{.name = "even_depth", .title = "Creases and half-cuts are as deep everywhere"};
+  check.limit = limits.even_depth_share;
+  const std::vector<Row> rows = rowsOf(chains);
+  const double sigma = sigmaOf(rows) / std::sqrt(static_cast<double>(kBlocks));
+  std::map<Process, std::vector<double>> shares;
+  std::size_t windows = 0;
+  for (const Row& row : rows) {
+    for (const Block& block : row.blocks) shares[row.chain->process].push_back(block.share);
+    windows += row.blocks.size() < kBlocks ? 0 : row.blocks.size() - kBlocks + 1;
+  }
+  std::map<Process, double> usual;
+  for (const auto& [process, values] : shares) usual[process] = medianOf(values);
+  ExtremeEstimate extreme(windows);
+  const Row* worst = nullptr;
+  const Block* worst_block = nullptr;
+  double worst_change = 0.0;
+  for (const Row& row : rows) {
+    const double as_usual = usual[row.chain->process];
+    for (std::size_t i = 0; i + kBlocks <= row.blocks.size(); ++i) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < kBlocks; ++k) sum += row.blocks[i + k].share;
+      const double change = sum / kBlocks / as_usual - 1.0;
+      extreme.add(change, sigma / as_usual);
+      if (worst != nullptr && std::abs(change) <= std::abs(worst_change)) continue;
+      worst = &row;
+      worst_block = &row.blocks[i + kBlocks / 2];
+      worst_change = change;
+    }
+  }
+  check.value = extreme.value();
+  check.u = check.guard = extreme.expandedU();
+  decide(check);
+  if (worst == nullptr) {
+    check.explanation = "No crease or half-cut is long enough to tell how even its depth is.";
+    return check;
+  }
+  check.subject = nameOf(worst->chain->unit, worst->chain->entity);
+  check.explanation = fmt::format(
+      "Of {} stretches of {:g} mm the one at {} is off the most: {:.2f} % {} than is usual for its process "
+      "({}, about {:.0f} % of the board); the first and last {:g} mm of a line are left out. The light tells "
+      "changes of depth better than depth itself.",
+      windows, kBlock_mm * kBlocks, placeOf(worst_block->middle->p_S_mm), 100.0 * std::abs(worst_change),
+      worst_change > 0.0 ? "deeper" : "shallower", processName(worst->chain->process),
+      100.0 * usual[worst->chain->process], kStart_mm);
+  return check;
+}
+
+}  // namespace kerfbench::hil::checks

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Jerk-limited speed planning: on the sheet and in the mirrors' own angles.
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/speed.h"
+#include "firmware_under_test/planner/unit.h"
+#include "player.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kPeriod_s = 0.8e-3;
+
+SpeedLimits limits(double speed, double acceleration, double jerk) {
+  return {speed, acceleration, kPeriod_s, [](const Vector2d&) { return 1e9; }, jerk};
+}
+
+Segment straight(Vector2d from, Vector2d to) {
+  Segment segment;
+  segment.start_mm = from;
+  segment.end_mm = to;
+  return segment;
+}
+
+/// Largest third difference over the period's cube, with rests before and after.
+double jerkOf(std::vector<Vector2d> points) {
+  points.insert(points.begin(), 3, points.front());
+  points.insert(points.end(), 3, points.back());
+  double most = 0.0;
+  for (std::size_t i = 3; i < points.size(); ++i) {
+    const Vector2d third = points[i] - 3.0 * points[i - 1] + 3.0 * points[i - 2] - points[i - 3];
+    most = std::max(most, third.norm() / (kPeriod_s * kPeriod_s * kPeriod_s));
+  }
+  return most;
+}
+
+std::vector<Vector2d> pointsOf(const UnitPath& unit) {
+  std::vector<Vector2d> points{unit.start_S_mm};
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) points.push_back(sample.p_S_mm);
+  }
+  return points;
+}
+
+TEST(Jerk, ALineTakesTheTimeOfItsSCurve) {
+  const std::vector<Segment> run{straight({0, 0}, {100, 0})};
+  // v/a + a/j for each ramp, of half the way each; of the jerk a line has 0.8.
+  const double ramp_s = 200.0 / 2000.0 + 2000.0 / (0.8 * 25000.0);
+  const double total_s = 2.0 * ramp_s + (100.0 - 200.0 * ramp_s) / 200.0;
+  EXPECT_EQ(planRun(run, limits(200, 2000, 25000)).size() - 1,
+            static_cast<std::size_t>(std::ceil(total_s / kPeriod_s - 1e-6)));
+  // Too short for full acceleration: four bows of cbrt(l / (2 j)) each.
+  const std::vector<Segment> short_run{straight({0, 0}, {0.1, 0})};
+  const double bow_s = std::cbrt(0.1 / (2.0 * 0.8 * 25000.0));
+  EXPECT_EQ(planRun(short_run, limits(200, 2000, 25000)).size() - 1,
+            static_cast<std::size_t>(std::ceil(4.0 * bow_s / kPeriod_s - 1e-6)));
+}
+
+TEST(Jerk, WithoutALimitOrWithAGreatOneItIsTheTrapezoid) {
+  const std::vector<Segment> run{straight({0, 0}, {3, 0}), straight({3, 0}, {40, 1})};
+  const auto free = planRun(run, limits(200, 2000, 0));
+  const auto great = planRun(run, limits(200, 2000, 1e12));
+  ASSERT_EQ(free.size(), great.size());
+  for (std::size_t i = 0; i < free.size(); ++i) EXPECT_NEAR(free[i], great[i], 0.02);
+}
+
+TEST(Jerk, NoSampleOfALineBreaksIt) {
+  for (const double jerk : {2e4, 2e5, 5e6}) {
+    for (const double length_mm : {0.01, 0.3, 2.0, 17.0, 90.0}) {
+      std::vector<Vector2d> points;
+      for (const double s :
+           planRun(std::vector<Segment>{straight({0, 0}, {length_mm, 0})}, limits(300, 9000, jerk)))
+        points.emplace_back(s, 0.0);
+      EXPECT_LE(jerkOf(points), 0.8 * jerk * 1.0001) << length_mm;
+      EXPECT_GE(jerkOf(points), 0.3 * jerk) << "it should be used " << length_mm;
+    }
+  }
+}
+
+/// Mirror angles by the formula of Cheng, Cui, Zhang 2014, times what makes them millimetres in the middle of
+/// the field.
+std::vector<Vector2d> inMirrors(const std::vector<Vector2d>& points, const MachineParameters& machine) {
+  std::vector<Vector2d> out;
+  const double L = machine.throw_mm;
+  const double d = machine.mirror_spacing_mm;
+  for (const Vector2d& p : points) {
+    const double x = 0.5 * std::atan(p.x() / (std::hypot(L, p.y()) + d));
+    const double y = 0.5 * std::atan(p.y() / L);
+    out.emplace_back(2.0 * (L + d) * x, 2.0 * L * y);
+  }
+  return out;
+}
+
+TEST(Jerk, TheMirrorsKeepItOverWholeDrawings) {
+  const MachineParameters machine = test::twoMirror();
+  JobParameters job = test::mirrorJob();
+  const Axes axes(machine, {});
+  for (const hil::Dieline& dieline : {test::label(), test::carton()}) {
+    const std::vector<Segment> gcode = readGcode(makeGcode(dieline, machine, job));
+    job.jerk_mm_s3 = 0.0;
+    const auto free = planUnit(gcode, job, axes, 0.0);
+    for (const double jerk : {1e6, 5e6}) {
+      job.jerk_mm_s3 = jerk;
+      const auto unit = planUnit(gcode, job, axes, 0.0);
+      ASSERT_TRUE(free && unit);
+      const double in_mirrors = jerkOf(inMirrors(pointsOf(*unit), machine));
+      // Joints that the fourth decimal bends, as in motion_test.
+      EXPECT_LE(in_mirrors, 1.1 * jerk);
+      EXPECT_GE(in_mirrors, 0.5 * jerk) << "the machine should be used";
+      EXPECT_GT(jerkOf(inMirrors(pointsOf(*free), machine)), 4.0 * jerk) << "else this shows nothing";
+      EXPECT_GT(pointsOf(*unit).size(), pointsOf(*free).size());
+    }
+  }
+}
+
+TEST(Jerk, IsRefusedWithSmoothJumps) {
+  JobParameters job = test::mirrorJob();
+  job.jerk_mm_s3 = 1e6;
+  EXPECT_TRUE(faultsOf(test::twoMirror(), job).empty());
+  job.jump_radius_mm = 5.0;
+  EXPECT_THAT(faultsOf(test::twoMirror(), job),
+              testing::ElementsAre(testing::HasSubstr("straight jumps alone")));
+}
+
+}  // namespace
+}  // namespace kerfbench::planner

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "hil/inspect/checks.h"
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using namespace testing;
+using Edge = Limits::Edge;
+
+constexpr double kHalf_mm = 0.105;  // Of SyntheticRun's kerf.
+
+Dieline drawingOf(const std::vector<Curve>& curves) {
+  Dieline dieline;
+  for (const Curve& curve : curves)
+    dieline.entities.push_back({static_cast<int>(dieline.entities.size()), curve, Process::kCut, "CUT", ""});
+  return dieline;
+}
+
+/// Whether the kerf's side of an entity is nearer to `p_mm` than the curve itself.
+bool kerfIsTowards(const Dieline& dieline, const checks::EdgeSides& sides, int id,
+                   const Eigen::Vector2d& p_mm) {
+  const Curve& curve = dieline.entities[static_cast<std::size_t>(id)].curve;
+  const Eigen::Vector2d t = tangentAt(curve, 0.5);
+  const Eigen::Vector2d towards = p_mm - pointAt(curve, 0.5);
+  return sides.side[static_cast<std::size_t>(id)] * towards.dot(Eigen::Vector2d(-t.y(), t.x())) > 0.0;
+}
+
+TEST(KerfSides, FollowNestingWhateverTheSenseOfTheCurves) {
+  // A triangle drawn without any common sense, a hole in it, an island in the hole.
+  const double turn = 2.0 * std::numbers::pi;
+  const Dieline dieline =
+      drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{30, 50}, {60, 0}}, LineCurve{{30, 50}, {0, 0}},
+                 ArcCurve{{30, 20}, 8, 0, -turn}, ArcCurve{{30, 20}, 3, 0, turn}});
+  const Eigen::Vector2d middle(30, 20);
+  const auto nesting = checks::kerfSides(dieline, Edge::kNesting);
+  const auto outside = checks::kerfSides(dieline, Edge::kOutside);
+  const auto inside = checks::kerfSides(dieline, Edge::kInside);
+  EXPECT_EQ(nesting.outlines, 2);
+  EXPECT_EQ(nesting.holes, 1);
+  EXPECT_TRUE(nesting.problems.empty());
+  for (int id = 0; id < 5; ++id) {
+    EXPECT_EQ(kerfIsTowards(dieline, nesting, id, middle), id == 3) << id;
+    EXPECT_FALSE(kerfIsTowards(dieline, outside, id, middle)) << id;
+    EXPECT_TRUE(kerfIsTowards(dieline, inside, id, middle)) << id;
+  }
+}
+
+TEST(KerfSides, OpenCutsAndOtherProcessesHaveNone) {
+  Dieline dieline = drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{60, 0}, {60, 40}},
+                               ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}});
+  dieline.entities[2].process = Process::kCrease;
+  const auto sides = checks::kerfSides(dieline, Edge::kNesting);
+  EXPECT_EQ(sides.side, (std::vector<int>{0, 0, 0}));
+  EXPECT_EQ(sides.open, 2);
+}
+
+TEST(KerfSides, CutsThatBranchAreAProblem) {
+  const Dieline dieline = drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{60, 0}, {30, 40}},
+                                     LineCurve{{30, 40}, {0, 0}}, LineCurve{{60, 0}, {90, 0}}});
+  EXPECT_FALSE(checks::kerfSides(dieline, Edge::kNesting).problems.empty());
+  SyntheticRun run;
+  run.dieline.entities[kHole].curve = LineCurve{{0, 0}, {20, 20}};
+  run.limits.edge = Edge::kNesting;
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+}
+
+/// A run whose kerfs lie by `shift_mm` on the side that nesting asks for.
+SyntheticRun displaced(double shift_mm, double width_change_mm = 0.0) {
+  SyntheticRun run;
+  const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+  for (EntityKerf& kerf : run.evidence.kerf.entities) {
+    const int side = sides.side[static_cast<std::size_t>(kerf.entity)];
+    for (Caliper& c : kerf.calipers) {
+      c.offset_mm += side * shift_mm;
+      c.width_mm += std::abs(side) * width_change_mm;
+    }
+    if (side == 0) continue;
+    const Curve& curve = run.dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
+    if (std::holds_alternative<LineCurve>(curve)) {
+      const Eigen::Vector2d t = tangentAt(curve, 0.5);
+      const Eigen::Vector2d shift = side * shift_mm * Eigen::Vector2d(-t.y(), t.x());
+      run.shiftSpot(kerf.unit, kerf.entity, [=](double) { return shift; });
+    }
+  }
+  run.limits.edge = Edge::kNesting;
+  return run;
+}
+
+TEST(Edges, AKerfBesideTheLinePassesByItsEdgeAndOnTheLineFails) {
+  const auto good = displaced(kHalf_mm).inspected();
+  const Check& edge = checkOf(good, "edge");
+  EXPECT_EQ(edge.verdict, Verdict::kPass) << edge.explanation;
+  EXPECT_LT(edge.value + edge.u, 0.01);
+  EXPECT_FALSE(hasCheck(good, "path"));
+  EXPECT_EQ(checkOf(good, "stillness_x").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(good, "spot_path").verdict, Verdict::kFail) << "the hole's spots stayed on the line";
+
+  for (const double shift_mm : {0.0, -kHalf_mm}) {
+    const auto bad = displaced(shift_mm).inspected();
+    EXPECT_EQ(checkOf(bad, "edge").verdict, Verdict::kFail);
+    EXPECT_NEAR(checkOf(bad, "edge").value, kHalf_mm - shift_mm, 0.01);
+  }
+}
+
+TEST(Edges, AWiderKerfTakesHalfOfItFromThePiece) {
+  const double widening_mm = 0.12;
+  const auto result = displaced(kHalf_mm, widening_mm).inspected();
+  EXPECT_EQ(checkOf(result, "edge").verdict, Verdict::kFail);
+  EXPECT_NEAR(checkOf(result, "edge").value, 0.5 * widening_mm, 0.006);
+}
+
+TEST(Edges, WhatIsNotKnownOfTheWidthIsPartOfTheUncertainty) {
+  SyntheticRun run = displaced(kHalf_mm);
+  const double without = checkOf(run.inspected(), "edge").u;
+  for (EntityKerf& kerf : run.evidence.kerf.entities) kerf.widening_sigma_mm = 0.02;
+  const Check with = checkOf(run.inspected(), "edge");
+  // All edges move alike by half of it; U is for two standard deviations.
+  EXPECT_NEAR(with.u, std::hypot(without, 0.02), 1e-9);
+  EXPECT_EQ(with.guard, with.u);
+}
+
+TEST(Edges, AKerfWithoutAWidthIsInvalid) {
+  SyntheticRun run = displaced(kHalf_mm);
+  run.kerf(0, kTop).calipers[40].width_mm = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+}
+
+/// A run with one corner, right angled, whose centre line is rounded by so much.
+double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double overshoot_mm = 0.0) {
+  SyntheticRun run = displaced(edge == Edge::kInside ? -kHalf_mm : kHalf_mm);
+  run.limits.edge = edge;
+  CornerKerf corner;
+  corner.entity_in = turn_rad > 0.0 ? kBottom : kRight;
+  corner.entity_out = turn_rad > 0.0 ? kRight : kBottom;
+  corner.p_S_mm = {60, 0};
+  corner.turn_rad = turn_rad;
+  corner.found = true;
+  corner.rounding_mm = rounding_mm;
+  corner.overshoot_mm = overshoot_mm;
+  corner.deviation_mm = 9.0;  // Of the centre line: must not count.
+  corner.rounding_sigma_mm = corner.overshoot_sigma_mm = corner.deviation_sigma_mm = 0.0005;
+  run.evidence.kerf.corners = {corner};
+  return checkOf(run.inspected(), "joints").value;
+}
+
+TEST(Edges, CornersFollowFromLegsAndRounding) {
+  const double by_kerf_mm = kHalf_mm * (std::numbers::sqrt2 - 1.0);
+  for (const double turn : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi}) {
+    // The beam goes round outside: at the kerf's own radius the piece stays sharp, wider it does not.
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, 0.0), 0.0, 0.003);
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, by_kerf_mm), 0.0, 0.003);
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, by_kerf_mm + 0.03), 0.03, 0.003);
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, 0.0, 0.1), 0.0, 0.003);
+    // Inside, what lies in the corner cannot be cut, and a leg that runs over cuts into the piece.
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0), by_kerf_mm, 0.003);
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.02), by_kerf_mm + 0.02, 0.003);
+    EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0, 0.1), 0.1, 0.003);
+  }
+}
+
+TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
+  SyntheticRun run = displaced(kHalf_mm);
+  CornerKerf corner{.unit = 0, .entity_in = kBottom, .entity_out = kRight, .p_S_mm = {60, 0}};
+  corner.turn_rad = 0.5 * std::numbers::pi;
+  run.evidence.kerf.corners = {corner};
+  const auto inside = checks::kerfSides(run.dieline, Edge::kInside);
+  const auto outside = checks::kerfSides(run.dieline, Edge::kOutside);
+  const auto shortened = [&](const checks::EdgeSides& sides, int entity, bool at_start) {
+    return checks::shortenedBy(run.evidence.kerf, run.dieline, sides, kHalf_mm, run.kerf(0, entity),
+                               at_start);
+  };
+  EXPECT_NEAR(shortened(inside, kBottom, false), kHalf_mm, 1e-9);
+  EXPECT_NEAR(shortened(inside, kRight, true), kHalf_mm, 1e-9);
+  EXPECT_EQ(shortened(inside, kBottom, true), 0.0);
+  EXPECT_EQ(shortened(inside, kTop, true), 0.0);
+  EXPECT_EQ(shortened(outside, kBottom, false), 0.0);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth by light, and energy per length by power meter and spot.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using namespace testing;
+
+constexpr double kTransmission = 0.2;
+
+double brightnessAt(double depth) {
+  return (std::pow(kTransmission, 1.0 - depth) - kTransmission) / (1.0 - kTransmission);
+}
+
+/// A run with creases of this depth over the station in mm, and 0.5 % of noise.
+template <typename Depth>
+SyntheticRun creasedBy(const Depth& depth) {
+  SyntheticRun run;
+  run.limits.even_depth_share = 0.01;
+  run.limits.board_transmission = kTransmission;
+  std::uint32_t state = 7;
+  for (int unit = 0; unit < run.evidence.print.units; ++unit) {
+    for (Caliper& c : run.kerf(unit, kCreaseLine).calipers) {
+      state = state * 1664525U + 1013904223U;
+      const double noise = 0.005 * (2.0 * (state >> 8U) / 16777216.0 - 1.0);
+      c.brightness = brightnessAt(depth(c.station_mm) * (1.0 + noise));
+    }
+  }
+  return run;
+}
+
+TEST(EvenDepth, AnEvenCreasePassesWhateverItsDepth) {
+  for (const double depth : {0.2, 0.4, 0.6}) {
+    const auto result = creasedBy([&](double) { return depth; }).inspected();
+    EXPECT_EQ(checkOf(result, "even_depth").verdict, Verdict::kPass);
+  }
+}
+
+TEST(EvenDepth, FindsAPlaceThatIsTooDeepAndHowMuch) {
+  for (const double share : {0.05, -0.05}) {
+    const auto run =
+        creasedBy([&](double s_mm) { return 0.4 * (s_mm > 15.0 && s_mm < 22.0 ? 1.0 + share : 1.0); });
+    const auto result = run.inspected();
+    const Check& check = checkOf(result, "even_depth");
+    EXPECT_EQ(check.verdict, Verdict::kFail);
+    EXPECT_NEAR(check.value, 0.05, check.u);
+    EXPECT_LT(check.u, 0.02);
+  }
+}
+
+TEST(EvenDepth, TheStartIsExceptedAndTheRestOfTheLineIsNot) {
+  const auto deepUpTo = [](double end_mm) {
+    return creasedBy([=](double s_mm) { return s_mm < end_mm ? 0.6 : 0.4; }).inspected();
+  };
+  EXPECT_EQ(checkOf(deepUpTo(2.9), "even_depth").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(deepUpTo(9.0), "even_depth").verdict, Verdict::kFail);
+}
+
+TEST(EvenDepth, IsNotJudgedUnlessAsked) {
+  auto run = creasedBy([](double) { return 0.4; });
+  run.limits.even_depth_share = 0.0;
+  EXPECT_FALSE(hasCheck(run.inspected(), "even_depth"));
+}
+
+/// A meter behind a laser that burns so much for each millimetre that the spot runs on the sheet, which lies
+/// on a belt at 200 mm/s.
+SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double strength = 1.0) {
+  SyntheticRun run;
+  run.limits.line_energy_j_mm = 0.1;
+  const double quantum_j = run.evidence.power_quantum_j = 0.001;
+  double energy_j = 0.0;
+  auto& frames = run.evidence.spot.frames;
+  const auto stepTo = [&](std::size_t i) -> Eigen::Vector2d {
+    const double time_s = frames[i].mid_s - frames[i - 1].mid_s;
+    return *frames[i].spot_W_mm - *frames[i - 1].spot_W_mm - Eigen::Vector2d(200.0 * time_s, 0.0);
+  };
+  // Where the beam turns, nobody knows its way between two frames: there it is dark.
+  std::vector<std::size_t> turns;
+  for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
+    if (!frames[i - 1].spot_W_mm || !frames[i].spot_W_mm || !frames[i + 1].spot_W_mm) continue;
+    if (stepTo(i).normalized().dot(stepTo(i + 1).normalized()) < 0.99) turns.push_back(i);
+  }
+  for (const std::size_t i : turns) frames[i].spot_W_mm.reset();
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (!frames[i].spot_W_mm || !frames[i - 1].spot_W_mm) continue;
+    const double time_s = frames[i].mid_s - frames[i - 1].mid_s;
+    const double burnt_j =
+        stepTo(i).norm() * energy_j_mm * (frames[i].mid_s > strong_from_s ? strength : 1.0);
+    for (double edge_j = (std::floor(energy_j / quantum_j) + 1.0) * quantum_j; edge_j <= energy_j + burnt_j;
+         edge_j += quantum_j)
+      run.evidence.power_edges_s.push_back(frames[i - 1].mid_s + time_s * (edge_j - energy_j) / burnt_j);
+    energy_j += burnt_j;
+  }
+  return run;
+}
+
+TEST(LineEnergy, PassesWhatIsAskedAndFindsWhatIsNot) {
+  const auto good = metered(0.1).inspected();
+  EXPECT_EQ(checkOf(good, "line_energy").verdict, Verdict::kPass) << checkOf(good, "line_energy").explanation;
+  for (const double energy_j_mm : {0.097, 0.104}) {
+    const auto bad = metered(energy_j_mm).inspected();
+    const Check& check = checkOf(bad, "line_energy");
+    EXPECT_EQ(check.verdict, Verdict::kFail) << energy_j_mm;
+    EXPECT_NEAR(check.value, std::abs(energy_j_mm / 0.1 - 1.0), 0.012);
+  }
+}
+
+TEST(LineEnergy, AStretchThatIsTooStrongIsFound) {
+  SyntheticRun probe;
+  const double middle_s =
+      0.5 * (probe.evidence.spot.frames.front().mid_s + probe.evidence.spot.frames.back().mid_s);
+  EXPECT_EQ(checkOf(metered(0.1, middle_s, 1.05).inspected(), "line_energy").verdict, Verdict::kFail);
+}
+
+TEST(LineEnergy, WithoutAMeterItIsInvalid) {
+  auto run = metered(0.1);
+  run.evidence.power_edges_s.clear();
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "line_energy").verdict, Verdict::kInvalid);
+  EXPECT_EQ(result.verdict, Verdict::kInvalid);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil
