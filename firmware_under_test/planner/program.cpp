@@ -204,7 +204,7 @@ double powerByte(const Sample& sample, const MachineParameters& machine, const J
 }
 
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
-                    const PlannerFaults& faults, const Axes& axes, double max_belt_speed_mm_s) {
+                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s) {
   const double v = solution.belt_speed_mm_s;
   const bool moving = v > 0.0;
   const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
@@ -216,7 +216,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
       static_cast<std::uint8_t>(std::lround(machine.tracking_delay_s / (kPeriodS / KB_TICKS_PER_PERIOD)));
   for (const std::uint8_t byte : {delay, delay, std::uint8_t{0}})
     program.config.push_back(byte);  // idle power 0
-  const double most = follows ? std::min(max_belt_speed_mm_s * counts_per_mm_s, 1e9) : 0.0;
+  const double most = follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
   append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
 
   Writer writer(axes, machine, job, v);

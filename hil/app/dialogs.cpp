@@ -86,7 +86,7 @@ PreparedJob prepareJob(const Case& the_case) {
       the_case.scenario.print.units, the_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
       plan.jump_length_mm, plan.unit_time_s, the_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
   job.gcode = std::move(plan.gcode);
-  job.max_belt_speed_mm_s = plan.max_belt_speed_mm_s;
+  job.belt_stop_mm_s = plan.belt_stop_mm_s;
   const ProvokeChoice& provoke = the_case.scenario.provoke;
   if (provoke.cause == ProvokeChoice::Cause::kHostStarves) {
     const bool gantry = machine.head == planner::MachineParameters::Head::kGantry;
