@@ -318,7 +318,11 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
     throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
                                 job.units, plan.cycle_time_s, kMostPeriods * period_s / 3600.0));
   }
-  plan.program = makeProgram(solution, machine, job, faults, axes, plan.max_belt_speed_mm_s);
+  // A job at its highest speed must bear the little by which any line wavers.
+  constexpr double kWaver = 1.02;
+  if (v > 0.0 && !job.feed_by_controller)
+    plan.belt_stop_mm_s = std::max(plan.max_belt_speed_mm_s, kWaver * v);
+  plan.program = makeProgram(solution, machine, job, faults, axes, plan.belt_stop_mm_s);
   return plan;
 }
 

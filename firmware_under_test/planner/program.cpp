@@ -243,7 +243,7 @@ double powerByte(const Sample& sample, const MachineParameters& machine, const J
 }
 
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
-                    const PlannerFaults& faults, const Axes& axes, double max_belt_speed_mm_s) {
+                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s) {
   const double v = solution.belt_speed_mm_s;
   const double period_s = axes.periodS();
   const bool moving = v > 0.0;
@@ -257,7 +257,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   const auto delay = static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
   for (const unsigned byte : {delay, delay, 0U})  // idle power 0
     program.config.push_back(static_cast<std::uint8_t>(byte));
-  const double most = follows ? std::min(max_belt_speed_mm_s * counts_per_mm_s, 1e9) : 0.0;
+  const double most = follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
   append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
   for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
   program.target = machine.target;

@@ -7,11 +7,11 @@
 
 namespace kerfbench::planner {
 
-/// All units as operations of the controller. A belt that is followed may run at `max_belt_speed_mm_s`; the
-/// controller stops the job on a faster one.
+/// All units as operations of the controller. The controller stops the job on a belt that it follows and
+/// that is faster than `belt_stop_mm_s`.
 /// @throws PlanError if an axis would have to make more steps in a period than the controller can.
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
-                    const PlannerFaults& faults, const Axes& axes, double max_belt_speed_mm_s);
+                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s);
 
 /// PWM byte for the marks of one period, marked_mm > 0 (S3: power follows speed). Without a power model
 /// energy per length stays, and the byte may exceed 255: the laser is then too weak. With one it is a whole

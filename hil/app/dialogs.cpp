@@ -88,7 +88,7 @@ PreparedJob prepareJob(const Case& the_case) {
       plan.jump_length_mm, plan.unit_time_s, the_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
   job.gcode = std::move(plan.gcode);
   job.target = machine.target;
-  job.max_belt_speed_mm_s = plan.max_belt_speed_mm_s;
+  job.belt_stop_mm_s = plan.belt_stop_mm_s;
   const ProvokeChoice& provoke = the_case.scenario.provoke;
   if (provoke.cause == ProvokeChoice::Cause::kHostStarves) {
     const bool gantry = machine.head == planner::MachineParameters::Head::kGantry;

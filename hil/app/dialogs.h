@@ -16,7 +16,7 @@ struct PreparedJob {
   std::string summary;                 ///< One line.
   std::string gcode;                   ///< For the results folder.
   planner::Target target;              ///< That was planned for.
-  double max_belt_speed_mm_s{};        ///< As the planner has told the controller.
+  double belt_stop_mm_s{};             ///< As the planner has told the controller.
   Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,
   long long starved_pulses{};          ///< and its pulses in what the host has.
 };

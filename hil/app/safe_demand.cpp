@@ -77,10 +77,10 @@ SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, co
       demand.window_s = period_s;
       break;
     case Cause::kBeltTooFast:
-      demand.cause = fmt::format("the belt exceeded {:.1f} mm/s", job.max_belt_speed_mm_s);
+      demand.cause = fmt::format("the belt exceeded {:.1f} mm/s", job.belt_stop_mm_s);
       demand.faults = {"belt-fast"};
-      demand.cause_s = pins.beltFaster_s(
-          job.max_belt_speed_mm_s / the_case.machine.controller.encoder_count_mm, kBeltSpan_s);
+      demand.cause_s =
+          pins.beltFaster_s(job.belt_stop_mm_s / the_case.machine.controller.encoder_count_mm, kBeltSpan_s);
       demand.cause_s -= 0.5 * kBeltSpan_s;  // a mean is that of the middle
       demand.window_s = kFast_s + kFilterPeriods * period_s;
       break;

@@ -140,8 +140,9 @@ TEST(Config, LaserWaitsForTheMirrorsAndTheBeltIsCounted) {
   EXPECT_EQ(config[4], 8);  // 0.19 ms in ticks of 25 us
   EXPECT_EQ(config[5], 8);
   const int most = config[7] | config[8] << 8 | config[9] << 16 | config[10] << 24;
-  EXPECT_EQ(most, std::lround(plan.max_belt_speed_mm_s * 0.8e-3 / 0.01 * 65536.0));
-  EXPECT_GT(most, 16 << 16);
+  EXPECT_EQ(most, std::lround(plan.belt_stop_mm_s * 0.8e-3 / 0.01 * 65536.0));
+  EXPECT_GE(plan.belt_stop_mm_s, plan.max_belt_speed_mm_s);
+  EXPECT_GE(plan.belt_stop_mm_s, 1.02 * job.belt_speed_mm_s);
 }
 
 TEST(Refusal, AWeakLaserIsNamedWithTheSpeedItCouldDo) {
