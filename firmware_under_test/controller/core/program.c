@@ -114,7 +114,7 @@ bool kb_program_follows(void) {
   return p.follow != 0 && (p.phase == KB_PHASE_RUN || p.phase == KB_PHASE_STAND);
 }
 
-bool kb_program_lags(void) { return kb_program_follows() && p.lags; }
+bool kb_program_lags(void) { return kb_program_follows() && p.lags && p.gate != 0; }
 const struct kb_config* kb_program_config(void) { return &p.config; }
 
 int32_t kb_program_position(uint8_t axis) { return p.position[axis]; }

@@ -43,7 +43,7 @@ void kb_program_ramp(enum kb_fault fault);
 enum kb_fault kb_program_ramping(void);
 /* True while the axes have to be with the belt. */
 bool kb_program_follows(void);
-/* More steps are missing on the axis that follows than a period can hold. */
+/* More steps are missing on the axis that follows than a period can hold, and the laser is on. */
 bool kb_program_lags(void);
 const struct kb_config* kb_program_config(void);
 /* Prepares the next period and offers it to the engine, which must be able to take one. It may offer none
