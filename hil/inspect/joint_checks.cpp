@@ -102,7 +102,7 @@ std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
                     unseen.size() + judged.size(), jointOf(named), check.subject);
   } else {
     check.explanation =
-        fmt::format("Of {} corners, ends and closures the worst is the {} of {}: {}; U is {:.4f} mm.",
+        fmt::format("Of {} corners, ends and closures the worst is the {} of {}: {}; its own U is {:.4f} mm.",
                     judged.size(), jointOf(named), check.subject, storyOf(named, joints), named.mm.U);
   }
   if (unlike > 0)
