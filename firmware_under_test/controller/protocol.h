@@ -101,8 +101,16 @@ enum kb_op {
 /* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
  * u8 gate_off_delay_ticks, u8 idle_power, u8 high byte of gate_on_delay_ticks, u8 of gate_off_delay_ticks.
  * Delays count from the period boundary and let the laser wait for the mirrors' tracking delay; power follows
- * with the same delay as the gate. */
-#define KB_CONFIG_LEN 9
+ * with the same delay as the gate.
+ *
+ * Then for the drives, all derived from what they need: u8 pins of port A that are inverted (PUL: active low;
+ * DIR: low is the positive direction), u8 the same of port C, bits 0 and 1; u8 mask of the axes whose PUL
+ * stays active for as many ticks as the next u8 says, 1 … KB_WIDE_TICKS_MAX (the others' falls within the
+ * tick); u8 × 5 steps of each axis in a period, at most, which leave a tick between such pulses; u8 × 5 steps
+ * of each axis in a period before and after DIR changes, at most. A reversal from more waits for a period at
+ * rest; what more steps there are follow in the next periods. */
+#define KB_CONFIG_LEN 23
+#define KB_WIDE_TICKS_MAX 15 /* one less than a power of two */
 
 /* Pins of the ATmega2560 release (the native release uses the same numbers):
  * port A: galvo_x PUL A0 DIR A1, galvo_y PUL A2 DIR A3, gantry_x PUL A4 DIR A5, gantry_y PUL A6 DIR A7

@@ -179,6 +179,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
         fmt::format(
             "tracking_delay_s must be in 0 … {:g}, by which this controller can delay the laser, but is {:g}",
             machine.target.longestDelayS(), machine.tracking_delay_s));
+  for (std::string& fault : driveFaults(machine.target, machine.drives)) faults.push_back(std::move(fault));
   positive(machine.full_power_w, "full_power_w");
   positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
   positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_under_test/planner/pulses.h"
 #include "firmware_under_test/planner/target.h"
 #include "hil/dieline/geometry.h"
 
@@ -39,6 +40,7 @@ struct MachineParameters {
   double feed_step_mm{};  ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
   double full_power_w{};  ///< At PWM duty 255/255.
   Target target{};        ///< The controller.
+  Drives drives{};        ///< What it must give them; an axis that is not there needs nothing.
 };
 
 /// JobParameters::jump_radius_mm: let the drawing's size decide.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,12 +38,15 @@ class Writer {
       const int to = static_cast<int>(std::lround(wanted[i]));
       count[i] = to - steps_[i];
       steps_[i] = to;
-      if (std::abs(count[i]) > axes_.target().max_steps) {
+      const auto axis = static_cast<std::size_t>(axes_.firstAxis() + i);
+      const int most = axes_.pulses().most_steps[axis];
+      if (std::abs(count[i]) > most) {
         throw PlanError(
             fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
-                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, axes_.target().max_steps));
+                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, most));
       }
     }
+    for (int i = 0; i < 2; ++i) checkTurn(i, count[i], entity);
     std::uint8_t mask = 0;
     Op op(1);  // the operation itself comes last, when its mask is known
     const auto axis = [&](int number, int steps) {
@@ -107,6 +111,19 @@ class Writer {
   }
 
  private:
+  /// The firmware would put steps off so that DIR is set up and held as long as the drive needs: the beam
+  /// would be late.
+  void checkTurn(int axis, int count, int entity) {
+    const int turn = axes_.pulses().turn_steps[static_cast<std::size_t>(axes_.firstAxis() + axis)];
+    const int before = std::exchange(count_before_[axis], count);
+    if (before * count >= 0 || (std::abs(before) <= turn && std::abs(count) <= turn)) return;
+    throw PlanError(
+        fmt::format("E{}: axis {} turns round from {} to {} steps in a period of {:g} ms; its drive allows "
+                    "{} for the time that "
+                    "DIR must be stable: accelerate less",
+                    entity, "xy"[axis], before, count, period_s_ * 1e3, turn));
+  }
+
   /// The belt's ramps are straight in speed and take whole periods.
   int feedSteps() {
     if (pitch_period_) {
@@ -142,6 +159,7 @@ class Writer {
   std::vector<Op> ops_;
   Vector2d p_W_mm_{Vector2d::Zero()};  // the machine wakes with its beam at W's origin
   int steps_[2]{};
+  int count_before_[2]{};
   bool following_{false};
   double gain_{};
   double feed_speed_{}, feed_target_{}, feed_mm_{};
@@ -219,6 +237,11 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   const auto delay = static_cast<unsigned>(std::lround(machine.tracking_delay_s / machine.target.tick_s));
   for (const unsigned byte : {delay, delay, 0U, delay >> 8, delay >> 8})  // idle power 0
     program.config.push_back(static_cast<std::uint8_t>(byte));
+  const PulseSettings& pulses = axes.pulses();
+  for (const std::uint8_t byte : {pulses.invert_a, pulses.invert_c, pulses.wide, pulses.wide_ticks})
+    program.config.push_back(byte);
+  program.config.insert(program.config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
+  program.config.insert(program.config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
   program.target = machine.target;
 
   Writer writer(axes, machine, job, v);

@@ -70,6 +70,8 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   report.versions = {{"kerfbench", KERFBENCH_VERSION}};
   if (!conclusion.firmware_sha256.empty())
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
+  if (!conclusion.firmware_version.empty())
+    report.versions.emplace_back("controller", conclusion.firmware_version);
   judge(
       the_case, twin, run.problems, options.jobs, stopwatch,
       [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);

@@ -13,6 +13,8 @@ struct PreparedJob {
   std::unique_ptr<Dialog> dialog;
   std::string summary;  ///< One line.
   std::string gcode;    ///< For the results folder.
+  /// What the image says of itself; empty if it is not the reference controller's.
+  std::string controller{};
 };
 
 /// Plans the job (reference controller) or reads the G-code (line-and-ok firmware).

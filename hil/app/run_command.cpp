@@ -83,6 +83,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.drawn = &drawn;
   conclusion.film = &film;
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
+  conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }

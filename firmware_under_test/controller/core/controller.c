@@ -103,6 +103,12 @@ static uint8_t configure(const struct kb_frame* frame) {
       .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[7] << 8),
       .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[8] << 8),
       .idle_power = b[6],
+      .invert_a = b[9],
+      .invert_c = b[10],
+      .wide = b[11],
+      .wide_ticks = b[12],
+      .most_steps = {b[13], b[14], b[15], b[16], b[17]},
+      .turn_steps = {b[18], b[19], b[20], b[21], b[22]},
   };
   if (!kb_program_configure(&config)) {
     return KB_NAK_VALUE;

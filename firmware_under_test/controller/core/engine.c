@@ -17,6 +17,28 @@ void kb_engine_init(void) {
   kb_hal_unlock(saved);
 }
 
+/* Levels of the next tick without new pulses. */
+static void rest(void) {
+  const uint8_t held = kb_engine.held;
+  kb_engine.rest_a = (uint8_t)((held & KB_PUL_A) ^ kb_engine.idle_a);
+  kb_engine.rest_c = (uint8_t)(((held & KB_HELD_FEED) ? KB_FEED_PUL : 0) ^ kb_engine.idle_c);
+  kb_engine.out_a = kb_engine.rest_a;
+  kb_engine.out_c = kb_engine.rest_c;
+}
+
+void kb_engine_configure(uint8_t idle_a, uint8_t idle_c, uint8_t wide, uint8_t wide_ticks) {
+  const uint8_t saved = kb_hal_lock();
+  kb_engine.idle_a = idle_a;
+  kb_engine.idle_c = idle_c;
+  kb_engine.wide = wide;
+  kb_engine.wide_ticks = wide_ticks;
+  kb_engine.held = 0;
+  memset((void*)kb_engine.begun, 0, sizeof(kb_engine.begun));
+  rest();
+  kb_hal_hold_pulses(wide != 0);
+  kb_hal_unlock(saved);
+}
+
 void kb_engine_offer(const struct kb_period* period) {
   /* The interrupt does not look at `next` before next_ready; a byte is stored at once. */
   kb_engine.next = *period;
@@ -32,7 +54,8 @@ static void laserOff(void) {
   kb_engine.pwm_left = 0;
 #endif
   kb_engine.laser_first = kb_engine.laser_end;
-  kb_engine.out_c = (uint8_t)(kb_engine.out_c & (KB_FEED_PUL | KB_FEED_DIR));
+  kb_engine.out_c &= KB_FEED_PUL | KB_FEED_DIR;
+  kb_engine.rest_c &= KB_FEED_PUL | KB_FEED_DIR;
 }
 
 void kb_engine_laser_off(void) {
@@ -45,8 +68,10 @@ uint8_t kb_engine_halt(bool* next_dropped) {
   const uint8_t saved = kb_hal_lock();
   laserOff();
   /* The step bits of the last tick computed are not written yet, and are taken back. */
-  kb_engine.out_a = kb_engine.dir_a;
-  kb_engine.out_c = kb_engine.dir_c;
+  const uint8_t last = (uint8_t)(kb_engine.tick - 1U) & KB_WIDE_TICKS_MAX;
+  kb_engine.held &= (uint8_t)~kb_engine.begun[last];
+  kb_engine.begun[last] = 0;
+  rest();
   const uint8_t computed = (uint8_t)(KB_TICKS_PER_PERIOD - kb_engine.ticks_left);
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     kb_engine.inc[axis] = 0;

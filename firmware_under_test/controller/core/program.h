@@ -14,6 +14,12 @@ struct kb_config {
   uint16_t gate_on_delay; /* ticks */
   uint16_t gate_off_delay;
   uint8_t idle_power;
+  uint8_t invert_a;
+  uint8_t invert_c;
+  uint8_t wide; /* mask of axes */
+  uint8_t wide_ticks;
+  uint8_t most_steps[KB_AXES];
+  uint8_t turn_steps[KB_AXES];
 };
 
 enum kb_step { KB_STEP_ON, KB_STEP_DONE, KB_STEP_FAULT };
@@ -27,7 +33,8 @@ void kb_queue_put(uint8_t offset, uint8_t byte);
 void kb_queue_commit(uint8_t length);
 
 void kb_program_init(void);
-/* False where gate delays differ by a period or more (their order could turn round), or are too long. */
+/* False where gate delays differ by a period or more (their order could turn round) or are too long, and
+ * where pulses would overlap. */
 bool kb_program_configure(const struct kb_config* config);
 bool kb_program_configured(void);
 void kb_program_start(void);

@@ -17,12 +17,10 @@ enum {
   /* A pulse generator in logic: PUL high for 7 cycles of 62.5 ns, low for at least 9; DIR changes 8 before an
      edge of PUL. */
   KB_RISE_CYCLES = 1, /* tick to the first store */
-  KB_FALL_CYCLES = 8, /* to PUL low */
-  KB_DIR_CYCLES = 9,  /* to DIR */
+  KB_FALL_CYCLES = 8, /* to PUL low and DIR */
 #else
-  KB_RISE_CYCLES = 53,
-  KB_FALL_CYCLES = 163,
-  KB_DIR_CYCLES = 167,
+  KB_RISE_CYCLES = 50,
+  KB_FALL_CYCLES = 157,
 #endif
   KB_BYTE_CYCLES = 10 * KB_CPU_HZ / KB_BAUD,
   KB_PORT_A = 0,
@@ -83,16 +81,14 @@ static void writePort(uint64_t at, uint8_t port, uint8_t level) {
 static void tick(void) {
   writePort(m.now + KB_RISE_CYCLES, KB_PORT_A, kb_engine.out_a);
   writePort(m.now + KB_RISE_CYCLES, KB_PORT_C, kb_engine.out_c);
-  const uint8_t dir_a = kb_engine.dir_a;
-  const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
+  const uint8_t rest_a = kb_engine.rest_a;
+  const uint8_t rest_c = kb_engine.rest_c;
   if (kb_engine.ticks_left == 0) {
     kb_tick_boundary(timeNow());
   }
-  kb_tick_compute(m.port_l);
-  writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, dir_a);
-  writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, rest_c);
-  writePort(m.now + KB_DIR_CYCLES, KB_PORT_A, kb_engine.dir_a);
-  writePort(m.now + KB_DIR_CYCLES, KB_PORT_C, (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c));
+  kb_tick_compute(m.port_l & 0x07U, true);
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, kb_level_a(rest_a));
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, kb_level_c(rest_c));
 }
 
 static void driveInput(unsigned port, unsigned bit, bool level) {

@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
   kerfbench::planner::Program program;
   program.config.reserve(KB_CONFIG_LEN);
   putU32(program.config, static_cast<std::uint32_t>(std::lround(kCountsPerPeriod / 1.01 * 65536.0)));
-  for (const int byte : {20, 12, 0, 0, 0}) program.config.push_back(static_cast<std::uint8_t>(byte));
+  for (const int byte : {20, 12, 0, 0, 0, 0, 0, 0, 0, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31})
+    program.config.push_back(static_cast<std::uint8_t>(byte));
   program.ops.push_back({KB_OP_FOLLOW, KB_FEED + 1});
   program.ops.push_back({KB_OP_WAIT_MARK, 40, 0, 0, 0});
   std::array<long, KB_AXES> want{};

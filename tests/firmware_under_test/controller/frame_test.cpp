@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <initializer_list>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/release.h"
@@ -63,6 +66,29 @@ TEST(Frame, RefusesWhatTheStateForbids) {
   EXPECT_EQ(runner.ask(frame(0x55, 2)), frame(KB_NAK, 2, {KB_NAK_TYPE}));
   EXPECT_EQ(runner.ask(frame(KB_CONFIG, 3, config(0, 0, 100))), frame(KB_NAK, 3, {KB_NAK_VALUE}));
   EXPECT_EQ(runner.ask(frame(KB_HELLO, 4, {1})), frame(KB_NAK, 4, {KB_NAK_LENGTH}));
+}
+
+TEST(Frame, RefusesPulsesThatItCannotMake) {
+  const std::vector<std::uint8_t> good = config();
+  ASSERT_EQ(good.size(), std::size_t(KB_CONFIG_LEN));
+  std::uint8_t seq = 0;
+  const auto answer = [&](std::initializer_list<std::pair<std::size_t, int>> changes) {
+    std::vector<std::uint8_t> bytes = good;
+    for (const auto& [at, value] : changes) bytes[at] = static_cast<std::uint8_t>(value);
+    Runner runner;
+    ++seq;
+    return runner.ask(frame(KB_CONFIG, seq, bytes)) == frame(KB_NAK, seq, {KB_NAK_VALUE});
+  };
+  EXPECT_FALSE(answer({}));
+  EXPECT_TRUE(answer({{10, 4}})) << "the laser's gate is no pin of an axis";
+  EXPECT_TRUE(answer({{11, 1}})) << "held for no tick";
+  EXPECT_TRUE(answer({{11, 1}, {12, 1}})) << "a pulse in each tick, held for one";
+  EXPECT_FALSE(answer({{11, 1}, {12, 1}, {13, 16}, {18, 16}}));
+  EXPECT_TRUE(answer({{11, 1}, {12, 1}, {13, 17}, {18, 16}}));
+  EXPECT_TRUE(answer({{11, 1}, {12, KB_WIDE_TICKS_MAX + 1}, {13, 1}, {18, 1}}));
+  EXPECT_TRUE(answer({{11, 0x20}, {12, 1}})) << "no such axis";
+  EXPECT_TRUE(answer({{14, 32}})) << "more steps than ticks";
+  EXPECT_TRUE(answer({{14, 8}})) << "it turns at 31, but never makes them";
 }
 
 TEST(Frame, RefusesDataThatDoesNotFit) {

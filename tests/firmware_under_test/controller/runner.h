@@ -23,9 +23,7 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
           static_cast<std::uint8_t>(nominal >> 24),
           on_ticks,
           off_ticks,
-          idle_power,
-          0,
-          0};
+          idle_power, 0, 0, 0, 0, 0, 0, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31};
 }
 
 inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,
