@@ -16,8 +16,8 @@ ISR(TIMER1_COMPA_vect) {
     kb_engine.out_a = kb_engine.idle_a;
   }
 #endif
-  /* What lies between the end of the tick before, should this one have waited for it, and PUL is DIR's set-up: 5 us
-   * with this. */
+  /* What lies between the end of the tick before, should this one have waited for it, and PUL is DIR's
+   * set-up: 5 us with this. */
   const uint8_t inputs = PINL;
   const uint8_t out_c = kb_engine.out_c;
   __builtin_avr_delay_cycles(2);
