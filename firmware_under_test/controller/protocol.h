@@ -122,8 +122,16 @@ enum kb_op {
 /* KB_CONFIG payload: u32 nominal_per_period (belt counts, 16.16 fixed point), u8 gate_on_delay_ticks,
  * u8 gate_off_delay_ticks, u8 idle_power, u32 max_per_period (as nominal; 0: any speed), u8 high byte of
  * gate_on_delay_ticks, u8 of gate_off_delay_ticks. Delays count from the period boundary and let the laser
- * wait for the mirrors' tracking delay; power follows with the same delay as the gate. */
-#define KB_CONFIG_LEN 13
+ * wait for the mirrors' tracking delay; power follows with the same delay as the gate.
+ *
+ * Then for the drives, all derived from what they need: u8 pins of port A that are inverted (PUL: active low;
+ * DIR: low is the positive direction), u8 the same of port C, bits 0 and 1; u8 mask of the axes whose PUL
+ * stays active for as many ticks as the next u8 says, 1 … KB_WIDE_TICKS_MAX (the others' falls within the
+ * tick); u8 × 5 steps of each axis in a period, at most, which leave a tick between such pulses; u8 × 5 steps
+ * of each axis in a period before and after DIR changes, at most. A reversal from more waits for a period at
+ * rest; what more steps there are follow in the next periods. */
+#define KB_CONFIG_LEN 27
+#define KB_WIDE_TICKS_MAX 15 /* one less than a power of two */
 
 /* KB_POWER payload: u8 gain (1/256), u8 least and u8 most power, u16 ticks from the start of a period until
  * the meter tells of its energy (gate delay included), then of the powers 0, 16, … 240, 255 a u16 each:

@@ -5,18 +5,20 @@
  *
  * All integers little-endian, times in CPU cycles:
  *
- *    0  magic "KERFREL", then the layout, KB_RELEASE_LAYOUT
- *    8  u8 protocol version
- *    9  u32 CPU clock, Hz
- *   13  u16 cycles of a tick
- *   15  u8 ticks of a period
- *   16  u8 steps of an axis in a period, at most
- *   17  u16 queue size; one byte less can be filled
- *   19  u32 baud
- *   23  u16 longest gate delay, ticks
- *   25  u16 × 4 of PUL and DIR, never less than: DIR stable before PUL's edge, DIR stable after it, PUL
- * active, PUL idle 33  char[12] name of the time base, padded with zeros 45  char[32] version of the release,
- * likewise
+ * -  0  magic "KERFREL", then the layout, KB_RELEASE_LAYOUT
+ * -  8  u8 protocol version
+ * -  9  u32 CPU clock, Hz
+ * - 13  u16 cycles of a tick
+ * - 15  u8 ticks of a period
+ * - 16  u8 steps of an axis in a period, at most
+ * - 17  u16 queue size; one byte less can be filled
+ * - 19  u32 baud
+ * - 23  u16 longest gate delay, ticks
+ * - 25  u16 × 4 of PUL and DIR, never less than: DIR stable before PUL's edge and after it, PUL active and
+ * idle
+ * - 33  u16 by which a tick may be late, at most
+ * - 35  char[12] name of the time base, padded with zeros
+ * - 47  char[32] version of the release, likewise
  */
 #ifndef KERFBENCH_CONTROLLER_RELEASE_H
 #define KERFBENCH_CONTROLLER_RELEASE_H
@@ -27,14 +29,14 @@
 #define KB_RELEASE_LAYOUT 1
 #define KB_RELEASE_NAME_LEN 12
 #define KB_RELEASE_VERSION_LEN 32
-#define KB_RELEASE_LEN (45 + KB_RELEASE_VERSION_LEN)
+#define KB_RELEASE_LEN (47 + KB_RELEASE_VERSION_LEN)
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 struct kb_release {
   char magic[sizeof(KB_RELEASE_MAGIC) - 1];
-  uint8_t numbers[26];
+  uint8_t numbers[28];
   char name[KB_RELEASE_NAME_LEN];
   char version[KB_RELEASE_VERSION_LEN];
 };

@@ -23,10 +23,11 @@
 #define KB_TIME_CYCLES 16U
 #define KB_PWM_TICKS 8U
 #define KB_LASER_EVENTS 64U
-#define KB_SETUP_CYCLES 8U /* never less of PUL and DIR, see release.h */
-#define KB_HOLD_CYCLES 8U
+#define KB_SETUP_CYCLES 9U /* never less of PUL and DIR, see release.h */
+#define KB_HOLD_CYCLES 7U
 #define KB_WIDTH_CYCLES 7U
 #define KB_SPACE_CYCLES 9U
+#define KB_LATE_CYCLES 0U /* by which a tick may be late */
 typedef uint16_t kb_ticks_t;
 #else
 /* What an ATmega2560 at 16 MHz bears: ticks of 25 us, periods of 0.8 ms. */
@@ -42,6 +43,7 @@ typedef uint16_t kb_ticks_t;
 #define KB_HOLD_CYCLES 100U
 #define KB_WIDTH_CYCLES 100U
 #define KB_SPACE_CYCLES 80U
+#define KB_LATE_CYCLES 260U
 typedef uint8_t kb_ticks_t;
 #endif
 

@@ -45,7 +45,7 @@ Vector2d bendAt(const Axes& axes, const Vector2d& p) {
 }  // namespace
 
 Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
-    : machine_(machine), faults_(faults) {
+    : machine_(machine), pulses_(pulsesFor(machine.target, machine.drives)), faults_(faults) {
   if (correction() != nullptr) {
     boundSlopesBySampling();
     return;
@@ -151,31 +151,35 @@ Eigen::Matrix2d Axes::stepsPerMm(const Vector2d& p_W_mm) const {
 
 double Axes::xStepsPerMm(const Vector2d& p_W_mm) const { return stepsPerMm(p_W_mm)(0, 0); }
 
-Vector2d Axes::axisLimits() const {
-  const double budget_per_s = target().stepBudget() / periodS();
-  return {budget_per_s / x_per_mm_, budget_per_s / y_per_mm_};
+Vector2d Axes::budgetPerS() const {
+  const auto first = static_cast<std::size_t>(firstAxis());
+  return Vector2d(Target::stepBudget(pulses_.most_steps[first]),
+                  Target::stepBudget(pulses_.most_steps[first + 1])) /
+         periodS();
 }
 
+Vector2d Axes::axisLimits() const { return budgetPerS().cwiseQuotient(Vector2d(x_per_mm_, y_per_mm_)); }
+
 double Axes::speedLimit(const Vector2d& direction, double belt_speed_mm_s) const {
-  const double budget_per_s = target().stepBudget() / periodS();
+  const Vector2d budget = budgetPerS();
   const double belt_per_s = belt_speed_mm_s * x_per_mm_;
-  if (belt_per_s >= budget_per_s) return 0.0;
+  if (belt_per_s >= budget.x()) return 0.0;
   // |s ux + v| kx + s |uy| kxy <= budget, solved for s on both sides of the absolute value.
   const double cross_rate = std::abs(direction.y()) * x_per_y_mm_;
   const double rate = direction.x() * x_per_mm_;
-  double limit = budget_per_s / std::max(std::abs(direction.y()) * y_per_mm_, 1e-12);
+  double limit = budget.y() / std::max(std::abs(direction.y()) * y_per_mm_, 1e-12);
   if (y_per_x_mm_ > 0.0) {
     // The belt moves the y axis too: |s ux + v| kyx + s |uy| ky <= budget, on the safe side of the absolute
     // value.
-    const double rest = budget_per_s - belt_speed_mm_s * y_per_x_mm_;
+    const double rest = budget.y() - belt_speed_mm_s * y_per_x_mm_;
     if (rest <= 0.0) return 0.0;
     const double both = std::abs(direction.y()) * y_per_mm_ + std::abs(direction.x()) * y_per_x_mm_;
     limit = std::min(limit, rest / std::max(both, 1e-12));
   }
   const double forward = rate + cross_rate;
-  if (forward > 0.0) limit = std::min(limit, (budget_per_s - belt_per_s) / forward);
+  if (forward > 0.0) limit = std::min(limit, (budget.x() - belt_per_s) / forward);
   const double backward = cross_rate - rate;
-  if (backward > 0.0) limit = std::min(limit, (budget_per_s + belt_per_s) / backward);
+  if (backward > 0.0) limit = std::min(limit, (budget.x() + belt_per_s) / backward);
   return limit;
 }
 

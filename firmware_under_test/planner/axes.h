@@ -38,6 +38,7 @@ class Axes {
   [[nodiscard]] int firstAxis() const;
   [[nodiscard]] const PlannerFaults& faults() const { return faults_; }
   [[nodiscard]] const Target& target() const { return machine_.target; }
+  [[nodiscard]] const PulseSettings& pulses() const { return pulses_; }
   [[nodiscard]] double periodS() const { return machine_.target.periodS(); }
 
  private:
@@ -47,7 +48,11 @@ class Axes {
   [[nodiscard]] const CorrectionTable* correction() const;
   void boundSlopesBySampling();
 
+  /// Steps that x and y may be given, per second.
+  [[nodiscard]] Eigen::Vector2d budgetPerS() const;
+
   MachineParameters machine_;
+  PulseSettings pulses_;
   PlannerFaults faults_;
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.

@@ -182,6 +182,7 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
             machine.target.longestDelayS(), machine.tracking_delay_s));
   check(machine.laser_lag_s >= 0.0 && machine.laser_lag_s <= 1.0,
         fmt::format("laser_lag_s must be in 0 … 1, but is {:g}", machine.laser_lag_s));
+  for (std::string& fault : driveFaults(machine.target, machine.drives)) faults.push_back(std::move(fault));
   positive(machine.full_power_w, "full_power_w");
   positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
   positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);

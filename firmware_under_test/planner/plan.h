@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_under_test/planner/pulses.h"
 #include "firmware_under_test/planner/target.h"
 #include "hil/dieline/geometry.h"
 
@@ -42,6 +43,7 @@ struct MachineParameters {
   double power_delay_s{};    ///< Until it tells.
   double laser_lag_s{};      ///< Of the power behind its control signal: it is sent earlier by this.
   Target target{};           ///< The controller.
+  Drives drives{};           ///< What it must give them; an axis that is not there needs nothing.
 };
 
 /// JobParameters::jump_radius_mm: let the drawing's size decide.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -38,12 +39,15 @@ class Writer {
       const int to = static_cast<int>(std::lround(wanted[i]));
       count[i] = to - steps_[i];
       steps_[i] = to;
-      if (std::abs(count[i]) > axes_.target().max_steps) {
+      const auto axis = static_cast<std::size_t>(axes_.firstAxis() + i);
+      const int most = axes_.pulses().most_steps[axis];
+      if (std::abs(count[i]) > most) {
         throw PlanError(
             fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
-                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, axes_.target().max_steps));
+                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, most));
       }
     }
+    for (int i = 0; i < 2; ++i) checkTurn(i, count[i], entity);
     std::uint8_t mask = 0;
     Op op(1);  // the operation itself comes last, when its mask is known
     const auto axis = [&](int number, int steps) {
@@ -108,6 +112,19 @@ class Writer {
   }
 
  private:
+  /// The firmware would put steps off so that DIR is set up and held as long as the drive needs: the beam
+  /// would be late.
+  void checkTurn(int axis, int count, int entity) {
+    const int turn = axes_.pulses().turn_steps[static_cast<std::size_t>(axes_.firstAxis() + axis)];
+    const int before = std::exchange(count_before_[axis], count);
+    if (before * count >= 0 || (std::abs(before) <= turn && std::abs(count) <= turn)) return;
+    throw PlanError(
+        fmt::format("E{}: axis {} turns round from {} to {} steps in a period of {:g} ms; its drive allows "
+                    "{} for the time that "
+                    "DIR must be stable: accelerate less",
+                    entity, "xy"[axis], before, count, period_s_ * 1e3, turn));
+  }
+
   /// The belt's ramps are straight in speed and take whole periods.
   int feedSteps() {
     if (pitch_period_) {
@@ -143,6 +160,7 @@ class Writer {
   std::vector<Op> ops_;
   Vector2d p_W_mm_{Vector2d::Zero()};  // the machine wakes with its beam at W's origin
   int steps_[2]{};
+  int count_before_[2]{};
   bool following_{false};
   double gain_{};
   double feed_speed_{}, feed_target_{}, feed_mm_{};
@@ -260,6 +278,11 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   const double most = follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
   append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
   for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
+  const PulseSettings& pulses = axes.pulses();
+  for (const std::uint8_t byte : {pulses.invert_a, pulses.invert_c, pulses.wide, pulses.wide_ticks})
+    program.config.push_back(byte);
+  program.config.insert(program.config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
+  program.config.insert(program.config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
   program.target = machine.target;
 
   if (job.power_loop) program.power = powerLoopPayload(machine, job, delay);

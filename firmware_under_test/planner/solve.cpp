@@ -139,7 +139,8 @@ int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job, double per
 }
 
 double feedLimit(const MachineParameters& machine) {
-  return machine.target.stepBudget() * machine.feed_step_mm / machine.target.periodS();
+  const int most = pulsesFor(machine.target, machine.drives).most_steps[KB_FEED];
+  return Target::stepBudget(most) * machine.feed_step_mm / machine.target.periodS();
 }
 
 AxisMove feedOfPitch(const JobParameters& job) {

@@ -108,8 +108,9 @@ std::optional<Target> targetFrom(std::span<const std::uint8_t> block) {
   target.hold_s = seconds(27);
   target.width_s = seconds(29);
   target.space_s = seconds(31);
-  target.name = textAt(block, 33, KB_RELEASE_NAME_LEN);
-  target.version = textAt(block, 45, KB_RELEASE_VERSION_LEN);
+  target.late_s = seconds(33);
+  target.name = textAt(block, 35, KB_RELEASE_NAME_LEN);
+  target.version = textAt(block, 47, KB_RELEASE_VERSION_LEN);
   const bool sane = hz > 0.0 && target.tick_s > 0.0 && target.ticks_per_period > 0 && target.max_steps > 1 &&
                     target.max_steps <= 127 && target.baud > 0;
   return sane ? std::optional(target) : std::nullopt;
@@ -139,6 +140,17 @@ Target targetOfImage(const std::filesystem::path& image) {
   return *found;
 }
 
+std::string describe(const Target& target) {
+  constexpr double kUs = 1e6;
+  return fmt::format(
+      "{}, {}: ticks of {:g} us, {} in a period, at most {} steps; PUL active {:g} us and idle {:g} us, DIR "
+      "stable {:g} us before and "
+      "{:g} us after; {} baud",
+      target.version.empty() ? "unversioned" : target.version, target.name, target.tick_s * kUs,
+      target.ticks_per_period, target.max_steps, target.width_s * kUs, target.space_s * kUs,
+      target.setup_s * kUs, target.hold_s * kUs, target.baud);
+}
+
 std::string differenceOf(const Target& wanted, const Target& found) {
   std::vector<std::string> parts;
   const auto compare = [&](const char* what, double planned, double is, double unit, const char* unit_name) {
@@ -154,6 +166,7 @@ std::string differenceOf(const Target& wanted, const Target& found) {
   compare("DIR hold", wanted.hold_s, found.hold_s, 1e-6, " us");
   compare("PUL width", wanted.width_s, found.width_s, 1e-6, " us");
   compare("PUL space", wanted.space_s, found.space_s, 1e-6, " us");
+  compare("ticks that are late by", wanted.late_s, found.late_s, 1e-6, " us");
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 

@@ -22,14 +22,20 @@ struct Target {
   double hold_s{6.25e-6};   ///< DIR stable after it.
   double width_s{6.25e-6};  ///< PUL active.
   double space_s{5e-6};     ///< PUL idle.
+  double late_s{16.25e-6};  ///< By which a tick may be late, at most.
   std::string name{"avr"};
   std::string version;
 
   /// An interpolation period.
   [[nodiscard]] double periodS() const { return tick_s * ticks_per_period; }
-  /// Steps per period that the planner gives an axis: the rest is for rounding and for what the follow
-  /// correction adds when the belt runs unevenly.
-  [[nodiscard]] int stepBudget() const { return max_steps - (max_steps > 30 ? (max_steps + 7) / 12 : 1); }
+  /// Steps per period that the planner gives an axis of those that it can make: the rest is for rounding and
+  /// for what the follow correction adds when the belt runs unevenly.
+  [[nodiscard]] static int stepBudget(int most_steps) {
+    return most_steps - (most_steps > 30   ? (most_steps + 7) / 12
+                         : most_steps > 12 ? 2
+                         : most_steps > 1  ? 1
+                                           : 0);
+  }
   [[nodiscard]] double longestDelayS() const { return longest_delay_ticks * tick_s; }
 };
 
@@ -39,6 +45,8 @@ std::optional<Target> targetFrom(std::span<const std::uint8_t> block);
 /// Of a release image: Intel hex (.hex, .ihx), or any file that holds the block as it is.
 /// @throws PlanError if it cannot be read, or does not hold exactly one block.
 Target targetOfImage(const std::filesystem::path& image);
+/// "0.1.0+5992ccb820b1, avr: ticks of 25 us, 32 a period, …"
+std::string describe(const Target& target);
 /// What the program, planned for `wanted`, does not find in `found`; empty if it can run there.
 std::string differenceOf(const Target& wanted, const Target& found);
 

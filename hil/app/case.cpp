@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/correction.h"
 #include "hil/app/machine_check.h"
 #include "hil/base/yaml_reader.h"
@@ -24,6 +25,17 @@ void refuseUnfit(const Dieline& dieline) {
                            dieline.path, finding.p_mm.x(), finding.p_mm.y(), finding.layer, finding.message);
   }
   if (!message.empty()) throw ConfigError(message);
+}
+
+/// The catalogue's entry of an axis's drive.
+planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
+  const DriverProfile& profile = axis.profile;
+  return {.name = profile.name,
+          .falling_edge = !profile.active_edge_rising,
+          .setup_s = profile.setup_s,
+          .hold_s = profile.hold_s,
+          .width_s = profile.width_s,
+          .space_s = profile.space_s};
 }
 
 }  // namespace
@@ -98,6 +110,15 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   machine.power_quantum_j = told.power_quantum_j;
   machine.laser_lag_s = told.laser_lag_s;
   machine.power_delay_s = told.power_delay_s;
+  const twin::MachineDescription& m = the_case.machine;
+  if (m.kind == twin::MachineDescription::Kind::kGantry) {
+    machine.drives[KB_GANTRY_X] = needsOf(m.gantry_x);
+    machine.drives[KB_GANTRY_Y] = needsOf(m.gantry_y);
+  } else {
+    machine.drives[KB_GALVO_X] = needsOf(m.galvo_x);
+    machine.drives[KB_GALVO_Y] = needsOf(m.galvo_y);
+  }
+  if (m.belt.feed.step > 0.0) machine.drives[KB_FEED] = needsOf(m.belt.feed);
   return machine;
 }
 

@@ -70,6 +70,8 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   report.versions = {{"kerfbench", KERFBENCH_VERSION}};
   if (!conclusion.firmware_sha256.empty())
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
+  if (!conclusion.firmware_version.empty())
+    report.versions.emplace_back("controller", conclusion.firmware_version);
   if (conclusion.safe_state) {
     judgeSafeState(the_case, twin, *conclusion.safe_state, report);
   } else {

@@ -22,6 +22,8 @@ struct Conclusion {
   std::string firmware;     ///< For people.
   std::string source_id;
   std::string firmware_sha256;
+  std::string
+      firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
   const twin::DrawnMachine* drawn{};            ///< The machine that ran; not null.
   const MachineFilm* film{};                    ///< For the report's pictures; not null.
   std::string gcode;                            ///< Written to the results folder unless empty.

@@ -86,6 +86,7 @@ PreparedJob prepareJob(const Case& the_case) {
       "{} unit{}, {:.0f} mm of marks and {:.0f} mm of jumps in {:.2f} s each; belt {} mm/s, at most {:.1f}",
       the_case.scenario.print.units, the_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
       plan.jump_length_mm, plan.unit_time_s, the_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
+  job.controller = describe(machine.target);
   job.gcode = std::move(plan.gcode);
   job.target = machine.target;
   job.belt_stop_mm_s = plan.belt_stop_mm_s;

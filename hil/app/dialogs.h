@@ -13,8 +13,10 @@ namespace kerfbench::hil {
 /// A job ready to be sent, and what is worth telling of it.
 struct PreparedJob {
   std::unique_ptr<Dialog> dialog;
-  std::string summary;                 ///< One line.
-  std::string gcode;                   ///< For the results folder.
+  std::string summary;  ///< One line.
+  std::string gcode;    ///< For the results folder.
+  /// What the image says of itself; empty if it is not the reference controller's.
+  std::string controller{};
   planner::Target target;              ///< That was planned for.
   double belt_stop_mm_s{};             ///< As the planner has told the controller.
   Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,

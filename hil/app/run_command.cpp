@@ -122,6 +122,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.drawn = &drawn;
   conclusion.film = &film;
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
+  conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
   hearController(the_case, job, run.recording, run.problems, provocation.lineCut_s(), conclusion);
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);

@@ -307,6 +307,9 @@ planner::JobParameters readJob(YamlReader planner, const Scenario& scenario) {
   job.perforation_gap_mm =
       planner.number("perforation_gap_mm", {.min = 0.3, .max = 50, .fallback = job.perforation_gap_mm});
   job.alternate = planner.boolean("alternate", false);
+  job.stop_and_go = planner.boolean("stop_and_go", false);
+  if (job.stop_and_go && !scenario.belt_by_controller)
+    planner.fault("stop_and_go", "needs belt.drive: controller, whose feed it is");
   const std::string order = planner.choice("order", {"shortest", "nearest", "drawn"}, "shortest");
   job.order = order == "drawn"     ? planner::JobParameters::Order::kDrawn
               : order == "nearest" ? planner::JobParameters::Order::kNearest

@@ -27,6 +27,9 @@ static inline void kb_hal_unlock(uint8_t saved) {
 
 static inline void kb_hal_barrier(void) { __asm__ volatile("" ::: "memory"); }
 
+/* Ticks without pulses that stay active are the compare match A's, the longer ones with them B's. */
+static inline void kb_hal_hold_pulses(bool hold) { TIMSK1 = hold ? _BV(OCIE1B) : _BV(OCIE1A); }
+
 static inline uint8_t kb_hal_inputs(void) { return PINL & 0x07U; }
 
 static inline bool kb_hal_rx(uint8_t* byte) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The core on an ATmega2560: Timer1 gives the ticks, Timer3 the time of belt edges, Timer4 counts those of the power
- * meter, USART0 the host. */
+/* The core on an ATmega2560: Timer1 gives the ticks, Timer3 the time of belt edges, Timer4 counts those of
+ * the power meter, USART0 the host. */
 #include "firmware_under_test/controller/core/belt.h"
 #include "firmware_under_test/controller/core/controller.h"
 #include "firmware_under_test/controller/core/engine.h"
@@ -13,21 +13,21 @@ uint8_t kb_rx_first;
 volatile uint8_t kb_rx_errors;
 
 ISR(TIMER1_COMPA_vect) {
-  /* What can be read is read before PUL rises: it adds to the time that DIR has been set up. */
-  const uint8_t dir_a = kb_engine.dir_a;
-  const uint8_t out_c = kb_engine.out_c;
-  const uint8_t rest_c = out_c & (uint8_t)~KB_FEED_PUL;
-  const uint8_t inputs = PINL;
 #ifdef KB_DEFECT_PULSES_LOST
   /* Defect: "the UART must not overrun", so a tick gives way to a waiting byte, and its steps are gone. */
   if (UCSR0A & _BV(RXC0)) {
-    kb_engine.out_a = kb_engine.dir_a;
+    kb_engine.out_a = kb_engine.idle_a;
   }
 #endif
+  /* What lies between the end of the tick before, should this one have waited for it, and PUL is DIR's
+   * set-up: 5 us with this. */
+  const uint8_t inputs = PINL;
+  const uint8_t out_c = kb_engine.out_c;
+  __builtin_avr_delay_cycles(2);
 #ifdef KB_DEFECT_DIR_LATE
   /* Defect: DIR is written with the step that needs it, and 2 us after its PUL. */
   static uint8_t shown;
-  const uint8_t steps = kb_engine.out_a & 0x55U;
+  const uint8_t steps = kb_engine.out_a & KB_PUL_A;
   const uint8_t stepping_dirs = (uint8_t)(steps << 1);
   PORTA = steps | shown;
   PORTC = out_c;
@@ -42,17 +42,29 @@ ISR(TIMER1_COMPA_vect) {
     kb_tick_boundary(TCNT3);
     kb_power_counter = TCNT4L;
   }
-  kb_tick_compute(inputs);
+  kb_tick_compute(inputs, false);
 #ifdef KB_DEFECT_DIR_LATE
-  (void)dir_a;
   PORTA = shown;
-  PORTC = rest_c;
 #else
-  PORTA = dir_a;
-  PORTC = rest_c;
-  PORTA = kb_engine.dir_a;
+  PORTA = kb_engine.idle_a;
 #endif
-  PORTC = (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c);
+  PORTC = (uint8_t)((out_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR)) | kb_engine.idle_c);
+}
+
+/* Instead of it while some axis needs pulses that stay active over ticks. */
+ISR(TIMER1_COMPB_vect) {
+  const uint8_t inputs = PINL;
+  const uint8_t out_c = kb_engine.out_c;
+  const uint8_t held = kb_engine.held;
+  PORTA = kb_engine.out_a;
+  PORTC = out_c;
+  if (kb_tick_begins_period()) {
+    kb_tick_boundary(TCNT3);
+    kb_power_counter = TCNT4L;
+  }
+  kb_tick_compute(inputs, true);
+  PORTA = kb_level_a(held);
+  PORTC = kb_level_c(held, out_c);
 }
 
 ISR(INT2_vect) {
@@ -87,9 +99,10 @@ int main(void) {
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
 
-  TCCR3B = _BV(CS31) | _BV(CS30); /* 64 cycles */
+  TCCR3B = _BV(CS31) | _BV(CS30);             /* 64 cycles */
   TCCR4B = _BV(CS42) | _BV(CS41) | _BV(CS40); /* rising edges of T4 */
   OCR1A = KB_TICK_CYCLES - 1U;
+  OCR1B = KB_TICK_CYCLES - 1U;
   TIMSK1 = _BV(OCIE1A);
   TCCR1B = _BV(WGM12) | _BV(CS10);
 

@@ -124,6 +124,12 @@ static uint8_t configure(const struct kb_frame* frame) {
       .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8),
       .idle_power = b[6],
       .max_per_period = (uint32_t)b[7] | (uint32_t)b[8] << 8 | (uint32_t)b[9] << 16 | (uint32_t)b[10] << 24,
+      .invert_a = b[13],
+      .invert_c = b[14],
+      .wide = b[15],
+      .wide_ticks = b[16],
+      .most_steps = {b[17], b[18], b[19], b[20], b[21]},
+      .turn_steps = {b[22], b[23], b[24], b[25], b[26]},
   };
   if (config.max_per_period > INT32_MAX || !kb_program_configure(&config)) {
     return KB_NAK_VALUE;

@@ -22,7 +22,9 @@ enum {
   KB_LASER_GATE = 0x04,
   KB_LASER_PWM = 0x08,
   KB_ACC_START = 128, /* The first step of m comes after half of its spacing. */
-  KB_INC_PER_STEP = 256U / KB_TICKS_PER_PERIOD
+  KB_INC_PER_STEP = 256U / KB_TICKS_PER_PERIOD,
+  KB_PUL_A = 0x55, /* bits of port A */
+  KB_HELD_FEED = 0x02 /* the feed's PUL among those of port A, where all are in one byte */
 };
 
 /* Levels of the inputs, as kb_hal_inputs() gives them: the bits of port L. */
@@ -30,8 +32,8 @@ enum { KB_IN_LIMIT_X = 0x01, KB_IN_LIMIT_Y = 0x02, KB_IN_LIMITS = 0x03, KB_IN_IN
 
 struct kb_period {
   uint8_t inc[KB_AXES]; /* KB_INC_PER_STEP * steps */
-  uint8_t dir_a;        /* DIR bits of port A */
-  uint8_t dir_c;
+  uint8_t idle_a;       /* of port A: DIR, and PUL as it is between pulses */
+  uint8_t idle_c;
   bool laser_changes;
   kb_ticks_t laser_delay; /* ticks from the start of the period */
   uint8_t gate;           /* 0 or KB_LASER_GATE */
@@ -45,13 +47,19 @@ struct kb_laser_event {
 };
 
 struct kb_engine {
-  /* What the next tick writes. */
+  /* What the next tick writes first; then PUL falls but for what `held` was until then, and DIR is that of
+   * `idle`. */
   uint8_t out_a;
   uint8_t out_c;
-  uint8_t dir_a;
-  uint8_t dir_c;
-  uint8_t ticks_left; /* of the period, including the next tick to be computed */
-  kb_ticks_t tick;    /* counts all ticks, modulo its range */
+  uint8_t idle_a; /* levels of PUL and DIR between pulses, in this period */
+  uint8_t idle_c;
+  /* As configured. */
+  uint8_t wide;                        /* PUL of these stays active for wide_ticks; as `held` */
+  uint8_t wide_ticks;                  /* 1 … KB_WIDE_TICKS_MAX */
+  uint8_t held;                        /* PUL of port A, and KB_HELD_FEED */
+  uint8_t ends[KB_WIDE_TICKS_MAX + 1]; /* of `held`, those that the coming ticks end */
+  uint8_t ticks_left;                  /* of the period, including the next tick to be computed */
+  kb_ticks_t tick;                     /* counts all ticks, modulo its range */
   uint8_t gate;
   uint8_t power;
   uint8_t sigma;
@@ -76,6 +84,8 @@ struct kb_engine {
 extern volatile struct kb_engine kb_engine;
 
 void kb_engine_init(void);
+/* Levels between pulses, and the pulses that stay active. Only while nothing moves. */
+void kb_engine_configure(uint8_t idle_a, uint8_t idle_c, uint8_t wide, uint8_t wide_ticks);
 /* Main loop only, when !next_ready. */
 void kb_engine_offer(const struct kb_period* period);
 /* Laser off and no laser event left, delayed or offered; takes effect in the tick at hand or the next. */
@@ -106,8 +116,8 @@ static inline void kb_tick_boundary(uint16_t now) {
     e->inc[2] = e->next.inc[2];
     e->inc[3] = e->next.inc[3];
     e->inc[4] = e->next.inc[4];
-    e->dir_a = e->next.dir_a;
-    e->dir_c = e->next.dir_c;
+    e->idle_a = e->next.idle_a;
+    e->idle_c = e->next.idle_c;
     if (e->next.laser_changes) {
       const uint8_t end = e->laser_end;
       volatile struct kb_laser_event* const event = &e->laser[end];
@@ -132,6 +142,17 @@ static inline void kb_tick_boundary(uint16_t now) {
   }
 }
 
+/* What a tick leaves, of `held` and `out_c` as they were before it worked out the next. */
+static inline uint8_t kb_level_a(uint8_t held) { return (uint8_t)((held & KB_PUL_A) ^ kb_engine.idle_a); }
+static inline uint8_t kb_level_c(uint8_t held, uint8_t out_c) {
+  const uint8_t laser = out_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR);
+  uint8_t axis = kb_engine.idle_c;
+  if (held & KB_HELD_FEED) {
+    axis ^= KB_FEED_PUL;
+  }
+  return laser | axis;
+}
+
 /* One bit of the laser's PWM. */
 static inline uint8_t kb_tick_pwm(void) {
   volatile struct kb_engine* const e = &kb_engine;
@@ -146,33 +167,58 @@ static inline uint8_t kb_tick_pwm(void) {
   return bit;
 }
 
-/* Works out what the next tick writes. */
-static inline void kb_tick_compute(uint8_t inputs) {
+/* Pulses that stay active: those that have their time behind them off, new ones on. Returns all of them. */
+static inline uint8_t kb_tick_hold(uint8_t tick, uint8_t pulses) {
+  volatile struct kb_engine* const e = &kb_engine;
+  uint8_t held = e->held;
+  const uint8_t begun = pulses & e->wide;
+  if ((held | begun) == 0) {
+    return 0;
+  }
+  const uint8_t slot = tick & KB_WIDE_TICKS_MAX;
+  const uint8_t ended = e->ends[slot];
+  if (ended != 0) {
+    e->ends[slot] = 0;
+    held &= (uint8_t)~ended;
+  }
+  if (begun != 0) {
+    e->ends[(uint8_t)(tick + e->wide_ticks) & KB_WIDE_TICKS_MAX] = begun;
+    held |= begun;
+  }
+  e->held = held;
+  return held;
+}
+
+/* Works out what the next tick writes. `holds`: there may be pulses that stay active. A constant, for a
+ * target whose ticks have no time to ask. */
+static inline void kb_tick_compute(uint8_t inputs, bool holds) {
   volatile struct kb_engine* const e = &kb_engine;
   uint8_t pulses = 0;
   uint8_t inc;
   uint8_t acc;
 
-#define KB_DDA(axis, target, bit)       \
+#define KB_DDA(axis, bit)               \
   inc = e->inc[axis];                   \
   acc = (uint8_t)(e->acc[axis] + inc);  \
   e->acc[axis] = acc;                   \
   if (acc < inc) {                      \
-    target = (uint8_t)(target | (bit)); \
+    pulses = (uint8_t)(pulses | (bit)); \
   }
-  KB_DDA(KB_GALVO_X, pulses, 0x01)
-  KB_DDA(KB_GALVO_Y, pulses, 0x04)
-  KB_DDA(KB_GANTRY_X, pulses, 0x10)
-  KB_DDA(KB_GANTRY_Y, pulses, 0x40)
-  e->out_a = (uint8_t)(pulses | e->dir_a);
-
-  uint8_t out_c = e->dir_c;
-  KB_DDA(KB_FEED, out_c, KB_FEED_PUL)
+  KB_DDA(KB_GALVO_X, 0x01)
+  KB_DDA(KB_GALVO_Y, 0x04)
+  KB_DDA(KB_GANTRY_X, 0x10)
+  KB_DDA(KB_GANTRY_Y, 0x40)
+  KB_DDA(KB_FEED, KB_HELD_FEED)
 #undef KB_DDA
-
-  const uint8_t first = e->laser_first;
   const kb_ticks_t tick = e->tick;
   e->tick = (kb_ticks_t)(tick + 1U);
+  if (holds) {
+    pulses |= kb_tick_hold((uint8_t)tick, pulses);
+  }
+  e->out_a = (uint8_t)((pulses & KB_PUL_A) ^ e->idle_a);
+
+  uint8_t laser = 0;
+  const uint8_t first = e->laser_first;
   if (first != e->laser_end && e->laser[first].due == tick) {
     e->gate = e->laser[first].gate;
     e->power = e->laser[first].power;
@@ -194,11 +240,15 @@ static inline void kb_tick_compute(uint8_t inputs) {
       e->pwm_left = KB_PWM_TICKS;
     }
     e->pwm_left--;
-    out_c |= e->pwm;
+    laser |= e->pwm;
 #else
-    out_c |= kb_tick_pwm();
+    laser = kb_tick_pwm();
 #endif
-    out_c = (uint8_t)(out_c | e->gate);
+    laser = (uint8_t)(laser | e->gate);
+  }
+  uint8_t out_c = (uint8_t)(e->idle_c | laser);
+  if (pulses & KB_HELD_FEED) {
+    out_c ^= KB_FEED_PUL;
   }
   e->out_c = out_c;
 }

@@ -22,13 +22,15 @@ static uint16_t queue_end;
 static struct {
   struct kb_config config;
   bool configured;
+  bool careful; /* an axis may not turn at full speed */
   enum phase phase;
   enum kb_fault ramp_fault;
   uint16_t periods_left; /* of STAND and TAIL */
   int8_t steps[KB_AXES]; /* of the last period offered, correction included; RAMP slows them down */
   int8_t previous_steps[KB_AXES];
   int32_t position[KB_AXES];
-  uint8_t dir_a;
+  int16_t owed[KB_AXES]; /* steps that a reversal has put off */
+  uint8_t dir_a;         /* logical, high: positive */
   uint8_t dir_c;
   uint8_t gate;
   uint8_t power;
@@ -63,11 +65,42 @@ void kb_program_init(void) {
   kb_queue_clear();
 }
 
+static const uint8_t dir_bits[KB_AXES] = {0x02, 0x08, 0x20, 0x80, KB_FEED_DIR};
+
+static bool drivesFit(const struct kb_config* config) {
+  if ((config->invert_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR)) != 0 ||
+      (config->wide & (uint8_t)~KB_AXIS_MASK) != 0 || config->wide_ticks > KB_WIDE_TICKS_MAX ||
+      (config->wide != 0 && config->wide_ticks == 0)) {
+    return false;
+  }
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    const uint8_t most = config->most_steps[axis];
+    const uint8_t wide = (config->wide & (uint8_t)(1U << axis)) ? config->wide_ticks : 0;
+    if (most > KB_MAX_STEPS_PER_PERIOD || config->turn_steps[axis] > most ||
+        (uint16_t)(most * (wide + 1U)) > KB_TICKS_PER_PERIOD) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* PUL of an axis among those that the engine holds. */
+static uint8_t heldBits(uint8_t axes) {
+  uint8_t bits = (axes & (uint8_t)(1U << KB_FEED)) ? KB_HELD_FEED : 0;
+  for (uint8_t axis = 0; axis < KB_FEED; ++axis) {
+    if (axes & (uint8_t)(1U << axis)) {
+      bits = (uint8_t)(bits | dir_bits[axis] >> 1);
+    }
+  }
+  return bits;
+}
+
 bool kb_program_configure(const struct kb_config* config) {
   const uint16_t on = config->gate_on_delay;
   const uint16_t off = config->gate_off_delay;
   const uint16_t apart = on > off ? (uint16_t)(on - off) : (uint16_t)(off - on);
-  if (apart >= KB_TICKS_PER_PERIOD || on > KB_LONGEST_DELAY_TICKS || off > KB_LONGEST_DELAY_TICKS) {
+  if (apart >= KB_TICKS_PER_PERIOD || on > KB_LONGEST_DELAY_TICKS || off > KB_LONGEST_DELAY_TICKS ||
+      !drivesFit(config)) {
     return false;
   }
   p.config = *config;
@@ -76,6 +109,9 @@ bool kb_program_configure(const struct kb_config* config) {
   p.config.gate_on_delay = (uint16_t)(config->gate_on_delay > 175 ? 255 : config->gate_on_delay + 80);
   p.config.gate_off_delay = (uint16_t)(config->gate_off_delay > 175 ? 255 : config->gate_off_delay + 80);
 #endif
+  kb_engine_configure(p.dir_a ^ config->invert_a, p.dir_c ^ config->invert_c, heldBits(config->wide),
+                      config->wide_ticks);
+  p.careful = memcmp(config->turn_steps, config->most_steps, sizeof(config->turn_steps)) != 0;
   p.configured = true;
   return true;
 }
@@ -93,6 +129,7 @@ void kb_program_start(void) {
   p.power = 0;
   memset(p.steps, 0, sizeof(p.steps));
   memset(p.correction, 0, sizeof(p.correction));
+  memset(p.owed, 0, sizeof(p.owed));
   p.nominal = 0;
   p.nominal_part = 0;
   kb_belt_clear_marks();
@@ -105,6 +142,7 @@ void kb_program_ramp(enum kb_fault fault) {
   }
   p.phase = KB_PHASE_RAMP;
   p.ramp_fault = fault;
+  memset(p.owed, 0, sizeof(p.owed));
   kb_engine_laser_off();
 }
 
@@ -150,7 +188,7 @@ static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     if (op & (uint8_t)(1U << axis)) {
       const int16_t count = (int8_t)peek(at++);
-      if (count > KB_MAX_STEPS_PER_PERIOD || count < -KB_MAX_STEPS_PER_PERIOD) {
+      if (count > p.config.most_steps[axis] || count < -(int16_t)p.config.most_steps[axis]) {
         return KB_FAULT_OVERSPEED;
       }
       p.steps[axis] = (int8_t)count;
@@ -182,6 +220,34 @@ static int16_t wantedCorrection(void) {
   return steps > INT16_MAX / 2 ? INT16_MAX / 2 : steps < INT16_MIN / 2 ? INT16_MIN / 2 : (int16_t)steps;
 }
 
+static int16_t within(int16_t value, uint8_t most) {
+  return value > most ? most : value < -(int16_t)most ? (int16_t) - (int16_t)most : value;
+}
+
+/* Keeps DIR's set-up and hold: few steps, and so late ones, beside a change of DIR. */
+static void turnWithCare(void) {
+  if (!p.careful) {
+    return;
+  }
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    if (p.steps[axis] == 0 && p.owed[axis] == 0) {
+      continue;
+    }
+    const uint8_t turn = p.config.turn_steps[axis];
+    const uint8_t most = p.config.most_steps[axis];
+    const int16_t wanted = (int16_t)(p.steps[axis] + p.owed[axis]);
+    const int8_t before = p.previous_steps[axis];
+    const bool forwards = ((axis == KB_FEED ? p.dir_c : p.dir_a) & dir_bits[axis]) != 0;
+    const bool turns = wanted != 0 && (wanted > 0) != forwards;
+    uint8_t limit = turns ? turn : most;
+    if (turns && (before > (int16_t)turn || before < -(int16_t)turn)) {
+      limit = 0;
+    }
+    p.steps[axis] = (int8_t)within(wanted, limit);
+    p.owed[axis] = (int16_t)(wanted - p.steps[axis]);
+  }
+}
+
 /* Adds the change of the corrections to the steps. True while one of them has not come to its end. */
 static bool correct(bool referenced) {
   bool pending = false;
@@ -191,24 +257,18 @@ static bool correct(bool referenced) {
       continue;
     }
     const int16_t target = followed ? wantedCorrection() : 0;
-    int16_t total = (int16_t)(p.steps[axis] + target - p.correction[axis]);
-    if (total > KB_MAX_STEPS_PER_PERIOD) {
-      total = KB_MAX_STEPS_PER_PERIOD;
-    } else if (total < -KB_MAX_STEPS_PER_PERIOD) {
-      total = -KB_MAX_STEPS_PER_PERIOD;
-    }
+    const int16_t total =
+        within((int16_t)(p.steps[axis] + target - p.correction[axis]), p.config.most_steps[axis]);
     p.correction[axis] = (int16_t)(p.correction[axis] + total - p.steps[axis]);
     p.steps[axis] = (int8_t)total;
     pending = pending || p.correction[axis] != target;
     if (followed) {
       const int16_t missing = (int16_t)(target - p.correction[axis]);
-      p.lags = missing > KB_MAX_STEPS_PER_PERIOD || missing < -KB_MAX_STEPS_PER_PERIOD;
+      p.lags = within(missing, p.config.most_steps[axis]) != missing;
     }
   }
   return pending;
 }
-
-static const uint8_t dir_bits[KB_AXES] = {0x02, 0x08, 0x20, 0x80, KB_FEED_DIR};
 
 static void offer(bool lit, uint8_t power) {
   struct kb_period period;
@@ -222,8 +282,8 @@ static void offer(bool lit, uint8_t power) {
       *dir = steps > 0 ? (uint8_t)(*dir | bit) : (uint8_t)(*dir & (uint8_t)~bit);
     }
   }
-  period.dir_a = p.dir_a;
-  period.dir_c = p.dir_c;
+  period.idle_a = p.dir_a ^ p.config.invert_a;
+  period.idle_c = p.dir_c ^ p.config.invert_c;
   const uint8_t gate = lit ? KB_LASER_GATE : 0;
   power = kb_power_command(lit, power);
   period.laser_changes = gate != p.gate || power != p.power;
@@ -312,6 +372,14 @@ static bool markReached(void) {
   return true;
 }
 
+static bool owes(void) {
+  bool any = false;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    any = any || p.owed[axis] != 0;
+  }
+  return any;
+}
+
 static void advanceNominal(void) {
   const uint16_t part = (uint16_t)(p.nominal_part + (p.config.nominal_per_period & 0xFFU));
   p.nominal_part = (uint8_t)part;
@@ -346,6 +414,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       kb_program_ramp(KB_FAULT_DRY);
     }
   }
+  bool pending;
   switch (p.phase) {
     case KB_PHASE_RUN:
       advanceNominal();
@@ -371,11 +440,13 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       break;
     case KB_PHASE_TAIL:
       power = 0;
-      if (!correct(false) && p.periods_left-- == 0) {
+      pending = correct(false) || owes();
+      if (!pending && p.periods_left-- == 0) {
         return KB_STEP_DONE;
       }
       break;
   }
+  turnWithCare();
   offer(lit, power);
   return KB_STEP_ON;
 }
@@ -396,6 +467,7 @@ void kb_program_halt(void) {
   }
   memset(p.steps, 0, sizeof(p.steps));
   memset(p.previous_steps, 0, sizeof(p.previous_steps));
+  memset(p.owed, 0, sizeof(p.owed));
   p.gate = 0;
   p.power = 0;
   p.phase = KB_PHASE_RUN;

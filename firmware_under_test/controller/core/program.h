@@ -15,6 +15,12 @@ struct kb_config {
   uint16_t gate_off_delay;
   uint8_t idle_power;
   uint32_t max_per_period;
+  uint8_t invert_a;
+  uint8_t invert_c;
+  uint8_t wide; /* mask of axes */
+  uint8_t wide_ticks;
+  uint8_t most_steps[KB_AXES];
+  uint8_t turn_steps[KB_AXES];
 };
 
 enum kb_step { KB_STEP_ON, KB_STEP_DONE, KB_STEP_FAULT };
@@ -31,7 +37,8 @@ uint16_t kb_queue_store(uint16_t at, uint8_t byte);
 void kb_queue_commit(uint8_t length);
 
 void kb_program_init(void);
-/* False where gate delays differ by a period or more (their order could turn round), or are too long. */
+/* False where gate delays differ by a period or more (their order could turn round) or are too long, and
+ * where pulses would overlap. */
 bool kb_program_configure(const struct kb_config* config);
 bool kb_program_configured(void);
 /* Uses the configuration up: the next start needs one of its own. */

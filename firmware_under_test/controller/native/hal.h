@@ -10,6 +10,7 @@
 static inline uint8_t kb_hal_lock(void) { return 0; }
 static inline void kb_hal_unlock(uint8_t saved) { (void)saved; }
 static inline void kb_hal_barrier(void) {}
+static inline void kb_hal_hold_pulses(bool hold) { (void)hold; }
 
 #ifdef __cplusplus
 extern "C" {

@@ -18,12 +18,10 @@ enum {
   /* A pulse generator in logic: PUL high for 7 cycles of 62.5 ns, low for at least 9; DIR changes 8 before an
      edge of PUL. */
   KB_RISE_CYCLES = 1, /* tick to the first store */
-  KB_FALL_CYCLES = 8, /* to PUL low */
-  KB_DIR_CYCLES = 9,  /* to DIR */
+  KB_FALL_CYCLES = 8, /* to PUL low and DIR */
 #else
-  KB_RISE_CYCLES = 53,
-  KB_FALL_CYCLES = 163,
-  KB_DIR_CYCLES = 167,
+  KB_RISE_CYCLES = 50,
+  KB_FALL_CYCLES = 157,
 #endif
   KB_BYTE_CYCLES = 10 * KB_CPU_HZ / KB_BAUD,
   KB_WATCHDOG_CYCLES = 16 * (KB_CPU_HZ / 1000), /* 16 ms, as on the AVR */
@@ -45,7 +43,7 @@ static struct {
   uint8_t port_l;
   bool power_level;
   uint8_t power_edges; /* rising ones of the power meter */
-  uint8_t level[4];     /* of output ports, by number */
+  uint8_t level[4];    /* of output ports, by number */
   bool rx_full;
   uint8_t rx_errors;
   uint8_t rx_byte;
@@ -99,17 +97,15 @@ static void writePort(uint64_t at, uint8_t port, uint8_t level) {
 static void tick(void) {
   writePort(m.now + KB_RISE_CYCLES, KB_PORT_A, kb_engine.out_a);
   writePort(m.now + KB_RISE_CYCLES, KB_PORT_C, kb_engine.out_c);
-  const uint8_t dir_a = kb_engine.dir_a;
-  const uint8_t rest_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
+  const uint8_t held = kb_engine.held;
+  const uint8_t out_c = kb_engine.out_c;
   if (kb_tick_begins_period()) {
     kb_tick_boundary(timeNow());
     kb_power_counter = m.power_edges;
   }
-  kb_tick_compute(m.port_l);
-  writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, dir_a);
-  writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, rest_c);
-  writePort(m.now + KB_DIR_CYCLES, KB_PORT_A, kb_engine.dir_a);
-  writePort(m.now + KB_DIR_CYCLES, KB_PORT_C, (uint8_t)((rest_c & (uint8_t)~KB_FEED_DIR) | kb_engine.dir_c));
+  kb_tick_compute(m.port_l & 0x07U, true);
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_A, kb_level_a(held));
+  writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, kb_level_c(held, out_c));
 }
 
 /* As the AVR's: all pins low, and a new start. */

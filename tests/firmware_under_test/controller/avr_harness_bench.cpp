@@ -20,7 +20,8 @@ void driveInput(Bench& bench, char port, int bit, unsigned level) {
 
 namespace {
 
-void onPort(Bench& bench, char port, unsigned value) {
+void onPort(Bench& bench, char port, unsigned pins) {
+  const unsigned value = pins ^ (port == 'A' ? bench.invert_a : bench.invert_c);
   const std::uint64_t now = bench.avr->cycle;
   const unsigned changed = bench.levels[static_cast<unsigned char>(port)] ^ value;
   bench.levels[static_cast<unsigned char>(port)] = value;
@@ -137,6 +138,8 @@ int failed = 0;
 }  // namespace
 
 void load(Bench& bench, const char* image) {
+  bench.levels['A'] = bench.invert_a;
+  bench.levels['C'] = bench.invert_c;
   bench.avr = avr_make_mcu_by_name("atmega2560");
   avr_t* const avr = bench.avr;
   avr_init(avr);

@@ -37,11 +37,13 @@ struct Vector {
 struct Bench {
   avr_t* avr{};
   std::array<Axis, KB_AXES> axes{{{'A', 0, 1}, {'A', 2, 3}, {'A', 4, 5}, {'A', 6, 7}, {'C', 0, 1}}};
-  std::array<Vector, 4> vectors{{{17, "tick (TIMER1_COMPA)"},
+  std::array<Vector, 5> vectors{{{17, "tick (TIMER1_COMPA)"},
                                  {3, "encoder (INT2)"},
                                  {4, "print mark (INT3)"},
-                                 {25, "UART (USART0_RX)"}}};
-  std::array<unsigned, 256> levels{};
+                                 {25, "UART (USART0_RX)"},
+                                 {18, "tick that holds pulses (TIMER1_COMPB)"}}};
+  std::array<unsigned, 256> levels{};  ///< As the drives understand them, after the inversion.
+  unsigned invert_a{}, invert_c{};     ///< Set before load().
   std::deque<std::uint8_t> to_controller;
   std::vector<std::uint8_t> from_controller;
   avr_irq_t* rx{};

@@ -35,7 +35,8 @@ constexpr std::uint64_t kHostGivesUp = 400 * kPeriodCycles;  // it cannot ask an
 
 Program litProgram() {
   Program program;
-  program.config.assign(KB_CONFIG_LEN, 0);
+  program.config.assign(17, 0);
+  program.config.resize(KB_CONFIG_LEN, KB_MAX_STEPS_PER_PERIOD);
   for (int i = 0; i < 1500; ++i)
     program.ops.push_back({KB_OP_MOVE | KB_OP_POWER | 0x0F, 31, 0xE1, 29, 0xE5, 255});
   program.ops.push_back({KB_OP_END});

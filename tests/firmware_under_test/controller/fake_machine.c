@@ -75,14 +75,14 @@ void fakeTick(void) {
   fake.tick++;
   fake.last.first_a = kb_engine.out_a;
   fake.last.first_c = kb_engine.out_c;
-  fake.last.low_a = kb_engine.dir_a;
-  fake.last.low_c = kb_engine.out_c & (uint8_t)~KB_FEED_PUL;
+  fake.last.low_a = kb_level_a(kb_engine.held);
+  fake.last.low_c = kb_level_c(kb_engine.held, kb_engine.out_c);
   if (kb_tick_begins_period()) {
     kb_tick_boundary((uint16_t)(fake.tick * 400U / 64U));
   }
-  kb_tick_compute(fake.inputs);
-  fake.last.dir_a = kb_engine.dir_a;
-  fake.last.dir_c = kb_engine.dir_c;
+  kb_tick_compute(fake.inputs, true);
+  fake.last.dir_a = kb_engine.idle_a;
+  fake.last.dir_c = kb_engine.idle_c;
   tx_cycles += 400;
   rx_cycles += 400;
   if (rx_cycles >= 640 && fake.from_host != NULL && fake.from_host(fake.context, &rx_byte)) {

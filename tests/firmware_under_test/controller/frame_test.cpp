@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <initializer_list>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -85,6 +87,29 @@ TEST(Frame, RefusesAProgramThatIsNotTheOneSent) {
   const auto started = runner.ask(frame(KB_START, 6, check.bytes()));
   const auto ack = frame(KB_ACK, 6, {0xFB, 0x0F});
   EXPECT_TRUE(std::equal(ack.begin(), ack.end(), started.begin()));
+}
+
+TEST(Frame, RefusesPulsesThatItCannotMake) {
+  const std::vector<std::uint8_t> good = config();
+  ASSERT_EQ(good.size(), std::size_t(KB_CONFIG_LEN));
+  std::uint8_t seq = 0;
+  const auto answer = [&](std::initializer_list<std::pair<std::size_t, int>> changes) {
+    std::vector<std::uint8_t> bytes = good;
+    for (const auto& [at, value] : changes) bytes[at] = static_cast<std::uint8_t>(value);
+    Runner runner;
+    ++seq;
+    return runner.ask(frame(KB_CONFIG, seq, bytes)) == frame(KB_NAK, seq, {KB_NAK_VALUE});
+  };
+  EXPECT_FALSE(answer({}));
+  EXPECT_TRUE(answer({{14, 4}})) << "the laser's gate is no pin of an axis";
+  EXPECT_TRUE(answer({{15, 1}})) << "held for no tick";
+  EXPECT_TRUE(answer({{15, 1}, {16, 1}})) << "a pulse in each tick, held for one";
+  EXPECT_FALSE(answer({{15, 1}, {16, 1}, {17, 16}, {22, 16}}));
+  EXPECT_TRUE(answer({{15, 1}, {16, 1}, {17, 17}, {22, 16}}));
+  EXPECT_TRUE(answer({{15, 1}, {16, KB_WIDE_TICKS_MAX + 1}, {17, 1}, {22, 1}}));
+  EXPECT_TRUE(answer({{15, 0x20}, {16, 1}})) << "no such axis";
+  EXPECT_TRUE(answer({{18, 32}})) << "more steps than ticks";
+  EXPECT_TRUE(answer({{18, 8}})) << "it turns at 31, but never makes them";
 }
 
 TEST(Frame, RefusesDataThatDoesNotFit) {

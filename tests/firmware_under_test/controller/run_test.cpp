@@ -112,6 +112,23 @@ TEST(Run, AQueueThatRunsDryPutsTheLaserOutAndSlowsDown) {
   EXPECT_EQ(fakePosition(0), runner.pulses[0]);
 }
 
+TEST(Run, ARampDoesNotMakeUpForAReversalThatWasPutOff) {
+  Program program;
+  program.config = config();
+  program.config[22] = 4;                      // steps of axis 0 beside a change of DIR
+  program.ops.push_back({KB_OP_MOVE | 1, 4});  // DIR changes here, too
+  for (int i = 0; i < 40; ++i) program.ops.push_back({KB_OP_MOVE | 1, 31});
+  for (int i = 0; i < 2; ++i) program.ops.push_back({KB_OP_MOVE | 1, 0xE1});
+  Runner runner;
+  Link link(program);
+  runner.runProgram(link, 2.0);
+  EXPECT_THAT(link.message(), testing::HasSubstr("queue"));
+  runner.run(320);
+  EXPECT_EQ(fakePosition(0), 4 + 40 * 31 - 4 - 2 - 1) << "a period at rest, four steps back, and the ramp";
+  EXPECT_EQ(fakePosition(0), runner.pulses[0]);
+  EXPECT_TRUE(runner.dir_kept);
+}
+
 class StopsAtOnce : public testing::TestWithParam<std::pair<std::uint8_t, const char*>> {};
 
 TEST_P(StopsAtOnce, WithTheLaserOffAndAnHonestPosition) {

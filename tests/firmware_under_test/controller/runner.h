@@ -25,7 +25,8 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
   put(bytes, nominal_counts);
   for (const std::uint8_t byte : {on_ticks, off_ticks, std::uint8_t{0}}) bytes.push_back(byte);
   put(bytes, most_counts);
-  bytes.resize(KB_CONFIG_LEN);  // high bytes of the delays: 0
+  bytes.resize(17);  // high bytes of the delays, and drives of which none needs anything: 0
+  bytes.resize(KB_CONFIG_LEN, KB_MAX_STEPS_PER_PERIOD);
   return bytes;
 }
 

@@ -187,8 +187,8 @@ TEST(Correction, NoAxisMakesMoreStepsThanItMay) {
   const test::Played played = test::play(plan.program, machine, job);
   int most = 0;
   for (const test::Period& period : played.periods) most = std::max(most, period.largest_steps);
-  EXPECT_LE(most, Target{}.stepBudget() + 1);
-  EXPECT_GT(most, Target{}.stepBudget() - 4) << "and the budget is used";
+  EXPECT_LE(most, Target::stepBudget(31) + 1);
+  EXPECT_GT(most, Target::stepBudget(31) - 4) << "and the budget is used";
 }
 
 TEST(Correction, IsUsedByTheWholeJob) {
