@@ -53,7 +53,7 @@ std::optional<Check> excursionCheck(const Limits& limits, const Stillness& still
 /// by more than the limit of stillness, for one of them is wrong. nullopt without an encoder, with one too
 /// coarse to tell, and where the belt stood.
 std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
-/// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand.
+/// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand, or two in a row.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,

@@ -23,7 +23,8 @@ constexpr double kSlowShare = 0.6;
 /// carton-on-belt, whose creases take half the power, one is dark at 0.7 of the speed beside one of 2.5
 /// times; at full speed those creases are at 1.7 times.
 constexpr double kFaint = 2.0;
-/// Whether a faint spot is found is a matter of noise: so many of all frames may be dark without an excuse.
+/// Whether a faint spot is found is a matter of noise: so many of all frames may be dark without an excuse,
+/// but never two in a row.
 constexpr double kDarkShare = 0.001;
 
 /// What most frames show.
@@ -73,14 +74,18 @@ Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
   const Usual usual = usualOf(evidence, lit);
   std::size_t inside = 0;
   std::size_t blind = 0;
+  bool last_was_blind = false;
+  bool in_a_row = false;
   double first_s = 0.0;
   for (const FrameMeasurement& frame : evidence.spot.frames) {
     const auto next = std::upper_bound(gates.begin(), gates.end(), frame.mid_s,
                                        [](double t, const GateInterval& g) { return t < g.on_s; });
     if (next == gates.begin() || frame.mid_s > (next - 1)->off_s) continue;
     ++inside;
-    if (frame.spot_W_mm || !isBlind(evidence, lit, *(next - 1), frame.mid_s, usual)) continue;
-    if (blind++ == 0) first_s = frame.mid_s;
+    const bool is_blind = !frame.spot_W_mm && isBlind(evidence, lit, *(next - 1), frame.mid_s, usual);
+    in_a_row = in_a_row || (is_blind && last_was_blind);
+    last_was_blind = is_blind;
+    if (is_blind && blind++ == 0) first_s = frame.mid_s;
   }
   check.limit = kDarkShare;
   if (inside > 0) check.value = static_cast<double>(blind) / static_cast<double>(inside);
@@ -96,6 +101,12 @@ Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
     check.explanation = fmt::format(
         "Of {} frames taken with the gate open none is dark but where the beam is slow and so weak.{}",
         inside, lost);
+  } else if (check.verdict == Verdict::kPass && !in_a_row) {
+    check.explanation = fmt::format(
+        "In {} of {} frames taken with the gate open there is no spot, first at {:.3f} s, each time in one "
+        "frame "
+        "between others that show it.{}",
+        blind, inside, first_s, lost);
   } else {
     // Laser or camera: this alone does not tell. If nothing was cut there, the coverage fails.
     check.verdict = Verdict::kInvalid;

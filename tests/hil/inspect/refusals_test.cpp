@@ -277,15 +277,45 @@ TEST(Refusals, DarkFramesWithinACutAreInvalid) {
   EXPECT_EQ(result.verdict, Verdict::kInvalid);
 }
 
-TEST(Refusals, OneDarkFrameAmongFaintOnesIsExcused) {
+TEST(Refusals, DarkFramesAmongFaintOnesAreExcused) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
   const std::size_t dark = frameAt(run, run.evidence.gates.front().on_s + 0.1);
   frames[dark].spot_W_mm.reset();
+  frames[dark + 1].spot_W_mm.reset();
   EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid);
-  // The frame before it places the spot three times worse than usual: it glows faintly there.
+  // The frame before them places the spot three times worse than usual: it glows faintly there.
   frames[dark - 1].spot_sigma_mm *= 3.0;
   EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
+}
+
+TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const std::size_t dark = frameAt(run, run.evidence.gates.front().on_s + 0.1);
+  // The same run again and again, until one frame is less than a thousandth.
+  const std::vector<FrameMeasurement> once = frames;
+  const std::vector<GateInterval> gates = run.evidence.gates;
+  const double period_s = once[1].mid_s - once[0].mid_s;
+  const double turn_s = once.back().mid_s + period_s - once.front().mid_s;
+  for (int turn = 1; turn < 4; ++turn) {
+    for (FrameMeasurement frame : once) {
+      frame.mid_s += turn * turn_s;
+      frame.sequence = frames.size();
+      frames.push_back(frame);
+    }
+    for (GateInterval gate : gates) {
+      gate.on_s += turn * turn_s;
+      gate.off_s += turn * turn_s;
+      run.evidence.gates.push_back(gate);
+    }
+  }
+  frames[dark].spot_W_mm.reset();
+  frames[dark + 2].spot_W_mm.reset();
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
+  EXPECT_NE(checkOf(run.inspected(), "spot_seen").explanation.find("In 2 of "), std::string::npos);
+  frames[dark + 1].spot_W_mm.reset();
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid);
 }
 
 TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {
