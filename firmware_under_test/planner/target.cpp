@@ -116,7 +116,7 @@ std::optional<Target> targetFrom(std::span<const std::uint8_t> block) {
   return sane ? std::optional(target) : std::nullopt;
 }
 
-Target targetOfImage(const std::filesystem::path& image) {
+std::optional<Target> findTarget(const std::filesystem::path& image) {
   std::ifstream file(image, std::ios::binary);
   if (!file) throw PlanError(image.string() + ": cannot be opened");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -133,6 +133,11 @@ Target targetOfImage(const std::filesystem::path& image) {
     if (found) throw PlanError(image.string() + ": holds more than one description of a controller");
     found = target;
   }
+  return found;
+}
+
+Target targetOfImage(const std::filesystem::path& image) {
+  const std::optional<Target> found = findTarget(image);
   if (!found)
     throw PlanError(
         image.string() +

@@ -42,6 +42,9 @@ struct Target {
 /// From the block as it lies in images and in INFO, magic and all; nullopt if it is none that this planner
 /// knows.
 std::optional<Target> targetFrom(std::span<const std::uint8_t> block);
+/// Of a release image as below; nullopt if it holds no block.
+/// @throws PlanError if it cannot be read, or holds more than one.
+std::optional<Target> findTarget(const std::filesystem::path& image);
 /// Of a release image: Intel hex (.hex, .ihx), or any file that holds the block as it is.
 /// @throws PlanError if it cannot be read, or does not hold exactly one block.
 Target targetOfImage(const std::filesystem::path& image);

@@ -19,7 +19,7 @@ std::uint64_t flood(const FirmwareChoice& firmware) {
   constexpr double kQuantum_s = 0.5e-3;
   constexpr double kLeast = 1000.0;
   if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return static_cast<std::uint64_t>(kLeast);
-  const double tick_s = planner::targetOfImage(firmware.image).tick_s;
+  const double tick_s = planner::findTarget(firmware.image).value_or(planner::Target{}).tick_s;
   return static_cast<std::uint64_t>(std::max(kLeast, 5.0 * kQuantum_s / tick_s));
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// KERFBENCH_WIDE: compile a function for processors with wider registers too; which one runs is chosen when the
-// program starts. For loops of whole numbers, or of floats each of which is computed by itself: the order of
-// operations is the same and AVX2 alone brings no fused multiply-add, so the result is the same to the bit.
+// KERFBENCH_WIDE: compile a function for processors with wider registers too; which one runs is chosen when
+// the program starts. For loops of whole numbers, or of floats each of which is computed by itself: the order
+// of operations is the same and AVX2 alone brings no fused multiply-add, so the result is the same to the
+// bit.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \

@@ -23,7 +23,7 @@ enum {
   KB_LASER_PWM = 0x08,
   KB_ACC_START = 128, /* The first step of m comes after half of its spacing. */
   KB_INC_PER_STEP = 256U / KB_TICKS_PER_PERIOD,
-  KB_PUL_A = 0x55, /* bits of port A */
+  KB_PUL_A = 0x55,    /* bits of port A */
   KB_HELD_FEED = 0x02 /* the feed's PUL among those of port A, where all are in one byte */
 };
 

@@ -19,6 +19,7 @@ std::vector<SensorEdge> edgesOf(const PowerMonitorDescription& description, Tick
                                 double power_w = 0.0) {
   const CounterRandom random(2, 3);
   PowerMonitor monitor(kRate, description);
+  monitor.connect();
   std::vector<SensorEdge> edges;
   std::uint64_t step = 0;
   for (Tick now = 0; kRate.seconds(now) < end_s; now += quantum) {
@@ -74,6 +75,7 @@ TEST(PowerMonitor, NoEdgeIsLostWhereAQuantumIsLongerThanTheDelay) {
 
 TEST(PowerMonitor, ADarkLaserSendsNothing) {
   PowerMonitor monitor(kRate, {});
+  monitor.connect();
   std::vector<SensorEdge> edges;
   for (int i = 0; i < 1000; ++i) monitor.emitted(0.0, i * kStepS, kStepS);
   monitor.predict(0, 16'000'000, edges);
