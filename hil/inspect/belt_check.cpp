@@ -16,9 +16,8 @@ namespace kerfbench::hil::checks {
 namespace {
 
 constexpr std::size_t kLeastFrames = 5;  // for a slope that means something
-constexpr double kLeastTravelShare =
-    2.0;                         // of an encoder's count: less travel than that tells of rounding only
-constexpr double kCoarse = 0.5;  // of the limit: an encoder less certain than that tells nothing
+constexpr double kLeastCounts = 2.0;     // of travel: less tells of rounding only
+constexpr double kCoarse = 0.5;          // of the limit: an encoder less certain than that tells nothing
 
 /// Place of the belt between the encoder's edges, mm.
 double beltAt(const std::vector<BeltEdge>& edges, double time_s) {
@@ -71,7 +70,7 @@ std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, c
   double travel_mm = 0.0;
   for (const LitRun& run : lit.runs) {
     const auto parting = partingOf(evidence.belt, lit, run);
-    if (!parting || std::abs(parting->travel_mm) < kLeastTravelShare * evidence.belt_count_mm) continue;
+    if (!parting || std::abs(parting->travel_mm) < kLeastCounts * evidence.belt_count_mm) continue;
     partings.push_back(*parting);
     apart_mm += parting->drift_mm;
     travel_mm += parting->travel_mm;

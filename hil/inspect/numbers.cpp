@@ -122,6 +122,12 @@ void addPins(const Evidence& evidence, Numbers& n) {
     n.need(edge.x_mm, "the place of the belt");
     last_s = edge.time_s;
   }
+  last_s = -std::numeric_limits<double>::infinity();
+  for (const double edge_s : evidence.power_edges_s) {
+    n.need(edge_s >= last_s ? edge_s : kNan, "the time of an edge of the power meter");
+    last_s = edge_s;
+  }
+  n.need(evidence.power_quantum_j, "the energy of an edge of the power meter");
   n.need(evidence.belt_count_mm, "the travel of a count of the belt's encoder");
   n.need(evidence.pin_u_s, "the uncertainty of a pin's time");
 }
@@ -148,10 +154,11 @@ void addOrder(const Evidence& evidence, const Limits& limits, Numbers& n) {
     n.need(lengthOf(entity.curve), "the length of an entity");
     for (const double u : {0.0, 1.0}) n.need(pointAt(entity.curve, u), "a point of the dieline");
   }
-  for (const double v : {limits.path_mm, limits.stillness_mm, limits.min_coverage, limits.kerf_width_mm,
-                         limits.stray_mm, limits.end_gap_mm, limits.passes, limits.gate_tail_s,
-                         limits.gate_lag_s, limits.perforation_open_share, limits.perforation_share,
-                         limits.even_depth_share, limits.line_energy_j_mm, limits.line_energy_share})
+  for (const double v :
+       {limits.path_mm, limits.stillness_mm, limits.min_coverage, limits.kerf_width_mm, limits.stray_mm,
+        limits.end_gap_mm, limits.passes, limits.gate_tail_s, limits.gate_lag_s,
+        limits.perforation_open_share, limits.perforation_share, limits.even_depth_share,
+        limits.board_transmission, limits.line_energy_j_mm, limits.line_energy_share})
     n.need(v, "a limit");
 }
 

@@ -126,6 +126,8 @@ const std::vector<Field>& fields() {
       {"belt time", [](Run& r) -> double& { return r.evidence.belt[700].time_s; }},
       {"belt place", [](Run& r) -> double& { return r.evidence.belt[700].x_mm; }},
       {"belt count", [](Run& r) -> double& { return r.evidence.belt_count_mm; }},
+      {"power edge", [](Run& r) -> double& { return r.evidence.power_edges_s[1]; }},
+      {"power quantum", [](Run& r) -> double& { return r.evidence.power_quantum_j; }},
       {"pin_u", [](Run& r) -> double& { return r.evidence.pin_u_s; }},
       {"spot fx", [](Run& r) -> double& { return r.evidence.spot_calibration->fx_px; }},
       {"spot map_u", [](Run& r) -> double& { return r.evidence.spot_calibration->map_u_mm; }},
@@ -142,6 +144,10 @@ const std::vector<Field>& fields() {
       {"limit path", [](Run& r) -> double& { return r.limits.path_mm; }},
       {"limit stillness", [](Run& r) -> double& { return r.limits.stillness_mm; }},
       {"limit coverage", [](Run& r) -> double& { return r.limits.min_coverage; }},
+      {"limit even depth", [](Run& r) -> double& { return r.limits.even_depth_share; }},
+      {"limit board", [](Run& r) -> double& { return r.limits.board_transmission; }},
+      {"limit line energy", [](Run& r) -> double& { return r.limits.line_energy_j_mm; }},
+      {"limit energy share", [](Run& r) -> double& { return r.limits.line_energy_share; }},
       {"limit gate tail", [](Run& r) -> double& { return r.limits.gate_tail_s; }},
   };
   return all;
@@ -161,6 +167,8 @@ SyntheticRun fullRun() {
   run.evidence.kerf.corners.push_back(corner);
   run.evidence.kerf.ends.push_back({0, kCreaseLine, true, true, 0.001, 0.001});
   run.evidence.kerf.strays.push_back({0, {10.0, 10.0}, 0.1});
+  run.evidence.power_edges_s = {0.1, 0.2, 0.3};
+  run.evidence.power_quantum_j = 1e-3;
   for (auto* calibration : {&run.evidence.kerf_calibration, &run.evidence.spot_calibration}) {
     if ((*calibration)->error_modes.empty()) (*calibration)->error_modes.emplace_back().setZero();
   }
