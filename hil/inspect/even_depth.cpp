@@ -118,7 +118,7 @@ std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limi
   if (!(limits.even_depth_share > 0.0)) return std::nullopt;
   const std::vector<Chain> chains = chainsOf(evidence, limits.board_transmission);
   if (chains.empty()) return std::nullopt;
-  Check check{.name = "even_depth", .title = "Creases and half-cuts are as deep everywhere"};
+  Check check{.name = "even_depth", .title = "Creases and half-cuts are as deep everywhere", .unit = "share"};
   check.limit = limits.even_depth_share;
   const std::vector<Row> rows = rowsOf(chains);
   const double sigma = sigmaOf(rows) / std::sqrt(static_cast<double>(kBlocks));

@@ -57,7 +57,7 @@ EndGap gapAt(const Range& from_end, const Distance& distanceOf, double threshold
 }  // namespace
 
 std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits) {
-  Check check{.name = "depth", .title = "Creases and half-cuts are not cut through"};
+  Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "share"};
   check.limit = 1.0 - limits.min_coverage;
   bool applies = false;
   double open_mm = 0.0;
@@ -92,7 +92,7 @@ std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits) 
 
 std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
                                       const std::vector<EntityResult>& entities) {
-  Check check{.name = "perforation", .title = "Teeth and bridges of perforations"};
+  Check check{.name = "perforation", .title = "Teeth and bridges of perforations", .unit = "share"};
   const bool ordered = limits.perforation_open_share > 0.0;
   // Without an order for the pattern all that is sure is that it must have both teeth and bridges.
   const double expected = ordered ? limits.perforation_open_share : 0.6;

@@ -142,7 +142,10 @@ std::vector<std::string> kerfProblems(const Evidence& evidence) {
 
 Check coverageCheck(const Evidence& evidence, const Limits& limits,
                     const std::vector<EntityResult>& entities) {
-  Check check{.name = "coverage", .title = "Every line is cut, over its whole length", .upper = false};
+  Check check{.name = "coverage",
+              .title = "Every line is cut, over its whole length",
+              .unit = "share",
+              .upper = false};
   check.value = kNan;
   check.limit = limits.min_coverage;
   std::size_t judged = 0;

@@ -69,7 +69,7 @@ double energyAt(const std::vector<double>& edges_s, double quantum_j, double tim
 
 std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
   if (!(limits.line_energy_j_mm > 0.0)) return std::nullopt;
-  Check check{.name = "line_energy", .title = "Power follows the speed: energy per length"};
+  Check check{.name = "line_energy", .title = "Power follows the speed: energy per length", .unit = "share"};
   check.limit = limits.line_energy_share;
   if (evidence.power_edges_s.empty()) {
     decide(check);

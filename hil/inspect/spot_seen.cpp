@@ -67,7 +67,8 @@ bool isBlind(const Evidence& evidence, const LitFrames& lit, const GateInterval&
 }  // namespace
 
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
-  Check check{.name = "spot_seen", .title = "The spot is seen while the laser's gate is open"};
+  Check check{
+      .name = "spot_seen", .title = "The spot is seen while the laser's gate is open", .unit = "share"};
   check.value = std::numeric_limits<double>::quiet_NaN();
   std::vector<GateInterval> gates = evidence.gates;
   std::sort(gates.begin(), gates.end(), [](const auto& a, const auto& b) { return a.on_s < b.on_s; });

@@ -66,7 +66,9 @@ std::string riskSentence(Check& check) {
     const double above = chanceAboveNormal(check.limit, {check.value, check.u});
     check.chance_beyond = check.upper ? above : 1.0 - above;
   }
-  const std::string limit = fmt::format("{:.3g}{}{}", check.limit, check.unit.empty() ? "" : " ", check.unit);
+  const bool share = check.unit == "share";
+  const std::string unit = share ? " %" : check.unit.empty() ? "" : " " + check.unit;
+  const std::string limit = fmt::format("{:.3g}{}", (share ? 100.0 : 1.0) * check.limit, unit);
   if (check.verdict == Verdict::kFail) {
     return fmt::format("The chance that a sheet with this reading is in truth within {} is {}.", limit,
                        percent(1.0 - check.chance_beyond));

@@ -20,7 +20,7 @@ struct Check {
                           ///< "pulse_timing", "account", "safe_state", "safe_stop", "safe_report"
   std::string title{};    ///< For people.
   std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
-  std::string unit{};     ///< "mm", "", "us"
+  std::string unit{};     ///< "mm", "us", "ms", "steps", "counts"; "share": of one; "": a number
   double value{};         ///< The worst; NaN if nothing was measured (then INVALID).
   double limit{};         ///< The value itself may equal it when w = 0.
   bool upper{true};       ///< True: value must not exceed limit; false: not fall below it.

@@ -59,10 +59,7 @@ std::string checkNumber(const Check& check, double value) {
   if (check.unit == "mm") return fmt::format("{:.4f} mm", value);
   if (check.unit == "us") return fmt::format("{:.2f} µs", value);
   if (check.unit == "ms") return fmt::format("{:.2f} ms", value);
-  if (check.name == "coverage" || check.name == "depth" || check.name == "perforation" ||
-      check.name == "spot_seen") {
-    return fmt::format("{:.1f} %", 100.0 * value);
-  }
+  if (check.unit == "share") return fmt::format("{:.2f} %", 100.0 * value);
   return check.unit.empty() ? fmt::format("{:.2f}", value) : fmt::format("{:.4g} {}", value, check.unit);
 }
 
@@ -88,6 +85,12 @@ std::string verdictSentence(const RunReport& report) {
   }
   switch (result.verdict) {
     case Verdict::kPass:
+      if (report.provoked)
+        return fmt::format(
+            "The release came to rest safely: all {} checks are proven good. The job was to be stopped, so "
+            "no "
+            "camera looked at the cut.",
+            result.checks.size());
       return fmt::format(
           "The release is good: all {} checks are proven good, measurement uncertainty included.",
           result.checks.size());
