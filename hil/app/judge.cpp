@@ -9,6 +9,7 @@
 #include "hil/camera/twin_frames.h"
 #include "hil/camera/twin_tiles.h"
 #include "hil/inspect/inspect.h"
+#include "hil/source/encoder_edges.h"
 #include "twin/camera/camera.h"
 
 namespace kerfbench::hil {
@@ -36,22 +37,11 @@ std::vector<GateInterval> gatesOf(const twin::Twin& twin) {
   return gates;
 }
 
-/// Edges of A and B to places: A leads B when the belt runs along +Wx; both are low at the start.
 std::vector<BeltEdge> beltOf(const PinRecording& recording, double count_mm) {
-  std::vector<BeltEdge> edges;
-  bool a = false;
-  bool b = false;
-  long counts = 0;
-  for (const SensorEdge& edge : recording.sensors) {
-    if (edge.signal != Signal::kEncoderA && edge.signal != Signal::kEncoderB) continue;
-    const bool of_a = edge.signal == Signal::kEncoderA;
-    bool& line = of_a ? a : b;
-    if (line == edge.level) continue;
-    line = edge.level;
-    counts += (of_a == (a != b)) ? 1 : -1;
-    edges.push_back({recording.rate.seconds(edge.tick), static_cast<double>(counts) * count_mm});
-  }
-  return edges;
+  std::vector<BeltEdge> belt;
+  for (const EncoderEdge& edge : encoderEdges(recording.sensors, recording.rate))
+    belt.push_back({edge.time_s, static_cast<double>(edge.counts) * count_mm});
+  return belt;
 }
 
 std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
@@ -129,6 +119,7 @@ void judgeSafeState(const Case& the_case, const twin::Twin& twin, SafeStateEvide
                     RunReport& report) {
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
+  report.provoked = true;
   report.result = inspectSafeState(evidence);
   report.limits = the_case.scenario.limits;
   report.dieline = the_case.dieline;

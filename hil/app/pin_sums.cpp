@@ -28,7 +28,7 @@ Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(p
 PinSums::PinSums(const PinRecording& recording, const SignalMap& map) {
   for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}});
   addOutputs(recording, map);
-  addBelt(recording);
+  belt_ = encoderEdges(recording.sensors, recording.rate);
   belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
   std::erase_if(axes_, [&](const Axis& axis) { return !map.pin(axis.pul) || !map.pin(dirOf(axis.pul)); });
 }
@@ -51,23 +51,8 @@ void PinSums::addOutputs(const PinRecording& recording, const SignalMap& map) {
   }
 }
 
-void PinSums::addBelt(const PinRecording& recording) {
-  bool a = false;
-  bool b = false;
-  long long counts = 0;
-  for (const SensorEdge& edge : recording.sensors) {
-    if (edge.signal != Signal::kEncoderA && edge.signal != Signal::kEncoderB) continue;
-    bool& line = edge.signal == Signal::kEncoderA ? a : b;
-    if (line == edge.level) continue;
-    line = edge.level;
-    // A leads B forwards: behind an edge of A they differ, behind one of B they are equal.
-    counts += (edge.signal == Signal::kEncoderA) == (a != b) ? 1 : -1;
-    belt_.push_back({recording.rate.seconds(edge.tick), counts});
-  }
-}
-
 long long PinSums::beltCountsAt(double time_s) const {
-  const auto next = std::ranges::upper_bound(belt_, time_s, {}, &BeltEdge::time_s);
+  const auto next = std::ranges::upper_bound(belt_, time_s, {}, &EncoderEdge::time_s);
   return next == belt_.begin() ? 0 : (next - 1)->counts;
 }
 
@@ -76,7 +61,7 @@ std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWor
   const double from_s = to_s - kBitsBefore / baud - kControllerBehind_s;
   long long low = beltCountsAt(from_s);
   long long high = low;
-  auto edge = std::ranges::upper_bound(belt_, from_s, {}, &BeltEdge::time_s);
+  auto edge = std::ranges::upper_bound(belt_, from_s, {}, &EncoderEdge::time_s);
   for (; edge != belt_.end() && edge->time_s <= to_s; ++edge) {
     low = std::min(low, edge->counts);
     high = std::max(high, edge->counts);
@@ -91,7 +76,7 @@ double PinSums::pulse_s(Signal pul, long long count) const {
 }
 
 double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
-  for (const BeltEdge& edge : belt_) {
+  for (const EncoderEdge& edge : belt_) {
     if (edge.time_s < span_s) continue;
     const long long moved = edge.counts - beltCountsAt(edge.time_s - span_s);
     if (static_cast<double>(moved) > counts_per_s * span_s + 1.0) return edge.time_s;

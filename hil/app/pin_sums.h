@@ -7,6 +7,7 @@
 
 #include "hil/app/controller_ear.h"
 #include "hil/inspect/controller_account.h"
+#include "hil/source/encoder_edges.h"
 #include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
@@ -33,19 +34,14 @@ class PinSums {
     long long net{};
     std::vector<double> pulses_s;
   };
-  struct BeltEdge {
-    double time_s{};
-    long long counts{};  ///< After it.
-  };
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts while the controller can have looked for what it then told.
   [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word,
                                                            double baud) const;
   void addOutputs(const PinRecording& recording, const SignalMap& map);
-  void addBelt(const PinRecording& recording);
 
   std::vector<Axis> axes_;
-  std::vector<BeltEdge> belt_;
+  std::vector<EncoderEdge> belt_;
   bool belt_wired_{};
   double last_pulse_s_{-1.0};
 };

@@ -68,6 +68,7 @@ struct RunReport {
       source_id;  ///< Identity of the signal source and its configuration, e.g. "avr atmega2560 16 MHz".
   std::string repeat_command;  ///< The command line that does it again.
   std::uint64_t seed{};
+  bool provoked{};  ///< Something went wrong on purpose: judged by pins and words, no camera looked.
   ModelFacts model;
   double virtual_s{};  ///< Duration on the clock of the pins.
   std::vector<std::pair<std::string, std::string>>
