@@ -10,6 +10,7 @@
 #include "hal.h"
 #include "power_loop.h"
 #include "program.h"
+#include "queue.h"
 #include "watch.h"
 
 enum { KB_FRAME_PAUSE_PERIODS = KB_PERIODS_IN_MS(20) };
@@ -116,30 +117,17 @@ static uint8_t configure(const struct kb_frame* frame) {
   if (frame->length != KB_CONFIG_LEN) {
     return KB_NAK_LENGTH;
   }
-  const uint8_t* const b = frame->payload;
-  const struct kb_config config = {
-      .nominal_per_period =
-          (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24,
-      .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[11] << 8),
-      .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8),
-      .idle_power = b[6],
-      .max_per_period = (uint32_t)b[7] | (uint32_t)b[8] << 8 | (uint32_t)b[9] << 16 | (uint32_t)b[10] << 24,
-      .invert_a = b[13],
-      .invert_c = b[14],
-      .wide = b[15],
-      .wide_ticks = b[16],
-      .most_steps = {b[17], b[18], b[19], b[20], b[21]},
-      .turn_steps = {b[22], b[23], b[24], b[25], b[26]},
-  };
-  if (config.max_per_period > INT32_MAX || !kb_program_configure(&config)) {
+  struct kb_config config;
+  if (!kb_config_read(frame->payload, &config)) {
     return KB_NAK_VALUE;
   }
+  kb_program_configure(&config);
   kb_power_init();
   kb_queue_clear();
   kb_job_check.a = 1;
   kb_job_check.b = 0;
   for (uint8_t i = 0; i < KB_CONFIG_LEN; ++i) {
-    kb_check_add(&kb_job_check, b[i]);
+    kb_check_add(&kb_job_check, frame->payload[i]);
   }
   enter(KB_IDLE, KB_OK);
   return 0;

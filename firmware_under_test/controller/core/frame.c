@@ -2,7 +2,7 @@
 #include "frame.h"
 
 #include "hal.h"
-#include "program.h"
+#include "queue.h"
 
 enum state { KB_AT_SYNC, KB_AT_TYPE, KB_AT_SEQ, KB_AT_LENGTH, KB_AT_PAYLOAD, KB_AT_CRC_LOW, KB_AT_CRC_HIGH };
 enum { KB_TX_SIZE = 128, KB_HEAD = 4 };

@@ -6,18 +6,14 @@
 #include "belt.h"
 #include "engine.h"
 #include "power_loop.h"
+#include "queue.h"
 
 enum {
-  KB_QUEUE_MASK = KB_QUEUE_SIZE - 1U,
   KB_AXIS_MASK = 0x1F,
   KB_DRY_TICKS = 8 /* Bytes may still come while more than this is left of the period. */
 };
 
 enum phase { KB_PHASE_RUN, KB_PHASE_STAND, KB_PHASE_MARK, KB_PHASE_RAMP, KB_PHASE_TAIL };
-
-static uint8_t queue[KB_QUEUE_SIZE];
-static uint16_t queue_first;
-static uint16_t queue_end;
 
 static struct {
   struct kb_config config;
@@ -45,44 +41,12 @@ static struct {
   int32_t mark_offset;
 } p;
 
-void kb_queue_clear(void) { queue_first = queue_end = 0; }
-uint16_t kb_queue_free(void) { return (uint16_t)((queue_first - queue_end - 1U) & KB_QUEUE_MASK); }
-bool kb_queue_empty(void) { return queue_first == queue_end; }
-uint16_t kb_queue_end(uint8_t offset) { return (uint16_t)((queue_end + offset) & KB_QUEUE_MASK); }
-uint16_t kb_queue_store(uint16_t at, uint8_t byte) {
-  queue[at] = byte;
-  return (uint16_t)((at + 1U) & KB_QUEUE_MASK);
-}
-void kb_queue_put(uint8_t offset, uint8_t byte) { queue[kb_queue_end(offset)] = byte; }
-void kb_queue_commit(uint8_t length) { queue_end = (uint16_t)((queue_end + length) & KB_QUEUE_MASK); }
-
-static uint16_t queued(void) { return (uint16_t)((queue_end - queue_first) & KB_QUEUE_MASK); }
-static uint8_t peek(uint8_t offset) { return queue[(queue_first + offset) & KB_QUEUE_MASK]; }
-static void drop(uint8_t length) { queue_first = (uint16_t)((queue_first + length) & KB_QUEUE_MASK); }
-
 void kb_program_init(void) {
   memset(&p, 0, sizeof(p));
   kb_queue_clear();
 }
 
 static const uint8_t dir_bits[KB_AXES] = {0x02, 0x08, 0x20, 0x80, KB_FEED_DIR};
-
-static bool drivesFit(const struct kb_config* config) {
-  if ((config->invert_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR)) != 0 ||
-      (config->wide & (uint8_t)~KB_AXIS_MASK) != 0 || config->wide_ticks > KB_WIDE_TICKS_MAX ||
-      (config->wide != 0 && config->wide_ticks == 0)) {
-    return false;
-  }
-  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
-    const uint8_t most = config->most_steps[axis];
-    const uint8_t wide = (config->wide & (uint8_t)(1U << axis)) ? config->wide_ticks : 0;
-    if (most > KB_MAX_STEPS_PER_PERIOD || config->turn_steps[axis] > most ||
-        (uint16_t)(most * (wide + 1U)) > KB_TICKS_PER_PERIOD) {
-      return false;
-    }
-  }
-  return true;
-}
 
 /* PUL of an axis among those that the engine holds. */
 static uint8_t heldBits(uint8_t axes) {
@@ -95,14 +59,7 @@ static uint8_t heldBits(uint8_t axes) {
   return bits;
 }
 
-bool kb_program_configure(const struct kb_config* config) {
-  const uint16_t on = config->gate_on_delay;
-  const uint16_t off = config->gate_off_delay;
-  const uint16_t apart = on > off ? (uint16_t)(on - off) : (uint16_t)(off - on);
-  if (apart >= KB_TICKS_PER_PERIOD || on > KB_LONGEST_DELAY_TICKS || off > KB_LONGEST_DELAY_TICKS ||
-      !drivesFit(config)) {
-    return false;
-  }
+void kb_program_configure(const struct kb_config* config) {
   p.config = *config;
 #ifdef KB_DEFECT_GATE_LATE
   /* Defect: the laser's own delay of 2 ms is added where it should be taken off. */
@@ -113,7 +70,6 @@ bool kb_program_configure(const struct kb_config* config) {
                       config->wide_ticks);
   p.careful = memcmp(config->turn_steps, config->most_steps, sizeof(config->turn_steps)) != 0;
   p.configured = true;
-  return true;
 }
 
 bool kb_program_configured(void) { return p.configured; }
@@ -160,10 +116,10 @@ int32_t kb_program_position(uint8_t axis) { return p.position[axis]; }
 /* Length of the operation at the head of the queue, or 0 where it is not all there or unknown. */
 static uint8_t wholeOp(bool* unknown) {
   *unknown = false;
-  if (queue_first == queue_end) {
+  if (kb_queue_empty()) {
     return 0;
   }
-  const uint8_t op = peek(0);
+  const uint8_t op = kb_queue_peek(0);
   uint8_t length = 1;
   if (op & KB_OP_MOVE) {
     for (uint8_t mask = op & KB_AXIS_MASK; mask != 0; mask >>= 1) {
@@ -180,14 +136,14 @@ static uint8_t wholeOp(bool* unknown) {
     *unknown = true;
     return 0;
   }
-  return queued() >= length ? length : 0;
+  return kb_queue_used() >= length ? length : 0;
 }
 
 static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
   uint8_t at = 1;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
     if (op & (uint8_t)(1U << axis)) {
-      const int16_t count = (int8_t)peek(at++);
+      const int16_t count = (int8_t)kb_queue_peek(at++);
       if (count > p.config.most_steps[axis] || count < -(int16_t)p.config.most_steps[axis]) {
         return KB_FAULT_OVERSPEED;
       }
@@ -196,10 +152,10 @@ static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
   }
   if (op & KB_OP_POWER) {
     *lit = true;
-    *power = peek(at++);
+    *power = kb_queue_peek(at++);
   }
   if (op & KB_OP_GAIN) {
-    p.gain = (int16_t)(uint16_t)(peek(at) | (uint16_t)peek((uint8_t)(at + 1U)) << 8);
+    p.gain = (int16_t)(uint16_t)(kb_queue_peek(at) | (uint16_t)kb_queue_peek((uint8_t)(at + 1U)) << 8);
   }
   return KB_OK;
 }
@@ -316,10 +272,10 @@ static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fa
       *ready = false;
       return KB_STEP_ON;
     }
-    const uint8_t op = peek(0);
+    const uint8_t op = kb_queue_peek(0);
     if (op & KB_OP_MOVE) {
       *fault = takeMove(op, lit, power);
-      drop(length);
+      kb_queue_drop(length);
       return *fault == KB_OK ? KB_STEP_ON : KB_STEP_FAULT;
     }
     if (op == KB_OP_END) {
@@ -328,30 +284,30 @@ static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fa
       const uint16_t delay =
           p.config.gate_off_delay > p.config.gate_on_delay ? p.config.gate_off_delay : p.config.gate_on_delay;
       p.periods_left = (uint16_t)(delay / KB_TICKS_PER_PERIOD + 2U);
-      drop(length);
+      kb_queue_drop(length);
       return KB_STEP_ON;
     }
     if (op == KB_OP_WAIT) {
-      p.periods_left = (uint16_t)(peek(1) | (uint16_t)peek(2) << 8);
+      p.periods_left = (uint16_t)(kb_queue_peek(1) | (uint16_t)kb_queue_peek(2) << 8);
       if (p.periods_left != 0) {
         p.phase = KB_PHASE_STAND;
-        drop(length);
+        kb_queue_drop(length);
         return KB_STEP_ON;
       }
     } else if (op == KB_OP_FOLLOW) {
-      if (peek(1) > KB_AXES) {
+      if (kb_queue_peek(1) > KB_AXES) {
         *fault = KB_FAULT_PROGRAM;
         return KB_STEP_FAULT;
       }
-      p.follow = peek(1);
+      p.follow = kb_queue_peek(1);
     } else {
-      p.mark_offset = (int32_t)((uint32_t)peek(1) | (uint32_t)peek(2) << 8 | (uint32_t)peek(3) << 16 |
-                                (uint32_t)peek(4) << 24);
+      p.mark_offset = (int32_t)((uint32_t)kb_queue_peek(1) | (uint32_t)kb_queue_peek(2) << 8 |
+                                (uint32_t)kb_queue_peek(3) << 16 | (uint32_t)kb_queue_peek(4) << 24);
       p.phase = KB_PHASE_MARK;
-      drop(length);
+      kb_queue_drop(length);
       return KB_STEP_ON;
     }
-    drop(length);
+    kb_queue_drop(length);
   }
 }
 

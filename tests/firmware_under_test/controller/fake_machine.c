@@ -9,6 +9,7 @@
 #include "firmware_under_test/controller/core/engine.h"
 #include "firmware_under_test/controller/core/frame.h"
 #include "firmware_under_test/controller/core/program.h"
+#include "firmware_under_test/controller/core/queue.h"
 #include "hal.h"
 
 struct fake_machine fake;
