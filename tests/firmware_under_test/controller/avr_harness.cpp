@@ -56,9 +56,6 @@ int main(int argc, char** argv) {
   Bench bench;
   bench.busy_wire = expected_fault.empty();
   load(bench, argv[1]);
-  driveInput(bench, 'L', 0, 0);
-  driveInput(bench, 'L', 1, 0);
-  driveInput(bench, 'L', 2, 1);
   bench.encoder_period = 400;
   startBelt(bench, 100000);
   raiseMarkAt(bench, 8000000);
@@ -69,16 +66,12 @@ int main(int argc, char** argv) {
   std::uint64_t at = 0;
   while (link.state() != Link::State::kDone && link.state() != Link::State::kFailed && at < 80'000'000) {
     at += 1600;
-    runTo(bench, at);
-    std::vector<std::uint8_t> received;
-    received.swap(bench.from_controller);
-    const auto bytes = link.step(received, static_cast<double>(at) / 16e6);
-    bench.to_controller.insert(bench.to_controller.end(), bytes.begin(), bytes.end());
+    const std::size_t sent = serve(bench, link, at);
     if (link.state() == Link::State::kRunning && !bench.running) {
       bench.running = true;
       run_from = at;
     }
-    if (bench.running) sent_bytes += bytes.size();
+    if (bench.running) sent_bytes += sent;
     worst_correction = std::max(worst_correction, std::labs(bench.axes[KB_FEED].position));
   }
   run_to = at;

@@ -180,6 +180,9 @@ void load(Bench& bench, const char* image) {
     avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, onRunning, &watched[i]);
   }
   avr_cycle_timer_register(avr, kByteCycles, feedByte, &bench);
+  driveInput(bench, 'L', 0, 0);
+  driveInput(bench, 'L', 1, 0);
+  driveInput(bench, 'L', 2, 1);
 }
 
 void startBelt(Bench& bench, std::uint64_t cycle) {
@@ -198,6 +201,15 @@ void runTo(Bench& bench, std::uint64_t cycle) {
       std::exit(1);
     }
   }
+}
+
+std::size_t serve(Bench& bench, planner::Link& link, std::uint64_t cycle) {
+  runTo(bench, cycle);
+  std::vector<std::uint8_t> received;
+  received.swap(bench.from_controller);
+  const auto bytes = link.step(received, static_cast<double>(cycle) / KB_CPU_HZ);
+  bench.to_controller.insert(bench.to_controller.end(), bytes.begin(), bytes.end());
+  return bytes.size();
 }
 
 void putU32(std::vector<std::uint8_t>& to, std::uint32_t value) {

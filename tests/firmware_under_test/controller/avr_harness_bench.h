@@ -12,6 +12,7 @@
 #include <sim_avr.h>
 
 #include "firmware_under_test/controller/protocol.h"
+#include "firmware_under_test/planner/link.h"
 
 namespace kerfbench::avr_bench {
 
@@ -64,13 +65,16 @@ struct Bench {
 };
 
 void driveInput(Bench& bench, char port, int bit, unsigned level);
-/// Loads an Intel hex image. Ends the program if it cannot be read.
+/// Loads an Intel hex image into a controller whose guard is closed and whose limits are free. Ends the
+/// program if it cannot be read.
 void load(Bench& bench, const char* image);
 /// The belt runs from `cycle` on, a count each bench.encoder_period.
 void startBelt(Bench& bench, std::uint64_t cycle);
 void raiseMarkAt(Bench& bench, std::uint64_t cycle);
 /// Runs to that cycle. Ends the program if the emulator says that the firmware crashed.
 void runTo(Bench& bench, std::uint64_t cycle);
+/// Runs to that cycle, then lets the host hear and answer; how many bytes it sends.
+std::size_t serve(Bench& bench, planner::Link& link, std::uint64_t cycle);
 void putU32(std::vector<std::uint8_t>& to, std::uint32_t value);
 /// "ok" or "FAIL" and what; counts failures.
 void check(bool good, const std::string& what);

@@ -84,9 +84,6 @@ void run(const char* image, const DriveNeeds& drive) {
   bench.invert_a = settings.invert_a;
   bench.invert_c = settings.invert_c;
   load(bench, image);
-  driveInput(bench, 'L', 0, 0);
-  driveInput(bench, 'L', 1, 0);
-  driveInput(bench, 'L', 2, 1);
   // A belt that nobody follows, for the load: 40 000 counts/s, half of it where ticks take longer.
   bench.encoder_period = settings.wide == 0 ? 400 : 800;
   startBelt(bench, 100000);
@@ -94,11 +91,7 @@ void run(const char* image, const DriveNeeds& drive) {
   std::uint64_t at = 0;
   while (link.state() != Link::State::kDone && link.state() != Link::State::kFailed && at < 48'000'000) {
     at += 1600;
-    runTo(bench, at);
-    std::vector<std::uint8_t> received;
-    received.swap(bench.from_controller);
-    const auto bytes = link.step(received, static_cast<double>(at) / 16e6);
-    bench.to_controller.insert(bench.to_controller.end(), bytes.begin(), bytes.end());
+    serve(bench, link, at);
   }
   check(link.state() == Link::State::kDone, drive.name + ": " + link.message());
   const Vector& holding = bench.vectors[4];

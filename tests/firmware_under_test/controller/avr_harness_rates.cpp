@@ -225,9 +225,6 @@ int main(int argc, char** argv) {
   bench.on_step = onStep;
   bench.on_count = onCount;
   load(bench, argv[1]);
-  driveInput(bench, 'L', 0, 0);
-  driveInput(bench, 'L', 1, 0);
-  driveInput(bench, 'L', 2, 1);
   bench.encoder_period = 400;
   startBelt(bench, 100000);
   raiseMarkAt(bench, 8000000);
@@ -237,11 +234,7 @@ int main(int argc, char** argv) {
   std::uint64_t at = 0;
   while (link.state() != Link::State::kDone && link.state() != Link::State::kFailed && at < most_cycles) {
     at += 1600;
-    runTo(bench, at);
-    std::vector<std::uint8_t> received;
-    received.swap(bench.from_controller);
-    const auto bytes = link.step(received, static_cast<double>(at) / kHz);
-    bench.to_controller.insert(bench.to_controller.end(), bytes.begin(), bytes.end());
+    serve(bench, link, at);
     bench.running = link.state() == Link::State::kRunning;
   }
   std::printf("link: %s\n", link.message().c_str());
