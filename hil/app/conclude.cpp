@@ -15,8 +15,9 @@ namespace {
 
 std::string checkLine(const Check& check) {
   const std::string subject = check.subject.empty() ? "" : " (" + check.subject + ")";
-  return fmt::format("  {:<10} {:<14} {:.6g} {}, limit {}{:g}{}", verdictName(check.verdict), check.name,
-                     check.value, check.unit, check.upper ? "" : "at least ", check.limit, subject);
+  return fmt::format("  {:<10} {:<14} {}, limit {}{}{}", verdictName(check.verdict), check.name,
+                     checkNumber(check, check.value), check.upper ? "" : "at least ",
+                     checkNumber(check, check.limit), subject);
 }
 
 // What the run was made with, and what the model alone knows. It tells people why; nothing of it is judged.

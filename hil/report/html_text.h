@@ -19,8 +19,6 @@ std::string pngDataUri(const GrayImage& image);
 
 /// The verdict in one plain sentence.
 std::string verdictSentence(const RunReport& report);
-/// A number of a check with its unit, e.g. "0.0312 mm", "98.2 %"; "no number" for NaN.
-std::string checkNumber(const Check& check, double value);
 /// CSS class of a verdict: "pass", "fail", "invalid", "notproven".
 std::string_view verdictClass(Verdict verdict);
 

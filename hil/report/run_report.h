@@ -104,4 +104,7 @@ std::string htmlReport(const RunReport& report);
 /// @throws std::system_error with the path.
 void writeReports(const RunReport& report, const std::filesystem::path& folder);
 
+/// A number of a check with its unit, e.g. "0.0312 mm", "98.20 %"; "no number" for NaN.
+std::string checkNumber(const Check& check, double value);
+
 }  // namespace kerfbench::hil
