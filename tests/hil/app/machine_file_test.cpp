@@ -9,8 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "hil/base/yaml_reader.h"
-#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/app/machine_file_fixture.h"
 #include "twin/cutter/twin.h"
 
 namespace kerfbench::hil {
@@ -25,27 +24,6 @@ constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 const twin::ServoDescription& servoOf(const twin::AxisDescription& axis) {
   return std::get<twin::ServoDescription>(axis.drive);
 }
-
-class MachineFileTest : public testing::Test {
- protected:
-  static std::string text(const std::string& name) {
-    return replaced(contentOf(fixture("machines/" + name)), "drivers: drivers.yaml",
-                    "drivers: " + fixture("machines/drivers.yaml").string());
-  }
-  std::string faultsOf(const std::string& content) const { return faultsAt(temp_.write("m.yaml", content)); }
-  [[nodiscard]] std::filesystem::path extending(const std::string& base, const std::string& lines) const {
-    return temp_.write("m.yaml", "extends: " + fixture("machines/" + base).string() + "\n" + lines);
-  }
-  static std::string faultsAt(const std::filesystem::path& path) {
-    try {
-      readMachine(path);
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
-    return {};
-  }
-  const TempFolder temp_;
-};
 
 TEST_F(MachineFileTest, TheTwoMirrorMachineReads) {
   const MachineDescription machine = readMachine(fixture("machines/two-mirror.yaml"));
@@ -307,86 +285,6 @@ TEST_F(MachineFileTest, TheSpotCameraSeesItsCentreInTheMiddleOfThePicture) {
   EXPECT_NEAR(machine.spot_camera.fx_px / centre.z(), 1.0 / 0.2, 1e-9);
 }
 
-TEST_F(MachineFileTest, EveryFaultIsListedWithItsLineAtOnce) {
-  std::string bad = text("two-mirror.yaml");
-  bad = replaced(bad, "throw_mm: 500", "throw_mm: -1");
-  bad = replaced(bad, "damping: 0.7", "dampness: 0.7");
-  bad = replaced(bad, "full_power_w: 100", "full_power_w: much");
-  bad = replaced(bad, "roller_radius_mm: 30", "roller_radius_mm: .nan");
-  bad = replaced(bad, "field_y_mm: [-80, 80]", "field_y_mm: [-80]");
-  const std::string faults = faultsOf(bad);
-  const auto at = [&](const char* part, const char* key) {
-    EXPECT_THAT(faults, HasSubstr(fmt::format("m.yaml:{}: {}:", lineOf(bad, part), key)));
-  };
-  at("throw_mm: -1", "optics.throw_mm");
-  at("dampness", "galvo_x.servo.dampness");
-  at("full_power_w: much", "laser.full_power_w");
-  at("roller_radius_mm: .nan", "belt.roller_radius_mm");
-  at("field_y_mm: [-80]", "controller.field_y_mm");
-}
-
-TEST_F(MachineFileTest, APinThatIsGivenTwiceIsNamedWithBothSignals) {
-  const std::string bad = replaced(text("two-mirror.yaml"), "galvo_y_pul: PA2", "galvo_y_pul: PA0");
-  const std::string faults = faultsOf(bad);
-  EXPECT_THAT(faults, HasSubstr("PA0 is given to galvo_x_pul and to galvo_y_pul"));
-  EXPECT_THAT(faults, HasSubstr(fmt::format("m.yaml:{}:", lineOf(bad, "galvo_y_pul"))));
-}
-
-TEST_F(MachineFileTest, ASignalThatIsGivenTwoPinsIsAFault) {
-  const std::string bad =
-      replaced(text("two-mirror.yaml"), "galvo_y_pul: PA2", "galvo_y_pul: PA2\n  galvo_y_pul: PB2");
-  const std::string faults = faultsOf(bad);
-  EXPECT_THAT(faults, HasSubstr("galvo_y_pul: given twice"));
-  EXPECT_THAT(faults, HasSubstr(fmt::format("m.yaml:{}:", lineOf(bad, "galvo_y_pul: PB2"))));
-}
-
-TEST_F(MachineFileTest, WhatIsNoPinOrNoSignalIsAFaultAtItsLine) {
-  for (const char* pin : {"A0", "PA", "PA16", "pA0", "PAx", "PA-1", "PA001", "7"}) {
-    const std::string bad =
-        replaced(text("two-mirror.yaml"), "laser_gate: PC2", fmt::format("laser_gate: {}", pin));
-    EXPECT_THAT(faultsOf(bad), HasSubstr(fmt::format("m.yaml:{}: pins.laser_gate: '{}' is no pin",
-                                                     lineOf(bad, "laser_gate"), pin)));
-  }
-  const std::string bad = replaced(text("two-mirror.yaml"), "laser_gate: PC2", "laser_gat: PC2");
-  EXPECT_THAT(faultsOf(bad),
-              HasSubstr(fmt::format("m.yaml:{}: pins.laser_gat: unknown", lineOf(bad, "laser_gat"))));
-}
-
-TEST_F(MachineFileTest, APinThatTheMachineNeedsIsMissed) {
-  const std::string bad = replaced(text("two-mirror.yaml"), "  galvo_x_dir: PA1\n", "");
-  EXPECT_THAT(faultsOf(bad), HasSubstr("pins.galvo_x_dir: has no pin"));
-  // Those of the other head are not needed.
-  EXPECT_EQ(faultsOf(replaced(text("two-mirror.yaml"), "  gantry_x_pul: PA4\n", "")), "");
-}
-
-TEST_F(MachineFileTest, ADriverThatNobodyKnowsIsAFault) {
-  const std::string bad = replaced(text("strip-gantry.yaml"), "driver: DM556", "driver: DM557");
-  EXPECT_THAT(faultsOf(bad), HasSubstr(fmt::format("m.yaml:{}: gantry_x.driver: no driver 'DM557'",
-                                                   lineOf(bad, "driver: DM557"))));
-}
-
-TEST_F(MachineFileTest, ABandwidthThatTheStepCannotFollowIsAFault) {
-  const std::string bad = replaced(text("two-mirror.yaml"), "bandwidth_hz: 1200", "bandwidth_hz: 3200");
-  EXPECT_THAT(faultsOf(bad), HasSubstr(fmt::format("m.yaml:{}: galvo_x.servo.bandwidth_hz: 3200 is outside",
-                                                   lineOf(bad, "3200"))));
-  EXPECT_EQ(faultsOf(replaced(text("two-mirror.yaml"), "bandwidth_hz: 1200", "bandwidth_hz: 3180")), "");
-}
-
-TEST_F(MachineFileTest, ABridgeLighterThanItsCarriageIsAFault) {
-  EXPECT_THAT(faultsOf(replaced(text("strip-gantry.yaml"), "mass_kg: 12", "mass_kg: 3")),
-              HasSubstr("gantry_x.mass_kg: the bridge carries the carriage"));
-}
-
-TEST_F(MachineFileTest, TravelThatGoesBackwardsIsAFault) {
-  const std::string bad = replaced(text("strip-gantry.yaml"), "y_mm: [-430, 430]", "y_mm: [430, -430]");
-  EXPECT_THAT(faultsOf(bad), HasSubstr(fmt::format("m.yaml:{}: travel.y_mm:", lineOf(bad, "[430, -430]"))));
-}
-
-TEST_F(MachineFileTest, AFieldThatGoesBackwardsIsAFault) {
-  EXPECT_THAT(faultsAt(extending("strip-gantry.yaml", "controller: {field_y_mm: [420, -420]}\n")),
-              HasSubstr("m.yaml:2: controller.field_y_mm: the second value must be the larger"));
-}
-
 TEST_F(MachineFileTest, PicturesAreAsHardAsTheFileSays) {
   const MachineDescription clean = readMachine(fixture("machines/two-mirror.yaml"));
   EXPECT_EQ(clean.spot_camera.bits, 8);
@@ -416,49 +314,6 @@ TEST_F(MachineFileTest, PicturesAreAsHardAsTheFileSays) {
   EXPECT_DOUBLE_EQ(hard.kerf_camera.hot.share, 1e-4);
   EXPECT_THAT(faultsAt(extending("two-mirror.yaml", "cameras: {kerf: {plume: {percent: 5}}}\n")),
               HasSubstr("cameras.kerf.plume: unknown key"));
-}
-
-TEST_F(MachineFileTest, ACameraThatCannotBeIsAFault) {
-  for (const auto& [key, value] : {std::pair("exposure_us", "1500"),
-                                   {"exposure_us", "55"},
-                                   {"size_px", "[0, 1800]"},
-                                   {"size_px", "[1800, 1e7]"},
-                                   {"size_px", "[1800.5, 1800]"},
-                                   {"pitch_mm", "0"},
-                                   {"psf_sigma_px", "-1"}}) {
-    const std::string bad = withValue(text("two-mirror.yaml"), key, value);
-    EXPECT_THAT(faultsOf(bad), HasSubstr(fmt::format(
-                                   "m.yaml:{}: cameras.spot.{}:", lineOf(bad, std::string(key) + ": "), key)))
-        << value;
-  }
-}
-
-TEST_F(MachineFileTest, FaultsInTheFileOfDriversAreNamedThere) {
-  const auto drivers =
-      temp_.write("bad.yaml", "drivers:\n  - {name: X, setup_us: -1, hold_us: 1, width_us: 1}\n");
-  const std::string faults = faultsOf(replaced(contentOf(fixture("machines/two-mirror.yaml")),
-                                               "drivers: drivers.yaml", "drivers: " + drivers.string()));
-  EXPECT_THAT(faults, HasSubstr("bad.yaml:2: drivers[0].setup_us: -1 is outside"));
-  EXPECT_THAT(faults, HasSubstr("bad.yaml:2: drivers[0].space_us: missing"));
-  EXPECT_THAT(faults, HasSubstr("bad.yaml:2: drivers[0].source: missing"));
-}
-
-TEST_F(MachineFileTest, ADriverNamedTwiceIsAFault) {
-  const auto drivers = temp_.write(
-      "twice.yaml", replaced(contentOf(fixture("machines/drivers.yaml")), "name: TB6560", "name: DM556"));
-  EXPECT_THAT(faultsOf(replaced(contentOf(fixture("machines/two-mirror.yaml")), "drivers: drivers.yaml",
-                                "drivers: " + drivers.string())),
-              HasSubstr("'DM556' is there twice"));
-}
-
-TEST_F(MachineFileTest, ANewerVersionIsRefused) {
-  EXPECT_THAT(faultsOf(replaced(text("two-mirror.yaml"), "version: 1", "version: 2")),
-              HasSubstr("version: this program reads version 1"));
-}
-
-TEST_F(MachineFileTest, ASensorThatTheMachineCanDoWithoutNeedsNoPin) {
-  std::string content = replaced(text("two-mirror.yaml"), "  limit_y: PL1\n", "");
-  EXPECT_EQ(faultsOf(content), "");
 }
 
 }  // namespace
