@@ -77,6 +77,14 @@ std::vector<TargetView> lookAtAll(const CalibrationJob& job) {
   return views;
 }
 
+/// OpenCV solves by whatever BLAS a system has, and its last digits differ. A start that is rounded is the
+/// same everywhere, and so is all that follows from it.
+double rounded(double value, double grid) { return grid * std::round(value / grid); }
+
+constexpr double kStartGridPx = 1e-2;
+constexpr double kStartGridMm = 1e-2;
+constexpr double kStartGrid = 1e-4;  ///< Of angles (rad) and distortion.
+
 /// A start near enough for the bundle: OpenCV's, on some of the corners.
 Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) {
   std::vector<std::vector<cv::Point3f>> board(views.size());
@@ -102,14 +110,17 @@ Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) 
   cv::calibrateCamera(board, picture, {job.width_px, job.height_px}, k, distortion, turns, shifts,
                       cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST,
                       cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-9));
-  bundle.lens.pinhole << k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2);
-  bundle.lens.distortion[0] = distortion.at<double>(0);
+  const auto pixels = [&](int row, int column) { return rounded(k.at<double>(row, column), kStartGridPx); };
+  bundle.lens.pinhole << pixels(0, 0), pixels(1, 1), pixels(0, 2), pixels(1, 2);
+  bundle.lens.distortion[0] = rounded(distortion.at<double>(0), kStartGrid);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const Vector3d turn(turns[v].at<double>(0), turns[v].at<double>(1), turns[v].at<double>(2));
+    const auto angle = [&](int i) { return rounded(turns[v].at<double>(i), kStartGrid); };
+    const auto length = [&](int i) { return rounded(shifts[v].at<double>(i), kStartGridMm); };
+    const Vector3d turn(angle(0), angle(1), angle(2));
     Isometry3d X_CB = Isometry3d::Identity();
     if (turn.norm() > 0.0)
       X_CB.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-    X_CB.translation() << shifts[v].at<double>(0), shifts[v].at<double>(1), shifts[v].at<double>(2);
+    X_CB.translation() << length(0), length(1), length(2);
     bundle.X_CB.push_back(X_CB);
   }
   return bundle;
