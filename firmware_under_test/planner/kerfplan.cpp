@@ -202,7 +202,7 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
   option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");
   option("--jerk", j.jerk_mm_s3,
-         "Most change of acceleration, mm/s3: S-curves in marks and straight jumps; 0: no limit");
+         "Most change of acceleration, mm/s3: S-curves in marks and jumps; 0: no limit");
   option("--jump-acceleration", j.jump_acceleration_mm_s2,
          "Of jumps and of the way back, mm/s2; 0: as of marks");
   option(

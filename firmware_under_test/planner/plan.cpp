@@ -195,8 +195,6 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   if (!job.power) positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(std::isfinite(job.jerk_mm_s3) && job.jerk_mm_s3 >= 0.0,
         fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job.jerk_mm_s3));
-  check(job.jerk_mm_s3 <= 0.0 || job.jump_radius_mm == 0.0,
-        "jerk_mm_s3 is planned for straight jumps alone: jump_radius_mm must be 0");
   if (job.power_loop) {
     check(job.power != nullptr, "a loop on the measured power needs a material and a laser");
     positive(machine.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
