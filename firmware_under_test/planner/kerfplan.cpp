@@ -41,6 +41,7 @@ struct Options {
   std::string output;
   std::string entities, layers, processes;  ///< As typed; empty: all.
   std::string correction;                   ///< File of the table.
+  std::string image;                        ///< Of the controller; empty: the AVR release.
   planner::PowerOptions power;
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,
@@ -130,10 +131,11 @@ std::string summaryOf(const Options& options, const planner::CheckResult& checke
       "  unit            {:.4f} s, with the way back {:.4f} s\n"
       "  marks / jumps   {:.3f} mm / {:.3f} mm\n"
       "  start           unit 0's origin at x = {:.3f} mm\n"
-      "  program         {} operations, {} bytes\n",
+      "  program         {} operations, {} bytes\n"
+      "  controller      {}\n",
       options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
       plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
-      bytes);
+      bytes, planner::describe(options.machine.target));
   const planner::RoomNeeded room =
       planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.machine,
                           options.job, planner::Axes(options.machine, {}));
@@ -160,7 +162,8 @@ int check(const Options& options, const std::string& gcode) {
   return 0;
 }
 
-void addMachine(CLI::App& app, MachineParameters& m) {
+void addMachine(CLI::App& app, Options& options) {
+  MachineParameters& m = options.machine;
   const std::map<std::string, MachineParameters::Head> heads{
       {"two-mirror", MachineParameters::Head::kTwoMirror},
       {"gantry", MachineParameters::Head::kGantry},
@@ -190,6 +193,11 @@ void addMachine(CLI::App& app, MachineParameters& m) {
   option("--print-mark-sensor", m.print_mark_sensor_x_mm, "Place of the print-mark sensor, x in mm");
   option("--feed-step", m.feed_step_mm, "Belt travel of one feed step, mm");
   option("--full-power", m.full_power_w, "Laser power at full duty, W");
+  app.add_option(
+         "--image", options.image,
+         "The controller's release, .hex, .elf or native: tick, period, steps in a period, pulse times "
+         "and delays are planned as it says; not told: those of the AVR release")
+      ->group(group);
 }
 
 void addJob(CLI::App& app, JobParameters& j) {
@@ -202,7 +210,7 @@ void addJob(CLI::App& app, JobParameters& j) {
   option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
   option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");
   option("--jerk", j.jerk_mm_s3,
-         "Most change of acceleration, mm/s3: S-curves in marks and straight jumps; 0: no limit");
+         "Most change of acceleration, mm/s3: S-curves in marks and jumps; 0: no limit");
   option("--jump-acceleration", j.jump_acceleration_mm_s2,
          "Of jumps and of the way back, mm/s2; 0: as of marks");
   option(
@@ -263,7 +271,7 @@ int main(int argc, char** argv) try {
     choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
     choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
     choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
-    addMachine(*sub, options.machine);
+    addMachine(*sub, options);
     sub->add_option("--correction", options.correction,
                     "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
         ->group("Machine");
@@ -286,7 +294,7 @@ int main(int argc, char** argv) try {
       "belt, "
       "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
   throughput->add_option("--width", strip_width_mm, "Of the strip, mm")->capture_default_str();
-  addMachine(*throughput, options.machine);
+  addMachine(*throughput, options);
   addJob(*throughput, options.job);
   const planner::CompensateCommand compensate(app);
   const planner::ProveCommand prove(app);
@@ -297,6 +305,7 @@ int main(int argc, char** argv) try {
     return app.exit(error) == 0 ? 0 : 64;
   }
   if (compensate.run() || prove.run() || power.run()) return 0;
+  if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
   if (throughput->parsed()) {
     std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
     return 0;

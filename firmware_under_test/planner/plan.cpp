@@ -195,19 +195,17 @@ std::vector<std::string> faultsOf(const MachineParameters& machine, const JobPar
   if (!job.power) positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
   check(std::isfinite(job.jerk_mm_s3) && job.jerk_mm_s3 >= 0.0,
         fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job.jerk_mm_s3));
-  check(job.jerk_mm_s3 <= 0.0 || job.jump_radius_mm == 0.0,
-        "jerk_mm_s3 is planned for straight jumps alone: jump_radius_mm must be 0");
   if (job.power_loop) {
     check(job.power != nullptr, "a loop on the measured power needs a material and a laser");
     positive(machine.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
     // The controller looks back over so many ticks, the gate's delay and its own tick among them.
-    check(machine.power_delay_s >= 0.0 &&
-              machine.power_delay_s + machine.tracking_delay_s <= (KB_POWER_DELAY_MAX - 2) * 25e-6,
+    const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine.target.tick_s;
+    check(machine.power_delay_s >= 0.0 && machine.power_delay_s + machine.tracking_delay_s <= longest_s,
           fmt::format("power_delay_s, {:g}, and tracking_delay_s must be in 0 … {:g} together",
-                      machine.power_delay_s, (KB_POWER_DELAY_MAX - 2) * 25e-6));
+                      machine.power_delay_s, longest_s));
     // The controller counts to 255, also of a tube that makes half as much again.
     const double full_w = job.power == nullptr ? 0.0 : job.power->laser().power.greatest().y;
-    const double edges = full_w * 0.8e-3 / (2.0 * machine.power_quantum_j);
+    const double edges = full_w * machine.target.periodS() / (2.0 * machine.power_quantum_j);
     check(job.power == nullptr || (edges >= 16.0 && edges <= 160.0 * (1.0 + 1e-9)),
           fmt::format(
               "at full power the power meter sends {:.1f} edges in a period; the loop works with 16 … 160",

@@ -64,8 +64,10 @@ struct JobParameters {
   /// full_power_w; none: power proportional to speed and to Z.
   std::shared_ptr<const PowerModel> power{};
   bool power_loop{false};  ///< The controller corrects the power by the meter; needs `power` and a meter.
-  double jerk_mm_s3{0};    ///< Most change of acceleration in marks and straight jumps; 0: no limit.
-  double half_z{0.5};      ///< Z of half-cut and crease.
+  /// Most change of acceleration in marks and jumps, as the samples show it (Pieces says what joints of
+  /// lines and arcs are taken for); 0: no limit. Ways back and catching up know none.
+  double jerk_mm_s3{0};
+  double half_z{0.5};  ///< Z of half-cut and crease.
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};
   int units{1};

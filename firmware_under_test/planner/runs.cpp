@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "firmware_under_test/planner/jerk_profile.h"
 #include "firmware_under_test/planner/jump_curve.h"
 
 namespace kerfbench::planner {
@@ -24,31 +25,35 @@ std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
   return i;
 }
 
+/// Of a line at the acceleration that no direction forbids.
+Ramp rampOf(bool jump, const FlowLimits& limits) { return {limits.least(jump), limits.jerk_mm_s3}; }
+
 /// Time for a way at v0 at both ends, faster in between.
-double wayS(double length_mm, double v0, double top, double acceleration) {
-  const double peak = std::min(top, std::sqrt(v0 * v0 + acceleration * length_mm));
+double wayS(double length_mm, double v0, const FlowLimits& limits) {
+  const Ramp ramp = rampOf(true, limits);
+  const double peak = ramp.peakMmS(length_mm, v0, v0, limits.jump_mm_s);
   if (peak <= 0.0) return 0.0;
-  const double ramps_mm = (peak * peak - v0 * v0) / acceleration;
-  return 2.0 * (peak - v0) / acceleration + std::max(0.0, length_mm - ramps_mm) / peak;
+  return 2.0 * ramp.durationS(v0, peak) + std::max(0.0, length_mm - 2.0 * ramp.wayMm(v0, peak)) / peak;
 }
 
 /// What marks lose by ending, and beginning, at v instead of running on at full speed.
 double rampLossS(double v, const FlowLimits& limits) {
-  const double short_of = std::max(0.0, limits.mark_mm_s - v);
-  return short_of * short_of / (limits.least(false) * limits.mark_mm_s);
+  if (v >= limits.mark_mm_s) return 0.0;
+  return rampOf(false, limits).durationS(v, limits.mark_mm_s) * (limits.mark_mm_s - v) / limits.mark_mm_s;
 }
 
 /// Estimate for one jump: arcs at the speed that their bend allows, the line faster.
-double costS(const std::vector<Segment>& path, double radius_mm, const FlowLimits& limits) {
-  const bool bends = std::any_of(path.begin(), path.end(), [](const Segment& s) { return s.isArc(); });
-  const double acceleration = limits.least(true);
+double costS(const std::vector<Segment>& path, const FlowLimits& limits) {
+  const SpeedLimits each = speedLimitsOf(limits, true);
   double v = std::min(limits.mark_mm_s, limits.jump_mm_s);
-  if (bends) v = std::min(v, std::sqrt(0.8 * acceleration * radius_mm));
-  double total_s = rampLossS(v, limits);
   for (const Segment& segment : path) {
-    total_s += segment.isArc() ? segment.lengthMm() / v
-                               : wayS(segment.lengthMm(), v, limits.jump_mm_s, acceleration);
+    if (!segment.isArc()) continue;
+    const double radius_mm = segment.radiusMm();
+    v = std::min({v, bendSpeed(radius_mm, each), curvatureStepSpeed(1.0 / radius_mm, each)});
   }
+  double total_s = rampLossS(v, limits);
+  for (const Segment& segment : path)
+    total_s += segment.isArc() ? segment.lengthMm() / v : wayS(segment.lengthMm(), v, limits);
   return total_s;
 }
 
@@ -69,12 +74,12 @@ bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
 std::optional<std::vector<Segment>> bestCurve(const JumpEnds& ends, double radius_mm,
                                               const FlowLimits& limits) {
   const double straight_mm = (ends.to_mm - ends.from_mm).norm();
-  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits.jump_mm_s, limits.least(true));
+  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits);
   std::optional<std::vector<Segment>> best;
   for (const double share : kRadiusShares) {
     const auto curve = smoothJump(ends, share * radius_mm);
     if (!curve || leavesField(*curve, limits)) continue;
-    const double cost_s = costS(*curve, share * radius_mm, limits);
+    const double cost_s = costS(*curve, limits);
     if (cost_s >= least_s) continue;
     least_s = cost_s;
     best = *curve;

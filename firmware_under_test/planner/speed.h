@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
-#include "firmware_under_test/planner/segment.h"
+#include "firmware_under_test/planner/pieces.h"
 
 namespace kerfbench::planner {
-
-struct SpeedLimits {
-  double path_mm_s{};
-  double acceleration_mm_s2{};
-  double period_s{};
-  /// Path speed that the axes allow along a unit vector.
-  std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
-  double jerk_mm_s3{0.0};  ///< Most change of the acceleration, as a vector; 0: no limit.
-};
 
 /// Where the beam is at each end of a period along a run: arc lengths from the run's start, the first 0 and
 /// the last its length, so a run takes whole periods. It begins and ends at rest.
@@ -25,11 +15,8 @@ struct SpeedLimits {
 /// one backward. Time is then stretched to the next whole period, which keeps all limits. Empty if the axes
 /// allow no speed at all.
 ///
-/// With a jerk J speeds change along S-curves, without acceleration along the path wherever a limit changes.
-/// On lines the path has 0.8 J. On an arc of radius R J/2 is for the bend, v³/R² <= J/2, and of the rest 0.3
-/// J for the path and 0.6 J for what a path acceleration a does across it, 3 v a/R. Where the curvature
-/// changes by k, or a polyline turns by t, the samples see v² k, or v t/T, come within one period T: v² k/T
-/// <= 0.6 J, v t/T² <= 0.6 J.
+/// With a jerk speeds change along S-curves, without acceleration along the path wherever a limit changes;
+/// see Pieces for its shares.
 std::vector<double> planRun(std::span<const Segment> run, const SpeedLimits& limits);
 
 /// One axis from (x0, v0) to rest at x1 in least time under limits of speed and acceleration.

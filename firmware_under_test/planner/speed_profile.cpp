@@ -158,6 +158,11 @@ SpeedProfile::Speeds SpeedProfile::realise(const Speeds& slow, const Speeds& fas
   return cutAt(high);
 }
 
+std::vector<double> SpeedProfile::stations(const Speeds& slow, const Speeds& fast, int periods,
+                                           double period_s) const {
+  return stations(realise(slow, fast, periods * period_s), periods);
+}
+
 std::vector<double> SpeedProfile::stations(const Speeds& speeds, int periods) const {
   const double total_s = durationS(speeds);
   std::vector<double> stations{0.0};

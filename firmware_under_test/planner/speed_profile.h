@@ -24,7 +24,7 @@ struct FlowLimits {
   double period_s{};
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
-  double jerk_mm_s3{0.0};  ///< Of planRun() alone: planFlow() knows none.
+  double jerk_mm_s3{0.0};  ///< Most change of the acceleration, see Pieces; 0: no limit.
 
   /// Acceleration of marks, or of jumps, that no limit forbids, whatever its direction.
   [[nodiscard]] double least(bool jump) const;
@@ -55,6 +55,11 @@ class SpeedProfile {
   [[nodiscard]] Speeds fastestTo(double v_mm_s) const;
   [[nodiscard]] Speeds slowestTo(double v_mm_s) const;
 
+  [[nodiscard]] double shortestS(const Speeds& fast) const { return durationS(fast); }
+  [[nodiscard]] bool canTake(const Speeds& slow, double total_s) const { return durationS(slow) >= total_s; }
+  /// Arc lengths at the end of each of `periods` equal times, of the profile that realise() finds for them.
+  [[nodiscard]] std::vector<double> stations(const Speeds& slow, const Speeds& fast, int periods,
+                                             double period_s) const;
   /// Infinite if the motion rests between two nodes.
   [[nodiscard]] double durationS(const Speeds& speeds) const;
   /// Of all profiles between slow and fast the one that is cut off at one speed and takes `total_s`, which
@@ -88,7 +93,7 @@ class SpeedProfile {
 ///
 /// Global planning as S2 has it: one pass forward and one backward over all runs give the highest speed at
 /// each border; of a ladder of speeds below these the ones are chosen with which all runs together take the
-/// fewest periods.
+/// fewest periods. With a jerk the path rests in acceleration at each border (JerkProfile).
 std::vector<std::vector<double>> planFlow(std::span<const std::vector<Segment>> runs,
                                           const std::vector<bool>& rests, const FlowLimits& limits);
 

@@ -8,6 +8,7 @@
 
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/jerk_profile.h"
 #include "firmware_under_test/planner/speed.h"
 #include "firmware_under_test/planner/unit.h"
 #include "player.h"
@@ -121,13 +122,119 @@ TEST(Jerk, TheMirrorsKeepItOverWholeDrawings) {
   }
 }
 
-TEST(Jerk, IsRefusedWithSmoothJumps) {
+/// Short strokes side by side, as the button's, and a corner and an arc in the marks.
+std::vector<Segment> strokes() {
+  std::vector<hil::Entity> entities;
+  for (int i = 0; i < 8; ++i) {
+    const double x = -8.0 * i;
+    entities.push_back(i % 2 == 0 ? test::line(x, -6.0, x, 6.0) : test::line(x, 6.0, x + 1.0, -6.0));
+  }
+  entities.push_back(test::arc(-30.0, 20.0, 6.0, 0.0, 200.0));
+  MachineParameters machine = test::twoMirror();
+  std::vector<Segment> path = readGcode(makeGcode(test::dielineOf(entities), machine, test::mirrorJob()));
+  while (path.front().jump) path.erase(path.begin());
+  return path;
+}
+
+TEST(Jerk, TheMirrorsKeepItThroughSmoothJumps) {
+  MachineParameters machine = test::twoMirror();
+  machine.mirror_acceleration_rad_s2 = 9.0;
+  const Axes axes(machine, {});
+  const std::vector<Segment> path = strokes();
   JobParameters job = test::mirrorJob();
-  job.jerk_mm_s3 = 1e6;
-  EXPECT_TRUE(faultsOf(test::twoMirror(), job).empty());
+  job.acceleration_mm_s2 = 12000.0;
+  for (const double radius_mm : {1.0, 5.0}) {
+    job.jump_radius_mm = radius_mm;
+    job.jerk_mm_s3 = 0.0;
+    const auto free = planUnit(path, job, axes, 0.0);
+    for (const double jerk : {1e6, 5e6}) {
+      job.jerk_mm_s3 = jerk;
+      job.jump_radius_mm = radius_mm;
+      const auto unit = planUnit(path, job, axes, 0.0);
+      job.jump_radius_mm = 0.0;
+      const auto straight = planUnit(path, job, axes, 0.0);
+      ASSERT_TRUE(free && unit && straight);
+      const double in_mirrors = jerkOf(inMirrors(pointsOf(*unit), machine));
+      EXPECT_LE(in_mirrors, 1.1 * jerk) << radius_mm;
+      EXPECT_GE(in_mirrors, 0.4 * jerk) << "the machine should be used, radius " << radius_mm;
+      EXPECT_GT(jerkOf(inMirrors(pointsOf(*free), machine)), 1.5 * jerk) << "else this shows nothing";
+      EXPECT_GE(pointsOf(*unit).size(), pointsOf(*free).size());
+      EXPECT_LE(pointsOf(*unit).size(), pointsOf(*straight).size());
+    }
+  }
+}
+
+TEST(Jerk, SmoothJumpsStillSwitchAtTheEndsOfMarks) {
+  const MachineParameters machine = test::twoMirror();
+  const std::vector<Segment> path = strokes();
+  JobParameters job = test::mirrorJob();
   job.jump_radius_mm = 5.0;
-  EXPECT_THAT(faultsOf(test::twoMirror(), job),
-              testing::ElementsAre(testing::HasSubstr("straight jumps alone")));
+  job.jerk_mm_s3 = 5e6;
+  const auto unit = planUnit(path, job, Axes(machine, {}), 0.0);
+  ASSERT_TRUE(unit);
+  double wanted_mm = 0.0;
+  for (const Segment& segment : path) wanted_mm += segment.jump ? 0.0 : segment.z * segment.lengthMm();
+  double marked_mm = 0.0;
+  for (const Block& block : unit->blocks) {
+    for (const Sample& sample : block.samples) marked_mm += sample.marked_mm;
+  }
+  EXPECT_NEAR(marked_mm, wanted_mm, 1e-9 * wanted_mm);
+}
+
+FlowLimits flowLimits(double jerk) {
+  FlowLimits flow;
+  flow.mark_mm_s = flow.jump_mm_s = 200.0;
+  flow.acceleration_mm_s2 = flow.jump_acceleration_mm_s2 = 5000.0;
+  flow.period_s = kPeriod_s;
+  flow.axes_mm_s = [](const Vector2d&) { return 1e9; };
+  flow.jerk_mm_s3 = jerk;
+  return flow;
+}
+
+TEST(Jerk, AProfileIsRealisedInAnyTimeBetweenItsBounds) {
+  Segment arc = straight({0, 0}, {20, 0});
+  arc.centre_mm = {10, 0};
+  arc.sweep_rad = -3.14159265358979;
+  const std::vector<Segment> run{straight({0, -15}, {0, 0}), arc, straight({20, 0}, {20, -3})};
+  const double jerk = 1e6;
+  const JerkProfile profile(run, flowLimits(jerk));
+  const auto fast_from = profile.fastestFrom(90.0);
+  const auto fast_to = profile.fastestTo(30.0);
+  const auto slow_from = profile.slowestFrom(90.0);
+  const auto slow_to = profile.slowestTo(30.0);
+  JerkProfile::Speeds fast, slow;
+  for (std::size_t i = 0; i < fast_from.size(); ++i) {
+    fast.push_back(std::min(fast_from[i], fast_to[i]));
+    slow.push_back(std::max(slow_from[i], slow_to[i]));
+  }
+  ASSERT_DOUBLE_EQ(fast.front(), 90.0);
+  ASSERT_DOUBLE_EQ(fast.back(), 30.0);
+  const auto least = static_cast<int>(std::ceil(profile.shortestS(fast) / kPeriod_s));
+  for (const int periods : {least, least + 1, least + 7, 2 * least, 5 * least}) {
+    ASSERT_TRUE(profile.canTake(slow, periods * kPeriod_s));
+    const std::vector<double> s = profile.stations(slow, fast, periods, kPeriod_s);
+    ASSERT_EQ(s.size(), static_cast<std::size_t>(periods) + 1);
+    EXPECT_NEAR((s[1] - s[0]) / kPeriod_s, 90.0, 1.5) << periods;
+    EXPECT_NEAR((s[s.size() - 1] - s[s.size() - 2]) / kPeriod_s, 30.0, 1.5) << periods;
+    for (std::size_t i = 3; i < s.size(); ++i) {
+      const double third = s[i] - 3.0 * s[i - 1] + 3.0 * s[i - 2] - s[i - 3];
+      EXPECT_LE(std::abs(third) / std::pow(kPeriod_s, 3), 0.8 * jerk * 1.001) << periods << " at " << i;
+    }
+  }
+}
+
+TEST(Jerk, AShorterWayIsNoReasonToGoTooFast) {
+  // An S-curve to rest is shorter than one to a third of the speed: both must find room.
+  const Ramp ramp{5000.0, 1e6};
+  for (const double high : {1.0, 30.0, 400.0}) {
+    double before_mm = 1e300;
+    for (double low = 0.0; low <= high; low += high / 64.0) {
+      EXPECT_GE(ramp.mostWayMm(low, high), ramp.wayMm(low, high));
+      EXPECT_LE(ramp.mostWayMm(low, high), before_mm * (1.0 + 1e-12));
+      EXPECT_LE(ramp.mostWayMm(low, high), 1.09 * std::max(ramp.wayMm(0.0, high), ramp.wayMm(low, high)));
+      before_mm = ramp.mostWayMm(low, high);
+    }
+  }
 }
 
 }  // namespace

@@ -53,11 +53,12 @@ TEST(EvenDepth, FindsAPlaceThatIsTooDeepAndHowMuch) {
   }
 }
 
-TEST(EvenDepth, TheStartIsExceptedAndTheRestOfTheLineIsNot) {
+TEST(EvenDepth, TheRoundEndIsExceptedAndTheRestOfTheLineIsNot) {
   const auto deepUpTo = [](double end_mm) {
     return creasedBy([=](double s_mm) { return s_mm < end_mm ? 0.6 : 0.4; }).inspected();
   };
-  EXPECT_EQ(checkOf(deepUpTo(2.9), "even_depth").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(deepUpTo(0.29), "even_depth").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(deepUpTo(0.8), "even_depth").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(deepUpTo(9.0), "even_depth").verdict, Verdict::kFail);
 }
 

@@ -142,5 +142,21 @@ TEST(PowerOfAJob, NeedsNoCutEnergy) {
   EXPECT_TRUE(faultsOf(wideMachine(), job).empty());
 }
 
+TEST(PowerOfAJob, TheLoopIsHeldAgainstTheControllerThatIsPlannedFor) {
+  MachineParameters machine = wideMachine();
+  machine.tracking_delay_s = 0.19e-3;
+  machine.power_delay_s = 2e-3;
+  JobParameters job = slowJob();
+  job.power = test::steelModel(0.2);
+  job.power_loop = true;
+  machine.power_quantum_j = job.power->laser().power.greatest().y * 0.8e-3 / (2.0 * 60.0);
+  EXPECT_THAT(faultsOf(machine, job), ::testing::IsEmpty());
+  machine.target.tick_s = 1e-6;
+  machine.target.ticks_per_period = 128;
+  machine.target.longest_delay_ticks = 65535;
+  EXPECT_THAT(faultsOf(machine, job), ::testing::ElementsAre(HasSubstr("in 0 … 0.00035 together"),
+                                                             HasSubstr("9.6 edges in a period")));
+}
+
 }  // namespace
 }  // namespace kerfbench::planner

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace kerfbench::planner {
+
+/// Motion along a path under constant jerk, from s_mm on.
+struct Phase {
+  double s_mm{}, v_mm_s{}, a_mm_s2{}, j_mm_s3{}, duration_s{};
+
+  [[nodiscard]] double wayMm(double t_s) const {
+    return t_s * (v_mm_s + t_s * (0.5 * a_mm_s2 + t_s * j_mm_s3 / 6.0));
+  }
+};
+
+/// How fast the speed along a path may change. With a jerk a change of speed is an S-curve that begins and
+/// ends without acceleration.
+struct Ramp {
+  double acceleration_mm_s2{};  ///< > 0.
+  double jerk_mm_s3{};          ///< 0: no limit.
+
+  /// Time and way of a change of speed; both kinds of ramp are symmetrical in time.
+  [[nodiscard]] double durationS(double v0_mm_s, double v1_mm_s) const;
+  [[nodiscard]] double wayMm(double v0_mm_s, double v1_mm_s) const;
+  /// The longest way of all changes between these speeds, or from the faster one to a slower one than told.
+  /// On an S-curve that ends at rest is up to 9 % shorter than one that ends at a third of the speed, so
+  /// wayMm() alone grows with no change of the slower speed.
+  [[nodiscard]] double mostWayMm(double v0_mm_s, double v1_mm_s) const;
+  /// The highest speed between two ends that leaves room for both ramps, at most `limit`; never below the
+  /// ends.
+  [[nodiscard]] double peakMmS(double length_mm, double v0_mm_s, double v1_mm_s, double limit_mm_s) const;
+  /// Of a change that begins at s0_mm.
+  void addPhases(double v0_mm_s, double v1_mm_s, double s0_mm, std::vector<Phase>& phases) const;
+};
+
+/// Where a motion is at the end of each of `periods` equal times: arc lengths, the first 0 and the last
+/// total_mm.
+std::vector<double> stationsOf(const std::vector<Phase>& phases, int periods, double total_mm);
+
+double durationOf(const std::vector<Phase>& phases);
+
+/// The highest x of low … high with excess(x) <= 0, which grows with x; `low` if there is none. By false
+/// position (Illinois), to twelve digits.
+template <typename Excess>
+double highest(double low, double high, const Excess& excess) {
+  double at_high = excess(high);
+  if (at_high <= 0.0) return high;
+  double at_low = excess(low);
+  if (at_low >= 0.0) return low;
+  int side = 0;  // that moved last
+  for (int i = 0; i < 100 && high - low > 1e-12 * high; ++i) {
+    const double x = (low * at_high - high * at_low) / (at_high - at_low);
+    if (!(x > low && x < high)) break;
+    const double at = excess(x);
+    if (at <= 0.0) {
+      low = x;
+      at_low = at;
+      if (side < 0) at_high *= 0.5;
+      side = -1;
+    } else {
+      high = x;
+      at_high = at;
+      if (side > 0) at_low *= 0.5;
+      side = 1;
+    }
+  }
+  return low;
+}
+
+}  // namespace kerfbench::planner
