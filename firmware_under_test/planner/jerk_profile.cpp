@@ -18,10 +18,10 @@ double faster(const Piece& piece, double v) {
   return highest(v, top, [&](double w) { return piece.ramp.mostWayMm(v, w) - piece.length_mm; });
 }
 
-/// Lowest likewise, not above `from`.
-double slower(const Piece& piece, double v, double from) {
-  const auto excess = [&](double drop) { return piece.ramp.mostWayMm(v, from - drop) - piece.length_mm; };
-  return from - highest(0.0, from, excess);
+/// Lowest likewise.
+double slower(const Piece& piece, double v) {
+  const auto excess = [&](double drop) { return piece.ramp.mostWayMm(v, v - drop) - piece.length_mm; };
+  return v - highest(0.0, v, excess);
 }
 
 double levelS(double way_mm, double v_mm_s) {
@@ -56,21 +56,21 @@ JerkProfile::Speeds JerkProfile::fastestTo(double v_mm_s) const {
 
 JerkProfile::Speeds JerkProfile::slowestFrom(double v_mm_s) const {
   Speeds speeds{v_mm_s};
-  for (const Piece& piece : path_.pieces) speeds.push_back(slower(piece, speeds.back(), speeds.back()));
+  for (const Piece& piece : path_.pieces) speeds.push_back(slower(piece, speeds.back()));
   return speeds;
 }
 
 JerkProfile::Speeds JerkProfile::slowestTo(double v_mm_s) const {
   Speeds speeds(path_.cap_mm_s.size());
   speeds.back() = v_mm_s;
-  for (std::size_t i = path_.pieces.size(); i-- > 0;)
-    speeds[i] = slower(path_.pieces[i], speeds[i + 1], speeds[i + 1]);
+  for (std::size_t i = path_.pieces.size(); i-- > 0;) speeds[i] = slower(path_.pieces[i], speeds[i + 1]);
   return speeds;
 }
 
 JerkProfile::Course JerkProfile::courseOf(const Piece& piece, double v0_mm_s, double v1_mm_s,
                                           double cut_mm_s) {
-  const auto [low, high] = std::minmax(v0_mm_s, v1_mm_s);
+  const double low = std::min(v0_mm_s, v1_mm_s);
+  const double high = std::max(v0_mm_s, v1_mm_s);
   const auto left = [&](double middle) {
     return std::max(0.0,
                     piece.length_mm - piece.ramp.wayMm(v0_mm_s, middle) - piece.ramp.wayMm(middle, v1_mm_s));

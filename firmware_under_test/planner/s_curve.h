@@ -23,9 +23,9 @@ struct Ramp {
   /// Time and way of a change of speed; both kinds of ramp are symmetrical in time.
   [[nodiscard]] double durationS(double v0_mm_s, double v1_mm_s) const;
   [[nodiscard]] double wayMm(double v0_mm_s, double v1_mm_s) const;
-  /// The longest way of all changes between these speeds, or from the faster one to a slower one than told.
-  /// On an S-curve that ends at rest is up to 9 % shorter than one that ends at a third of the speed, so
-  /// wayMm() alone grows with no change of the slower speed.
+  /// The longest way of all changes from the faster of these speeds to one that is not below the slower:
+  /// never less than wayMm(), and it does not grow with the slower speed. An S-curve between w and rest is up
+  /// to 9 % shorter than one between w and w/3.
   [[nodiscard]] double mostWayMm(double v0_mm_s, double v1_mm_s) const;
   /// The highest speed between two ends that leaves room for both ramps, at most `limit`; never below the
   /// ends.

@@ -17,7 +17,8 @@ namespace {
 
 /// Power is proportional to speed: where the beam sets off and stops it glows too little to be seen …
 constexpr double kRamp_s = 0.02;
-/// … and where it is slower than this share of its usual speed, as in corners …
+/// … and where it is slower than this share of its usual speed, as in corners and on the ramps of heavy heads
+/// (82 ms on strip-stop-and-go) …
 constexpr double kSlowShare = 0.6;
 /// … or where a frame beside it is so faint that it places the spot this many times worse than usual. On
 /// carton-on-belt, whose creases take half the power, one is dark at 0.7 of the speed beside one of 2.5
@@ -47,15 +48,40 @@ Usual usualOf(const Evidence& evidence, const LitFrames& lit) {
   return {medianOf(std::move(speeds)), medianOf(std::move(sigmas))};
 }
 
+/// Whether the beam is slow at an end of its cut, where only one frame beside the dark one shows it: by the
+/// way from there to the end of its line, which is where the gate switches. `further` is the next lit frame
+/// away from that end, and tells which it is. Only for a single dark frame: beyond, it may be on another
+/// line.
+bool isSlowToEnd(const Evidence& evidence, const LitFrames& lit, const LitFrame& beside,
+                 const LitFrame& further, double switch_s, const Usual& usual) {
+  const double time_s = std::abs(switch_s - beside.time_s);
+  if (beside.entity < 0 || further.entity != beside.entity || further.unit != beside.unit ||
+      !(time_s <= 2.0 * lit.period_s))
+    return false;
+  const Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(beside.entity)].curve;
+  const double u = nearestOn(curve, beside.p_S_mm).u;
+  const double end = u > nearestOn(curve, further.p_S_mm).u ? 1.0 : 0.0;
+  return std::abs(end - u) * lengthOf(curve) < kSlowShare * usual.speed_mm_s * time_s;
+}
+
 /// Nothing excuses that the frame taken at time_s within the gate is dark.
 bool isBlind(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate, double time_s,
              const Usual& usual) {
   if (time_s < gate.on_s + kRamp_s || time_s > gate.off_s - kRamp_s) return false;
   const auto after = std::lower_bound(lit.frames.begin(), lit.frames.end(), time_s,
                                       [](const LitFrame& f, double t) { return f.time_s < t; });
-  if (after == lit.frames.begin() || after == lit.frames.end()) return true;
+  const auto within = [&](std::ptrdiff_t offset) {
+    const std::ptrdiff_t i = after - lit.frames.begin() + offset;
+    return i >= 0 && i < std::ssize(lit.frames) && (after + offset)->time_s >= gate.on_s &&
+           (after + offset)->time_s <= gate.off_s;
+  };
+  if (!within(0) && within(-1) && within(-2))
+    return !isSlowToEnd(evidence, lit, *(after - 1), *(after - 2), gate.off_s, usual);
+  if (!within(-1) && within(0) && within(1))
+    return !isSlowToEnd(evidence, lit, *after, *(after + 1), gate.on_s, usual);
+  if (!within(-1) || !within(0)) return true;
   const LitFrame& before = *(after - 1);
-  if (before.time_s < gate.on_s || after->time_s > gate.off_s || before.unit != after->unit) return true;
+  if (before.unit != after->unit) return true;
   const auto isFaint = [&](const LitFrame& f) {
     return evidence.spot.frames[f.frame].spot_sigma_mm > kFaint * usual.sigma_mm;
   };

@@ -44,6 +44,36 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "label-on-belt-replay"));
 }
 
+std::string verdictOfCheck(const std::filesystem::path& results, const std::string& name) {
+  const auto verdict = verdictOf(results);
+  for (const auto& check : verdict.at("checks")) {
+    if (check.at("name") == name) return check.at("verdict");
+  }
+  return "none";
+}
+
+/// The meter's pulses go into the recording as the controller got them, and what it did for them as pins.
+TEST(Recordings, OfALoopOnTheMeasuredPowerAreJudgedAlike) {
+  const ScratchFolder scratch;
+  for (const std::string name : {"native/short-lines", "faults/short-lines-open-loop"}) {
+    const std::string scenario = fixture("scenarios/" + name + ".yaml").string();
+    const bool good = name.starts_with("native");
+    const std::string folder = good ? "short-lines-native" : "fault-short-lines-open-loop";
+    const auto run = kerfbench(fmt::format("run '{}' --twin fast -q --no-pictures --results-dir '{}'",
+                                           scenario, scratch.path().string()));
+    const auto replay = kerfbench(
+        fmt::format("replay '{}' --scenario '{}' --twin fast -q --no-pictures --results-dir '{}'",
+                    (scratch.path() / folder / "pins.vcd").string(), scenario, scratch.path().string()));
+    EXPECT_EQ(run.exit_code, good ? 0 : 1) << run.output;
+    EXPECT_EQ(replay.exit_code, run.exit_code) << replay.output;
+    const auto live = scratch.path() / folder;
+    const auto replayed = scratch.path() / (folder + "-replay");
+    EXPECT_EQ(digestOf(live), digestOf(replayed));
+    EXPECT_EQ(verdictOfCheck(replayed, "line_energy"), good ? "PASS" : "FAIL");
+    EXPECT_EQ(verdictOfCheck(replayed, "even_depth"), "PASS");
+  }
+}
+
 std::string outputOf(const std::string& command) {
   std::string output;
   std::FILE* pipe = ::popen(command.c_str(), "r");

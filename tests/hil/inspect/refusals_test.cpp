@@ -326,6 +326,34 @@ TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
   EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid);
 }
 
+/// A camera that takes one frame in 31 ms, the last of the first crease dark and so long before the beam gets
+/// to its end; the gate stays open for longer than the beam needs at full speed.
+Verdict endingDark(double before_end_s, double longer_s) {
+  SyntheticRun run;
+  const auto crease =
+      std::ranges::find_if(run.evidence.gates, [](const GateInterval& gate) {  // 36 mm at 300 mm/s
+        return std::abs(gate.off_s - gate.on_s - 0.12) < 2e-3;
+      });
+  auto& all = run.evidence.spot.frames;
+  const std::size_t last = frameAt(run, crease->off_s - before_end_s);
+  std::vector<FrameMeasurement> frames;
+  for (std::size_t i = last % 31; i < all.size(); i += 31) {
+    frames.push_back(all[i]);
+    frames.back().sequence = frames.size() - 1;
+    if (i == last) frames.back().spot_W_mm.reset();
+  }
+  all = std::move(frames);
+  crease->off_s += longer_s;
+  return checkOf(run.inspected(), "spot_seen").verdict;
+}
+
+TEST(Refusals, ADarkFrameAtTheEndOfACutIsExcusedWhereTheBeamIsSlow) {
+  // From the frame before it the gate takes 55 ms over 9.4 mm: 0.57 of full speed.
+  EXPECT_EQ(endingDark(1e-3, 24e-3), Verdict::kPass);
+  // 56 ms over 16.8 mm: the beam is as fast as ever.
+  EXPECT_EQ(endingDark(25e-3, 0.0), Verdict::kInvalid);
+}
+
 TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {
   SyntheticRun run;
   const double on_s = run.evidence.gates.front().on_s;
