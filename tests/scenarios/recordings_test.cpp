@@ -44,6 +44,28 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "label-on-belt-replay"));
 }
 
+// The controller's own words are part of the recording: it stops by itself, and is not done.
+TEST(Recordings, OfAStopTellTheSameReplayed) {
+  const ScratchFolder scratch;
+  const std::string scenario = fixture("scenarios/faults/strip-return-slow.yaml").string();
+  const auto run = kerfbench(fmt::format("run '{}' -q --twin fast --no-pictures --results-dir '{}'", scenario,
+                                         scratch.path().string()));
+  ASSERT_EQ(run.exit_code, 1) << run.output;
+  const auto live = scratch.path() / "fault-strip-return-slow";
+  const auto replay =
+      kerfbench(fmt::format("replay '{}' --scenario '{}' -q --twin fast --no-pictures --results-dir '{}'",
+                            (live / "pins.vcd").string(), scenario, scratch.path().string()));
+  EXPECT_EQ(replay.exit_code, 1) << replay.output;
+  const auto first = verdictOf(live);
+  const auto again = verdictOf(scratch.path() / "fault-strip-return-slow-replay");
+  EXPECT_EQ(first.at("digest"), again.at("digest"));
+  for (const auto& verdict : {first, again}) {
+    EXPECT_NE(verdict.at("summary").get<std::string>().find("the belt is too fast for this job"),
+              std::string::npos)
+        << verdict.at("summary");
+  }
+}
+
 std::string outputOf(const std::string& command) {
   std::string output;
   std::FILE* pipe = ::popen(command.c_str(), "r");

@@ -8,6 +8,7 @@
 
 #include "hil/app/controller_ear.h"
 #include "hil/app/pin_sums.h"
+#include "tests/hil/app/spoken_frames.h"
 #include "tests/hil/app/temp_folder.h"
 
 namespace kerfbench::hil {
@@ -111,40 +112,15 @@ TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
   EXPECT_NEAR(static_cast<double>(damaged), 2500.0, 4 * std::sqrt(2500.0 * 0.75));
 }
 
-// "STATE: stopped by its interlock, belt at 0x01020304, axes 5 … 9", its CRC by the reference algorithm.
-std::vector<std::uint8_t> frame(std::vector<std::uint8_t> body) {
-  unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : body) {
-    for (int bit = 7; bit >= 0; --bit) {
-      const bool top = (crc >> 15 & 1U) != (static_cast<unsigned>(byte) >> bit & 1U);
-      crc = (crc << 1 & 0xFFFFU) ^ (top ? 0x1021U : 0U);
-    }
-  }
-  body.insert(body.begin(), 0xA5);
-  body.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
-  body.push_back(static_cast<std::uint8_t>(crc >> 8));
-  return body;
-}
-
-std::vector<std::uint8_t> state(std::uint8_t now, std::uint8_t fault, std::uint8_t belt) {
-  std::vector<std::uint8_t> body{0x84, 1, 28, now, fault, 0, 0, belt, 3, 2, 1};
-  for (std::uint8_t axis = 0; axis < 5; ++axis) {
-    for (const std::uint8_t byte : {axis, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}}) {
-      body.push_back(byte);
-    }
-  }
-  return frame(body);
-}
-
 TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
   ControllerEar ear;
-  std::vector<std::uint8_t> line = state(1, 0, 4);
-  const auto event = frame({0x85, 0, 2, 3, 2});
+  std::vector<std::uint8_t> line = spokenState(1, 0, 4);
+  const auto event = spokenFrame({0x85, 0, 2, 3, 2});
   line.insert(line.end(), {0xA5, 0x00, 0xFF, 0xA5, 0xA5});
   line.insert(line.end(), event.begin(), event.end());
   for (const std::uint8_t byte : line) ear.hear(std::vector{byte}, 1.0);
   EXPECT_FALSE(ear.account()) << "it runs";
-  ear.hear(state(3, 2, 44), 2.0);
+  ear.hear(spokenState(3, 2, 44), 2.0);
   ASSERT_TRUE(ear.account());
   EXPECT_EQ(ear.account()->first_belt.counts, 0x01020304);
   EXPECT_EQ(ear.account()->belt.counts, 0x0102032C);
@@ -157,7 +133,7 @@ TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
 
 TEST(ControllerEar, DamagedFramesAreNotHeard) {
   ControllerEar ear;
-  auto line = state(3, 2, 0);
+  auto line = spokenState(3, 2, 0);
   line[6] ^= 1;
   ear.hear(line, 1.0);
   EXPECT_FALSE(ear.account());
