@@ -100,6 +100,8 @@ std::string_view faultInWords(std::uint8_t fault) {
       return "the belt is too fast for this job";
     case KB_FAULT_WATCHDOG:
       return "its main loop stood still, and its watchdog reset it";
+    case KB_FAULT_FIELD:
+      return "the belt would have taken the beam out of its field";
     default:
       return "of a fault that this host does not know";
   }

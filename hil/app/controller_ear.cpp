@@ -31,7 +31,7 @@ long long int32At(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 std::vector<std::string> faultNames() {
   return {"ok",    "dry",    "interlock", "limit",   "program",   "overspeed", "late",
-          "marks", "silent", "uart",      "encoder", "belt-fast", "watchdog"};
+          "marks", "silent", "uart",      "encoder", "belt-fast", "watchdog",  "field"};
 }
 
 std::string faultName(std::uint8_t fault) {

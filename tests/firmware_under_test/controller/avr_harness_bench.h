@@ -13,6 +13,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/link.h"
+#include "no_field.h"
 
 namespace kerfbench::avr_bench {
 

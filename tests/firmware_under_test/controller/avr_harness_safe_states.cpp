@@ -22,6 +22,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/link.h"
+#include "no_field.h"
 
 namespace {
 
@@ -36,7 +37,8 @@ constexpr std::uint64_t kHostGivesUp = 400 * kPeriodCycles;  // it cannot ask an
 Program litProgram() {
   Program program;
   program.config.assign(17, 0);
-  program.config.resize(KB_CONFIG_LEN, KB_MAX_STEPS_PER_PERIOD);
+  program.config.resize(27, KB_MAX_STEPS_PER_PERIOD);
+  kerfbench::controller_test::appendNoField(program.config);
   for (int i = 0; i < 1500; ++i)
     program.ops.push_back({KB_OP_MOVE | KB_OP_POWER | 0x0F, 31, 0xE1, 29, 0xE5, 255});
   program.ops.push_back({KB_OP_END});

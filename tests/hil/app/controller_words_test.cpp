@@ -24,7 +24,7 @@ class ControllerWordsTest : public testing::Test {
   [[nodiscard]] ControllerEnd end() const {
     return controllerEnd(ControllerEar(recording), PinSums(recording, {}), recording);
   }
-  PinRecording recording{.rate = kRate};
+  PinRecording recording{kRate, {}, {}, {}, 0, false};
   LockstepResult run;
 };
 

@@ -100,6 +100,14 @@ TEST(Provocation, ASilentHostIsCutOffWithinAFrame) {
   EXPECT_EQ(provocation.lineCut_s(), 1.1);
 }
 
+TEST(Provocation, AFlickeringSensorGivesAMarkEachMillisecond) {
+  constexpr Tick kAt = 16'000'000;
+  const auto edges = changed(at(Cause::kMarksFlicker, 1.0), {}, kAt + 15'999, kAt + 32'001);
+  EXPECT_THAT(edges, ElementsAre(std::tuple(kAt + 16'000, Signal::kPrintMark, true),
+                                 std::tuple(kAt + 24'000, Signal::kPrintMark, false),
+                                 std::tuple(kAt + 32'000, Signal::kPrintMark, true)));
+}
+
 TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
   auto choice = at(Cause::kUartNoise, 1.0);
   choice.share = 0.25;
@@ -168,6 +176,9 @@ TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_EQ(sums.lastPulse_s(), kRate.seconds(19000));
   EXPECT_EQ(sums.pulse_s(Signal::kGalvoXPul, 2), kRate.seconds(3000));
   EXPECT_TRUE(std::isnan(sums.pulse_s(Signal::kGalvoXPul, 11)));
+  EXPECT_TRUE(std::isnan(sums.leaves_s(Signal::kGalvoXPul, 0, 7)));
+  EXPECT_EQ(sums.leaves_s(Signal::kGalvoXPul, 0, 6), sums.pulse_s(Signal::kGalvoXPul, 7));
+  EXPECT_EQ(sums.leaves_s(Signal::kGalvoXPul, 5, 7), sums.pulse_s(Signal::kGalvoXPul, 1));
   EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
   EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
   ControllerEar::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
