@@ -63,7 +63,8 @@ enum kb_fault {
   KB_FAULT_UART,      /* KB_LINE_ERRORS_MAX line errors without an accepted frame between, while running */
   KB_FAULT_ENCODER,   /* the belt that is followed does not move as it should, or A misses edges */
   KB_FAULT_BELT_FAST, /* the belt is too fast for the job, or the axis cannot keep up with it */
-  KB_FAULT_WATCHDOG   /* the main loop stood still; the controller was reset */
+  KB_FAULT_WATCHDOG,  /* the main loop stood still; the controller was reset */
+  KB_FAULT_FIELD      /* the beam would leave its field */
 };
 
 /* What leads to KB_STOPPED, how soon, and what the axes do: docs/CONTROLLER.md. */
@@ -84,7 +85,7 @@ enum kb_fault {
  * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload, of POWER's if there is one, and then of the
  * program, a += byte, b += a; the check is a | b << 16. So a frame that deceives the CRC, and one that only
  * one side believes to have been accepted, are refused before anything of them is run. */
-#define KB_PROTOCOL_VERSION 2
+#define KB_PROTOCOL_VERSION 3
 #define KB_CHECK_LEN 4
 #define KB_MARKS_MAX 8
 
@@ -129,8 +130,11 @@ enum kb_op {
  * stays active for as many ticks as the next u8 says, 1 … KB_WIDE_TICKS_MAX (the others' falls within the
  * tick); u8 × 5 steps of each axis in a period, at most, which leave a tick between such pulses; u8 × 5 steps
  * of each axis in a period before and after DIR changes, at most. A reversal from more waits for a period at
- * rest; what more steps there are follow in the next periods. */
-#define KB_CONFIG_LEN 27
+ * rest; what more steps there are follow in the next periods.
+ *
+ * Then the field: i32 × 5 lowest and i32 × 5 highest step of each axis, as KB_STATE counts them. With the
+ * laser on, no axis begins or ends a period beyond them: the controller stops before such a period. */
+#define KB_CONFIG_LEN 67
 #define KB_WIDE_TICKS_MAX 15 /* one less than a power of two */
 
 /* KB_POWER payload: u8 gain (1/256), u8 least and u8 most power, u16 ticks from the start of a period until

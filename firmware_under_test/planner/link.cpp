@@ -2,7 +2,6 @@
 #include "firmware_under_test/planner/link.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "firmware_under_test/controller/protocol.h"
@@ -29,39 +28,6 @@ std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
     crc &= 0xFFFFU;
   }
   return static_cast<std::uint16_t>(crc);
-}
-
-std::string_view faultInWords(std::uint8_t fault) {
-  switch (fault) {
-    case KB_OK:
-      return "it was told to stop";
-    case KB_FAULT_DRY:
-      return "its queue ran dry in the middle of the program";
-    case KB_FAULT_INTERLOCK:
-      return "the guard was opened (interlock)";
-    case KB_FAULT_LIMIT:
-      return "an axis reached its end-of-travel switch";
-    case KB_FAULT_PROGRAM:
-      return "the program holds an operation that it does not know";
-    case KB_FAULT_OVERSPEED:
-      return "the program asks for more steps in a period than it can make";
-    case KB_FAULT_LATE:
-      return "it did not prepare the next period in time";
-    case KB_FAULT_MARKS:
-      return "more print marks came than it can keep";
-    case KB_FAULT_SILENT:
-      return "it heard nothing from its host for too long";
-    case KB_FAULT_UART:
-      return "the line to it is disturbed";
-    case KB_FAULT_ENCODER:
-      return "the belt's encoder does not tell of the motion that it should (broken wire?)";
-    case KB_FAULT_BELT_FAST:
-      return "the belt is too fast for this job";
-    case KB_FAULT_WATCHDOG:
-      return "its main loop stood still, and its watchdog reset it";
-    default:
-      return "of a fault that this host does not know";
-  }
 }
 
 std::string_view refusalInWords(std::uint8_t reason) {
@@ -105,6 +71,41 @@ std::string_view requestInWords(std::uint8_t type) {
 }
 
 }  // namespace
+
+std::string_view faultInWords(std::uint8_t fault) {
+  switch (fault) {
+    case KB_OK:
+      return "it was told to stop";
+    case KB_FAULT_DRY:
+      return "its queue ran dry in the middle of the program";
+    case KB_FAULT_INTERLOCK:
+      return "the guard was opened (interlock)";
+    case KB_FAULT_LIMIT:
+      return "an axis reached its end-of-travel switch";
+    case KB_FAULT_PROGRAM:
+      return "the program holds an operation that it does not know";
+    case KB_FAULT_OVERSPEED:
+      return "the program asks for more steps in a period than it can make";
+    case KB_FAULT_LATE:
+      return "it did not prepare the next period in time";
+    case KB_FAULT_MARKS:
+      return "more print marks came than it can keep";
+    case KB_FAULT_SILENT:
+      return "it heard nothing from its host for too long";
+    case KB_FAULT_UART:
+      return "the line to it is disturbed";
+    case KB_FAULT_ENCODER:
+      return "the belt's encoder does not tell of the motion that it should (broken wire?)";
+    case KB_FAULT_BELT_FAST:
+      return "the belt is too fast for this job";
+    case KB_FAULT_WATCHDOG:
+      return "its main loop stood still, and its watchdog reset it";
+    case KB_FAULT_FIELD:
+      return "the belt would have taken the beam out of its field";
+    default:
+      return "of a fault that this host does not know";
+  }
+}
 
 Link::Link(Program program) : program_(std::move(program)) {
   const bool op_too_long = std::any_of(program_.ops.begin(), program_.ops.end(), [](const auto& op) {

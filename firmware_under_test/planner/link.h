@@ -6,11 +6,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware_under_test/planner/plan.h"
 
 namespace kerfbench::planner {
+
+/// Why a controller has stopped, for people: "its queue ran dry in the middle of the program". @param fault
+/// enum kb_fault.
+std::string_view faultInWords(std::uint8_t fault);
 
 /// The host half of protocol.h as a pure state machine: bytes and time in, bytes out. Says HELLO until
 /// answered, then CONFIG, fills the queue, START, keeps the queue full, waits for DONE. When the controller

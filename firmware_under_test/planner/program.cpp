@@ -2,8 +2,10 @@
 #include "firmware_under_test/planner/program.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -246,6 +248,53 @@ std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, con
   return payload;
 }
 
+struct Reach {
+  Vector2d low, high;
+};
+
+/// Steps that hold the whole field. They grow along their own axis, with a table too, so that each is least
+/// and most on the rim; of the formulas in a corner or across the middle.
+Reach reachOf(const Axes& axes, const MachineParameters& machine) {
+  constexpr int kParts = 128;
+  const Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
+  const Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
+  Reach reach{axes.stepsAt(Vector2d::Zero()), axes.stepsAt(Vector2d::Zero())};
+  const auto hold = [&](const Vector2d& p_W_mm) {
+    const Vector2d steps = axes.stepsAt(p_W_mm);
+    reach.low = reach.low.cwiseMin(steps);
+    reach.high = reach.high.cwiseMax(steps);
+  };
+  for (int i = 0; i <= kParts; ++i) {
+    const Vector2d between = low + (high - low) * i / kParts;
+    for (const Vector2d& end : {low, high}) {
+      hold({end.x(), between.y()});
+      hold({between.x(), end.y()});
+      hold({end.x(), 0.0});
+      hold({0.0, end.y()});
+    }
+  }
+  return reach;
+}
+
+/// Where the beam may be by KB_CONFIG. A line that wavers and an encoder that runs out of true move the axis
+/// that follows beside its plan, which may use the field to its edge.
+void appendField(Op& config, const Axes& axes, const MachineParameters& machine, bool follows) {
+  constexpr double kWaverMm = 0.5;
+  const Reach reach = reachOf(axes, machine);
+  std::array<std::int32_t, KB_AXES> low{}, high{};
+  low.fill(std::numeric_limits<std::int32_t>::min());
+  high.fill(std::numeric_limits<std::int32_t>::max());
+  for (int i = 0; i < 2; ++i) {
+    const auto axis = static_cast<std::size_t>(axes.firstAxis() + i);
+    const double waver = i == 0 && follows ? kWaverMm * axes.xStepsPerMm(Vector2d::Zero()) : 0.0;
+    const auto step = [](double steps) { return static_cast<std::int32_t>(std::clamp(steps, -2e9, 2e9)); };
+    low.at(axis) = step(std::floor(reach.low[i] - waver));
+    high.at(axis) = step(std::ceil(reach.high[i] + waver));
+  }
+  for (const auto& steps : {low, high})
+    for (const std::int32_t step : steps) append(config, static_cast<std::uint32_t>(step), 4);
+}
+
 }  // namespace
 
 PowerModel::Setting powerSetting(const Sample& sample, const MachineParameters& machine,
@@ -283,6 +332,7 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
     program.config.push_back(byte);
   program.config.insert(program.config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
   program.config.insert(program.config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
+  appendField(program.config, axes, machine, follows);
   program.target = machine.target;
 
   if (job.power_loop) program.power = powerLoopPayload(machine, job, delay);

@@ -57,6 +57,11 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
     throw ConfigError(fmt::format("{}: provoke: {} has no pin {}", the_case.scenario.path.string(),
                                   the_case.scenario.machine.string(), signalName(signal)));
   }
+  if (the_case.scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
+      the_case.machine.kind != twin::MachineDescription::Kind::kGantry) {
+    throw ConfigError(fmt::format("{}: provoke.field_left: {} has no gantry, whose pins tell where it is",
+                                  the_case.scenario.path.string(), the_case.scenario.machine.string()));
+  }
   refuseUnfit(file, webOf(the_case));
   the_case.dieline = readDieline(the_case.scenario.dieline, the_case.scenario.layers);
   try {

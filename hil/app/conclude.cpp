@@ -38,6 +38,7 @@ ModelFacts modelFacts(const Scenario& scenario, const std::vector<twin::Imperfec
 void tell(const RunReport& report, const std::filesystem::path& folder, Console& console) {
   for (const Check& check : report.result.checks) console.say(checkLine(check));
   if (!report.model.lost_steps.empty()) console.result("  " + lostStepsSentence(report.model));
+  if (const std::string stop = stopSentence(report.result); !stop.empty()) console.result("  " + stop);
   for (const std::string& problem : report.result.problems) console.result("  INVALID: " + problem);
   console.result(fmt::format("{}: {}", report.scenario, verdictName(report.result.verdict)));
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
@@ -77,7 +78,7 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
     judgeSafeState(the_case, twin, *conclusion.safe_state, report);
   } else {
     judge(
-        the_case, twin, run, conclusion.account, options.jobs, stopwatch,
+        the_case, twin, run, conclusion.words, options.jobs, stopwatch,
         [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
   }
 

@@ -8,6 +8,7 @@
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
+#include "hil/app/controller_words.h"
 #include "hil/app/lockstep.h"
 #include "hil/app/machine_film.h"
 #include "hil/app/stopwatch.h"
@@ -24,10 +25,10 @@ struct Conclusion {
   std::string firmware_sha256;
   std::string
       firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
-  const twin::DrawnMachine* drawn{};            ///< The machine that ran; not null.
-  const MachineFilm* film{};                    ///< For the report's pictures; not null.
-  std::string gcode;                            ///< Written to the results folder unless empty.
-  std::optional<ControllerAccount> account;     ///< As in Evidence.
+  const twin::DrawnMachine* drawn{};  ///< The machine that ran; not null.
+  const MachineFilm* film{};          ///< For the report's pictures; not null.
+  std::string gcode;                  ///< Written to the results folder unless empty.
+  ControllerWords words;
   std::optional<SafeStateEvidence> safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
 };
 /// Returns the exit code of the verdict.

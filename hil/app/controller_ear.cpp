@@ -31,7 +31,12 @@ long long int32At(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 std::vector<std::string> faultNames() {
   return {"ok",    "dry",    "interlock", "limit",   "program",   "overspeed", "late",
-          "marks", "silent", "uart",      "encoder", "belt-fast", "watchdog"};
+          "marks", "silent", "uart",      "encoder", "belt-fast", "watchdog",  "field"};
+}
+
+std::string faultName(std::uint8_t fault) {
+  const auto names = faultNames();
+  return fault < names.size() ? names[fault] : "unknown";
 }
 
 ControllerEar::ControllerEar(const PinRecording& recording) {
@@ -54,13 +59,13 @@ void ControllerEar::hear(std::span<const std::uint8_t> bytes, double now_s) {
 }
 
 void ControllerEar::frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s) {
-  const auto names = faultNames();
   if ((type == KB_EVENT && payload.size() == 2) || (type == KB_STATE && payload.size() >= 2)) {
-    const ControllerReport report{now_s, payload[0] == KB_STOPPED,
-                                  payload[1] < names.size() ? names[payload[1]] : "unknown"};
+    const ControllerReport report{now_s, payload[0] == KB_STOPPED, faultName(payload[1])};
     const bool news = reports_.empty() || reports_.back().stopped != report.stopped ||
                       reports_.back().fault != report.fault;
     if (news) reports_.push_back(report);
+    const bool ended = payload[0] == KB_DONE || payload[0] == KB_STOPPED;
+    if (ended && !end_) end_ = {now_s, payload[0] == KB_DONE, payload[1]};
   }
   if (type != KB_STATE || payload.size() != 8 + 4 * kAxes) return;
   const BeltWord belt{now_s, int32At(payload, 4)};

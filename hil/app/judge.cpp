@@ -57,9 +57,8 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
 
 }  // namespace
 
-void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
-           const std::optional<ControllerAccount>& account, int jobs, Stopwatch& stopwatch,
-           const ProgressFn& progress, RunReport& report) {
+void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const ControllerWords& words,
+           int jobs, Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
   const Scenario& scenario = the_case.scenario;
   const BenchCameras cameras = readCalibrations(the_case);
 
@@ -71,12 +70,14 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
   evidence.belt_count_mm = the_case.machine.controller.encoder_count_mm;
   evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
   evidence.problems = run.problems;
-  evidence.account = account;
+  evidence.account = words.account;
+  evidence.end = words.end;
   for (const double edge_s : twin.powerMonitorEdges_s())
     evidence.power_edges_s.push_back(edge_s - the_case.machine.power_monitor.delay_s);
   evidence.power_quantum_j = the_case.machine.power_monitor.quantum_j;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
-  if (evidence.gates.empty())
+  const bool stopped = evidence.end && stoppedByItself(*evidence.end, evidence.gates);
+  if (evidence.gates.empty() && !stopped)
     evidence.problems.emplace_back("the laser gate was never opened: nothing was cut");
 
   if (!evidence.gates.empty() && cameras.spot && cameras.kerf) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "hil/app/case.h"
+#include "hil/app/controller_words.h"
 #include "hil/app/lockstep.h"
 #include "hil/app/stopwatch.h"
 #include "hil/inspect/safe_state.h"
@@ -13,10 +14,9 @@
 namespace kerfbench::hil {
 
 /// What the cameras of the bench see of a run that the twin has lived through, measured and judged. Fills the
-/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result). `account` as in Evidence.
-void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run,
-           const std::optional<ControllerAccount>& account, int jobs, Stopwatch& stopwatch,
-           const ProgressFn& progress, RunReport& report);
+/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result).
+void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const ControllerWords& words,
+           int jobs, Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report);
 
 /// A run that was to be stopped, by its pins and the controller's words alone; no camera looks.
 void judgeSafeState(const Case& the_case, const twin::Twin& twin, SafeStateEvidence evidence,

@@ -81,8 +81,9 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
       if (options.provocation != nullptr) answer = options.provocation->toController(answer, now_s);
       if (!answer.empty()) source.uartWrite(answer);
       finishing = dialog->state() != Dialog::State::kBusy;
-      if (dialog->state() == Dialog::State::kFailed && options.provocation == nullptr) {
-        result.problems.push_back(fmt::format("at {:.3f} s: {}", now_s, dialog->message()));
+      if (dialog->state() == Dialog::State::kFailed) {
+        result.dialog_failure = fmt::format("at {:.3f} s: {}", now_s, dialog->message());
+        result.dialog_failed_s = now_s;
       }
       // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
       if (finishing)

@@ -18,12 +18,14 @@ struct LockstepOptions {
   /// edge by 0.25 um at most.
   double quantum_s{0.5e-3};
   double time_limit_s{60.0};
-  Provocation* provocation{};  ///< May be null. If not, a dialog that fails or never ends is no problem.
+  Provocation* provocation{};  ///< May be null. If not, a dialog that never ends is no problem.
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 
 struct LockstepResult {
   PinRecording recording;
+  std::string dialog_failure;  ///< Empty unless the dialog failed: "at 1.234 s: …". Left to the caller.
+  double dialog_failed_s{};
   std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
 };
 

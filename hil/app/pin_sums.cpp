@@ -26,7 +26,7 @@ Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(p
 }  // namespace
 
 PinSums::PinSums(const PinRecording& recording, const SignalMap& map) {
-  for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}});
+  for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}, {}});
   addOutputs(recording, map);
   belt_ = encoderEdges(recording.sensors, recording.rate);
   belt_wired_ = map.pin(Signal::kEncoderA) && map.pin(Signal::kEncoderB);
@@ -46,6 +46,7 @@ void PinSums::addOutputs(const PinRecording& recording, const SignalMap& map) {
       if (!rises) continue;
       axis.net += forwards ? 1 : -1;
       axis.pulses_s.push_back(recording.rate.seconds(event.tick));
+      axis.places.push_back(axis.net);
     }
     if (!axis.pulses_s.empty()) last_pulse_s_ = std::max(last_pulse_s_, axis.pulses_s.back());
   }
@@ -73,6 +74,15 @@ double PinSums::pulse_s(Signal pul, long long count) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   if (axis == axes_.end() || count < 1 || count > static_cast<long long>(axis->pulses_s.size())) return kNan;
   return axis->pulses_s[static_cast<std::size_t>(count - 1)];
+}
+
+double PinSums::leaves_s(Signal pul, long long low, long long high) const {
+  const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
+  if (axis == axes_.end()) return kNan;
+  const auto out =
+      std::ranges::find_if(axis->places, [&](long long place) { return place < low || place > high; });
+  return out == axis->places.end() ? kNan
+                                   : axis->pulses_s[static_cast<std::size_t>(out - axis->places.begin())];
 }
 
 double PinSums::beltFaster_s(double counts_per_s, double span_s) const {

@@ -22,6 +22,9 @@ class PinSums {
   [[nodiscard]] double lastPulse_s() const { return last_pulse_s_; }
   /// Time of the rising edge number `count` (from 1) of this PUL; NaN if it never came.
   [[nodiscard]] double pulse_s(Signal pul, long long count) const;
+  /// Time of the first rising edge of this PUL that leaves its axis outside of [low, high] steps from where
+  /// the recording found it; NaN if none does.
+  [[nodiscard]] double leaves_s(Signal pul, long long low, long long high) const;
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
   [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
   /// Beside what the controller told last, at this baud rate; axes that are not wired are left out.
@@ -33,6 +36,7 @@ class PinSums {
     Signal pul{};
     long long net{};
     std::vector<double> pulses_s;
+    std::vector<long long> places;  ///< After each of them.
   };
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts while the controller can have looked for what it then told.

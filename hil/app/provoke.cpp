@@ -19,11 +19,12 @@ struct CauseKey {
   Cause cause;
 };
 
-constexpr CauseKey kTimed[] = {{"interlock_open_at_s", Cause::kInterlock},
-                               {"limit_hit_at_s", Cause::kLimit},
-                               {"encoder_lost_at_s", Cause::kEncoder},
-                               {"uart_silent_at_s", Cause::kUartSilent},
-                               {"uart_noise_at_s", Cause::kUartNoise}};
+constexpr CauseKey kTimed[] = {
+    {"interlock_open_at_s", Cause::kInterlock}, {"limit_hit_at_s", Cause::kLimit},
+    {"encoder_lost_at_s", Cause::kEncoder},     {"uart_silent_at_s", Cause::kUartSilent},
+    {"uart_noise_at_s", Cause::kUartNoise},     {"marks_flicker_at_s", Cause::kMarksFlicker}};
+
+constexpr int kFlickers = 20;
 
 bool isLost(const ProvokeChoice& choice, Signal signal) {
   return (signal == Signal::kEncoderA && choice.encoder_lines != "b") ||
@@ -39,7 +40,8 @@ ProvokeChoice readProvoke(YamlReader provoke, bool belt_is_followed) {
     causes += fmt::format("{}{}", causes.empty() ? "" : ", ", key);
     if (choice.cause != Cause::kNone) provoke.fault(key, "one thing at a time: " + causes);
     choice.cause = cause;
-    const bool of_belt = cause == Cause::kEncoder || cause == Cause::kBeltTooFast;
+    const bool of_belt = cause == Cause::kEncoder || cause == Cause::kMarksFlicker ||
+                         cause == Cause::kBeltTooFast || cause == Cause::kFieldLeft;
     if (of_belt && !belt_is_followed)
       provoke.fault(key, "needs a belt that the line drives: the controller follows no other");
   };
@@ -53,6 +55,7 @@ ProvokeChoice readProvoke(YamlReader provoke, bool belt_is_followed) {
     choice.share = provoke.number("host_starves_after_share", {.min = 0.01, .max = 0.99});
   }
   if (provoke.boolean("belt_too_fast", false)) found("belt_too_fast", Cause::kBeltTooFast);
+  if (provoke.boolean("field_left", false)) found("field_left", Cause::kFieldLeft);
   // What only says how needs the cause that it belongs to.
   const auto belongs = [&](const char* key, bool to_it) {
     if (provoke.has(key) && !to_it) provoke.fault(key, "belongs to a cause that is not there");
@@ -79,7 +82,10 @@ std::vector<Signal> signalsOf(const ProvokeChoice& choice) {
       return {choice.limit == "x" ? Signal::kLimitX : Signal::kLimitY};
     case Cause::kEncoder:
     case Cause::kBeltTooFast:
+    case Cause::kFieldLeft:
       return {Signal::kEncoderA, Signal::kEncoderB};
+    case Cause::kMarksFlicker:
+      return {Signal::kPrintMark};
     default:
       return {};
   }
@@ -88,6 +94,7 @@ std::vector<Signal> signalsOf(const ProvokeChoice& choice) {
 Provocation::Provocation(const ProvokeChoice& choice, TickRate rate, std::uint64_t seed)
     : choice_(choice),
       at_(rate.ticksAt(choice.at_s)),
+      flicker_(rate.ticksAt(kFlicker_s)),
       closed_again_(rate.ticksAt(choice.at_s + choice.open_for_s)),
       random_(static_cast<std::mt19937::result_type>(seed)),
       line_cut_s_(std::numeric_limits<double>::quiet_NaN()) {}
@@ -103,6 +110,11 @@ void Provocation::changeSensors(std::vector<SensorEdge>& edges, Tick from, Tick 
     const Signal signal = choice_.limit == "x" ? Signal::kLimitX : Signal::kLimitY;
     std::erase_if(edges, [&](const SensorEdge& edge) { return edge.signal == signal && edge.tick >= at_; });
     add(at_, signal, true);
+  } else if (choice_.cause == Cause::kMarksFlicker) {
+    for (int i = 0; i < kFlickers; ++i) {
+      add(at_ + static_cast<Tick>(i) * flicker_, Signal::kPrintMark, true);
+      add(at_ + static_cast<Tick>(i) * flicker_ + flicker_ / 2, Signal::kPrintMark, false);
+    }
   } else if (choice_.cause == Cause::kEncoder) {
     std::erase_if(edges,
                   [&](const SensorEdge& edge) { return edge.tick >= at_ && isLost(choice_, edge.signal); });

@@ -65,22 +65,33 @@ bool canBeAsked(const ProvokeChoice& provoke) {
          provoke.cause != ProvokeChoice::Cause::kUartNoise;
 }
 
-/// What the controller itself said of the run, and of its end if that was provoked.
+void addProblem(const std::string& problem, LockstepResult& run) {
+  if (!problem.empty()) run.problems.push_back(problem);
+}
+
+/// What the controller itself said of the run, and of its end; what that leaves unproven is a problem.
 void hearController(const Case& the_case, const PreparedJob& job, const PinRecording& recording,
-                    const std::vector<std::string>& problems, double line_cut_s, Conclusion& conclusion) {
-  if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return;
+                    double line_cut_s, LockstepResult& run, Conclusion& conclusion) {
+  if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) {
+    addProblem(run.dialog_failure, run);
+    return;
+  }
   const PinSums pins(recording, the_case.machine.signals);
   const ControllerEar ear(recording);
-  conclusion.account = pins.accountBeside(ear.account(), the_case.scenario.firmware.baud);
+  conclusion.words.account = pins.accountBeside(ear.account(), the_case.scenario.firmware.baud);
   const ProvokeChoice& provoke = the_case.scenario.provoke;
-  if (provoke.cause == ProvokeChoice::Cause::kNone) return;
+  if (provoke.cause == ProvokeChoice::Cause::kNone) {
+    conclusion.words.end = controllerEnd(ear, pins, recording);
+    addProblem(unprovenEnd(*conclusion.words.end, run), run);
+    return;
+  }
   SafeStateEvidence evidence;
   evidence.demand = safeStateDemand(the_case, job, pins, line_cut_s);
   evidence.last_pulse_s = pins.lastPulse_s();
   evidence.end_s = recording.rate.seconds(recording.end);
   evidence.reports = ear.reports();
-  if (canBeAsked(provoke)) evidence.account = conclusion.account;
-  evidence.problems = problems;
+  if (canBeAsked(provoke)) evidence.account = conclusion.words.account;
+  evidence.problems = run.problems;
   conclusion.safe_state = std::move(evidence);
 }
 
@@ -108,7 +119,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
     lockstep.provocation = &provocation;
     lockstep.settle_s = kSettleAfterStop_s;
   }
-  const LockstepResult run =
+  LockstepResult run =
       runLockstep(filmed, twin, the_case.machine.signals, job.dialog.get(), lockstep, progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
   film.add(twin);
@@ -124,7 +135,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.firmware_sha256 = sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
-  hearController(the_case, job, run.recording, run.problems, provocation.lineCut_s(), conclusion);
+  hearController(the_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 
@@ -166,8 +177,8 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
-    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded, run.problems,
-                   std::numeric_limits<double>::quiet_NaN(), conclusion);
+    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
+                   std::numeric_limits<double>::quiet_NaN(), run, conclusion);
   }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }

@@ -15,6 +15,9 @@ constexpr double kFrameBits = 134 * 10;  // a frame may be on the wire when the 
 constexpr double kSilence_s = 0.25;
 constexpr double kEncoderCounts = 16;
 constexpr double kFast_s = 7e-3;
+constexpr double kMarks = 8;             // of which one is lost
+constexpr double kFieldNear_mm = 0.5;    // from where on the bench waits for the controller
+constexpr double kFieldWaver_mm = 0.5;   // that the controller may grant beyond
 constexpr double kFilterPeriods = 12;    // until the tracked speed has settled
 constexpr double kBeltSpan_s = 40e-3;    // over which the bench measures the belt's speed
 constexpr double kFramePause_s = 20e-3;  // after which a frame is given up
@@ -76,6 +79,21 @@ SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, co
       demand.cause_s = pins.pulse_s(job.starved_pul, job.starved_pulses);
       demand.window_s = period_s;
       break;
+    case Cause::kMarksFlicker:
+      demand.cause = "the print mark sensor began to flicker";
+      demand.faults = {"marks"};
+      demand.window_s = kMarks * kFlicker_s + 2 * period_s;
+      break;
+    case Cause::kFieldLeft: {
+      demand.cause = fmt::format("the gantry came within {:g} mm of its field's edge", kFieldNear_mm);
+      demand.faults = {"field"};
+      const auto& told = the_case.machine.controller;
+      const auto inside = [&](double mm) { return static_cast<long long>(mm / told.gantry_step_mm); };
+      demand.cause_s = pins.leaves_s(Signal::kGantryXPul, inside(told.field_min_mm[0] + kFieldNear_mm),
+                                     inside(told.field_max_mm[0] - kFieldNear_mm));
+      demand.window_s = (kFieldNear_mm + kFieldWaver_mm) / the_case.scenario.belt_speed_mm_s + 2 * period_s;
+      break;
+    }
     case Cause::kBeltTooFast:
       demand.cause = fmt::format("the belt exceeded {:.1f} mm/s", job.belt_stop_mm_s);
       demand.faults = {"belt-fast"};
@@ -86,8 +104,8 @@ SafeStateDemand safeStateDemand(const Case& the_case, const PreparedJob& job, co
       break;
   }
   if (!provoke.expect.empty()) demand.faults = {provoke.expect};
-  if (provoke.expect == "watchdog") {
-    // A main loop that is stuck over a broken frame: the tick's interrupt finds no period prepared.
+  if (provoke.expect == "watchdog" || provoke.expect == "late") {
+    // A main loop that is stuck or waits over a broken frame: the tick's interrupt finds no period prepared.
     demand.window_s = frame_s + kFramePause_s + 3 * period_s + job.target.tick_s;
     demand.stop_s = stand_s;
   }

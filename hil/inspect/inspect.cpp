@@ -41,6 +41,14 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
+/// What needs no camera.
+std::vector<Check> pinChecks(const Evidence& evidence) {
+  std::vector<Check> of_pins{checks::pulseTimingCheck(evidence)};
+  if (evidence.account) of_pins.push_back(checks::accountCheck(*evidence.account));
+  if (evidence.end) of_pins.push_back(checks::finishCheck(*evidence.end, evidence.gates));
+  return of_pins;
+}
+
 /// `edges`: the evidence's kerf is an edgeScan().
 void measureAndDecide(const Evidence& evidence, const Limits& limits, const checks::EdgeSides* edges,
                       InspectionResult& result) {
@@ -105,8 +113,7 @@ void measureAndDecide(const Evidence& evidence, const Limits& limits, const chec
     add(checks::gateLagCheck(evidence, limits, lit));
     add(checks::lineEnergyCheck(evidence, limits, lit));
   }
-  add(checks::pulseTimingCheck(evidence));
-  if (evidence.account) add(checks::accountCheck(*evidence.account));
+  for (Check& check : pinChecks(evidence)) result.checks.push_back(std::move(check));
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
@@ -120,6 +127,11 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   InspectionResult result;
   result.problems = evidence.problems;
   append(result.problems, evidence.kerf.problems);
+  if (evidence.gates.empty() && evidence.end && stoppedByItself(*evidence.end, evidence.gates)) {
+    result.checks = pinChecks(evidence);
+    result.verdict = combine(result.checks, result.problems.empty());
+    return result;
+  }
   auto structural = structuralProblems(evidence);
   append(structural, checks::numberProblems(evidence, limits));
   append(result.problems, structural);

@@ -8,6 +8,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/controller_account.h"
+#include "hil/inspect/controller_end.h"
 #include "hil/inspect/uncertainty.h"
 #include "hil/inspect/verdict.h"
 #include "hil/vision/camera_calibration.h"
@@ -64,6 +65,7 @@ struct Evidence {
   std::vector<BeltEdge> belt;                ///< By time; empty without an encoder, or if the belt stood.
   double belt_count_mm{};                    ///< Travel of one count.
   std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
+  std::optional<ControllerEnd> end;  ///< None: nobody heard the controller, or nobody knows its words.
   /// A power meter's pin: when it toggled, its delay taken off, and the energy that each edge stands for.
   std::vector<double> power_edges_s;
   double power_quantum_j{};
@@ -164,7 +166,7 @@ struct InspectionResult {
 /// Compares what was measured with the dieline. Pure: the same evidence gives the same result, to the bit.
 /// Checks that do not apply (no crease: no depth check) are left out; so are those that make no sense of a
 /// sheet on which nothing was cut, which the coverage check fails. Everything else that could not be measured
-/// is INVALID.
+/// is INVALID. Of a controller that stopped by itself before its first cut, pins and words alone are judged.
 InspectionResult inspect(const Evidence& evidence, const Limits& limits);
 
 }  // namespace kerfbench::hil

@@ -116,6 +116,10 @@ void addPins(const Evidence& evidence, Numbers& n) {
     n.need(gate.on_s, "the time at which the gate opened");
     n.need(gate.off_s, "the time at which the gate closed");
   }
+  if (evidence.end) {
+    n.need(evidence.end->time_s, "the time at which the controller told its end");
+    n.need(evidence.end->last_pulse_s, "the time of the last pulse");
+  }
   double last_s = -std::numeric_limits<double>::infinity();
   for (const BeltEdge& edge : evidence.belt) {
     n.need(edge.time_s >= last_s ? edge.time_s : kNan, "the time of an edge of the belt's encoder");

@@ -17,10 +17,10 @@ struct Check {
   std::string name{};     ///< "path" or "edge", "joints", "coverage", "depth", "even_depth", "line_energy",
                           ///< "perforation", "kerf_width", "stray", "laser_timing", "stillness_x",
                           ///< "stillness_peak", "belt", "spot_seen", "spot_path", "repeat", "laser_gate",
-                          ///< "pulse_timing", "account", "safe_state", "safe_stop", "safe_report"
+                          ///< "pulse_timing", "account", "finish", "safe_state", "safe_stop", "safe_report"
   std::string title{};    ///< For people.
   std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
-  std::string unit{};     ///< "mm", "us", "ms", "steps", "counts"; "share": of one; "": a number
+  std::string unit{};     ///< "mm", "us", "ms", "steps", "counts", "stops"; "share": of one; "": a number
   double value{};         ///< The worst; NaN if nothing was measured (then INVALID).
   double limit{};         ///< The value itself may equal it when w = 0.
   bool upper{true};       ///< True: value must not exceed limit; false: not fall below it.

@@ -77,8 +77,15 @@ std::string_view verdictClass(Verdict verdict) {
   return "invalid";
 }
 
+std::string stopSentence(const InspectionResult& result) {
+  for (const Check& check : result.checks)
+    if (check.name == "finish" && check.verdict == Verdict::kFail) return check.explanation;
+  return {};
+}
+
 std::string verdictSentence(const RunReport& report) {
   const InspectionResult& result = report.result;
+  const std::string stop = stopSentence(result);
   std::string names;
   for (const Check& c : result.checks) {
     if (c.verdict == result.verdict) names += (names.empty() ? "" : ", ") + c.name;
@@ -95,7 +102,7 @@ std::string verdictSentence(const RunReport& report) {
           "The release is good: all {} checks are proven good, measurement uncertainty included.",
           result.checks.size());
     case Verdict::kFail:
-      return fmt::format("The release is bad: proven by {}.", names);
+      return fmt::format("The release is bad: proven by {}.{}", names, stop.empty() ? "" : " " + stop);
     case Verdict::kNotProven:
       return fmt::format(
           "Neither good nor bad is proven: inside the guard band of {}. A finer measurement or a better "

@@ -17,7 +17,7 @@ std::string base64(std::string_view bytes);
 /// "data:image/png;base64,…"
 std::string pngDataUri(const GrayImage& image);
 
-/// The verdict in one plain sentence.
+/// The verdict in one plain sentence, and why the controller stopped by itself, if it did.
 std::string verdictSentence(const RunReport& report);
 /// CSS class of a verdict: "pass", "fail", "invalid", "notproven".
 std::string_view verdictClass(Verdict verdict);

@@ -56,6 +56,9 @@ struct ModelFacts {
 /// "The machine lost steps: galvo_x 8 at 1.234 s (first of 3)."; empty if it lost none.
 std::string lostStepsSentence(const ModelFacts& model);
 
+/// Why the controller stopped by itself, as the check `finish` tells it; empty unless that is proven.
+std::string stopSentence(const InspectionResult& result);
+
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
   // What was run.

@@ -52,25 +52,50 @@ std::string verdictOfCheck(const std::filesystem::path& results, const std::stri
   return "none";
 }
 
+struct Twice {
+  int exit_code{};
+  int replay_exit_code{};
+  std::filesystem::path live;
+  std::filesystem::path replayed;
+};
+
+/// The scenario of that file run on the fast twin, and its recording replayed.
+Twice runAndReplay(const std::string& file, const std::string& name, const ScratchFolder& scratch) {
+  const std::string scenario = fixture("scenarios/" + file).string();
+  const std::string options =
+      fmt::format("--twin fast -q --no-pictures --results-dir '{}'", scratch.path().string());
+  Twice twice{.live = scratch.path() / name, .replayed = scratch.path() / (name + "-replay")};
+  const auto run = kerfbench(fmt::format("run '{}' {}", scenario, options));
+  const auto replay = kerfbench(
+      fmt::format("replay '{}' --scenario '{}' {}", (twice.live / "pins.vcd").string(), scenario, options));
+  twice.exit_code = run.exit_code;
+  twice.replay_exit_code = replay.exit_code;
+  EXPECT_EQ(replay.exit_code, run.exit_code) << run.output << replay.output;
+  return twice;
+}
+
 /// The meter's pulses go into the recording as the controller got them, and what it did for them as pins.
 TEST(Recordings, OfALoopOnTheMeasuredPowerAreJudgedAlike) {
   const ScratchFolder scratch;
-  for (const std::string name : {"native/short-lines", "faults/short-lines-open-loop"}) {
-    const std::string scenario = fixture("scenarios/" + name + ".yaml").string();
-    const bool good = name.starts_with("native");
-    const std::string folder = good ? "short-lines-native" : "fault-short-lines-open-loop";
-    const auto run = kerfbench(fmt::format("run '{}' --twin fast -q --no-pictures --results-dir '{}'",
-                                           scenario, scratch.path().string()));
-    const auto replay = kerfbench(
-        fmt::format("replay '{}' --scenario '{}' --twin fast -q --no-pictures --results-dir '{}'",
-                    (scratch.path() / folder / "pins.vcd").string(), scenario, scratch.path().string()));
-    EXPECT_EQ(run.exit_code, good ? 0 : 1) << run.output;
-    EXPECT_EQ(replay.exit_code, run.exit_code) << replay.output;
-    const auto live = scratch.path() / folder;
-    const auto replayed = scratch.path() / (folder + "-replay");
-    EXPECT_EQ(digestOf(live), digestOf(replayed));
-    EXPECT_EQ(verdictOfCheck(replayed, "line_energy"), good ? "PASS" : "FAIL");
-    EXPECT_EQ(verdictOfCheck(replayed, "even_depth"), "PASS");
+  const auto check = [&](const Twice& twice, int exit_code, const char* line_energy) {
+    EXPECT_EQ(twice.exit_code, exit_code);
+    EXPECT_EQ(digestOf(twice.live), digestOf(twice.replayed));
+    EXPECT_EQ(verdictOfCheck(twice.replayed, "line_energy"), line_energy);
+    EXPECT_EQ(verdictOfCheck(twice.replayed, "even_depth"), "PASS");
+  };
+  check(runAndReplay("native/short-lines.yaml", "short-lines-native", scratch), 0, "PASS");
+  check(runAndReplay("faults/short-lines-open-loop.yaml", "fault-short-lines-open-loop", scratch), 1, "FAIL");
+}
+
+// The controller's own words are part of the recording: it stops by itself, and is not done.
+TEST(Recordings, OfAStopTellTheSameReplayed) {
+  const ScratchFolder scratch;
+  const Twice twice = runAndReplay("faults/strip-return-slow.yaml", "fault-strip-return-slow", scratch);
+  EXPECT_EQ(twice.exit_code, 1);
+  EXPECT_EQ(digestOf(twice.live), digestOf(twice.replayed));
+  for (const auto& folder : {twice.live, twice.replayed}) {
+    const std::string summary = verdictOf(folder).at("summary");
+    EXPECT_NE(summary.find("the belt is too fast for this job"), std::string::npos) << summary;
   }
 }
 

@@ -51,7 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
                     SafeScenario{"encoder-lost", "encoder"}, SafeScenario{"encoder-wire-b", "encoder"},
                     SafeScenario{"host-silent", "silent"}, SafeScenario{"line-noise", "uart"},
                     SafeScenario{"queue-dry", "dry"}, SafeScenario{"belt-too-fast", "belt-fast"},
-                    SafeScenario{"main-stuck", "watchdog"}, SafeScenario{"native/interlock", "interlock"},
+                    SafeScenario{"field", "field"}, SafeScenario{"print-marks", "marks"},
+                    SafeScenario{"log-waits", "late"}, SafeScenario{"main-stuck", "watchdog"},
+                    SafeScenario{"native/interlock", "interlock"},
                     SafeScenario{"native/encoder-lost", "encoder"},
                     SafeScenario{"native/main-stuck", "watchdog"}),
     [](const auto& instance) {

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadCase{"short-lines-open-loop", "line_energy"},
                     BadCase{"short-lines-constant-power", "even_depth"}, BadCase{"half-cut-through", "depth"},
                     BadCase{"entity-skipped", "coverage"}, BadCase{"entity-twice", "repeat"},
-                    BadCase{"strip-return-slow", "path"}, BadCase{"button-straight-fast", "path"}),
+                    BadCase{"strip-return-slow", "finish"}, BadCase{"button-straight-fast", "path"}),
     [](const auto& instance) {
       std::string name = instance.param.name;
       std::ranges::replace(name, '-', '_');

@@ -27,15 +27,27 @@ static bool delaysFit(const struct kb_config* config) {
   return apart < KB_TICKS_PER_PERIOD && on <= KB_LONGEST_DELAY_TICKS && off <= KB_LONGEST_DELAY_TICKS;
 }
 
+static uint32_t u32At(const uint8_t* bytes) {
+  return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+static bool fieldFits(const struct kb_config* config) {
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    if (config->lowest[axis] > config->highest[axis]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool kb_config_read(const uint8_t* payload, struct kb_config* config) {
   const uint8_t* const b = payload;
   *config = (struct kb_config){
-      .nominal_per_period =
-          (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24,
+      .nominal_per_period = u32At(b),
       .gate_on_delay = (uint16_t)(b[4] | (uint16_t)b[11] << 8),
       .gate_off_delay = (uint16_t)(b[5] | (uint16_t)b[12] << 8),
       .idle_power = b[6],
-      .max_per_period = (uint32_t)b[7] | (uint32_t)b[8] << 8 | (uint32_t)b[9] << 16 | (uint32_t)b[10] << 24,
+      .max_per_period = u32At(b + 7),
       .invert_a = b[13],
       .invert_c = b[14],
       .wide = b[15],
@@ -43,5 +55,9 @@ bool kb_config_read(const uint8_t* payload, struct kb_config* config) {
       .most_steps = {b[17], b[18], b[19], b[20], b[21]},
       .turn_steps = {b[22], b[23], b[24], b[25], b[26]},
   };
-  return config->max_per_period <= INT32_MAX && delaysFit(config) && drivesFit(config);
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    config->lowest[axis] = (int32_t)u32At(b + 27 + 4 * axis);
+    config->highest[axis] = (int32_t)u32At(b + 27 + 4 * (KB_AXES + axis));
+  }
+  return config->max_per_period <= INT32_MAX && delaysFit(config) && drivesFit(config) && fieldFits(config);
 }

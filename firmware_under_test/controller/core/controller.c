@@ -288,6 +288,13 @@ static void newPeriod(void) {
 #ifdef KB_DEFECT_MAIN_STUCK
     c.stuck = c.state == KB_RUNNING && kb_frame_begun();
 #endif
+#ifdef KB_DEFECT_LOG_WAITS
+    /* Defect: a frame that broke off is noted in an EEPROM, and the main loop waits until that is written. */
+    if (c.state == KB_RUNNING && kb_frame_begun()) {
+      for (volatile uint16_t wait = 0; wait < 3000U; ++wait) {
+      }
+    }
+#endif
     kb_frame_forget();
   }
   if (c.state == KB_RUNNING) {

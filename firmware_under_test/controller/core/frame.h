@@ -8,7 +8,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 
-enum { KB_SHORT_PAYLOAD = KB_POWER_LEN }; /* the longest but for KB_DATA */
+enum { KB_SHORT_PAYLOAD = KB_CONFIG_LEN }; /* the longest but for KB_DATA */
 
 struct kb_frame {
   uint8_t type;

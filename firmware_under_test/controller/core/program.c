@@ -25,6 +25,8 @@ static struct {
   int8_t steps[KB_AXES]; /* of the last period offered, correction included; RAMP slows them down */
   int8_t previous_steps[KB_AXES];
   int32_t position[KB_AXES];
+  bool outside;  /* of the field, at the end of the last period offered */
+  uint16_t room; /* steps that each axis was within it at least, when that was worked out, less those since */
   int16_t owed[KB_AXES]; /* steps that a reversal has put off */
   uint8_t dir_a;         /* logical, high: positive */
   uint8_t dir_c;
@@ -74,6 +76,31 @@ void kb_program_configure(const struct kb_config* config) {
 
 bool kb_program_configured(void) { return p.configured; }
 
+/* Some axis ends the period beyond the field. Steps of a period all go one way, so between two ends within it
+ * no axis is beyond. Far from the edges there is nothing to work out: no axis makes more steps than that. */
+static bool endsOutside(void) {
+  if (p.room >= (uint8_t)KB_MAX_STEPS_PER_PERIOD) {
+    p.room = (uint16_t)(p.room - (uint8_t)KB_MAX_STEPS_PER_PERIOD);
+    return false;
+  }
+  uint16_t room = UINT16_MAX;
+  for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
+    const int32_t end = p.position[axis] + p.steps[axis];
+    const int32_t low = p.config.lowest[axis];
+    const int32_t high = p.config.highest[axis];
+    if (end < low || end > high) {
+      p.room = 0;
+      return true;
+    }
+    const uint32_t below = (uint32_t)end - (uint32_t)low;
+    const uint32_t above = (uint32_t)high - (uint32_t)end;
+    const uint32_t least = below < above ? below : above;
+    room = least < room ? (uint16_t)least : room;
+  }
+  p.room = room;
+  return false;
+}
+
 void kb_program_start(void) {
   p.configured = false;
   p.phase = KB_PHASE_RUN;
@@ -88,6 +115,8 @@ void kb_program_start(void) {
   memset(p.owed, 0, sizeof(p.owed));
   p.nominal = 0;
   p.nominal_part = 0;
+  p.room = 0;
+  p.outside = endsOutside();
   kb_belt_clear_marks();
   p.reference = kb_belt_ahead(1);
 }
@@ -403,6 +432,15 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       break;
   }
   turnWithCare();
+  /* In the dark an axis may leave the field: it overshoots on its way back, or catches up. */
+  const bool before = p.outside;
+  p.outside = endsOutside();
+  if (lit && (before || p.outside)) {
+    kb_program_ramp(KB_FAULT_FIELD);
+    rampDown();
+    lit = false;
+    power = 0;
+  }
   offer(lit, power);
   return KB_STEP_ON;
 }

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   putU32(program.config, static_cast<std::uint32_t>(std::lround(1.2 * kCountsPerPeriod * 65536.0)));
   for (const int byte : {0, 0, 0, 0, 0, 0, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31})
     program.config.push_back(static_cast<std::uint8_t>(byte));
+  kerfbench::controller_test::appendNoField(program.config);
   program.ops.push_back({KB_OP_FOLLOW, KB_FEED + 1});
   program.ops.push_back({KB_OP_WAIT_MARK, 40, 0, 0, 0});
   std::array<long, KB_AXES> want{};

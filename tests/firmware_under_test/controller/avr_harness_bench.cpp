@@ -101,7 +101,7 @@ void onRunning(avr_irq_t*, std::uint32_t value, void* p) {
 
 avr_cycle_count_t feedByte(avr_t*, avr_cycle_count_t when, void* p) {
   auto& bench = *static_cast<Bench*>(p);
-  if (bench.xoff) return when + kByteCycles;
+  if (bench.xoff || bench.cut_line) return when + kByteCycles;
   // A wire that is never at rest: what is not a frame is a byte that begins none. Only the good release must
   // bear it.
   if (bench.to_controller.empty() && !bench.busy_wire) return when + kByteCycles;
@@ -133,6 +133,15 @@ avr_cycle_count_t raiseMark(avr_t* avr, avr_cycle_count_t, void* p) {
 
 void doNotSleep(avr_t*, avr_cycle_count_t) {}
 
+/// What lies around a controller that starts: the line, a closed guard, free limits.
+void surround(Bench& bench) {
+  for (std::uint8_t i = 0; i < 8; ++i) avr_extint_set_strict_lvl_trig(bench.avr, i, 0);
+  avr_cycle_timer_register(bench.avr, kByteCycles, feedByte, &bench);
+  driveInput(bench, 'L', 0, 0);
+  driveInput(bench, 'L', 1, 0);
+  driveInput(bench, 'L', 2, 1);
+}
+
 int failed = 0;
 
 }  // namespace
@@ -156,7 +165,6 @@ void load(Bench& bench, const char* image) {
   std::free(bytes);
   avr->pc = base;
   avr->codeend = avr->flashend;
-  for (int i = 0; i < 8; ++i) avr_extint_set_strict_lvl_trig(avr, static_cast<std::uint8_t>(i), 0);
   std::uint32_t flags = 0;
   avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
   flags &= ~static_cast<std::uint32_t>(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POLL_SLEEP);
@@ -172,17 +180,18 @@ void load(Bench& bench, const char* image) {
   avr_irq_register_notify(port('A'), onPortA, &bench);
   avr_irq_register_notify(port('C'), onPortC, &bench);
   for (std::size_t i = 0; i < bench.vectors.size(); ++i) {
-    static std::array<Watched, std::tuple_size_v<decltype(Bench::vectors)>>
-        watched;  // one bench in a process
+    static std::array<Watched, std::tuple_size_v<decltype(Bench::vectors)>> watched;  // one bench at a time
     watched[i] = {&bench, &bench.vectors[i]};
     avr_irq_t* const irq = avr_get_interrupt_irq(avr, static_cast<std::uint8_t>(bench.vectors[i].number));
     avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, onAsked, &watched[i]);
     avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, onRunning, &watched[i]);
   }
-  avr_cycle_timer_register(avr, kByteCycles, feedByte, &bench);
-  driveInput(bench, 'L', 0, 0);
-  driveInput(bench, 'L', 1, 0);
-  driveInput(bench, 'L', 2, 1);
+  surround(bench);
+}
+
+void unload(Bench& bench) {
+  avr_terminate(bench.avr);
+  bench.avr = nullptr;
 }
 
 void startBelt(Bench& bench, std::uint64_t cycle) {
@@ -200,6 +209,14 @@ void runTo(Bench& bench, std::uint64_t cycle) {
       std::printf("crashed at pc %x\n", bench.avr->pc);
       std::exit(1);
     }
+    if (bench.avr->run == avr_callback_run_raw) continue;
+    bench.avr->run(bench.avr);  // how simavr's watchdog asks for a reset, which lets go of all pins
+    bench.avr->run = avr_callback_run_raw;
+    bench.avr->pc = 0;
+    onPort(bench, 'A', bench.invert_a);
+    onPort(bench, 'C', bench.invert_c);
+    surround(bench);
+    ++bench.resets;
   }
 }
 

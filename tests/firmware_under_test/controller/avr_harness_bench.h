@@ -13,6 +13,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/link.h"
+#include "no_field.h"
 
 namespace kerfbench::avr_bench {
 
@@ -57,6 +58,8 @@ struct Bench {
   unsigned quadrature{};
   bool running{};
   bool busy_wire{true};
+  bool cut_line{};                              ///< Nothing of the host arrives.
+  int resets{};                                 ///< By the watchdog.
   void (*on_step)(Bench&, std::size_t axis){};  ///< At each active edge.
   void (*on_count)(Bench&){};  ///< Before each count of the encoder; may change encoder_period.
   void* context{};
@@ -66,8 +69,9 @@ struct Bench {
 
 void driveInput(Bench& bench, char port, int bit, unsigned level);
 /// Loads an Intel hex image into a controller whose guard is closed and whose limits are free. Ends the
-/// program if it cannot be read.
+/// program if it cannot be read. One bench at a time; unload() before the next.
 void load(Bench& bench, const char* image);
+void unload(Bench& bench);
 /// The belt runs from `cycle` on, a count each bench.encoder_period.
 void startBelt(Bench& bench, std::uint64_t cycle);
 void raiseMarkAt(Bench& bench, std::uint64_t cycle);

@@ -65,6 +65,7 @@ void run(const char* image, const DriveNeeds& drive) {
     program.config.push_back(byte);
   program.config.insert(program.config.end(), settings.most_steps.begin(), settings.most_steps.end());
   program.config.insert(program.config.end(), settings.turn_steps.begin(), settings.turn_steps.end());
+  kerfbench::controller_test::appendNoField(program.config);
   std::array<long, KB_AXES> want{};
   std::uint32_t random = 7;
   for (int i = 0; i < 1200; ++i) {

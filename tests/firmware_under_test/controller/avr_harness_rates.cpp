@@ -74,6 +74,7 @@ kerfbench::planner::Program programOf(const Job& job) {
   putU32(program.config, static_cast<std::uint32_t>(std::lround(kCountsPerPeriod * 65536.0)));
   for (const int byte : {8, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 31, 31, 31, 31, 31, 31, 31, 31, 31, 31})
     program.config.push_back(static_cast<std::uint8_t>(byte));
+  kerfbench::controller_test::appendNoField(program.config);
   program.ops.push_back({KB_OP_FOLLOW, KB_GALVO_X + 1});
   program.ops.push_back({KB_OP_WAIT_MARK, kOffset, 0, 0, 0});
   int power = 0;

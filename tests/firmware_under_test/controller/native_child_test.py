@@ -68,7 +68,7 @@ def main():
     assert kind == 65
     child.send(2, struct.pack("<QHHB", 100, PORT_L, 2, 1))
     program = bytes([0x81, 31]) + bytes([0x81, 0x100 - 31]) + b"\x00"
-    config = bytes(17) + bytes([31] * 10)
+    config = bytes(17) + bytes([31] * 10) + struct.pack("<10i", *[-(2**31)] * 5, *[2**31 - 1] * 5)
     check = job_check(config + program)
     child.send(3, frame(1, 1) + frame(2, 2, config) + frame(3, 3, program + check) + frame(4, 4, check))
     events, answers = [], b""
@@ -78,7 +78,7 @@ def main():
         answers += sent
     image = open(sys.argv[1], "rb").read()
     block = image[image.index(b"KERFREL\x01"):][:79]  # controller/release.h
-    for expected in (frame(0x83, 1, bytes([2, 0, 16, 144, 1, 32]) + block), frame(0x85, 0, b"\x01\x00"), frame(0x85, 0, b"\x02\x00")):
+    for expected in (frame(0x83, 1, bytes([3, 0, 16, 144, 1, 32]) + block), frame(0x85, 0, b"\x01\x00"), frame(0x85, 0, b"\x02\x00")):
         assert expected in answers, (expected, answers)
     level, position, rise, changed, edges = 0, 0, None, None, 0
     for tick, port, change, now, _ in events:

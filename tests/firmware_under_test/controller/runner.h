@@ -11,6 +11,7 @@
 #include "fake_machine.h"
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/link.h"
+#include "no_field.h"
 
 namespace kerfbench::controller_test {
 
@@ -26,7 +27,8 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
   for (const std::uint8_t byte : {on_ticks, off_ticks, std::uint8_t{0}}) bytes.push_back(byte);
   put(bytes, most_counts);
   bytes.resize(17);  // high bytes of the delays, and drives of which none needs anything: 0
-  bytes.resize(KB_CONFIG_LEN, KB_MAX_STEPS_PER_PERIOD);
+  bytes.resize(27, KB_MAX_STEPS_PER_PERIOD);
+  appendNoField(bytes);
   return bytes;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -107,6 +109,35 @@ TEST_P(EveryShape, TheGateIsOpenForTheWayOfTheMarksOnly) {
   EXPECT_NEAR(burnt_mm, plan.cut_length_mm, 0.02 * plan.cut_length_mm);
 }
 
+/// Lowest or highest step of an axis, as KB_CONFIG tells it.
+std::int32_t fieldEnd(const Program& program, int axis, bool highest) {
+  const std::size_t at =
+      KB_CONFIG_LEN - 8U * KB_AXES + 4U * static_cast<unsigned>(axis) + (highest ? 4U * KB_AXES : 0U);
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{program.config.at(at + i)} << (8 * i);
+  return static_cast<std::int32_t>(value);
+}
+
+// The firmware would stop such a program.
+TEST_P(EveryShape, ALitPeriodEndsWithinTheFieldThatIsTold) {
+  const Program program = planner::plan(shape_.dieline, machine_, job_).program;
+  std::array<long, KB_AXES> at{};
+  int lit = 0;
+  for (const std::vector<std::uint8_t>& op : program.ops) {
+    if ((op[0] & KB_OP_MOVE) == 0) continue;
+    std::size_t byte = 1;
+    for (unsigned axis = 0; axis < KB_AXES; ++axis)
+      if ((op[0] & 1U << axis) != 0) at.at(axis) += static_cast<std::int8_t>(op.at(byte++));
+    if ((op[0] & KB_OP_POWER) == 0) continue;
+    ++lit;
+    for (int axis = 0; axis < KB_AXES; ++axis) {
+      ASSERT_GE(at.at(static_cast<std::size_t>(axis)), fieldEnd(program, axis, false)) << axis;
+      ASSERT_LE(at.at(static_cast<std::size_t>(axis)), fieldEnd(program, axis, true)) << axis;
+    }
+  }
+  EXPECT_GT(lit, 100);
+}
+
 TEST_P(EveryShape, PlansTheSameBytesAgain) {
   EXPECT_EQ(planner::plan(shape_.dieline, machine_, job_).program.ops,
             planner::plan(shape_.dieline, machine_, job_).program.ops);
@@ -143,6 +174,40 @@ TEST(Config, LaserWaitsForTheMirrorsAndTheBeltIsCounted) {
   EXPECT_EQ(most, std::lround(plan.belt_stop_mm_s * 0.8e-3 / 0.01 * 65536.0));
   EXPECT_GE(plan.belt_stop_mm_s, plan.max_belt_speed_mm_s);
   EXPECT_GE(plan.belt_stop_mm_s, 1.02 * job.belt_speed_mm_s);
+}
+
+TEST(Config, TheFieldIsToldInStepsAndAWaverAlongTheBelt) {
+  const MachineParameters machine = test::gantry();
+  JobParameters job = test::gantryJob();
+  for (const bool moving : {true, false}) {
+    job.belt_speed_mm_s = moving ? 200.0 : 0.0;
+    const Program program = planner::plan(test::strip(), machine, job).program;
+    for (int i = 0; i < 2; ++i) {
+      const double waver_mm = i == 0 && moving ? 0.5 : 0.0;
+      const double low = (machine.field_min_mm[i] - waver_mm) / machine.gantry_step_mm;
+      const double high = (machine.field_max_mm[i] + waver_mm) / machine.gantry_step_mm;
+      EXPECT_NEAR(fieldEnd(program, KB_GANTRY_X + i, false), low, 1.0);
+      EXPECT_NEAR(fieldEnd(program, KB_GANTRY_X + i, true), high, 1.0);
+    }
+    EXPECT_EQ(fieldEnd(program, KB_FEED, true), std::numeric_limits<std::int32_t>::max());
+  }
+}
+
+// Of mirrors a box that holds the field: the y mirror in the corners, the x mirror where y is 0.
+TEST(Config, OfMirrorsTheFieldIsABoxAroundIt) {
+  const MachineParameters machine = test::twoMirror();
+  JobParameters job = test::mirrorJob();
+  job.belt_speed_mm_s = 100.0;
+  const Program program = planner::plan(test::label(), machine, job).program;
+  constexpr double kWaverMm = 0.5;
+  const auto step = [&](double mm, double throw_mm) {
+    return 0.5 * std::atan(mm / throw_mm) / machine.mirror_step_rad;
+  };
+  const double reach_mm = machine.throw_mm + machine.mirror_spacing_mm;
+  EXPECT_NEAR(fieldEnd(program, KB_GALVO_X, true), step(machine.field_max_mm[0] + kWaverMm, reach_mm), 2.0);
+  EXPECT_NEAR(fieldEnd(program, KB_GALVO_X, false), step(machine.field_min_mm[0] - kWaverMm, reach_mm), 2.0);
+  EXPECT_NEAR(fieldEnd(program, KB_GALVO_Y, true), step(machine.field_max_mm[1], machine.throw_mm), 1.0);
+  EXPECT_NEAR(fieldEnd(program, KB_GALVO_Y, false), step(machine.field_min_mm[1], machine.throw_mm), 1.0);
 }
 
 TEST(Refusal, AWeakLaserIsNamedWithTheSpeedItCouldDo) {

@@ -167,10 +167,12 @@ TEST_F(Lockstep, TheTimeLimitIsAProblem) {
   EXPECT_EQ(result.recording.end, 800'000U);
 }
 
-TEST_F(Lockstep, AFailedDialogIsAProblem) {
+TEST_F(Lockstep, AFailedDialogIsToldAndLeftToTheCaller) {
   ScriptedDialog failing(0.02, Dialog::State::kFailed);
   const auto result = run(&failing);
-  EXPECT_THAT(result.problems, ElementsAre(HasSubstr("at 0.020 s: talking")));
+  EXPECT_EQ(result.dialog_failure, "at 0.020 s: talking");
+  EXPECT_NEAR(result.dialog_failed_s, 0.02, 1e-9);
+  EXPECT_THAT(result.problems, IsEmpty());
 }
 
 TEST_F(Lockstep, ARecordingIsReplayedToItsEndAndDrivesNothing) {

@@ -8,6 +8,7 @@
 
 #include "hil/app/controller_ear.h"
 #include "hil/app/pin_sums.h"
+#include "tests/hil/app/spoken_frames.h"
 #include "tests/hil/app/temp_folder.h"
 
 namespace kerfbench::hil {
@@ -99,6 +100,14 @@ TEST(Provocation, ASilentHostIsCutOffWithinAFrame) {
   EXPECT_EQ(provocation.lineCut_s(), 1.1);
 }
 
+TEST(Provocation, AFlickeringSensorGivesAMarkEachMillisecond) {
+  constexpr Tick kAt = 16'000'000;
+  const auto edges = changed(at(Cause::kMarksFlicker, 1.0), {}, kAt + 15'999, kAt + 32'001);
+  EXPECT_THAT(edges, ElementsAre(std::tuple(kAt + 16'000, Signal::kPrintMark, true),
+                                 std::tuple(kAt + 24'000, Signal::kPrintMark, false),
+                                 std::tuple(kAt + 32'000, Signal::kPrintMark, true)));
+}
+
 TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
   auto choice = at(Cause::kUartNoise, 1.0);
   choice.share = 0.25;
@@ -111,40 +120,15 @@ TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
   EXPECT_NEAR(static_cast<double>(damaged), 2500.0, 4 * std::sqrt(2500.0 * 0.75));
 }
 
-// "STATE: stopped by its interlock, belt at 0x01020304, axes 5 … 9", its CRC by the reference algorithm.
-std::vector<std::uint8_t> frame(std::vector<std::uint8_t> body) {
-  unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : body) {
-    for (int bit = 7; bit >= 0; --bit) {
-      const bool top = (crc >> 15 & 1U) != (static_cast<unsigned>(byte) >> bit & 1U);
-      crc = (crc << 1 & 0xFFFFU) ^ (top ? 0x1021U : 0U);
-    }
-  }
-  body.insert(body.begin(), 0xA5);
-  body.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
-  body.push_back(static_cast<std::uint8_t>(crc >> 8));
-  return body;
-}
-
-std::vector<std::uint8_t> state(std::uint8_t now, std::uint8_t fault, std::uint8_t belt) {
-  std::vector<std::uint8_t> body{0x84, 1, 28, now, fault, 0, 0, belt, 3, 2, 1};
-  for (std::uint8_t axis = 0; axis < 5; ++axis) {
-    for (const std::uint8_t byte : {axis, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}}) {
-      body.push_back(byte);
-    }
-  }
-  return frame(body);
-}
-
 TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
   ControllerEar ear;
-  std::vector<std::uint8_t> line = state(1, 0, 4);
-  const auto event = frame({0x85, 0, 2, 3, 2});
+  std::vector<std::uint8_t> line = spokenState(1, 0, 4);
+  const auto event = spokenFrame({0x85, 0, 2, 3, 2});
   line.insert(line.end(), {0xA5, 0x00, 0xFF, 0xA5, 0xA5});
   line.insert(line.end(), event.begin(), event.end());
   for (const std::uint8_t byte : line) ear.hear(std::vector{byte}, 1.0);
   EXPECT_FALSE(ear.account()) << "it runs";
-  ear.hear(state(3, 2, 44), 2.0);
+  ear.hear(spokenState(3, 2, 44), 2.0);
   ASSERT_TRUE(ear.account());
   EXPECT_EQ(ear.account()->first_belt.counts, 0x01020304);
   EXPECT_EQ(ear.account()->belt.counts, 0x0102032C);
@@ -157,7 +141,7 @@ TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
 
 TEST(ControllerEar, DamagedFramesAreNotHeard) {
   ControllerEar ear;
-  auto line = state(3, 2, 0);
+  auto line = spokenState(3, 2, 0);
   line[6] ^= 1;
   ear.hear(line, 1.0);
   EXPECT_FALSE(ear.account());
@@ -192,6 +176,9 @@ TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_EQ(sums.lastPulse_s(), kRate.seconds(19000));
   EXPECT_EQ(sums.pulse_s(Signal::kGalvoXPul, 2), kRate.seconds(3000));
   EXPECT_TRUE(std::isnan(sums.pulse_s(Signal::kGalvoXPul, 11)));
+  EXPECT_TRUE(std::isnan(sums.leaves_s(Signal::kGalvoXPul, 0, 7)));
+  EXPECT_EQ(sums.leaves_s(Signal::kGalvoXPul, 0, 6), sums.pulse_s(Signal::kGalvoXPul, 7));
+  EXPECT_EQ(sums.leaves_s(Signal::kGalvoXPul, 5, 7), sums.pulse_s(Signal::kGalvoXPul, 1));
   EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
   EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
   ControllerEar::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};

@@ -97,6 +97,16 @@ SyntheticRun badRun() {
   return run;
 }
 
+TEST(VerdictSentence, TellsWhyTheControllerStopped) {
+  SyntheticRun run;
+  run.evidence.end = {ControllerEnd::Said::kStopped, 100.0, "dry", "its queue ran dry", true, 99.0};
+  const RunReport report = reportOf(run);
+  const std::string why = "At 100.000 s the controller stopped before the job was done: its queue ran dry.";
+  EXPECT_THAT(verdictSentence(report), HasSubstr("The release is bad: proven by finish. " + why));
+  EXPECT_THAT(stopSentence(report.result), HasSubstr(why));
+  EXPECT_EQ(stopSentence(reportOf(SyntheticRun()).result), "");
+}
+
 TEST(VerdictJson, HasTheKeysOfItsSchema) {
   const SyntheticRun run;
   const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
