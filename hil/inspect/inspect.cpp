@@ -128,8 +128,9 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   result.problems = evidence.problems;
   append(result.problems, evidence.kerf.problems);
   if (evidence.gates.empty() && evidence.end && stoppedByItself(*evidence.end, evidence.gates)) {
+    const bool sound = result.problems.empty();
     result.checks = pinChecks(evidence);
-    result.verdict = combine(result.checks, result.problems.empty());
+    result.verdict = combine(result.checks, sound);
     return result;
   }
   auto structural = structuralProblems(evidence);
