@@ -64,9 +64,9 @@ struct HeadSurface {
 /// A head as measured. Immutable.
 class HeadFit {
  public:
-  struct Landing {
+  /// Where the beam lands for an aim.
+  struct Spot {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
-    Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Zero()};  ///< Of model and surface together, k = 1.
     Eigen::Matrix2d by_aim{Eigen::Matrix2d::Identity()};
   };
 
@@ -84,14 +84,13 @@ class HeadFit {
   [[nodiscard]] bool noiseScaled() const { return noise_scaled_; }
 
   /// Where the beam lands when the controller is aimed there, nullopt where it does not.
-  [[nodiscard]] std::optional<Landing> landingOf(const Eigen::Vector2d& aim_W_mm) const;
+  [[nodiscard]] std::optional<Spot> spotOf(const Eigen::Vector2d& aim_W_mm) const;
   /// What to aim at so that the beam lands at p_W, to 1e-9 mm; nullopt where no aim was found.
   [[nodiscard]] std::optional<Eigen::Vector2d> aimFor(const Eigen::Vector2d& p_W_mm) const;
-  /// Covariance of where the beam lands for these aims, together: 2n x 2n, x and y of each in turn.
-  /// @throws std::domain_error for an aim that lands nowhere.
-  [[nodiscard]] Eigen::MatrixXd covarianceOf(std::span<const Eigen::Vector2d> aims_W_mm) const;
-  /// Departures and the surface's slopes of where the beam lands, mm per standard deviation of each after the
-  /// fit, in the terms of covarianceOf(): J J^T of one aim is its covariance. nullopt as landingOf().
+  /// Of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
+  [[nodiscard]] std::optional<Eigen::Matrix2d> covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const;
+  /// Columns are independent, of variance 1: for aims p and q, modesAt(p) modesAt(q)^T is the covariance
+  /// between both spots, mm².
   [[nodiscard]] std::optional<Eigen::Matrix2Xd> modesAt(const Eigen::Vector2d& aim_W_mm) const;
 
  private:

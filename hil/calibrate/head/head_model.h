@@ -39,14 +39,19 @@ class HeadModel {
   [[nodiscard]] std::optional<Eigen::Vector2d> landing_W_mm(const Eigen::Vector2d& angles_rad,
                                                             const HeadVector& departures) const;
 
-  struct Slopes {
+  struct AngleSlopes {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
-    Eigen::Matrix2d by_angles{Eigen::Matrix2d::Zero()};                             ///< mm/rad.
+    Eigen::Matrix2d by_angles{Eigen::Matrix2d::Zero()};  ///< mm/rad.
+  };
+  struct DepartureSlopes {
+    Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
     Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)> by_departures;  ///< mm per their unit.
   };
-  /// The same with derivatives by automatic differentiation.
-  [[nodiscard]] std::optional<Slopes> slopesAt(const Eigen::Vector2d& angles_rad,
-                                               const HeadVector& departures) const;
+  /// The same with derivatives, by automatic differentiation.
+  [[nodiscard]] std::optional<AngleSlopes> angleSlopesAt(const Eigen::Vector2d& angles_rad,
+                                                         const HeadVector& departures) const;
+  [[nodiscard]] std::optional<DepartureSlopes> departureSlopesAt(const Eigen::Vector2d& angles_rad,
+                                                                 const HeadVector& departures) const;
 
  private:
   HeadDesign design_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +19,8 @@ enum class HeadDrift { kZeroX, kZeroY, kGainX, kGainY, kTurn, kSheetHeight };
 inline constexpr std::size_t kHeadDriftCount = 6;
 /// "zero of x", "sheet height", …
 std::string_view nameOf(HeadDrift drift);
+/// " mm", " rad", or empty of a share.
+std::string_view unitOf(HeadDrift drift);
 
 struct QuickCheckLimits {
   /// Standard deviations of each before anything is measured; a drift beyond is still found.
@@ -31,13 +34,13 @@ struct QuickCheckLimits {
 struct DriftFinding {
   HeadDrift which{};
   double value{};  ///< Zeros and height in mm on the sheet, gains as a share, turn in rad.
-  double sigma{};  ///< k = 1, all six together asked.
+  double sigma{};  ///< k = 1; of a changed one beside the other changed ones, else beside all six.
   bool changed{};  ///< One of the fewest that explain what was measured.
 };
 
 struct QuickCheckResult {
   std::array<DriftFinding, kHeadDriftCount> drifts;
-  bool holds{};  ///< Nothing changed beyond what chance explains.
+  bool holds{};  ///< Nothing changed beyond what chance explains; one mark at most was rejected.
   /// The changed ones leave more than chance explains: something else is wrong (lens, mirror, sheet).
   bool unexplained{};
   double worst_mm{};       ///< Largest deviation of a mark from where it should be.

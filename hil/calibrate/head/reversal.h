@@ -21,6 +21,8 @@ struct SheetView {
 struct ReversalOptions {
   Eigen::AlignedBox2d camera_field_mm{};  ///< What the camera sees, in C; must hold all marks.
   int degree{3};                          ///< Of the camera's error; 1 … 5.
+  double rejection_chance{0.05};          ///< That one good mark or more is rejected; in (0, 1).
+  double most_false_share{0.1};           ///< More marks may not be rejected; in [0, 0.5).
   double prior_mm{0.02};  ///< Standard deviation of each of its terms at the field's rim; > 0.
 };
 
@@ -42,8 +44,17 @@ class CameraError {
 
  private:
   friend class Reversal;
+  explicit CameraError(const ReversalOptions& options);
+  /// Of each term at the field's rim 1 mm: what it moves a mark by.
+  [[nodiscard]] Eigen::Matrix2Xd movesAt(const Eigen::Vector2d& p_C_mm) const;
+  void set(const Eigen::VectorXd& values_mm, const Eigen::MatrixXd& covariance_mm2, double prior_mm);
+
   Eigen::AlignedBox2d field_mm_;
-  int degree_{};
+  struct Power {
+    int u{}, v{};
+    int axis{};  ///< 0 dx, 1 dy, 2 the shear, of both.
+  };
+  std::vector<Power> powers_;
   std::vector<Term> terms_;
   Eigen::VectorXd values_mm_;
   Eigen::MatrixXd covariance_mm2_;
