@@ -28,7 +28,8 @@ std::string faultsOf(std::span<const HeadObservation> observations) {
 void check(const HeadFitOptions& options, const HeadDesign& design) {
   std::string faults;
   const HeadVector sigmas = options.tolerances.sigmas(design);
-  if (!sigmas.allFinite() || !(sigmas.minCoeff() > 0.0)) faults += "options.tolerances must be above 0; ";
+  if (!sigmas.allFinite() || !(sigmas.minCoeff() > 0.0) || !(options.tolerances.unmodelled_share > 0.0))
+    faults += "options.tolerances must be above 0; ";
   if (!(options.rejection_chance > 0.0 && options.rejection_chance < 1.0))
     faults += "options.rejection_chance must be in (0, 1); ";
   if (!(options.most_false_share >= 0.0 && options.most_false_share < 0.5))

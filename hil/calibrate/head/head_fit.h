@@ -114,14 +114,18 @@ class HeadFit {
 /// Fits a head to marks, all of any number of sheets together.
 ///
 /// 1. Axes: refused unless they are as told (identifyAxes), or accept_axes.
-/// 2. Model: least squares by Ceres over marks, weighted with their covariances, and tolerances, weighted as
-///    measurements of zero; Cauchy's loss at the scale of the median mark, then none.
-/// 3. False marks: each is held against what all others and the tolerances predict there. distance2 above
-///    the quantile of chi-square that a good one of n passes with chance 1 - rejection_chance / n is
-///    rejected, the worst first; a rejected one that fits later comes back.
-/// 4. Surface: of all combinations of amplitude and decay the one with the largest evidence (marginal
-///    likelihood), jointly with the model; none unless the odds are 20 : 1 against none. Then 3 again.
-/// 5. Covariance of model and surface together: inverse of the normal matrix, priors included, so never
+/// 2. Model: least squares by Ceres over marks and tolerances, the latter weighted as measurements of zero
+/// and
+///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
+///    the scale of the median mark, narrowed until it settles, then none.
+/// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
+///    share) as its prior.
+/// 4. False marks: each is held against what all others and the priors predict there. distance2 above the
+///    quantile of chi-square that a good one of n passes with chance 1 - rejection_chance / n is rejected,
+///    the worst first; a rejected one that fits later comes back.
+/// 5. With 40 marks or more the surface's amplitude and decay are those of the largest evidence (marginal
+///    likelihood); there is none unless the odds are 20 : 1 against none. Then 3 and 4 again.
+/// 6. Covariance of model and surface together: inverse of the normal matrix, priors included, so never
 ///    singular. It is scaled up where the marks scatter more than they were said to.
 ///
 /// Deterministic. Marks whose ray lands nowhere in the design are rejected as false.

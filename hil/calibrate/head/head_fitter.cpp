@@ -13,10 +13,18 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr std::size_t kLeastMarks = 5;
+constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
+constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
+constexpr int kUsualDegree = 5;
+constexpr double kUsualDecay = 0.7;
+constexpr int kMostSteps = 50;
+constexpr double kSettled = 1e-4;  // Of a tolerance.
 constexpr int kMostPasses = 30;
+constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
 constexpr int kMostIterations = 50;
 constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
 constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
+constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
 constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
 constexpr double kAreaMargin = 0.02;
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
@@ -43,9 +51,14 @@ HeadFit HeadFitter::fit() {
   weighMarks();
   dropFarMarks();
   fitRobustly();
-  settle();
-  addSurface();
-  refuseTooMany();
+  prior_ = options_.most_surface_degree > 0 ? std::optional(SurfacePrior{unmodelled_mm_, kUsualDecay, 0.0})
+                                            : std::nullopt;
+  settle(std::min(options_.most_surface_degree, kUsualDegree));
+  if (usedCount() >= kMarksThatTell && prior_) {
+    const int degree = degreeFor(usedCount());
+    prior_ = surfaceThatTheMarksWant(degree);
+    settle(degree);
+  }
   return result();
 }
 
@@ -58,6 +71,7 @@ void HeadFitter::weighMarks() {
         "or of how the sheet lay under the camera: mend that, or accept the axes");
   }
   axes_ = axes.map;
+  unmodelled_mm_ = options_.tolerances.unmodelled_share * areaOfAims().sizes().maxCoeff();
   for (const HeadObservation& o : observations_) {
     Eigen::Matrix2d noise = o.covariance_mm2;
     if (options_.round_steps) {
@@ -106,17 +120,24 @@ void HeadFitter::fitRobustly() {
       for (std::size_t i = 0; i < used_.size(); ++i) {
         if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
       }
-      return;
+      break;
     }
     last = scale;
     scaled_ = solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kMostIterations).scaled;
   }
+  refuseTooMany();
+  const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
+  if (!solution.converged) throw HeadCalibrationError("the fit of the head does not converge");
+  scaled_ = solution.scaled;
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {
+  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * unmodelled_mm_ * unmodelled_mm_;
   std::vector<WeighedMark> marks;
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    if (used_[i]) marks.push_back(marks_[i]);
+    if (!used_[i]) continue;
+    marks.push_back(marks_[i]);
+    marks.back().whitening_1_mm = whiteningOf(noise_mm2_[i] + unmodelled);
   }
   return marks;
 }
@@ -149,32 +170,25 @@ void HeadFitter::linearise() {
   }
 }
 
+/// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
+/// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
+/// own place alone.
 void HeadFitter::solve() {
-  const auto usedLinear = [&] {
+  for (int pass = 0; pass < kMostSteps; ++pass) {
+    linearise();
     std::vector<LinearMark> used;
     for (std::size_t i = 0; i < linear_.size(); ++i) {
       if (used_[i]) used.push_back(linear_[i]);
     }
-    return used;
-  };
-  if (!prior_) {
-    const ModelSolution solution =
-        solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
-    if (!solution.converged) throw HeadCalibrationError("the fit of the head does not converge");
-    scaled_ = solution.scaled;
-    linearise();
-    joint_ = solveJoint(usedLinear(), *basis_, prior_);
-    return;
+    joint_ = solveJoint(used, *basis_, prior_);
+    const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
+    scaled_ += step;
+    if (step.cwiseAbs().maxCoeff() < kSettled) return;
   }
-  for (int pass = 0; pass < 3; ++pass) {  // Gauss and Newton; the surface is linear, the model nearly.
-    linearise();
-    joint_ = solveJoint(usedLinear(), *basis_, prior_);
-    scaled_ = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>();
-  }
-  linearise();
+  throw HeadCalibrationError("the fit of the head does not converge");
 }
 
-bool HeadFitter::judge() {
+bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
@@ -185,13 +199,14 @@ bool HeadFitter::judge() {
     const Eigen::Matrix2d predicted = modes * modes.transpose();
     finding.residual_mm = linear_[i].reading_mm - rows * joint_.unknowns;
     // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
-    finding.distance2 = distance2(finding.residual_mm, used_[i] ? Eigen::Matrix2d(noise_mm2_[i] - predicted)
-                                                                : Eigen::Matrix2d(noise_mm2_[i] + predicted));
+    const Eigen::Matrix2d& noise = noise_mm2_[i];
+    finding.distance2 = distance2(finding.residual_mm, used_[i] ? Eigen::Matrix2d(noise - predicted)
+                                                                : Eigen::Matrix2d(noise + predicted));
     if (!lands_[i]) finding.distance2 = INFINITY;
     if (!used_[i]) continue;
     distances.push_back(finding.distance2);
     noise_chi2_ += distance2(finding.residual_mm, noise_mm2_[i]);
-    noise_freedom_ += 2.0 - (noise_mm2_[i].inverse() * predicted).trace();
+    noise_freedom_ += 2.0 - (noise.inverse() * predicted).trace();
   }
   const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
   const double limit =
@@ -200,44 +215,46 @@ bool HeadFitter::judge() {
   bool changed = false;
   for (std::size_t i = 0; i < used_.size(); ++i) {
     const double d2 = findings_[i].distance2;
-    const bool use = used_[i] ? d2 <= limit || d2 < kWorstShare * worst : d2 <= limit;
+    const bool use = used_[i] ? d2 <= limit || d2 < kWorstShare * worst : d2 <= limit && may_return;
     changed = changed || use != used_[i];
     used_[i] = use;
   }
   return changed;
 }
 
-void HeadFitter::settle() {
+void HeadFitter::settle(int degree) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    basis_ = SmoothBasis(areaOfAims(), basis_ ? basis_->degree() : 0);
+    basis_ = SmoothBasis(areaOfAims(), degree);
     solve();
-    if (!judge()) return;
+    if (!judge(pass < kPassesToReturn)) return;
     refuseTooMany();
   }
   throw HeadCalibrationError("the marks contradict each other: no set of them agrees on a head");
 }
 
-void HeadFitter::addSurface() {
+/// The highest degree that has no more than one function for every two marks.
+int HeadFitter::degreeFor(std::size_t marks) const {
   int degree = 0;
-  const auto sizeOf = [](int d) { return (d + 1) * (d + 2) / 2; };
-  while (degree < options_.most_surface_degree && 2 * sizeOf(degree + 1) <= static_cast<int>(usedCount()))
+  while (degree < options_.most_surface_degree && (degree + 2) * (degree + 3) <= static_cast<int>(marks))
     ++degree;
-  if (degree == 0) return;
-  basis_ = SmoothBasis(areaOfAims(), degree);
+  return degree;
+}
+
+std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) const {
+  const SmoothBasis basis(areaOfAims(), degree);
   std::vector<LinearMark> used;
   for (std::size_t i = 0; i < linear_.size(); ++i) {
     if (!used_[i]) continue;
     used.push_back(linear_[i]);
-    used.back().basis = basis_->at(observations_[i].aim_W_mm).at;
+    used.back().basis = basis.at(observations_[i].aim_W_mm).at;
   }
-  prior_ = bestSurface(used, *basis_);
-  if (prior_) settle();
+  return bestSurface(used, basis);
 }
 
 void HeadFitter::refuseTooMany() const {
   const std::size_t rejected = used_.size() - usedCount();
   const double most = options_.most_false_share * static_cast<double>(used_.size());
-  if (static_cast<double>(rejected) <= std::max(1.0, most) && usedCount() >= kLeastMarks) return;
+  if (static_cast<double>(rejected) <= std::max(kFewFalse, most) && usedCount() >= kLeastMarks) return;
   std::string text = fmt::format("{} of {} marks do not fit to the others", rejected, used_.size());
   std::size_t told = 0;
   for (std::size_t i = 0; i < used_.size() && told < 10; ++i) {

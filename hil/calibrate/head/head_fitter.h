@@ -27,17 +27,19 @@ class HeadFitter {
   void dropFarMarks();
   void fitRobustly();
   /// Least squares and rejection in turn until the set of marks stays.
-  void settle();
+  void settle(int degree);
   void solve();
   void linearise();
   /// Holds each mark against what the others predict; true if the set changed.
-  bool judge();
-  void addSurface();
+  bool judge(bool may_return);
+  [[nodiscard]] int degreeFor(std::size_t marks) const;
+  [[nodiscard]] std::optional<SurfacePrior> surfaceThatTheMarksWant(int degree) const;
   void refuseTooMany() const;
   HeadFit result() const;
   void reportParameters(HeadFit& fit) const;
   void setNoiseRatio(HeadFit& fit) const;
 
+  /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
@@ -58,6 +60,7 @@ class HeadFitter {
   std::vector<bool> lands_;
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
+  double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.
   double noise_chi2_{}, noise_freedom_{};
 };
 
