@@ -2,6 +2,7 @@
 #include "hil/calibrate/head/axis_check.h"
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,8 +15,9 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr std::size_t kLeastMarks = 5;
-constexpr double kMostMissShare = 0.2;  // Of the marks' spread.
-constexpr double kLeastContrast = 3.0;  // Of the next best map's miss over the best's.
+constexpr double kAgreesShare = 0.2;    // Of the marks' spread: a mark this near agrees with a map.
+constexpr double kLeastAgreeing = 0.5;  // Of the marks, for the best map,
+constexpr double kLeastLead = 0.1;      // and by how many more than for the next; two at the least.
 constexpr double kThinnest = 0.05;      // Width over length of the aims.
 
 Eigen::Vector2d medianOf(const std::vector<Eigen::Vector2d>& points) {
@@ -40,13 +42,14 @@ Eigen::Vector2d spreadOf(std::span<const HeadObservation> observations) {
   return squares.cwiseMax(0.0).cwiseSqrt().reverse();
 }
 
-double missOf(const AxisMap& map, std::span<const HeadObservation> observations) {
+AxisFinding findingOf(const AxisMap& map, std::span<const HeadObservation> observations, double near_mm) {
   std::vector<Eigen::Vector2d> off;
   for (const HeadObservation& o : observations) off.emplace_back(o.measured_W_mm - map.matrix() * o.aim_W_mm);
   const Eigen::Vector2d shift = medianOf(off);
   std::vector<double> misses;
   for (const Eigen::Vector2d& d : off) misses.push_back((d - shift).norm());
-  return hil::medianOf(misses);
+  const auto agreeing = std::ranges::count_if(misses, [&](double miss) { return miss <= near_mm; });
+  return {map, static_cast<std::size_t>(agreeing), 0, hil::medianOf(misses)};
 }
 
 }  // namespace
@@ -87,21 +90,23 @@ AxisFinding identifyAxes(std::span<const HeadObservation> observations) {
   for (const bool exchanged : {false, true}) {
     for (const bool x_backwards : {false, true}) {
       for (const bool y_backwards : {false, true}) {
-        const AxisMap map{exchanged, x_backwards, y_backwards};
-        findings.push_back({map, missOf(map, observations), 0.0});
+        findings.push_back(
+            findingOf({exchanged, x_backwards, y_backwards}, observations, kAgreesShare * spread_mm[0]));
       }
     }
   }
-  std::ranges::stable_sort(findings, {}, &AxisFinding::miss_mm);
+  std::ranges::stable_sort(findings, std::greater(), &AxisFinding::agreeing);
   AxisFinding best = findings[0];
-  best.next_miss_mm = findings[1].miss_mm;
-  if (best.miss_mm > kMostMissShare * spread_mm[0] || best.next_miss_mm < kLeastContrast * best.miss_mm) {
+  best.next_agreeing = findings[1].agreeing;
+  const auto count = static_cast<double>(observations.size());
+  const auto lead = static_cast<double>(best.agreeing - best.next_agreeing);
+  if (static_cast<double>(best.agreeing) <= kLeastAgreeing * count ||
+      lead < std::max(2.0, kLeastLead * count)) {
     throw HeadCalibrationError(
-        fmt::format("the marks fit neither as told nor turned or mirrored: half of them are off by more than "
-                    "{:.2f} mm at "
-                    "the best, of a pattern with a standard deviation of {:.2f} mm. Are they of this job, "
-                    "and of one sheet?",
-                    best.miss_mm, spread_mm[0]));
+        fmt::format("the marks fit neither as told nor turned or mirrored: at the best {} of {}, as the next "
+                    "way {}. Are they of "
+                    "this job, and of one sheet?",
+                    best.agreeing, observations.size(), best.next_agreeing));
   }
   return best;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 
@@ -27,15 +28,18 @@ struct AxisMap {
 
 struct AxisFinding {
   AxisMap map;
-  double miss_mm{};       ///< Median distance of the marks from where this map, shifted, puts them.
-  double next_miss_mm{};  ///< Of the best of the other seven.
+  std::size_t
+      agreeing{};  ///< Marks within a fifth of the pattern's spread of where this map, shifted, puts them.
+  std::size_t next_agreeing{};  ///< With the best of the other seven.
+  double miss_mm{};             ///< Median distance from there.
 };
 
-/// Which of the eight it is, from pairs of aim and place. The median does not ask less than half of the
-/// marks, so false ones do not matter; the head's own distortion is small against a wrong map.
-/// @throws HeadCalibrationError for fewer than five marks, marks all in a line, or if none of the eight puts
-///   the median mark within a fifth of the marks' spread, or two do nearly as well: marks of another job, a
-///   wrong board, two fields mixed.
+/// Which of the eight it is, from pairs of aim and place: the one that most marks agree with. False marks do
+/// not matter, and the head's own distortion is small against a wrong map.
+/// @throws HeadCalibrationError for fewer than five marks, marks all in a line, or if no more than half of
+/// the
+///   marks agree with any of the eight, or not clearly more with one than with another: marks of another job,
+///   a wrong board, two fields mixed.
 AxisFinding identifyAxes(std::span<const HeadObservation> observations);
 
 }  // namespace kerfbench::hil

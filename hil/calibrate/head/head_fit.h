@@ -25,7 +25,10 @@ struct HeadFitOptions {
   /// Axes that are exchanged or run backwards are a fault of the wiring and refused; true: fitted all the
   /// same.
   bool accept_axes{false};
-  bool round_steps{true};  ///< Count the rounding of the aims to whole steps as noise of the marks.
+  /// Count the rounding of the aims to whole steps as noise of the marks, independent from one to the next.
+  /// Marks of a row whose mirror stands at one and the same angle share it: lay them out so that they do not,
+  /// or hand over NominalHead::nearestAim_W_mm() where a mark is made at rest, and say false.
+  bool round_steps{true};
   /// Chance that one good mark or more of a fit is rejected; in (0, 1).
   double rejection_chance{0.05};
   double most_false_share{0.1};  ///< More marks may not be rejected; in [0, 0.5).

@@ -17,8 +17,10 @@ constexpr double kFewFalse = 2.0;           // Of any number of marks: two that 
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
 constexpr int kUsualDegree = 5;
 constexpr double kUsualDecay = 0.7;
-constexpr int kMostSteps = 50;
-constexpr double kSettled = 1e-4;  // Of a tolerance.
+constexpr int kMostSteps = 200;
+constexpr double kSettled = 1e-3;  // Of a tolerance.
+constexpr const char* kNoConvergence =
+    "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
 constexpr int kMostIterations = 50;
@@ -127,7 +129,7 @@ void HeadFitter::fitRobustly() {
   }
   refuseTooMany();
   const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
-  if (!solution.converged) throw HeadCalibrationError("the fit of the head does not converge");
+  if (!solution.converged) throw HeadCalibrationError(kNoConvergence);
   scaled_ = solution.scaled;
 }
 
@@ -185,7 +187,7 @@ void HeadFitter::solve() {
     scaled_ += step;
     if (step.cwiseAbs().maxCoeff() < kSettled) return;
   }
-  throw HeadCalibrationError("the fit of the head does not converge");
+  throw HeadCalibrationError(kNoConvergence);
 }
 
 bool HeadFitter::judge(bool may_return) {

@@ -31,6 +31,11 @@ Eigen::Vector2d NominalHead::aim_W_mm(const Eigen::Vector2d& angles_rad) const {
   return {(std::hypot(throw_mm, y_mm) + mirror_spacing_mm) * std::tan(2.0 * angles_rad.x()), y_mm};
 }
 
+Eigen::Vector2d NominalHead::nearestAim_W_mm(const Eigen::Vector2d& wanted_W_mm) const {
+  if (mirror_step_rad == 0.0) return wanted_W_mm;
+  return aim_W_mm((angles_rad(wanted_W_mm) / mirror_step_rad).array().round() * mirror_step_rad);
+}
+
 Eigen::Matrix2d NominalHead::slopes_rad_mm(const Eigen::Vector2d& aim_W_mm) const {
   if (focal_length_mm > 0.0) return Eigen::Matrix2d::Identity() / (2.0 * focal_length_mm);
   const double slant_mm = std::hypot(throw_mm, aim_W_mm.y());

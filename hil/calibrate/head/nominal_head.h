@@ -23,6 +23,9 @@ struct NominalHead {
   [[nodiscard]] Eigen::Vector2d aim_W_mm(const Eigen::Vector2d& angles_rad) const;
   /// d(angles)/d(aim), rad/mm.
   [[nodiscard]] Eigen::Matrix2d slopes_rad_mm(const Eigen::Vector2d& aim_W_mm) const;
+  /// Where the controller really aims if both mirrors go to their nearest steps and stay there while it
+  /// marks.
+  [[nodiscard]] Eigen::Vector2d nearestAim_W_mm(const Eigen::Vector2d& wanted_W_mm) const;
   /// What the rounding to whole steps scatters the aim by, where nothing is known of the remainder: step²/12
   /// in each mirror, carried to the sheet. Zero without a step.
   [[nodiscard]] Eigen::Matrix2d roundingCovariance_mm2(const Eigen::Vector2d& aim_W_mm) const;

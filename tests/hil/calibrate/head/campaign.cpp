@@ -146,10 +146,17 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
     if (n == 3) limits.missing_share = 0.45;  // Four of nine: five are enough to begin with.
     const Pairing pairs = pairMarks(sheet.aimed, sheet.seen, limits);
     all.insert(all.end(), pairs.observations.begin(), pairs.observations.end());
-    fit.emplace(fitHead(all, head.nominal(), head.design(), options));
-    const auto table = correctionTable(*fit, {.field_W_mm = head.field_W_mm()});
-    result.iterations.push_back(verify(head, *fit, table.grid, seed));
-    result.nodes = table.grid.columns();
+    try {
+      HeadFit next = fitHead(all, head.nominal(), head.design(), options);
+      const auto table = correctionTable(next, {.field_W_mm = head.field_W_mm()});
+      result.iterations.push_back(verify(head, next, table.grid, seed));
+      result.nodes = table.grid.columns();
+      fit.emplace(std::move(next));
+    } catch (const HeadCalibrationError&) {
+      if (n != 3) throw;
+      ++result.refused;  // Nine marks with several false ones: the next sheet is marked as the head is.
+      result.iterations.push_back({.most_mm = result.raw_mm});
+    }
   }
   result.marks = all.size();
   result.rejected = fit->rejected();

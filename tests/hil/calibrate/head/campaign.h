@@ -42,6 +42,7 @@ struct CampaignResult {
   double raw_mm{};  ///< Largest error before.
   std::vector<Verification> iterations;
   std::size_t marks{}, rejected{};
+  std::size_t refused{};  ///< Sheets of 3 x 3 from which no head could be fitted.
   double noise_ratio{};
   bool surface{};
   int nodes{};  ///< Of the last table's side.

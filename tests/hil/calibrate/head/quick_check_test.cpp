@@ -23,11 +23,16 @@ struct Calibrated {
 
 Calibrated calibrated(HeadKind kind, std::uint64_t seed) {
   const SimulatedHead head(kind, Beyond::kNothing, seed);
-  const test::MarkedSheet sheet = test::mark(head, 13, 0, nullptr, {}, seed);
   HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
-  return {head,
-          fitHead(pairMarks(sheet.aimed, sheet.seen).observations, head.nominal(), head.design(), options)};
+  // The first sheet bends the rows of the second, so that its marks do not share the rounding of their
+  // angles.
+  const test::MarkedSheet first = test::mark(head, 3, 0, nullptr, {}, seed);
+  auto marks = pairMarks(first.aimed, first.seen).observations;
+  const HeadFit start = fitHead(marks, head.nominal(), head.design(), options);
+  const test::MarkedSheet second = test::mark(head, 13, 100, &start, {}, seed);
+  for (const HeadObservation& o : pairMarks(second.aimed, second.seen).observations) marks.push_back(o);
+  return {head, fitHead(marks, head.nominal(), head.design(), options)};
 }
 
 std::vector<HeadObservation> nineMarks(const Calibrated& c, std::uint64_t seed) {

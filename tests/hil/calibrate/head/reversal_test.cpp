@@ -42,7 +42,7 @@ struct Camera {
   [[nodiscard]] Vector2d error(const Vector2d& p_mm) const { return even(p_mm) + odd(p_mm); }
 };
 
-Vector2d placeOf(int id) { return {-140.0 + 35.0 * (id % 9) + 0.3 * id, -140.0 + 35.0 * (id / 9)}; }
+Vector2d placeOf(int id) { return {-140.0 + 35.0 * (id % 9) + 0.03 * id, -140.0 + 35.0 * (id / 9)}; }
 
 SheetView viewOf(const Camera& camera, double turn_deg, const Vector2d& shift_mm, std::uint64_t seed) {
   const CounterRandom random(seed, 22);
