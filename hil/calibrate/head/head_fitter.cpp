@@ -18,12 +18,14 @@ constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from 
 constexpr int kUsualDegree = 5;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 200;
-constexpr double kSettled = 1e-3;  // Of a tolerance.
+constexpr double kSettled = 1e-3;       // Of a tolerance,
+constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
 constexpr int kMostIterations = 50;
+constexpr int kRoughIterations = 5;
 constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
 constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
 constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
@@ -55,11 +57,14 @@ HeadFit HeadFitter::fit() {
   fitRobustly();
   prior_ = options_.most_surface_degree > 0 ? std::optional(SurfacePrior{unmodelled_mm_, kUsualDecay, 0.0})
                                             : std::nullopt;
-  settle(std::min(options_.most_surface_degree, kUsualDegree));
-  if (usedCount() >= kMarksThatTell && prior_) {
+  const bool few = usedCount() < kMarksThatTell;
+  settle(std::min(options_.most_surface_degree, kUsualDegree), few ? kSettled : kNearlySettled);
+  if (!few && prior_) {
     const int degree = degreeFor(usedCount());
     prior_ = surfaceThatTheMarksWant(degree);
-    settle(degree);
+    settle(degree, kSettled);
+  } else if (!few) {
+    settle(0, kSettled);
   }
   return result();
 }
@@ -110,12 +115,7 @@ void HeadFitter::fitRobustly() {
   double last = INFINITY;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const std::vector<WeighedMark> marks = usedMarks();
-    const auto here = modelled(design_, tolerances_, scaled_, marks);
-    std::vector<double> distances;
-    for (std::size_t i = 0; i < marks.size(); ++i) {
-      distances.push_back(
-          here[i].lands ? (marks[i].whitening_1_mm * (marks[i].measured_W_mm - here[i].p_W_mm)).norm() : 1e9);
-    }
+    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
     const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
     if (!(scale < 0.5 * last)) {
       std::size_t k = 0;
@@ -125,7 +125,7 @@ void HeadFitter::fitRobustly() {
       break;
     }
     last = scale;
-    scaled_ = solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kMostIterations).scaled;
+    scaled_ = solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations).scaled;
   }
   refuseTooMany();
   const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
@@ -167,7 +167,7 @@ void HeadFitter::linearise() {
     mark.by_scaled = here[i].lands ? here[i].by_scaled : HeadJacobian::Zero();
     mark.reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + mark.by_scaled * scaled_;
     mark.whitening_1_mm = marks_[i].whitening_1_mm;
-    if (prior_) mark.basis = basis_->at(observations_[i].aim_W_mm).at;
+    if (prior_) mark.basis = basis_values_[i];
     linear_.push_back(std::move(mark));
   }
 }
@@ -175,19 +175,26 @@ void HeadFitter::linearise() {
 /// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
-void HeadFitter::solve() {
+void HeadFitter::solve(double settled) {
   for (int pass = 0; pass < kMostSteps; ++pass) {
     linearise();
-    std::vector<LinearMark> used;
-    for (std::size_t i = 0; i < linear_.size(); ++i) {
-      if (used_[i]) used.push_back(linear_[i]);
-    }
-    joint_ = solveJoint(used, *basis_, prior_);
+    joint_ = solveJoint(usedLinear(), *basis_, prior_, false);
     const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
     scaled_ += step;
-    if (step.cwiseAbs().maxCoeff() < kSettled) return;
+    if (step.cwiseAbs().maxCoeff() > settled) continue;
+    joint_ = solveJoint(usedLinear(), *basis_, prior_, true);
+    return;
   }
   throw HeadCalibrationError(kNoConvergence);
+}
+
+std::vector<LinearMark> HeadFitter::usedLinear() const {
+  std::vector<LinearMark> used;
+  used.reserve(linear_.size());
+  for (std::size_t i = 0; i < linear_.size(); ++i) {
+    if (used_[i]) used.push_back(linear_[i]);
+  }
+  return used;
 }
 
 bool HeadFitter::judge(bool may_return) {
@@ -224,14 +231,22 @@ bool HeadFitter::judge(bool may_return) {
   return changed;
 }
 
-void HeadFitter::settle(int degree) {
+void HeadFitter::settle(int degree, double settled) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    basis_ = SmoothBasis(areaOfAims(), degree);
-    solve();
+    setBasis(degree);
+    solve(settled);
     if (!judge(pass < kPassesToReturn)) return;
     refuseTooMany();
   }
   throw HeadCalibrationError("the marks contradict each other: no set of them agrees on a head");
+}
+
+void HeadFitter::setBasis(int degree) {
+  const Eigen::AlignedBox2d area = areaOfAims();
+  if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
+  basis_ = SmoothBasis(area, degree);
+  basis_values_.clear();
+  for (const HeadObservation& o : observations_) basis_values_.push_back(basis_->at(o.aim_W_mm).at);
 }
 
 /// The highest degree that has no more than one function for every two marks.
@@ -242,15 +257,10 @@ int HeadFitter::degreeFor(std::size_t marks) const {
   return degree;
 }
 
-std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) const {
-  const SmoothBasis basis(areaOfAims(), degree);
-  std::vector<LinearMark> used;
-  for (std::size_t i = 0; i < linear_.size(); ++i) {
-    if (!used_[i]) continue;
-    used.push_back(linear_[i]);
-    used.back().basis = basis.at(observations_[i].aim_W_mm).at;
-  }
-  return bestSurface(used, basis);
+std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
+  setBasis(degree);
+  linearise();
+  return bestSurface(usedLinear(), *basis_);
 }
 
 void HeadFitter::refuseTooMany() const {

@@ -26,14 +26,16 @@ class HeadFitter {
   /// Leaves out what is far from where the drawing and the axes put it.
   void dropFarMarks();
   void fitRobustly();
-  /// Least squares and rejection in turn until the set of marks stays.
-  void settle(int degree);
-  void solve();
+  /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
+  /// tolerances.
+  void settle(int degree, double settled);
+  void solve(double settled);
+  void setBasis(int degree);
   void linearise();
   /// Holds each mark against what the others predict; true if the set changed.
   bool judge(bool may_return);
   [[nodiscard]] int degreeFor(std::size_t marks) const;
-  [[nodiscard]] std::optional<SurfacePrior> surfaceThatTheMarksWant(int degree) const;
+  [[nodiscard]] std::optional<SurfacePrior> surfaceThatTheMarksWant(int degree);
   void refuseTooMany() const;
   HeadFit result() const;
   void reportParameters(HeadFit& fit) const;
@@ -41,6 +43,7 @@ class HeadFitter {
 
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
+  [[nodiscard]] std::vector<LinearMark> usedLinear() const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 
@@ -55,6 +58,7 @@ class HeadFitter {
   std::vector<bool> used_;
   HeadVector scaled_{HeadVector::Zero()};
   std::optional<SmoothBasis> basis_;
+  std::vector<Eigen::VectorXd> basis_values_;  ///< At all aims.
   std::optional<SurfacePrior> prior_;
   std::vector<LinearMark> linear_;  ///< All marks, at scaled_.
   std::vector<bool> lands_;

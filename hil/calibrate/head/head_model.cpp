@@ -4,6 +4,7 @@
 #include <ceres/jet.h>
 
 #include "hil/calibrate/head/head_trace.h"
+#include "hil/calibrate/head/staged_trace.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -36,14 +37,9 @@ std::optional<HeadModel::AngleSlopes> HeadModel::angleSlopesAt(const Eigen::Vect
 
 std::optional<HeadModel::DepartureSlopes> HeadModel::departureSlopesAt(const Eigen::Vector2d& angles_rad,
                                                                        const HeadVector& departures) const {
-  using Jet = ceres::Jet<double, kCount>;
-  Eigen::Matrix<Jet, kCount, 1> varied;
-  for (int k = 0; k < kCount; ++k) varied[k] = Jet(departures[k], k);
-  const auto head = trace::headOf<Jet>(design_, varied.data());
-  trace::Vector2<Jet> p;
-  if (!trace::landing<Jet>(head, {Jet(angles_rad.x()), Jet(angles_rad.y())}, p)) return std::nullopt;
-  DepartureSlopes slopes{{p[0].a, p[1].a}, {}};
-  slopes.by_departures << p[0].v.transpose(), p[1].v.transpose();
+  const StagedTrace staged(design_, HeadVector::Ones(), departures.data());
+  DepartureSlopes slopes;
+  if (!staged.landing(angles_rad, slopes.p_W_mm, slopes.by_departures)) return std::nullopt;
   return slopes;
 }
 

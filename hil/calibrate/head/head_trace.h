@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -78,16 +79,21 @@ struct Lens {
   T focal_length_mm, k1, k2, incidence_ratio;
 };
 
+/// The sheet, and the frame in which it is measured.
+template <typename T>
+struct Plane {
+  T height_mm;
+  Vector2<T> slope, shift_mm;
+  T turn_cos, turn_sin;
+};
+
 /// A head with its departures, ready to be traced.
 template <typename T>
 struct Head {
-  std::array<Mirror<T>, 2> mirrors;  ///< As the beam meets them.
   Ray<T> laser;
-  bool has_lens{};
-  Lens<T> lens;
-  T plane_height_mm;
-  Vector2<T> plane_slope, plane_shift_mm;
-  T turn_cos, turn_sin;
+  std::array<Mirror<T>, 2> mirrors;  ///< As the beam meets them.
+  std::optional<Lens<T>> lens;
+  Plane<T> plane;
 };
 
 /// Where the drawing has the mirrors, and which way the beam goes before, between and after them.
@@ -111,22 +117,35 @@ Vector3<T> lean(const Eigen::Vector3d& from, const T& a, const Eigen::Vector3d& 
   return leant.normalized();
 }
 
-/// `first`: the first of the mirror's six departures.
+/// The mirror's six departures are in a row, from here on.
+inline HeadParameter firstOfMirror(int motor) {
+  return motor == 0 ? HeadParameter::kXAxisTiltA : HeadParameter::kYAxisTiltA;
+}
+
 template <typename T>
-Mirror<T> mirrorOf(const Drawing& drawing, std::size_t which, const Vector3<T>& place_mm,
-                   const T* departures) {
+Vector3<T> placeOf(const HeadDesign& design, const Drawing& drawing, std::size_t which, const T* departures) {
+  const T throw_mm = design.throw_mm + departures[indexOf(HeadParameter::kThrow)];
+  const Vector3<T> last_mm(T(0.0), T(0.0), throw_mm);
+  if (which == 1) return last_mm;
+  const T spacing_mm = design.mirror_spacing_mm + departures[indexOf(HeadParameter::kMirrorSpacing)];
+  return last_mm - spacing_mm * drawing.ways[1].cast<T>();
+}
+
+/// `which`: 0 or 1, as the beam meets them.
+template <typename T>
+Mirror<T> mirrorOf(const HeadDesign& design, std::size_t which, const T* departures) {
   using std::sqrt;
+  const Drawing drawing = drawingOf(design);
   const Eigen::Vector3d& axis = drawing.axes[which];
   const Eigen::Vector3d rest = (drawing.ways[which + 1] - drawing.ways[which]).normalized();
   const int motor = drawing.motors[which];
-  const T* const own =
-      departures + indexOf(motor == 0 ? HeadParameter::kXAxisTiltA : HeadParameter::kYAxisTiltA);
+  const T* const own = departures + indexOf(firstOfMirror(motor));
   const Vector3<T> leant = lean<T>(axis, own[0], axis.cross(rest), own[1], rest);
   const Vector3<T> drawn = rest.cast<T>();
   const Vector3<T> across = (drawn - drawn.dot(leant) * leant).normalized();
   const T length = sqrt(1.0 + own[2] * own[2]);
   Mirror<T> mirror;
-  mirror.place_mm = place_mm;
+  mirror.place_mm = placeOf<T>(design, drawing, which, departures);
   mirror.along = leant * (own[2] / length);
   mirror.across = across / length;
   mirror.quarter = leant.cross(across) / length;
@@ -153,33 +172,41 @@ Lens<T> lensOf(const LensDesign& design, const T* departures) {
   return lens;
 }
 
-/// `departures`: kHeadParameterCount of them, in their units.
 template <typename T>
-Head<T> headOf(const HeadDesign& design, const T* departures) {
+Ray<T> laserOf(const HeadDesign& design, const T* departures) {
+  const auto at = [&](HeadParameter parameter) -> const T& { return departures[indexOf(parameter)]; };
+  const Drawing drawing = drawingOf(design);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d beside = up.cross(drawing.ways[0]);
+  Ray<T> laser;
+  laser.p_W_mm = placeOf<T>(design, drawing, 0, departures) +
+                 at(HeadParameter::kBeamOffsetA) * beside.cast<T>() +
+                 at(HeadParameter::kBeamOffsetB) * up.cast<T>();
+  laser.direction =
+      lean<T>(drawing.ways[0], at(HeadParameter::kBeamTiltA), beside, at(HeadParameter::kBeamTiltB), up);
+  return laser;
+}
+
+template <typename T>
+Plane<T> planeOf(const T* departures) {
   using std::cos;
   using std::sin;
   const auto at = [&](HeadParameter parameter) -> const T& { return departures[indexOf(parameter)]; };
-  const Drawing drawing = drawingOf(design);
-  const T throw_mm = design.throw_mm + at(HeadParameter::kThrow);
-  const T spacing_mm = design.mirror_spacing_mm + at(HeadParameter::kMirrorSpacing);
-  const Vector3<T> last_mm(T(0.0), T(0.0), throw_mm);
-  const Vector3<T> first_mm = last_mm - spacing_mm * drawing.ways[1].cast<T>();
-  Head<T> head;
-  head.mirrors = {mirrorOf<T>(drawing, 0, first_mm, departures),
-                  mirrorOf<T>(drawing, 1, last_mm, departures)};
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d beside = up.cross(drawing.ways[0]);
-  head.laser.p_W_mm = first_mm + at(HeadParameter::kBeamOffsetA) * beside.cast<T>() +
-                      at(HeadParameter::kBeamOffsetB) * up.cast<T>();
-  head.laser.direction =
-      lean<T>(drawing.ways[0], at(HeadParameter::kBeamTiltA), beside, at(HeadParameter::kBeamTiltB), up);
-  head.has_lens = design.lens.has_value();
-  if (head.has_lens) head.lens = lensOf<T>(*design.lens, departures);
-  head.plane_height_mm = at(HeadParameter::kPlaneHeight);
-  head.plane_slope = {at(HeadParameter::kPlaneSlopeX), at(HeadParameter::kPlaneSlopeY)};
-  head.plane_shift_mm = {at(HeadParameter::kPlaneShiftX), at(HeadParameter::kPlaneShiftY)};
-  head.turn_cos = cos(at(HeadParameter::kPlaneTurn));
-  head.turn_sin = sin(at(HeadParameter::kPlaneTurn));
+  return {at(HeadParameter::kPlaneHeight),
+          {at(HeadParameter::kPlaneSlopeX), at(HeadParameter::kPlaneSlopeY)},
+          {at(HeadParameter::kPlaneShiftX), at(HeadParameter::kPlaneShiftY)},
+          cos(at(HeadParameter::kPlaneTurn)),
+          sin(at(HeadParameter::kPlaneTurn))};
+}
+
+/// `departures`: kHeadParameterCount of them, in their units.
+template <typename T>
+Head<T> headOf(const HeadDesign& design, const T* departures) {
+  Head<T> head{laserOf<T>(design, departures),
+               {mirrorOf<T>(design, 0, departures), mirrorOf<T>(design, 1, departures)},
+               std::nullopt,
+               planeOf<T>(departures)};
+  if (design.lens) head.lens = lensOf<T>(*design.lens, departures);
   return head;
 }
 
@@ -213,6 +240,22 @@ bool refract(const Lens<T>& lens, Ray<T>& ray) {
   return true;
 }
 
+/// Where a ray meets the sheet, as measured; false where it does not.
+template <typename T>
+bool land(const Plane<T>& plane, const Ray<T>& ray, Vector2<T>& p_W_mm) {
+  const T sink =
+      ray.direction.z() - plane.slope.x() * ray.direction.x() - plane.slope.y() * ray.direction.y();
+  if (!(sink < -kFlattest)) return false;
+  const T above =
+      plane.height_mm + plane.slope.x() * ray.p_W_mm.x() + plane.slope.y() * ray.p_W_mm.y() - ray.p_W_mm.z();
+  const T way_mm = above / sink;
+  const T x = ray.p_W_mm.x() + way_mm * ray.direction.x();
+  const T y = ray.p_W_mm.y() + way_mm * ray.direction.y();
+  p_W_mm = Vector2<T>(plane.turn_cos * x - plane.turn_sin * y + plane.shift_mm.x(),
+                      plane.turn_sin * x + plane.turn_cos * y + plane.shift_mm.y());
+  return true;
+}
+
 /// Where the beam lands, as measured; false where it does not.
 template <typename T>
 bool landing(const Head<T>& head, const Vector2<T>& angles_rad, Vector2<T>& p_W_mm) {
@@ -220,18 +263,8 @@ bool landing(const Head<T>& head, const Vector2<T>& angles_rad, Vector2<T>& p_W_
   for (const Mirror<T>& mirror : head.mirrors) {
     if (!reflect<T>(mirror, angles_rad[mirror.motor], ray)) return false;
   }
-  if (head.has_lens && !refract<T>(head.lens, ray)) return false;
-  const T sink =
-      ray.direction.z() - head.plane_slope.x() * ray.direction.x() - head.plane_slope.y() * ray.direction.y();
-  if (!(sink < -kFlattest)) return false;
-  const T above = head.plane_height_mm + head.plane_slope.x() * ray.p_W_mm.x() +
-                  head.plane_slope.y() * ray.p_W_mm.y() - ray.p_W_mm.z();
-  const T way_mm = above / sink;
-  const T x = ray.p_W_mm.x() + way_mm * ray.direction.x();
-  const T y = ray.p_W_mm.y() + way_mm * ray.direction.y();
-  p_W_mm = Vector2<T>(head.turn_cos * x - head.turn_sin * y + head.plane_shift_mm.x(),
-                      head.turn_sin * x + head.turn_cos * y + head.plane_shift_mm.y());
-  return true;
+  if (head.lens && !refract<T>(*head.lens, ray)) return false;
+  return land<T>(head.plane, ray, p_W_mm);
 }
 
 }  // namespace kerfbench::hil::trace

@@ -10,13 +10,10 @@ namespace {
 
 constexpr Eigen::Index kCount = static_cast<Eigen::Index>(kHeadParameterCount);
 const double kLeastEvidence = std::log(20.0);
-constexpr double kLeastScore = 1.5;  // Standard deviations of the score below which no surface is tried.
+constexpr double kLeastScore =
+    3.0;  // Its square over four is about the evidence: below, no surface is tried.
 
-/// A^T W A and A^T W r of some columns of the problem.
-struct Normal {
-  Eigen::MatrixXd matrix;
-  Eigen::VectorXd vector;
-};
+constexpr double kFirstAmplitude_mm = 0.005, kLeastAmplitude_mm = 1e-4, kMostAmplitude_mm = 10.0;
 
 Eigen::MatrixXd whitenedDepartures(const std::vector<LinearMark>& marks) {
   Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(marks.size()), kCount);
@@ -108,7 +105,7 @@ Eigen::Matrix2Xd rowsOf(const HeadJacobian& by_scaled, const Eigen::VectorXd& ba
 }
 
 JointSolution solveJoint(const std::vector<LinearMark>& marks, const SmoothBasis& basis,
-                         const std::optional<SurfacePrior>& prior) {
+                         const std::optional<SurfacePrior>& prior, bool with_covariance) {
   const Eigen::Index m = prior ? 2 * basis.size() : 0;
   Eigen::VectorXd sigmas = Eigen::VectorXd::Ones(kCount + m);
   Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(marks.size()), kCount + m);
@@ -123,6 +120,7 @@ JointSolution solveJoint(const std::vector<LinearMark>& marks, const SmoothBasis
   const Eigen::LLT<Eigen::MatrixXd> factor(normal);
   JointSolution solution;
   solution.unknowns = sigmas.cwiseProduct(factor.solve(rows.transpose() * whitenedReadings(marks)));
+  if (!with_covariance) return solution;
   const Eigen::MatrixXd inverse = factor.matrixL().solve(Eigen::MatrixXd::Identity(kCount + m, kCount + m));
   solution.covariance_root = sigmas.asDiagonal() * inverse.transpose();
   return solution;
@@ -136,13 +134,23 @@ std::optional<SurfacePrior> bestSurface(const std::vector<LinearMark>& marks, co
     promising = promising || information.score(sigmasOf({1.0, decay, 0.0}, basis)) > kLeastScore;
   if (!promising) return std::nullopt;
   information.complete();
-  SurfacePrior best;
+  const auto at = [&](double decay, double amplitude_mm) {
+    SurfacePrior prior{amplitude_mm, decay, 0.0};
+    prior.evidence = information.evidence(sigmasOf(prior, basis));
+    return prior;
+  };
+  SurfacePrior best{kFirstAmplitude_mm, kDecays[0], -INFINITY};
   for (const double decay : kDecays) {
-    for (double amplitude_mm = 1e-4; amplitude_mm < 10.0; amplitude_mm *= 2.0) {
-      SurfacePrior tried{amplitude_mm, decay, 0.0};
-      tried.evidence = information.evidence(sigmasOf(tried, basis));
-      if (tried.evidence > best.evidence) best = tried;
+    // Up the slope by factors of two, from where the last decay had its best: there is one top.
+    SurfacePrior here = at(decay, best.amplitude_mm);
+    for (const double factor : {2.0, 0.5}) {
+      for (SurfacePrior next = at(decay, factor * here.amplitude_mm);
+           next.evidence > here.evidence && next.amplitude_mm > kLeastAmplitude_mm &&
+           next.amplitude_mm < kMostAmplitude_mm;
+           next = at(decay, factor * here.amplitude_mm))
+        here = next;
     }
+    if (here.evidence > best.evidence) best = here;
   }
   if (best.evidence < kLeastEvidence) return std::nullopt;
   return best;

@@ -30,14 +30,14 @@ struct LinearMark {
 /// SurfacePrior. Unknowns are the scaled departures, the surface's coefficients for x, then for y.
 struct JointSolution {
   Eigen::VectorXd unknowns;
-  Eigen::MatrixXd covariance_root;  ///< L with L L^T = covariance.
+  Eigen::MatrixXd covariance_root;  ///< L with L L^T = covariance; empty if it was not asked for.
 };
 
 JointSolution solveJoint(const std::vector<LinearMark>& marks, const SmoothBasis& basis,
-                         const std::optional<SurfacePrior>& prior);
+                         const std::optional<SurfacePrior>& prior, bool with_covariance);
 
-/// The prior with the largest marginal likelihood of those tried, decays of 0.5 … 1 and amplitudes of
-/// 0.1 µm … 10 mm; nullopt where even that one has odds below 20 : 1 against no surface.
+/// The prior with the largest marginal likelihood, of decays of 0.5 … 1 and amplitudes of 0.1 µm … 10 mm;
+/// nullopt where even that one has odds below 20 : 1 against no surface.
 std::optional<SurfacePrior> bestSurface(const std::vector<LinearMark>& marks, const SmoothBasis& basis);
 
 /// Rows of d(x, y)/d(unknowns) of a mark; only of the departures without a surface.

@@ -1,28 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/head/model_solver.h"
 
+#include <cmath>
 #include <deque>
 #include <memory>
+#include <optional>
 
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
 #include "hil/calibrate/head/head_trace.h"
+#include "hil/calibrate/head/staged_trace.h"
 
 namespace kerfbench::hil {
 namespace {
 
 constexpr int kCount = static_cast<int>(kHeadParameterCount);
-using Jet = ceres::Jet<double, kCount>;
 
-trace::Head<Jet> variedHead(const HeadDesign& design, const HeadVector& tolerances, const double* scaled) {
-  std::array<Jet, kHeadParameterCount> varied;
-  for (int k = 0; k < kCount; ++k) {
-    auto& one = varied[static_cast<std::size_t>(k)];
-    one = Jet(scaled[k] * tolerances[k]);
-    one.v[k] = tolerances[k];
-  }
-  return trace::headOf<Jet>(design, varied.data());
+trace::Head<double> plainHead(const HeadDesign& design, const HeadVector& tolerances, const double* scaled) {
+  const HeadVector departures = tolerances.cwiseProduct(Eigen::Map<const HeadVector>(scaled));
+  return trace::headOf<double>(design, departures.data());
 }
 
 /// Builds the head once for all marks of an evaluation.
@@ -33,25 +30,20 @@ class SharedHead : public ceres::EvaluationCallback {
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (new_evaluation_point) {
-      const HeadVector departures = tolerances_.cwiseProduct(Eigen::Map<const HeadVector>(scaled_));
-      plain_ = trace::headOf<double>(design_, departures.data());
-      varied_is_new_ = false;
+      plain_ = plainHead(design_, tolerances_, scaled_);
+      staged_.reset();
     }
-    if (evaluate_jacobians && !varied_is_new_) {
-      varied_ = variedHead(design_, tolerances_, scaled_);
-      varied_is_new_ = true;
-    }
+    if (evaluate_jacobians && !staged_) staged_.emplace(design_, tolerances_, scaled_);
   }
   [[nodiscard]] const trace::Head<double>& plain() const { return plain_; }
-  [[nodiscard]] const trace::Head<Jet>& varied() const { return varied_; }
+  [[nodiscard]] const StagedTrace& staged() const { return *staged_; }
 
  private:
   const HeadDesign& design_;
   const HeadVector& tolerances_;
   const double* scaled_;
   trace::Head<double> plain_;
-  trace::Head<Jet> varied_;
-  bool varied_is_new_{};
+  std::optional<StagedTrace> staged_;
 };
 
 class MarkCost : public ceres::SizedCostFunction<2, kCount> {
@@ -66,12 +58,10 @@ class MarkCost : public ceres::SizedCostFunction<2, kCount> {
       residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
       return true;
     }
-    trace::Vector2<Jet> p;
-    if (!trace::landing<Jet>(head_.varied(), {Jet(mark_.angles_rad.x()), Jet(mark_.angles_rad.y())}, p))
-      return false;
+    Eigen::Vector2d p;
     HeadJacobian slopes;
-    slopes << p[0].v.transpose(), p[1].v.transpose();
-    residual = mark_.whitening_1_mm * (Eigen::Vector2d(p[0].a, p[1].a) - mark_.measured_W_mm);
+    if (!head_.staged().landing(mark_.angles_rad, p, slopes)) return false;
+    residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
     Eigen::Map<Eigen::Matrix<double, 2, kCount, Eigen::RowMajor>> by_scaled(jacobians[0]);
     by_scaled = mark_.whitening_1_mm * slopes;
     return true;
@@ -87,8 +77,7 @@ ceres::Solver::Options solverOptions(int most_iterations) {
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = most_iterations;
   options.initial_trust_region_radius = 1e8;
-  options.function_tolerance = 1e-9;
-  options.parameter_tolerance = 1e-10;
+  options.function_tolerance = 1e-6;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   return options;
@@ -98,20 +87,24 @@ ceres::Solver::Options solverOptions(int most_iterations) {
 
 std::vector<ModelledMark> modelled(const HeadDesign& design, const HeadVector& tolerances,
                                    const HeadVector& scaled, std::span<const WeighedMark> marks) {
-  const trace::Head<Jet> head = variedHead(design, tolerances, scaled.data());
-  std::vector<ModelledMark> all;
-  all.reserve(marks.size());
-  for (const WeighedMark& mark : marks) {
-    trace::Vector2<Jet> p;
-    ModelledMark one;
-    one.lands = trace::landing<Jet>(head, {Jet(mark.angles_rad.x()), Jet(mark.angles_rad.y())}, p);
-    if (one.lands) {
-      one.p_W_mm = {p[0].a, p[1].a};
-      one.by_scaled << p[0].v.transpose(), p[1].v.transpose();
-    }
-    all.push_back(one);
-  }
+  const StagedTrace staged(design, tolerances, scaled.data());
+  std::vector<ModelledMark> all(marks.size());
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    all[i].lands = staged.landing(marks[i].angles_rad, all[i].p_W_mm, all[i].by_scaled);
   return all;
+}
+
+std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& tolerances,
+                                  const HeadVector& scaled, std::span<const WeighedMark> marks) {
+  const trace::Head<double> head = plainHead(design, tolerances, scaled.data());
+  std::vector<double> distances;
+  distances.reserve(marks.size());
+  for (const WeighedMark& mark : marks) {
+    Eigen::Vector2d p;
+    const bool lands = trace::landing<double>(head, mark.angles_rad, p);
+    distances.push_back(lands ? (mark.whitening_1_mm * (mark.measured_W_mm - p)).norm() : INFINITY);
+  }
+  return distances;
 }
 
 ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances, const HeadVector& start,

@@ -21,6 +21,11 @@ struct WeighedMark {
 
 using HeadJacobian = Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)>;
 
+/// Distance of each mark from where the model has it, in standard deviations; infinite where it does not
+/// land.
+std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& tolerances,
+                                  const HeadVector& scaled, std::span<const WeighedMark> marks);
+
 /// What the model says of a mark at some departures.
 struct ModelledMark {
   bool lands{};
