@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
-constexpr int kUsualDegree = 5;
+constexpr int kUsualDegree = 4;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 200;
 constexpr double kSettled = 1e-3;       // Of a tolerance,
@@ -113,21 +113,27 @@ void HeadFitter::dropFarMarks() {
 
 void HeadFitter::fitRobustly() {
   double last = INFINITY;
+  bool converged = false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const std::vector<WeighedMark> marks = usedMarks();
     const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
     const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
-    if (!(scale < 0.5 * last)) {
-      std::size_t k = 0;
-      for (std::size_t i = 0; i < used_.size(); ++i) {
-        if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
-      }
-      break;
+    if (scale < 0.5 * last) {
+      last = scale;
+      const ModelSolution solution =
+          solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations);
+      scaled_ = solution.scaled;
+      converged = solution.converged;
+      continue;
     }
-    last = scale;
-    scaled_ = solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations).scaled;
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
+    }
+    break;
   }
   refuseTooMany();
+  if (converged) return;
   const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
   if (!solution.converged) throw HeadCalibrationError(kNoConvergence);
   scaled_ = solution.scaled;
@@ -204,7 +210,7 @@ bool HeadFitter::judge(bool may_return) {
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     HeadMarkFinding& finding = findings_[i];
     const Eigen::Matrix2Xd rows = rowsOf(linear_[i].by_scaled, linear_[i].basis);
-    const Eigen::Matrix2Xd modes = rows * joint_.covariance_root;
+    const Eigen::Matrix2Xd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
     const Eigen::Matrix2d predicted = modes * modes.transpose();
     finding.residual_mm = linear_[i].reading_mm - rows * joint_.unknowns;
     // Of a mark that was used the residual is smaller than what the others would leave: by leverage.

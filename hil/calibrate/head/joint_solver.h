@@ -30,7 +30,7 @@ struct LinearMark {
 /// SurfacePrior. Unknowns are the scaled departures, the surface's coefficients for x, then for y.
 struct JointSolution {
   Eigen::VectorXd unknowns;
-  Eigen::MatrixXd covariance_root;  ///< L with L L^T = covariance; empty if it was not asked for.
+  Eigen::MatrixXd covariance_root;  ///< Upper triangular L with L L^T = covariance; empty if not asked for.
 };
 
 JointSolution solveJoint(const std::vector<LinearMark>& marks, const SmoothBasis& basis,

@@ -38,13 +38,13 @@ std::string labelOf(const Row& row) {
 
 double limitOf(HeadKind kind) { return kind == HeadKind::kTwoMirror800 ? 0.025 : 0.010; }
 
-std::vector<Seed> run(const Row& row, std::size_t seeds, int threads) {
+std::vector<Seed> run(const Row& row, std::size_t first, std::size_t seeds, int threads) {
   std::vector<Seed> all(seeds);
   kerfbench::hil::forEachIndex(seeds, threads, [&](std::size_t i) {
     try {
       MarkQuality quality;
       if (row.spoiled) quality.missing_share = 0.05, quality.false_share = 0.01;
-      all[i].result = calibrate(SimulatedHead(row.kind, row.beyond, i + 1), quality, i + 1);
+      all[i].result = calibrate(SimulatedHead(row.kind, row.beyond, first + i), quality, first + i);
     } catch (const std::exception& e) {
       all[i].error = e.what();
     }
@@ -53,7 +53,7 @@ std::vector<Seed> run(const Row& row, std::size_t seeds, int threads) {
 }
 
 /// Prints the row; true if it holds.
-bool report(const Row& row, const std::vector<Seed>& all) {
+bool report(const Row& row, std::size_t first_seed, const std::vector<Seed>& all) {
   double raw_least = 1e9, raw_most = 0.0, most = 0.0, rms = 0.0, sigma = 0.0;
   double first = 0.0, second = 0.0;
   std::size_t covered = 0, places = 0, rejected = 0, marks = 0, surfaces = 0, failed = 0, beyond = 0,
@@ -61,14 +61,14 @@ bool report(const Row& row, const std::vector<Seed>& all) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!all[i].error.empty()) {
       ++failed;
-      std::printf("  seed %zu: %s\n", i + 1, all[i].error.c_str());
+      std::printf("  seed %zu: %s\n", first_seed + i, all[i].error.c_str());
       continue;
     }
     const CampaignResult& r = all[i].result;
     const Verification& last = r.iterations.back();
     if (last.most_mm > limitOf(row.kind)) {
       ++beyond;
-      std::printf("  seed %zu: %.1f um, noise ratio %.3f, rejected %zu\n", i + 1, 1e3 * last.most_mm,
+      std::printf("  seed %zu: %.1f um, noise ratio %.3f, rejected %zu\n", first_seed + i, 1e3 * last.most_mm,
                   r.noise_ratio, r.rejected);
     }
     raw_least = std::min(raw_least, r.raw_mm);
@@ -101,9 +101,11 @@ bool report(const Row& row, const std::vector<Seed>& all) {
 int main(int argc, char** argv) {
   CLI::App app{"Calibrates simulated scan heads and tells what is left"};
   std::size_t seeds = 200;
+  std::size_t first_seed = 1;
   int threads = static_cast<int>(std::thread::hardware_concurrency());
   std::string only;
   app.add_option("--seeds", seeds, "Heads of each kind")->check(CLI::Range(1, 100000));
+  app.add_option("--first-seed", first_seed, "Of them");
   app.add_option("--threads", threads)->check(CLI::Range(1, 1024));
   app.add_option("--only", only, "Rows whose first three columns hold this");
   CLI11_PARSE(app, argc, argv);
@@ -117,7 +119,7 @@ int main(int argc, char** argv) {
                                   HeadKind::kFTheta300}) {
         const Row row{kind, beyond, spoiled};
         if (labelOf(row).find(only) == std::string::npos) continue;
-        holds = report(row, run(row, seeds, threads)) && holds;
+        holds = report(row, first_seed, run(row, first_seed, seeds, threads)) && holds;
       }
     }
   }
