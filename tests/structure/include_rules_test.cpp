@@ -87,6 +87,18 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
             "");
 }
 
+// The head's calibration is held against the twin's optics, and its tables are run by the planner: what it
+// shared with either would cancel its own error.
+TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
+  EXPECT_EQ(
+      offenders([](const Include& i) {
+        return in(i.file, "hil/calibrate/head") &&
+               ((in(i.target, "twin") && !in(i.target, "twin/base")) || in(i.target, "firmware_under_test") ||
+                (in(i.target, "hil") && !in(i.target, "hil/calibrate/head") && !in(i.target, "hil/base")));
+      }),
+      "");
+}
+
 // Gauge knows the model's truth, to measure the measurement's error by it. Nothing that judges a run may ask
 // it.
 TEST(IncludeRules, OnlyTheProgramAsksTheGauge) {
@@ -127,6 +139,7 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"OpenCV",
        "^opencv2/.*",
        {"hil/camera", "hil/vision", "hil/calibrate", "hil/report", "hil/scene", "twin/camera"}},
+      {"Ceres", "^ceres/.*", {"hil/calibrate/head"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hil/calibrate/head/axis_check.h"
+#include "hil/calibrate/head/head_model.h"
+#include "hil/calibrate/head/head_parameters.h"
+#include "hil/calibrate/head/nominal_head.h"
+#include "hil/calibrate/head/observation.h"
+#include "hil/calibrate/head/residual_surface.h"
+
+namespace kerfbench::hil {
+
+struct HeadFitOptions {
+  HeadTolerances tolerances{};
+  /// Where the beam shall be corrected, in W; the surface covers it, and all marks. Empty: the marks alone.
+  Eigen::AlignedBox2d field_W_mm{};
+  /// Axes that are exchanged or run backwards are a fault of the wiring and refused; true: fitted all the
+  /// same.
+  bool accept_axes{false};
+  /// Count the rounding of the aims to whole steps as noise of the marks, independent from one to the next.
+  /// Marks of a row whose mirror stands at one and the same angle share it: lay them out so that they do not,
+  /// or hand over NominalHead::nearestAim_W_mm() where a mark is made at rest, and say false.
+  bool round_steps{true};
+  /// Chance that one good mark or more of a fit is rejected; in (0, 1).
+  double rejection_chance{0.05};
+  double most_false_share{0.1};  ///< More marks may not be rejected; in [0, 0.5).
+  int most_surface_degree{12};   ///< 0: no residual surface; <= 30.
+};
+
+/// What the marks tell of one parameter.
+struct HeadParameterFinding {
+  HeadParameter which{};
+  double value{};        ///< Departure from the design.
+  double sigma{};        ///< k = 1, after the fit.
+  double prior_sigma{};  ///< Before it: the tolerance.
+  /// The marks hold it: sigma is below a third of the tolerance.
+  bool held{};
+  /// Where it is not held: the parameter that it cannot be told from, if there is one (|correlation| > 0.7).
+  std::optional<HeadParameter> mixed_with;
+};
+
+/// What became of one observation, in the order given.
+struct HeadMarkFinding {
+  bool used{};
+  Eigen::Vector2d residual_mm{Eigen::Vector2d::Zero()};  ///< Measured less fitted.
+  /// Squared distance from what all others and the tolerances predict there, in standard deviations:
+  /// chi-square of two degrees of freedom for a good mark.
+  double distance2{};
+};
+
+/// Smooth residual over the model, on mm of the sheet as a function of the aim.
+struct HeadSurface {
+  SmoothBasis basis;
+  double amplitude_mm{};  ///< Standard deviation of a coefficient of degree zero before the fit.
+  double decay{};         ///< By which it falls from degree to degree.
+  double evidence{};      ///< Logarithm of the odds for this surface against none.
+};
+
+/// A head as measured. Immutable.
+class HeadFit {
+ public:
+  /// Where the beam lands for an aim.
+  struct Spot {
+    Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
+    Eigen::Matrix2d by_aim{Eigen::Matrix2d::Identity()};
+  };
+
+  [[nodiscard]] const NominalHead& nominal() const { return nominal_; }
+  [[nodiscard]] const HeadModel& model() const { return model_; }
+  [[nodiscard]] const AxisMap& axes() const { return axes_; }
+  [[nodiscard]] const HeadVector& departures() const { return departures_; }
+  [[nodiscard]] const std::optional<HeadSurface>& surface() const { return surface_; }
+  [[nodiscard]] const std::vector<HeadParameterFinding>& parameters() const { return parameters_; }
+  [[nodiscard]] const std::vector<HeadMarkFinding>& marks() const { return marks_; }
+  [[nodiscard]] std::size_t rejected() const;
+  /// Scatter of the marks over what they were said to scatter, RMS; near 1 if both model and noise are right.
+  [[nodiscard]] double noiseRatio() const { return noise_ratio_; }
+  /// The ratio is larger than chance explains (1 %): all uncertainties were multiplied by it.
+  [[nodiscard]] bool noiseScaled() const { return noise_scaled_; }
+
+  /// Where the beam lands when the controller is aimed there, nullopt where it does not.
+  [[nodiscard]] std::optional<Spot> spotOf(const Eigen::Vector2d& aim_W_mm) const;
+  /// What to aim at so that the beam lands at p_W, to 1e-9 mm; nullopt where no aim was found.
+  [[nodiscard]] std::optional<Eigen::Vector2d> aimFor(const Eigen::Vector2d& p_W_mm) const;
+  /// Of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
+  [[nodiscard]] std::optional<Eigen::Matrix2d> covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const;
+  /// Columns are independent, of variance 1: for aims p and q, modesAt(p) modesAt(q)^T is the covariance
+  /// between both spots, mm².
+  [[nodiscard]] std::optional<Eigen::Matrix2Xd> modesAt(const Eigen::Vector2d& aim_W_mm) const;
+
+ private:
+  friend class HeadFitter;
+  HeadFit(const NominalHead& nominal, const HeadDesign& design) : nominal_(nominal), model_(design) {}
+
+  NominalHead nominal_;
+  HeadModel model_;
+  AxisMap axes_;
+  HeadVector departures_{HeadVector::Zero()};
+  std::optional<HeadSurface> surface_;
+  Eigen::MatrixX2d coefficients_mm_;  ///< Of the surface, for x and y.
+  /// Columns of L with L L^T = covariance of departures and coefficients (x, then y).
+  Eigen::MatrixXd covariance_root_;
+  std::vector<HeadParameterFinding> parameters_;
+  std::vector<HeadMarkFinding> marks_;
+  double noise_ratio_{1.0};
+  bool noise_scaled_{};
+};
+
+/// Fits a head to marks, all of any number of sheets together.
+///
+/// 1. Axes: refused unless they are as told (identifyAxes), or accept_axes.
+/// 2. Model: least squares by Ceres over marks and tolerances, the latter weighted as measurements of zero
+/// and
+///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
+///    the scale of the median mark, narrowed until it settles, then none.
+/// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
+///    share) as its prior.
+/// 4. False marks: each is held against what all others and the priors predict there. distance2 above the
+///    quantile of chi-square that a good one of n passes with chance 1 - rejection_chance / n is rejected,
+///    the worst first; a rejected one that fits later comes back.
+/// 5. With 40 marks or more the surface's amplitude and decay are those of the largest evidence (marginal
+///    likelihood); there is none unless the odds are 20 : 1 against none. Then 3 and 4 again.
+/// 6. Covariance of model and surface together: inverse of the normal matrix, priors included, so never
+///    singular. It is scaled up where the marks scatter more than they were said to.
+///
+/// Deterministic. Marks whose ray lands nowhere in the design are rejected as false.
+/// @throws HeadCalibrationError with everything that is wrong: fewer than five marks, values that are not
+///   finite, wired axes, more false marks than allowed, no convergence.
+/// @throws std::invalid_argument for options, formula or design out of range.
+HeadFit fitHead(std::span<const HeadObservation> observations, const NominalHead& nominal,
+                const HeadDesign& design, const HeadFitOptions& options = {});
+
+}  // namespace kerfbench::hil

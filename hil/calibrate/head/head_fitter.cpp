@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/calibrate/head/head_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+
+#include "hil/calibrate/head/spread.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr std::size_t kLeastMarks = 5;
+constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
+constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
+constexpr int kUsualDegree = 4;
+constexpr double kUsualDecay = 0.7;
+constexpr int kMostSteps = 200;
+constexpr double kSettled = 1e-3;       // Of a tolerance,
+constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
+constexpr const char* kNoConvergence =
+    "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
+constexpr int kMostPasses = 30;
+constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
+constexpr int kMostIterations = 50;
+constexpr int kRoughIterations = 5;
+constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
+constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
+constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
+constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
+constexpr double kAreaMargin = 0.02;
+constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
+constexpr double kHeldShare = 1.0 / 3.0;
+constexpr double kMixedCorrelation = 0.7;
+
+Eigen::Matrix2d whiteningOf(const Eigen::Matrix2d& covariance) {
+  return covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity());
+}
+
+}  // namespace
+
+HeadFitter::HeadFitter(std::span<const HeadObservation> observations, const NominalHead& nominal,
+                       const HeadDesign& design, const HeadFitOptions& options)
+    : observations_(observations),
+      nominal_(nominal),
+      design_(design),
+      options_(options),
+      tolerances_(options.tolerances.sigmas(design)),
+      used_(observations.size(), true),
+      findings_(observations.size()) {}
+
+HeadFit HeadFitter::fit() {
+  weighMarks();
+  dropFarMarks();
+  fitRobustly();
+  prior_ = options_.most_surface_degree > 0 ? std::optional(SurfacePrior{unmodelled_mm_, kUsualDecay, 0.0})
+                                            : std::nullopt;
+  const bool few = usedCount() < kMarksThatTell;
+  settle(std::min(options_.most_surface_degree, kUsualDegree), few ? kSettled : kNearlySettled);
+  if (!few && prior_) {
+    const int degree = degreeFor(usedCount());
+    prior_ = surfaceThatTheMarksWant(degree);
+    settle(degree, kSettled);
+  } else if (!few) {
+    settle(0, kSettled);
+  }
+  return result();
+}
+
+void HeadFitter::weighMarks() {
+  const AxisFinding axes = identifyAxes(observations_);
+  if (!axes.map.asTold() && !options_.accept_axes) {
+    throw HeadCalibrationError(
+        axes.map.words() +
+        ". A table would hide what is a fault of the wiring, of the drives' directions "
+        "or of how the sheet lay under the camera: mend that, or accept the axes");
+  }
+  axes_ = axes.map;
+  unmodelled_mm_ = options_.tolerances.unmodelled_share * areaOfAims().sizes().maxCoeff();
+  for (const HeadObservation& o : observations_) {
+    Eigen::Matrix2d noise = o.covariance_mm2;
+    if (options_.round_steps) {
+      const Eigen::Matrix2d turned = axes_.matrix();
+      noise += turned * nominal_.roundingCovariance_mm2(o.aim_W_mm) * turned.transpose();
+    }
+    noise_mm2_.push_back(noise);
+    marks_.push_back({axes_.matrix() * nominal_.angles_rad(o.aim_W_mm), o.measured_W_mm, whiteningOf(noise)});
+  }
+}
+
+void HeadFitter::dropFarMarks() {
+  std::vector<Eigen::Vector2d> off(marks_.size(), Eigen::Vector2d::Zero());
+  std::vector<double> x, y, distances;
+  const auto here = modelled(design_, tolerances_, scaled_, marks_);
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    used_[i] = here[i].lands;
+    if (!used_[i]) continue;
+    off[i] = marks_[i].measured_W_mm - here[i].p_W_mm;
+    x.push_back(off[i].x());
+    y.push_back(off[i].y());
+  }
+  if (x.empty()) throw HeadCalibrationError("no mark can be reached by this head");
+  const Eigen::Vector2d middle(medianOf(x), medianOf(y));
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    if (used_[i]) distances.push_back((off[i] - middle).norm());
+  }
+  const double far_mm = kFarInMisses * medianOf(distances);
+  for (std::size_t i = 0; i < marks_.size(); ++i) used_[i] = used_[i] && (off[i] - middle).norm() <= far_mm;
+  refuseTooMany();
+}
+
+void HeadFitter::fitRobustly() {
+  double last = INFINITY;
+  bool converged = false;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    const std::vector<WeighedMark> marks = usedMarks();
+    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
+    const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
+    if (scale < 0.5 * last) {
+      last = scale;
+      const ModelSolution solution =
+          solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations);
+      scaled_ = solution.scaled;
+      converged = solution.converged;
+      continue;
+    }
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < used_.size(); ++i) {
+      if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
+    }
+    break;
+  }
+  refuseTooMany();
+  if (converged) return;
+  const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
+  if (!solution.converged) throw HeadCalibrationError(kNoConvergence);
+  scaled_ = solution.scaled;
+}
+
+std::vector<WeighedMark> HeadFitter::usedMarks() const {
+  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * unmodelled_mm_ * unmodelled_mm_;
+  std::vector<WeighedMark> marks;
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    if (!used_[i]) continue;
+    marks.push_back(marks_[i]);
+    marks.back().whitening_1_mm = whiteningOf(noise_mm2_[i] + unmodelled);
+  }
+  return marks;
+}
+
+std::size_t HeadFitter::usedCount() const {
+  return static_cast<std::size_t>(std::ranges::count(used_, true));
+}
+
+Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
+  Eigen::AlignedBox2d area = options_.field_W_mm;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (used_[i]) area.extend(observations_[i].aim_W_mm);
+  }
+  const Eigen::Vector2d margin = kAreaMargin * area.sizes();
+  return {area.min() - margin, area.max() + margin};
+}
+
+void HeadFitter::linearise() {
+  const auto here = modelled(design_, tolerances_, scaled_, marks_);
+  linear_.clear();
+  lands_.clear();
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    lands_.push_back(here[i].lands);
+    LinearMark mark;
+    mark.by_scaled = here[i].lands ? here[i].by_scaled : HeadJacobian::Zero();
+    mark.reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + mark.by_scaled * scaled_;
+    mark.whitening_1_mm = marks_[i].whitening_1_mm;
+    if (prior_) mark.basis = basis_values_[i];
+    linear_.push_back(std::move(mark));
+  }
+}
+
+/// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
+/// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
+/// own place alone.
+void HeadFitter::solve(double settled) {
+  for (int pass = 0; pass < kMostSteps; ++pass) {
+    linearise();
+    joint_ = solveJoint(usedLinear(), *basis_, prior_, false);
+    const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
+    scaled_ += step;
+    if (step.cwiseAbs().maxCoeff() > settled) continue;
+    joint_ = solveJoint(usedLinear(), *basis_, prior_, true);
+    return;
+  }
+  throw HeadCalibrationError(kNoConvergence);
+}
+
+std::vector<LinearMark> HeadFitter::usedLinear() const {
+  std::vector<LinearMark> used;
+  used.reserve(linear_.size());
+  for (std::size_t i = 0; i < linear_.size(); ++i) {
+    if (used_[i]) used.push_back(linear_[i]);
+  }
+  return used;
+}
+
+bool HeadFitter::judge(bool may_return) {
+  std::vector<double> distances;
+  noise_chi2_ = 0.0;
+  noise_freedom_ = 0.0;
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    HeadMarkFinding& finding = findings_[i];
+    const Eigen::Matrix2Xd rows = rowsOf(linear_[i].by_scaled, linear_[i].basis);
+    const Eigen::Matrix2Xd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
+    const Eigen::Matrix2d predicted = modes * modes.transpose();
+    finding.residual_mm = linear_[i].reading_mm - rows * joint_.unknowns;
+    // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
+    const Eigen::Matrix2d& noise = noise_mm2_[i];
+    finding.distance2 = distance2(finding.residual_mm, used_[i] ? Eigen::Matrix2d(noise - predicted)
+                                                                : Eigen::Matrix2d(noise + predicted));
+    if (!lands_[i]) finding.distance2 = INFINITY;
+    if (!used_[i]) continue;
+    distances.push_back(finding.distance2);
+    noise_chi2_ += distance2(finding.residual_mm, noise_mm2_[i]);
+    noise_freedom_ += 2.0 - (noise.inverse() * predicted).trace();
+  }
+  const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
+  const double limit =
+      scale2 * chiSquare2Above(options_.rejection_chance / static_cast<double>(marks_.size()));
+  const double worst = *std::ranges::max_element(distances);
+  bool changed = false;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    const double d2 = findings_[i].distance2;
+    const bool use = used_[i] ? d2 <= limit || d2 < kWorstShare * worst : d2 <= limit && may_return;
+    changed = changed || use != used_[i];
+    used_[i] = use;
+  }
+  return changed;
+}
+
+void HeadFitter::settle(int degree, double settled) {
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    setBasis(degree);
+    solve(settled);
+    if (!judge(pass < kPassesToReturn)) return;
+    refuseTooMany();
+  }
+  throw HeadCalibrationError("the marks contradict each other: no set of them agrees on a head");
+}
+
+void HeadFitter::setBasis(int degree) {
+  const Eigen::AlignedBox2d area = areaOfAims();
+  if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
+  basis_ = SmoothBasis(area, degree);
+  basis_values_.clear();
+  for (const HeadObservation& o : observations_) basis_values_.push_back(basis_->at(o.aim_W_mm).at);
+}
+
+/// The highest degree that has no more than one function for every two marks.
+int HeadFitter::degreeFor(std::size_t marks) const {
+  int degree = 0;
+  while (degree < options_.most_surface_degree && (degree + 2) * (degree + 3) <= static_cast<int>(marks))
+    ++degree;
+  return degree;
+}
+
+std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
+  setBasis(degree);
+  linearise();
+  return bestSurface(usedLinear(), *basis_);
+}
+
+void HeadFitter::refuseTooMany() const {
+  const std::size_t rejected = used_.size() - usedCount();
+  const double most = options_.most_false_share * static_cast<double>(used_.size());
+  if (static_cast<double>(rejected) <= std::max(kFewFalse, most) && usedCount() >= kLeastMarks) return;
+  std::string text = fmt::format("{} of {} marks do not fit to the others", rejected, used_.size());
+  std::size_t told = 0;
+  for (std::size_t i = 0; i < used_.size() && told < 10; ++i) {
+    if (used_[i]) continue;
+    const HeadObservation& o = observations_[i];
+    text += fmt::format("\n{} aimed at ({:.3f}, {:.3f}) was measured at ({:.3f}, {:.3f}) mm",
+                        o.mark ? fmt::format("mark {}", *o.mark) : "a mark", o.aim_W_mm.x(), o.aim_W_mm.y(),
+                        o.measured_W_mm.x(), o.measured_W_mm.y());
+    ++told;
+  }
+  if (told < rejected) text += fmt::format("\nand {} more", rejected - told);
+  throw HeadCalibrationError(text);
+}
+
+HeadFit HeadFitter::result() const {
+  constexpr int kCount = static_cast<int>(kHeadParameterCount);
+  HeadFit fit(nominal_, design_);
+  fit.axes_ = axes_;
+  fit.departures_ = tolerances_.cwiseProduct(scaled_);
+  if (prior_) {
+    const Eigen::Index m = basis_->size();
+    fit.surface_ = HeadSurface{*basis_, prior_->amplitude_mm, prior_->decay, prior_->evidence};
+    fit.coefficients_mm_.resize(m, 2);
+    fit.coefficients_mm_ << joint_.unknowns.segment(kCount, m), joint_.unknowns.tail(m);
+  }
+  fit.marks_ = findings_;
+  for (std::size_t i = 0; i < used_.size(); ++i) fit.marks_[i].used = used_[i];
+  setNoiseRatio(fit);
+  fit.covariance_root_ = joint_.covariance_root * (fit.noise_scaled_ ? fit.noise_ratio_ : 1.0);
+  fit.covariance_root_.topRows(kCount) = tolerances_.asDiagonal() * fit.covariance_root_.topRows(kCount);
+  reportParameters(fit);
+  return fit;
+}
+
+void HeadFitter::setNoiseRatio(HeadFit& fit) const {
+  if (noise_freedom_ < 1.0) return;  // Nothing left to tell it from.
+  fit.noise_ratio_ = std::sqrt(noise_chi2_ / noise_freedom_);
+  fit.noise_scaled_ = noise_chi2_ > chiSquareAbove(noise_freedom_, kNoiseScaledAt);
+}
+
+void HeadFitter::reportParameters(HeadFit& fit) const {
+  const Eigen::MatrixXd root = fit.covariance_root_.topRows(kHeadParameterCount);
+  const Eigen::MatrixXd covariance = root * root.transpose();
+  const Eigen::VectorXd sigmas = covariance.diagonal().cwiseSqrt();
+  for (std::size_t k = 0; k < kHeadParameterCount; ++k) {
+    const auto which = static_cast<HeadParameter>(k);
+    if (!actsOn(which, design_)) continue;
+    const auto row = static_cast<Eigen::Index>(k);
+    HeadParameterFinding finding{which, fit.departures_[row], sigmas[row], tolerances_[row], false, {}};
+    finding.held = finding.sigma < kHeldShare * finding.prior_sigma;
+    double strongest = kMixedCorrelation;
+    for (Eigen::Index other = 0; !finding.held && other < covariance.cols(); ++other) {
+      const double correlation = std::abs(covariance(row, other)) / (sigmas[row] * sigmas[other]);
+      if (other == row || correlation <= strongest) continue;
+      strongest = correlation;
+      finding.mixed_with = static_cast<HeadParameter>(other);
+    }
+    fit.parameters_.push_back(finding);
+  }
+}
+
+}  // namespace kerfbench::hil

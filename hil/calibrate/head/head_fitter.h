@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/calibrate/head/head_fit.h"
+#include "hil/calibrate/head/joint_solver.h"
+#include "hil/calibrate/head/model_solver.h"
+
+namespace kerfbench::hil {
+
+/// The steps of fitHead().
+class HeadFitter {
+ public:
+  HeadFitter(std::span<const HeadObservation> observations, const NominalHead& nominal,
+             const HeadDesign& design, const HeadFitOptions& options);
+  HeadFit fit();
+
+ private:
+  void weighMarks();
+  /// Leaves out what is far from where the drawing and the axes put it.
+  void dropFarMarks();
+  void fitRobustly();
+  /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
+  /// tolerances.
+  void settle(int degree, double settled);
+  void solve(double settled);
+  void setBasis(int degree);
+  void linearise();
+  /// Holds each mark against what the others predict; true if the set changed.
+  bool judge(bool may_return);
+  [[nodiscard]] int degreeFor(std::size_t marks) const;
+  [[nodiscard]] std::optional<SurfacePrior> surfaceThatTheMarksWant(int degree);
+  void refuseTooMany() const;
+  HeadFit result() const;
+  void reportParameters(HeadFit& fit) const;
+  void setNoiseRatio(HeadFit& fit) const;
+
+  /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
+  [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
+  [[nodiscard]] std::vector<LinearMark> usedLinear() const;
+  [[nodiscard]] std::size_t usedCount() const;
+  [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
+
+  std::span<const HeadObservation> observations_;
+  NominalHead nominal_;
+  HeadDesign design_;
+  HeadFitOptions options_;
+  AxisMap axes_;
+  HeadVector tolerances_;
+  std::vector<WeighedMark> marks_;
+  std::vector<Eigen::Matrix2d> noise_mm2_;
+  std::vector<bool> used_;
+  HeadVector scaled_{HeadVector::Zero()};
+  std::optional<SmoothBasis> basis_;
+  std::vector<Eigen::VectorXd> basis_values_;  ///< At all aims.
+  std::optional<SurfacePrior> prior_;
+  std::vector<LinearMark> linear_;  ///< All marks, at scaled_.
+  std::vector<bool> lands_;
+  JointSolution joint_;
+  std::vector<HeadMarkFinding> findings_;
+  double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.
+  double noise_chi2_{}, noise_freedom_{};
+};
+
+}  // namespace kerfbench::hil

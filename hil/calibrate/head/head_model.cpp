@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/calibrate/head/head_model.h"
+
+#include <ceres/jet.h>
+
+#include "hil/calibrate/head/head_trace.h"
+#include "hil/calibrate/head/staged_trace.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kCount = static_cast<int>(kHeadParameterCount);
+
+}  // namespace
+
+HeadModel::HeadModel(const HeadDesign& design) : design_(design) { check(design); }
+
+std::optional<Eigen::Vector2d> HeadModel::landing_W_mm(const Eigen::Vector2d& angles_rad,
+                                                       const HeadVector& departures) const {
+  Eigen::Vector2d p_W_mm;
+  const auto head = trace::headOf<double>(design_, departures.data());
+  if (!trace::landing<double>(head, angles_rad, p_W_mm)) return std::nullopt;
+  return p_W_mm;
+}
+
+std::optional<HeadModel::AngleSlopes> HeadModel::angleSlopesAt(const Eigen::Vector2d& angles_rad,
+                                                               const HeadVector& departures) const {
+  using Jet = ceres::Jet<double, 2>;
+  const Eigen::Matrix<Jet, kCount, 1> fixed = departures.cast<Jet>();
+  const auto head = trace::headOf<Jet>(design_, fixed.data());
+  trace::Vector2<Jet> p;
+  if (!trace::landing<Jet>(head, {Jet(angles_rad.x(), 0), Jet(angles_rad.y(), 1)}, p)) return std::nullopt;
+  AngleSlopes slopes{{p[0].a, p[1].a}, {}};
+  slopes.by_angles << p[0].v.transpose(), p[1].v.transpose();
+  return slopes;
+}
+
+std::optional<HeadModel::DepartureSlopes> HeadModel::departureSlopesAt(const Eigen::Vector2d& angles_rad,
+                                                                       const HeadVector& departures) const {
+  const StagedTrace staged(design_, HeadVector::Ones(), departures.data());
+  DepartureSlopes slopes;
+  if (!staged.landing(angles_rad, slopes.p_W_mm, slopes.by_departures)) return std::nullopt;
+  return slopes;
+}
+
+}  // namespace kerfbench::hil

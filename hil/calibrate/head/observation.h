@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace kerfbench::hil {
+
+/// Marks from which no head can be calibrated; the message lists everything that is wrong, a line each.
+class HeadCalibrationError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// One mark: what the controller was aimed at and where the beam really marked.
+struct HeadObservation {
+  std::optional<int> mark;  ///< Its number in the job; only told again in messages.
+  /// What went into the controller's formula: where a correction table was at work the corrected aim, (x +
+  /// dx, y + dy). So marks made with different tables, or without one, are observations of one and the same
+  /// head.
+  Eigen::Vector2d aim_W_mm{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d measured_W_mm{Eigen::Vector2d::Zero()};
+  /// Of measured_W_mm, what the marks do not share (k = 1); positive definite.
+  Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
+};
+
+/// A mark of the job, and one that was found on the sheet.
+struct AimedMark {
+  int id{};
+  Eigen::Vector2d aim_W_mm{Eigen::Vector2d::Zero()};
+};
+struct SeenMark {
+  int id{};
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< In the frame of the measurement.
+  Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
+};
+
+struct PairingLimits {
+  double missing_share{0.25};  ///< More of the job's marks may not be missing; in [0, 1).
+  double false_share{0.1};     ///< Nor more of those found be doubled or of no mark of the job; in [0, 1).
+  /// Two marks of one number within this many standard deviations of each other are one, seen twice.
+  double same_sigmas{5.0};
+};
+
+struct Pairing {
+  std::vector<HeadObservation> observations;  ///< In the job's order.
+  std::vector<int> missing;                   ///< Numbers of the job that were not found.
+  std::vector<int> doubled;  ///< Found more than once, at different places: none of them is used.
+  std::vector<int> merged;   ///< Found more than once at one place: their weighted mean is used.
+  std::vector<int> unknown;  ///< Not of the job.
+};
+
+/// Marks of the job with those found, by their numbers.
+/// @throws HeadCalibrationError beyond the limits, for a number that the job has twice, and for marks that
+///   are not finite or have a covariance that is none.
+Pairing pairMarks(std::span<const AimedMark> aimed, std::span<const SeenMark> seen,
+                  const PairingLimits& limits = {});
+
+}  // namespace kerfbench::hil

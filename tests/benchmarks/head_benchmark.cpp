@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// kerfbench-head-benchmarks: the fit of a scan head with covariance beside OpenCV's of a camera with standard
+// deviations, on the same number of points. Nothing is asserted.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <vector>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+
+#include "hil/calibrate/head/head_fit.h"
+#include "tests/hil/calibrate/head/campaign.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::benchmarks {
+namespace {
+
+using namespace hil::test;
+
+constexpr int kViews = 9;  // docs/CALIBRATION.md: what a camera is calibrated with.
+
+/// `side` x `side` marks on one sheet.
+void fitHead(benchmark::State& state, HeadKind kind, Beyond beyond) {
+  const SimulatedHead head(kind, beyond, 1);
+  const MarkedSheet sheet = mark(head, static_cast<int>(state.range(0)), 0, nullptr, {}, 1);
+  const auto marks = hil::pairMarks(sheet.aimed, sheet.seen).observations;
+  hil::HeadFitOptions options;
+  options.field_W_mm = head.field_W_mm();
+  for (auto _ : state) {
+    const hil::HeadFit fit = hil::fitHead(marks, head.nominal(), head.design(), options);
+    benchmark::DoNotOptimize(fit.covarianceAt_mm2({10.0, 20.0}));
+  }
+  state.counters["points"] = static_cast<double>(marks.size());
+}
+
+struct Views {
+  std::vector<std::vector<cv::Point3f>> target;
+  std::vector<std::vector<cv::Point2f>> pictures;
+};
+
+/// A flat target of n x n corners in nine poses, tilted by 20 ... 30 degrees, with the corner noise of a real
+/// picture.
+Views viewsOf(int n) {
+  const CounterRandom random(1, 99);
+  const cv::Mat camera = (cv::Mat_<double>(3, 3) << 3000, 0, 900, 0, 3000, 900, 0, 0, 1);
+  const cv::Mat lens = (cv::Mat_<double>(5, 1) << -0.1, 0.02, 5e-4, 3e-4, 0.0);
+  std::vector<cv::Point3f> target;
+  for (int i = 0; i < n * n; ++i)
+    target.emplace_back(static_cast<float>(120.0 * (i % n) / (n - 1)),
+                        static_cast<float>(120.0 * (i / n) / (n - 1)), 0.0F);
+  Views views;
+  std::uint64_t index = 0;
+  for (int v = 0; v < kViews; ++v) {
+    const double way = 0.7 * v;
+    const cv::Mat turn = (cv::Mat_<double>(3, 1) << 0.45 * std::cos(way), 0.45 * std::sin(way), 0.1 * v);
+    const cv::Mat shift = (cv::Mat_<double>(3, 1) << -60.0 + 2 * v, -60.0 - v, 450.0 + 10.0 * v);
+    std::vector<cv::Point2f> picture;
+    cv::projectPoints(target, turn, shift, camera, lens, picture);
+    for (cv::Point2f& p : picture) {
+      p.x += static_cast<float>(0.004 * random.normal(index++));
+      p.y += static_cast<float>(0.004 * random.normal(index++));
+    }
+    views.target.push_back(target);
+    views.pictures.push_back(picture);
+  }
+  return views;
+}
+
+/// As many points as `side` x `side` marks, in nine views.
+void calibrateCamera(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const Views views = viewsOf(static_cast<int>(state.range(0)) / 3);
+  for (auto _ : state) {
+    cv::Mat camera, lens, turns, shifts, intrinsic_sigmas, extrinsic_sigmas, errors;
+    benchmark::DoNotOptimize(cv::calibrateCamera(views.target, views.pictures, {1800, 1800}, camera, lens,
+                                                 turns, shifts, intrinsic_sigmas, extrinsic_sigmas, errors));
+  }
+  state.counters["points"] = static_cast<double>(kViews * views.target.front().size());
+}
+
+BENCHMARK_CAPTURE(fitHead, two_mirror_300, HeadKind::kTwoMirror300, Beyond::kNothing)
+    ->Arg(9)
+    ->Arg(18)
+    ->Arg(24)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fitHead, two_mirror_300_with_surface, HeadKind::kTwoMirror300, Beyond::kAnalogue)
+    ->Arg(18)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fitHead, f_theta_300, HeadKind::kFTheta300, Beyond::kNothing)
+    ->Arg(9)
+    ->Arg(18)
+    ->Arg(24)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(calibrateCamera)->Arg(9)->Arg(18)->Arg(24)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace kerfbench::benchmarks
+
+BENCHMARK_MAIN();

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hil/calibrate/head/nominal_head.h"
+#include "twin/optics/scan_head.h"
+#include "twin/optics/surface.h"
+
+namespace kerfbench::hil::test {
+
+enum class HeadKind { kTwoMirror100, kTwoMirror300, kTwoMirror800, kFTheta300 };
+std::string nameOf(HeadKind kind);
+
+/// What of a hidden head no parameter of HeadModel describes.
+enum class Beyond {
+  kNothing,
+  kBentBoard,  ///< The sheet is a shallow dish, 30 µm (1 sigma) at the middle of each side.
+  kAnalogue,   ///< And the mirrors' encoders are off by a cubic (100 µrad at the rim) and a wave (5 µrad).
+};
+
+/// A head with hidden, seeded misalignment and lens: the twin's ray trace, with which the fit shares nothing.
+/// Departures are normal, 0.6 of HeadTolerances' defaults.
+class SimulatedHead {
+ public:
+  SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed);
+
+  /// What a service engineer knows.
+  [[nodiscard]] const NominalHead& nominal() const { return nominal_; }
+  [[nodiscard]] const HeadDesign& design() const { return design_; }
+  [[nodiscard]] const Eigen::AlignedBox2d& field_W_mm() const { return field_W_mm_; }
+
+  /// Where the beam really lands; `rounded`: with the mirrors at whole steps.
+  /// @throws std::runtime_error where it does not.
+  [[nodiscard]] Eigen::Vector2d spotFor(const Eigen::Vector2d& aim_W_mm, bool rounded) const;
+  /// The same when the drives were touched: mirrors' zeros and gains, the head's turn, the sheet's height.
+  struct Change {
+    Eigen::Vector2d zero_rad{Eigen::Vector2d::Zero()};
+    Eigen::Vector2d gain{Eigen::Vector2d::Ones()};
+    double turn_rad{};
+    double height_mm{};
+  };
+  void change(const Change& change);
+
+ private:
+  NominalHead nominal_;
+  HeadDesign design_;
+  Eigen::AlignedBox2d field_W_mm_;
+  twin::ScanHeadDescription head_;
+  twin::BeamDescription beam_;
+  twin::SurfaceDescription surface_;
+  Eigen::Vector2d cubic_rad_{Eigen::Vector2d::Zero()}, wave_rad_{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d wave_phase_{Eigen::Vector2d::Zero()};
+  double most_angle_rad_{};
+  Change change_;
+  std::vector<twin::ScanHead> truth_;  // One; it cannot be assigned.
+  std::vector<twin::Surface> board_;
+};
+
+}  // namespace kerfbench::hil::test
