@@ -22,14 +22,14 @@ namespace kerfbench::hil {
 /// Nothing crosses, nothing is closed: the sheet stays in one piece, and the beam comes nowhere twice.
 inline constexpr double kMarkTurn_rad = 0.24497866312686414;  ///< atan 1/4
 inline constexpr double kArmFrom = 0.2;
-inline constexpr std::array kSlot{0.36, 0.60, 0.84};
+inline constexpr std::array kSlot{0.34, 0.62, 0.90};
 inline constexpr double kTick = 0.08;
 /// Kerfs up to this share of the size leave board between arms and ticks: 0.3 mm of 4.8 mm.
 inline constexpr double kWidestKerf = 1.0 / 16.0;
-/// Marks whose centres are this many sizes apart never touch.
-inline constexpr double kMarkPitch = 1.2;
+/// Marks whose centres are this many sizes apart along Sx or Sy never touch.
+inline constexpr double kMarkPitch = 1.25;
 /// No part of a mark lies farther from its centre than this many halves of its size, along Sx or Sy.
-inline constexpr double kMarkReach = 1.06;
+inline constexpr double kMarkReach = 1.13;
 
 /// A cut from rest to rest.
 struct MarkStroke {
