@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -193,7 +192,7 @@ FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibra
   scan.open_gray = options.open_gray;
   scan.threads = options.threads;
   PrintLayout layout;
-  layout.pitch_mm = std::numeric_limits<double>::infinity();
+  layout.pitch_mm = 1.0;  // Of one unit alone: any will do.
   layout.marks = print;
 
   FieldPictures out;
