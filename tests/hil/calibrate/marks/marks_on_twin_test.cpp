@@ -16,6 +16,7 @@
 #include "hil/app/mark_case.h"
 #include "hil/calibrate/marks/field_marks.h"
 #include "hil/calibrate/marks/mark_job_file.h"
+#include "hil/vision/constellation.h"
 #include "tests/hil/app/temp_folder.h"
 #include "twin/optics/scan_head.h"
 
@@ -126,7 +127,7 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   ASSERT_TRUE(cameras.kerf) << cameras.problems.front();
   TwinTileOptions tile_options;
   tile_options.threads = 2;
-  tile_options.border_mm = 10.0;  // The head may be off by that.
+  tile_options.border_mm = 15.0;  // The head may be off by that.
   tile_options.overlap_mm = 0.6 * job.size_mm;
   tile_options.everything = false;
   TwinTileSource tiles = kerfTiles(the_case, *cut.twin, tile_options);
@@ -150,11 +151,14 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   EXPECT_GT(e.raw_mm, field.least_raw_mm);
   EXPECT_LT(e.bias_um.norm(), 2.0);
   EXPECT_LT(e.sigma_um, 2.0);
+  EXPECT_LT(e.mahalanobis, 8.0);  // Most of it is one draw of the pose: beyond 8 in 2 % of all runs.
 }
 
 INSTANTIATE_TEST_SUITE_P(Heads, MarksOnTwin,
                          testing::Values(Field{"two-mirror-100", 50.0, 5, 5.0, 0.105, 10.0, 0.5},
-                                         Field{"f-theta-300-mounted", 150.0, 4, 7.0, 0.2, 16.0, 1.0}),
+                                         Field{"two-mirror-300", 150.0, 4, 7.0, 0.15, 18.0, 1.0},
+                                         Field{"two-mirror-800", 400.0, 3, 14.0, 0.3, 26.0, 2.0},
+                                         Field{"f-theta-300-mounted", 150.0, 4, 7.0, 0.2, 18.0, 1.0}),
                          [](const auto& test) {
                            std::string name = test.param.machine;
                            std::erase(name, '-');
