@@ -11,7 +11,8 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr double kCutFluence_j_mm2 = 0.5;
-constexpr double kOverCut = 1.5;  // fluence in the middle of a line over what cuts through
+constexpr double kOverCut =
+    2.0;  // fluence in the middle of a line over what cuts through: ticks are short, corners oblique
 
 }  // namespace
 

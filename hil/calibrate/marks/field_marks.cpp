@@ -209,6 +209,11 @@ FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibra
   const TileIndex index(pictures.views, calibration);
   const auto place = placeUnit(pictures.views, index, 0, layout, calibration, out.problems);
   if (!place) return out;
+  if (3 * static_cast<std::size_t>(place->marks) < 2 * print.size()) {
+    out.problems.push_back(
+        fmt::format("only {} of {} printed marks are there: another sheet, or not all of it was looked at",
+                    place->marks, print.size()));
+  }
   out.pose = {0,           place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance, place->residual_mm,
               place->marks};
   FieldSearch(calibration, options, scan, pictures, index, place->X_TS).run(out);
