@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "hil/app/camera_files.h"
+#include "hil/app/cut_on_twin.h"
 #include "hil/camera/twin_frames.h"
-#include "hil/camera/twin_tiles.h"
 #include "hil/inspect/inspect.h"
 #include "hil/source/encoder_edges.h"
 #include "twin/camera/camera.h"
@@ -42,17 +42,6 @@ std::vector<BeltEdge> beltOf(const PinRecording& recording, double count_mm) {
   for (const EncoderEdge& edge : encoderEdges(recording.sensors, recording.rate))
     belt.push_back({edge.time_s, static_cast<double>(edge.counts) * count_mm});
   return belt;
-}
-
-std::vector<Eigen::AlignedBox2d> boxesOf(const Dieline& dieline) {
-  std::vector<Eigen::AlignedBox2d> boxes;
-  for (const Entity& entity : dieline.entities) {
-    if (entity.process == Process::kIgnore) continue;
-    Eigen::AlignedBox2d box;
-    for (const double u : stations(entity.curve, 1.0)) box.extend(pointAt(entity.curve, u));
-    boxes.push_back(box);
-  }
-  return boxes;
 }
 
 }  // namespace
@@ -91,9 +80,7 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, co
     progress(-1, "looking at the cut");
     TwinTileOptions tile_options;
     tile_options.threads = jobs;
-    tile_options.seed = scenario.seed;
-    TwinTileSource tiles(twin::KerfCamera(the_case.machine.kerf_camera, scenario.print, scenario.seed),
-                         twin.sheet(), boxesOf(the_case.dieline), tile_options);
+    TwinTileSource tiles = kerfTiles(the_case, twin, tile_options);
     KerfScanOptions scan_options;
     scan_options.threads = jobs;
     scan_options.station_pitch_mm = kStationPitch_mm;

@@ -36,6 +36,12 @@ twin::ImperfectionSpread readSpread(YamlReader section) {
   read("power_noise_percent", kPercent, 20, spread.power_noise);
   read("power_drift_percent", kPercent, 20, spread.power_drift);
   read("gate_delay_us", kMicro, 1e3, spread.gate_delay_s);
+  read("throw_mm", 1.0, 50, spread.throw_mm);
+  read("mirror_spacing_mm", 1.0, 5, spread.mirror_spacing_mm);
+  read("focal_length_percent", kPercent, 5, spread.focal_length);
+  read("lens_k1_1_rad2", 1.0, 0.1, spread.lens_k1);
+  read("lens_decentre_mm", 1.0, 5, spread.lens_decentre_mm);
+  read("lens_tilt_urad", kMicro, 2e4, spread.lens_tilt_rad);
   return spread;
 }
 

@@ -9,6 +9,7 @@
 
 #include "hil/app/commands.h"
 #include "hil/app/conclude.h"
+#include "hil/app/cut_on_twin.h"
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
 #include "hil/app/machine_film.h"
@@ -44,13 +45,6 @@ Case caseWithOptions(const fs::path& path, const CommonOptions& options) {
   if (options.twin) the_case.scenario.fidelity = fidelityFromName(*options.twin);
   if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
   return the_case;
-}
-
-twin::TwinOptions twinOptions(const Scenario& scenario) {
-  twin::TwinOptions options;
-  options.fidelity = scenario.fidelity;
-  options.seed = scenario.seed;
-  return options;
 }
 
 ProgressFn progressOn(Console& console) {
@@ -108,7 +102,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
 
   const auto source = openRelease(scenario.firmware, options.bin_dir);
   const SourceInfo info = source->info();
-  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case.scenario));
+  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
@@ -157,7 +151,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   stopwatch.lap("reading");
 
   const SourceInfo info = source->info();
-  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case.scenario));
+  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;

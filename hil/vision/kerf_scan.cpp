@@ -9,48 +9,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hil/base/parallel.h"
-#include "hil/vision/kerf_faults.h"
+#include "hil/vision/kerf_pictures.h"
 #include "hil/vision/kerf_plan.h"
 #include "hil/vision/kerf_tiles.h"
 #include "hil/vision/kerf_unit.h"
 
 namespace kerfbench::hil {
 namespace {
-
-constexpr std::size_t kTilesPerBatch = 8;
-
-/// Hands out the tiles of one unit after the other.
-class UnitTiles {
- public:
-  UnitTiles(TileSource& source, const CameraCalibration& calibration)
-      : source_(source), calibration_(calibration) {}
-
-  std::vector<KerfTile> next() {
-    std::vector<KerfTile> unit;
-    for (;;) {
-      if (pending_.empty()) {
-        pending_ = source_.nextBatch(kTilesPerBatch);
-        if (pending_.empty()) return unit;
-        for (const KerfTile& tile : pending_) {
-          if (tile.image.width != calibration_.width_px || tile.image.height != calibration_.height_px) {
-            throw std::invalid_argument("a kerf tile of unit " + std::to_string(tile.unit) +
-                                        " has not the size that the camera is calibrated for");
-          }
-        }
-        std::reverse(pending_.begin(), pending_.end());
-      }
-      if (!unit.empty() && pending_.back().unit != unit.front().unit) return unit;
-      unit.push_back(std::move(pending_.back()));
-      pending_.pop_back();
-    }
-  }
-
- private:
-  TileSource& source_;
-  const CameraCalibration& calibration_;
-  std::vector<KerfTile> pending_;  ///< Last one first.
-};
 
 /// What a unit that could not be placed leaves: every caliper not found.
 void addUnseen(const KerfPlan& plan, int unit, KerfScan& scan) {
@@ -99,11 +64,6 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
         "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm >= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
-  std::vector<double> diameters_mm;
-  for (const RegistrationMark& mark : print.marks) diameters_mm.push_back(mark.diameter_mm);
-  std::sort(diameters_mm.begin(), diameters_mm.end());
-  diameters_mm.erase(std::unique(diameters_mm.begin(), diameters_mm.end()), diameters_mm.end());
-
   KerfScan scan;
   std::set<int> done;
   UnitTiles source(tiles, calibration);
@@ -116,15 +76,11 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
                               ": tiles that belong to no unit, or come out of order");
       continue;
     }
-    std::vector<TileView> views(of_unit.size());
-    forEachIndex(of_unit.size(), options.threads, [&](std::size_t i) {
-      views[i] = viewTile(std::move(of_unit[i]), calibration, diameters_mm);
-    });
-    const LensBlur blur = blurOf(views, calibration);
-    tellTileFaults(views, unit, blur, options.widest_blur_px, scan.problems);
-    shareLight(views);
-    const TileIndex index(views, calibration);
-    const std::optional<UnitPlace> place = placeUnit(views, index, unit, print, calibration, scan.problems);
+    const UnitPictures pictures =
+        viewUnit(std::move(of_unit), unit, print, calibration, options, scan.problems);
+    const TileIndex index(pictures.views, calibration);
+    const std::optional<UnitPlace> place =
+        placeUnit(pictures.views, index, unit, print, calibration, scan.problems);
     if (!place) {
       addUnseen(plan, unit, scan);
       continue;
@@ -132,7 +88,8 @@ KerfScan scanKerf(TileSource& tiles, const CameraCalibration& calibration, const
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
-    const UnitScan unit_scan(calibration, plan, options, views, index, unit, place->X_TS, blur);
+    const UnitScan unit_scan(calibration, plan, options, pictures.views, index, unit, place->X_TS,
+                             pictures.blur);
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }

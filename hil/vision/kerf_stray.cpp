@@ -7,12 +7,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "hil/vision/kerf_pictures.h"
+
 namespace kerfbench::hil {
 namespace {
 
 constexpr double kOffDielineMm = 0.35;
 constexpr double kStrayContrast = 0.035;  // of board to open kerf
-constexpr double kNoiseSigmas = 3.0;      // of one pixel: nine of a mean of nine, where no grain binds them
 constexpr double kTouchMm = 0.15;
 constexpr int kShiftBits = 4;  // OpenCV draws in 1/16 px
 
@@ -44,37 +45,13 @@ void eraseDieline(cv::Mat& mask, const TileView& view, const CameraCalibration& 
   }
 }
 
-/// What is brighter than the board of its surroundings. The mean of nine pixels finds a cut that is thinner
-/// than a pixel, or not through.
-cv::Mat brightPlaces(const cv::Mat& picture, const TileView& view, double open_gray) {
-  constexpr int kCell = Background::kCellPx;
-  cv::Mat smooth;
-  cv::boxFilter(picture, smooth, CV_8U, cv::Size(3, 3), cv::Point(-1, -1), true, cv::BORDER_REPLICATE);
-  cv::Mat mask(picture.size(), CV_8U);
-  for (int top = 0; top < picture.rows; top += kCell) {
-    for (int left = 0; left < picture.cols; left += kCell) {
-      const cv::Rect cell(left, top, std::min(kCell, picture.cols - left),
-                          std::min(kCell, picture.rows - top));
-      const double board = view.background->at(left, top);
-      const Eigen::Vector2d middle(left + 0.5 * cell.width, top + 0.5 * cell.height);
-      const double open = open_gray * view.light.at(middle);
-      const double above = std::max(kNoiseSigmas * view.noise_gray, kStrayContrast * (open - board));
-      cv::Mat part = mask(cell);
-      cv::threshold(smooth(cell), part, board + above, 255, cv::THRESH_BINARY);
-    }
-  }
-  return mask;
-}
-
 }  // namespace
 
 std::vector<StrayBox> findStrays(const TileView& view, std::size_t tile, const CameraCalibration& calibration,
                                  const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans,
                                  double open_gray) {
-  const GrayImage& image = view.tile.image;
-  // Only read: OpenCV has no view of constant memory.
-  const cv::Mat picture(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::Mat mask = brightPlaces(picture, view, open_gray);
+  GrayImage places = brightPlaces(view, open_gray, kStrayContrast);
+  cv::Mat mask(places.height, places.width, CV_8U, places.pixels.data());
   eraseDieline(mask, view, calibration, X_TS, plans);
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);

@@ -76,6 +76,20 @@ void drawMirror(Drawing& draw, MirrorAlignment& mirror, const std::string& name,
   mirror.scale *= draw.relative(name + ".scale", spread.scale);
 }
 
+void drawHead(Drawing& draw, ScanHeadDescription& head, const ImperfectionSpread& spread) {
+  drawMirror(draw, head.x, "galvo_x", spread);
+  drawMirror(draw, head.y, "galvo_y", spread);
+  draw.add(head.throw_mm, "head.throw", spread.throw_mm, "mm");
+  draw.add(head.mirror_spacing_mm, "head.mirror_spacing", spread.mirror_spacing_mm, "mm");
+  if (!head.lens) return;
+  head.lens->focal_length_mm *= draw.relative("lens.focal_length", spread.focal_length);
+  draw.add(head.lens->k1, "lens.k1", spread.lens_k1, "1/rad²");
+  draw.add(head.lens->decentre_mm[0], "lens.decentre_x", spread.lens_decentre_mm, "mm");
+  draw.add(head.lens->decentre_mm[1], "lens.decentre_y", spread.lens_decentre_mm, "mm");
+  draw.add(head.lens->tilt_rad[0], "lens.tilt_x", spread.lens_tilt_rad, "rad");
+  draw.add(head.lens->tilt_rad[1], "lens.tilt_y", spread.lens_tilt_rad, "rad");
+}
+
 // A lead screw or a toothed belt whose pitch is off: the motor turns as it is told, the slide goes elsewhere.
 void drawPitch(Drawing& draw, AxisDescription& axis, const std::string& name, double sigma) {
   const double factor = draw.relative(name + ".scale", sigma);
@@ -93,8 +107,7 @@ void drawRoller(Drawing& draw, BeltDescription& belt, double sigma) {
 
 void drawStatic(Drawing& draw, MachineDescription& machine, const ImperfectionSpread& spread) {
   if (machine.kind == MachineDescription::Kind::kTwoMirror) {
-    drawMirror(draw, machine.head.x, "galvo_x", spread);
-    drawMirror(draw, machine.head.y, "galvo_y", spread);
+    drawHead(draw, machine.head, spread);
   } else {
     drawPitch(draw, machine.gantry_x, "gantry_x", spread.scale);
     drawPitch(draw, machine.gantry_y, "gantry_y", spread.scale);

@@ -59,6 +59,13 @@ struct ImperfectionSpread {
   double power_noise{0.01};            ///< n; relative.
   double power_drift{0.01};            ///< Relative.
   double gate_delay_s{2e-6};           ///< h
+  // kStatic as well, of a scan head that nobody has calibrated: none on a machine that is set up.
+  double throw_mm{0.0};           ///< Last mirror to work plane.
+  double mirror_spacing_mm{0.0};  ///< Between the mirrors' axes.
+  double focal_length{0.0};       ///< Relative, of the lens, if there is one; so are the next.
+  double lens_k1{0.0};            ///< Deviation from f theta, 1/rad².
+  double lens_decentre_mm{0.0};   ///< In each direction.
+  double lens_tilt_rad{0.0};      ///< About each direction.
 };
 
 struct DrawnMachine {

@@ -55,7 +55,8 @@ TEST_F(MachineFileTest, TheTwoMirrorMachineReads) {
 
 TEST_F(MachineFileTest, EveryMachineOfTheHouseCanRun) {
   for (const char* name : {"two-mirror", "two-mirror-linecutter", "two-mirror-stepper", "two-mirror-slow",
-                           "two-mirror-fast", "f-theta-300", "strip-gantry"}) {
+                           "two-mirror-fast", "two-mirror-100", "two-mirror-300", "two-mirror-800",
+                           "f-theta-300", "f-theta-300-mounted", "strip-gantry"}) {
     const MachineDescription machine = readMachine(fixture(std::string("machines/") + name + ".yaml"));
     EXPECT_EQ(machine.name, name);
     EXPECT_NO_THROW(twin::Twin(machine, twin::WebDescription{}, TickRate{})) << name;

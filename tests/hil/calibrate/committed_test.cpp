@@ -13,7 +13,8 @@ namespace {
 
 TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
   for (const char* name : {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper",
-                           "two-mirror-linecutter", "two-mirror-slow", "two-mirror-fast"}) {
+                           "two-mirror-linecutter", "two-mirror-slow", "two-mirror-fast", "two-mirror-100",
+                           "two-mirror-300", "two-mirror-800", "f-theta-300-mounted"}) {
     const MachineFile file = readMachineFile(fixture("machines/" + std::string(name) + ".yaml"));
     for (const auto& [camera, named] : {std::pair(file.machine.spot_camera, file.spot_camera),
                                         std::pair(file.machine.kerf_camera, file.kerf_camera)}) {

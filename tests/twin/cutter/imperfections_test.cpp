@@ -43,6 +43,16 @@ void mirrorFields(Fields& all, const std::string& name, const MirrorAlignment& m
 // What a preset may touch, and some that it may not.
 Fields fieldsOf(const MachineDescription& m) {
   Fields all;
+  all["head.throw"] = m.head.throw_mm;
+  all["head.spacing"] = m.head.mirror_spacing_mm;
+  const LensDescription lens = m.head.lens.value_or(LensDescription{});
+  all["lens.focal_length"] = lens.focal_length_mm;
+  all["lens.k1"] = lens.k1;
+  all["lens.k2"] = lens.k2;
+  all["lens.decentre_x"] = lens.decentre_mm[0];
+  all["lens.decentre_y"] = lens.decentre_mm[1];
+  all["lens.tilt_x"] = lens.tilt_rad[0];
+  all["lens.tilt_y"] = lens.tilt_rad[1];
   axisFields(all, "galvo_x", m.galvo_x);
   axisFields(all, "galvo_y", m.galvo_y);
   axisFields(all, "gantry_x", m.gantry_x);
@@ -107,6 +117,24 @@ std::set<std::string> changed(const MachineDescription& before, const MachineDes
 constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
+/// The usual spread, and that of a head that nobody has calibrated.
+constexpr ImperfectionSpread kUncalibrated = [] {
+  ImperfectionSpread spread;
+  spread.throw_mm = 2.0;
+  spread.mirror_spacing_mm = 0.5;
+  spread.focal_length = 0.005;
+  spread.lens_k1 = 0.005;
+  spread.lens_decentre_mm = 0.5;
+  spread.lens_tilt_rad = 2e-3;
+  return spread;
+}();
+
+MachineDescription lensed() {
+  MachineDescription machine = twoMirror();
+  machine.head.lens = LensDescription{.focal_length_mm = 500.0};
+  return machine;
+}
+
 using Member = double ImperfectionSpread::*;
 struct Quantity {
   Member member;
@@ -156,11 +184,17 @@ std::vector<Quantity> quantities() {
       both(&S::power_noise, false, {"laser.noise"}),
       both(&S::power_drift, false, {"laser.drift"}),
       both(&S::gate_delay_s, false, {"laser.gate_delay"}),
+      {&S::throw_mm, true, {"head.throw"}, {}},
+      {&S::mirror_spacing_mm, true, {"head.spacing"}, {}},
+      {&S::focal_length, true, {"lens.focal_length"}, {}},
+      {&S::lens_k1, true, {"lens.k1"}, {}},
+      {&S::lens_decentre_mm, true, {"lens.decentre_x", "lens.decentre_y"}, {}},
+      {&S::lens_tilt_rad, true, {"lens.tilt_x", "lens.tilt_y"}, {}},
   };
 }
 
 TEST(Imperfections, AnIdealMachineIsAsDescribed) {
-  for (const auto& machine : {twoMirror(), gantry()}) {
+  for (const auto& machine : {lensed(), gantry()}) {
     const DrawnMachine drawn = drawImperfections(machine, {}, Preset::kIdeal, 7);
     EXPECT_TRUE(drawn.imperfections.empty());
     EXPECT_TRUE(changed(machine, drawn.machine).empty());
@@ -174,19 +208,19 @@ TEST(Imperfections, TheTableOfThisTestKnowsEveryQuantityButTheFrequencyOfFlutter
 TEST(Imperfections, EveryFieldOfTheSpreadChangesItsOwnFieldsAndNoOthers) {
   for (const Quantity& q : quantities()) {
     ImperfectionSpread spread = kNone;
-    spread.*q.member = ImperfectionSpread{}.*q.member;
+    spread.*q.member = kUncalibrated.*q.member;
     const auto of = [&](const MachineDescription& machine, Preset preset) {
       return changed(machine, drawImperfections(machine, spread, preset, 3).machine);
     };
-    EXPECT_EQ(of(twoMirror(), Preset::kDynamic), q.mirrors);
+    EXPECT_EQ(of(lensed(), Preset::kDynamic), q.mirrors);
     EXPECT_EQ(of(gantry(), Preset::kDynamic), q.gantry);
-    EXPECT_EQ(of(twoMirror(), Preset::kStatic), q.is_static ? q.mirrors : std::set<std::string>{});
+    EXPECT_EQ(of(lensed(), Preset::kStatic), q.is_static ? q.mirrors : std::set<std::string>{});
     EXPECT_EQ(of(gantry(), Preset::kStatic), q.is_static ? q.gantry : std::set<std::string>{});
   }
 }
 
 TEST(Imperfections, TheStaticPresetNeverTouchesWhatMoves) {
-  for (const auto& machine : {twoMirror(), gantry()}) {
+  for (const auto& machine : {lensed(), gantry()}) {
     std::set<std::string> fixed;
     for (const Quantity& q : quantities()) {
       if (!q.is_static) continue;
@@ -203,9 +237,9 @@ TEST(Imperfections, TheStaticPresetNeverTouchesWhatMoves) {
 }
 
 TEST(Imperfections, TheSameSeedIsTheSameMachineAndAnotherIsNot) {
-  const auto machine = twoMirror();
+  const auto machine = lensed();
   const auto draw = [&](std::uint64_t seed) {
-    return fieldsOf(drawImperfections(machine, {}, Preset::kDynamic, seed).machine);
+    return fieldsOf(drawImperfections(machine, kUncalibrated, Preset::kDynamic, seed).machine);
   };
   EXPECT_EQ(draw(4), draw(4));
   const Fields four = draw(4);
@@ -227,7 +261,7 @@ TEST(Imperfections, NoQuantityChangesWhatAnotherDraws) {
   const Fields fixed = fieldsOf(drawImperfections(machine, {}, Preset::kStatic, 11).machine);
   for (const Quantity& q : quantities()) {
     ImperfectionSpread spread = kNone;
-    spread.*q.member = ImperfectionSpread{}.*q.member;
+    spread.*q.member = kUncalibrated.*q.member;
     const Fields alone = fieldsOf(drawImperfections(machine, spread, Preset::kDynamic, 11).machine);
     for (const auto& name : q.gantry) {
       EXPECT_EQ(alone.at(name), all.at(name)) << name;
@@ -237,7 +271,7 @@ TEST(Imperfections, NoQuantityChangesWhatAnotherDraws) {
 }
 
 TEST(Imperfections, TheListNamesEachDrawOnceWithItsUnitAndWhatItAdded) {
-  for (const auto& machine : {twoMirror(), gantry()}) {
+  for (const auto& machine : {lensed(), gantry()}) {
     const DrawnMachine drawn = drawImperfections(machine, {}, Preset::kDynamic, 2);
     std::map<std::string, Imperfection> list;
     for (const Imperfection& i : drawn.imperfections) {
@@ -285,7 +319,7 @@ void expectNormal(const Moments& moments, double sigma, const char* what) {
 }
 
 TEST(Imperfections, DrawsHaveTheStandardDeviationOfTheSpread) {
-  const MachineDescription mirrors = twoMirror();
+  const MachineDescription mirrors = lensed();
   const MachineDescription strip = gantry();
   const ImperfectionSpread s;
   using M = const MachineDescription&;
@@ -315,7 +349,7 @@ TEST(Imperfections, WhatCannotBeLessThanNothingIsHalfNormal) {
   };
   using M = const MachineDescription&;
   const ImperfectionSpread s;
-  const MachineDescription mirrors = twoMirror();
+  const MachineDescription mirrors = lensed();
   const double already = mirrors.galvo_x.backlash;
   check(over2000(mirrors, [&](M m) { return m.galvo_x.backlash - already; }), s.backlash_rad, "backlash");
   check(over2000(mirrors, [&](M m) { return m.laser.gate_delay_s - mirrors.laser.gate_delay_s; }),
@@ -323,7 +357,7 @@ TEST(Imperfections, WhatCannotBeLessThanNothingIsHalfNormal) {
 }
 
 TEST(Imperfections, NoiseAndSinesAddToThoseOfTheDescriptionAsTheyDoOnTheMachine) {
-  MachineDescription machine = twoMirror();
+  MachineDescription machine = lensed();
   machine.laser.noise = 0.03;
   machine.belt.encoder.runout_mm = 0.1;
   machine.belt.encoder.runout_phase_rad = 1.0;

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "hil/calibrate/marks/mark_job.h"
+
+namespace kerfbench::hil {
+
+/// How marks are cut.
+struct MarkCutting {
+  std::filesystem::path machine;  ///< Its file.
+  std::string firmware{"{source: native, image: controller-native-galvo, mcu: native, baud: 2000000}"};
+  double mark_speed_mm_s{300};
+  double jump_speed_mm_s{400};
+  double acceleration_mm_s2{200e3};
+  double beam_radius_mm{0.105};  ///< 1/e²: the energy that cuts through follows.
+  bool uncalibrated{true};       ///< Cut by the machine that the seed draws (static), not by the ideal one.
+};
+
+/// A scenario that cuts a job on the twin, the sheet at rest where the job says. The drawing is `dieline`,
+/// beside the scenario or absolute. It is a scenario as any other: `run` runs it and holds the marks against
+/// where they were wanted.
+std::string markScenario(const MarkJob& job, const std::filesystem::path& dieline,
+                         const MarkCutting& cutting);
+
+}  // namespace kerfbench::hil
