@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/calibrate/tables/aim_grid.h"
+
+namespace kerfbench::hil {
+
+/// One spot of a check without any correction: aimed at `aim`, the beam went to `spot`. Both in W, mm.
+struct UncorrectedSpot {
+  Eigen::Vector2d aim_W_mm{};
+  Eigen::Vector2d spot_W_mm{};
+};
+
+/// Another way to understand a file: the place and the value of each node turned, d'(A p) = V d(p), with A
+/// and V of the eight matrices of 0 and ±1 that map the axes onto themselves.
+struct Reading {
+  Eigen::Matrix2i places{Eigen::Matrix2i::Identity()};
+  Eigen::Matrix2i values{Eigen::Matrix2i::Identity()};
+  friend bool operator==(const Reading& a, const Reading& b) {
+    return a.places == b.places && a.values == b.values;
+  }
+  /// Such as "the file is transposed", "the file is mirrored in x, and its sign is turned".
+  [[nodiscard]] std::string text() const;
+};
+
+/// All 64: the eight maps of the places times the eight of the values (signs, and the pair exchanged).
+std::vector<Reading> allReadings();
+
+/// The grid understood so; rows and columns turn about (0, 0).
+AimGrid asRead(const AimGrid& grid, const Reading& reading);
+
+struct RecogniseOptions {
+  double sigma_mm{0.02};       ///< Of a coordinate of a spot, k = 1; > 0. By ruler rather 0.1.
+  double most_share{0.25};     ///< RMS of what is left may be this share of the spots' own error, or 3 sigma.
+  double told_apart{25.0};     ///< By how much a rival's sum of squares must be larger, in variances.
+  double reach_share{0.1};     ///< A spot may lie outside of the table by this share of its sides.
+  double same_table_mm{0.01};  ///< Readings whose tables are nowhere farther apart are one.
+};
+
+/// How one reading fits.
+struct ReadingFit {
+  Reading reading;
+  double rms_mm{};  ///< Of the beam's distance from where it was wanted, with this table.
+};
+
+struct Recognition {
+  enum class Verdict { kAsRead, kOtherwise, kCannotBeTold, kNoneFits };
+  Verdict verdict{Verdict::kCannotBeTold};
+  Reading reading;               ///< The best; that of the file as read where it is as good.
+  std::vector<ReadingFit> fits;  ///< All, best first.
+  double error_rms_mm{};         ///< Of the spots without correction.
+  std::size_t spots{};           ///< That were used.
+  std::string text;              ///< The verdict with its numbers.
+};
+
+/// Which reading of a table brings the beam to where it is wanted. Exact, without a model of the head: a beam
+/// aimed at a landed at s, so the right table says d(s) = a − s.
+/// @throws std::invalid_argument for options out of range, spots that are not finite, or fewer than six spots
+///   within reach of the table.
+Recognition recognise(const AimGrid& grid, const std::vector<UncorrectedSpot>& spots,
+                      const RecogniseOptions& options = {});
+
+}  // namespace kerfbench::hil

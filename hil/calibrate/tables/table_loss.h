@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "hil/calibrate/tables/aim_grid.h"
+
+namespace kerfbench::hil {
+
+/// Distances between two tables' aims over some places.
+struct AimDifference {
+  double max_um{};
+  double rms_um{};
+  Eigen::Vector2d worst_W_mm{Eigen::Vector2d::Zero()};  ///< Where the largest is.
+  std::size_t places{};
+};
+
+/// What a table lost on its way into another format: |d' − d|, to first order where the beam lands beside.
+struct TableLoss {
+  AimDifference nodes;        ///< At the new nodes: what rounding of the numbers does.
+  AimDifference mid_cell;     ///< In the middles of the new cells.
+  AimDifference rim;          ///< Along the new border, eight places a cell.
+  AimDifference anywhere;     ///< Five by five places in each new cell, its border included.
+  std::size_t not_covered{};  ///< Of these places, where the original says nothing; not counted above.
+  double covered_share{};     ///< Of the original's area, by the new nodes.
+  /// Lines of what was found, the largest differences with their places.
+  [[nodiscard]] std::string text() const;
+};
+
+TableLoss tableLoss(const AimGrid& original, const AimGrid& converted);
+
+}  // namespace kerfbench::hil

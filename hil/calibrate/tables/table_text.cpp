@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/calibrate/tables/table_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kFarthest_mm = 1e5;
+constexpr double kLargest_mm = 1e4;
+constexpr std::size_t kMostShown = 40;
+constexpr std::size_t kMostTextNodes = AimGrid::kMostNodes * AimGrid::kMostNodes;
+constexpr std::string_view kBlanks = " \t\r";
+
+/// A word of a file as it may be shown: short, and without what a terminal would obey.
+std::string shown(std::string_view word) {
+  std::string text;
+  for (const char c : word.substr(0, kMostShown)) text += c >= ' ' && c < '\x7f' ? c : '?';
+  return word.size() > kMostShown ? text + "…" : text;
+}
+
+std::vector<double> places(const std::vector<TextNode>& nodes, std::size_t axis) {
+  std::vector<double> all;
+  for (const TextNode& node : nodes) all.push_back(node.value.at(axis));
+  std::ranges::sort(all);
+  const auto repeated = std::ranges::unique(all);
+  all.erase(repeated.begin(), repeated.end());
+  return all;
+}
+
+std::size_t indexOf(const std::vector<double>& places, double place) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(places, place) - places.begin());
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto from = text.find_first_not_of(kBlanks);
+  if (from == std::string_view::npos) return {};
+  return text.substr(from, text.find_last_not_of(kBlanks) - from + 1);
+}
+
+void forEachLine(std::string_view text, const std::function<void(std::size_t, std::string_view)>& take) {
+  std::size_t number = 0;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find('\n', from), text.size());
+    take(++number, trimmed(text.substr(from, to - from)));
+    from = to + 1;
+  }
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line, char separator) {
+  std::vector<std::string_view> words;
+  if (separator != ' ') {
+    for (std::size_t from = 0; from <= line.size();) {
+      const std::size_t to = std::min(line.find(separator, from), line.size());
+      words.push_back(trimmed(line.substr(from, to - from)));
+      from = to + 1;
+    }
+    return words;
+  }
+  for (std::size_t from = line.find_first_not_of(kBlanks); from != std::string_view::npos;) {
+    const std::size_t to = std::min(line.find_first_of(kBlanks, from), line.size());
+    words.push_back(line.substr(from, to - from));
+    from = line.find_first_not_of(kBlanks, to);
+  }
+  return words;
+}
+
+bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults& faults, double& value) {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+    faults.atLine(line, fmt::format("'{}' is no number", shown(word)));
+    return false;
+  }
+  if (std::abs(value) > bound) {
+    faults.atLine(line, fmt::format("{:g} is beyond ±{:g}", value, bound));
+    return false;
+  }
+  return true;
+}
+
+void addNode(const std::vector<std::string_view>& words, std::size_t line, TableFaults& faults,
+             std::vector<TextNode>& nodes) {
+  TextNode node{.line = line};
+  if (words.size() != node.value.size())
+    return faults.atLine(line, fmt::format("a node has 4 numbers, this line has {}", words.size()));
+  bool good = true;
+  for (std::size_t i = 0; i < node.value.size(); ++i)
+    good = numberOf(words[i], i < 2 ? kFarthest_mm : kLargest_mm, line, faults, node.value.at(i)) && good;
+  if (good && nodes.size() == kMostTextNodes) faults.atLine(line, "more nodes than 1025 x 1025");
+  if (good && nodes.size() <= kMostTextNodes) nodes.push_back(node);
+}
+
+AimGrid gridOf(const std::vector<TextNode>& nodes, TableFaults& faults, Between between, Outside outside) {
+  faults.throwIfAny();
+  const std::vector<double> x = places(nodes, 0);
+  const std::vector<double> y = places(nodes, 1);
+  const std::size_t least = between == Between::kHermite ? 3 : 2;
+  if (std::min(x.size(), y.size()) < least || std::max(x.size(), y.size()) > AimGrid::kMostNodes) {
+    faults.ofFile(fmt::format("a grid has {0} x {0} to {1} x {1} nodes, this one {2} x {3}", least,
+                              AimGrid::kMostNodes, x.size(), y.size()));
+  }
+  faults.throwIfAny();
+  std::vector<Eigen::Vector2d> d(x.size() * y.size());
+  std::vector<std::size_t> line(d.size(), 0);
+  for (const TextNode& node : nodes) {
+    const std::size_t at = indexOf(y, node.value[1]) * x.size() + indexOf(x, node.value[0]);
+    if (line[at] > 0) {
+      faults.atLine(node.line, fmt::format("the node ({:g}, {:g}) was in line {} already", node.value[0],
+                                           node.value[1], line[at]));
+    }
+    line[at] = node.line;
+    d[at] = {node.value[2], node.value[3]};
+  }
+  for (std::size_t at = 0; at < d.size(); ++at) {
+    if (line[at] == 0)
+      faults.ofFile(fmt::format("the grid lacks the node ({:g}, {:g})", x[at % x.size()], y[at / x.size()]));
+  }
+  faults.throwIfAny();
+  return {x, y, std::move(d), between, outside};
+}
+
+}  // namespace kerfbench::hil
