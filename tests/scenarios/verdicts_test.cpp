@@ -41,6 +41,7 @@ INSTANTIATE_TEST_SUITE_P(
                     GoodCase{"three_layers_native", "scenarios/native/carton-three-layers.yaml"},
                     GoodCase{"short_lines_avr", "scenarios/short-lines.yaml"},
                     GoodCase{"short_lines_native", "scenarios/native/short-lines.yaml"},
+                    GoodCase{"button_avr", "scenarios/button.yaml"},
                     GoodCase{"button_native", "scenarios/native/button.yaml"},
                     GoodCase{"button_slow_loop_native", "scenarios/native/button-slow-loop.yaml"},
                     GoodCase{"button_on_belt_native", "scenarios/native/button-on-belt.yaml"},
