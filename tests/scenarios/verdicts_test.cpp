@@ -44,6 +44,7 @@ INSTANTIATE_TEST_SUITE_P(
                     GoodCase{"button_avr", "scenarios/button.yaml"},
                     GoodCase{"button_native", "scenarios/native/button.yaml"},
                     GoodCase{"button_slow_loop_native", "scenarios/native/button-slow-loop.yaml"},
+                    GoodCase{"button_jerk_native", "scenarios/native/button-jerk.yaml"},
                     GoodCase{"button_on_belt_native", "scenarios/native/button-on-belt.yaml"},
                     GoodCase{"button_straight_native", "scenarios/native/button-straight.yaml"},
                     GoodCase{"strip_avr", "scenarios/strip-crosscut.yaml"},
