@@ -363,6 +363,8 @@ Limits readLimits(YamlReader& checks) {
       checks.number("line_energy_j_mm", {.min = 0, .max = 100, .fallback = limits.line_energy_j_mm});
   limits.line_energy_share =
       checks.number("line_energy_share", {.min = 1e-4, .max = 1, .fallback = limits.line_energy_share});
+  limits.gate_lag_s =
+      1e-3 * checks.number("gate_lag_ms", {.min = 0.01, .max = 100, .fallback = 1e3 * limits.gate_lag_s});
   limits.stray_mm = checks.number("stray_mm", {.min = 0.05, .max = 100, .fallback = limits.stray_mm});
   return limits;
 }
