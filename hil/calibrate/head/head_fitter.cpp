@@ -135,9 +135,8 @@ void HeadFitter::fitRobustly() {
   }
   refuseTooMany();
   if (converged) return;
-  const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
-  if (!solution.converged) throw HeadCalibrationError(kNoConvergence);
-  scaled_ = solution.scaled;
+  // However far this gets, solve() goes on from there and tells whether it settles.
+  scaled_ = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations).scaled;
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {
