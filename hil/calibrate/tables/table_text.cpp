@@ -27,8 +27,7 @@ std::vector<double> places(const std::vector<TextNode>& nodes, std::size_t axis)
   std::vector<double> all;
   for (const TextNode& node : nodes) all.push_back(node.value.at(axis));
   std::ranges::sort(all);
-  const auto repeated = std::ranges::unique(all);
-  all.erase(repeated.begin(), repeated.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());  // clang 14 does not bear std::ranges::unique.
   return all;
 }
 
