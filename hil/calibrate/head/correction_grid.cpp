@@ -86,7 +86,7 @@ CorrectionGrid gridOf(const HeadFit& fit, const Eigen::AlignedBox2d& area, int n
       d_mm.emplace_back(*aim - p);
     }
   }
-  return {area, nodes, nodes, std::move(d_mm)};
+  return {area, nodes, nodes, d_mm};
 }
 
 /// The sign of the area that each cell's aims enclose must be that of the wiring everywhere.
@@ -134,7 +134,7 @@ void describe(const HeadFit& fit, CorrectionTableResult& table) {
 }  // namespace
 
 CorrectionGrid::CorrectionGrid(const Eigen::AlignedBox2d& area_W_mm, int columns, int rows,
-                               std::vector<Vector2d> d_mm)
+                               const std::vector<Vector2d>& d_mm)
     : area_W_mm_(area_W_mm), columns_(columns), rows_(rows) {
   if (std::min(columns, rows) < kLeastNodes || std::max(columns, rows) > kMostNodes)
     throw std::invalid_argument("a grid has 5 x 5 to 1025 x 1025 nodes");

@@ -20,7 +20,7 @@ class CorrectionGrid {
   /// @throws std::invalid_argument for fewer than 5 x 5 or more than 1025 x 1025 nodes, an empty area, or
   ///   another number of values.
   CorrectionGrid(const Eigen::AlignedBox2d& area_W_mm, int columns, int rows,
-                 std::vector<Eigen::Vector2d> d_mm);
+                 const std::vector<Eigen::Vector2d>& d_mm);
 
   [[nodiscard]] const Eigen::AlignedBox2d& area_W_mm() const { return area_W_mm_; }
   [[nodiscard]] int columns() const { return columns_; }

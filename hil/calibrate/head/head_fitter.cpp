@@ -17,7 +17,8 @@ constexpr double kFewFalse = 2.0;           // Of any number of marks: two that 
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
 constexpr int kUsualDegree = 4;
 constexpr double kUsualDecay = 0.7;
-constexpr int kMostSteps = 200;
+constexpr int kMostSteps = 150;
+constexpr int kWholeSteps = 20;
 constexpr double kSettled = 1e-3;       // Of a tolerance,
 constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
@@ -134,9 +135,8 @@ void HeadFitter::fitRobustly() {
   }
   refuseTooMany();
   if (converged) return;
-  const ModelSolution solution = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations);
-  if (!solution.converged) throw HeadCalibrationError(kNoConvergence);
-  scaled_ = solution.scaled;
+  // However far this gets, solve() goes on from there and tells whether it settles.
+  scaled_ = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations).scaled;
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {
@@ -186,8 +186,10 @@ void HeadFitter::solve(double settled) {
     linearise();
     joint_ = solveJoint(usedLinear(), *basis_, prior_, false);
     const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
-    scaled_ += step;
-    if (step.cwiseAbs().maxCoeff() > settled) continue;
+    // What the marks hold badly may swing to and fro; half steps stop that.
+    scaled_ += pass < kWholeSteps ? step : HeadVector(0.5 * step);
+    const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
+    if (step.cwiseAbs().maxCoeff() > enough) continue;
     joint_ = solveJoint(usedLinear(), *basis_, prior_, true);
     return;
   }

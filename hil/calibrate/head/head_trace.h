@@ -141,8 +141,7 @@ Mirror<T> mirrorOf(const HeadDesign& design, std::size_t which, const T* departu
   const int motor = drawing.motors[which];
   const T* const own = departures + indexOf(firstOfMirror(motor));
   const Vector3<T> leant = lean<T>(axis, own[0], axis.cross(rest), own[1], rest);
-  const Vector3<T> drawn = rest.cast<T>();
-  const Vector3<T> across = (drawn - drawn.dot(leant) * leant).normalized();
+  const Vector3<T> across = (rest.cast<T>() - rest.cast<T>().dot(leant) * leant).normalized();
   const T length = sqrt(1.0 + own[2] * own[2]);
   Mirror<T> mirror;
   mirror.place_mm = placeOf<T>(design, drawing, which, departures);

@@ -160,6 +160,19 @@ TEST(NominalHead, IsTheControllersFormula) {
   }
 }
 
+TEST(NominalHead, TheNearestAimIsThatOfWholeSteps) {
+  NominalHead nominal{
+      .throw_mm = 330.0, .mirror_spacing_mm = 22.0, .focal_length_mm = 0.0, .mirror_step_rad = 1e-4};
+  const Vector2d aim(77.7, -31.3);
+  const Vector2d steps = nominal.angles_rad(nominal.nearestAim_W_mm(aim)) / 1e-4;
+  EXPECT_LT((steps - steps.array().round().matrix()).norm(), 1e-9);
+  EXPECT_LE((steps - nominal.angles_rad(aim) / 1e-4).cwiseAbs().maxCoeff(), 0.5 + 1e-9);
+  EXPECT_NEAR(std::sqrt(nominal.roundingCovariance_mm2({0, 0})(1, 1)), 2 * 330 * 1e-4 / std::sqrt(12.0),
+              1e-9);
+  nominal.mirror_step_rad = 0.0;
+  EXPECT_EQ(nominal.nearestAim_W_mm(aim), aim);
+}
+
 TEST(NominalHead, NamesEveryFault) {
   const auto faultsOf = [](const auto& what) -> std::string {
     try {
