@@ -18,7 +18,7 @@ struct FieldMark {
   int number{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Its centre.
   /// Of p_S_mm, mm², by noise, grid, texture and edges of its own arms: independent from mark to mark. What
-  /// all marks have in common is in FieldPictures::commonCovariance().
+  /// all marks have in common is in FieldPictures::poseCovariance().
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
   /// How it lies: directions of M, as drawn, to those in S as cut; about the Jacobian of what the head does
   /// wrong there. The unit matrix for a perfect head, det < 0 for a mirrored one.
