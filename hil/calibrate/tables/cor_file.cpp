@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/tables/cor_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>

@@ -44,7 +44,7 @@ std::string csvTable(const AimGrid& grid) {
       "# mm in the sheet's plane: x along belt travel, y across, (0, 0) under the resting beam.\n"
       "# y ascends, and for each y all x. Between nodes bicubic Hermite with five-node slopes; outside "
       "nothing.\n";
-  text += fmt::format("{}\n", kHeader);
+  text += fmt::format("# {}\n{}\n", nodesNote(grid), kHeader);
   for (std::size_t row = 0; row < grid.y_mm().size(); ++row) {
     for (std::size_t column = 0; column < grid.x_mm().size(); ++column) {
       const Eigen::Vector2d& d = grid.d_mm(column, row);
@@ -70,7 +70,7 @@ AimGrid parseCsvTable(const std::string& text, const std::string& name) {
   if (!header) faults.ofFile(fmt::format("there is no header {}", kHeader));
   faults.throwIfAny();
   checkOrder(nodes, faults);
-  return gridOf(nodes, faults, Between::kHermite, Outside::kRefused);
+  return gridOf(text, nodes, faults, Between::kHermite, Outside::kRefused);
 }
 
 }  // namespace kerfbench::hil

@@ -15,6 +15,7 @@ std::string gridText(const AimGrid& grid) {
       "; x y dx dy, mm, x along belt travel, y across, (0, 0) under the resting beam\n"
       "; dx, dy: desired minus measured position, added to what is aimed at\n"
       "; bilinear between nodes, linear beyond the outermost cells\n";
+  text += fmt::format("; {}\n", nodesNote(grid));
   for (std::size_t row = 0; row < grid.y_mm().size(); ++row) {
     for (std::size_t column = 0; column < grid.x_mm().size(); ++column) {
       const Eigen::Vector2d& d = grid.d_mm(column, row);
@@ -32,7 +33,7 @@ AimGrid parseGridText(const std::string& text, const std::string& name) {
     if (content.empty()) return;
     addNode(wordsOf(content), number, faults, nodes);
   });
-  return gridOf(nodes, faults, Between::kBilinear, Outside::kLinear);
+  return gridOf(text, nodes, faults, Between::kBilinear, Outside::kLinear);
 }
 
 }  // namespace kerfbench::hil

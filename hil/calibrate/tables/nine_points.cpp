@@ -74,6 +74,7 @@ std::string ninePointText(const AimGrid& grid, const NinePointOptions& options) 
       "beam\n"
       "# x_wrong, y_wrong: how far the uncorrected point lies beside where it is wanted, to be subtracted\n"
       "# biquadratic between the points; outside nothing\n"
+      "# nodes: 3 x 3\n"
       "{} {}\n",
       kScaleKey, mm_per_index);
   for (const int iy : {-y_index, 0, y_index}) {
@@ -107,7 +108,7 @@ AimGrid parseNinePointText(const std::string& text, const std::string& name,
       node.value.at(axis + 2) = 0.0 - node.value.at(axis + 2);
     }
   }
-  return gridOf(nodes, faults, Between::kHermite, Outside::kRefused);
+  return gridOf(text, nodes, faults, Between::kHermite, Outside::kRefused);
 }
 
 }  // namespace kerfbench::hil

@@ -27,8 +27,7 @@ std::vector<double> places(const std::vector<TextNode>& nodes, std::size_t axis)
   std::vector<double> all;
   for (const TextNode& node : nodes) all.push_back(node.value.at(axis));
   std::ranges::sort(all);
-  const auto repeated = std::ranges::unique(all);
-  all.erase(repeated.begin(), repeated.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());  // clang 14 does not bear std::ranges::unique.
   return all;
 }
 
@@ -36,7 +35,27 @@ std::size_t indexOf(const std::vector<double>& places, double place) {
   return static_cast<std::size_t>(std::ranges::lower_bound(places, place) - places.begin());
 }
 
+constexpr std::string_view kNote = "nodes: ";
+
+std::string noteOf(std::size_t columns, std::size_t rows) {
+  return fmt::format("{}{} x {}", kNote, columns, rows);
+}
+
+void checkWhole(std::string_view text, const std::string& note, TableFaults& faults) {
+  bool noted = false;
+  forEachLine(text, [&](std::size_t number, std::string_view line) {
+    if (line.empty() || (line.front() != '#' && line.front() != ';')) return;
+    line = trimmed(line.substr(1));
+    if (!line.starts_with(kNote)) return;
+    noted = true;
+    if (line != note) faults.atLine(number, fmt::format("the file says '{}' and has {}", shown(line), note));
+  });
+  if (noted && !text.ends_with('\n')) faults.ofFile("the last line has no end: the file was cut off");
+}
+
 }  // namespace
+
+std::string nodesNote(const AimGrid& grid) { return noteOf(grid.x_mm().size(), grid.y_mm().size()); }
 
 std::string_view trimmed(std::string_view text) {
   const auto from = text.find_first_not_of(kBlanks);
@@ -98,7 +117,8 @@ void addNode(const std::vector<std::string_view>& words, std::size_t line, Table
   if (good && nodes.size() <= kMostTextNodes) nodes.push_back(node);
 }
 
-AimGrid gridOf(const std::vector<TextNode>& nodes, TableFaults& faults, Between between, Outside outside) {
+AimGrid gridOf(std::string_view text, const std::vector<TextNode>& nodes, TableFaults& faults,
+               Between between, Outside outside) {
   faults.throwIfAny();
   const std::vector<double> x = places(nodes, 0);
   const std::vector<double> y = places(nodes, 1);
@@ -107,6 +127,7 @@ AimGrid gridOf(const std::vector<TextNode>& nodes, TableFaults& faults, Between 
     faults.ofFile(fmt::format("a grid has {0} x {0} to {1} x {1} nodes, this one {2} x {3}", least,
                               AimGrid::kMostNodes, x.size(), y.size()));
   }
+  checkWhole(text, noteOf(x.size(), y.size()), faults);
   faults.throwIfAny();
   std::vector<Eigen::Vector2d> d(x.size() * y.size());
   std::vector<std::size_t> line(d.size(), 0);

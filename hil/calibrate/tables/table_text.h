@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,8 +36,14 @@ bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults
 void addNode(const std::vector<std::string_view>& words, std::size_t line, TableFaults& faults,
              std::vector<TextNode>& nodes);
 
-/// The complete grid of these nodes, in any order; values as given. Missing and doubled nodes are faults.
+/// "nodes: 7 x 5": the note by which a file of ours that was cut off is told from a smaller one.
+std::string nodesNote(const AimGrid& grid);
+
+/// The complete grid of these nodes, in any order; values as given. Missing and doubled nodes are faults;
+/// and if `text`, the whole file, has the note in a comment, another number of nodes or an end without a
+/// newline.
 /// @throws TableFileError with all faults so far.
-AimGrid gridOf(const std::vector<TextNode>& nodes, TableFaults& faults, Between between, Outside outside);
+AimGrid gridOf(std::string_view text, const std::vector<TextNode>& nodes, TableFaults& faults,
+               Between between, Outside outside);
 
 }  // namespace kerfbench::hil
