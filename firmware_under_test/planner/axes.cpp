@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/correction.h"
 
