@@ -12,7 +12,10 @@
 #include "hil/app/scenario.h"
 #include "hil/app/sheet_on_twin.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/tables/csv_table.h"
+#include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -96,24 +99,34 @@ HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
           .seed = options.seed};
 }
 
-int calibrate(const HeadCalibrateOptions& options) {
-  Console console(options.quiet);
-  const HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids));
-  const HeadPlan plan = planOf(options, setup);
-  console.say(fmt::format("head of {}: marks of {:g} mm over {:g} x {:g} mm, kerf camera {}", setup.name,
-                          setup.mark_size_mm, setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y(),
-                          setup.camera.camera_id));
-  const HeadCalibration result =
-      calibrateHead(setup, plan, OnTwin(setup, options, console),
-                    [&](const HeadIteration& iteration) { tell(iteration, console); });
+/// A sheet that was cut and photographed before.
+HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
+  const MarkJob job = readMarkJob(options.job);
+  if (job.machine != setup.name) {
+    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", options.job.string(),
+                                  job.machine, options.machine.string(), setup.name));
+  }
+  TileFolder tiles(options.pictures);
+  console.say(fmt::format("  {} pictures of {}", tiles.size(), options.pictures.string()));
+  try {
+    const MeasuredSheet sheet = measureSheet(tiles, job, setup, options.jobs);
+    tell(sheet, console);
+    console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
+    return calibrateHeadOnce(setup, sheet);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
+  }
+}
+
+int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetup& setup,
+             const HeadCalibrateOptions& options, Console& console) {
   const FittedHead& best = result.iterations.at(result.best).head;
   tellParameters(best.fit, console);
   const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
-  HeadFacts facts{.machine = setup.name,
-                  .command = options.command_line,
-                  .version = KERFBENCH_VERSION,
-                  .camera = setup.camera.camera_id,
-                  .files = {}};
+  const HeadFacts facts{.machine = setup.name,
+                        .command = options.command_line,
+                        .version = KERFBENCH_VERSION,
+                        .camera = setup.camera.camera_id};
   if (result.good()) writeFileAtomically(table, csvTable(best.aims()));
   writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
   console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
@@ -126,6 +139,22 @@ int calibrate(const HeadCalibrateOptions& options) {
                           table.string(), best.table.grid.columns(), best.table.grid.rows(),
                           table.filename().string()));
   return 0;
+}
+
+int calibrate(const HeadCalibrateOptions& options) {
+  Console console(options.quiet);
+  const bool cut = !options.job.empty();
+  const HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
+  const HeadPlan plan = planOf(options, setup);
+  fs::create_directories(options.results_dir);
+  console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));
+  if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
+  console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
+                          setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
+  const HeadCalibration result =
+      calibrateHead(setup, plan, OnTwin(setup, options, console),
+                    [&](const HeadIteration& iteration) { tell(iteration, console); });
+  return conclude(result, plan, setup, options, console);
 }
 
 int invalid(const char* why) {

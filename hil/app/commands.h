@@ -75,6 +75,9 @@ struct HeadCalibrateOptions {
   std::string date;           ///< Empty: the kerf camera's calibration's.
   std::filesystem::path out;  ///< Empty: correction.csv in the results.
   bool keep_pictures{};
+  std::filesystem::path job;       ///< Of a sheet that was cut; empty: the twin cuts.
+  std::filesystem::path pictures;  ///< Of that sheet: a folder with tiles.yaml.
+  std::filesystem::path table;  ///< That it was cut with; empty: the one that the machine file names, if any.
   int jobs{1};
   bool quiet{};
   std::filesystem::path bin_dir;
@@ -117,9 +120,10 @@ int calibrateCameraCommand(const CalibrateOptions& options);
 /// Writes a target to print (SVG) and its description beside it (YAML). Returns 0 or kExitInput.
 int calibrateTargetCommand(const CalibrateOptions& options);
 
-/// Calibrates a scan head on the twin by marks that it cuts; writes the controller's correction table, what
-/// was measured, and a report. Returns 0; 1 if the table is not good enough, 3 for marks or pictures that
-/// cannot be trusted, kExitInput: then the table named by `out` is as it was.
+/// Calibrates a scan head by marks that the twin cuts, or by the pictures of a sheet that is cut; writes the
+/// controller's correction table, what was measured, and a report. Returns 0; 1 if the table is not good
+/// enough, 3 for marks or pictures that cannot be trusted, kExitInput: then the table named by `out` is as it
+/// was.
 int calibrateHeadCommand(const HeadCalibrateOptions& options);
 
 /// Proves the cameras and the judge on artefacts with known deviation; writes gauge.json and gauge.html.

@@ -182,7 +182,25 @@ HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, cons
   return result;
 }
 
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet) {
+  HeadCalibration result;
+  result.iterations.push_back({.grid = 0,
+                               .marks = sheet,
+                               .before = errorsOf(sheet),
+                               .head = fitted(observationsOf(sheet, setup.table), setup),
+                               .verified = {},
+                               .after = {}});
+  result.end = HeadEnd::kNotVerified;
+  return result;
+}
+
 std::string HeadCalibration::endWords(const HeadPlan& plan) const {
+  if (end == HeadEnd::kNotVerified) {
+    return fmt::format(
+        "fitted and not verified: the beam should be off by {:.4f} mm at most (k = 2); cut other marks with "
+        "the table to see",
+        2.0 * iterations.at(best).head.table.largest_sigma_mm);
+  }
   const SheetErrors& after = iterations.at(best).after;
   const std::string errors = fmt::format(
       "at {} other places the beam is off by {:.4f} mm at most, {:.4f} mm RMS; the limit is {:g} mm",
@@ -193,6 +211,7 @@ std::string HeadCalibration::endWords(const HeadPlan& plan) const {
     case HeadEnd::kNoBetter:
       return "no longer improves: " + errors;
     case HeadEnd::kGridsUsed:
+    case HeadEnd::kNotVerified:
       break;
   }
   return "not good enough after the last grid: " + errors;

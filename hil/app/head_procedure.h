@@ -39,19 +39,20 @@ struct HeadIteration {
   SheetErrors before;      ///< Theirs.
   FittedHead head;         ///< By all marks so far but those that verify.
   MeasuredSheet verified;  ///< Cut with head.table.
-  SheetErrors after;       ///< Theirs.
+  SheetErrors after;       ///< Theirs; of no marks where nothing was verified.
   /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what fit and marks state.
   std::size_t covered{};
 };
 
 /// Why it was the last iteration.
-enum class HeadEnd { kGood, kNoBetter, kGridsUsed };
+enum class HeadEnd { kGood, kNoBetter, kGridsUsed, kNotVerified };
 
 struct HeadCalibration {
   std::vector<HeadIteration> iterations;
   std::size_t best{};  ///< The iteration whose table is the best.
   HeadEnd end{};
-  [[nodiscard]] bool good() const { return end == HeadEnd::kGood; }
+  /// Nothing speaks against the table.
+  [[nodiscard]] bool good() const { return end == HeadEnd::kGood || end == HeadEnd::kNotVerified; }
   [[nodiscard]] std::string endWords(const HeadPlan& plan) const;
 };
 
@@ -61,6 +62,9 @@ struct HeadCalibration {
 /// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);
+
+/// The same from one measured sheet, cut with the setup's table; nothing is verified.
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
 
 /// A job over the machine's field. @throws ConfigError for places that leave no room.
 MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,

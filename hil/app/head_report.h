@@ -2,8 +2,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "hil/app/head_procedure.h"
 
@@ -15,7 +13,6 @@ struct HeadFacts {
   std::string command;
   std::string version;
   std::string camera;
-  std::vector<std::pair<std::string, std::string>> files;  ///< What it is, and its name.
 };
 
 /// head.json: the iterations, the parameters with their uncertainty, and a digest over all of it but the

@@ -149,6 +149,15 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
                    "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
   head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
   head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
+  CLI::Option* job = head->add_option("--job", options.job,
+                                      "From pictures alone: the job (marks.yaml) that was cut; no table is "
+                                      "verified");
+  CLI::Option* pictures =
+      head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
+  job->needs(pictures);
+  head->add_option("--cut-with", options.table,
+                   "Table that it was cut with; otherwise the one that the machine file names, if any")
+      ->needs(job);
   head->add_option("--jobs,-j", options.jobs, "Threads; the result is the same at any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
