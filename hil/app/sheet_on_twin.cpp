@@ -71,7 +71,8 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
   const Case the_case = caseFor(setup, bench, request);
   const std::string digest = digestOf(setup, bench, request, the_case);
   const fs::path result = request.folder / kSheetMeasured;
-  if (auto measured = readMeasured(result, request.job, digest)) return {std::move(*measured), true};
+  if (auto measured = readMeasured(result, readMarkJob(request.folder / kSheetJob), digest))
+    return {std::move(*measured), true};
 
   const CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
   refuseRun(cut, request.job.name);
@@ -85,7 +86,9 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
     writeTiles(source, request.folder / "pictures");
   }
   auto source = tiles();
-  SheetOnTwin sheet{measureSheet(source, request.job, setup, bench.threads), false};
+  // The job as its file has it, rounded: so that the pictures alone tell the same later.
+  SheetOnTwin sheet{measureSheet(source, readMarkJob(request.folder / kSheetJob), setup, bench.threads),
+                    false};
   sheet.measured.digest = digest;
   writeFileAtomically(result, measuredText(sheet.measured));
   return sheet;

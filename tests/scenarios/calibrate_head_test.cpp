@@ -87,7 +87,9 @@ TEST_F(CalibrateHead, ToldWhatIsWrongWithItsInput) {
                             fixture("machines/strip-gantry.yaml").string(), results("g")));
   EXPECT_EQ(gantry.exit_code, 65);
   EXPECT_THAT(gantry.output, HasSubstr("has no scan head"));
-  const ProgramRun dense = calibrate(fmt::format("--verify 1000 --results-dir '{}'", results("d")));
+  const ProgramRun dense =
+      kerfbench(fmt::format("calibrate head --machine '{}' --verify 1000 --grids 3 --results-dir '{}'",
+                            fixture("machines/two-mirror-100.yaml").string(), results("d")));
   EXPECT_EQ(dense.exit_code, 65);
   EXPECT_THAT(dense.output, HasSubstr("there is room for"));
   EXPECT_EQ(calibrate("--pictures there").exit_code, 64);
