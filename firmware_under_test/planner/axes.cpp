@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/correction.h"
 
@@ -139,6 +141,19 @@ Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
   const Vector2d d = table->at(p_W_mm).d;
   return table->unit() == CorrectionTable::Unit::kMm ? formulaAt(p_W_mm + d)
                                                      : Vector2d(formulaAt(p_W_mm) + d);
+}
+
+Vector2d Axes::wakesAt() const {
+  Vector2d p_W_mm = Vector2d::Zero();
+  if (correction() == nullptr) return p_W_mm;
+  constexpr int kMostTries = 20;
+  constexpr double kSteps = 1e-3;
+  for (int i = 0; i < kMostTries; ++i) {
+    const Vector2d steps = stepsAt(p_W_mm);
+    if (steps.cwiseAbs().maxCoeff() < kSteps) return p_W_mm;
+    p_W_mm -= stepsPerMm(p_W_mm).inverse() * steps;
+  }
+  throw PlanError(correction()->name() + ": no place of the field has its mirrors at rest");
 }
 
 Eigen::Matrix2d Axes::stepsPerMm(const Vector2d& p_W_mm) const {

@@ -16,6 +16,9 @@ class Axes {
 
   /// Axis positions in steps, not rounded, for the beam at p_W.
   [[nodiscard]] Eigen::Vector2d stepsAt(const Eigen::Vector2d& p_W_mm) const;
+  /// Where the beam is when the machine wakes, all axes at step zero: W's origin, or with a correction table
+  /// the place that wants no steps. @throws PlanError if there is none.
+  [[nodiscard]] Eigen::Vector2d wakesAt() const;
   /// d(x steps)/d(x_W) at p_W, 1/mm.
   [[nodiscard]] double xStepsPerMm(const Eigen::Vector2d& p_W_mm) const;
   /// The highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while

@@ -31,7 +31,12 @@ void append(Op& op, std::uint64_t value, int bytes) {
 class Writer {
  public:
   Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
-      : axes_(axes), machine_(machine), job_(job), v_(belt_speed_mm_s), period_s_(axes.periodS()) {}
+      : axes_(axes),
+        machine_(machine),
+        job_(job),
+        v_(belt_speed_mm_s),
+        period_s_(axes.periodS()),
+        p_W_mm_(axes.wakesAt()) {}
 
   /// One period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
   void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
@@ -160,7 +165,7 @@ class Writer {
   double v_;
   double period_s_;
   std::vector<Op> ops_;
-  Vector2d p_W_mm_{Vector2d::Zero()};  // the machine wakes with its beam at W's origin
+  Vector2d p_W_mm_;
   int steps_[2]{};
   int count_before_[2]{};
   bool following_{false};
@@ -258,7 +263,7 @@ Reach reachOf(const Axes& axes, const MachineParameters& machine) {
   constexpr int kParts = 128;
   const Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
   const Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
-  Reach reach{axes.stepsAt(Vector2d::Zero()), axes.stepsAt(Vector2d::Zero())};
+  Reach reach{Vector2d::Zero(), Vector2d::Zero()};  // where it wakes
   const auto hold = [&](const Vector2d& p_W_mm) {
     const Vector2d steps = axes.stepsAt(p_W_mm);
     reach.low = reach.low.cwiseMin(steps);

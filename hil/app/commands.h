@@ -62,6 +62,28 @@ struct CalibrateOptions {
   bool quiet{};
 };
 
+/// See calibrateHeadCommand().
+struct HeadCalibrateOptions {
+  std::filesystem::path machine;
+  std::filesystem::path results_dir{"results/head"};  ///< Of this calibration alone; it goes on from there.
+  std::vector<int> grids{3, 9, 17};
+  int verify{60};
+  double limit_mm{0.010};
+  std::uint64_t seed{1};
+  std::string imperfections{"static"};
+  std::string twin{"fast"};
+  std::string date;           ///< Empty: the kerf camera's calibration's.
+  std::filesystem::path out;  ///< Empty: correction.csv in the results.
+  bool keep_pictures{};
+  std::filesystem::path job;       ///< Of a sheet that was cut; empty: the twin cuts.
+  std::filesystem::path pictures;  ///< Of that sheet: a folder with tiles.yaml.
+  std::filesystem::path table;  ///< That it was cut with; empty: the one that the machine file names, if any.
+  int jobs{1};
+  bool quiet{};
+  std::filesystem::path bin_dir;
+  std::string command_line;
+};
+
 /// What gauge can be asked for.
 inline constexpr std::array kGaugeStudies{"verdicts", "coverage", "type1", "grr", "stillness"};
 
@@ -97,6 +119,12 @@ int showCommand(const ShowOptions& options);
 int calibrateCameraCommand(const CalibrateOptions& options);
 /// Writes a target to print (SVG) and its description beside it (YAML). Returns 0 or kExitInput.
 int calibrateTargetCommand(const CalibrateOptions& options);
+
+/// Calibrates a scan head by marks that the twin cuts, or by the pictures of a sheet that is cut; writes the
+/// controller's correction table, what was measured, and a report. Returns 0; 1 if the table is not good
+/// enough, 3 for marks or pictures that cannot be trusted, kExitInput: then the table named by `out` is as it
+/// was.
+int calibrateHeadCommand(const HeadCalibrateOptions& options);
 
 /// Proves the cameras and the judge on artefacts with known deviation; writes gauge.json and gauge.html.
 /// Returns 0 if no claim failed, 1 if one did, kExitInput. With a case named: repeats that alone, and returns

@@ -98,6 +98,7 @@ CLI::App* addShow(CLI::App& app, ShowOptions& options) {
 struct CalibrateCommands {
   CLI::App* camera;
   CLI::App* target;
+  CLI::App* head;
 };
 
 void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required) {
@@ -110,8 +111,63 @@ void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required)
       ->needs(machine);
 }
 
-CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options) {
-  CLI::App* calibrate = app.add_subcommand("calibrate", "Calibrate a camera from pictures of a target");
+CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
+  CLI::App* head = calibrate.add_subcommand(
+      "head",
+      "Calibrate a scan head on the twin: marks are cut, found in the kerf camera's pictures, and the head "
+      "is "
+      "fitted;\n"
+      "its correction table is verified at places that were never marked. docs/CALIBRATION.md says how.\n"
+      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input. In "
+      "all\n"
+      "but the first the table named by --out stays as it is. What is measured already is not done again.");
+  head->add_option("--machine", options.machine, "Machine file")->required();
+  head->add_option("--results-dir", options.results_dir, "Folder of this calibration; it goes on from there")
+      ->capture_default_str();
+  head->add_option("--grids", options.grids, "Marks each way, one iteration each")
+      ->delimiter(',')
+      ->expected(1, 3)
+      ->check(CLI::Range(3, 33))
+      ->capture_default_str();
+  head->add_option("--verify", options.verify, "Marks that verify each table, at random places")
+      ->check(CLI::Range(5, 1000))
+      ->capture_default_str();
+  head->add_option("--limit-mm", options.limit_mm, "Largest error at any of them")
+      ->check(CLI::Range(1e-4, 10.0))
+      ->capture_default_str();
+  head->add_option("--seed", options.seed, "Of what the imperfections draw, of all noise and of the places")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
+      ->capture_default_str();
+  head->add_option("--imperfections", options.imperfections,
+                   "How far the machine is from its description: ideal, static, dynamic")
+      ->check(CLI::IsMember(std::vector<std::string>(kPresetNames.begin(), kPresetNames.end())))
+      ->capture_default_str();
+  head->add_option("--twin", options.twin, "How the equations of motion are solved: reference or fast")
+      ->check(CLI::IsMember(std::vector<std::string>(kFidelityNames.begin(), kFidelityNames.end())))
+      ->capture_default_str();
+  head->add_option("--date", options.date,
+                   "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
+  head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
+  head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
+  CLI::Option* job = head->add_option("--job", options.job,
+                                      "From pictures alone: the job (marks.yaml) that was cut; no table is "
+                                      "verified");
+  CLI::Option* pictures =
+      head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
+  job->needs(pictures);
+  head->add_option("--cut-with", options.table,
+                   "Table that it was cut with; otherwise the one that the machine file names, if any")
+      ->needs(job);
+  head->add_option("--jobs,-j", options.jobs, "Threads; the result is the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  head->add_flag("--quiet,-q", options.quiet, "Only the result");
+  return head;
+}
+
+CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options, HeadCalibrateOptions& head_options) {
+  CLI::App* calibrate =
+      app.add_subcommand("calibrate", "Calibrate a camera from pictures of a target, a scan head by marks");
   calibrate->require_subcommand(1);
   CLI::App* camera = calibrate->add_subcommand(
       "camera",
@@ -163,7 +219,7 @@ CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options) {
   target->add_option("--rows", options.rows, "Squares")->check(CLI::Range(4, 200));
   target->add_option("--square-mm", options.square_mm, "Side of a square")->check(CLI::Range(0.1, 1000.0));
   target->add_flag("--quiet,-q", options.quiet, "Nothing but what is wrong");
-  return {camera, target};
+  return {camera, target, addCalibrateHead(*calibrate, head_options)};
 }
 
 CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
@@ -267,7 +323,11 @@ int dispatch(int argc, char** argv) {
 
   CalibrateOptions calibrate_options;
   calibrate_options.jobs = options.jobs;
-  const CalibrateCommands calibrate = addCalibrate(app, calibrate_options);
+  HeadCalibrateOptions head_options;
+  head_options.jobs = options.jobs;
+  head_options.bin_dir = options.bin_dir;
+  head_options.command_line = options.command_line;
+  const CalibrateCommands calibrate = addCalibrate(app, calibrate_options, head_options);
 
   GaugeCommandOptions gauge_options;
   gauge_options.gauge.jobs = options.jobs;
@@ -285,6 +345,7 @@ int dispatch(int argc, char** argv) {
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
   if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);
+  if (calibrate.head->parsed()) return calibrateHeadCommand(head_options);
   if (gauge->parsed()) return gaugeCommand(gauge_options);
   return lintCommand(lint_files, options);
 }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/app/scenario.h"
+
 namespace kerfbench::hil {
 namespace {
 
@@ -31,10 +33,12 @@ std::string markScenario(const MarkJob& job, const std::filesystem::path& dielin
       "dieline: '{}'\n"
       "machine: '{}'\n"
       "imperfections: {}\n"
+      "seed: {}\n"
+      "twin: {}\n"
       "board: {{thickness_mm: 0.25, cut_fluence_j_mm2: {}, transmission: 0.12}}\n"
       "print:\n  units: 1\n  pitch_mm: 2000\n  eye_mark_x_mm: {:.9f}\n  eye_mark_length_mm: 4\n  marks:\n",
-      job.name, dieline.string(), cutting.machine.string(), cutting.uncalibrated ? "static" : "ideal",
-      kCutFluence_j_mm2, job.p_SW_mm.x());
+      job.name, dieline.string(), cutting.machine.string(), nameOf(cutting.imperfections), cutting.seed,
+      nameOf(cutting.fidelity), kCutFluence_j_mm2, job.p_SW_mm.x());
   for (const RegistrationMark& mark : job.print)
     text += fmt::format("    - {{x_mm: {:.9f}, y_mm: {:.9f}, diameter_mm: {:.9f}}}\n", mark.p_SM_mm.x(),
                         mark.p_SM_mm.y(), mark.diameter_mm);

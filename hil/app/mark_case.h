@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "hil/calibrate/marks/mark_job.h"
+#include "twin/cutter/fidelity.h"
+#include "twin/cutter/imperfections.h"
 
 namespace kerfbench::hil {
 
@@ -16,7 +19,9 @@ struct MarkCutting {
   double jump_speed_mm_s{400};
   double acceleration_mm_s2{200e3};
   double beam_radius_mm{0.105};  ///< 1/e²: the energy that cuts through follows.
-  bool uncalibrated{true};       ///< Cut by the machine that the seed draws (static), not by the ideal one.
+  twin::Preset imperfections{twin::Preset::kStatic};
+  std::uint64_t seed{1};  ///< Draws the machine that cuts.
+  twin::Fidelity fidelity{twin::Fidelity::kFast};
 };
 
 /// A scenario that cuts a job on the twin, the sheet at rest where the job says. The drawing is `dieline`,

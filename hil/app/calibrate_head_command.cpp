@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "hil/app/commands.h"
+#include "hil/app/console.h"
+#include "hil/app/exit_codes.h"
+#include "hil/app/head_procedure.h"
+#include "hil/app/head_report.h"
+#include "hil/app/scenario.h"
+#include "hil/app/sheet_on_twin.h"
+#include "hil/base/atomic_file.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/calibrate/marks/mark_job_file.h"
+#include "hil/calibrate/tables/csv_table.h"
+#include "hil/camera/tile_folder.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kExitNotGood = 1;
+constexpr int kExitInvalid = 3;
+
+TwinBench benchOf(const HeadCalibrateOptions& options) {
+  return {.seed = options.seed,
+          .imperfections = presetFromName(options.imperfections),
+          .fidelity = fidelityFromName(options.twin),
+          .bin_dir = options.bin_dir,
+          .keep_pictures = options.keep_pictures,
+          .threads = options.jobs};
+}
+
+void tell(const MeasuredSheet& sheet, Console& console) {
+  for (const std::string& remark : sheet.remarks) console.say("    " + remark);
+}
+
+void tell(const HeadIteration& iteration, Console& console) {
+  const auto wanted = static_cast<int>(iteration.before.marks) + iteration.marks.missing;
+  console.say(
+      fmt::format("  {0} x {0}: {1} of {2} marks found, {3} false, {4} rejected; off by {5:.4f} mm at most, "
+                  "{6:.4f} mm RMS",
+                  iteration.grid, iteration.before.marks, wanted, iteration.marks.false_marks,
+                  iteration.head.fit.rejected(), iteration.before.max_mm, iteration.before.rms_mm));
+  tell(iteration.marks, console);
+  console.say(
+      fmt::format("    with the new table, at {} other places: {:.4f} mm at most, {:.4f} mm RMS; {} within "
+                  "the 95 % stated",
+                  iteration.after.marks, iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
+  tell(iteration.verified, console);
+}
+
+void tellParameters(const HeadFit& fit, Console& console) {
+  console.say("  what the marks tell of the head:");
+  for (const HeadParameterFinding& finding : fit.parameters())
+    if (finding.held) console.say("    " + parameterWords(finding));
+  const auto held = std::ranges::count_if(fit.parameters(), &HeadParameterFinding::held);
+  console.say(
+      fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
+}
+
+/// Cuts on the twin; a table goes into the results before it is used.
+class OnTwin {
+ public:
+  OnTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console)
+      : setup_(setup), options_(options), bench_(benchOf(options)), console_(console) {}
+
+  MeasuredSheet operator()(const MarkJob& job, int sheet, const std::string& name,
+                           const std::optional<AimGrid>& table) {
+    SheetRequest request{job, sheet, options_.results_dir / name, setup_.table_file};
+    // Of each iteration's two sheets the second is the first with its table.
+    if (sheet > 0 && table) {
+      request.table = options_.results_dir / fmt::format("correction-{}.csv", (sheet + 1) / 2);
+      writeFileAtomically(request.table, csvTable(*table));
+    }
+    const auto progress = [&](double now_s, const std::string& what) {
+      console_.progress(now_s, fmt::format("{}: {}", name, what));
+    };
+    SheetOnTwin done = sheetOnTwin(setup_, bench_, request, progress);
+    if (done.was_there) console_.say(fmt::format("  {}: measured before", name));
+    return std::move(done.measured);
+  }
+
+ private:
+  const HeadSetup& setup_;
+  const HeadCalibrateOptions& options_;
+  TwinBench bench_;
+  Console& console_;
+};
+
+HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
+  return {.grids = options.grids,
+          .verify = options.verify,
+          .limit_mm = options.limit_mm,
+          .date = options.date.empty() ? setup.camera.date : options.date,
+          .seed = options.seed};
+}
+
+/// A sheet that was cut and photographed before.
+HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
+  const MarkJob job = readMarkJob(options.job);
+  if (job.machine != setup.name) {
+    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", options.job.string(),
+                                  job.machine, options.machine.string(), setup.name));
+  }
+  TileFolder tiles(options.pictures);
+  console.say(fmt::format("  {} pictures of {}", tiles.size(), options.pictures.string()));
+  try {
+    const MeasuredSheet sheet = measureSheet(tiles, job, setup, options.jobs);
+    tell(sheet, console);
+    console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
+    return calibrateHeadOnce(setup, sheet);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
+  }
+}
+
+int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetup& setup,
+             const HeadCalibrateOptions& options, Console& console) {
+  const FittedHead& best = result.iterations.at(result.best).head;
+  tellParameters(best.fit, console);
+  const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
+  const HeadFacts facts{.machine = setup.name,
+                        .command = options.command_line,
+                        .version = KERFBENCH_VERSION,
+                        .camera = setup.camera.camera_id};
+  if (result.good()) writeFileAtomically(table, csvTable(best.aims()));
+  writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
+  console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
+  if (!result.good()) {
+    console.say(fmt::format("the best table is correction-{}.csv in {}; {} is not written", result.best + 1,
+                            options.results_dir.string(), table.string()));
+    return kExitNotGood;
+  }
+  console.say(fmt::format("table: {} ({} x {} nodes); for the controller: controller: {{correction: {}}}",
+                          table.string(), best.table.grid.columns(), best.table.grid.rows(),
+                          table.filename().string()));
+  return 0;
+}
+
+int calibrate(const HeadCalibrateOptions& options) {
+  Console console(options.quiet);
+  const bool cut = !options.job.empty();
+  const HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
+  const HeadPlan plan = planOf(options, setup);
+  fs::create_directories(options.results_dir);
+  console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));
+  if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
+  console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
+                          setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
+  const HeadCalibration result =
+      calibrateHead(setup, plan, OnTwin(setup, options, console),
+                    [&](const HeadIteration& iteration) { tell(iteration, console); });
+  return conclude(result, plan, setup, options, console);
+}
+
+int invalid(const char* why) {
+  std::fputs(fmt::format("{}\nINVALID: no table is written\n", why).c_str(), stderr);
+  return kExitInvalid;
+}
+
+}  // namespace
+
+int calibrateHeadCommand(const HeadCalibrateOptions& options) {
+  try {
+    return guarded(options.machine, [&] { return calibrate(options); });
+  } catch (const HeadEvidenceError& e) {
+    return invalid(e.what());
+  } catch (const HeadCalibrationError& e) {
+    return invalid(e.what());
+  }
+}
+
+}  // namespace kerfbench::hil

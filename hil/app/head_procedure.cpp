@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/head_procedure.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "hil/base/yaml_reader.h"
+#include "hil/calibrate/head/spread.h"
+#include "hil/calibrate/marks/mark_code.h"
+#include "hil/calibrate/marks/mark_pattern.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kNoBetter = 0.9;
+constexpr double kCovered = 0.05;     // beyond the ellipse of 95 %
+constexpr double kSheetX_mm = -67.0;  // S is not W: whoever takes one for the other is off by this
+constexpr double kPrintDiameter_mm = 3.0;
+constexpr double kApartFromKnown = 0.25;  // of a mark's size
+
+std::vector<RegistrationMark> printFor(const HeadSetup& setup, const Vector2d& p_SW_mm) {
+  const double beyond_mm = 0.5 * (kMarkReach * setup.mark_size_mm + kPrintDiameter_mm) + setup.off_mm;
+  const Eigen::AlignedBox2d field(setup.field_W_mm.min() - Vector2d::Constant(beyond_mm),
+                                  setup.field_W_mm.max() + Vector2d::Constant(beyond_mm));
+  std::vector<RegistrationMark> print;
+  // Not symmetrical: the sheet has one way to lie.
+  for (const double u : {0.0, 0.55, 1.0}) {
+    for (const double v : {0.0, 1.0})
+      print.push_back(
+          {p_SW_mm + field.min() + Vector2d(u, v).cwiseProduct(field.sizes()), kPrintDiameter_mm});
+  }
+  return print;
+}
+
+/// Numbers that no sheet before has, as long as there are any.
+class Numbers {
+ public:
+  int take(std::size_t count) {
+    if (next_ + static_cast<int>(count) > kMarkNumbers) next_ = 0;
+    const int first = next_;
+    next_ += static_cast<int>(count);
+    return first;
+  }
+
+ private:
+  int next_{0};
+};
+
+std::size_t coveredOf(const HeadIteration& iteration) {
+  const double most = chiSquare2Above(kCovered);
+  const std::vector<HeadObservation> seen = observationsOf(iteration.verified, iteration.head.aims());
+  return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const HeadObservation& o) {
+    const auto spot = iteration.head.fit.spotOf(o.aim_W_mm);
+    const auto covariance = iteration.head.fit.covarianceAt_mm2(o.aim_W_mm);
+    return spot && covariance &&
+           distance2(o.measured_W_mm - spot->p_W_mm, *covariance + o.covariance_mm2) <= most;
+  }));
+}
+
+/// What the rounds share.
+class Rounds {
+ public:
+  Rounds(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut)
+      : setup_(setup), plan_(plan), cut_(cut), table_(setup.table) {}
+
+  HeadIteration next(int grid) {
+    ++round_;
+    const MeasuredSheet marks = measured(gridPlaces(setup_.field_W_mm, grid), "grid");
+    for (const HeadObservation& o : observationsOf(marks, table_)) observations_.push_back(o);
+    HeadIteration iteration{.grid = grid,
+                            .marks = marks,
+                            .before = errorsOf(marks),
+                            .head = fitted(observations_, setup_),
+                            .verified = {},
+                            .after = {}};
+    table_ = iteration.head.aims();
+    iteration.verified = measured(placesToVerify(), "verify");
+    iteration.after = errorsOf(iteration.verified);
+    iteration.covered = coveredOf(iteration);
+    return iteration;
+  }
+
+ private:
+  std::vector<Vector2d> placesToVerify() const {
+    RandomPlaces wish;
+    wish.count = plan_.verify;
+    wish.apart_mm = kMarkPitch * setup_.mark_size_mm;
+    wish.known = known_;
+    wish.from_known_mm = kApartFromKnown * setup_.mark_size_mm;
+    wish.seed = 16 * plan_.seed + static_cast<std::uint64_t>(round_);
+    try {
+      return randomPlaces(setup_.field_W_mm, wish);
+    } catch (const std::invalid_argument& error) {
+      throw ConfigError(fmt::format("{}: {}", setup_.machine.string(), error.what()));
+    }
+  }
+
+  MeasuredSheet measured(const std::vector<Vector2d>& places_mm, const char* what) {
+    known_.insert(known_.end(), places_mm.begin(), places_mm.end());
+    const std::string name = fmt::format("{}-{}", round_, what);
+    return cut_(planSheet(setup_, plan_, name, places_mm, numbers_.take(places_mm.size())), sheet_++, name,
+                table_);
+  }
+
+  const HeadSetup& setup_;
+  const HeadPlan& plan_;
+  const CutAndMeasure& cut_;
+  std::optional<AimGrid> table_;
+  std::vector<HeadObservation> observations_;
+  std::vector<Vector2d> known_;
+  Numbers numbers_;
+  int round_{0}, sheet_{0};
+};
+
+}  // namespace
+
+AimGrid FittedHead::aims() const {
+  const CorrectionGrid& grid = table.grid;
+  std::vector<double> x_mm, y_mm;
+  std::vector<Vector2d> d_mm;
+  for (int column = 0; column < grid.columns(); ++column) x_mm.push_back(grid.place_W_mm(column, 0).x());
+  for (int row = 0; row < grid.rows(); ++row) {
+    y_mm.push_back(grid.place_W_mm(0, row).y());
+    for (int column = 0; column < grid.columns(); ++column) d_mm.push_back(grid.d_mm(column, row));
+  }
+  return {x_mm, y_mm, d_mm, Between::kHermite, Outside::kRefused};
+}
+
+FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSetup& setup) {
+  HeadFitOptions options;
+  options.field_W_mm = setup.controller_W_mm;
+  options.round_steps = false;  // Arms run along no axis: the steps average out along them.
+  HeadFit fit = fitHead(observations, setup.nominal, setup.design, options);
+  CorrectionGridOptions grid;
+  grid.field_W_mm = setup.controller_W_mm;
+  CorrectionTableResult table = correctionTable(fit, grid);
+  return {std::move(fit), std::move(table)};
+}
+
+MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
+                  const std::vector<Vector2d>& places_mm, int first_number) {
+  MarkJob job;
+  job.name = name;
+  job.machine = setup.name;
+  job.date = plan.date;
+  job.size_mm = setup.mark_size_mm;
+  job.p_SW_mm = {kSheetX_mm, 0.0};
+  job.print = printFor(setup, job.p_SW_mm);
+  job.marks = numbered(places_mm, first_number);
+  std::vector<std::string> faults;
+  for (const MarkJobFault& fault : job.faults())
+    faults.push_back(fmt::format("job {}: {}: {}", name, fault.key, fault.message));
+  if (!faults.empty()) throw ConfigError(fmt::format("{}", fmt::join(faults, "\n")));
+  return job;
+}
+
+HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
+                              const std::function<void(const HeadIteration&)>& told) {
+  HeadCalibration result;
+  result.end = HeadEnd::kGridsUsed;
+  Rounds rounds(setup, plan, cut);
+  for (const int grid : plan.grids) {
+    result.iterations.push_back(rounds.next(grid));
+    const std::size_t last = result.iterations.size() - 1;
+    const double error_mm = result.iterations[last].after.max_mm;
+    told(result.iterations[last]);
+    const double least_mm = result.iterations[result.best].after.max_mm;
+    if (error_mm < least_mm) result.best = last;
+    if (error_mm <= plan.limit_mm) {
+      result.end = HeadEnd::kGood;
+      break;
+    }
+    if (last > 0 && error_mm > kNoBetter * least_mm) {
+      result.end = HeadEnd::kNoBetter;
+      break;
+    }
+  }
+  return result;
+}
+
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet) {
+  HeadCalibration result;
+  result.iterations.push_back({.grid = 0,
+                               .marks = sheet,
+                               .before = errorsOf(sheet),
+                               .head = fitted(observationsOf(sheet, setup.table), setup),
+                               .verified = {},
+                               .after = {}});
+  result.end = HeadEnd::kNotVerified;
+  return result;
+}
+
+std::string HeadCalibration::endWords(const HeadPlan& plan) const {
+  if (end == HeadEnd::kNotVerified) {
+    return fmt::format(
+        "fitted and not verified: the beam should be off by {:.4f} mm at most (k = 2); cut other marks with "
+        "the table to see",
+        2.0 * iterations.at(best).head.table.largest_sigma_mm);
+  }
+  const SheetErrors& after = iterations.at(best).after;
+  const std::string errors = fmt::format(
+      "at {} other places the beam is off by {:.4f} mm at most, {:.4f} mm RMS; the limit is {:g} mm",
+      after.marks, after.max_mm, after.rms_mm, plan.limit_mm);
+  switch (end) {
+    case HeadEnd::kGood:
+      return "good: " + errors;
+    case HeadEnd::kNoBetter:
+      return "no longer improves: " + errors;
+    case HeadEnd::kGridsUsed:
+    case HeadEnd::kNotVerified:
+      break;
+  }
+  return "not good enough after the last grid: " + errors;
+}
+
+std::string parameterWords(const HeadParameterFinding& finding) {
+  const HeadParameterText text = textOf(finding.which);
+  const std::string unit = text.unit.empty() ? "" : fmt::format(" {}", text.unit);
+  const std::string value =
+      fmt::format("{}: {:+.3g} ± {:.1g}{}", text.name, finding.value, finding.sigma, unit);
+  if (finding.held) return value;
+  if (!finding.mixed_with) return value + ", not held by the marks";
+  return value + fmt::format(", not told from: {}", textOf(*finding.mixed_with).name);
+}
+
+}  // namespace kerfbench::hil

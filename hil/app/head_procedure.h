@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/app/measured_sheet.h"
+#include "hil/calibrate/head/correction_grid.h"
+#include "hil/calibrate/head/head_fit.h"
+
+namespace kerfbench::hil {
+
+/// A job cut with a table, or without one, and measured.
+using CutAndMeasure = std::function<MeasuredSheet(const MarkJob& job, int sheet, const std::string& name,
+                                                  const std::optional<AimGrid>& table)>;
+
+struct HeadPlan {
+  std::vector<int> grids{3, 9, 17};  ///< Marks each way, one iteration each.
+  int verify{60};                    ///< Marks that verify a table, at places of their own.
+  double limit_mm{0.010};            ///< Largest error of any of them.
+  std::string date;                  ///< ISO 8601 day of the jobs.
+  std::uint64_t seed{1};             ///< Of the places that verify.
+};
+
+/// A head as marks of one sheet or several show it, and the table that follows.
+struct FittedHead {
+  HeadFit fit;
+  CorrectionTableResult table;
+  [[nodiscard]] AimGrid aims() const;  ///< The table for the controller.
+};
+/// @throws HeadCalibrationError.
+FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSetup& setup);
+
+struct HeadIteration {
+  int grid{};
+  MeasuredSheet marks;     ///< Cut with the table of the iteration before.
+  SheetErrors before;      ///< Theirs.
+  FittedHead head;         ///< By all marks so far but those that verify.
+  MeasuredSheet verified;  ///< Cut with head.table.
+  SheetErrors after;       ///< Theirs; of no marks where nothing was verified.
+  /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what fit and marks state.
+  std::size_t covered{};
+};
+
+/// Why it was the last iteration.
+enum class HeadEnd { kGood, kNoBetter, kGridsUsed, kNotVerified };
+
+struct HeadCalibration {
+  std::vector<HeadIteration> iterations;
+  std::size_t best{};  ///< The iteration whose table is the best.
+  HeadEnd end{};
+  /// Nothing speaks against the table.
+  [[nodiscard]] bool good() const { return end == HeadEnd::kGood || end == HeadEnd::kNotVerified; }
+  [[nodiscard]] std::string endWords(const HeadPlan& plan) const;
+};
+
+/// Rounds of: cut a grid of marks with the table so far, fit the head by all grids, make a table, verify it
+/// at random places that were never marked. Ends when the largest error there is within the limit, when it is
+/// no longer smaller than 0.9 of the one before, or after the last grid. `told` hears of each iteration.
+/// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
+HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
+                              const std::function<void(const HeadIteration&)>& told);
+
+/// The same from one measured sheet, cut with the setup's table; nothing is verified.
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
+
+/// A job over the machine's field. @throws ConfigError for places that leave no room.
+MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
+                  const std::vector<Eigen::Vector2d>& places_mm, int first_number);
+
+/// "scale of the X mirror: +0.00812 ± 0.00003"; or why the marks do not hold it.
+std::string parameterWords(const HeadParameterFinding& finding);
+
+}  // namespace kerfbench::hil

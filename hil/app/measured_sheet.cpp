@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/measured_sheet.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "hil/base/yaml_reader.h"
+#include "hil/calibrate/head/spread.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+void readMarks(YamlReader& file, const MarkJob& job, MeasuredSheet& sheet) {
+  std::map<int, WantedMark> wanted;
+  for (const WantedMark& mark : job.marks) wanted.emplace(mark.number, mark);
+  for (YamlReader& mark : file.list("marks")) {
+    const auto number = static_cast<int>(mark.integer("number", {.min = 0, .max = 1e6}));
+    const auto p = mark.numbers("p_W_mm", 2, YamlReader::Range{.min = -1e4, .max = 1e4});
+    const auto c = mark.numbers("covariance_mm2", 3, YamlReader::Range{.min = -1e4, .max = 1e4});
+    MeasuredMark measured;
+    measured.p_W_mm = {p[0], p[1]};
+    measured.covariance_mm2 << c[0], c[1], c[1], c[2];
+    if (!isCovariance(measured.covariance_mm2)) mark.fault("covariance_mm2", "is no covariance");
+    const auto at = wanted.find(number);
+    if (at == wanted.end()) {
+      mark.fault("number", "the job has no such mark, or it is here twice");
+      continue;
+    }
+    measured.wanted = at->second;
+    wanted.erase(at);
+    sheet.marks.push_back(measured);
+  }
+}
+
+}  // namespace
+
+SheetErrors errorsOf(const MeasuredSheet& sheet) {
+  SheetErrors errors{.marks = sheet.marks.size(), .max_mm = 0.0, .rms_mm = 0.0};
+  double sum_mm2 = 0.0;
+  for (const MeasuredMark& mark : sheet.marks) {
+    errors.max_mm = std::max(errors.max_mm, mark.error_mm().norm());
+    sum_mm2 += mark.error_mm().squaredNorm();
+  }
+  if (!sheet.marks.empty()) errors.rms_mm = std::sqrt(sum_mm2 / static_cast<double>(sheet.marks.size()));
+  return errors;
+}
+
+MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetup& setup, int threads) {
+  FieldSearchOptions search;
+  search.size_mm = job.size_mm;
+  search.beam_radius_mm = setup.beam_radius_mm;
+  search.threads = threads;
+  const FieldPictures pictures = findFieldMarks(tiles, setup.camera, job.print, search);
+  const MarkedField field = matchField(job, pictures);
+  if (!field.problems.empty()) {
+    std::vector<std::string> lines = field.problems;
+    lines.insert(lines.end(), field.remarks.begin(), field.remarks.end());
+    throw HeadEvidenceError(fmt::format("job {}: {}", job.name, fmt::join(lines, "\n  ")));
+  }
+  MeasuredSheet sheet;
+  for (const MarkPoint& point : field.points) {
+    sheet.marks.push_back({point.wanted, point.cut.p_S_mm - job.p_SW_mm,
+                           point.cut.covariance + pictures.poseCovariance(point.cut.p_S_mm)});
+  }
+  sheet.missing = static_cast<int>(field.missing.size());
+  sheet.false_marks = static_cast<int>(field.doubled.size() + field.foreign.size());
+  sheet.remarks = field.remarks;
+  return sheet;
+}
+
+std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table) {
+  std::vector<HeadObservation> observations;
+  std::string outside;
+  for (const MeasuredMark& mark : sheet.marks) {
+    const Eigen::Vector2d& wanted_W_mm = mark.wanted.p_W_mm;
+    const auto d_mm = table ? table->at_mm(wanted_W_mm) : Eigen::Vector2d(0.0, 0.0);
+    if (!d_mm) {
+      outside +=
+          fmt::format("{}mark {} at ({:.3f}, {:.3f}) mm lies outside of the correction table",
+                      outside.empty() ? "" : "\n", mark.wanted.number, wanted_W_mm.x(), wanted_W_mm.y());
+      continue;
+    }
+    observations.push_back({mark.wanted.number, wanted_W_mm + *d_mm, mark.p_W_mm, mark.covariance_mm2});
+  }
+  if (!outside.empty()) throw HeadEvidenceError(outside);
+  return observations;
+}
+
+std::string measuredText(const MeasuredSheet& sheet) {
+  std::string text = fmt::format(
+      "# SPDX-License-Identifier: Apache-2.0\n"
+      "# Where the marks of the job beside this file lie, by their pictures.\n"
+      "version: 1\n"
+      "digest: '{}'   # Of machine, table, job and pictures.\n"
+      "missing: {}\n"
+      "false: {}\n"
+      "remarks:\n",
+      sheet.digest, sheet.missing, sheet.false_marks);
+  if (sheet.remarks.empty()) text = text.substr(0, text.size() - 1) + " []\n";
+  for (std::string remark : sheet.remarks) {
+    std::ranges::replace(remark, '\'', '"');
+    text += fmt::format("  - {{text: '{}'}}\n", remark);
+  }
+  text += "marks:   # In W.\n";
+  for (const MeasuredMark& mark : sheet.marks) {
+    const Eigen::Matrix2d& c = mark.covariance_mm2;
+    text += fmt::format("  - {{number: {}, p_W_mm: [{}, {}], covariance_mm2: [{}, {}, {}]}}\n",
+                        mark.wanted.number, mark.p_W_mm.x(), mark.p_W_mm.y(), c(0, 0), c(0, 1), c(1, 1));
+  }
+  return text;
+}
+
+std::optional<MeasuredSheet> readMeasured(const fs::path& path, const MarkJob& job,
+                                          const std::string& digest) {
+  if (!fs::exists(path)) return std::nullopt;
+  auto file = YamlReader::openFile(path);
+  MeasuredSheet sheet;
+  sheet.digest = file.text("digest");
+  if (sheet.digest != digest) return std::nullopt;
+  if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
+    file.fault("version", "this program reads version 1");
+  sheet.missing = static_cast<int>(file.integer("missing", {.min = 0, .max = 1e6}));
+  sheet.false_marks = static_cast<int>(file.integer("false", {.min = 0, .max = 1e6}));
+  for (YamlReader& remark : file.list("remarks")) sheet.remarks.push_back(remark.text("text"));
+  readMarks(file, job, sheet);
+  file.finish();
+  return sheet;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/app/head_setup.h"
+#include "hil/calibrate/head/observation.h"
+#include "hil/calibrate/marks/field_marks.h"
+#include "hil/calibrate/marks/mark_job.h"
+
+namespace kerfbench::hil {
+
+/// A mark that was found once.
+struct MeasuredMark {
+  WantedMark wanted;
+  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Where it lies.
+  /// Of p_W_mm: its own and that of the sheet's pose, which all marks of a sheet share.
+  Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
+
+  [[nodiscard]] Eigen::Vector2d error_mm() const { return p_W_mm - wanted.p_W_mm; }
+};
+
+/// A sheet of a job, as its pictures show it.
+struct MeasuredSheet {
+  std::string digest;  ///< Of all that it depends on; see sheetOnTwin().
+  std::vector<MeasuredMark> marks;
+  int missing{};      ///< Wanted, not found.
+  int false_marks{};  ///< Found more than once, or of no mark of the job.
+  std::vector<std::string> remarks;
+};
+
+/// How far marks lie beside where they were wanted.
+struct SheetErrors {
+  std::size_t marks{};
+  double max_mm{}, rms_mm{};
+};
+SheetErrors errorsOf(const MeasuredSheet& sheet);
+
+/// Finds the job's marks in the pictures. @throws HeadEvidenceError with every reason why they must not be
+/// used.
+MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetup& setup, int threads);
+
+/// As the fit wants them: aims are what the controller made of the wanted places with its table.
+/// @throws HeadEvidenceError for a mark outside of the table.
+std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table);
+
+/// As YAML; numbers read back to the last bit.
+std::string measuredText(const MeasuredSheet& sheet);
+/// nullopt if there is no file, or one with another digest. @throws ConfigError with everything that is wrong
+/// in one with this digest, each with file and line.
+std::optional<MeasuredSheet> readMeasured(const std::filesystem::path& path, const MarkJob& job,
+                                          const std::string& digest);
+
+}  // namespace kerfbench::hil

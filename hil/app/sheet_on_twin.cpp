@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/sheet_on_twin.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hil/app/cut_on_twin.h"
+#include "hil/app/mark_case.h"
+#include "hil/base/atomic_file.h"
+#include "hil/base/digest.h"
+#include "hil/calibrate/marks/mark_job_file.h"
+#include "hil/camera/tile_folder.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The scenario's machine: as it is, or with the table.
+fs::path machineWith(const HeadSetup& setup, const SheetRequest& request) {
+  if (request.table == setup.table_file) return setup.machine;
+  const fs::path file = request.folder / "machine.yaml";
+  writeFileAtomically(
+      file, fmt::format("# SPDX-License-Identifier: Apache-2.0\nextends: '{}'\nname: {}\ncontroller: "
+                        "{{correction: '{}'}}\n",
+                        setup.machine.string(), setup.name, fs::absolute(request.table).string()));
+  return file;
+}
+
+Case caseFor(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request) {
+  fs::create_directories(request.folder);
+  writeMarkJob(request.folder / kSheetJob, request.job);
+  MarkCutting cutting;
+  cutting.machine = fs::absolute(machineWith(setup, request));
+  cutting.beam_radius_mm = setup.beam_radius_mm;
+  cutting.imperfections = bench.imperfections;
+  cutting.seed = bench.seed;
+  cutting.fidelity = bench.fidelity;
+  const fs::path scenario = request.folder / "run.yaml";
+  writeFileAtomically(scenario, markScenario(request.job, "marks.dxf", cutting));
+  return readCase(scenario, bench.bin_dir.parent_path() / "firmware");
+}
+
+std::string digestOf(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
+                     const Case& the_case) {
+  return sha256(fmt::format("{} {} {} {} {} {} {} {} {}", setup.digest, markJobDigest(request.job),
+                            request.table.empty() ? "-" : sha256File(request.table),
+                            sha256File(the_case.scenario.firmware.image), bench.seed, request.sheet,
+                            nameOf(bench.imperfections), nameOf(bench.fidelity), KERFBENCH_VERSION));
+}
+
+void refuseRun(const CutSheet& cut, const std::string& job) {
+  std::vector<std::string> problems = cut.run.problems;
+  if (!cut.run.dialog_failure.empty()) problems.push_back(cut.run.dialog_failure);
+  if (!problems.empty()) throw HeadEvidenceError(fmt::format("job {}: {}", job, fmt::join(problems, "\n  ")));
+}
+
+TwinTileOptions tileOptions(const HeadSetup& setup, const TwinBench& bench) {
+  TwinTileOptions options;
+  options.threads = bench.threads;
+  options.border_mm = setup.off_mm;
+  options.overlap_mm = 0.6 * setup.mark_size_mm;  // A mark's arms are whole in one picture each.
+  options.everything = false;
+  return options;
+}
+
+}  // namespace
+
+SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
+                        const ProgressFn& progress) {
+  const Case the_case = caseFor(setup, bench, request);
+  const std::string digest = digestOf(setup, bench, request, the_case);
+  const fs::path result = request.folder / kSheetMeasured;
+  if (auto measured = readMeasured(result, readMarkJob(request.folder / kSheetJob), digest))
+    return {std::move(*measured), true};
+
+  const CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
+  refuseRun(cut, request.job.name);
+  progress(-1.0, "measuring the marks of " + request.job.name);
+  // Another sheet lies otherwise on the table, and its pictures have another noise.
+  Case camera = the_case;
+  camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(request.sheet) << 32U);
+  const auto tiles = [&] { return kerfTiles(camera, *cut.twin, tileOptions(setup, bench)); };
+  if (bench.keep_pictures) {
+    auto source = tiles();
+    writeTiles(source, request.folder / "pictures");
+  }
+  auto source = tiles();
+  // The job as its file has it, rounded: so that the pictures alone tell the same later.
+  SheetOnTwin sheet{measureSheet(source, readMarkJob(request.folder / kSheetJob), setup, bench.threads),
+                    false};
+  sheet.measured.digest = digest;
+  writeFileAtomically(result, measuredText(sheet.measured));
+  return sheet;
+}
+
+}  // namespace kerfbench::hil

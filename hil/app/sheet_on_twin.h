@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "hil/app/lockstep.h"
+#include "hil/app/measured_sheet.h"
+#include "twin/cutter/fidelity.h"
+#include "twin/cutter/imperfections.h"
+
+namespace kerfbench::hil {
+
+/// The machine that cuts, and how.
+struct TwinBench {
+  std::uint64_t seed{1};  ///< Draws the machine.
+  twin::Preset imperfections{twin::Preset::kStatic};
+  twin::Fidelity fidelity{twin::Fidelity::kFast};
+  std::filesystem::path bin_dir;
+  bool keep_pictures{};  ///< In folder `pictures` beside the job.
+  int threads{1};
+};
+
+struct SheetRequest {
+  MarkJob job;
+  int sheet{};                   ///< Of this calibration; each has pictures of its own noise.
+  std::filesystem::path folder;  ///< For the files of this sheet.
+  std::filesystem::path table;   ///< That the controller uses; empty: none.
+};
+
+struct SheetOnTwin {
+  MeasuredSheet measured;
+  bool was_there{};  ///< Measured by an earlier run.
+};
+
+/// Cuts the job with that table and nothing else changed, and measures the pictures. Into the folder go the
+/// job, a machine with the table and a scenario that `run` repeats, and last what was measured; that is taken
+/// from there if machine, table, job, release, seed and calibration are still the same.
+/// @throws HeadEvidenceError for a run or pictures that cannot be trusted, ConfigError, and as cutOnTwin().
+SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
+                        const ProgressFn& progress);
+
+/// The files of a sheet in its folder.
+inline constexpr const char* kSheetJob = "marks.yaml";
+inline constexpr const char* kSheetMeasured = "measured.yaml";
+
+}  // namespace kerfbench::hil

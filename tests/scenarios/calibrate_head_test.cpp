@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command `calibrate head`, from marks that are cut to a table that is verified, by pictures.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+std::string textOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class CalibrateHead : public testing::Test {
+ protected:
+  [[nodiscard]] ProgramRun calibrate(const std::string& options) const {
+    return kerfbench(fmt::format("calibrate head --machine '{}' --seed 2 --grids 3,5 --verify 20 {}",
+                                 fixture("machines/two-mirror-100.yaml").string(), options));
+  }
+  [[nodiscard]] std::string results(const std::string& name) const {
+    return (scratch_.path() / name).string();
+  }
+  /// A table that somebody works with.
+  [[nodiscard]] fs::path oldTable() const {
+    std::ofstream(scratch_.path() / "old.csv") << "old";
+    return scratch_.path() / "old.csv";
+  }
+  ScratchFolder scratch_;
+};
+
+TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFromWhatIsThere) {
+  const std::string live = fmt::format("--results-dir '{}' --keep-pictures", results("live"));
+  const ProgramRun run = calibrate(live);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const std::string json = textOf(scratch_.path() / "live/head.json");
+  const auto head = nlohmann::json::parse(json);
+  const auto& last = head.at("iterations").back();
+  EXPECT_TRUE(head.at("good"));
+  EXPECT_GT(head.at("iterations").front().at("before").at("max_mm"), 1.0);
+  EXPECT_EQ(last.at("after").at("marks"), 20);
+  EXPECT_LT(last.at("after").at("max_mm"), 0.010);
+  EXPECT_GT(last.at("after").at("max_mm"), 0.0);
+  EXPECT_GE(last.at("within_stated_95"), 17);  // Fewer by chance: 2 % at 95 %.
+  const std::string table = textOf(scratch_.path() / "live/correction.csv");
+  EXPECT_THAT(table, HasSubstr("x_mm,y_mm,dx_mm,dy_mm"));
+
+  const ProgramRun again = calibrate(live);
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.output, HasSubstr("1-grid: measured before"));
+  EXPECT_EQ(textOf(scratch_.path() / "live/head.json"), json);
+
+  // The table is too good for nobody, but not for this limit; what it shall replace stays.
+  const fs::path old = oldTable();
+  const ProgramRun strict = calibrate(live + fmt::format(" --limit-mm 0.0001 --out '{}'", old.string()));
+  EXPECT_EQ(strict.exit_code, 1) << strict.output;
+  EXPECT_EQ(textOf(old), "old");
+
+  // The same pictures give the same table; those of another sheet are told from them.
+  const fs::path sheets = scratch_.path() / "live";
+  const auto pictures = [&](const char* sheet) {
+    return calibrate(fmt::format("--job '{}' --pictures '{}' --results-dir '{}' --out '{}'",
+                                 (sheets / "1-grid/marks.yaml").string(),
+                                 (sheets / sheet / "pictures").string(), results("pictures"), old.string()));
+  };
+  const ProgramRun wrong = pictures("1-verify");
+  EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
+  EXPECT_THAT(wrong.output, HasSubstr("another job's sheet"));
+  EXPECT_EQ(textOf(old), "old");
+  const ProgramRun from_pictures = pictures("1-grid");
+  EXPECT_EQ(from_pictures.exit_code, 0) << from_pictures.output;
+  EXPECT_EQ(textOf(old), textOf(sheets / "correction-1.csv"));
+}
+
+TEST_F(CalibrateHead, ToldWhatIsWrongWithItsInput) {
+  const ProgramRun gantry =
+      kerfbench(fmt::format("calibrate head --machine '{}' --results-dir '{}'",
+                            fixture("machines/strip-gantry.yaml").string(), results("g")));
+  EXPECT_EQ(gantry.exit_code, 65);
+  EXPECT_THAT(gantry.output, HasSubstr("has no scan head"));
+  const ProgramRun dense =
+      kerfbench(fmt::format("calibrate head --machine '{}' --verify 1000 --grids 3 --results-dir '{}'",
+                            fixture("machines/two-mirror-100.yaml").string(), results("d")));
+  EXPECT_EQ(dense.exit_code, 65);
+  EXPECT_THAT(dense.output, HasSubstr("there is room for"));
+  EXPECT_EQ(calibrate("--pictures there").exit_code, 64);
+}
+
+}  // namespace
+}  // namespace kerfbench::test
