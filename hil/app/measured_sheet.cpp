@@ -65,8 +65,9 @@ MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetu
   }
   MeasuredSheet sheet;
   for (const MarkPoint& point : field.points) {
-    sheet.marks.push_back({point.wanted, point.cut.p_S_mm - job.p_SW_mm,
-                           point.cut.covariance + pictures.poseCovariance(point.cut.p_S_mm)});
+    const Eigen::Matrix2d c = point.cut.covariance + pictures.poseCovariance(point.cut.p_S_mm);
+    // Symmetrical to the last bit, as its file has it.
+    sheet.marks.push_back({point.wanted, point.cut.p_S_mm - job.p_SW_mm, 0.5 * (c + c.transpose())});
   }
   sheet.missing = static_cast<int>(field.missing.size());
   sheet.false_marks = static_cast<int>(field.doubled.size() + field.foreign.size());
