@@ -127,7 +127,7 @@ int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetu
                         .command = options.command_line,
                         .version = KERFBENCH_VERSION,
                         .camera = setup.camera.camera_id};
-  if (result.good()) writeFileAtomically(table, csvTable(best.aims()));
+  if (result.good()) writeFileAtomically(table, csvTable(best.table.grid));
   writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
   console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
   if (!result.good()) {
@@ -136,7 +136,7 @@ int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetu
     return kExitNotGood;
   }
   console.say(fmt::format("table: {} ({} x {} nodes); for the controller: controller: {{correction: {}}}",
-                          table.string(), best.table.grid.columns(), best.table.grid.rows(),
+                          table.string(), best.table.grid.x_mm().size(), best.table.grid.y_mm().size(),
                           table.filename().string()));
   return 0;
 }

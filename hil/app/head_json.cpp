@@ -38,7 +38,7 @@ Json jsonOf(const HeadIteration& iteration) {
           {"noise_ratio", number(iteration.head.fit.noiseRatio())},
           {"surface_degree", surface ? Json(surface->basis.degree()) : Json(nullptr)},
           {"table",
-           {{"nodes", {table.grid.columns(), table.grid.rows()}},
+           {{"nodes", {table.grid.x_mm().size(), table.grid.y_mm().size()}},
             {"interpolation_error_mm", number(table.interpolation_error_mm)},
             {"largest_correction_mm", number(table.largest_correction_mm)},
             {"largest_sigma_mm", number(table.largest_sigma_mm)}}},

@@ -52,7 +52,7 @@ class Numbers {
 
 std::size_t coveredOf(const HeadIteration& iteration) {
   const double most = chiSquare2Above(kCovered);
-  const std::vector<HeadObservation> seen = observationsOf(iteration.verified, iteration.head.aims());
+  const std::vector<HeadObservation> seen = observationsOf(iteration.verified, iteration.head.table.grid);
   return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const HeadObservation& o) {
     const auto spot = iteration.head.fit.spotOf(o.aim_W_mm);
     const auto covariance = iteration.head.fit.covarianceAt_mm2(o.aim_W_mm);
@@ -77,7 +77,7 @@ class Rounds {
                             .head = fitted(observations_, setup_),
                             .verified = {},
                             .after = {}};
-    table_ = iteration.head.aims();
+    table_ = iteration.head.table.grid;
     iteration.verified = measured(placesToVerify(), "verify");
     iteration.after = errorsOf(iteration.verified);
     iteration.covered = coveredOf(iteration);
@@ -118,24 +118,12 @@ class Rounds {
 
 }  // namespace
 
-AimGrid FittedHead::aims() const {
-  const CorrectionGrid& grid = table.grid;
-  std::vector<double> x_mm, y_mm;
-  std::vector<Vector2d> d_mm;
-  for (int column = 0; column < grid.columns(); ++column) x_mm.push_back(grid.place_W_mm(column, 0).x());
-  for (int row = 0; row < grid.rows(); ++row) {
-    y_mm.push_back(grid.place_W_mm(0, row).y());
-    for (int column = 0; column < grid.columns(); ++column) d_mm.push_back(grid.d_mm(column, row));
-  }
-  return {x_mm, y_mm, d_mm, Between::kHermite, Outside::kRefused};
-}
-
 FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSetup& setup) {
   HeadFitOptions options;
   options.field_W_mm = setup.controller_W_mm;
   options.round_steps = false;  // Arms run along no axis: the steps average out along them.
   HeadFit fit = fitHead(observations, setup.nominal, setup.design, options);
-  CorrectionGridOptions grid;
+  CorrectionTableOptions grid;
   grid.field_W_mm = setup.controller_W_mm;
   CorrectionTableResult table = correctionTable(fit, grid);
   return {std::move(fit), std::move(table)};

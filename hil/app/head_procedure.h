@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hil/app/measured_sheet.h"
-#include "hil/calibrate/head/correction_grid.h"
+#include "hil/calibrate/head/correction_table.h"
 #include "hil/calibrate/head/head_fit.h"
 
 namespace kerfbench::hil {
@@ -28,7 +28,6 @@ struct HeadPlan {
 struct FittedHead {
   HeadFit fit;
   CorrectionTableResult table;
-  [[nodiscard]] AimGrid aims() const;  ///< The table for the controller.
 };
 /// @throws HeadCalibrationError.
 FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSetup& setup);

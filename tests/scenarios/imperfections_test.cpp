@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "tests/scenarios/scenario_runs.h"
@@ -14,11 +12,6 @@ namespace kerfbench::test {
 namespace {
 
 using testing::HasSubstr;
-
-std::string textOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class Imperfections : public testing::Test {
  protected:

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 namespace kerfbench::test {
@@ -39,6 +40,11 @@ ScratchFolder::~ScratchFolder() {
 }
 
 fs::path fixture(const std::string& name) { return fs::path(KERFBENCH_SOURCE_DIR) / "fixtures" / name; }
+
+std::string textOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 nlohmann::json verdictOf(const fs::path& results) {
   std::ifstream file(results / "verdict.json");

@@ -32,6 +32,8 @@ class ScratchFolder {
 };
 
 std::filesystem::path fixture(const std::string& name);
+/// All of a file; empty if there is none.
+std::string textOf(const std::filesystem::path& path);
 nlohmann::json verdictOf(const std::filesystem::path& results);
 /// Names of the checks with this verdict.
 std::vector<std::string> checksThat(const nlohmann::json& verdict, const std::string& which);

@@ -12,7 +12,8 @@
 #include <Eigen/LU>
 
 #include "firmware_under_test/planner/correction.h"
-#include "hil/calibrate/head/correction_grid.h"
+#include "hil/calibrate/head/correction_table.h"
+#include "hil/calibrate/tables/csv_table.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::hil::test {
@@ -55,19 +56,8 @@ void spoil(MarkedSheet& sheet, const MarkQuality& quality, std::uint64_t seed) {
                 [&](const SeenMark&) { return is_missing.uniform(index++) < quality.missing_share; });
 }
 
-planner::CorrectionTable asThePlannerReads(const CorrectionGrid& grid) {
-  std::string csv = "x_mm,y_mm,dx_mm,dy_mm\n";
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      const Vector2d p = grid.place_W_mm(column, row), d = grid.d_mm(column, row);
-      csv += fmt::format("{:.9g},{:.9g},{:.6f},{:.6f}\n", p.x(), p.y(), d.x(), d.y());
-    }
-  }
-  return planner::CorrectionTable::parse(csv, "table");
-}
-
 /// Three quarters anywhere, an eighth on the rim, an eighth in the middle of the table's cells.
-std::vector<Vector2d> placesToVerify(const Eigen::AlignedBox2d& field, const CorrectionGrid& grid,
+std::vector<Vector2d> placesToVerify(const Eigen::AlignedBox2d& field, const AimGrid& grid,
                                      std::uint64_t seed) {
   const CounterRandom where(seed, kWhere);
   std::vector<Vector2d> places;
@@ -78,7 +68,7 @@ std::vector<Vector2d> placesToVerify(const Eigen::AlignedBox2d& field, const Cor
       const double side = kind < 0.0625 ? 0.0 : 1.0;
       p = i % 2 == 0 ? shareOf(field, u, side) : shareOf(field, side, v);
     } else if (kind < 0.25) {
-      const Vector2d cell = grid.place_W_mm(1, 1) - grid.place_W_mm(0, 0);
+      const Vector2d cell(grid.x_mm()[1] - grid.x_mm()[0], grid.y_mm()[1] - grid.y_mm()[0]);
       const Vector2d at = ((p - grid.area_W_mm().min()).cwiseQuotient(cell)).array().floor() + 0.5;
       p = (grid.area_W_mm().min() + at.cwiseProduct(cell)).cwiseMax(field.min()).cwiseMin(field.max());
     }
@@ -87,9 +77,8 @@ std::vector<Vector2d> placesToVerify(const Eigen::AlignedBox2d& field, const Cor
   return places;
 }
 
-Verification verify(const SimulatedHead& head, const HeadFit& fit, const CorrectionGrid& grid,
-                    std::uint64_t seed) {
-  const planner::CorrectionTable table = asThePlannerReads(grid);
+Verification verify(const SimulatedHead& head, const HeadFit& fit, const AimGrid& grid, std::uint64_t seed) {
+  const planner::CorrectionTable table = planner::CorrectionTable::parse(csvTable(grid), "table");
   Verification v;
   double sum2 = 0.0;
   for (const Vector2d& p : placesToVerify(head.field_W_mm(), grid, seed)) {
@@ -150,7 +139,7 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
       HeadFit next = fitHead(all, head.nominal(), head.design(), options);
       const auto table = correctionTable(next, {.field_W_mm = head.field_W_mm()});
       result.iterations.push_back(verify(head, next, table.grid, seed));
-      result.nodes = table.grid.columns();
+      result.nodes = static_cast<int>(table.grid.x_mm().size());
       fit.emplace(std::move(next));
     } catch (const HeadCalibrationError&) {
       if (n != 3) throw;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/calibrate/head/correction_grid.h"
+#include "hil/calibrate/head/correction_table.h"
 #include "tests/hil/calibrate/head/campaign.h"
 
 namespace kerfbench::hil {
@@ -137,7 +137,7 @@ TEST(HeadFit, AcceptedAxesAreCorrectedByTheTable) {
   EXPECT_EQ(fit.axes(), wired);
   const auto table = correctionTable(fit, {.field_W_mm = head.field_W_mm()});
   for (const Vector2d& p : {Vector2d(150, 150), Vector2d(-131, 17), Vector2d(3, -149)})
-    EXPECT_LT((spotFor(p + table.grid.at_mm(p)) - p).norm(), 0.005);
+    EXPECT_LT((spotFor(p + table.grid.at_mm(p).value()) - p).norm(), 0.005);
 }
 
 TEST(HeadFit, MarksOfTwoFieldsAreRefused) {

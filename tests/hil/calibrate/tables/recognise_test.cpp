@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <vector>
 
 #include "hil/calibrate/tables/cor_file.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
@@ -19,6 +20,32 @@ constexpr double kHalf_mm = 50.0;
 
 AimGrid tableOf(const SeededHead& head) {
   return head.table(evenly(-kHalf_mm, kHalf_mm, 65), evenly(-kHalf_mm, kHalf_mm, 65), Between::kBilinear);
+}
+
+/// The table of a head that lands at lands(aim), a contraction's distance from the aim.
+AimGrid tableThatUndoes(const auto& lands) {
+  const auto places = evenly(-kHalf_mm, kHalf_mm, 65);
+  std::vector<Vector2d> d;
+  for (const double y : places) {
+    for (const double x : places) {
+      const Vector2d p(x, y);
+      Vector2d aim = p;
+      for (int i = 0; i < 200; ++i) aim += p - lands(aim);
+      d.emplace_back(aim - p);
+    }
+  }
+  return {places, places, d, Between::kBilinear, Outside::kRefused};
+}
+
+std::vector<UncorrectedSpot> nineSpotsOf(const auto& lands) {
+  std::vector<UncorrectedSpot> spots;
+  for (const int row : {-1, 0, 1}) {
+    for (const int column : {-1, 0, 1}) {
+      const Vector2d aim(40.0 * column, 40.0 * row);
+      spots.push_back({aim, lands(aim)});
+    }
+  }
+  return spots;
 }
 
 /// The reading that undoes another: d = V⁻¹ d'(A ·).
@@ -84,24 +111,8 @@ TEST(Recognise, AFileMirroredAsAWholeIsCalledThat) {
 // Of a head that is the same on all sides, mirrored files are the same file: no reason to refuse one.
 TEST(Recognise, ReadingsThatAreTheSameTableAreNoRivals) {
   const auto pincushion = [](const Vector2d& a) -> Vector2d { return a * (1 + 1e-5 * a.squaredNorm()); };
-  const auto places = evenly(-kHalf_mm, kHalf_mm, 65);
-  std::vector<Vector2d> d;
-  for (const double y : places) {
-    for (const double x : places) {
-      const Vector2d p(x, y);
-      Vector2d aim = p;
-      for (int i = 0; i < 200; ++i) aim += p - pincushion(aim);
-      d.emplace_back(aim - p);
-    }
-  }
-  const AimGrid grid(places, places, d, Between::kBilinear, Outside::kRefused);
-  std::vector<UncorrectedSpot> spots;
-  for (const int row : {-1, 0, 1}) {
-    for (const int column : {-1, 0, 1}) {
-      const Vector2d aim(40.0 * column, 40.0 * row);
-      spots.push_back({aim, pincushion(aim)});
-    }
-  }
+  const AimGrid grid = tableThatUndoes(pincushion);
+  const std::vector<UncorrectedSpot> spots = nineSpotsOf(pincushion);
   EXPECT_EQ(recognise(grid, spots).verdict, Verdict::kAsRead);
   const Reading turned{Matrix2i::Identity(), -Matrix2i::Identity()};
   const Recognition found = recognise(asRead(grid, turned), spots);
@@ -114,22 +125,8 @@ TEST(Recognise, SaysWhenItCannotBeTold) {
   const auto bowed = [](const Vector2d& a) -> Vector2d {
     return {a.x() * (1 + 2e-5 * a.y() * a.y()) + 0.0003 * a.y(), a.y() * (1 + 1e-5 * a.y() * a.y())};
   };
-  const auto places = evenly(-kHalf_mm, kHalf_mm, 65);
-  std::vector<Vector2d> d;
-  for (const double y : places) {
-    for (const double x : places) {
-      const Vector2d p(x, y);
-      Vector2d aim = p;
-      for (int i = 0; i < 200; ++i) aim += p - bowed(aim);
-      d.emplace_back(aim - p);
-    }
-  }
-  const AimGrid grid(places, places, d, Between::kBilinear, Outside::kRefused);
-  std::vector<UncorrectedSpot> spots;
-  for (const int row : {-1, 0, 1}) {
-    for (const int column : {-1, 0, 1})
-      spots.push_back({Vector2d(40 * column, 40 * row), bowed(Vector2d(40 * column, 40 * row))});
-  }
+  const AimGrid grid = tableThatUndoes(bowed);
+  const std::vector<UncorrectedSpot> spots = nineSpotsOf(bowed);
   const Recognition by_ruler = recognise(grid, spots, {.sigma_mm = 0.1});
   EXPECT_EQ(by_ruler.verdict, Verdict::kCannotBeTold);
   EXPECT_TRUE(by_ruler.text.starts_with("cannot be told: «the file is as it was read» leaves 0.0"))

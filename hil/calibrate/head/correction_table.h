@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hil/calibrate/head/head_fit.h"
+#include "hil/calibrate/tables/aim_grid.h"
+
+namespace kerfbench::hil {
+
+struct CorrectionTableOptions {
+  Eigen::AlignedBox2d field_W_mm{};      ///< Where the beam shall land.
+  double margin_share{0.02};             ///< The grid reaches beyond the field by this share of its sides.
+  double interpolation_error_mm{0.001};  ///< No more in any cell's middle or an edge's; > 0.
+  int least_nodes{9}, most_nodes{129};   ///< Of a side; 5 … 1025.
+};
+
+struct CorrectionTableResult {
+  AimGrid grid;                     ///< Even, between its nodes as the controller reads it, nothing outside.
+  double interpolation_error_mm{};  ///< Largest found, of the landing, over middles and edges of all cells.
+  double largest_correction_mm{};
+  double largest_sigma_mm{};  ///< Of where the beam lands, in its worst direction, over the nodes; k = 1.
+};
+
+/// The table of this head: the coarsest of 2^k + 1 nodes a side whose surface is good enough.
+/// @throws HeadCalibrationError where the beam does not get to, where no grid is fine enough, and where two
+///   places want the same aim.
+CorrectionTableResult correctionTable(const HeadFit& fit, const CorrectionTableOptions& options);
+
+}  // namespace kerfbench::hil
