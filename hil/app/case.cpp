@@ -103,7 +103,7 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   }
   machine.mirror_acceleration_rad_s2 = told.mirror_acceleration_rad_s2;
   machine.gantry_step_mm = told.gantry_step_mm;
-  for (int i = 0; i < 2; ++i) {
+  for (const std::size_t i : {0U, 1U}) {
     machine.field_min_mm[i] = told.field_min_mm[i];
     machine.field_max_mm[i] = told.field_max_mm[i];
   }

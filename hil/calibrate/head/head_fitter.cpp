@@ -29,7 +29,6 @@ constexpr int kMostIterations = 50;
 constexpr int kRoughIterations = 5;
 constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
 constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
-constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
 constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
 constexpr double kAreaMargin = 0.02;
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.

@@ -23,7 +23,7 @@ AimGrid seeded(std::uint64_t seed, std::size_t columns = 33, std::size_t rows = 
 }
 
 TEST(CHeader, ReadsBackToItsUnit) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     for (const auto outside : {Outside::kRefused, Outside::kClamped, Outside::kLinear}) {
       const AimGrid grid = seeded(seed, 33, 17, seed == 1 ? Between::kBilinear : Between::kHermite, outside);
       const AimGrid fine = parseCHeader(cHeader(grid, {.value = CHeaderOptions::Value::kInt32}), "a.h");

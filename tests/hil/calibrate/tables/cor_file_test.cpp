@@ -36,7 +36,7 @@ std::vector<CorConvention> conventions() {
 }
 
 TEST(CorFile, WrittenAndReadIsTheSameCorrectionInEveryConvention) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const AimGrid grid = seeded(seed);
     for (const CorConvention& convention : conventions()) {
       const CorFile v1 = parseCorFile(corFile(grid, CorVersion::k1, convention), "a.cor", convention);
