@@ -47,10 +47,11 @@ void tell(const HeadIteration& iteration, Console& console) {
                   iteration.head.fit.rejected(), iteration.before.max_mm, iteration.before.rms_mm));
   tell(iteration.marks, console);
   console.say(
-      fmt::format("    with the new table, at {} other places: {:.4f} mm at most, {:.4f} mm RMS; {} within "
-                  "the 95 % stated",
-                  iteration.after.marks, iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
-  tell(iteration.verified, console);
+      fmt::format("    with the new table, at {} other places on {} sheet{}: {:.4f} mm at most, {:.4f} mm "
+                  "RMS; {} within the 95 % stated",
+                  iteration.after.marks, iteration.verified.size(), iteration.verified.size() == 1 ? "" : "s",
+                  iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
+  for (const MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
 }
 
 void tellParameters(const HeadFit& fit, Console& console) {
@@ -68,13 +69,12 @@ class OnTwin {
   OnTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console)
       : setup_(setup), options_(options), bench_(benchOf(options)), console_(console) {}
 
-  MeasuredSheet operator()(const MarkJob& job, int sheet, const std::string& name,
-                           const std::optional<AimGrid>& table) {
-    SheetRequest request{job, sheet, options_.results_dir / name, setup_.table_file};
-    // Of each iteration's two sheets the second is the first with its table.
-    if (sheet > 0 && table) {
-      request.table = options_.results_dir / fmt::format("correction-{}.csv", (sheet + 1) / 2);
-      writeFileAtomically(request.table, csvTable(*table));
+  MeasuredSheet operator()(const SheetOrder& order) {
+    const std::string& name = order.job.name;
+    SheetRequest request{order.job, order.sheet, options_.results_dir / name, setup_.table_file};
+    if (order.round > 0) {
+      request.table = options_.results_dir / fmt::format("correction-{}.csv", order.round);
+      writeFileAtomically(request.table, csvTable(order.table.value()));
     }
     const auto progress = [&](double now_s, const std::string& what) {
       console_.progress(now_s, fmt::format("{}: {}", name, what));
