@@ -7,10 +7,10 @@
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
 #include "hil/app/exit_codes.h"
+#include "hil/app/head_on_twin.h"
 #include "hil/app/head_procedure.h"
 #include "hil/app/head_report.h"
 #include "hil/app/scenario.h"
-#include "hil/app/sheet_on_twin.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
@@ -63,33 +63,14 @@ void tellParameters(const HeadFit& fit, Console& console) {
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
 
-/// Cuts on the twin; a table goes into the results before it is used.
-class OnTwin {
- public:
-  OnTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console)
-      : setup_(setup), options_(options), bench_(benchOf(options)), console_(console) {}
-
-  MeasuredSheet operator()(const SheetOrder& order) {
-    const std::string& name = order.job.name;
-    SheetRequest request{order.job, order.sheet, options_.results_dir / name, setup_.table_file};
-    if (order.round > 0) {
-      request.table = options_.results_dir / fmt::format("correction-{}.csv", order.round);
-      writeFileAtomically(request.table, csvTable(order.table.value()));
-    }
-    const auto progress = [&](double now_s, const std::string& what) {
-      console_.progress(now_s, fmt::format("{}: {}", name, what));
-    };
-    SheetOnTwin done = sheetOnTwin(setup_, bench_, request, progress);
-    if (done.was_there) console_.say(fmt::format("  {}: measured before", name));
-    return std::move(done.measured);
-  }
-
- private:
-  const HeadSetup& setup_;
-  const HeadCalibrateOptions& options_;
-  TwinBench bench_;
-  Console& console_;
-};
+HeadOnTwin onTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
+  HeadOnTwin cut(setup, benchOf(options), options.results_dir);
+  cut.progress = [&](const std::string& sheet, double now_s, const std::string& what) {
+    console.progress(now_s, fmt::format("{}: {}", sheet, what));
+  };
+  cut.was_there = [&](const std::string& sheet) { console.say(fmt::format("  {}: measured before", sheet)); };
+  return cut;
+}
 
 HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
   return {.grids = options.grids,
@@ -152,7 +133,7 @@ int calibrate(const HeadCalibrateOptions& options) {
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
   const HeadCalibration result =
-      calibrateHead(setup, plan, OnTwin(setup, options, console),
+      calibrateHead(setup, plan, onTwin(setup, options, console),
                     [&](const HeadIteration& iteration) { tell(iteration, console); });
   return conclude(result, plan, setup, options, console);
 }
