@@ -99,18 +99,56 @@ HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions&
   }
 }
 
+/// From the results; absolute where it lies elsewhere.
+std::string besideReport(const fs::path& file, const fs::path& results) {
+  const fs::path from_results =
+      fs::absolute(file).lexically_normal().lexically_relative(fs::absolute(results).lexically_normal());
+  const bool beside = !from_results.empty() && *from_results.begin() != "..";
+  return (beside ? from_results : fs::absolute(file).lexically_normal()).string();
+}
+
+std::vector<HeadFile> filesOf(const HeadCalibration& result, const HeadCalibrateOptions& options,
+                              const fs::path& table) {
+  std::vector<HeadFile> files;
+  if (result.good()) files.push_back({besideReport(table, options.results_dir), "the controller's table"});
+  if (options.job.empty()) {
+    for (std::size_t i = 1; i <= result.iterations.size(); ++i) {
+      files.push_back({fmt::format("correction-{}.csv", i), fmt::format("the table of iteration {}", i)});
+      files.push_back({fmt::format("{}-grid/", i), "its grid: job, drawing, scenario, measured marks"});
+      for (std::size_t sheet = 1; sheet <= result.iterations[i - 1].verified.size(); ++sheet)
+        files.push_back({fmt::format("{}-verify-{}/", i, sheet), "a sheet that verifies it"});
+    }
+  }
+  files.push_back({"head.json", "all figures of this page"});
+  return files;
+}
+
+HeadFacts factsOf(const HeadCalibration& result, const HeadSetup& setup, const HeadCalibrateOptions& options,
+                  const fs::path& table) {
+  return {.machine = setup.name,
+          .command = options.command_line,
+          .version = KERFBENCH_VERSION,
+          .camera = setup.camera.camera_id,
+          .source = options.job.empty() ? fmt::format("twin {}, imperfections {}, seed {}", options.twin,
+                                                      options.imperfections, options.seed)
+                                        : options.pictures.string(),
+          .mark_size_mm = setup.mark_size_mm,
+          .field_W_mm = setup.field_W_mm,
+          .table = setup.table,
+          .files = filesOf(result, options, table)};
+}
+
 int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetup& setup,
              const HeadCalibrateOptions& options, Console& console) {
   const FittedHead& best = result.iterations.at(result.best).head;
   tellParameters(best.fit, console);
   const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
-  const HeadFacts facts{.machine = setup.name,
-                        .command = options.command_line,
-                        .version = KERFBENCH_VERSION,
-                        .camera = setup.camera.camera_id};
+  const HeadFacts facts = factsOf(result, setup, options, table);
   if (result.good()) writeFileAtomically(table, csvTable(best.table.grid));
   writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
+  writeFileAtomically(options.results_dir / "report.html", headHtml(result, plan, facts));
   console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
+  console.say(fmt::format("report: {}", (options.results_dir / "report.html").string()));
   if (!result.good()) {
     console.say(fmt::format("the best table is correction-{}.csv in {}; {} is not written", result.best + 1,
                             options.results_dir.string(), table.string()));

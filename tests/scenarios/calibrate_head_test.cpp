@@ -47,6 +47,12 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
   EXPECT_GE(last.at("within_stated_95"), 17);  // Fewer by chance: 2 % at 95 %.
   const std::string table = textOf(scratch_.path() / "live/correction.csv");
   EXPECT_THAT(table, HasSubstr("x_mm,y_mm,dx_mm,dy_mm"));
+  const std::string page = textOf(scratch_.path() / "live/report.html");
+  EXPECT_THAT(page, HasSubstr("<div class=big>GOOD</div>"));
+  for (const char* file : {"correction.csv", "correction-1.csv", "1-grid/", "1-verify-1/", "head.json"}) {
+    EXPECT_THAT(page, HasSubstr(fmt::format("href='{}'", file)));
+    EXPECT_TRUE(fs::exists(scratch_.path() / "live" / file)) << file;
+  }
 
   const ProgramRun again = calibrate(live);
   EXPECT_EQ(again.exit_code, 0);
