@@ -176,11 +176,10 @@ std::string errorArrows(const AlignedBox2d& field_W_mm, const std::vector<FieldE
         -error.p_W_mm.y(), 0.45 * map.unit_mm(), error.p_W_mm.x(), -error.p_W_mm.y(), tip.x(), -tip.y()));
   }
   map.scaleBar(exaggeration, largest_mm);
-  return map.figure(
-      fmt::format("<b>After</b>, errors × {:g}: at the {} places that verify the table, each from where the "
-                  "beam was wanted to "
-                  "where it landed. The longest is {}; the limit is {}.",
-                  exaggeration, errors.size(), lengthText(largest_mm), lengthText(limit_mm)));
+  return map.figure(fmt::format(
+      "<b>After</b>, errors × {:g}: at the {} places that verify the table, each from the dot, where "
+      "the beam was wanted, to where it landed. The longest is {}; the limit is {}.",
+      exaggeration, errors.size(), lengthText(largest_mm), lengthText(limit_mm)));
 }
 
 std::string errorHistogram(const std::vector<FieldError>& errors, double limit_mm) {

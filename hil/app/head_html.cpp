@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::string_view kCss = R"css(
-svg.headmap{background:var(--card);border-radius:6px}
+svg.headmap{background:var(--card);border-radius:6px;max-height:600px}
 .wantedgrid,.drawngrid,.way,.scalebar,.headmap line{fill:none;vector-effect:non-scaling-stroke}
 .wantedgrid{stroke:var(--nom);stroke-width:.7;opacity:.55}.drawngrid{stroke:var(--acc);stroke-width:1.3}
 .way{stroke:var(--fail);stroke-width:1.4}.mark{fill:var(--fail)}.scalebar{stroke:var(--fg);stroke-width:2.5}
