@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,19 @@ void brokenOf(const HeadKindProof& kind, std::vector<std::string>& broken) {
     if (head.iterations > kMostIterations)
       broken.push_back(fmt::format("{}: {} iterations", who, head.iterations));
   }
+}
+
+void brokenCover(const std::vector<CalibratedHead>& heads, int iterations, std::vector<std::string>& broken) {
+  const Cover cover = coverOf(heads);
+  const bool fine =
+      cover.share + 2.0 * cover.sigma >= kLeastCover && cover.share - 2.0 * cover.sigma <= kMostCover;
+  if (cover.heads < kEnoughHeads || fine) return;
+  broken.push_back(
+      fmt::format("after {} iteration{} the ellipse of 95 % holds {:.1f} ± {:.1f} % of the places of {} "
+                  "heads; {:g} … {:g} % are "
+                  "claimed",
+                  iterations, iterations == 1 ? "" : "s", 100.0 * cover.share, 200.0 * cover.sigma,
+                  cover.heads, 100.0 * kLeastCover, 100.0 * kMostCover));
 }
 
 std::string rowOf(const HeadKindProof& kind) {
@@ -79,12 +93,11 @@ std::vector<std::string> brokenClaims(const std::vector<HeadKindProof>& proof) {
     brokenOf(kind, broken);
     all.insert(all.end(), kind.heads.begin(), kind.heads.end());
   }
-  const Cover cover = coverOf(all);
-  if (cover.heads >= kEnoughHeads &&
-      (cover.share + 2.0 * cover.sigma < kLeastCover || cover.share - 2.0 * cover.sigma > kMostCover)) {
-    broken.push_back(fmt::format(
-        "the ellipse of 95 % holds {:.1f} ± {:.1f} % of the places of {} heads; {:g} … {:g} % are claimed",
-        100.0 * cover.share, 200.0 * cover.sigma, cover.heads, 100.0 * kLeastCover, 100.0 * kMostCover));
+  for (int iterations = 1; iterations <= kMostIterations; ++iterations) {
+    std::vector<CalibratedHead> alike;
+    std::ranges::copy_if(all, std::back_inserter(alike),
+                         [&](const CalibratedHead& head) { return head.iterations == iterations; });
+    brokenCover(alike, iterations, broken);
   }
   return broken;
 }

@@ -43,8 +43,8 @@ struct HeadKindProof {
 };
 
 /// Every claim that does not hold, in words: a head without a table, beyond its limit, after too many
-/// iterations; and, over all heads of all kinds, a share of covered places whose 95 % interval lies beside
-/// kLeastCover … kMostCover. Of fewer than ten heads the share is not judged.
+/// iterations; and, over all heads with the same number of iterations, a share of covered places whose 95 %
+/// interval lies beside kLeastCover … kMostCover. Of fewer than ten heads the share is not judged.
 std::vector<std::string> brokenClaims(const std::vector<HeadKindProof>& proof);
 
 /// One line for each machine, with a heading.

@@ -75,6 +75,17 @@ TEST(HeadClaims, AnEllipseTooLargeOrTooSmallForManyHeadsIsToldAndOneOddHeadIsNot
   proof[0].heads.resize(9);
   for (CalibratedHead& head : proof[0].heads) head.covered = 400;
   EXPECT_THAT(brokenClaims(proof), IsEmpty());  // Too few to tell.
+
+  // Too large after one iteration and too small after two is not right on average.
+  proof = goodProof();
+  proof.push_back(goodProof()[0]);
+  for (CalibratedHead& head : proof[0].heads) head.covered = 400;
+  for (CalibratedHead& head : proof[1].heads) {
+    head.covered = 360;
+    head.iterations = 2;
+  }
+  EXPECT_THAT(brokenClaims(proof),
+              ElementsAre(HasSubstr("after 1 iteration the"), HasSubstr("after 2 iterations")));
 }
 
 }  // namespace
