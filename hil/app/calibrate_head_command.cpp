@@ -7,10 +7,10 @@
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
 #include "hil/app/exit_codes.h"
+#include "hil/app/head_on_twin.h"
 #include "hil/app/head_procedure.h"
 #include "hil/app/head_report.h"
 #include "hil/app/scenario.h"
-#include "hil/app/sheet_on_twin.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
@@ -47,10 +47,11 @@ void tell(const HeadIteration& iteration, Console& console) {
                   iteration.head.fit.rejected(), iteration.before.max_mm, iteration.before.rms_mm));
   tell(iteration.marks, console);
   console.say(
-      fmt::format("    with the new table, at {} other places: {:.4f} mm at most, {:.4f} mm RMS; {} within "
-                  "the 95 % stated",
-                  iteration.after.marks, iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
-  tell(iteration.verified, console);
+      fmt::format("    with the new table, at {} other places on {} sheet{}: {:.4f} mm at most, {:.4f} mm "
+                  "RMS; {} within the 95 % stated",
+                  iteration.after.marks, iteration.verified.size(), iteration.verified.size() == 1 ? "" : "s",
+                  iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
+  for (const MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
 }
 
 void tellParameters(const HeadFit& fit, Console& console) {
@@ -62,34 +63,14 @@ void tellParameters(const HeadFit& fit, Console& console) {
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
 
-/// Cuts on the twin; a table goes into the results before it is used.
-class OnTwin {
- public:
-  OnTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console)
-      : setup_(setup), options_(options), bench_(benchOf(options)), console_(console) {}
-
-  MeasuredSheet operator()(const MarkJob& job, int sheet, const std::string& name,
-                           const std::optional<AimGrid>& table) {
-    SheetRequest request{job, sheet, options_.results_dir / name, setup_.table_file};
-    // Of each iteration's two sheets the second is the first with its table.
-    if (sheet > 0 && table) {
-      request.table = options_.results_dir / fmt::format("correction-{}.csv", (sheet + 1) / 2);
-      writeFileAtomically(request.table, csvTable(*table));
-    }
-    const auto progress = [&](double now_s, const std::string& what) {
-      console_.progress(now_s, fmt::format("{}: {}", name, what));
-    };
-    SheetOnTwin done = sheetOnTwin(setup_, bench_, request, progress);
-    if (done.was_there) console_.say(fmt::format("  {}: measured before", name));
-    return std::move(done.measured);
-  }
-
- private:
-  const HeadSetup& setup_;
-  const HeadCalibrateOptions& options_;
-  TwinBench bench_;
-  Console& console_;
-};
+HeadOnTwin onTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
+  HeadOnTwin cut(setup, benchOf(options), options.results_dir);
+  cut.progress = [&](const std::string& sheet, double now_s, const std::string& what) {
+    console.progress(now_s, fmt::format("{}: {}", sheet, what));
+  };
+  cut.was_there = [&](const std::string& sheet) { console.say(fmt::format("  {}: measured before", sheet)); };
+  return cut;
+}
 
 HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
   return {.grids = options.grids,
@@ -118,18 +99,56 @@ HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions&
   }
 }
 
+/// From the results; absolute where it lies elsewhere.
+std::string besideReport(const fs::path& file, const fs::path& results) {
+  const fs::path from_results =
+      fs::absolute(file).lexically_normal().lexically_relative(fs::absolute(results).lexically_normal());
+  const bool beside = !from_results.empty() && *from_results.begin() != "..";
+  return (beside ? from_results : fs::absolute(file).lexically_normal()).string();
+}
+
+std::vector<HeadFile> filesOf(const HeadCalibration& result, const HeadCalibrateOptions& options,
+                              const fs::path& table) {
+  std::vector<HeadFile> files;
+  if (result.good()) files.push_back({besideReport(table, options.results_dir), "the controller's table"});
+  if (options.job.empty()) {
+    for (std::size_t i = 1; i <= result.iterations.size(); ++i) {
+      files.push_back({fmt::format("correction-{}.csv", i), fmt::format("the table of iteration {}", i)});
+      files.push_back({fmt::format("{}-grid/", i), "its grid: job, drawing, scenario, measured marks"});
+      for (std::size_t sheet = 1; sheet <= result.iterations[i - 1].verified.size(); ++sheet)
+        files.push_back({fmt::format("{}-verify-{}/", i, sheet), "a sheet that verifies it"});
+    }
+  }
+  files.push_back({"head.json", "all figures of this page"});
+  return files;
+}
+
+HeadFacts factsOf(const HeadCalibration& result, const HeadSetup& setup, const HeadCalibrateOptions& options,
+                  const fs::path& table) {
+  return {.machine = setup.name,
+          .command = options.command_line,
+          .version = KERFBENCH_VERSION,
+          .camera = setup.camera.camera_id,
+          .source = options.job.empty() ? fmt::format("twin {}, imperfections {}, seed {}", options.twin,
+                                                      options.imperfections, options.seed)
+                                        : options.pictures.string(),
+          .mark_size_mm = setup.mark_size_mm,
+          .field_W_mm = setup.field_W_mm,
+          .table = setup.table,
+          .files = filesOf(result, options, table)};
+}
+
 int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetup& setup,
              const HeadCalibrateOptions& options, Console& console) {
   const FittedHead& best = result.iterations.at(result.best).head;
   tellParameters(best.fit, console);
   const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
-  const HeadFacts facts{.machine = setup.name,
-                        .command = options.command_line,
-                        .version = KERFBENCH_VERSION,
-                        .camera = setup.camera.camera_id};
+  const HeadFacts facts = factsOf(result, setup, options, table);
   if (result.good()) writeFileAtomically(table, csvTable(best.table.grid));
   writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
+  writeFileAtomically(options.results_dir / "report.html", headHtml(result, plan, facts));
   console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
+  console.say(fmt::format("report: {}", (options.results_dir / "report.html").string()));
   if (!result.good()) {
     console.say(fmt::format("the best table is correction-{}.csv in {}; {} is not written", result.best + 1,
                             options.results_dir.string(), table.string()));
@@ -152,7 +171,7 @@ int calibrate(const HeadCalibrateOptions& options) {
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
   const HeadCalibration result =
-      calibrateHead(setup, plan, OnTwin(setup, options, console),
+      calibrateHead(setup, plan, onTwin(setup, options, console),
                     [&](const HeadIteration& iteration) { tell(iteration, console); });
   return conclude(result, plan, setup, options, console);
 }

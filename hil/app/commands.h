@@ -67,7 +67,7 @@ struct HeadCalibrateOptions {
   std::filesystem::path machine;
   std::filesystem::path results_dir{"results/head"};  ///< Of this calibration alone; it goes on from there.
   std::vector<int> grids{3, 9, 17};
-  int verify{60};
+  int verify{400};
   double limit_mm{0.010};
   std::uint64_t seed{1};
   std::string imperfections{"static"};

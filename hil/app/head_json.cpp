@@ -31,6 +31,8 @@ Json jsonOf(const MeasuredSheet& sheet) {
 Json jsonOf(const HeadIteration& iteration) {
   const CorrectionTableResult& table = iteration.head.table;
   const auto& surface = iteration.head.fit.surface();
+  Json verified = Json::array();
+  for (const MeasuredSheet& sheet : iteration.verified) verified.push_back(jsonOf(sheet));
   return {{"grid", iteration.grid},
           {"marks", jsonOf(iteration.marks)},
           {"before", jsonOf(iteration.before)},
@@ -42,7 +44,7 @@ Json jsonOf(const HeadIteration& iteration) {
             {"interpolation_error_mm", number(table.interpolation_error_mm)},
             {"largest_correction_mm", number(table.largest_correction_mm)},
             {"largest_sigma_mm", number(table.largest_sigma_mm)}}},
-          {"verified", jsonOf(iteration.verified)},
+          {"verified", verified},
           {"after", jsonOf(iteration.after)},
           {"within_stated_95", iteration.covered}};
 }

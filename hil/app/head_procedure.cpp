@@ -10,6 +10,7 @@
 #include "hil/calibrate/head/spread.h"
 #include "hil/calibrate/marks/mark_code.h"
 #include "hil/calibrate/marks/mark_pattern.h"
+#include "hil/calibrate/marks/verify_places.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -20,7 +21,6 @@ constexpr double kNoBetter = 0.9;
 constexpr double kCovered = 0.05;     // beyond the ellipse of 95 %
 constexpr double kSheetX_mm = -67.0;  // S is not W: whoever takes one for the other is off by this
 constexpr double kPrintDiameter_mm = 3.0;
-constexpr double kApartFromKnown = 0.25;  // of a mark's size
 
 std::vector<RegistrationMark> printFor(const HeadSetup& setup, const Vector2d& p_SW_mm) {
   const double beyond_mm = 0.5 * (kMarkReach * setup.mark_size_mm + kPrintDiameter_mm) + setup.off_mm;
@@ -50,15 +50,26 @@ class Numbers {
   int next_{0};
 };
 
-std::size_t coveredOf(const HeadIteration& iteration) {
+std::size_t coveredOf(const FittedHead& head, const MeasuredSheet& sheet) {
   const double most = chiSquare2Above(kCovered);
-  const std::vector<HeadObservation> seen = observationsOf(iteration.verified, iteration.head.table.grid);
+  const std::vector<HeadObservation> seen = observationsOf(sheet, head.table.grid);
   return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const HeadObservation& o) {
-    const auto spot = iteration.head.fit.spotOf(o.aim_W_mm);
-    const auto covariance = iteration.head.fit.covarianceAt_mm2(o.aim_W_mm);
+    const auto spot = head.fit.spotOf(o.aim_W_mm);
+    const auto covariance = head.fit.covarianceAt_mm2(o.aim_W_mm);
     return spot && covariance &&
            distance2(o.measured_W_mm - spot->p_W_mm, *covariance + o.covariance_mm2) <= most;
   }));
+}
+
+std::vector<Vector2d> middlesOf(const AimGrid& table) {
+  std::vector<Vector2d> middles;
+  for (std::size_t row = 0; row + 1 < table.y_mm().size(); ++row) {
+    for (std::size_t column = 0; column + 1 < table.x_mm().size(); ++column) {
+      middles.emplace_back(0.5 * (table.x_mm()[column] + table.x_mm()[column + 1]),
+                           0.5 * (table.y_mm()[row] + table.y_mm()[row + 1]));
+    }
+  }
+  return middles;
 }
 
 /// What the rounds share.
@@ -68,42 +79,43 @@ class Rounds {
       : setup_(setup), plan_(plan), cut_(cut), table_(setup.table) {}
 
   HeadIteration next(int grid) {
-    ++round_;
-    const MeasuredSheet marks = measured(gridPlaces(setup_.field_W_mm, grid), "grid");
+    const std::vector<Vector2d> places = gridPlaces(setup_.field_W_mm, grid);
+    marked_.insert(marked_.end(), places.begin(), places.end());
+    const MeasuredSheet marks = measured(places, fmt::format("{}-grid", round_ + 1));
     for (const HeadObservation& o : observationsOf(marks, table_)) observations_.push_back(o);
     HeadIteration iteration{.grid = grid,
                             .marks = marks,
-                            .before = errorsOf(marks),
+                            .before = errorsOf({&marks, 1}),
                             .head = fitted(observations_, setup_),
                             .verified = {},
                             .after = {}};
     table_ = iteration.head.table.grid;
-    iteration.verified = measured(placesToVerify(), "verify");
+    ++round_;
+    int part = 0;
+    for (const std::vector<Vector2d>& some : placesToVerify()) {
+      iteration.verified.push_back(measured(some, fmt::format("{}-verify-{}", round_, ++part)));
+      iteration.covered += coveredOf(iteration.head, iteration.verified.back());
+    }
     iteration.after = errorsOf(iteration.verified);
-    iteration.covered = coveredOf(iteration);
     return iteration;
   }
 
  private:
-  std::vector<Vector2d> placesToVerify() const {
-    RandomPlaces wish;
-    wish.count = plan_.verify;
-    wish.apart_mm = kMarkPitch * setup_.mark_size_mm;
-    wish.known = known_;
-    wish.from_known_mm = kApartFromKnown * setup_.mark_size_mm;
-    wish.seed = 16 * plan_.seed + static_cast<std::uint64_t>(round_);
+  std::vector<std::vector<Vector2d>> placesToVerify() const {
     try {
-      return randomPlaces(setup_.field_W_mm, wish);
+      return verifySheets(setup_.field_W_mm, {.count = plan_.verify,
+                                              .mark_size_mm = setup_.mark_size_mm,
+                                              .marked = marked_,
+                                              .middles = middlesOf(*table_),
+                                              .seed = 4 * plan_.seed + static_cast<std::uint64_t>(round_)});
     } catch (const std::invalid_argument& error) {
       throw ConfigError(fmt::format("{}: {}", setup_.machine.string(), error.what()));
     }
   }
 
-  MeasuredSheet measured(const std::vector<Vector2d>& places_mm, const char* what) {
-    known_.insert(known_.end(), places_mm.begin(), places_mm.end());
-    const std::string name = fmt::format("{}-{}", round_, what);
-    return cut_(planSheet(setup_, plan_, name, places_mm, numbers_.take(places_mm.size())), sheet_++, name,
-                table_);
+  MeasuredSheet measured(const std::vector<Vector2d>& places_mm, const std::string& name) {
+    const int first = numbers_.take(places_mm.size());
+    return cut_({planSheet(setup_, plan_, name, places_mm, first), sheet_++, round_, table_});
   }
 
   const HeadSetup& setup_;
@@ -111,9 +123,9 @@ class Rounds {
   const CutAndMeasure& cut_;
   std::optional<AimGrid> table_;
   std::vector<HeadObservation> observations_;
-  std::vector<Vector2d> known_;
+  std::vector<Vector2d> marked_;
   Numbers numbers_;
-  int round_{0}, sheet_{0};
+  int round_{0}, sheet_{0};  // Rounds whose table is made.
 };
 
 }  // namespace
@@ -174,7 +186,7 @@ HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& s
   HeadCalibration result;
   result.iterations.push_back({.grid = 0,
                                .marks = sheet,
-                               .before = errorsOf(sheet),
+                               .before = errorsOf({&sheet, 1}),
                                .head = fitted(observationsOf(sheet, setup.table), setup),
                                .verified = {},
                                .after = {}});

@@ -12,16 +12,22 @@
 
 namespace kerfbench::hil {
 
-/// A job cut with a table, or without one, and measured.
-using CutAndMeasure = std::function<MeasuredSheet(const MarkJob& job, int sheet, const std::string& name,
-                                                  const std::optional<AimGrid>& table)>;
+/// A sheet to be cut.
+struct SheetOrder {
+  MarkJob job;
+  int sheet{};                   ///< Of this calibration, from 0.
+  int round{};                   ///< Whose table it is: 0: the one that was at work before, if any.
+  std::optional<AimGrid> table;  ///< The controller's.
+};
+/// Cuts a sheet and measures it.
+using CutAndMeasure = std::function<MeasuredSheet(const SheetOrder& order)>;
 
 struct HeadPlan {
   std::vector<int> grids{3, 9, 17};  ///< Marks each way, one iteration each.
-  int verify{60};                    ///< Marks that verify a table, at places of their own.
-  double limit_mm{0.010};            ///< Largest error of any of them.
-  std::string date;                  ///< ISO 8601 day of the jobs.
-  std::uint64_t seed{1};             ///< Of the places that verify.
+  int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
+  double limit_mm{0.010};  ///< Largest error of any of them.
+  std::string date;        ///< ISO 8601 day of the jobs.
+  std::uint64_t seed{1};   ///< Of the places that verify.
 };
 
 /// A head as marks of one sheet or several show it, and the table that follows.
@@ -34,11 +40,11 @@ FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSe
 
 struct HeadIteration {
   int grid{};
-  MeasuredSheet marks;     ///< Cut with the table of the iteration before.
-  SheetErrors before;      ///< Theirs.
-  FittedHead head;         ///< By all marks so far but those that verify.
-  MeasuredSheet verified;  ///< Cut with head.table.
-  SheetErrors after;       ///< Theirs; of no marks where nothing was verified.
+  MeasuredSheet marks;                  ///< Cut with the table of the iteration before.
+  SheetErrors before;                   ///< Theirs.
+  FittedHead head;                      ///< By all marks so far but those that verify.
+  std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
+  SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
   /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what fit and marks state.
   std::size_t covered{};
 };
@@ -56,8 +62,9 @@ struct HeadCalibration {
 };
 
 /// Rounds of: cut a grid of marks with the table so far, fit the head by all grids, make a table, verify it
-/// at random places that were never marked. Ends when the largest error there is within the limit, when it is
-/// no longer smaller than 0.9 of the one before, or after the last grid. `told` hears of each iteration.
+/// at random places that were not marked for the fit, on as many sheets as they need. Ends when the largest
+/// error there is within the limit, when it is no longer smaller than 0.9 of the one before, or after the
+/// last grid. `told` hears of each iteration.
 /// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);

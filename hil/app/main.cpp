@@ -129,7 +129,8 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
       ->expected(1, 3)
       ->check(CLI::Range(3, 33))
       ->capture_default_str();
-  head->add_option("--verify", options.verify, "Marks that verify each table, at random places")
+  head->add_option("--verify", options.verify,
+                   "Marks that verify each table, at random places, on as many sheets as they need")
       ->check(CLI::Range(5, 1000))
       ->capture_default_str();
   head->add_option("--limit-mm", options.limit_mm, "Largest error at any of them")

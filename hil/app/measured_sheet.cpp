@@ -40,14 +40,17 @@ void readMarks(YamlReader& file, const MarkJob& job, MeasuredSheet& sheet) {
 
 }  // namespace
 
-SheetErrors errorsOf(const MeasuredSheet& sheet) {
-  SheetErrors errors{.marks = sheet.marks.size(), .max_mm = 0.0, .rms_mm = 0.0};
+SheetErrors errorsOf(std::span<const MeasuredSheet> sheets) {
+  SheetErrors errors;
   double sum_mm2 = 0.0;
-  for (const MeasuredMark& mark : sheet.marks) {
-    errors.max_mm = std::max(errors.max_mm, mark.error_mm().norm());
-    sum_mm2 += mark.error_mm().squaredNorm();
+  for (const MeasuredSheet& sheet : sheets) {
+    errors.marks += sheet.marks.size();
+    for (const MeasuredMark& mark : sheet.marks) {
+      errors.max_mm = std::max(errors.max_mm, mark.error_mm().norm());
+      sum_mm2 += mark.error_mm().squaredNorm();
+    }
   }
-  if (!sheet.marks.empty()) errors.rms_mm = std::sqrt(sum_mm2 / static_cast<double>(sheet.marks.size()));
+  if (errors.marks > 0) errors.rms_mm = std::sqrt(sum_mm2 / static_cast<double>(errors.marks));
   return errors;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,12 +35,12 @@ struct MeasuredSheet {
   std::vector<std::string> remarks;
 };
 
-/// How far marks lie beside where they were wanted.
+/// How far the marks of one sheet or several lie beside where they were wanted.
 struct SheetErrors {
   std::size_t marks{};
   double max_mm{}, rms_mm{};
 };
-SheetErrors errorsOf(const MeasuredSheet& sheet);
+SheetErrors errorsOf(std::span<const MeasuredSheet> sheets);
 
 /// Finds the job's marks in the pictures. @throws HeadEvidenceError with every reason why they must not be
 /// used.

@@ -11,12 +11,11 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr std::string_view kCss = R"css(
-.grid{stroke:var(--line);stroke-width:.6}.band{fill:var(--acc);opacity:.13}.dots.miss{stroke:var(--fail)}
+.band{fill:var(--acc);opacity:.13}.dots.miss{stroke:var(--fail)}
 .dots.big{stroke-width:4}.way{fill:none;stroke:var(--nom);stroke-width:.8}.curve{fill:none;stroke:var(--fg);stroke-width:1.2}
 .oc{fill:currentColor;opacity:.85}.cell{fill:var(--acc)}.root{fill:var(--mute)}
 .arrow{stroke:var(--fail);stroke-width:.35;stroke-linecap:round}.goal{fill:var(--pass);opacity:.16}
 .ci{stroke:var(--mute);stroke-width:1.4}.hold{fill:var(--pass)}.off{fill:var(--fail)}.warn{fill:var(--fail)!important}
-.figs{display:grid;grid-template-columns:repeat(auto-fill,minmax(440px,1fr));gap:18px 22px;margin:12px 0}
 svg.field{background:var(--card);border-radius:6px}.open{color:var(--np)}
 details{margin:8px 0}summary{cursor:pointer;color:var(--mute)}
 .claims td{padding:4px 8px;font-size:13px}h3{font-size:16px;margin:22px 0 6px}
@@ -205,18 +204,14 @@ std::string sectionHtml(const GaugeSection& s) {
 }  // namespace
 
 std::string gaugeHtml(const GaugeResult& result, const GaugeOptions& options, const GaugeFacts& facts) {
-  std::string html = fmt::format(
-      "<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content='width=device-width'><title>gauge: "
-      "{}</title><style>{}{}</style></head><body><main>",
-      escapeHtml(facts.machine), kReportCss, kCss);
+  std::string html = htmlPageHead("gauge: " + facts.machine, kCss);
   html += header(result, options, facts) + claimSection(result);
   for (const GaugeSection& s : result.sections) html += sectionHtml(s);
   html += fmt::format(
       "<h2>Again</h2><p><code>{}</code></p><p class=note>Same input, same bytes. docs/GAUGE.md says how "
-      "to read this page.</p></main></body></html>\n",
+      "to read this page.</p>",
       escapeHtml(facts.command));
-  return html;
+  return html.append(kHtmlPageEnd);
 }
 
 }  // namespace kerfbench::hil

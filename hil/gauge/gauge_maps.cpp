@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "hil/gauge/gauge_report.h"
-#include "hil/gauge/plot.h"
 #include "hil/report/html_text.h"
+#include "hil/report/plot.h"
 
 namespace kerfbench::hil {
 namespace {

@@ -18,11 +18,6 @@ namespace {
 constexpr double kExaggeration = 100.0;
 constexpr std::size_t kMaxPoints = 8000;  ///< Over all panels; keeps the page small.
 constexpr std::size_t kMaxPanels = 3;
-constexpr std::size_t kBins = 5;  ///< Shares of the limit: a quarter each, the last is beyond it.
-
-std::size_t binOf(double offset_mm, double limit_mm) {
-  return static_cast<std::size_t>(std::clamp(std::floor(4.0 * std::abs(offset_mm) / limit_mm), 0.0, 4.0));
-}
 
 bool isUsed(const Process process) { return process != Process::kIgnore; }
 
@@ -48,7 +43,7 @@ std::vector<int> unitsToShow(const RunReport& report) {
 struct Drawing {
   std::string nominal;
   std::string missing;
-  std::array<std::string, kBins> measured;
+  std::array<std::string, kLimitBins> measured;
 };
 
 void lineTo(std::string& path, const Eigen::Vector2d& p, bool move) {
@@ -59,7 +54,7 @@ void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm,
                   Drawing& drawing) {
   // Of each group of `stride` stations the worst one is kept: decimation must not hide it.
   std::optional<Eigen::Vector2d> last;
-  std::size_t last_bin = kBins;
+  std::size_t last_bin = kLimitBins;
   bool missing_open = false;
   for (std::size_t begin = 0; begin < kerf.calipers.size(); begin += stride) {
     const std::size_t end = std::min(begin + stride, kerf.calipers.size());
@@ -78,13 +73,13 @@ void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm,
     missing_open = lost != nullptr;
     if (worst == nullptr) {
       last.reset();
-      last_bin = kBins;
+      last_bin = kLimitBins;
       continue;
     }
     const Eigen::Vector2d t = tangentAt(entity.curve, worst->u);
     const Eigen::Vector2d p =
         worst->p_S_mm + kExaggeration * worst->offset_mm * Eigen::Vector2d(-t.y(), t.x());
-    const std::size_t bin = binOf(worst->offset_mm, limit_mm);
+    const std::size_t bin = limitBin(worst->offset_mm, limit_mm);
     if (last) {
       if (bin != last_bin) lineTo(drawing.measured[bin], *last, true);
       lineTo(drawing.measured[bin], p, false);
@@ -131,7 +126,7 @@ std::string panel(const RunReport& report, int unit, std::size_t stride, const s
       x, y, width, height, unit);
   svg += fmt::format("<path class=nominal d='{}'/>", nominal);
   if (!drawing.missing.empty()) svg += fmt::format("<path class=missing d='{}'/>", drawing.missing);
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
+  for (std::size_t bin = 0; bin < kLimitBins; ++bin) {
     if (!drawing.measured[bin].empty())
       svg += fmt::format("<path class=b{} d='{}'/>", bin, drawing.measured[bin]);
   }
@@ -182,14 +177,7 @@ std::string dielineFigures(const RunReport& report) {
   const std::size_t stride = std::max<std::size_t>(1, (points + kMaxPoints - 1) / kMaxPoints);
   const std::string nominal = nominalPath(report, report.dieline.bounds().sizes().maxCoeff());
   std::string html = "<div class=legend><span class=key><i class=kn></i>dieline</span>";
-  const double quarter_um = 250.0 * report.limits.path_mm;
-  for (std::size_t bin = 0; bin < kBins; ++bin) {
-    html +=
-        bin + 1 < kBins
-            ? fmt::format("<span class=key><i class=k{}></i>{:.3g}–{:.3g} µm</span>", bin,
-                          static_cast<double>(bin) * quarter_um, static_cast<double>(bin + 1) * quarter_um)
-            : fmt::format("<span class=key><i class=k{}></i>over {:.3g} µm</span>", bin, 4.0 * quarter_um);
-  }
+  html += limitLegend(report.limits.path_mm);
   html +=
       "<span class=key><i class=km></i>no kerf found</span><span class=key><i class=ks></i>stray "
       "burn</span></div>";

@@ -62,6 +62,8 @@ svg.gauge{width:126px;height:16px}
 .sheetdots{stroke:var(--b3);stroke-width:5}.sheetword{color:var(--b3);font-weight:650}.spotword{color:var(--acc);font-weight:650}
 .tick{fill:var(--mute);font-size:10px}.bar{fill:var(--acc)}.barbad{fill:var(--fail)}
 .gauge .ok{fill:var(--pass);opacity:.35}.gauge .band{fill:var(--np);opacity:.45}.gauge .bad{fill:var(--fail);opacity:.35}
+.grid{stroke:var(--line);stroke-width:.6}
+.figs{display:grid;grid-template-columns:repeat(auto-fill,minmax(440px,1fr));gap:18px 22px;margin:12px 0}
 .gauge .unc{stroke:var(--fg);stroke-width:2}.gauge .val{fill:var(--fg)}
 pre{background:var(--card);border-radius:6px;padding:10px 14px;overflow:auto;font-size:13px;white-space:pre-wrap}
 code{font-size:13px;overflow-wrap:anywhere} a{color:var(--acc)} summary{cursor:pointer;color:var(--acc);margin:6px 0}
@@ -71,6 +73,17 @@ code{font-size:13px;overflow-wrap:anywhere} a{color:var(--acc)} summary{cursor:p
 main{max-width:none;padding:0}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 figure,tr,header{break-inside:avoid}h2{break-after:avoid}summary{display:none}body{font-size:12px}}
 )css";
+
+const std::string_view kHtmlPageEnd = "</main></body></html>\n";
+
+std::string htmlPageHead(std::string_view title, std::string_view more_css) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
+      "content='width=device-width'>"
+      "<meta name=color-scheme content='light "
+      "dark'><title>{}</title><style>{}{}</style></head><body><main>\n",
+      escapeHtml(title), kReportCss, more_css);
+}
 
 namespace {
 
@@ -143,27 +156,22 @@ std::string entityTable(const RunReport& report) {
   return html;
 }
 
-void row(std::string& html, std::string_view key, const std::string& value, bool code = false) {
-  if (value.empty()) return;
-  const std::string text = code ? "<code>" + escapeHtml(value) + "</code>" : escapeHtml(value);
-  html += fmt::format("<tr><th>{}<td>{}</tr>", escapeHtml(key), text);
-}
-
 std::string environment(const RunReport& report) {
   std::string html = "<table><tbody>";
-  row(html, "Repeat with", report.repeat_command, true);
-  row(html, "Digest", digestOf(report), true);
-  row(html, "Scenario", report.scenario_path, true);
-  row(html, "Dieline", report.dieline.path, true);
-  row(html, "Firmware", report.firmware);
-  row(html, "Signal source", report.source_id);
-  row(html, "Machine", report.machine);
-  row(html, "Seed", std::to_string(report.seed));
-  row(html, "Virtual time", fmt::format("{:.3f} s", report.virtual_s));
-  row(html, "Spot frames", fmt::format("{}, {} lost", report.spot.frames.size(), report.spot.frames_lost));
-  for (const auto& [name, version] : report.versions) row(html, name, version, true);
-  row(html, "Host", report.host);
-  row(html, "Finished", report.finished);
+  html += htmlRow("Repeat with", report.repeat_command, true);
+  html += htmlRow("Digest", digestOf(report), true);
+  html += htmlRow("Scenario", report.scenario_path, true);
+  html += htmlRow("Dieline", report.dieline.path, true);
+  html += htmlRow("Firmware", report.firmware);
+  html += htmlRow("Signal source", report.source_id);
+  html += htmlRow("Machine", report.machine);
+  html += htmlRow("Seed", std::to_string(report.seed));
+  html += htmlRow("Virtual time", fmt::format("{:.3f} s", report.virtual_s));
+  html +=
+      htmlRow("Spot frames", fmt::format("{}, {} lost", report.spot.frames.size(), report.spot.frames_lost));
+  for (const auto& [name, version] : report.versions) html += htmlRow(name, version, true);
+  html += htmlRow("Host", report.host);
+  html += htmlRow("Finished", report.finished);
   html += "</tbody></table>";
   if (!report.scenario_text.empty()) {
     html += "<details><summary>The scenario as read</summary><pre>" + escapeHtml(report.scenario_text) +
@@ -199,31 +207,18 @@ std::string shownPictures(const RunReport& report) {
   return html;
 }
 
-void section(std::string& page, std::string_view title, const std::string& body) {
-  if (!body.empty()) page += fmt::format("<section><h2>{}</h2>{}</section>\n", title, body);
-}
-
 }  // namespace
 
 std::string htmlReport(const RunReport& report) {
   const InspectionResult& result = report.result;
-  std::string page = fmt::format(
-      "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content='width=device-width'>"
-      "<meta name=color-scheme content='light dark'><title>{} – "
-      "{}</title><style>{}</style></head><body><main>\n",
-      verdictName(result.verdict), escapeHtml(report.scenario), kReportCss);
-  std::string facts;
-  for (const auto& [key, value] : {std::pair<std::string_view, std::string>{"Scenario", report.scenario},
-                                   {"Firmware", report.firmware},
-                                   {"Machine", report.machine},
-                                   {"Seed", std::to_string(report.seed)},
-                                   {"Imperfections", report.model.imperfections},
-                                   {"Model", report.model.twin},
-                                   {"Finished", report.finished}}) {
-    if (!value.empty())
-      facts += fmt::format("{}{} <b>{}</b>", facts.empty() ? "" : " · ", key, escapeHtml(value));
-  }
+  std::string page = htmlPageHead(fmt::format("{} – {}", verdictName(result.verdict), report.scenario));
+  const std::string facts = htmlFacts({{"Scenario", report.scenario},
+                                       {"Firmware", report.firmware},
+                                       {"Machine", report.machine},
+                                       {"Seed", std::to_string(report.seed)},
+                                       {"Imperfections", report.model.imperfections},
+                                       {"Model", report.model.twin},
+                                       {"Finished", report.finished}});
   page += fmt::format("<header class={}><div class=big>{}</div><p>{}</p><div class=facts>{}</div></header>\n",
                       verdictClass(result.verdict), verdictName(result.verdict),
                       escapeHtml(verdictSentence(report)), facts);
@@ -231,26 +226,26 @@ std::string htmlReport(const RunReport& report) {
   if (!result.problems.empty()) {
     std::string list = "<ul class=problems>";
     for (const std::string& problem : result.problems) list += "<li>" + escapeHtml(problem) + "</li>";
-    section(page, "Problems of the evidence", list + "</ul>");
+    page += htmlSection("Problems of the evidence", list + "</ul>");
   }
-  if (!result.checks.empty()) section(page, "Checks", checkTable(report));
-  section(page, "The cut against the dieline", dielineFigures(report));
-  section(page, "Worst places", worstPlaces(report));
-  section(page, "Stillness along x, cut by cut", stillnessFigures(report));
-  section(page, "Pulse timing", pulseFigures(report));
-  if (!result.entities.empty()) section(page, "Entities", entityTable(report));
-  section(page, "What the measurement is worth", uncertaintySection(report));
-  section(page, "Pictures of the machine", shownPictures(report));
+  if (!result.checks.empty()) page += htmlSection("Checks", checkTable(report));
+  page += htmlSection("The cut against the dieline", dielineFigures(report));
+  page += htmlSection("Worst places", worstPlaces(report));
+  page += htmlSection("Stillness along x, cut by cut", stillnessFigures(report));
+  page += htmlSection("Pulse timing", pulseFigures(report));
+  if (!result.entities.empty()) page += htmlSection("Entities", entityTable(report));
+  page += htmlSection("What the measurement is worth", uncertaintySection(report));
+  page += htmlSection("Pictures of the machine", shownPictures(report));
   std::string pictures;
   for (const ReportPicture& picture : report.pictures) {
     pictures += fmt::format("<li><a href='{}'>{}</a> {}</li>", escapeHtml(picture.file),
                             escapeHtml(picture.file), escapeHtml(picture.caption));
   }
-  if (!pictures.empty()) section(page, "Files beside this report", "<ul>" + pictures + "</ul>");
-  section(page, "Machine", modelSection(report));
-  section(page, "What was run", environment(report));
-  section(page, "Where the time went", timing(report));
-  return page + "</main></body></html>\n";
+  if (!pictures.empty()) page += htmlSection("Files beside this report", "<ul>" + pictures + "</ul>");
+  page += htmlSection("Machine", modelSection(report));
+  page += htmlSection("What was run", environment(report));
+  page += htmlSection("Where the time went", timing(report));
+  return page.append(kHtmlPageEnd);
 }
 
 }  // namespace kerfbench::hil

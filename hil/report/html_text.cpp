@@ -63,6 +63,43 @@ std::string checkNumber(const Check& check, double value) {
   return check.unit.empty() ? fmt::format("{:.2f}", value) : fmt::format("{:.4g} {}", value, check.unit);
 }
 
+std::size_t limitBin(double offset_mm, double limit_mm) {
+  return static_cast<std::size_t>(std::clamp(std::floor(4.0 * std::abs(offset_mm) / limit_mm), 0.0, 4.0));
+}
+
+std::string limitLegend(double limit_mm) {
+  const double quarter_um = 250.0 * limit_mm;
+  std::string html;
+  for (std::size_t bin = 0; bin < kLimitBins; ++bin) {
+    html +=
+        bin + 1 < kLimitBins
+            ? fmt::format("<span class=key><i class=k{}></i>{:.3g}–{:.3g} µm</span>", bin,
+                          static_cast<double>(bin) * quarter_um, static_cast<double>(bin + 1) * quarter_um)
+            : fmt::format("<span class=key><i class=k{}></i>over {:.3g} µm</span>", bin, 4.0 * quarter_um);
+  }
+  return html;
+}
+
+std::string htmlSection(std::string_view title, const std::string& body) {
+  return body.empty() ? std::string()
+                      : fmt::format("<section><h2>{}</h2>{}</section>\n", escapeHtml(title), body);
+}
+
+std::string htmlRow(std::string_view key, const std::string& value, bool code) {
+  if (value.empty()) return {};
+  const std::string text = code ? "<code>" + escapeHtml(value) + "</code>" : escapeHtml(value);
+  return fmt::format("<tr><th>{}<td>{}</tr>", escapeHtml(key), text);
+}
+
+std::string htmlFacts(const std::vector<std::pair<std::string_view, std::string>>& facts) {
+  std::string html;
+  for (const auto& [key, value] : facts) {
+    if (!value.empty())
+      html += fmt::format("{}{} <b>{}</b>", html.empty() ? "" : " · ", escapeHtml(key), escapeHtml(value));
+  }
+  return html;
+}
+
 std::string_view verdictClass(Verdict verdict) {
   switch (verdict) {
     case Verdict::kPass:

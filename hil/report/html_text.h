@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Pieces of text and figures that the reports share. Private to hil/report and its tests.
+// Pieces of text and figures that the pages of runs, of the gauge and of a head's calibration share.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "hil/report/run_report.h"
 #include "twin/base/image.h"
@@ -24,6 +27,23 @@ std::string_view verdictClass(Verdict verdict);
 
 /// The page's style sheet.
 extern const std::string_view kReportCss;
+
+/// Doctype, head with the style sheet and `more_css`, up to and with <main>; `title` is text.
+std::string htmlPageHead(std::string_view title, std::string_view more_css = {});
+/// The end of the page.
+extern const std::string_view kHtmlPageEnd;
+/// A section with a heading; nothing where the body is empty. `body` is HTML.
+std::string htmlSection(std::string_view title, const std::string& body);
+/// A row of a table of facts; nothing where the value is empty. Both are text.
+std::string htmlRow(std::string_view key, const std::string& value, bool code = false);
+/// "Machine <b>m</b> · Seed <b>1</b>"; what is empty is left out. All are text.
+std::string htmlFacts(const std::vector<std::pair<std::string_view, std::string>>& facts);
+
+/// Lengths are coloured by quarters of a limit: classes b0 … b3 within it, b4 beyond; k0 … k4 of the legend.
+inline constexpr std::size_t kLimitBins = 5;
+std::size_t limitBin(double offset_mm, double limit_mm);
+/// The entries of the legend, without the element around them.
+std::string limitLegend(double limit_mm);
 
 // Figures; empty where there is nothing to show.
 std::string gaugeSvg(const Check& check);

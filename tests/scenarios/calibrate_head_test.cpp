@@ -47,6 +47,12 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
   EXPECT_GE(last.at("within_stated_95"), 17);  // Fewer by chance: 2 % at 95 %.
   const std::string table = textOf(scratch_.path() / "live/correction.csv");
   EXPECT_THAT(table, HasSubstr("x_mm,y_mm,dx_mm,dy_mm"));
+  const std::string page = textOf(scratch_.path() / "live/report.html");
+  EXPECT_THAT(page, HasSubstr("<div class=big>GOOD</div>"));
+  for (const char* file : {"correction.csv", "correction-1.csv", "1-grid/", "1-verify-1/", "head.json"}) {
+    EXPECT_THAT(page, HasSubstr(fmt::format("href='{}'", file)));
+    EXPECT_TRUE(fs::exists(scratch_.path() / "live" / file)) << file;
+  }
 
   const ProgramRun again = calibrate(live);
   EXPECT_EQ(again.exit_code, 0);
@@ -66,7 +72,7 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
                                  (sheets / "1-grid/marks.yaml").string(),
                                  (sheets / sheet / "pictures").string(), results("pictures"), old.string()));
   };
-  const ProgramRun wrong = pictures("1-verify");
+  const ProgramRun wrong = pictures("1-verify-1");
   EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
   EXPECT_THAT(wrong.output, HasSubstr("another job's sheet"));
   EXPECT_EQ(textOf(old), "old");
@@ -82,10 +88,10 @@ TEST_F(CalibrateHead, ToldWhatIsWrongWithItsInput) {
   EXPECT_EQ(gantry.exit_code, 65);
   EXPECT_THAT(gantry.output, HasSubstr("has no scan head"));
   const ProgramRun dense =
-      kerfbench(fmt::format("calibrate head --machine '{}' --verify 1000 --grids 3 --results-dir '{}'",
+      kerfbench(fmt::format("calibrate head --machine '{}' --grids 33 --results-dir '{}'",
                             fixture("machines/two-mirror-100.yaml").string(), results("d")));
   EXPECT_EQ(dense.exit_code, 65);
-  EXPECT_THAT(dense.output, HasSubstr("there is room for"));
+  EXPECT_THAT(dense.output, HasSubstr("are too near for a kerf"));
   EXPECT_EQ(calibrate("--pictures there").exit_code, 64);
 }
 

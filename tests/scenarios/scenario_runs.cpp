@@ -15,8 +15,8 @@
 namespace kerfbench::test {
 namespace fs = std::filesystem;
 
-ProgramRun kerfbench(const std::string& arguments) {
-  const std::string command = fmt::format("'{}/bin/kerfbench' {} 2>&1", KERFBENCH_BINARY_DIR, arguments);
+ProgramRun program(const std::string& name, const std::string& arguments) {
+  const std::string command = fmt::format("'{}/bin/{}' {} 2>&1", KERFBENCH_BINARY_DIR, name, arguments);
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("popen failed");
   ProgramRun run;

@@ -15,8 +15,10 @@ struct ProgramRun {
   std::string output;  ///< Standard output and standard error.
 };
 
-/// Runs `kerfbench` with these arguments in a shell, as a user would.
-ProgramRun kerfbench(const std::string& arguments);
+/// Runs a program of the build with these arguments in a shell, as a user would.
+ProgramRun program(const std::string& name, const std::string& arguments);
+/// The program of all commands.
+inline ProgramRun kerfbench(const std::string& arguments) { return program("kerfbench", arguments); }
 
 /// A folder for the results of one test, empty at first, removed in the end.
 class ScratchFolder {

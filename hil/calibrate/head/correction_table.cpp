@@ -45,6 +45,32 @@ double interpolationError(const HeadFit& fit, const AimGrid& grid) {
   return worst;
 }
 
+/// How far cubics through neighbouring sets of four of these values differ at most in the middle of a cell.
+/// By Newton's form it is their fourth difference times (z - x1)(z - x2)(z - x3) / 6 h³.
+double cubicsDiffer(std::size_t count, const auto& value) {
+  double worst = 0.0;
+  for (std::size_t first = 0; first + 5 <= count; ++first) {
+    const auto at = [&](std::size_t k) -> const Vector2d& { return value(first + k); };
+    const Vector2d fourth = at(0) - 4.0 * at(1) + 6.0 * at(2) - 4.0 * at(3) + at(4);
+    const bool rim = first == 0 || first + 5 == count;  // There the first cell or the last is looked at too.
+    worst = std::max(worst, (rim ? 5.0 : 1.0) / 16.0 * fourth.norm());
+  }
+  return worst;
+}
+
+double cubicsDiffer(const AimGrid& grid) {
+  const std::size_t nodes = grid.x_mm().size();
+  double worst = 0.0;
+  for (std::size_t line = 0; line < nodes; ++line) {
+    const double row = cubicsDiffer(
+        nodes, [&](std::size_t k) -> auto& { return grid.d_mm(k, line); });
+    const double column = cubicsDiffer(
+        nodes, [&](std::size_t k) -> auto& { return grid.d_mm(line, k); });
+    worst = std::max({worst, row, column});
+  }
+  return worst;
+}
+
 AimGrid gridOf(const HeadFit& fit, const Eigen::AlignedBox2d& area, std::size_t nodes) {
   const auto x = evenly(area.min().x(), area.max().x(), nodes);
   const auto y = evenly(area.min().y(), area.max().y(), nodes);
@@ -83,11 +109,12 @@ void refuseFolds(const AimGrid& grid, double sign) {
 void check(const CorrectionTableOptions& options) {
   const bool fine = !options.field_W_mm.isEmpty() && options.field_W_mm.sizes().minCoeff() > 0.0 &&
                     options.margin_share >= 0.0 && options.margin_share <= 1.0 &&
-                    options.interpolation_error_mm > 0.0 && options.least_nodes >= kLeastNodes &&
-                    options.most_nodes <= kMostNodes && options.least_nodes <= options.most_nodes;
+                    options.interpolation_error_mm > 0.0 && options.cubics_differ_mm > 0.0 &&
+                    options.least_nodes >= kLeastNodes && options.most_nodes <= kMostNodes &&
+                    options.least_nodes <= options.most_nodes;
   if (!fine) {
     throw std::invalid_argument(
-        "a table needs a field, a margin of 0 … 1, an error above 0, and 5 <= least_nodes <= most_nodes <= "
+        "a table needs a field, a margin of 0 … 1, errors above 0, and 5 <= least_nodes <= most_nodes <= "
         "1025");
   }
 }
@@ -112,17 +139,20 @@ CorrectionTableResult correctionTable(const HeadFit& fit, const CorrectionTableO
   const Vector2d margin = options.margin_share * options.field_W_mm.sizes();
   const Eigen::AlignedBox2d area(options.field_W_mm.min() - margin, options.field_W_mm.max() + margin);
   double error_mm = INFINITY;
+  double differ_mm = INFINITY;
   for (int nodes = options.least_nodes; nodes <= options.most_nodes; nodes = 2 * nodes - 1) {
     CorrectionTableResult table{gridOf(fit, area, static_cast<std::size_t>(nodes))};
     refuseFolds(table.grid, fit.axes().matrix().determinant());
     table.interpolation_error_mm = error_mm = interpolationError(fit, table.grid);
-    if (error_mm > options.interpolation_error_mm) continue;
+    differ_mm = cubicsDiffer(table.grid);
+    if (error_mm > options.interpolation_error_mm || differ_mm > options.cubics_differ_mm) continue;
     describe(fit, table);
     return table;
   }
   throw HeadCalibrationError(fmt::format(
-      "even the finest grid of {} nodes a side is off by {:.4f} mm between its nodes, more than {:g}",
-      options.most_nodes, error_mm, options.interpolation_error_mm));
+      "even the finest grid of {} nodes a side is too coarse: off by {:.4f} mm between its nodes ({:g} may "
+      "be), cubics through them differ by {:.4f} mm ({:g} may be)",
+      options.most_nodes, error_mm, options.interpolation_error_mm, differ_mm, options.cubics_differ_mm));
 }
 
 }  // namespace kerfbench::hil

@@ -13,7 +13,11 @@ struct CorrectionTableOptions {
   Eigen::AlignedBox2d field_W_mm{};      ///< Where the beam shall land.
   double margin_share{0.02};             ///< The grid reaches beyond the field by this share of its sides.
   double interpolation_error_mm{0.001};  ///< No more in any cell's middle or an edge's; > 0.
-  int least_nodes{9}, most_nodes{129};   ///< Of a side; 5 … 1025.
+  /// A controller that knows nothing but the nodes must not find the grid too coarse: in the middle between
+  /// two of them, cubics through neighbouring sets of four differ by no more; > 0. The reference controller
+  /// refuses 0.01.
+  double cubics_differ_mm{0.005};
+  int least_nodes{9}, most_nodes{129};  ///< Of a side; 5 … 1025.
 };
 
 struct CorrectionTableResult {

@@ -46,7 +46,9 @@ void sortInRows(std::vector<Vector2d>& places_mm, const AlignedBox2d& field_mm) 
   });
 }
 
-/// The nth draw over the field; every tenth on the rim.
+constexpr std::size_t kEach = 10;  // Of so many places one is favoured, one on the rim.
+
+/// The nth draw over the field, or over its rim.
 Vector2d draw(const CounterRandom& random, std::uint64_t n, bool on_rim, const AlignedBox2d& field_mm) {
   Vector2d share(random.uniform(3 * n), random.uniform(3 * n + 1));
   if (on_rim) {
@@ -54,6 +56,15 @@ Vector2d draw(const CounterRandom& random, std::uint64_t n, bool on_rim, const A
     share[side % 2] = side < 2 ? 0.0 : 1.0;
   }
   return field_mm.min() + share.cwiseProduct(field_mm.sizes());
+}
+
+/// Takes one out; share in [0, 1).
+Vector2d taken(std::vector<Vector2d>& from_mm, double share) {
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(from_mm.size()));
+  std::swap(from_mm[at], from_mm.back());
+  const Vector2d p_mm = from_mm.back();
+  from_mm.pop_back();
+  return p_mm;
 }
 
 bool isFree(const Vector2d& p_mm, const std::vector<Vector2d>& places_mm, double apart_mm) {
@@ -158,15 +169,23 @@ std::vector<Vector2d> randomPlaces(const AlignedBox2d& field_mm, const RandomPla
   constexpr std::uint64_t kTries = 500;  // for each place
   const CounterRandom random(wish.seed, kStream);
   std::vector<Vector2d> places_mm;
+  std::vector<Vector2d> favoured_mm = wish.favoured;
   const auto wanted = static_cast<std::size_t>(std::max(0, wish.count));
+  const std::size_t each = (wanted + kEach - 1) / kEach;
+  std::size_t favoured = 0;
   for (std::uint64_t n = 0; places_mm.size() < wanted; ++n) {
     if (n >= kTries * wanted) {
       throw std::invalid_argument(fmt::format("marks: there is room for {} of {} places {:.2f} mm apart",
                                               places_mm.size(), wanted, wish.apart_mm));
     }
-    const Vector2d p_mm = draw(random, n, places_mm.size() % 10 == 0, field_mm);
-    if (isFree(p_mm, places_mm, wish.apart_mm) && isFree(p_mm, wish.known, wish.from_known_mm))
-      places_mm.push_back(p_mm);
+    // First what has the least choice.
+    const bool favour = favoured < each && !favoured_mm.empty();
+    const bool on_rim = places_mm.size() < favoured + each;
+    const Vector2d p_mm =
+        favour ? taken(favoured_mm, random.uniform(3 * n)) : draw(random, n, on_rim, field_mm);
+    if (!isFree(p_mm, places_mm, wish.apart_mm) || !isFree(p_mm, wish.known, wish.from_known_mm)) continue;
+    places_mm.push_back(p_mm);
+    if (favour) ++favoured;
   }
   sortInRows(places_mm, field_mm);
   return places_mm;

@@ -58,9 +58,11 @@ struct RandomPlaces {
   double apart_mm{};                   ///< From each other; see marksApart_mm().
   std::vector<Eigen::Vector2d> known;  ///< Places that were marked before: none of the new is nearer
   double from_known_mm{};              ///< than this to one of them.
+  /// A tenth of the places, rounded up, is of these if so many are free: middles of cells, say.
+  std::vector<Eigen::Vector2d> favoured;
   std::uint64_t seed{1};
 };
-/// Places drawn evenly over the field, every tenth of them on its rim, in rows that go to and fro.
+/// Places drawn evenly over the field, a tenth of them, rounded up, on its rim, in rows that go to and fro.
 /// @throws std::invalid_argument if there is no room for that many.
 std::vector<Eigen::Vector2d> randomPlaces(const Eigen::AlignedBox2d& field_mm, const RandomPlaces& wish);
 

@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <regex>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "hil/gauge/gauge_report.h"
+#include "tests/hil/report/page_checks.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -44,27 +44,15 @@ TEST(GaugeJson, HoldsClaimsAndCases) {
   EXPECT_TRUE(json.at("sections").at(0).at("grr").is_null());
 }
 
-/// Numbers that are none, with what stands around them.
-std::string numberFaults(const std::string& html) {
-  static const std::regex kFault(R"re([^a-z](nan|inf)[^a-z])re");
-  std::smatch match;
-  return std::regex_search(html, match, kFault)
-             ? match.prefix().str().substr(match.prefix().length() > 60
-                                               ? static_cast<std::size_t>(match.prefix().length() - 60)
-                                               : 0) +
-                   match.str()
-             : std::string();
-}
-
 TEST(GaugeHtml, IsOnePageThatNeedsNothingElse) {
   const std::string html = gaugeHtml(someResult(), {}, kFacts);
-  for (const char* outside : {"http:", "https:", "src=", "@import", "url("})
-    EXPECT_EQ(html.find(outside), html.npos) << outside;
+  EXPECT_EQ(test::outsideReferences(html), "");
+  EXPECT_EQ(test::unclosedElements(html), "");
   EXPECT_NE(html.find("DOES NOT HOLD"), html.npos);
   EXPECT_NE(html.find("a &lt; b"), html.npos);
   EXPECT_NE(html.find("worst &lt;of&gt; all"), html.npos);
   EXPECT_NE(html.find("kerf &amp; co"), html.npos);
-  EXPECT_EQ(numberFaults(html), "");
+  EXPECT_EQ(test::numberFaults(html), "");
 }
 
 TEST(GaugeHtml, OfNothingIsStillAPage) {
@@ -74,7 +62,7 @@ TEST(GaugeHtml, OfNothingIsStillAPage) {
   empty.sections = {s};
   const std::string html = gaugeHtml(empty, {}, kFacts);
   EXPECT_NE(html.find("</html>"), html.npos);
-  EXPECT_EQ(numberFaults(html), "");
+  EXPECT_EQ(test::numberFaults(html), "");
 }
 
 }  // namespace

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/head/correction_table.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "firmware_under_test/planner/correction.h"
+#include "hil/calibrate/tables/csv_table.h"
 #include "tests/hil/calibrate/head/campaign.h"
 #include "twin/base/random.h"
 
@@ -37,6 +41,25 @@ TEST(CorrectionTable, LandsWhereWantedBetweenItsNodesAndOnTheRim) {
       EXPECT_LT((fit.spotOf(p + table.grid.at_mm(p).value())->p_W_mm - p).norm(), 1.5 * error_mm);
     }
   }
+}
+
+TEST(CorrectionTable, IsFineEnoughForAControllerThatKnowsNothingButItsNodes) {
+  // Its formula knows no lens as this one is: what nine nodes leave is small, what they let a reader doubt is
+  // not.
+  const test::SimulatedHead head(test::HeadKind::kFTheta300, test::Beyond::kNothing, 2);
+  const test::MarkedSheet sheet = test::mark(head, 9, 0, nullptr, {}, 2);
+  HeadFitOptions options;
+  options.field_W_mm = {Vector2d::Constant(-157), Vector2d::Constant(157)};
+  const HeadFit fit =
+      fitHead(pairMarks(sheet.aimed, sheet.seen).observations, head.nominal(), head.design(), options);
+  const auto coarse = correctionTable(fit, {.field_W_mm = options.field_W_mm, .cubics_differ_mm = INFINITY});
+  const auto fine = correctionTable(fit, {.field_W_mm = options.field_W_mm});
+  const auto reader = [](const AimGrid& grid) {
+    return planner::CorrectionTable::parse(csvTable(grid), "table").coarseness().error;
+  };
+  EXPECT_GT(reader(coarse.grid), 0.01);
+  EXPECT_LE(reader(fine.grid), 0.005);
+  EXPECT_GT(fine.grid.x_mm().size(), coarse.grid.x_mm().size());
 }
 
 TEST(CorrectionTable, PlacesOutOfReachAreRefused) {

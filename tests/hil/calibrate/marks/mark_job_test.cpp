@@ -15,6 +15,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/marks/mark_pattern.h"
+#include "hil/calibrate/marks/verify_places.h"
 #include "hil/dieline/read.h"
 #include "tests/hil/app/temp_folder.h"
 
@@ -239,6 +240,55 @@ TEST(MarkPlaces, RandomOnesKeepApartAndReachTheRimAndDependOnTheirSeedAlone) {
   EXPECT_NE(randomPlaces(kField, wish), places);
   wish.count = 1500;
   EXPECT_THROW(static_cast<void>(randomPlaces(kField, wish)), std::invalid_argument);
+}
+
+TEST(MarkPlaces, VerifyingManyTakesSeveralSheetsWithRimAndMiddlesOfCellsOnEach) {
+  VerifyPlaces wish;
+  wish.count = 401;
+  wish.mark_size_mm = 5.0;
+  wish.marked = gridPlaces(kField, 17);
+  for (int i = 0; i < 64; ++i) wish.middles.emplace_back(-45.1 + 13.0 * (i % 8), -45.1 + 13.0 * (i / 8));
+  wish.seed = 7;
+  const auto sheets = verifySheets(kField, wish);
+  ASSERT_EQ(sheets.size(), 4U);
+  std::size_t count = 0;
+  std::set<std::pair<double, double>> middles;
+  for (const auto& places : sheets) {
+    count += places.size();
+    EXPECT_NEAR(static_cast<double>(places.size()), 100.25, 1.0);
+    std::size_t on_rim = 0;
+    std::size_t on_middle = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i].cwiseAbs().maxCoeff() == 50.0) ++on_rim;
+      if (std::ranges::find(wish.middles, places[i]) != wish.middles.end()) {
+        ++on_middle;
+        EXPECT_TRUE(middles.emplace(places[i].x(), places[i].y()).second);
+      }
+      for (std::size_t j = 0; j < i; ++j) ASSERT_GE(marksApart_mm(places[i], places[j]), 6.25);
+      for (const Vector2d& marked : wish.marked) ASSERT_GE(marksApart_mm(places[i], marked), 1.25);
+    }
+    EXPECT_GE(on_rim, 10U);
+    EXPECT_LE(on_rim, 11U);
+    EXPECT_GE(on_middle, 9U);  // Less than a tenth: of the 64 only 39 lie beside no mark of the grid.
+    EXPECT_LE(on_middle, 10U);
+  }
+  EXPECT_EQ(count, 401U);
+  EXPECT_EQ(verifySheets(kField, wish), sheets);
+  EXPECT_NE(sheets[0], sheets[1]);
+  wish.seed = 8;
+  EXPECT_NE(verifySheets(kField, wish), sheets);
+}
+
+TEST(MarkPlaces, VerifyingFewTakesOneSheetAndNoRoomIsRefused) {
+  VerifyPlaces wish;
+  wish.count = 20;
+  wish.mark_size_mm = 5.0;
+  EXPECT_EQ(verifySheets(kField, wish).size(), 1U);
+  wish.mark_size_mm = 0.0;
+  EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
+  wish.mark_size_mm = 30.0;
+  wish.marked = gridPlaces(kField, 17);  // Every place lies beside one of them.
+  EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
 }
 
 TEST(MarkPlaces, NumbersRunOnFromJobToJob) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A small figure with scales. Private to hil/gauge.
+// A small figure with scales, for the reports.
 
 #include <string>
 #include <vector>

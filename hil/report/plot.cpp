@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/gauge/plot.h"
+#include "hil/report/plot.h"
 
 #include <algorithm>
 #include <cmath>

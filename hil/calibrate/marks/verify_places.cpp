@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/calibrate/marks/verify_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <stdexcept>
+
+#include "hil/calibrate/marks/mark_code.h"
+#include "hil/calibrate/marks/mark_job.h"
+#include "hil/calibrate/marks/mark_pattern.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+constexpr double kFull = 0.35;             // Random squares jam at 0.56 of what a grid holds.
+constexpr double kApartFromMarked = 0.25;  // of a mark's size
+constexpr std::uint64_t kMostSheets = 4096;
+
+int mostOnSheet(const AlignedBox2d& field_mm, double mark_size_mm) {
+  const Vector2d rows = field_mm.sizes() / (kMarkPitch * mark_size_mm);
+  const double grid = (std::floor(rows.x()) + 1.0) * (std::floor(rows.y()) + 1.0);
+  return static_cast<int>(std::clamp(kFull * grid, 1.0, static_cast<double>(kMarkNumbers)));
+}
+
+}  // namespace
+
+std::vector<std::vector<Vector2d>> verifySheets(const AlignedBox2d& field_mm, const VerifyPlaces& wish) {
+  if (field_mm.isEmpty() || !(wish.mark_size_mm > 0.0) || wish.count < 1)
+    throw std::invalid_argument("marks: nothing to verify by: no field, no size or no count");
+  const int most = mostOnSheet(field_mm, wish.mark_size_mm);
+  const int sheets = (wish.count + most - 1) / most;
+  const double from_marked_mm = kApartFromMarked * wish.mark_size_mm;
+  std::vector<Vector2d> middles;
+  std::ranges::copy_if(wish.middles, std::back_inserter(middles), [&](const Vector2d& middle) {
+    return field_mm.contains(middle) && std::ranges::none_of(wish.marked, [&](const Vector2d& marked) {
+             return marksApart_mm(marked, middle) < from_marked_mm;
+           });
+  });
+  std::vector<std::vector<Vector2d>> places_mm;
+  for (int sheet = 0; sheet < sheets; ++sheet) {
+    RandomPlaces places;
+    places.count = wish.count * (sheet + 1) / sheets - wish.count * sheet / sheets;
+    places.apart_mm = kMarkPitch * wish.mark_size_mm;
+    places.known = wish.marked;
+    places.from_known_mm = from_marked_mm;
+    for (auto i = static_cast<std::size_t>(sheet); i < middles.size(); i += static_cast<std::size_t>(sheets))
+      places.favoured.push_back(middles[i]);
+    places.seed = kMostSheets * wish.seed + static_cast<std::uint64_t>(sheet);
+    places_mm.push_back(randomPlaces(field_mm, places));
+  }
+  return places_mm;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kerfbench::test {
+
+/// What is claimed of `calibrate head`.
+inline constexpr int kMostIterations = 3;
+inline constexpr double kLeastCover = 0.94, kMostCover = 0.97;
+
+/// A head with hidden faults and how its calibration ended.
+struct CalibratedHead {
+  std::uint64_t seed{};
+  std::string error;  ///< Why there is no table; all below is nothing then.
+  double raw_mm{};    ///< Largest error of the first marks, without a table.
+  int iterations{};   ///< Of the best table.
+  double max_mm{};    ///< Largest error at the places that verify it,
+  double rms_mm{};    ///< and their RMS.
+  std::size_t places{};
+  std::size_t covered{};  ///< Within the ellipse that is said to hold 95 %.
+  double wall_s{};        ///< 0: something was measured by an earlier run.
+};
+
+/// Share of places within the ellipse, over several heads.
+struct Cover {
+  double share{};
+  /// Standard error by the scatter between heads: places of one head share its fit and the poses of its
+  /// sheets.
+  double sigma{};
+  std::size_t heads{};
+};
+Cover coverOf(const std::vector<CalibratedHead>& heads);
+
+/// All heads of one machine.
+struct HeadKindProof {
+  std::string machine;
+  double limit_mm{};
+  std::vector<CalibratedHead> heads;
+};
+
+/// Every claim that does not hold, in words: a head without a table, beyond its limit, after too many
+/// iterations; and, over all heads with the same number of iterations, a share of covered places whose 95 %
+/// interval lies beside kLeastCover … kMostCover. Of fewer than ten heads the share is not judged.
+std::vector<std::string> brokenClaims(const std::vector<HeadKindProof>& proof);
+
+/// One line for each machine, with a heading.
+std::string tableOf(const std::vector<HeadKindProof>& proof);
+/// One line for each head.
+std::string csvOf(const std::vector<HeadKindProof>& proof);
+
+}  // namespace kerfbench::test
