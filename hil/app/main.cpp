@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/app/commands.h"
+#include "hil/app/head_tools_cli.h"
 #include "hil/app/scenario.h"
 
 namespace {
@@ -96,6 +97,7 @@ CLI::App* addShow(CLI::App& app, ShowOptions& options) {
 }
 
 struct CalibrateCommands {
+  CLI::App* all;
   CLI::App* camera;
   CLI::App* target;
   CLI::App* head;
@@ -219,7 +221,7 @@ CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options, HeadCal
   target->add_option("--rows", options.rows, "Squares")->check(CLI::Range(4, 200));
   target->add_option("--square-mm", options.square_mm, "Side of a square")->check(CLI::Range(0.1, 1000.0));
   target->add_flag("--quiet,-q", options.quiet, "Nothing but what is wrong");
-  return {camera, target, addCalibrateHead(*calibrate, head_options)};
+  return {calibrate, camera, target, addCalibrateHead(*calibrate, head_options)};
 }
 
 CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
@@ -328,6 +330,7 @@ int dispatch(int argc, char** argv) {
   head_options.bin_dir = options.bin_dir;
   head_options.command_line = options.command_line;
   const CalibrateCommands calibrate = addCalibrate(app, calibrate_options, head_options);
+  const HeadToolsCli head_tools(*calibrate.all);
 
   GaugeCommandOptions gauge_options;
   gauge_options.gauge.jobs = options.jobs;
@@ -346,6 +349,7 @@ int dispatch(int argc, char** argv) {
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
   if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);
   if (calibrate.head->parsed()) return calibrateHeadCommand(head_options);
+  if (const auto code = head_tools.run()) return *code;
   if (gauge->parsed()) return gaugeCommand(gauge_options);
   return lintCommand(lint_files, options);
 }
