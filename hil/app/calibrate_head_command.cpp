@@ -10,6 +10,7 @@
 #include "hil/app/head_procedure.h"
 #include "hil/app/head_report.h"
 #include "hil/app/scenario.h"
+#include "hil/app/sheet_by_hand.h"
 #include "hil/app/sheet_on_twin.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/yaml_reader.h"
@@ -30,6 +31,7 @@ TwinBench benchOf(const HeadCalibrateOptions& options) {
           .imperfections = presetFromName(options.imperfections),
           .fidelity = fidelityFromName(options.twin),
           .bin_dir = options.bin_dir,
+          .firmware = firmwareOf(options.image),
           .keep_pictures = options.keep_pictures,
           .threads = options.jobs};
 }
@@ -62,6 +64,11 @@ void tellParameters(const HeadFit& fit, Console& console) {
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
 
+/// Of the iteration, from 1.
+fs::path tableFile(const HeadCalibrateOptions& options, int iteration) {
+  return options.results_dir / fmt::format("correction-{}.csv", iteration);
+}
+
 /// Cuts on the twin; a table goes into the results before it is used.
 class OnTwin {
  public:
@@ -73,7 +80,7 @@ class OnTwin {
     SheetRequest request{job, sheet, options_.results_dir / name, setup_.table_file};
     // Of each iteration's two sheets the second is the first with its table.
     if (sheet > 0 && table) {
-      request.table = options_.results_dir / fmt::format("correction-{}.csv", (sheet + 1) / 2);
+      request.table = tableFile(options_, (sheet + 1) / 2);
       writeFileAtomically(request.table, csvTable(*table));
     }
     const auto progress = [&](double now_s, const std::string& what) {
@@ -151,9 +158,16 @@ int calibrate(const HeadCalibrateOptions& options) {
   if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
-  const HeadCalibration result =
-      calibrateHead(setup, plan, OnTwin(setup, options, console),
-                    [&](const HeadIteration& iteration) { tell(iteration, console); });
+  const CutAndMeasure sheets =
+      options.by_hand
+          ? CutAndMeasure(SheetByHand(setup, benchOf(options), options.results_dir, options.command_line))
+          : OnTwin(setup, options, console);
+  int iterations = 0;
+  const HeadCalibration result = calibrateHead(setup, plan, sheets, [&](const HeadIteration& iteration) {
+    tell(iteration, console);
+    if (options.by_hand)
+      writeFileAtomically(tableFile(options, ++iterations), csvTable(iteration.head.table.grid));
+  });
   return conclude(result, plan, setup, options, console);
 }
 
@@ -171,6 +185,9 @@ int calibrateHeadCommand(const HeadCalibrateOptions& options) {
     return invalid(e.what());
   } catch (const HeadCalibrationError& e) {
     return invalid(e.what());
+  } catch (const SheetWanted& e) {
+    Console(options.quiet).result(e.what());
+    return kExitWaiting;
   }
 }
 

@@ -151,12 +151,21 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
                    "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
   head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
   head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
+  CLI::Option* by_hand =
+      head->add_flag("--by-hand", options.by_hand,
+                     "Sheets are cut on a machine and photographed by people: what they need is written into "
+                     "the results and "
+                     "said,\nexit code 75; run again when the pictures of a sheet are there");
+  head->add_option("--image", options.image,
+                   "By hand: release of the controller that cuts, such as controller-avr.hex; otherwise\n"
+                   "controller-native-galvo")
+      ->needs(by_hand);
   CLI::Option* job = head->add_option("--job", options.job,
                                       "From pictures alone: the job (marks.yaml) that was cut; no table is "
                                       "verified");
   CLI::Option* pictures =
       head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
-  job->needs(pictures);
+  job->needs(pictures)->excludes(by_hand);
   head->add_option("--cut-with", options.table,
                    "Table that it was cut with; otherwise the one that the machine file names, if any")
       ->needs(job);
