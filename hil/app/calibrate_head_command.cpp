@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
+#include "hil/app/head_exit.h"
 #include "hil/app/head_procedure.h"
 #include "hil/app/head_report.h"
 #include "hil/app/scenario.h"
@@ -24,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kExitNotGood = 1;
-constexpr int kExitInvalid = 3;
 
 TwinBench benchOf(const HeadCalibrateOptions& options) {
   return {.seed = options.seed,
@@ -171,24 +169,10 @@ int calibrate(const HeadCalibrateOptions& options) {
   return conclude(result, plan, setup, options, console);
 }
 
-int invalid(const char* why) {
-  std::fputs(fmt::format("{}\nINVALID: no table is written\n", why).c_str(), stderr);
-  return kExitInvalid;
-}
-
 }  // namespace
 
 int calibrateHeadCommand(const HeadCalibrateOptions& options) {
-  try {
-    return guarded(options.machine, [&] { return calibrate(options); });
-  } catch (const HeadEvidenceError& e) {
-    return invalid(e.what());
-  } catch (const HeadCalibrationError& e) {
-    return invalid(e.what());
-  } catch (const SheetWanted& e) {
-    Console(options.quiet).result(e.what());
-    return kExitWaiting;
-  }
+  return guardedHead(options.machine, "no table is written", [&] { return calibrate(options); });
 }
 
 }  // namespace kerfbench::hil

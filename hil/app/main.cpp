@@ -339,7 +339,7 @@ int dispatch(int argc, char** argv) {
   head_options.bin_dir = options.bin_dir;
   head_options.command_line = options.command_line;
   const CalibrateCommands calibrate = addCalibrate(app, calibrate_options, head_options);
-  const HeadToolsCli head_tools(*calibrate.all);
+  const HeadToolsCli head_tools(*calibrate.all, {options.bin_dir, options.command_line, options.jobs});
 
   GaugeCommandOptions gauge_options;
   gauge_options.gauge.jobs = options.jobs;

@@ -79,6 +79,23 @@ Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const SheetReques
   return readCase(scenario, bench.bin_dir.parent_path() / "firmware");
 }
 
+CutSheet cutSheet(const Case& the_case, const TwinBench& bench, const std::string& job,
+                  const ProgressFn& progress) {
+  CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
+  refuseRun(cut, job);
+  return cut;
+}
+
+TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench, const Case& the_case,
+                             CutSheet& cut, int sheet, double turn_rad) {
+  // Another sheet lies otherwise on the table, and its pictures have another noise.
+  Case camera = the_case;
+  camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
+  TwinTileOptions options = tileOptions(setup, bench);
+  options.turn_rad = turn_rad;
+  return kerfTiles(camera, *cut.twin, options);
+}
+
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                         const ProgressFn& progress) {
   const Case the_case = sheetCase(setup, bench, request);
@@ -87,13 +104,9 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
   if (auto measured = readMeasured(result, readMarkJob(request.folder / kSheetJob), digest))
     return {std::move(*measured), true};
 
-  const CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
-  refuseRun(cut, request.job.name);
+  CutSheet cut = cutSheet(the_case, bench, request.job.name, progress);
   progress(-1.0, "measuring the marks of " + request.job.name);
-  // Another sheet lies otherwise on the table, and its pictures have another noise.
-  Case camera = the_case;
-  camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(request.sheet) << 32U);
-  const auto tiles = [&] { return kerfTiles(camera, *cut.twin, tileOptions(setup, bench)); };
+  const auto tiles = [&] { return sheetPictures(setup, bench, the_case, cut, request.sheet); };
   if (bench.keep_pictures) {
     auto source = tiles();
     writeTiles(source, request.folder / "pictures");

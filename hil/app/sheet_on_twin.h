@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hil/app/case.h"
+#include "hil/app/cut_on_twin.h"
 #include "hil/app/lockstep.h"
 #include "hil/app/measured_sheet.h"
 #include "twin/cutter/fidelity.h"
@@ -46,6 +47,13 @@ struct SheetOnTwin {
 /// @throws HeadEvidenceError for a run or pictures that cannot be trusted, ConfigError, and as cutOnTwin().
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                         const ProgressFn& progress);
+
+/// Pictures of a cut sheet; sheets of one calibration have noise of their own by their number.
+TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench, const Case& the_case,
+                             CutSheet& cut, int sheet, double turn_rad = 0.0);
+/// The sheet as cut. @throws HeadEvidenceError for a run that cannot be trusted; as cutOnTwin().
+CutSheet cutSheet(const Case& the_case, const TwinBench& bench, const std::string& job,
+                  const ProgressFn& progress);
 
 /// The files of a sheet in its folder.
 inline constexpr const char* kSheetJob = "marks.yaml";

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -14,7 +16,6 @@ namespace kerfbench::test {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 namespace fs = std::filesystem;
 
 constexpr int kWaiting = 75;
@@ -104,6 +105,95 @@ TEST_F(HeadTools, ByHandForAnAvrControllerItsProgramIsPlanned) {
                                   options(), path("none").string()))
                 .exit_code,
             65);
+}
+
+struct Drift {
+  const char* now;  ///< What the machine's file has since.
+  const char* what;
+  double value;
+};
+
+TEST_F(HeadTools, TheQuickCheckSaysWhatHasDriftedAndByHowMuch) {
+  // 80 µrad of a mirror are 160 of the beam, at 125 mm (X) and 110 mm (Y).
+  const std::vector<Drift> drifts{{"optics: {mirror_x: {zero_urad: 80}}", "zero of x", 2 * 80e-6 * 125},
+                                  {"optics: {mirror_y: {zero_urad: -80}}", "zero of y", -2 * 80e-6 * 110},
+                                  {"optics: {mirror_x: {scale: 1.0004}}", "gain of x", 0.0004},
+                                  {"optics: {mirror_y: {scale: 0.9996}}", "gain of y", -0.0004},
+                                  {"surface: {height_mm: 0.2}", "sheet height", 0.2}};
+  for (const Drift& drift : drifts) {
+    std::ofstream(path("drifted.yaml"))
+        << fmt::format("extends: '{}'\nname: two-mirror-100\n{}\n",
+                       fixture("machines/two-mirror-100.yaml").string(), drift.now);
+    const ProgramRun run =
+        kerfbench(fmt::format("calibrate check --machine '{}' --seed 2 --calibration '{}' --results-dir '{}'",
+                              path("drifted.yaml").string(), calibrated().string(), path("check").string()));
+    SCOPED_TRACE(run.output);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.output, HasSubstr(fmt::format("{} changed by", drift.what)));
+    const auto check = nlohmann::json::parse(textOf(path("check/check.json")));
+    EXPECT_FALSE(check.at("holds"));
+    EXPECT_FALSE(check.at("unexplained"));
+    for (const auto& found : check.at("drifts")) {
+      const double sigma = found.at("sigma");
+      EXPECT_GT(sigma, 0.0);
+      const bool this_one = found.at("name") == drift.what;
+      EXPECT_NEAR(found.at("value"), this_one ? drift.value : 0.0, 4 * sigma + 0.02 * std::abs(drift.value))
+          << found.at("name");
+      EXPECT_TRUE(found.at("changed") || !this_one);
+    }
+  }
+}
+
+TEST_F(HeadTools, AnUnchangedHeadHoldsOnTheTwinFromPicturesAndByHand) {
+  const auto check = [&](const std::string& options) {
+    return kerfbench(fmt::format("calibrate check --machine '{}' --seed 2 --calibration '{}' {}",
+                                 fixture("machines/two-mirror-100.yaml").string(), calibrated().string(),
+                                 options));
+  };
+  const ProgramRun live = check(fmt::format("--results-dir '{}' --keep-pictures -q", path("live").string()));
+  EXPECT_EQ(live.exit_code, 0) << live.output;
+  EXPECT_THAT(live.output, HasSubstr("the correction holds"));
+  const fs::path sheet = path("live/check");
+  const ProgramRun pictures =
+      check(fmt::format("--job '{}' --pictures '{}' --results-dir '{}' -q", (sheet / "marks.yaml").string(),
+                        (sheet / "pictures").string(), path("pictures").string()));
+  EXPECT_EQ(pictures.exit_code, 0) << pictures.output;
+  EXPECT_EQ(pictures.output, live.output);
+
+  const std::string by_hand = fmt::format("--by-hand --results-dir '{}' -q", path("by-hand").string());
+  EXPECT_EQ(check(by_hand).exit_code, kWaiting);
+  EXPECT_EQ(textOf(path("by-hand/check/marks.yaml")), textOf(sheet / "marks.yaml"));
+  EXPECT_EQ(textOf(path("by-hand/check/table.csv")), textOf(calibrated() / "correction.csv"));
+  fs::copy(sheet / "pictures", path("by-hand/check/pictures"));
+  EXPECT_EQ(check(by_hand).output, live.output);
+
+  const ProgramRun wrong =
+      check(fmt::format("--job '{}' --pictures '{}' --results-dir '{}'", (sheet / "marks.yaml").string(),
+                        (calibrated() / "1-verify/pictures").string(), path("wrong").string()));
+  EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
+  EXPECT_THAT(wrong.output, HasSubstr("INVALID: nothing is said of the head"));
+}
+
+TEST_F(HeadTools, TheQuickCheckRefusesACalibrationThatIsNone) {
+  const auto check = [&](const char* machine, const fs::path& calibration) {
+    return kerfbench(fmt::format("calibrate check --machine '{}' --calibration '{}' --results-dir '{}'",
+                                 fixture(machine).string(), calibration.string(), path("check").string()));
+  };
+  const ProgramRun none = check("machines/two-mirror-100.yaml", path("none"));
+  EXPECT_EQ(none.exit_code, 65);
+  EXPECT_THAT(none.output, HasSubstr("none/head.json: cannot be opened"));
+  const ProgramRun other = check("machines/two-mirror-300.yaml", calibrated());
+  EXPECT_EQ(other.exit_code, 65);
+  EXPECT_THAT(other.output, HasSubstr("machine: is of two-mirror-100"));
+  fs::create_directories(path("bad"));
+  std::ofstream(path("bad/head.json")) << "{\"machine\": 3}";
+  EXPECT_THAT(check("machines/two-mirror-100.yaml", path("bad")).output,
+              HasSubstr("is not what `calibrate head` writes"));
+  std::ofstream(path("bad/head.json"))
+      << R"({"machine": "two-mirror-100", "good": false, "best_iteration": 0})";
+  const ProgramRun bad = check("machines/two-mirror-100.yaml", path("bad"));
+  EXPECT_THAT(bad.output, HasSubstr("good: false"));
+  EXPECT_THAT(bad.output, HasSubstr("best_iteration: 0 is none"));
 }
 
 }  // namespace
