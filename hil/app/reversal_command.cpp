@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -34,6 +35,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kDensest = 17;           // As `calibrate head` has it: the same size of marks.
 constexpr int kSheet = 2000;           // Its pictures have a noise of their own.
 constexpr double kFieldBorder_mm = 1;  // Around the marks.
+constexpr double kToldSigmas = 4.0;    // Of 16 terms one is beyond by chance once in a thousand.
 constexpr double kRough =
     2.0;  // Scatter over what pictures say from which on the camera's error is not smooth.
 
@@ -219,6 +221,19 @@ void tell(const Seen& seen, const ReversalResult& result, Console& console) {
         result.noise_ratio));
 }
 
+/// Those beyond doubt, the largest first. The common scale is never among them.
+std::string toldTerms(const CameraError& camera) {
+  std::vector<CameraError::Term> told;
+  for (const CameraError::Term& term : camera.terms()) {
+    if (term.held && std::abs(term.value_mm) > kToldSigmas * term.sigma_mm) told.push_back(term);
+  }
+  std::ranges::sort(told, std::greater{},
+                    [](const CameraError::Term& term) { return std::abs(term.value_mm); });
+  std::vector<std::string> words;
+  for (const CameraError::Term& term : told) words.push_back(term.name);
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 int reversal(const ReversalCommandOptions& options) {
   Console console(options.quiet);
   const HeadSetup setup = readHeadSetup(options.machine, kDensest, options.table);
@@ -230,13 +245,15 @@ int reversal(const ReversalCommandOptions& options) {
   tell(seen, result, console);
   writeFileAtomically(options.results_dir / "reversal.json",
                       reversalJson(seen, result, shares, setup, options.command_line));
-  const bool told = shares.camera_mm > 2.0 * shares.camera_sigma_mm;
-  console.result(fmt::format(
-      "{}: the camera sees marks off by {:.4f} ± {:.4f} mm at most{}; without that the head is off by {:.4f} "
-      "mm at "
-      "most, where the first view shows {:.4f} mm",
-      setup.name, shares.camera_mm, shares.camera_sigma_mm,
-      told ? "" : ", which is no more than these views leave open", shares.head_mm, shares.both_mm));
+  const std::string terms = toldTerms(result.camera);
+  console.result(terms.empty()
+                     ? fmt::format("{}: no error of the camera that these views could tell; the head is off "
+                                   "by {:.4f} mm at most",
+                                   setup.name, shares.head_mm)
+                     : fmt::format("{}: the camera sees marks off by up to {:.4f} mm ({}); without that the "
+                                   "head is off by {:.4f} mm "
+                                   "at most, where the first view shows {:.4f} mm",
+                                   setup.name, shares.camera_mm, terms, shares.head_mm, shares.both_mm));
   return 0;
 }
 

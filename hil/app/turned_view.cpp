@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "hil/calibrate/marks/field_marks.h"
@@ -23,6 +24,20 @@ Isometry2d turnOf(const MarkJob& job, double turn_deg) {
          Translation2d(-print.center());
 }
 
+/// The printed marks of a square board fit turned by a quarter too, but for the odd ones: the cut marks tell.
+void refuseOtherTurn(const MarkedField& field, const MarkJob& job, const Isometry2d& X_US,
+                     const HeadSetup& setup, const std::string& name) {
+  std::vector<double> off_mm;
+  for (const MarkPoint& point : field.points)
+    off_mm.push_back((X_US.inverse() * point.cut.p_S_mm - job.wanted_S_mm(point.wanted)).norm());
+  const auto middle = off_mm.begin() + static_cast<std::ptrdiff_t>(off_mm.size() / 2);
+  std::ranges::nth_element(off_mm, middle);
+  if (*middle <= setup.off_mm) return;
+  throw HeadEvidenceError(fmt::format(
+      "job {}, {}: the marks lie {:.1f} mm from where they should, in the median: the sheet is not turned so",
+      job.name, name, *middle));
+}
+
 }  // namespace
 
 TurnedView lookAt(TileSource& tiles, std::size_t pictures, const MarkJob& job, double turn_deg,
@@ -38,6 +53,7 @@ TurnedView lookAt(TileSource& tiles, std::size_t pictures, const MarkJob& job, d
   const std::string name = fmt::format("turned by {:g}°", turn_deg);
   if (!field.problems.empty())
     throw HeadEvidenceError(fmt::format("job {}, {}: {}", job.name, name, fmt::join(field.problems, "\n  ")));
+  refuseOtherTurn(field, job, X_US, setup, name);
 
   TurnedView view{{name, {}}, Isometry2d::Identity(), pictures, {}};
   const Isometry2d X_TU = Translation2d(found.pose.p_TS_mm) * Rotation2Dd(found.pose.angle_rad);

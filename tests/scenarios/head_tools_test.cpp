@@ -196,5 +196,101 @@ TEST_F(HeadTools, TheQuickCheckRefusesACalibrationThatIsNone) {
   EXPECT_THAT(bad.output, HasSubstr("best_iteration: 0 is none"));
 }
 
+/// A camera that sees the whole sheet at once, so that its lens's error is one over the sheet.
+class Reversal : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = std::make_unique<ScratchFolder>();
+    std::ofstream(machine()) << fmt::format(
+        "extends: '{}'\nname: two-mirror-100\ncameras:\n  kerf: {{id: wide, calibration: wide.camera.yaml, "
+        "size_px: "
+        "[2640, 2640], pitch_mm: 0.06, height_mm: {}}}\n",
+        fixture("machines/two-mirror-100.yaml").string(), kHeight_mm);
+    const ProgramRun camera = kerfbench(fmt::format(
+        "calibrate camera --machine '{}' --camera kerf --date 2026-11-20 --tilted 3 --residual-map '{}'",
+        machine().string(), (shared_->path() / "map.svg").string()));
+    ASSERT_EQ(camera.exit_code, 0) << camera.output;
+  }
+  static void TearDownTestSuite() { shared_.reset(); }
+  static fs::path machine() { return shared_->path() / "wide.yaml"; }
+
+  /// From now on the bench believes in another decentring of the lens.
+  static void falsify() {
+    std::string text = textOf(shared_->path() / "wide.camera.yaml");
+    const auto line = text.find("distortion: [");
+    const auto first = text.find(',', text.find(',', line) + 1) + 1;
+    text.replace(first, text.find(',', first) - first, fmt::format(" {}", kDecentring));
+    std::ofstream(shared_->path() / "wide.camera.yaml") << text;
+  }
+  [[nodiscard]] ProgramRun reversal(const std::string& options, const std::string& results) const {
+    return kerfbench(fmt::format("calibrate reversal --machine '{}' --seed 2 {} --results-dir '{}'",
+                                 machine().string(), options, path(results).string()));
+  }
+  [[nodiscard]] fs::path path(const std::string& name) const { return scratch_.path() / name; }
+  [[nodiscard]] nlohmann::json json(const std::string& results) const {
+    return nlohmann::json::parse(textOf(path(results) / "reversal.json"));
+  }
+  /// Largest difference of what two results say of the head.
+  static double apart_mm(const nlohmann::json& a, const nlohmann::json& b) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < a.at("head").size(); ++i) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double one = a.at("head")[i].at("off_mm")[axis];
+        const double other = b.at("head")[i].at("off_mm")[axis];
+        most = std::max(most, std::abs(one - other));
+      }
+    }
+    return most;
+  }
+
+  static constexpr double kHeight_mm = 500.0;
+  static constexpr double kDecentring = 6e-4;  // p1 of the lens
+  static std::unique_ptr<ScratchFolder> shared_;
+  ScratchFolder scratch_;
+};
+std::unique_ptr<ScratchFolder> Reversal::shared_;
+
+TEST_F(Reversal, TellsTheCamerasErrorFromTheHeads) {
+  const ProgramRun good = reversal("--grid 5 --keep-pictures", "good");
+  ASSERT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, HasSubstr("no error of the camera that these views could tell"));
+  EXPECT_THAT(good.output, HasSubstr("not told by these views: dx: x; dy: y"));
+  EXPECT_GT(json("good").at("head_mm"), 1.0);
+
+  falsify();
+  const fs::path sheet = path("good/reversal");
+  const auto pictures = [&](const char* third) {
+    return fmt::format("--job '{}' --pictures '{}' '{}' '{}'", (sheet / "marks.yaml").string(),
+                       (sheet / "pictures-0").string(), (sheet / "pictures-180").string(),
+                       (sheet / third).string());
+  };
+  const ProgramRun bad = reversal(pictures("pictures-90"), "bad");
+  ASSERT_EQ(bad.exit_code, 0) << bad.output;
+  EXPECT_THAT(bad.output, HasSubstr("(dy: y^2, dx: x y, dy: x^2)"));
+  // Of a lens decentred by p1: dx = 2 p1 x y, dy = p1 (x² + 3 y²), 54 mm off the middle.
+  const double rim_mm = kDecentring * 54.0 * 54.0 / kHeight_mm;
+  for (const auto& term : json("bad").at("terms")) {
+    const std::string name = term.at("name");
+    const double expected = name == "dx: x y"   ? 2 * rim_mm
+                            : name == "dy: x^2" ? rim_mm
+                            : name == "dy: y^2" ? 3 * rim_mm
+                                                : 0.0;
+    const double sigma_mm = term.at("sigma_mm");
+    EXPECT_NEAR(term.at("value_mm"), expected, 4.0 * sigma_mm + 0.05 * expected) << name;
+  }
+  // What the head does is the same, whichever camera looks.
+  EXPECT_LT(apart_mm(json("good"), json("bad")), 0.003);
+
+  // A sheet that does not lie as told is no view.
+  const ProgramRun turned = reversal(pictures("pictures-180"), "turned");
+  EXPECT_EQ(turned.exit_code, 3) << turned.output;
+  EXPECT_THAT(turned.output, HasSubstr("the sheet is not turned so"));
+  const ProgramRun few = reversal(fmt::format("--job '{}' --pictures '{}'", (sheet / "marks.yaml").string(),
+                                              (sheet / "pictures-0").string()),
+                                  "few");
+  EXPECT_EQ(few.exit_code, 65);
+  EXPECT_THAT(few.output, HasSubstr("1 folders of pictures for 3 views"));
+}
+
 }  // namespace
 }  // namespace kerfbench::test
