@@ -120,9 +120,11 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
       "is "
       "fitted;\n"
       "its correction table is verified at places that were never marked. docs/CALIBRATION.md says how.\n"
-      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input. In "
-      "all\n"
-      "but the first the table named by --out stays as it is. What is measured already is not done again.");
+      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input; "
+      "75: by "
+      "hand,\n"
+      "waiting. In all but the first the table named by --out stays as it is. What is measured already is "
+      "not done again.");
   head->add_option("--machine", options.machine, "Machine file")->required();
   head->add_option("--results-dir", options.results_dir, "Folder of this calibration; it goes on from there")
       ->capture_default_str();
