@@ -26,6 +26,22 @@ void readNodes(const std::string& text, TableCommandOptions& options) {
     throw CLI::ValidationError("--nodes", "is to be COLUMNSxROWS, 2 to 1025 each");
 }
 
+/// What the formats leave open.
+void addTableFormats(CLI::App& table, TableCommandOptions& o) {
+  table.add_option("--cor", o.cor, "Whose convention a .cor follows, read or written")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kCorConventions), std::end(kCorConventions))))
+      ->capture_default_str();
+  table
+      .add_option(
+          "--units-per-mm", o.units_per_mm,
+          "Of a .cor; otherwise read: the file's, written: 64 cells over the largest square in the table")
+      ->check(CLI::PositiveNumber);
+  table.add_option("--mm-per-index", o.mm_per_index, "Of nine points; otherwise the file's, or 2.5")
+      ->check(CLI::PositiveNumber);
+  table.add_flag("--int32", o.wide, "C header: values of 32 bits, in nm");
+  table.add_option("--prefix", o.prefix, "C header: begin of all names")->capture_default_str();
+}
+
 /// What the twin is asked for; the same for all of these commands.
 template <typename Options>
 void addTwin(CLI::App& command, Options& o) {
@@ -158,18 +174,7 @@ void HeadToolsCli::addTable(CLI::App& calibrate) {
           "Of --out, as COLUMNSxROWS; otherwise those of the table, or of its format")
       ->type_name("CxR")
       ->needs(out);
-  table->add_option("--cor", o.cor, "Whose convention a .cor follows, read or written")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kCorConventions), std::end(kCorConventions))))
-      ->capture_default_str();
-  table
-      ->add_option(
-          "--units-per-mm", o.units_per_mm,
-          "Of a .cor; otherwise read: the file's, written: 64 cells over the largest square in the table")
-      ->check(CLI::PositiveNumber);
-  table->add_option("--mm-per-index", o.mm_per_index, "Of nine points; otherwise the file's, or 2.5")
-      ->check(CLI::PositiveNumber);
-  table->add_flag("--int32", o.wide, "C header: values of 32 bits, in nm");
-  table->add_option("--prefix", o.prefix, "C header: begin of all names")->capture_default_str();
+  addTableFormats(*table, o);
   table->add_flag("--quiet,-q", o.quiet, "Only what was found and written");
   table_command_ = table;
 }
