@@ -24,6 +24,7 @@
 #include "firmware_under_test/planner/order_table.h"
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/preview/preview.h"
+#include "firmware_under_test/planner/program.h"
 #include "firmware_under_test/planner/selection.h"
 #include "hil/dieline/read.h"
 
@@ -106,19 +107,6 @@ void write(const Options& options, const std::string& text) {
   std::ofstream file(options.output, std::ios::binary);
   file << text;
   if (!file.flush()) throw std::runtime_error(options.output + ": cannot be written");
-}
-
-std::string hexOf(const std::vector<std::uint8_t>& bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
-}
-
-/// One line for the configuration, then one for each operation, in hexadecimal.
-std::string programText(const planner::Program& program) {
-  std::string text = "config " + hexOf(program.config) + "\n";
-  for (const auto& op : program.ops) text += hexOf(op) + "\n";
-  return text;
 }
 
 std::string summaryOf(const Options& options, const planner::CheckResult& checked,

@@ -392,4 +392,15 @@ Program makeProgram(const Solution& solution, const MachineParameters& machine, 
   return program;
 }
 
+std::string programText(const Program& program) {
+  const auto hex = [](const std::vector<std::uint8_t>& bytes) {
+    std::string text;
+    for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+    return text + "\n";
+  };
+  std::string text = "config " + hex(program.config);
+  for (const auto& op : program.ops) text += hex(op);
+  return text;
+}
+
 }  // namespace kerfbench::planner

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/power/model.h"
 #include "firmware_under_test/planner/solve.h"
@@ -12,6 +14,9 @@ namespace kerfbench::planner {
 /// @throws PlanError if an axis would have to make more steps in a period than the controller can.
 Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
                     const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s);
+
+/// One line for the configuration ("config" and its bytes), then one for each operation, in hexadecimal.
+std::string programText(const Program& program);
 
 /// PWM byte for the marks of one period, marked_mm > 0 (S3: power follows speed). Without a power model
 /// energy per length stays, and the byte may exceed 255: the laser is then too weak. With one it is a whole

@@ -2,15 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
+#include "hil/app/head_exit.h"
 #include "hil/app/head_on_twin.h"
 #include "hil/app/head_procedure.h"
 #include "hil/app/head_report.h"
 #include "hil/app/scenario.h"
+#include "hil/app/sheet_by_hand.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
@@ -23,13 +23,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kExitNotGood = 1;
-constexpr int kExitInvalid = 3;
 
 TwinBench benchOf(const HeadCalibrateOptions& options) {
   return {.seed = options.seed,
           .imperfections = presetFromName(options.imperfections),
           .fidelity = fidelityFromName(options.twin),
           .bin_dir = options.bin_dir,
+          .firmware = firmwareOf(options.image),
           .keep_pictures = options.keep_pictures,
           .threads = options.jobs};
 }
@@ -61,6 +61,11 @@ void tellParameters(const HeadFit& fit, Console& console) {
   const auto held = std::ranges::count_if(fit.parameters(), &HeadParameterFinding::held);
   console.say(
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
+}
+
+/// Of the iteration, from 1.
+fs::path tableFile(const HeadCalibrateOptions& options, int iteration) {
+  return options.results_dir / fmt::format("correction-{}.csv", iteration);
 }
 
 HeadOnTwin onTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
@@ -170,27 +175,23 @@ int calibrate(const HeadCalibrateOptions& options) {
   if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
-  const HeadCalibration result =
-      calibrateHead(setup, plan, onTwin(setup, options, console),
-                    [&](const HeadIteration& iteration) { tell(iteration, console); });
+  const CutAndMeasure sheets =
+      options.by_hand
+          ? CutAndMeasure(SheetByHand(setup, benchOf(options), options.results_dir, options.command_line))
+          : CutAndMeasure(onTwin(setup, options, console));
+  int iterations = 0;
+  const HeadCalibration result = calibrateHead(setup, plan, sheets, [&](const HeadIteration& iteration) {
+    tell(iteration, console);
+    if (options.by_hand)
+      writeFileAtomically(tableFile(options, ++iterations), csvTable(iteration.head.table.grid));
+  });
   return conclude(result, plan, setup, options, console);
-}
-
-int invalid(const char* why) {
-  std::fputs(fmt::format("{}\nINVALID: no table is written\n", why).c_str(), stderr);
-  return kExitInvalid;
 }
 
 }  // namespace
 
 int calibrateHeadCommand(const HeadCalibrateOptions& options) {
-  try {
-    return guarded(options.machine, [&] { return calibrate(options); });
-  } catch (const HeadEvidenceError& e) {
-    return invalid(e.what());
-  } catch (const HeadCalibrationError& e) {
-    return invalid(e.what());
-  }
+  return guardedHead(options.machine, "no table is written", [&] { return calibrate(options); });
 }
 
 }  // namespace kerfbench::hil

@@ -75,6 +75,8 @@ struct HeadCalibrateOptions {
   std::string date;           ///< Empty: the kerf camera's calibration's.
   std::filesystem::path out;  ///< Empty: correction.csv in the results.
   bool keep_pictures{};
+  bool by_hand{};                  ///< People cut the sheets and photograph them.
+  std::filesystem::path image;     ///< By hand: the controller's release; empty: the native one for galvos.
   std::filesystem::path job;       ///< Of a sheet that was cut; empty: the twin cuts.
   std::filesystem::path pictures;  ///< Of that sheet: a folder with tiles.yaml.
   std::filesystem::path table;  ///< That it was cut with; empty: the one that the machine file names, if any.
@@ -98,9 +100,10 @@ struct GaugeCommandOptions {
   bool quiet{};
 };
 
-inline constexpr int kExitBroken = 2;  ///< The bench itself broke.
-inline constexpr int kExitUsage = 64;  ///< Wrong command line.
-inline constexpr int kExitInput = 65;  ///< Bad input file.
+inline constexpr int kExitBroken = 2;    ///< The bench itself broke.
+inline constexpr int kExitUsage = 64;    ///< Wrong command line.
+inline constexpr int kExitInput = 65;    ///< Bad input file.
+inline constexpr int kExitWaiting = 75;  ///< Somebody has to do something; then again.
 
 /// Runs every scenario; returns the worst exit code (INVALID before FAIL before NOT PROVEN before PASS).
 int runCommand(const std::vector<std::filesystem::path>& scenarios, const CommonOptions& options);
@@ -123,7 +126,7 @@ int calibrateTargetCommand(const CalibrateOptions& options);
 /// Calibrates a scan head by marks that the twin cuts, or by the pictures of a sheet that is cut; writes the
 /// controller's correction table, what was measured, and a report. Returns 0; 1 if the table is not good
 /// enough, 3 for marks or pictures that cannot be trusted, kExitInput: then the table named by `out` is as it
-/// was.
+/// was. By hand kExitWaiting until the pictures of the next sheet are there.
 int calibrateHeadCommand(const HeadCalibrateOptions& options);
 
 /// Proves the cameras and the judge on artefacts with known deviation; writes gauge.json and gauge.html.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/app/commands.h"
+#include "hil/app/head_tools_cli.h"
 #include "hil/app/scenario.h"
 
 namespace {
@@ -96,6 +97,7 @@ CLI::App* addShow(CLI::App& app, ShowOptions& options) {
 }
 
 struct CalibrateCommands {
+  CLI::App* all;
   CLI::App* camera;
   CLI::App* target;
   CLI::App* head;
@@ -118,9 +120,11 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
       "is "
       "fitted;\n"
       "its correction table is verified at places that were never marked. docs/CALIBRATION.md says how.\n"
-      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input. In "
-      "all\n"
-      "but the first the table named by --out stays as it is. What is measured already is not done again.");
+      "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input; "
+      "75: by "
+      "hand,\n"
+      "waiting. In all but the first the table named by --out stays as it is. What is measured already is "
+      "not done again.");
   head->add_option("--machine", options.machine, "Machine file")->required();
   head->add_option("--results-dir", options.results_dir, "Folder of this calibration; it goes on from there")
       ->capture_default_str();
@@ -150,12 +154,21 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
                    "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
   head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
   head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
+  CLI::Option* by_hand =
+      head->add_flag("--by-hand", options.by_hand,
+                     "Sheets are cut on a machine and photographed by people: what they need is written into "
+                     "the results and "
+                     "said,\nexit code 75; run again when the pictures of a sheet are there");
+  head->add_option("--image", options.image,
+                   "By hand: release of the controller that cuts, such as controller-avr.hex; otherwise\n"
+                   "controller-native-galvo")
+      ->needs(by_hand);
   CLI::Option* job = head->add_option("--job", options.job,
                                       "From pictures alone: the job (marks.yaml) that was cut; no table is "
                                       "verified");
   CLI::Option* pictures =
       head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
-  job->needs(pictures);
+  job->needs(pictures)->excludes(by_hand);
   head->add_option("--cut-with", options.table,
                    "Table that it was cut with; otherwise the one that the machine file names, if any")
       ->needs(job);
@@ -220,7 +233,7 @@ CalibrateCommands addCalibrate(CLI::App& app, CalibrateOptions& options, HeadCal
   target->add_option("--rows", options.rows, "Squares")->check(CLI::Range(4, 200));
   target->add_option("--square-mm", options.square_mm, "Side of a square")->check(CLI::Range(0.1, 1000.0));
   target->add_flag("--quiet,-q", options.quiet, "Nothing but what is wrong");
-  return {camera, target, addCalibrateHead(*calibrate, head_options)};
+  return {calibrate, camera, target, addCalibrateHead(*calibrate, head_options)};
 }
 
 CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
@@ -329,6 +342,7 @@ int dispatch(int argc, char** argv) {
   head_options.bin_dir = options.bin_dir;
   head_options.command_line = options.command_line;
   const CalibrateCommands calibrate = addCalibrate(app, calibrate_options, head_options);
+  const HeadToolsCli head_tools(*calibrate.all, {options.bin_dir, options.command_line, options.jobs});
 
   GaugeCommandOptions gauge_options;
   gauge_options.gauge.jobs = options.jobs;
@@ -347,6 +361,7 @@ int dispatch(int argc, char** argv) {
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
   if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);
   if (calibrate.head->parsed()) return calibrateHeadCommand(head_options);
+  if (const auto code = head_tools.run()) return *code;
   if (gauge->parsed()) return gaugeCommand(gauge_options);
   return lintCommand(lint_files, options);
 }

@@ -9,6 +9,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
 #include "hil/calibrate/marks/mark_job_file.h"
+#include "hil/calibrate/tables/csv_table.h"
 #include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
@@ -27,18 +28,14 @@ fs::path machineWith(const HeadSetup& setup, const SheetRequest& request) {
   return file;
 }
 
-Case caseFor(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request) {
-  fs::create_directories(request.folder);
-  writeMarkJob(request.folder / kSheetJob, request.job);
-  MarkCutting cutting;
-  cutting.machine = fs::absolute(machineWith(setup, request));
-  cutting.beam_radius_mm = setup.beam_radius_mm;
-  cutting.imperfections = bench.imperfections;
-  cutting.seed = bench.seed;
-  cutting.fidelity = bench.fidelity;
-  const fs::path scenario = request.folder / "run.yaml";
-  writeFileAtomically(scenario, markScenario(request.job, "marks.dxf", cutting));
-  return readCase(scenario, bench.bin_dir.parent_path() / "firmware");
+/// The table beside the job: what is measured of it later needs to know what the head was aimed at.
+void keepTable(const SheetRequest& request) {
+  const fs::path kept = request.folder / kSheetTable;
+  if (request.table.empty()) {
+    fs::remove(kept);
+  } else {
+    writeFileAtomically(kept, csvTable(readControllerTable(request.table)));
+  }
 }
 
 std::string digestOf(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
@@ -66,21 +63,50 @@ TwinTileOptions tileOptions(const HeadSetup& setup, const TwinBench& bench) {
 
 }  // namespace
 
+Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request) {
+  fs::create_directories(request.folder);
+  writeMarkJob(request.folder / kSheetJob, request.job);
+  keepTable(request);
+  MarkCutting cutting;
+  if (!bench.firmware.empty()) cutting.firmware = bench.firmware;
+  cutting.machine = fs::absolute(machineWith(setup, request));
+  cutting.beam_radius_mm = setup.beam_radius_mm;
+  cutting.imperfections = bench.imperfections;
+  cutting.seed = bench.seed;
+  cutting.fidelity = bench.fidelity;
+  const fs::path scenario = request.folder / "run.yaml";
+  writeFileAtomically(scenario, markScenario(request.job, "marks.dxf", cutting));
+  return readCase(scenario, bench.bin_dir.parent_path() / "firmware");
+}
+
+CutSheet cutSheet(const Case& the_case, const TwinBench& bench, const std::string& job,
+                  const ProgressFn& progress) {
+  CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
+  refuseRun(cut, job);
+  return cut;
+}
+
+TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench, const Case& the_case,
+                             CutSheet& cut, int sheet, double turn_rad) {
+  // Another sheet lies otherwise on the table, and its pictures have another noise.
+  Case camera = the_case;
+  camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
+  TwinTileOptions options = tileOptions(setup, bench);
+  options.turn_rad = turn_rad;
+  return kerfTiles(camera, *cut.twin, options);
+}
+
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                         const ProgressFn& progress) {
-  const Case the_case = caseFor(setup, bench, request);
+  const Case the_case = sheetCase(setup, bench, request);
   const std::string digest = digestOf(setup, bench, request, the_case);
   const fs::path result = request.folder / kSheetMeasured;
   if (auto measured = readMeasured(result, readMarkJob(request.folder / kSheetJob), digest))
     return {std::move(*measured), true};
 
-  const CutSheet cut = cutOnTwin(the_case, bench.bin_dir, progress);
-  refuseRun(cut, request.job.name);
+  CutSheet cut = cutSheet(the_case, bench, request.job.name, progress);
   progress(-1.0, "measuring the marks of " + request.job.name);
-  // Another sheet lies otherwise on the table, and its pictures have another noise.
-  Case camera = the_case;
-  camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(request.sheet) << 32U);
-  const auto tiles = [&] { return kerfTiles(camera, *cut.twin, tileOptions(setup, bench)); };
+  const auto tiles = [&] { return sheetPictures(setup, bench, the_case, cut, request.sheet); };
   if (bench.keep_pictures) {
     auto source = tiles();
     writeTiles(source, request.folder / "pictures");

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "hil/app/case.h"
+#include "hil/app/cut_on_twin.h"
 #include "hil/app/lockstep.h"
 #include "hil/app/measured_sheet.h"
 #include "twin/cutter/fidelity.h"
@@ -18,7 +20,8 @@ struct TwinBench {
   twin::Preset imperfections{twin::Preset::kStatic};
   twin::Fidelity fidelity{twin::Fidelity::kFast};
   std::filesystem::path bin_dir;
-  bool keep_pictures{};  ///< In folder `pictures` beside the job.
+  std::string firmware{};  ///< As a scenario names it; empty: that of MarkCutting.
+  bool keep_pictures{};    ///< In folder `pictures` beside the job.
   int threads{1};
 };
 
@@ -28,6 +31,10 @@ struct SheetRequest {
   std::filesystem::path folder;  ///< For the files of this sheet.
   std::filesystem::path table;   ///< That the controller uses; empty: none.
 };
+
+/// The scenario that cuts the job with that table, put into the folder with all its files: the job, its
+/// drawing, the table, a machine that has it. @throws ConfigError, std::system_error.
+Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request);
 
 struct SheetOnTwin {
   MeasuredSheet measured;
@@ -41,8 +48,16 @@ struct SheetOnTwin {
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                         const ProgressFn& progress);
 
+/// Pictures of a cut sheet; sheets of one calibration have noise of their own by their number.
+TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench, const Case& the_case,
+                             CutSheet& cut, int sheet, double turn_rad = 0.0);
+/// The sheet as cut. @throws HeadEvidenceError for a run that cannot be trusted; as cutOnTwin().
+CutSheet cutSheet(const Case& the_case, const TwinBench& bench, const std::string& job,
+                  const ProgressFn& progress);
+
 /// The files of a sheet in its folder.
 inline constexpr const char* kSheetJob = "marks.yaml";
+inline constexpr const char* kSheetTable = "table.csv";  ///< That it was cut with; not there: none.
 inline constexpr const char* kSheetMeasured = "measured.yaml";
 
 }  // namespace kerfbench::hil

@@ -53,6 +53,7 @@ void checkOptions(const TwinTileOptions& options, const AlignedBox2d& field) {
   require(options.lay_shift_mm >= 0.0 && std::isfinite(options.lay_shift_mm), "lay_shift_mm must be >= 0");
   require(std::abs(options.lay_angle_rad) <= 0.5 * std::numbers::pi,
           "lay_angle_rad must be within a right angle");
+  require(std::abs(options.turn_rad) <= std::numbers::pi, "turn_rad must be within half a turn");
   if (!faults.empty()) throw std::invalid_argument(faults);
 }
 
@@ -90,7 +91,7 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
     const Vector2d shift_mm(within(0, options.lay_shift_mm), within(1, options.lay_shift_mm));
     const Vector2d middle = bounds.center();
     const Eigen::Isometry2d X_TS = Eigen::Translation2d(shift_mm + middle) *
-                                   Eigen::Rotation2Dd(within(2, options.lay_angle_rad)) *
+                                   Eigen::Rotation2Dd(options.turn_rad + within(2, options.lay_angle_rad)) *
                                    Eigen::Translation2d(-middle);
     lay_.push_back(X_TS);
     twin::PieceSpan piece;

@@ -21,6 +21,7 @@ struct TwinTileOptions {
   /// about the middle of the unit. Inspection must find it by its marks.
   double lay_shift_mm{1.0};
   double lay_angle_rad{0.3 * std::numbers::pi / 180.0};
+  double turn_rad{0.0};  ///< Of each unit besides, about its middle; within ±pi.
   std::uint64_t seed{1};
   /// Cover the whole bounds of each unit, marks included; else only tiles that meet a box of interest, blind
   /// to a stray cut elsewhere.

@@ -172,7 +172,7 @@ std::string wordsOf(const QuickCheckResult& result) {
   std::string words;
   for (const DriftFinding& drift : result.drifts) {
     if (!drift.changed) continue;
-    words += fmt::format("{}{} changed by {:+.5f} ± {:.5f}{}", words.empty() ? "" : "; ", nameOf(drift.which),
+    words += fmt::format("{}{} changed by {:+.6f} ± {:.6f}{}", words.empty() ? "" : "; ", nameOf(drift.which),
                          drift.value, drift.sigma, unitOf(drift.which));
   }
   if (result.unexplained) words += (words.empty() ? "" : "; ") + std::string("something else changed too");

@@ -48,7 +48,7 @@ const NamedMap& named(const Matrix2i& map) {
 }
 
 /// The table's value for a reading, at a place: d'(p) = V d(A⁻¹ p).
-Vector2d valueOf(const AimGrid& grid, const Reading& reading, const Vector2d& p) {
+Vector2d valueOf(const AimGrid& grid, const TableReading& reading, const Vector2d& p) {
   const Vector2d at = reading.places.cast<double>().transpose() * p;  // A⁻¹ = Aᵀ.
   return reading.values.cast<double>() * *grid.at_mm(at);
 }
@@ -86,7 +86,7 @@ std::vector<UncorrectedSpot> usable(const AimGrid& grid, const std::vector<Uncor
   return good;
 }
 
-double rmsOf(const AimGrid& grid, const Reading& reading, const std::vector<UncorrectedSpot>& spots) {
+double rmsOf(const AimGrid& grid, const TableReading& reading, const std::vector<UncorrectedSpot>& spots) {
   double sum = 0.0;
   for (const UncorrectedSpot& s : spots)
     sum += (s.spot_W_mm + valueOf(grid, reading, s.spot_W_mm) - s.aim_W_mm).squaredNorm();
@@ -94,7 +94,7 @@ double rmsOf(const AimGrid& grid, const Reading& reading, const std::vector<Unco
 }
 
 /// Whether two readings are one within `limit_mm`, over all nodes that both cover.
-bool sameTable(const AimGrid& grid, const Reading& a, const Reading& b, double limit_mm) {
+bool sameTable(const AimGrid& grid, const TableReading& a, const TableReading& b, double limit_mm) {
   for (const double y : grid.y_mm()) {
     for (const double x : grid.x_mm()) {
       const Vector2d p(x, y);
@@ -106,8 +106,8 @@ bool sameTable(const AimGrid& grid, const Reading& a, const Reading& b, double l
 }
 
 /// First the reading as it is, then those that only turn the file as a whole, then any.
-int simplicity(const Reading& r) {
-  if (r == Reading{}) return 0;
+int simplicity(const TableReading& r) {
+  if (r == TableReading{}) return 0;
   return r.places == r.values || r.places == Matrix2i::Identity() || r.values == Matrix2i::Identity() ? 1 : 2;
 }
 
@@ -130,11 +130,11 @@ class Judge {
       return;
     }
     if (const ReadingFit* rival = rivalOf(result_.reading)) return tie(*rival);
-    const bool as_read = result_.reading == Reading{};
+    const bool as_read = result_.reading == TableReading{};
     result_.verdict = as_read ? Recognition::Verdict::kAsRead : Recognition::Verdict::kOtherwise;
     result_.text = fmt::format("{}: {:.3f} mm RMS are left of {:.3f} mm", result_.reading.text(),
                                fitOf(result_.reading), result_.error_rms_mm);
-    if (!as_read) result_.text += fmt::format("; read as it is, {:.3f} mm", fitOf(Reading{}));
+    if (!as_read) result_.text += fmt::format("; read as it is, {:.3f} mm", fitOf(TableReading{}));
   }
 
  private:
@@ -153,7 +153,7 @@ class Judge {
     return *found;
   }
   /// One that fits as well and is another table.
-  [[nodiscard]] const ReadingFit* rivalOf(const Reading& reading) const {
+  [[nodiscard]] const ReadingFit* rivalOf(const TableReading& reading) const {
     for (const ReadingFit& fit : result_.fits) {
       if (asGood(fit) && !(fit.reading == reading) &&
           !sameTable(grid_, fit.reading, reading, options_.same_table_mm))
@@ -161,7 +161,7 @@ class Judge {
     }
     return nullptr;
   }
-  [[nodiscard]] double fitOf(const Reading& reading) const {
+  [[nodiscard]] double fitOf(const TableReading& reading) const {
     return std::ranges::find_if(result_.fits, [&](const ReadingFit& f) { return f.reading == reading; })
         ->rms_mm;
   }
@@ -189,7 +189,7 @@ std::vector<double> negated(std::vector<double> places, bool negative) {
 
 }  // namespace
 
-std::string Reading::text() const {
+std::string TableReading::text() const {
   const Matrix2i minus = -values;
   const Matrix2i identity = Matrix2i::Identity();
   if (places == identity && values == identity) return "the file is as it was read";
@@ -202,15 +202,15 @@ std::string Reading::text() const {
                      named(values).values);
 }
 
-std::vector<Reading> allReadings() {
-  std::vector<Reading> all;
+std::vector<TableReading> allReadings() {
+  std::vector<TableReading> all;
   for (const NamedMap& places : maps()) {
     for (const NamedMap& values : maps()) all.push_back({places.map, values.map});
   }
   return all;
 }
 
-AimGrid asRead(const AimGrid& grid, const Reading& reading) {
+AimGrid asRead(const AimGrid& grid, const TableReading& reading) {
   (void)named(reading.places);
   (void)named(reading.values);
   const bool exchanged = reading.places(0, 0) == 0;
@@ -235,7 +235,8 @@ Recognition recognise(const AimGrid& grid, const std::vector<UncorrectedSpot>& s
   double sum = 0.0;
   for (const UncorrectedSpot& s : good) sum += (s.spot_W_mm - s.aim_W_mm).squaredNorm();
   result.error_rms_mm = std::sqrt(sum / static_cast<double>(good.size()));
-  for (const Reading& reading : allReadings()) result.fits.push_back({reading, rmsOf(wide, reading, good)});
+  for (const TableReading& reading : allReadings())
+    result.fits.push_back({reading, rmsOf(wide, reading, good)});
   std::ranges::stable_sort(result.fits, {}, &ReadingFit::rms_mm);
   Judge(wide, options, result).decide();
   return result;

@@ -19,10 +19,10 @@ struct UncorrectedSpot {
 
 /// Another way to understand a file: the place and the value of each node turned, d'(A p) = V d(p), with A
 /// and V of the eight matrices of 0 and ±1 that map the axes onto themselves.
-struct Reading {
+struct TableReading {
   Eigen::Matrix2i places{Eigen::Matrix2i::Identity()};
   Eigen::Matrix2i values{Eigen::Matrix2i::Identity()};
-  friend bool operator==(const Reading& a, const Reading& b) {
+  friend bool operator==(const TableReading& a, const TableReading& b) {
     return a.places == b.places && a.values == b.values;
   }
   /// Such as "the file is transposed", "the file is mirrored in x, and its sign is turned".
@@ -30,10 +30,10 @@ struct Reading {
 };
 
 /// All 64: the eight maps of the places times the eight of the values (signs, and the pair exchanged).
-std::vector<Reading> allReadings();
+std::vector<TableReading> allReadings();
 
 /// The grid understood so; rows and columns turn about (0, 0).
-AimGrid asRead(const AimGrid& grid, const Reading& reading);
+AimGrid asRead(const AimGrid& grid, const TableReading& reading);
 
 struct RecogniseOptions {
   double sigma_mm{0.02};       ///< Of a coordinate of a spot, k = 1; > 0. By ruler rather 0.1.
@@ -45,14 +45,14 @@ struct RecogniseOptions {
 
 /// How one reading fits.
 struct ReadingFit {
-  Reading reading;
+  TableReading reading;
   double rms_mm{};  ///< Of the beam's distance from where it was wanted, with this table.
 };
 
 struct Recognition {
   enum class Verdict { kAsRead, kOtherwise, kCannotBeTold, kNoneFits };
   Verdict verdict{Verdict::kCannotBeTold};
-  Reading reading;               ///< The best; that of the file as read where it is as good.
+  TableReading reading;          ///< The best; that of the file as read where it is as good.
   std::vector<ReadingFit> fits;  ///< All, best first.
   double error_rms_mm{};         ///< Of the spots without correction.
   std::size_t spots{};           ///< That were used.

@@ -103,8 +103,8 @@ std::optional<TableFormat> formatOf(std::string_view bytes) {
   return std::nullopt;
 }
 
-AimGrid readTable(const std::filesystem::path& path, const TableOptions& options,
-                  std::optional<TableFormat> format) {
+TableFile readTableFile(const std::filesystem::path& path, const TableOptions& options,
+                        std::optional<TableFormat> format) {
   const std::string bytes = bytesOf(path);
   if (!format) format = formatOf(bytes);
   if (!format) {
@@ -112,7 +112,16 @@ AimGrid readTable(const std::filesystem::path& path, const TableOptions& options
     faults.ofFile("which format this is cannot be told from its content, say it");
     faults.throwIfAny();
   }
-  return parsed(bytes, *format, path.string(), options);
+  return {*format, parsed(bytes, *format, path.string(), options)};
+}
+
+AimGrid readTable(const std::filesystem::path& path, const TableOptions& options,
+                  std::optional<TableFormat> format) {
+  return readTableFile(path, options, format).grid;
+}
+
+TableLoss formatLoss(TableFormat format, const AimGrid& grid, const TableOptions& options) {
+  return tableLoss(grid, parsed(written(grid, format, options), format, nameOf(format), options));
 }
 
 TableLoss writeTable(const std::filesystem::path& path, TableFormat format, const AimGrid& grid,

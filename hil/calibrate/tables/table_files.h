@@ -31,14 +31,24 @@ struct TableOptions {
 /// begin. Text grids and nine points of others look alike: nullopt.
 std::optional<TableFormat> formatOf(std::string_view bytes);
 
+/// A table, and the format that its file is in.
+struct TableFile {
+  TableFormat format{};
+  AimGrid grid;
+};
 /// @throws TableFileError with every fault; also if the file cannot be read, is above 128 MiB, or tells no
-/// format
-///   and none is given.
+///   format and none is given.
+TableFile readTableFile(const std::filesystem::path& path, const TableOptions& options = {},
+                        std::optional<TableFormat> format = std::nullopt);
+/// The same, where the format does not matter.
 AimGrid readTable(const std::filesystem::path& path, const TableOptions& options = {},
                   std::optional<TableFormat> format = std::nullopt);
 
-/// Writes the file, whole or not at all, and says what the format cost: the bytes are read back before they
-/// are written, and compared with the original.
+/// What a format costs: the bytes that writeTable() would write, read back and compared with the original.
+/// @throws std::invalid_argument if the format cannot hold the table.
+TableLoss formatLoss(TableFormat format, const AimGrid& grid, const TableOptions& options = {});
+
+/// Writes the file, whole or not at all, and says what the format cost, see formatLoss().
 /// @throws std::invalid_argument if the format cannot hold the table; std::system_error.
 TableLoss writeTable(const std::filesystem::path& path, TableFormat format, const AimGrid& grid,
                      const TableOptions& options = {});

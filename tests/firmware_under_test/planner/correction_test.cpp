@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "firmware_under_test/planner/axes.h"
 #include "firmware_under_test/planner/check.h"
 #include "player.h"
@@ -212,6 +214,61 @@ TEST(Correction, IsUsedByTheWholeJob) {
   EXPECT_LT(test::worstDeviationMm(played, test::label(), job), 0.015);
   EXPECT_LT(test::worstGapMm(played, test::label(), job, 0), 0.015);
   EXPECT_GT(test::worstDeviationMm(raw, test::label(), job), 0.2);
+}
+
+/// Bytes of a program, and of its longest operation.
+struct Bytes {
+  std::size_t all{}, longest{};
+};
+Bytes bytesOf(const Program& program) {
+  Bytes bytes;
+  for (const auto& op : program.ops) {
+    bytes.all += op.size();
+    bytes.longest = std::max(bytes.longest, op.size());
+  }
+  return bytes;
+}
+
+TEST(Correction, CostsTheControllerNoMemoryAndItsLineNextToNothing) {
+  JobParameters job = test::mirrorJob();
+  job.belt_speed_mm_s = 30.0;
+  job.pitch_mm = 160.0;
+  const auto table = [](int nodes) {
+    return csv(kMm, 80.0, nodes, [](const Vector2d& p) { return Vector2d(aimFor(p, 80.0) - p); });
+  };
+  const Plan without = plan(test::carton(), test::twoMirror(), job);
+  const Plan with_9 = plan(test::carton(), with(test::twoMirror(), table(9)), job);
+  const Plan with_129 = plan(test::carton(), with(test::twoMirror(), table(129)), job);
+  // Both mirrors move on every line now; the rest is as before, however large the table.
+  EXPECT_LT(bytesOf(with_9.program).all, 1.1 * static_cast<double>(bytesOf(without.program).all));
+  EXPECT_NEAR(static_cast<double>(bytesOf(with_129.program).all),
+              static_cast<double>(bytesOf(with_9.program).all), 50.0);
+  // Op, two axes, power, gain; of the 20 that the line takes in a period.
+  EXPECT_EQ(bytesOf(without.program).longest, 6U);
+  EXPECT_EQ(bytesOf(with_129.program).longest, 6U);
+}
+
+TEST(Correction, WhatFollowingTheBeltLeavesIsTheSlopeOfYAlongX) {
+  // The firmware moves the x axis alone, by the gain of the place: y stays where the table has it for the
+  // nominal belt.
+  const double half = 80.0;
+  const Axes axes(with(test::twoMirror(),
+                       csv(kMm, half, 33, [&](const Vector2d& p) { return Vector2d(aimFor(p, half) - p); })),
+                  {});
+  for (const double belt_mm : {-2.0, -0.5, 0.5, 2.0}) {
+    for (const Vector2d& p : {Vector2d(0, 0), Vector2d(60, 70), Vector2d(-70, 40), Vector2d(30, -75)}) {
+      const Vector2d made = axes.stepsAt(p) + Vector2d(axes.xStepsPerMm(p) * belt_mm, 0.0);
+      Vector2d reached = p + Vector2d(belt_mm, 0.0);
+      for (int i = 0; i < 10; ++i)
+        reached += axes.stepsPerMm(reached).inverse() * (made - axes.stepsAt(reached));
+      const Eigen::Matrix2d slopes = axes.stepsPerMm(p);
+      const Vector2d left = reached - p - Vector2d(belt_mm, 0.0);
+      // 3 µm for a shear of 3 mrad and a millimetre of belt; along x what bends: 0.3 µm for the first
+      // millimetre.
+      EXPECT_NEAR(left.y(), -slopes(1, 0) / slopes(1, 1) * belt_mm, 0.001 * belt_mm * belt_mm);
+      EXPECT_NEAR(left.x(), 0.0, 0.001 * belt_mm * belt_mm + 2e-4 * std::abs(belt_mm));
+    }
+  }
 }
 
 TEST(Correction, FaultsOfTheFileAreListedWithTheirLines) {

@@ -49,16 +49,18 @@ std::vector<UncorrectedSpot> nineSpotsOf(const auto& lands) {
 }
 
 /// The reading that undoes another: d = V⁻¹ d'(A ·).
-Reading inverse(const Reading& reading) { return {reading.places.transpose(), reading.values.transpose()}; }
+TableReading inverse(const TableReading& reading) {
+  return {reading.places.transpose(), reading.values.transpose()};
+}
 
 TEST(Recognise, TellsAllSixtyFourReadingsOfAHeadWithoutSymmetry) {
   EXPECT_EQ(allReadings().size(), 64U);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const SeededHead head(seed, kHalf_mm);
     const AimGrid right = tableOf(head);
-    for (const Reading& reading : allReadings()) {
+    for (const TableReading& reading : allReadings()) {
       const Recognition found = recognise(asRead(right, inverse(reading)), head.nineSpots(0.02, seed));
-      ASSERT_EQ(found.verdict, reading == Reading{} ? Verdict::kAsRead : Verdict::kOtherwise)
+      ASSERT_EQ(found.verdict, reading == TableReading{} ? Verdict::kAsRead : Verdict::kOtherwise)
           << seed << ": " << reading.text() << ": " << found.text;
       ASSERT_EQ(found.reading, reading) << seed << ": " << reading.text() << ": " << found.text;
       ASSERT_LT(found.fits.front().rms_mm, 0.06);
@@ -69,7 +71,7 @@ TEST(Recognise, TellsAllSixtyFourReadingsOfAHeadWithoutSymmetry) {
 TEST(Recognise, TheReadingFoundMendsTheTable) {
   const SeededHead head(3, kHalf_mm);
   const AimGrid right = tableOf(head);
-  for (const Reading& reading : allReadings()) {
+  for (const TableReading& reading : allReadings()) {
     const AimGrid mended = asRead(asRead(right, inverse(reading)), reading);
     EXPECT_LT(farthest_mm(right, mended), 1e-9) << reading.text();
   }
@@ -114,7 +116,7 @@ TEST(Recognise, ReadingsThatAreTheSameTableAreNoRivals) {
   const AimGrid grid = tableThatUndoes(pincushion);
   const std::vector<UncorrectedSpot> spots = nineSpotsOf(pincushion);
   EXPECT_EQ(recognise(grid, spots).verdict, Verdict::kAsRead);
-  const Reading turned{Matrix2i::Identity(), -Matrix2i::Identity()};
+  const TableReading turned{Matrix2i::Identity(), -Matrix2i::Identity()};
   const Recognition found = recognise(asRead(grid, turned), spots);
   EXPECT_EQ(found.verdict, Verdict::kOtherwise);
   EXPECT_TRUE(found.text.starts_with("the sign is turned")) << found.text;

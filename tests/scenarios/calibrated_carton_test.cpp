@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a calibration is for: a job fails on a head that is mounted and not calibrated, and passes with the
+// table that `calibrate head` wrote for it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::Contains;
+namespace fs = std::filesystem;
+
+class CalibratedCarton : public testing::Test {
+ protected:
+  [[nodiscard]] nlohmann::json run(const fs::path& scenario, const std::string& name, int exit_code) const {
+    const ProgramRun run = kerfbench(fmt::format("run '{}' --twin fast --no-pictures --results-dir '{}'",
+                                                 scenario.string(), scratch_.path().string()));
+    EXPECT_EQ(run.exit_code, exit_code) << run.output;
+    return verdictOf(scratch_.path() / name);
+  }
+  /// The machine with a table and nothing else changed, and the same scenario on it.
+  [[nodiscard]] fs::path withTable(const fs::path& machine, const fs::path& table,
+                                   const fs::path& scenario) const {
+    std::ofstream(scratch_.path() / "machine.yaml")
+        << fmt::format("extends: '{}'\nname: two-mirror-mounted\ncontroller: {{correction: '{}'}}\n",
+                       machine.string(), table.string());
+    const fs::path corrected = scratch_.path() / "corrected.yaml";
+    std::ofstream(corrected) << fmt::format("extends: '{}'\nname: corrected\nmachine: machine.yaml\n",
+                                            scenario.string());
+    return corrected;
+  }
+  ScratchFolder scratch_;
+};
+
+TEST_F(CalibratedCarton, FailsOnAMountedHeadAndPassesWithItsTable) {
+  const fs::path on_avr = fixture("scenarios/carton-mounted.yaml");
+  const fs::path machine = fixture("machines/two-mirror-mounted.yaml");
+  const auto before = run(on_avr, "carton-mounted", 1);
+  EXPECT_THAT(checksThat(before, "FAIL"), Contains("path"));
+  EXPECT_THAT(checksThat(before, "FAIL"), Contains("spot_path"));
+  ASSERT_FALSE(before.at("model").at("drawn").empty());
+
+  // The same seed draws the same head.
+  const fs::path head = scratch_.path() / "head";
+  const ProgramRun calibrated = kerfbench(fmt::format(
+      "calibrate head --machine '{}' --seed 5 --results-dir '{}'", machine.string(), head.string()));
+  ASSERT_EQ(calibrated.exit_code, 0) << calibrated.output;
+
+  for (const fs::path& scenario : {on_avr, fixture("scenarios/native/carton-mounted.yaml")}) {
+    const auto after = run(withTable(machine, head / "correction.csv", scenario), "corrected", 0);
+    EXPECT_EQ(after.at("verdict"), "PASS") << scenario;
+    EXPECT_EQ(after.at("model").at("drawn"), before.at("model").at("drawn"));
+    EXPECT_EQ(after.at("firmware") == before.at("firmware"), scenario == on_avr);
+  }
+}
+
+}  // namespace
+}  // namespace kerfbench::test
