@@ -12,6 +12,7 @@
 namespace kerfbench::hil {
 namespace {
 
+constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
@@ -60,11 +61,14 @@ HeadFit HeadFitter::fit() {
                                             : std::nullopt;
   const bool few = usedCount() < kMarksThatTell;
   settle(std::min(options_.most_surface_degree, kUsualDegree), few ? kSettled : kNearlySettled);
-  if (!few && prior_) {
+  scaleTolerances();
+  if (few) {
+    settle(std::min(options_.most_surface_degree, kUsualDegree), kSettled);
+  } else if (prior_) {
     const int degree = degreeFor(usedCount());
     prior_ = surfaceThatTheMarksWant(degree);
     settle(degree, kSettled);
-  } else if (!few) {
+  } else {
     settle(0, kSettled);
   }
   return result();
@@ -165,65 +169,103 @@ Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
 
 void HeadFitter::linearise() {
   const auto here = modelled(design_, tolerances_, scaled_, marks_);
-  linear_.clear();
-  lands_.clear();
+  rows_.resize(2 * static_cast<Eigen::Index>(marks_.size()), Eigen::NoChange);
+  lands_.assign(marks_.size(), false);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    lands_.push_back(here[i].lands);
-    LinearMark mark;
-    mark.by_scaled = here[i].lands ? here[i].by_scaled : HeadJacobian::Zero();
-    mark.reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + mark.by_scaled * scaled_;
-    mark.whitening_1_mm = marks_[i].whitening_1_mm;
-    if (prior_) mark.basis = basis_values_[i];
-    linear_.push_back(std::move(mark));
+    auto rows = rows_.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    rows.setZero();
+    lands_[i] = here[i].lands;
+    if (!lands_[i]) continue;
+    const Eigen::Vector2d reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + here[i].by_scaled * scaled_;
+    rows.leftCols<kCount>() = marks_[i].whitening_1_mm * here[i].by_scaled;
+    rows.col(kCount) = marks_[i].whitening_1_mm * reading_mm;
   }
+}
+
+void HeadFitter::gather() {
+  const auto n = static_cast<Eigen::Index>(usedCount());
+  std::vector<Eigen::Matrix2d> whitenings;
+  Eigen::MatrixXd basis(n, prior_ ? basis_values_.cols() : 0);
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    if (!used_[i]) continue;
+    if (prior_) {
+      basis.row(static_cast<Eigen::Index>(whitenings.size())) =
+          basis_values_.row(static_cast<Eigen::Index>(i));
+    }
+    whitenings.push_back(marks_[i].whitening_1_mm);
+  }
+  gathered_.emplace(std::move(whitenings), std::move(basis));
+}
+
+WhitenedRows HeadFitter::usedRows() const {
+  WhitenedRows used(2 * static_cast<Eigen::Index>(usedCount()), kCount + 1);
+  Eigen::Index next = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (!used_[i]) continue;
+    used.middleRows<2>(next) = rows_.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    next += 2;
+  }
+  return used;
+}
+
+void HeadFitter::relinearise() {
+  linearise();
+  gathered_->linearise(usedRows());
 }
 
 /// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
 void HeadFitter::solve(double settled) {
+  gather();
   for (int pass = 0; pass < kMostSteps; ++pass) {
-    linearise();
-    joint_ = solveJoint(usedLinear(), *basis_, prior_, false);
-    const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
+    relinearise();
+    joint_ = solveJoint(*gathered_, *basis_, prior_, false);
+    const HeadVector step = joint_.unknowns.head<kCount>() - scaled_;
     // What the marks hold badly may swing to and fro; half steps stop that.
     scaled_ += pass < kWholeSteps ? step : HeadVector(0.5 * step);
     const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
     if (step.cwiseAbs().maxCoeff() > enough) continue;
-    joint_ = solveJoint(usedLinear(), *basis_, prior_, true);
+    joint_ = solveJoint(*gathered_, *basis_, prior_, true);
     return;
   }
   throw HeadCalibrationError(kNoConvergence);
 }
 
-std::vector<LinearMark> HeadFitter::usedLinear() const {
-  std::vector<LinearMark> used;
-  used.reserve(linear_.size());
-  for (std::size_t i = 0; i < linear_.size(); ++i) {
-    if (used_[i]) used.push_back(linear_[i]);
+Eigen::MatrixXd HeadFitter::unknownRows() const {
+  const Eigen::Index m = prior_ ? basis_values_.cols() : 0;
+  Eigen::MatrixXd rows(rows_.rows(), kCount + 2 * m);
+  rows.leftCols<kCount>() = rows_.leftCols<kCount>();
+  for (std::size_t i = 0; m > 0 && i < marks_.size(); ++i) {
+    const auto mark = static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
+    rows.block(2 * mark, kCount, 2, m) = w.col(0) * basis_values_.row(mark);
+    rows.block(2 * mark, kCount + m, 2, m) = w.col(1) * basis_values_.row(mark);
   }
-  return used;
+  return rows;
 }
 
 bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
+  const Eigen::MatrixXd rows = unknownRows();
+  const Eigen::VectorXd residuals = rows_.col(kCount) - rows * joint_.unknowns;
+  const Eigen::MatrixXd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     HeadMarkFinding& finding = findings_[i];
-    const Eigen::Matrix2Xd rows = rowsOf(linear_[i].by_scaled, linear_[i].basis);
-    const Eigen::Matrix2Xd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
-    const Eigen::Matrix2d predicted = modes * modes.transpose();
-    finding.residual_mm = linear_[i].reading_mm - rows * joint_.unknowns;
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d residual = residuals.segment<2>(row);
+    const Eigen::Matrix2d predicted = modes.middleRows<2>(row) * modes.middleRows<2>(row).transpose();
+    finding.residual_mm = marks_[i].whitening_1_mm.inverse() * residual;
     // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
-    const Eigen::Matrix2d& noise = noise_mm2_[i];
-    finding.distance2 = distance2(finding.residual_mm, used_[i] ? Eigen::Matrix2d(noise - predicted)
-                                                                : Eigen::Matrix2d(noise + predicted));
-    if (!lands_[i]) finding.distance2 = INFINITY;
+    const double sign = used_[i] ? -1.0 : 1.0;
+    finding.distance2 =
+        lands_[i] ? distance2(residual, Eigen::Matrix2d::Identity() + sign * predicted) : INFINITY;
     if (!used_[i]) continue;
     distances.push_back(finding.distance2);
-    noise_chi2_ += distance2(finding.residual_mm, noise_mm2_[i]);
-    noise_freedom_ += 2.0 - (noise.inverse() * predicted).trace();
+    noise_chi2_ += residual.squaredNorm();
+    noise_freedom_ += 2.0 - predicted.trace();
   }
   const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
   const double limit =
@@ -249,12 +291,21 @@ void HeadFitter::settle(int degree, double settled) {
   throw HeadCalibrationError("the marks contradict each other: no set of them agrees on a head");
 }
 
+void HeadFitter::scaleTolerances() {
+  const double factor = toleranceFactor(*gathered_, *basis_, prior_);
+  tolerance_factor_ *= factor;
+  tolerances_ *= factor;
+  scaled_ /= factor;
+}
+
 void HeadFitter::setBasis(int degree) {
   const Eigen::AlignedBox2d area = areaOfAims();
   if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
   basis_ = SmoothBasis(area, degree);
-  basis_values_.clear();
-  for (const HeadObservation& o : observations_) basis_values_.push_back(basis_->at(o.aim_W_mm).at);
+  basis_values_.resize(static_cast<Eigen::Index>(observations_.size()), basis_->size());
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->at(observations_[i].aim_W_mm).at.transpose();
+  }
 }
 
 /// The highest degree that has no more than one function for every two marks.
@@ -267,8 +318,9 @@ int HeadFitter::degreeFor(std::size_t marks) const {
 
 std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   setBasis(degree);
-  linearise();
-  return bestSurface(usedLinear(), *basis_);
+  gather();
+  relinearise();
+  return bestSurface(*gathered_, *basis_);
 }
 
 void HeadFitter::refuseTooMany() const {
@@ -290,7 +342,6 @@ void HeadFitter::refuseTooMany() const {
 }
 
 HeadFit HeadFitter::result() const {
-  constexpr int kCount = static_cast<int>(kHeadParameterCount);
   HeadFit fit(nominal_, design_);
   fit.axes_ = axes_;
   fit.departures_ = tolerances_.cwiseProduct(scaled_);

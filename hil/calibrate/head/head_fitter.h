@@ -32,6 +32,11 @@ class HeadFitter {
   void solve(double settled);
   void setBasis(int degree);
   void linearise();
+  /// Marks that are used, with the surface's functions if there is a prior; at the last linearisation.
+  void gather();
+  void relinearise();
+  /// Tolerances as far from the drawing as the marks show this head to be.
+  void scaleTolerances();
   /// Holds each mark against what the others predict; true if the set changed.
   bool judge(bool may_return);
   [[nodiscard]] int degreeFor(std::size_t marks) const;
@@ -43,7 +48,9 @@ class HeadFitter {
 
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
-  [[nodiscard]] std::vector<LinearMark> usedLinear() const;
+  [[nodiscard]] WhitenedRows usedRows() const;
+  /// Of all marks, by departures and the surface's coefficients, whitened.
+  [[nodiscard]] Eigen::MatrixXd unknownRows() const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 
@@ -58,13 +65,15 @@ class HeadFitter {
   std::vector<bool> used_;
   HeadVector scaled_{HeadVector::Zero()};
   std::optional<SmoothBasis> basis_;
-  std::vector<Eigen::VectorXd> basis_values_;  ///< At all aims.
+  Eigen::MatrixXd basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
-  std::vector<LinearMark> linear_;  ///< All marks, at scaled_.
+  WhitenedRows rows_;  ///< Of all marks, at scaled_.
   std::vector<bool> lands_;
+  std::optional<JointMarks> gathered_;
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
   double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.
+  double tolerance_factor_{1.0};
   double noise_chi2_{}, noise_freedom_{};
 };
 
