@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -16,6 +17,7 @@ constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
+constexpr std::size_t kMarksToBegin = 100;  // From which the others can be judged.
 constexpr int kUsualDegree = 4;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 150;
@@ -39,6 +41,18 @@ constexpr double kMixedCorrelation = 0.7;
 
 Eigen::Matrix2d whiteningOf(const Eigen::Matrix2d& covariance) {
   return covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity());
+}
+
+/// `most` of the marks or all, by the golden section: in rows they come in order, and none may be favoured.
+std::vector<WeighedMark> spreadOver(const std::vector<WeighedMark>& marks, std::size_t most) {
+  if (marks.size() <= most) return marks;
+  const double share = static_cast<double>(most) / static_cast<double>(marks.size());
+  std::vector<WeighedMark> some;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const double turns = std::numbers::phi * static_cast<double>(i);
+    if (turns - std::floor(turns) < share) some.push_back(marks[i]);
+  }
+  return some;
 }
 
 }  // namespace
@@ -98,11 +112,11 @@ void HeadFitter::weighMarks() {
 void HeadFitter::dropFarMarks() {
   std::vector<Eigen::Vector2d> off(marks_.size(), Eigen::Vector2d::Zero());
   std::vector<double> x, y, distances;
-  const auto here = modelled(design_, tolerances_, scaled_, marks_);
+  const auto here = landings(design_, tolerances_, scaled_, marks_);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    used_[i] = here[i].lands;
+    used_[i] = here[i].has_value();
     if (!used_[i]) continue;
-    off[i] = marks_[i].measured_W_mm - here[i].p_W_mm;
+    off[i] = marks_[i].measured_W_mm - *here[i];
     x.push_back(off[i].x());
     y.push_back(off[i].y());
   }
@@ -117,30 +131,32 @@ void HeadFitter::dropFarMarks() {
 }
 
 void HeadFitter::fitRobustly() {
+  const std::vector<WeighedMark> marks = usedMarks();
+  const std::vector<WeighedMark> some = spreadOver(marks, kMarksToBegin);
   double last = INFINITY;
   bool converged = false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const std::vector<WeighedMark> marks = usedMarks();
-    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
+    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, some);
     const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
-    if (scale < 0.5 * last) {
-      last = scale;
-      const ModelSolution solution =
-          solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations);
-      scaled_ = solution.scaled;
-      converged = solution.converged;
-      continue;
-    }
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
-    }
-    break;
+    if (scale >= 0.5 * last) break;
+    last = scale;
+    const ModelSolution solution =
+        solveModel(design_, tolerances_, scaled_, some, 2.0 * scale, kRoughIterations);
+    scaled_ = solution.scaled;
+    converged = solution.converged;
+  }
+  const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
+  const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
   }
   refuseTooMany();
   if (converged) return;
   // However far this gets, solve() goes on from there and tells whether it settles.
-  scaled_ = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations).scaled;
+  scaled_ =
+      solveModel(design_, tolerances_, scaled_, spreadOver(usedMarks(), kMarksToBegin), 0.0, kMostIterations)
+          .scaled;
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {

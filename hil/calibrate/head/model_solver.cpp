@@ -94,15 +94,24 @@ std::vector<ModelledMark> modelled(const HeadDesign& design, const HeadVector& t
   return all;
 }
 
+std::vector<std::optional<Eigen::Vector2d>> landings(const HeadDesign& design, const HeadVector& tolerances,
+                                                     const HeadVector& scaled,
+                                                     std::span<const WeighedMark> marks) {
+  const trace::Head<double> head = plainHead(design, tolerances, scaled.data());
+  std::vector<std::optional<Eigen::Vector2d>> all(marks.size());
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    Eigen::Vector2d p;
+    if (trace::landing<double>(head, marks[i].angles_rad, p)) all[i] = p;
+  }
+  return all;
+}
+
 std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& tolerances,
                                   const HeadVector& scaled, std::span<const WeighedMark> marks) {
-  const trace::Head<double> head = plainHead(design, tolerances, scaled.data());
-  std::vector<double> distances;
-  distances.reserve(marks.size());
-  for (const WeighedMark& mark : marks) {
-    Eigen::Vector2d p;
-    const bool lands = trace::landing<double>(head, mark.angles_rad, p);
-    distances.push_back(lands ? (mark.whitening_1_mm * (mark.measured_W_mm - p)).norm() : INFINITY);
+  const auto here = landings(design, tolerances, scaled, marks);
+  std::vector<double> distances(marks.size(), INFINITY);
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (here[i]) distances[i] = (marks[i].whitening_1_mm * (marks[i].measured_W_mm - *here[i])).norm();
   }
   return distances;
 }

@@ -116,7 +116,8 @@ MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* 
   return sheet;
 }
 
-CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed) {
+CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed,
+                         std::optional<double> unmodelled_share) {
   CampaignResult result;
   for (const Vector2d& share :
        {Vector2d(0, 0), Vector2d(1, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0.5, 0.5)}) {
@@ -125,6 +126,7 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
   }
   HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
+  options.tolerances.unmodelled_share = unmodelled_share.value_or(head.unmodelledShare());
   std::vector<HeadObservation> all;
   std::optional<HeadFit> fit;
   int first_id = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -49,7 +50,9 @@ struct CampaignResult {
 };
 
 /// 3 x 3, then 9 x 9, then 17 x 17: each sheet made with what the ones before gave, all fitted together.
-/// Tables go to the planner as CSV and the planner interpolates them.
-CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed);
+/// Tables go to the planner as CSV and the planner interpolates them. `unmodelled_share` is what the fit is
+/// told, by default what the data sheets say.
+CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed,
+                         std::optional<double> unmodelled_share = {});
 
 }  // namespace kerfbench::hil::test
