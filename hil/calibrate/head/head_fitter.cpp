@@ -17,7 +17,7 @@ constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
-constexpr std::size_t kMarksToBegin = 100;  // From which the others can be judged.
+constexpr std::size_t kMarksToBegin = 64;   // From which the others can be judged.
 constexpr int kUsualDegree = 4;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 150;
@@ -201,7 +201,7 @@ void HeadFitter::linearise() {
 void HeadFitter::gather() {
   const auto n = static_cast<Eigen::Index>(usedCount());
   std::vector<Eigen::Matrix2d> whitenings;
-  Eigen::MatrixXd basis(n, prior_ ? basis_values_.cols() : 0);
+  RowMatrix basis(n, prior_ ? basis_values_.cols() : 0);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (!used_[i]) continue;
     if (prior_) {
@@ -248,9 +248,9 @@ void HeadFitter::solve(double settled) {
   throw HeadCalibrationError(kNoConvergence);
 }
 
-Eigen::MatrixXd HeadFitter::unknownRows() const {
+RowMatrix HeadFitter::unknownRows() const {
   const Eigen::Index m = prior_ ? basis_values_.cols() : 0;
-  Eigen::MatrixXd rows(rows_.rows(), kCount + 2 * m);
+  RowMatrix rows(rows_.rows(), kCount + 2 * m);
   rows.leftCols<kCount>() = rows_.leftCols<kCount>();
   for (std::size_t i = 0; m > 0 && i < marks_.size(); ++i) {
     const auto mark = static_cast<Eigen::Index>(i);
@@ -265,9 +265,9 @@ bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
-  const Eigen::MatrixXd rows = unknownRows();
+  const RowMatrix rows = unknownRows();
   const Eigen::VectorXd residuals = rows_.col(kCount) - rows * joint_.unknowns;
-  const Eigen::MatrixXd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
+  const RowMatrix modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     HeadMarkFinding& finding = findings_[i];
     const auto row = 2 * static_cast<Eigen::Index>(i);
@@ -312,6 +312,7 @@ void HeadFitter::scaleTolerances() {
   tolerance_factor_ *= factor;
   tolerances_ *= factor;
   scaled_ /= factor;
+  rows_.leftCols<kCount>() *= factor;
 }
 
 void HeadFitter::setBasis(int degree) {
@@ -335,7 +336,7 @@ int HeadFitter::degreeFor(std::size_t marks) const {
 std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   setBasis(degree);
   gather();
-  relinearise();
+  gathered_->linearise(usedRows());  // As it was for the last step: it has settled nearly.
   return bestSurface(*gathered_, *basis_);
 }
 

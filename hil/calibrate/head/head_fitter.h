@@ -50,7 +50,7 @@ class HeadFitter {
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
   [[nodiscard]] WhitenedRows usedRows() const;
   /// Of all marks, by departures and the surface's coefficients, whitened.
-  [[nodiscard]] Eigen::MatrixXd unknownRows() const;
+  [[nodiscard]] RowMatrix unknownRows() const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 
@@ -65,7 +65,7 @@ class HeadFitter {
   std::vector<bool> used_;
   HeadVector scaled_{HeadVector::Zero()};
   std::optional<SmoothBasis> basis_;
-  Eigen::MatrixXd basis_values_;  ///< At all aims, a row each.
+  RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
   WhitenedRows rows_;  ///< Of all marks, at scaled_.
   std::vector<bool> lands_;

@@ -84,7 +84,7 @@ Eigen::Matrix2Xd rowsOf(const HeadJacobian& by_scaled, const Eigen::VectorXd& ba
   return rows;
 }
 
-JointMarks::JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, Eigen::MatrixXd basis)
+JointMarks::JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis)
     : whitenings_1_mm_(std::move(whitenings_1_mm)), basis_(std::move(basis)) {
   const auto n = static_cast<Eigen::Index>(whitenings_1_mm_.size());
   weight_xx_.resize(n);
@@ -103,7 +103,7 @@ void JointMarks::linearise(const WhitenedRows& rows) {
   square_.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
   const Eigen::Index m = functions();
   if (m == 0) return;
-  Eigen::MatrixXd x(basis_.rows(), kCount + 1), y(basis_.rows(), kCount + 1);
+  WhitenedRows x(basis_.rows(), kCount + 1), y(basis_.rows(), kCount + 1);
   for (Eigen::Index i = 0; i < basis_.rows(); ++i) {
     const Eigen::Matrix2d& w = whitenings_1_mm_[static_cast<std::size_t>(i)];
     x.row(i) = w(0, 0) * rows.row(2 * i) + w(1, 0) * rows.row(2 * i + 1);
@@ -120,7 +120,7 @@ const Eigen::MatrixXd& JointMarks::surfaceSquare() const {
   surface_square_ = Eigen::MatrixXd::Zero(2 * m, 2 * m);
   const auto block = [&](const Eigen::VectorXd& weights) {
     Eigen::MatrixXd square(m, m);
-    const Eigen::MatrixXd weighted = weights.asDiagonal() * basis_;
+    const RowMatrix weighted = weights.asDiagonal() * basis_;
     square.triangularView<Eigen::Lower>() = basis_.transpose() * weighted;
     return square;
   };
@@ -132,7 +132,7 @@ const Eigen::MatrixXd& JointMarks::surfaceSquare() const {
 
 Eigen::VectorXd JointMarks::surfaceDiagonal() const {
   Eigen::VectorXd diagonal(2 * functions());
-  const Eigen::MatrixXd squares = basis_.cwiseAbs2();
+  const RowMatrix squares = basis_.cwiseAbs2();
   diagonal << squares.transpose() * weight_xx_, squares.transpose() * weight_yy_;
   return diagonal;
 }

@@ -21,14 +21,17 @@ struct SurfacePrior {
 
 /// Two rows for each mark, whitened: J of the scaled departures, and what is read as its last column,
 /// measured - modelled + J · scaled there.
-using WhitenedRows = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kHeadParameterCount) + 1>;
+using WhitenedRows =
+    Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kHeadParameterCount) + 1, Eigen::RowMajor>;
+/// A row for each mark, or two.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Marks as a linear problem: reading = J · scaled departures + surface + noise. What only depends on the
 /// marks and the surface's functions is kept from one linearisation to the next.
 class JointMarks {
  public:
   /// `basis`: the functions of the surface at the marks, a row for each; no columns: no surface.
-  JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, Eigen::MatrixXd basis);
+  JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis);
   /// `rows`: of these marks, in their order.
   void linearise(const WhitenedRows& rows);
 
@@ -43,7 +46,7 @@ class JointMarks {
 
  private:
   std::vector<Eigen::Matrix2d> whitenings_1_mm_;
-  Eigen::MatrixXd basis_;
+  RowMatrix basis_;
   Eigen::VectorXd weight_xx_, weight_xy_, weight_yy_;
   Eigen::MatrixXd square_, crossed_;
   mutable Eigen::MatrixXd surface_square_;  ///< Empty until it is asked for.

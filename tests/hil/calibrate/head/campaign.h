@@ -27,7 +27,8 @@ struct MarkedSheet {
   std::vector<SeenMark> seen;
 };
 
-/// Even n x n marks over the field, the first at `first_id`, made with `fit`'s exact correction, or without.
+/// n x n marks over the field, up to 0.1 mm off their rows, the first at `first_id`, made with `fit`'s exact
+/// correction, or without.
 MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* fit,
                  const MarkQuality& quality, std::uint64_t seed);
 
