@@ -226,7 +226,7 @@ WhitenedRows HeadFitter::usedRows() const {
 
 void HeadFitter::relinearise() {
   linearise();
-  gathered_->linearise(usedRows());
+  gathered_->linearise(usedCount() == used_.size() ? rows_ : usedRows());
 }
 
 /// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
@@ -234,14 +234,18 @@ void HeadFitter::relinearise() {
 /// own place alone.
 void HeadFitter::solve(double settled) {
   gather();
+  double last = 0.0;
   for (int pass = 0; pass < kMostSteps; ++pass) {
     relinearise();
     joint_ = solveJoint(*gathered_, *basis_, prior_, false);
     const HeadVector step = joint_.unknowns.head<kCount>() - scaled_;
     // What the marks hold badly may swing to and fro; half steps stop that.
     scaled_ += pass < kWholeSteps ? step : HeadVector(0.5 * step);
+    const double size = step.cwiseAbs().maxCoeff();
+    const double next = size * std::min(1.0, size / last);  // If it goes on as it came.
+    last = size;
     const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
-    if (step.cwiseAbs().maxCoeff() > enough) continue;
+    if (next > enough) continue;
     joint_ = solveJoint(*gathered_, *basis_, prior_, true);
     return;
   }
