@@ -19,6 +19,7 @@ constexpr double kFewFalse = 2.0;           // Of any number of marks: two that 
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
 constexpr std::size_t kMarksToBegin = 64;   // From which the others can be judged.
 constexpr int kUsualDegree = 4;
+constexpr int kTellingDegree = 8;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 150;
 constexpr int kWholeSteps = 20;
@@ -198,19 +199,19 @@ void HeadFitter::linearise() {
   }
 }
 
-void HeadFitter::gather() {
+void HeadFitter::gather(const SmoothBasis& basis) {
   const auto n = static_cast<Eigen::Index>(usedCount());
   std::vector<Eigen::Matrix2d> whitenings;
-  RowMatrix basis(n, prior_ ? basis_values_.cols() : 0);
+  RowMatrix values(n, prior_ ? basis.size() : 0);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (!used_[i]) continue;
     if (prior_) {
-      basis.row(static_cast<Eigen::Index>(whitenings.size())) =
-          basis_values_.row(static_cast<Eigen::Index>(i));
+      values.row(static_cast<Eigen::Index>(whitenings.size())) =
+          basis_values_.row(static_cast<Eigen::Index>(i)).head(basis.size());
     }
     whitenings.push_back(marks_[i].whitening_1_mm);
   }
-  gathered_.emplace(std::move(whitenings), std::move(basis));
+  gathered_.emplace(std::move(whitenings), std::move(values));
 }
 
 WhitenedRows HeadFitter::usedRows() const {
@@ -233,7 +234,7 @@ void HeadFitter::relinearise() {
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
 void HeadFitter::solve(double settled) {
-  gather();
+  gather(*basis_);
   double last = 0.0;
   for (int pass = 0; pass < kMostSteps; ++pass) {
     relinearise();
@@ -339,9 +340,15 @@ int HeadFitter::degreeFor(std::size_t marks) const {
 
 std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   setBasis(degree);
-  gather();
-  gathered_->linearise(usedRows());  // As it was for the last step: it has settled nearly.
-  return bestSurface(*gathered_, *basis_);
+  // Rows as for the last step: it has settled nearly. Whether there is a surface shows in its lower degrees.
+  const SmoothBasis lower(basis_->area_mm(), std::min(degree, kTellingDegree));
+  gather(lower);
+  gathered_->linearise(usedRows());
+  const std::vector<double> decays = promisingDecays(*gathered_, lower);
+  if (decays.empty()) return std::nullopt;
+  gather(*basis_);
+  gathered_->linearise(usedRows());
+  return bestSurface(*gathered_, *basis_, decays);
 }
 
 void HeadFitter::refuseTooMany() const {

@@ -204,21 +204,26 @@ double toleranceFactor(const JointMarks& marks, const SmoothBasis& basis,
   return std::sqrt(sum / weights);
 }
 
-std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis) {
-  constexpr double kDecays[] = {0.5, 0.7, 0.85, 1.0};
+std::vector<double> promisingDecays(const JointMarks& marks, const SmoothBasis& basis) {
+  const SurfaceInformation information(marks);
+  std::vector<double> promising;
+  for (const double decay : {0.5, 0.7, 0.85, 1.0}) {
+    if (information.score(sigmasOf({1.0, decay, 0.0}, basis)) > kLeastScore) promising.push_back(decay);
+  }
+  return promising;
+}
+
+std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis,
+                                        std::span<const double> decays) {
   SurfaceInformation information(marks);
-  bool promising = false;
-  for (const double decay : kDecays)
-    promising = promising || information.score(sigmasOf({1.0, decay, 0.0}, basis)) > kLeastScore;
-  if (!promising) return std::nullopt;
   information.complete();
   const auto at = [&](double decay, double amplitude_mm) {
     SurfacePrior prior{amplitude_mm, decay, 0.0};
     prior.evidence = information.evidence(sigmasOf(prior, basis));
     return prior;
   };
-  SurfacePrior best{kFirstAmplitude_mm, kDecays[0], -INFINITY};
-  for (const double decay : kDecays) {
+  SurfacePrior best{kFirstAmplitude_mm, 0.0, -INFINITY};
+  for (const double decay : decays) {
     // Up the slope by factors of two, from where the last decay had its best: there is one top.
     SurfacePrior here = at(decay, best.amplitude_mm);
     for (const double factor : {2.0, 0.5}) {

@@ -63,9 +63,14 @@ struct JointSolution {
 JointSolution solveJoint(const JointMarks& marks, const SmoothBasis& basis,
                          const std::optional<SurfacePrior>& prior, bool with_covariance);
 
-/// The prior with the largest marginal likelihood, of decays of 0.5 … 1 and amplitudes of 0.1 µm … 10 mm;
-/// nullopt where even that one has odds below 20 : 1 against no surface.
-std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis);
+/// Decays of 0.5 … 1 for which the marks may tell of a surface: of those below, evidence is not worth its
+/// work (score test).
+std::vector<double> promisingDecays(const JointMarks& marks, const SmoothBasis& basis);
+
+/// The prior with the largest marginal likelihood, of these decays and amplitudes of 0.1 µm … 10 mm; nullopt
+/// where even that one has odds below 20 : 1 against no surface.
+std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis,
+                                        std::span<const double> decays);
 
 /// How far this head is from its drawing, in tolerances, by what the marks hold of it: the root of the mean
 /// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is
