@@ -253,31 +253,44 @@ void HeadFitter::solve(double settled) {
   throw HeadCalibrationError(kNoConvergence);
 }
 
-RowMatrix HeadFitter::unknownRows() const {
-  const Eigen::Index m = prior_ ? basis_values_.cols() : 0;
-  RowMatrix rows(rows_.rows(), kCount + 2 * m);
-  rows.leftCols<kCount>() = rows_.leftCols<kCount>();
-  for (std::size_t i = 0; m > 0 && i < marks_.size(); ++i) {
+void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const {
+  const auto root = joint_.covariance_root.transpose().triangularView<Eigen::Lower>();
+  if (!prior_) {
+    residuals = rows_.col(kCount) - rows_.leftCols<kCount>() * joint_.unknowns;
+    modes = root * rows_.leftCols<kCount>().transpose();
+    return;
+  }
+  const Eigen::Index m = basis_values_.cols();
+  Eigen::MatrixXd columns(kCount + 2 * m, rows_.rows());
+  columns.topRows<kCount>() = rows_.leftCols<kCount>().transpose();
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
     const auto mark = static_cast<Eigen::Index>(i);
     const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
-    rows.block(2 * mark, kCount, 2, m) = w.col(0) * basis_values_.row(mark);
-    rows.block(2 * mark, kCount + m, 2, m) = w.col(1) * basis_values_.row(mark);
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      auto surface = columns.col(2 * mark + k).tail(2 * m);
+      surface.head(m) = w(k, 0) * basis_values_.row(mark).transpose();
+      surface.tail(m) = w(k, 1) * basis_values_.row(mark).transpose();
+    }
   }
-  return rows;
+  residuals = rows_.col(kCount) - columns.transpose() * joint_.unknowns;
+  modes = root * columns;
 }
 
 bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
-  const RowMatrix rows = unknownRows();
-  const Eigen::VectorXd residuals = rows_.col(kCount) - rows * joint_.unknowns;
-  const RowMatrix modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
+  // Of residual and modes, a column for each row of a mark.
+  Eigen::MatrixXd modes;
+  Eigen::VectorXd residuals;
+  predictMarks(residuals, modes);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     HeadMarkFinding& finding = findings_[i];
     const auto row = 2 * static_cast<Eigen::Index>(i);
     const Eigen::Vector2d residual = residuals.segment<2>(row);
-    const Eigen::Matrix2d predicted = modes.middleRows<2>(row) * modes.middleRows<2>(row).transpose();
+    const double across = modes.col(row).dot(modes.col(row + 1));
+    Eigen::Matrix2d predicted;
+    predicted << modes.col(row).squaredNorm(), across, across, modes.col(row + 1).squaredNorm();
     finding.residual_mm = marks_[i].whitening_1_mm.inverse() * residual;
     // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
     const double sign = used_[i] ? -1.0 : 1.0;

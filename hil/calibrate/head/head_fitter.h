@@ -49,8 +49,8 @@ class HeadFitter {
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
   [[nodiscard]] WhitenedRows usedRows() const;
-  /// Of all marks, by departures and the surface's coefficients, whitened.
-  [[nodiscard]] RowMatrix unknownRows() const;
+  /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
+  void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 

@@ -77,7 +77,7 @@ ceres::Solver::Options solverOptions(int most_iterations) {
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = most_iterations;
   options.initial_trust_region_radius = 1e8;
-  options.function_tolerance = 1e-4;  // Only where to begin: HeadFitter goes on from there.
+  options.function_tolerance = 1e-3;  // Only where to begin: HeadFitter goes on from there.
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   return options;
