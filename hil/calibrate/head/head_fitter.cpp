@@ -18,6 +18,7 @@ constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
 constexpr std::size_t kMarksToBegin = 64;   // From which the others can be judged.
+constexpr double kStartShare = 1e-4;  // Of the field: marks of micrometres would hold the start where it is.
 constexpr int kUsualDegree = 4;
 constexpr int kTellingDegree = 8;
 constexpr double kUsualDecay = 0.7;
@@ -36,6 +37,7 @@ constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss
 constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
 constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
 constexpr double kAreaMargin = 0.02;
+constexpr double kMostTolerances = 3.0;   // Of so many parameters all are that far off never.
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
 constexpr double kHeldShare = 1.0 / 3.0;
 constexpr double kMixedCorrelation = 0.7;
@@ -161,7 +163,8 @@ void HeadFitter::fitRobustly() {
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {
-  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * unmodelled_mm_ * unmodelled_mm_;
+  const double wide_mm = std::max(unmodelled_mm_, kStartShare * areaOfAims().sizes().maxCoeff());
+  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * wide_mm * wide_mm;
   std::vector<WeighedMark> marks;
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (!used_[i]) continue;
@@ -327,6 +330,13 @@ void HeadFitter::settle(int degree, double settled) {
 
 void HeadFitter::scaleTolerances() {
   const double factor = toleranceFactor(*gathered_, *basis_, prior_);
+  if (usedCount() < kMarksThatTell && factor > kMostTolerances) {
+    throw HeadCalibrationError(
+        fmt::format("by these {} marks the head would be {:.0f} times as far from its drawing as it may be: "
+                    "false marks among so few cannot be told, unless the design is not its own. Mark more, "
+                    "{} at least",
+                    usedCount(), factor, kMarksThatTell));
+  }
   tolerance_factor_ *= factor;
   tolerances_ *= factor;
   scaled_ /= factor;
