@@ -32,11 +32,11 @@ constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
 constexpr int kMostIterations = 50;
 constexpr int kRoughIterations = 5;
-constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
-constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
-constexpr double kModelFits = 2.0;     // Up to this scatter it is only chance that the model leaves more.
-constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
-constexpr double kAreaMargin = 0.02;
+constexpr double kFarInMisses = 10.0;     // Of the median mark: such a mark is of another place.
+constexpr double kFarInSigmas = 8.0;      // Of the median mark under Cauchy's loss.
+constexpr double kModelFits = 2.0;        // Up to this scatter it is only chance that the model leaves more.
+constexpr double kWorstShare = 0.25;      // Of the worst distance²: those are rejected together.
+constexpr double kAreaMargin = 0.03;      // A table has one of 0.02.
 constexpr double kMostTolerances = 3.0;   // Of so many parameters all are that far off never.
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
 constexpr double kHeldShare = 1.0 / 3.0;
@@ -74,6 +74,7 @@ HeadFit HeadFitter::fit() {
   weighMarks();
   dropFarMarks();
   fitRobustly();
+  reachRim();
   prior_ = options_.most_surface_degree > 0 ? std::optional(SurfacePrior{unmodelled_mm_, kUsualDecay, 0.0})
                                             : std::nullopt;
   const bool few = usedCount() < kMarksThatTell;
@@ -178,8 +179,27 @@ std::size_t HeadFitter::usedCount() const {
   return static_cast<std::size_t>(std::ranges::count(used_, true));
 }
 
+void HeadFitter::reachRim() {
+  if (options_.field_W_mm.isEmpty()) return;
+  std::vector<Eigen::Vector2d> rim_W_mm;
+  std::vector<WeighedMark> aims;
+  for (const Eigen::Vector2d& share :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 0.0), Eigen::Vector2d(1.0, 0.0),
+        Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(1.0, 0.5), Eigen::Vector2d(0.0, 1.0),
+        Eigen::Vector2d(0.5, 1.0), Eigen::Vector2d(1.0, 1.0)}) {
+    const Eigen::AlignedBox2d& field = options_.field_W_mm;
+    rim_W_mm.emplace_back(field.min() + share.cwiseProduct(field.sizes()));
+    const Eigen::Vector2d aim_W_mm = axes_.matrix().transpose() * rim_W_mm.back();
+    aims.emplace_back().angles_rad = axes_.matrix() * nominal_.angles_rad(aim_W_mm);
+  }
+  const auto here = landings(design_, tolerances_, scaled_, aims);
+  for (std::size_t i = 0; i < aims.size(); ++i) {
+    if (here[i]) reach_mm_.extend(axes_.matrix().transpose() * (2.0 * rim_W_mm[i] - *here[i]));
+  }
+}
+
 Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
-  Eigen::AlignedBox2d area = options_.field_W_mm;
+  Eigen::AlignedBox2d area = options_.field_W_mm.merged(reach_mm_);
   for (std::size_t i = 0; i < used_.size(); ++i) {
     if (used_[i]) area.extend(observations_[i].aim_W_mm);
   }

@@ -26,6 +26,9 @@ class HeadFitter {
   /// Leaves out what is far from where the drawing and the axes put it.
   void dropFarMarks();
   void fitRobustly();
+  /// Finds where the controller must be aimed for the field's rim: the surface must not end before, its
+  /// border is a bend that no table follows.
+  void reachRim();
   /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
   /// tolerances.
   void settle(int degree, double settled);
@@ -64,6 +67,7 @@ class HeadFitter {
   std::vector<Eigen::Matrix2d> noise_mm2_;
   std::vector<bool> used_;
   HeadVector scaled_{HeadVector::Zero()};
+  Eigen::AlignedBox2d reach_mm_;
   std::optional<SmoothBasis> basis_;
   RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
