@@ -83,6 +83,7 @@ void calibrateCamera(benchmark::State& state) {
 }
 
 BENCHMARK_CAPTURE(fitHead, two_mirror_300, HeadKind::kTwoMirror300, Beyond::kNothing)
+    ->Arg(6)
     ->Arg(9)
     ->Arg(18)
     ->Arg(24)
@@ -91,11 +92,12 @@ BENCHMARK_CAPTURE(fitHead, two_mirror_300_with_surface, HeadKind::kTwoMirror300,
     ->Arg(18)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fitHead, f_theta_300, HeadKind::kFTheta300, Beyond::kNothing)
+    ->Arg(6)
     ->Arg(9)
     ->Arg(18)
     ->Arg(24)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK(calibrateCamera)->Arg(9)->Arg(18)->Arg(24)->Unit(benchmark::kMillisecond);
+BENCHMARK(calibrateCamera)->Arg(6)->Arg(9)->Arg(18)->Arg(24)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace kerfbench::benchmarks
