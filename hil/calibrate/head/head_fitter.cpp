@@ -25,6 +25,7 @@ constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 150;
 constexpr int kWholeSteps = 20;
 constexpr double kSettled = 1e-3;       // Of a tolerance,
+constexpr double kLastStep = 3.0;       // Of what is enough.
 constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
@@ -269,7 +270,8 @@ void HeadFitter::solve(double settled) {
     const double next = size * std::min(1.0, size / last);  // If it goes on as it came.
     last = size;
     const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
-    if (next > enough) continue;
+    // The covariance is that of the place before the last step.
+    if (next > enough || size > kLastStep * enough) continue;
     joint_ = solveJoint(*gathered_, *basis_, prior_, true);
     return;
   }
