@@ -185,9 +185,11 @@ double toleranceFactor(const JointMarks& marks, const SmoothBasis& basis,
   const Eigen::ArrayXd information = held.eigenvalues().array().max(0.0);
   const Eigen::ArrayXd gradient2 =
       (held.eigenvectors().transpose() * square.row(kCount).head<kCount>().transpose()).array().square();
-  constexpr double kStep = 0.125, kMost = 4.0;  // Of log2 of the factor.
+  constexpr int kSteps = 32;       // Each way.
+  constexpr double kStep = 0.125;  // Of log2 of the factor.
   std::vector<double> factors2, logs;
-  for (double log2 = -kMost; log2 <= kMost; log2 += kStep) {
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    const double log2 = kStep * step;
     const double factor2 = std::exp2(2.0 * log2);
     const Eigen::ArrayXd grown = 1.0 + factor2 * information;
     const double before = log2 * std::log(2.0) / kToleranceSpread;

@@ -115,7 +115,9 @@ MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* 
   const Eigen::AlignedBox2d inner(head.field_W_mm().min() + Vector2d::Constant(kOffRow_mm),
                                   head.field_W_mm().max() - Vector2d::Constant(kOffRow_mm));
   for (int i = 0; i < n * n; ++i) {
-    const Vector2d wanted = shareOf(inner, 1.0 * (i % n) / (n - 1), 1.0 * (i / n) / (n - 1)) +
+    const int column = i % n;
+    const int row = i / n;
+    const Vector2d wanted = shareOf(inner, 1.0 * column / (n - 1), 1.0 * row / (n - 1)) +
                             offRow(seed, static_cast<std::uint64_t>(first_id + i));
     const Vector2d aim = fit != nullptr ? fit->aimFor(wanted).value() : wanted;
     const int id = first_id + i;
