@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -12,14 +13,19 @@
 namespace kerfbench::hil {
 namespace {
 
+constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;           // Of any number of marks: two that were taken for each other.
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
+constexpr std::size_t kMarksToBegin = 64;   // From which the others can be judged.
+constexpr double kStartShare = 1e-4;  // Of the field: marks of micrometres would hold the start where it is.
 constexpr int kUsualDegree = 4;
+constexpr int kTellingDegree = 8;
 constexpr double kUsualDecay = 0.7;
 constexpr int kMostSteps = 150;
 constexpr int kWholeSteps = 20;
 constexpr double kSettled = 1e-3;       // Of a tolerance,
+constexpr double kLastStep = 3.0;       // Of what is enough.
 constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
@@ -27,16 +33,29 @@ constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;  // Later no mark comes back, so that the set must settle.
 constexpr int kMostIterations = 50;
 constexpr int kRoughIterations = 5;
-constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
-constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
-constexpr double kWorstShare = 0.25;   // Of the worst distance²: those are rejected together.
-constexpr double kAreaMargin = 0.02;
+constexpr double kFarInMisses = 10.0;     // Of the median mark: such a mark is of another place.
+constexpr double kFarInSigmas = 8.0;      // Of the median mark under Cauchy's loss.
+constexpr double kWorstShare = 0.25;      // Of the worst distance²: those are rejected together.
+constexpr double kAreaMargin = 0.03;      // A table has one of 0.02.
+constexpr double kMostTolerances = 3.0;   // Of so many parameters all are that far off never.
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
 constexpr double kHeldShare = 1.0 / 3.0;
 constexpr double kMixedCorrelation = 0.7;
 
 Eigen::Matrix2d whiteningOf(const Eigen::Matrix2d& covariance) {
   return covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity());
+}
+
+/// `most` of the marks or all, by the golden section: in rows they come in order, and none may be favoured.
+std::vector<WeighedMark> spreadOver(const std::vector<WeighedMark>& marks, std::size_t most) {
+  if (marks.size() <= most) return marks;
+  const double share = static_cast<double>(most) / static_cast<double>(marks.size());
+  std::vector<WeighedMark> some;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const double turns = std::numbers::phi * static_cast<double>(i);
+    if (turns - std::floor(turns) < share) some.push_back(marks[i]);
+  }
+  return some;
 }
 
 }  // namespace
@@ -55,15 +74,19 @@ HeadFit HeadFitter::fit() {
   weighMarks();
   dropFarMarks();
   fitRobustly();
+  reachRim();
   prior_ = options_.most_surface_degree > 0 ? std::optional(SurfacePrior{unmodelled_mm_, kUsualDecay, 0.0})
                                             : std::nullopt;
   const bool few = usedCount() < kMarksThatTell;
   settle(std::min(options_.most_surface_degree, kUsualDegree), few ? kSettled : kNearlySettled);
-  if (!few && prior_) {
+  scaleTolerances();
+  if (few) {
+    settle(std::min(options_.most_surface_degree, kUsualDegree), kSettled);
+  } else if (prior_) {
     const int degree = degreeFor(usedCount());
     prior_ = surfaceThatTheMarksWant(degree);
     settle(degree, kSettled);
-  } else if (!few) {
+  } else {
     settle(0, kSettled);
   }
   return result();
@@ -93,11 +116,11 @@ void HeadFitter::weighMarks() {
 void HeadFitter::dropFarMarks() {
   std::vector<Eigen::Vector2d> off(marks_.size(), Eigen::Vector2d::Zero());
   std::vector<double> x, y, distances;
-  const auto here = modelled(design_, tolerances_, scaled_, marks_);
+  const auto here = landings(design_, tolerances_, scaled_, marks_);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    used_[i] = here[i].lands;
+    used_[i] = here[i].has_value();
     if (!used_[i]) continue;
-    off[i] = marks_[i].measured_W_mm - here[i].p_W_mm;
+    off[i] = marks_[i].measured_W_mm - *here[i];
     x.push_back(off[i].x());
     y.push_back(off[i].y());
   }
@@ -112,34 +135,37 @@ void HeadFitter::dropFarMarks() {
 }
 
 void HeadFitter::fitRobustly() {
+  const std::vector<WeighedMark> marks = usedMarks();
+  const std::vector<WeighedMark> some = spreadOver(marks, kMarksToBegin);
   double last = INFINITY;
   bool converged = false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const std::vector<WeighedMark> marks = usedMarks();
-    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
+    const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, some);
     const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
-    if (scale < 0.5 * last) {
-      last = scale;
-      const ModelSolution solution =
-          solveModel(design_, tolerances_, scaled_, marks, 2.0 * scale, kRoughIterations);
-      scaled_ = solution.scaled;
-      converged = solution.converged;
-      continue;
-    }
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
-    }
-    break;
+    if (scale >= 0.5 * last) break;
+    last = scale;
+    const ModelSolution solution =
+        solveModel(design_, tolerances_, scaled_, some, 2.0 * scale, kRoughIterations);
+    scaled_ = solution.scaled;
+    converged = solution.converged;
+  }
+  const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
+  const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
   }
   refuseTooMany();
   if (converged) return;
   // However far this gets, solve() goes on from there and tells whether it settles.
-  scaled_ = solveModel(design_, tolerances_, scaled_, usedMarks(), 0.0, kMostIterations).scaled;
+  scaled_ =
+      solveModel(design_, tolerances_, scaled_, spreadOver(usedMarks(), kMarksToBegin), 0.0, kMostIterations)
+          .scaled;
 }
 
 std::vector<WeighedMark> HeadFitter::usedMarks() const {
-  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * unmodelled_mm_ * unmodelled_mm_;
+  const double wide_mm = std::max(unmodelled_mm_, kStartShare * areaOfAims().sizes().maxCoeff());
+  const Eigen::Matrix2d unmodelled = Eigen::Matrix2d::Identity() * wide_mm * wide_mm;
   std::vector<WeighedMark> marks;
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (!used_[i]) continue;
@@ -153,8 +179,27 @@ std::size_t HeadFitter::usedCount() const {
   return static_cast<std::size_t>(std::ranges::count(used_, true));
 }
 
+void HeadFitter::reachRim() {
+  if (options_.field_W_mm.isEmpty()) return;
+  std::vector<Eigen::Vector2d> rim_W_mm;
+  std::vector<WeighedMark> aims;
+  for (const Eigen::Vector2d& share :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.5, 0.0), Eigen::Vector2d(1.0, 0.0),
+        Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(1.0, 0.5), Eigen::Vector2d(0.0, 1.0),
+        Eigen::Vector2d(0.5, 1.0), Eigen::Vector2d(1.0, 1.0)}) {
+    const Eigen::AlignedBox2d& field = options_.field_W_mm;
+    rim_W_mm.emplace_back(field.min() + share.cwiseProduct(field.sizes()));
+    const Eigen::Vector2d aim_W_mm = axes_.matrix().transpose() * rim_W_mm.back();
+    aims.emplace_back().angles_rad = axes_.matrix() * nominal_.angles_rad(aim_W_mm);
+  }
+  const auto here = landings(design_, tolerances_, scaled_, aims);
+  for (std::size_t i = 0; i < aims.size(); ++i) {
+    if (here[i]) reach_mm_.extend(axes_.matrix().transpose() * (2.0 * rim_W_mm[i] - *here[i]));
+  }
+}
+
 Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
-  Eigen::AlignedBox2d area = options_.field_W_mm;
+  Eigen::AlignedBox2d area = options_.field_W_mm.merged(reach_mm_);
   for (std::size_t i = 0; i < used_.size(); ++i) {
     if (used_[i]) area.extend(observations_[i].aim_W_mm);
   }
@@ -164,65 +209,121 @@ Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
 
 void HeadFitter::linearise() {
   const auto here = modelled(design_, tolerances_, scaled_, marks_);
-  linear_.clear();
-  lands_.clear();
+  rows_.resize(2 * static_cast<Eigen::Index>(marks_.size()), Eigen::NoChange);
+  lands_.assign(marks_.size(), false);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    lands_.push_back(here[i].lands);
-    LinearMark mark;
-    mark.by_scaled = here[i].lands ? here[i].by_scaled : HeadJacobian::Zero();
-    mark.reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + mark.by_scaled * scaled_;
-    mark.whitening_1_mm = marks_[i].whitening_1_mm;
-    if (prior_) mark.basis = basis_values_[i];
-    linear_.push_back(std::move(mark));
+    auto rows = rows_.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    rows.setZero();
+    lands_[i] = here[i].lands;
+    if (!lands_[i]) continue;
+    const Eigen::Vector2d reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + here[i].by_scaled * scaled_;
+    rows.leftCols<kCount>() = marks_[i].whitening_1_mm * here[i].by_scaled;
+    rows.col(kCount) = marks_[i].whitening_1_mm * reading_mm;
   }
+}
+
+void HeadFitter::gather(const SmoothBasis& basis) {
+  const auto n = static_cast<Eigen::Index>(usedCount());
+  std::vector<Eigen::Matrix2d> whitenings;
+  RowMatrix values(n, prior_ ? basis.size() : 0);
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    if (!used_[i]) continue;
+    if (prior_) {
+      values.row(static_cast<Eigen::Index>(whitenings.size())) =
+          basis_values_.row(static_cast<Eigen::Index>(i)).head(basis.size());
+    }
+    whitenings.push_back(marks_[i].whitening_1_mm);
+  }
+  gathered_.emplace(std::move(whitenings), std::move(values));
+}
+
+WhitenedRows HeadFitter::usedRows() const {
+  WhitenedRows used(2 * static_cast<Eigen::Index>(usedCount()), kCount + 1);
+  Eigen::Index next = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (!used_[i]) continue;
+    used.middleRows<2>(next) = rows_.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    next += 2;
+  }
+  return used;
+}
+
+void HeadFitter::relinearise() {
+  linearise();
+  gathered_->linearise(usedCount() == used_.size() ? rows_ : usedRows());
 }
 
 /// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
 void HeadFitter::solve(double settled) {
+  gather(*basis_);
+  double last = 0.0;
   for (int pass = 0; pass < kMostSteps; ++pass) {
-    linearise();
-    joint_ = solveJoint(usedLinear(), *basis_, prior_, false);
-    const HeadVector step = joint_.unknowns.head<static_cast<int>(kHeadParameterCount)>() - scaled_;
+    relinearise();
+    joint_ = solveJoint(*gathered_, *basis_, prior_, false);
+    const HeadVector step = joint_.unknowns.head<kCount>() - scaled_;
     // What the marks hold badly may swing to and fro; half steps stop that.
     scaled_ += pass < kWholeSteps ? step : HeadVector(0.5 * step);
+    const double size = step.cwiseAbs().maxCoeff();
+    const double next = size * std::min(1.0, size / last);  // If it goes on as it came.
+    last = size;
     const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
-    if (step.cwiseAbs().maxCoeff() > enough) continue;
-    joint_ = solveJoint(usedLinear(), *basis_, prior_, true);
+    // The covariance is that of the place before the last step.
+    if (next > enough || size > kLastStep * enough) continue;
+    joint_ = solveJoint(*gathered_, *basis_, prior_, true);
     return;
   }
   throw HeadCalibrationError(kNoConvergence);
 }
 
-std::vector<LinearMark> HeadFitter::usedLinear() const {
-  std::vector<LinearMark> used;
-  used.reserve(linear_.size());
-  for (std::size_t i = 0; i < linear_.size(); ++i) {
-    if (used_[i]) used.push_back(linear_[i]);
+void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const {
+  const auto root = joint_.covariance_root.transpose().triangularView<Eigen::Lower>();
+  if (!prior_) {
+    residuals = rows_.col(kCount) - rows_.leftCols<kCount>() * joint_.unknowns;
+    modes = root * rows_.leftCols<kCount>().transpose();
+    return;
   }
-  return used;
+  const Eigen::Index m = basis_values_.cols();
+  Eigen::MatrixXd columns(kCount + 2 * m, rows_.rows());
+  columns.topRows<kCount>() = rows_.leftCols<kCount>().transpose();
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    const auto mark = static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      auto surface = columns.col(2 * mark + k).tail(2 * m);
+      surface.head(m) = w(k, 0) * basis_values_.row(mark).transpose();
+      surface.tail(m) = w(k, 1) * basis_values_.row(mark).transpose();
+    }
+  }
+  residuals = rows_.col(kCount) - columns.transpose() * joint_.unknowns;
+  modes = root * columns;
 }
 
 bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
+  // Of residual and modes, a column for each row of a mark.
+  Eigen::MatrixXd modes;
+  Eigen::VectorXd residuals;
+  predictMarks(residuals, modes);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     HeadMarkFinding& finding = findings_[i];
-    const Eigen::Matrix2Xd rows = rowsOf(linear_[i].by_scaled, linear_[i].basis);
-    const Eigen::Matrix2Xd modes = rows * joint_.covariance_root.triangularView<Eigen::Upper>();
-    const Eigen::Matrix2d predicted = modes * modes.transpose();
-    finding.residual_mm = linear_[i].reading_mm - rows * joint_.unknowns;
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d residual = residuals.segment<2>(row);
+    const double across = modes.col(row).dot(modes.col(row + 1));
+    Eigen::Matrix2d predicted;
+    predicted << modes.col(row).squaredNorm(), across, across, modes.col(row + 1).squaredNorm();
+    finding.residual_mm = marks_[i].whitening_1_mm.inverse() * residual;
     // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
-    const Eigen::Matrix2d& noise = noise_mm2_[i];
-    finding.distance2 = distance2(finding.residual_mm, used_[i] ? Eigen::Matrix2d(noise - predicted)
-                                                                : Eigen::Matrix2d(noise + predicted));
-    if (!lands_[i]) finding.distance2 = INFINITY;
+    const double sign = used_[i] ? -1.0 : 1.0;
+    finding.distance2 =
+        lands_[i] ? distance2(residual, Eigen::Matrix2d::Identity() + sign * predicted) : INFINITY;
     if (!used_[i]) continue;
     distances.push_back(finding.distance2);
-    noise_chi2_ += distance2(finding.residual_mm, noise_mm2_[i]);
-    noise_freedom_ += 2.0 - (noise.inverse() * predicted).trace();
+    noise_chi2_ += residual.squaredNorm();
+    noise_freedom_ += 2.0 - predicted.trace();
   }
   const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
   const double limit =
@@ -248,12 +349,29 @@ void HeadFitter::settle(int degree, double settled) {
   throw HeadCalibrationError("the marks contradict each other: no set of them agrees on a head");
 }
 
+void HeadFitter::scaleTolerances() {
+  const double factor = toleranceFactor(*gathered_, *basis_, prior_);
+  if (usedCount() < kMarksThatTell && factor > kMostTolerances) {
+    throw HeadCalibrationError(
+        fmt::format("by these {} marks the head would be {:.0f} times as far from its drawing as it may be: "
+                    "false marks among so few cannot be told, unless the design is not its own. Mark more, "
+                    "{} at least",
+                    usedCount(), factor, kMarksThatTell));
+  }
+  tolerance_factor_ *= factor;
+  tolerances_ *= factor;
+  scaled_ /= factor;
+  rows_.leftCols<kCount>() *= factor;
+}
+
 void HeadFitter::setBasis(int degree) {
   const Eigen::AlignedBox2d area = areaOfAims();
   if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
   basis_ = SmoothBasis(area, degree);
-  basis_values_.clear();
-  for (const HeadObservation& o : observations_) basis_values_.push_back(basis_->at(o.aim_W_mm).at);
+  basis_values_.resize(static_cast<Eigen::Index>(observations_.size()), basis_->size());
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->at(observations_[i].aim_W_mm).at.transpose();
+  }
 }
 
 /// The highest degree that has no more than one function for every two marks.
@@ -266,8 +384,15 @@ int HeadFitter::degreeFor(std::size_t marks) const {
 
 std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   setBasis(degree);
-  linearise();
-  return bestSurface(usedLinear(), *basis_);
+  // Rows as for the last step: it has settled nearly. Whether there is a surface shows in its lower degrees.
+  const SmoothBasis lower(basis_->area_mm(), std::min(degree, kTellingDegree));
+  gather(lower);
+  gathered_->linearise(usedRows());
+  const std::vector<double> decays = promisingDecays(*gathered_, lower);
+  if (decays.empty()) return std::nullopt;
+  gather(*basis_);
+  gathered_->linearise(usedRows());
+  return bestSurface(*gathered_, *basis_, decays);
 }
 
 void HeadFitter::refuseTooMany() const {
@@ -289,7 +414,6 @@ void HeadFitter::refuseTooMany() const {
 }
 
 HeadFit HeadFitter::result() const {
-  constexpr int kCount = static_cast<int>(kHeadParameterCount);
   HeadFit fit(nominal_, design_);
   fit.axes_ = axes_;
   fit.departures_ = tolerances_.cwiseProduct(scaled_);

@@ -26,12 +26,20 @@ class HeadFitter {
   /// Leaves out what is far from where the drawing and the axes put it.
   void dropFarMarks();
   void fitRobustly();
+  /// Finds where the controller must be aimed for the field's rim: the surface must not end before, its
+  /// border is a bend that no table follows.
+  void reachRim();
   /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
   /// tolerances.
   void settle(int degree, double settled);
   void solve(double settled);
   void setBasis(int degree);
   void linearise();
+  /// Marks that are used, with the functions of `basis` if there is a prior: of basis_, or the first of them.
+  void gather(const SmoothBasis& basis);
+  void relinearise();
+  /// Tolerances as far from the drawing as the marks show this head to be.
+  void scaleTolerances();
   /// Holds each mark against what the others predict; true if the set changed.
   bool judge(bool may_return);
   [[nodiscard]] int degreeFor(std::size_t marks) const;
@@ -43,7 +51,9 @@ class HeadFitter {
 
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
-  [[nodiscard]] std::vector<LinearMark> usedLinear() const;
+  [[nodiscard]] WhitenedRows usedRows() const;
+  /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
+  void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 
@@ -57,14 +67,17 @@ class HeadFitter {
   std::vector<Eigen::Matrix2d> noise_mm2_;
   std::vector<bool> used_;
   HeadVector scaled_{HeadVector::Zero()};
+  Eigen::AlignedBox2d reach_mm_;
   std::optional<SmoothBasis> basis_;
-  std::vector<Eigen::VectorXd> basis_values_;  ///< At all aims.
+  RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
-  std::vector<LinearMark> linear_;  ///< All marks, at scaled_.
+  WhitenedRows rows_;  ///< Of all marks, at scaled_.
   std::vector<bool> lands_;
+  std::optional<JointMarks> gathered_;
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
   double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.
+  double tolerance_factor_{1.0};
   double noise_chi2_{}, noise_freedom_{};
 };
 

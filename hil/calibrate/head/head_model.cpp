@@ -3,8 +3,8 @@
 
 #include <ceres/jet.h>
 
+#include "hil/calibrate/head/backward_trace.h"
 #include "hil/calibrate/head/head_trace.h"
-#include "hil/calibrate/head/staged_trace.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -37,9 +37,9 @@ std::optional<HeadModel::AngleSlopes> HeadModel::angleSlopesAt(const Eigen::Vect
 
 std::optional<HeadModel::DepartureSlopes> HeadModel::departureSlopesAt(const Eigen::Vector2d& angles_rad,
                                                                        const HeadVector& departures) const {
-  const StagedTrace staged(design_, HeadVector::Ones(), departures.data());
+  const BackwardTrace trace(design_, HeadVector::Ones(), departures.data());
   DepartureSlopes slopes;
-  if (!staged.landing(angles_rad, slopes.p_W_mm, slopes.by_departures)) return std::nullopt;
+  if (!trace.landing(angles_rad, slopes.p_W_mm, slopes.by_departures)) return std::nullopt;
   return slopes;
 }
 

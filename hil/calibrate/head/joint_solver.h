@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,12 +19,37 @@ struct SurfacePrior {
   double evidence{};  ///< Logarithm of the odds against no surface.
 };
 
-/// A mark, linearised: measured = J · scaled departures + surface + noise.
-struct LinearMark {
-  HeadJacobian by_scaled;
-  Eigen::VectorXd basis;                                ///< Of the surface; empty without.
-  Eigen::Vector2d reading_mm{Eigen::Vector2d::Zero()};  ///< Measured - modelled + J · scaled there.
-  Eigen::Matrix2d whitening_1_mm{Eigen::Matrix2d::Identity()};
+/// Two rows for each mark, whitened: J of the scaled departures, and what is read as its last column,
+/// measured - modelled + J · scaled there.
+using WhitenedRows =
+    Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kHeadParameterCount) + 1, Eigen::RowMajor>;
+/// A row for each mark, or two.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Marks as a linear problem: reading = J · scaled departures + surface + noise. What only depends on the
+/// marks and the surface's functions is kept from one linearisation to the next.
+class JointMarks {
+ public:
+  /// `basis`: the functions of the surface at the marks, a row for each; no columns: no surface.
+  JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis);
+  /// `rows`: of these marks, in their order.
+  void linearise(const WhitenedRows& rows);
+
+  [[nodiscard]] Eigen::Index functions() const { return basis_.cols(); }
+  /// Rows^T rows, its lower part.
+  [[nodiscard]] const Eigen::MatrixXd& square() const { return square_; }
+  /// (Whitened basis)^T rows: functions for x, then for y.
+  [[nodiscard]] const Eigen::MatrixXd& crossed() const { return crossed_; }
+  /// (Whitened basis)^T (whitened basis), its lower part.
+  [[nodiscard]] const Eigen::MatrixXd& surfaceSquare() const;
+  [[nodiscard]] Eigen::VectorXd surfaceDiagonal() const;
+
+ private:
+  std::vector<Eigen::Matrix2d> whitenings_1_mm_;
+  RowMatrix basis_;
+  Eigen::VectorXd weight_xx_, weight_xy_, weight_yy_;
+  Eigen::MatrixXd square_, crossed_;
+  mutable Eigen::MatrixXd surface_square_;  ///< Empty until it is asked for.
 };
 
 /// Model and surface as one linear problem with Gaussian priors: departures 0 ± tolerance, coefficients as
@@ -33,12 +59,25 @@ struct JointSolution {
   Eigen::MatrixXd covariance_root;  ///< Upper triangular L with L L^T = covariance; empty if not asked for.
 };
 
-JointSolution solveJoint(const std::vector<LinearMark>& marks, const SmoothBasis& basis,
+/// `basis` is that of the marks; without a prior there is no surface.
+JointSolution solveJoint(const JointMarks& marks, const SmoothBasis& basis,
                          const std::optional<SurfacePrior>& prior, bool with_covariance);
 
-/// The prior with the largest marginal likelihood, of decays of 0.5 … 1 and amplitudes of 0.1 µm … 10 mm;
-/// nullopt where even that one has odds below 20 : 1 against no surface.
-std::optional<SurfacePrior> bestSurface(const std::vector<LinearMark>& marks, const SmoothBasis& basis);
+/// Decays of 0.5 … 1 for which the marks may tell of a surface: of those below, evidence is not worth its
+/// work (score test).
+std::vector<double> promisingDecays(const JointMarks& marks, const SmoothBasis& basis);
+
+/// The prior with the largest marginal likelihood, of these decays and amplitudes of 0.1 µm … 10 mm; nullopt
+/// where even that one has odds below 20 : 1 against no surface.
+std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis,
+                                        std::span<const double> decays);
+
+/// How far this head is from its drawing, in tolerances, by what the marks hold of it: the root of the mean
+/// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is
+/// 1, to a factor of 2 either way, log-normal). What the marks cannot tell is then no better and no worse
+/// than the rest.
+double toleranceFactor(const JointMarks& marks, const SmoothBasis& basis,
+                       const std::optional<SurfacePrior>& prior);
 
 /// Rows of d(x, y)/d(unknowns) of a mark; only of the departures without a surface.
 Eigen::Matrix2Xd rowsOf(const HeadJacobian& by_scaled, const Eigen::VectorXd& basis);

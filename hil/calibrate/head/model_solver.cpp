@@ -9,8 +9,8 @@
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
+#include "hil/calibrate/head/backward_trace.h"
 #include "hil/calibrate/head/head_trace.h"
-#include "hil/calibrate/head/staged_trace.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -31,19 +31,19 @@ class SharedHead : public ceres::EvaluationCallback {
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (new_evaluation_point) {
       plain_ = plainHead(design_, tolerances_, scaled_);
-      staged_.reset();
+      sloped_.reset();
     }
-    if (evaluate_jacobians && !staged_) staged_.emplace(design_, tolerances_, scaled_);
+    if (evaluate_jacobians && !sloped_) sloped_.emplace(design_, tolerances_, scaled_);
   }
   [[nodiscard]] const trace::Head<double>& plain() const { return plain_; }
-  [[nodiscard]] const StagedTrace& staged() const { return *staged_; }
+  [[nodiscard]] const BackwardTrace& sloped() const { return *sloped_; }
 
  private:
   const HeadDesign& design_;
   const HeadVector& tolerances_;
   const double* scaled_;
   trace::Head<double> plain_;
-  std::optional<StagedTrace> staged_;
+  std::optional<BackwardTrace> sloped_;
 };
 
 class MarkCost : public ceres::SizedCostFunction<2, kCount> {
@@ -60,7 +60,7 @@ class MarkCost : public ceres::SizedCostFunction<2, kCount> {
     }
     Eigen::Vector2d p;
     HeadJacobian slopes;
-    if (!head_.staged().landing(mark_.angles_rad, p, slopes)) return false;
+    if (!head_.sloped().landing(mark_.angles_rad, p, slopes)) return false;
     residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
     Eigen::Map<Eigen::Matrix<double, 2, kCount, Eigen::RowMajor>> by_scaled(jacobians[0]);
     by_scaled = mark_.whitening_1_mm * slopes;
@@ -77,7 +77,7 @@ ceres::Solver::Options solverOptions(int most_iterations) {
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = most_iterations;
   options.initial_trust_region_radius = 1e8;
-  options.function_tolerance = 1e-6;
+  options.function_tolerance = 1e-3;  // Only where to begin: HeadFitter goes on from there.
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   return options;
@@ -87,22 +87,31 @@ ceres::Solver::Options solverOptions(int most_iterations) {
 
 std::vector<ModelledMark> modelled(const HeadDesign& design, const HeadVector& tolerances,
                                    const HeadVector& scaled, std::span<const WeighedMark> marks) {
-  const StagedTrace staged(design, tolerances, scaled.data());
+  const BackwardTrace sloped(design, tolerances, scaled.data());
   std::vector<ModelledMark> all(marks.size());
   for (std::size_t i = 0; i < marks.size(); ++i)
-    all[i].lands = staged.landing(marks[i].angles_rad, all[i].p_W_mm, all[i].by_scaled);
+    all[i].lands = sloped.landing(marks[i].angles_rad, all[i].p_W_mm, all[i].by_scaled);
+  return all;
+}
+
+std::vector<std::optional<Eigen::Vector2d>> landings(const HeadDesign& design, const HeadVector& tolerances,
+                                                     const HeadVector& scaled,
+                                                     std::span<const WeighedMark> marks) {
+  const trace::Head<double> head = plainHead(design, tolerances, scaled.data());
+  std::vector<std::optional<Eigen::Vector2d>> all(marks.size());
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    Eigen::Vector2d p;
+    if (trace::landing<double>(head, marks[i].angles_rad, p)) all[i] = p;
+  }
   return all;
 }
 
 std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& tolerances,
                                   const HeadVector& scaled, std::span<const WeighedMark> marks) {
-  const trace::Head<double> head = plainHead(design, tolerances, scaled.data());
-  std::vector<double> distances;
-  distances.reserve(marks.size());
-  for (const WeighedMark& mark : marks) {
-    Eigen::Vector2d p;
-    const bool lands = trace::landing<double>(head, mark.angles_rad, p);
-    distances.push_back(lands ? (mark.whitening_1_mm * (mark.measured_W_mm - p)).norm() : INFINITY);
+  const auto here = landings(design, tolerances, scaled, marks);
+  std::vector<double> distances(marks.size(), INFINITY);
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (here[i]) distances[i] = (marks[i].whitening_1_mm * (marks[i].measured_W_mm - *here[i])).norm();
   }
   return distances;
 }

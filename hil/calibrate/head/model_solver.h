@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct WeighedMark {
 };
 
 using HeadJacobian = Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)>;
+
+/// Where the model has each mark; `scaled`: departures over their tolerances.
+std::vector<std::optional<Eigen::Vector2d>> landings(const HeadDesign& design, const HeadVector& tolerances,
+                                                     const HeadVector& scaled,
+                                                     std::span<const WeighedMark> marks);
 
 /// Distance of each mark from where the model has it, in standard deviations; infinite where it does not
 /// land.

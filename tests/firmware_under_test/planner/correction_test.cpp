@@ -176,6 +176,35 @@ TEST(Correction, SlopesAreThoseOfTheSteps) {
   }
 }
 
+TEST(Correction, TheMachineWakesWhereItsTableWantsNoSteps) {
+  for (const MachineParameters& head : {test::twoMirror(), fTheta()}) {
+    const double half = head.field_max_mm[0];
+    EXPECT_EQ(Axes(head, {}).wakesAt(), Vector2d::Zero());
+    for (const Vector2d& off :
+         {Vector2d(0.0, 0.0), Vector2d(1.25, -0.5), Vector2d(-0.01 * half, 0.03 * half)}) {
+      const auto correction = [&](const Vector2d& p) { return Vector2d(aimFor(p, half) + off - p); };
+      const Axes axes(with(head, csv(kMm, half, 33, correction)), {});
+      const Vector2d place = axes.wakesAt();
+      EXPECT_LT(axes.stepsAt(place).cwiseAbs().maxCoeff(), 1e-3);
+      EXPECT_LT((place - distorted(-off, half)).norm(), 1e-3) << off.transpose();
+    }
+  }
+}
+
+TEST(Correction, ATableWithoutARestingPlaceIsRefused) {
+  const MachineParameters head = test::twoMirror();
+  // Everywhere the mirrors are sent at least 10 mm to the right: the slope keeps its sign and never meets
+  // zero.
+  const double half = head.field_max_mm[0];
+  const auto never = [&](const Vector2d& p) { return Vector2d(10.0 + std::abs(p.x()) - p.x(), 0.0); };
+  try {
+    (void)Axes(with(head, csv(kMm, half, 17, never)), {}).wakesAt();
+    FAIL() << "there is no such place";
+  } catch (const PlanError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("t.csv: no place of the field has its mirrors at rest"));
+  }
+}
+
 TEST(Correction, NoAxisMakesMoreStepsThanItMay) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = 120.0;

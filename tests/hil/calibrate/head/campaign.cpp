@@ -22,9 +22,10 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kPlaces = 400;
+constexpr double kOffRow_mm = 0.1;                // Eight steps and more.
 constexpr double kEllipse95 = 5.991464547107979;  // Chi-square of two degrees of freedom.
 
-enum Stream : std::uint64_t { kNoise = 1, kMissing, kFalse, kFalseKind, kFalseWay, kWhere };
+enum Stream : std::uint64_t { kNoise = 1, kMissing, kFalse, kFalseKind, kFalseWay, kWhere, kOffRow };
 
 Vector2d shareOf(const Eigen::AlignedBox2d& box, double u, double v) {
   return box.min() + Vector2d(u, v).cwiseProduct(box.sizes());
@@ -34,6 +35,13 @@ Vector2d noiseOf(const MarkQuality& q, std::uint64_t seed, std::uint64_t index) 
   const CounterRandom random(seed, kNoise);
   const double a = random.normal(2 * index), b = random.normal(2 * index + 1);
   return q.sigma_mm * Vector2d(a, q.correlation * a + std::sqrt(1.0 - q.correlation * q.correlation) * b);
+}
+
+/// Marks are made at rest here; in even rows they would share the rounding to whole steps.
+Vector2d offRow(std::uint64_t seed, std::uint64_t index) {
+  const CounterRandom random(seed, kOffRow);
+  return kOffRow_mm *
+         Vector2d(2.0 * random.uniform(2 * index) - 1.0, 2.0 * random.uniform(2 * index + 1) - 1.0);
 }
 
 void spoil(MarkedSheet& sheet, const MarkQuality& quality, std::uint64_t seed) {
@@ -104,8 +112,13 @@ MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* 
   Eigen::Matrix2d covariance;
   covariance << 1.0, quality.correlation, quality.correlation, 1.0;
   covariance *= quality.sigma_mm * quality.sigma_mm;
+  const Eigen::AlignedBox2d inner(head.field_W_mm().min() + Vector2d::Constant(kOffRow_mm),
+                                  head.field_W_mm().max() - Vector2d::Constant(kOffRow_mm));
   for (int i = 0; i < n * n; ++i) {
-    const Vector2d wanted = shareOf(head.field_W_mm(), 1.0 * (i % n) / (n - 1), 1.0 * (i / n) / (n - 1));
+    const int column = i % n;
+    const int row = i / n;
+    const Vector2d wanted = shareOf(inner, 1.0 * column / (n - 1), 1.0 * row / (n - 1)) +
+                            offRow(seed, static_cast<std::uint64_t>(first_id + i));
     const Vector2d aim = fit != nullptr ? fit->aimFor(wanted).value() : wanted;
     const int id = first_id + i;
     sheet.aimed.push_back({id, aim});
@@ -116,7 +129,8 @@ MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* 
   return sheet;
 }
 
-CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed) {
+CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed,
+                         std::optional<double> unmodelled_share) {
   CampaignResult result;
   for (const Vector2d& share :
        {Vector2d(0, 0), Vector2d(1, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0.5, 0.5)}) {
@@ -125,6 +139,7 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
   }
   HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
+  options.tolerances.unmodelled_share = unmodelled_share.value_or(head.unmodelledShare());
   std::vector<HeadObservation> all;
   std::optional<HeadFit> fit;
   int first_id = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,7 +27,8 @@ struct MarkedSheet {
   std::vector<SeenMark> seen;
 };
 
-/// Even n x n marks over the field, the first at `first_id`, made with `fit`'s exact correction, or without.
+/// n x n marks over the field, up to 0.1 mm off their rows, the first at `first_id`, made with `fit`'s exact
+/// correction, or without.
 MarkedSheet mark(const SimulatedHead& head, int n, int first_id, const HeadFit* fit,
                  const MarkQuality& quality, std::uint64_t seed);
 
@@ -49,7 +51,9 @@ struct CampaignResult {
 };
 
 /// 3 x 3, then 9 x 9, then 17 x 17: each sheet made with what the ones before gave, all fitted together.
-/// Tables go to the planner as CSV and the planner interpolates them.
-CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed);
+/// Tables go to the planner as CSV and the planner interpolates them. `unmodelled_share` is what the fit is
+/// told, by default what the data sheets say.
+CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed,
+                         std::optional<double> unmodelled_share = {});
 
 }  // namespace kerfbench::hil::test

@@ -99,11 +99,14 @@ SimulatedHead::SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed) {
   beam_.tilt_rad = {draw(t.beam_tilt_rad), draw(t.beam_tilt_rad)};
   surface_.height_mm = draw(t.plane_height_mm);
   surface_.slope = {draw(t.plane_slope), draw(t.plane_slope)};
+  const double reach_mm = lens ? nominal_.focal_length_mm : design_.throw_mm;
   if (beyond != Beyond::kNothing) {
+    unmodelled_share_ = kSag_mm / reach_mm * 0.5;  // Height times the slope of the beam at the rim.
     const double curvature_1_mm = 8.0 * kSag_mm / (side_mm * side_mm);
     surface_.curvature_1_mm = {draw.plain(curvature_1_mm), draw.plain(curvature_1_mm)};
   }
   if (beyond == Beyond::kAnalogue) {
+    unmodelled_share_ = 2.0 * reach_mm * kCubic_rad / side_mm;
     cubic_rad_ = {draw.plain(kCubic_rad), draw.plain(kCubic_rad)};
     wave_rad_ = {draw.plain(kWave_rad), draw.plain(kWave_rad)};
     wave_phase_ = 2.0 * std::numbers::pi * Eigen::Vector2d(draw.share(), draw.share());

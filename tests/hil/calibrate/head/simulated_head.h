@@ -34,6 +34,9 @@ class SimulatedHead {
   [[nodiscard]] const NominalHead& nominal() const { return nominal_; }
   [[nodiscard]] const HeadDesign& design() const { return design_; }
   [[nodiscard]] const Eigen::AlignedBox2d& field_W_mm() const { return field_W_mm_; }
+  /// HeadTolerances::unmodelled_share by the data sheets of encoders and board: the spread of which this head
+  /// is drawn.
+  [[nodiscard]] double unmodelledShare() const { return unmodelled_share_; }
 
   /// Where the beam really lands; `rounded`: with the mirrors at whole steps.
   /// @throws std::runtime_error where it does not.
@@ -57,6 +60,7 @@ class SimulatedHead {
   Eigen::Vector2d cubic_rad_{Eigen::Vector2d::Zero()}, wave_rad_{Eigen::Vector2d::Zero()};
   Eigen::Vector2d wave_phase_{Eigen::Vector2d::Zero()};
   double most_angle_rad_{};
+  double unmodelled_share_{1e-6};
   Change change_;
   std::vector<twin::ScanHead> truth_;  // One; it cannot be assigned.
   std::vector<twin::Surface> board_;
