@@ -23,9 +23,9 @@ constexpr int kLines = 11;               // of the grid, each way
 constexpr int kParts = 40;               // of a line
 constexpr int kBins = 30;
 
-double largestOf(const std::vector<FieldError>& errors) {
+double largestOf(const std::vector<PlaceError>& errors) {
   double most = 0.0;
-  for (const FieldError& error : errors) most = std::max(most, error.e_mm.norm());
+  for (const PlaceError& error : errors) most = std::max(most, error.e_mm.norm());
   return most;
 }
 
@@ -125,7 +125,7 @@ double exaggerationFor(double largest_mm, const AlignedBox2d& field_W_mm) {
 
 std::string deformedGrid(const AlignedBox2d& field_W_mm,
                          const std::function<std::optional<Vector2d>(const Vector2d&)>& error_mm,
-                         const std::vector<FieldError>& marks) {
+                         const std::vector<PlaceError>& marks) {
   const double largest_mm = largestOf(marks);
   const double exaggeration = exaggerationFor(largest_mm, field_W_mm);
   FieldMap map(field_W_mm, "The field before");
@@ -137,7 +137,7 @@ std::string deformedGrid(const AlignedBox2d& field_W_mm,
                       return p + exaggeration * *e;
                     }),
            "drawngrid");
-  for (const FieldError& mark : marks) {
+  for (const PlaceError& mark : marks) {
     const Vector2d at = mark.p_W_mm + exaggeration * mark.e_mm;
     std::string arrow;
     FieldMap::to(arrow, mark.p_W_mm, true);
@@ -158,14 +158,14 @@ std::string deformedGrid(const AlignedBox2d& field_W_mm,
                   exaggeration, marks.size(), lengthText(largest_mm)));
 }
 
-std::string errorArrows(const AlignedBox2d& field_W_mm, const std::vector<FieldError>& errors,
+std::string errorArrows(const AlignedBox2d& field_W_mm, const std::vector<PlaceError>& errors,
                         double limit_mm) {
   if (errors.empty()) return {};
   const double largest_mm = largestOf(errors);
   const double exaggeration = exaggerationFor(largest_mm, field_W_mm);
   FieldMap map(field_W_mm, "What is left");
   map.path(gridPath(field_W_mm, [](const Vector2d& p) { return std::optional(p); }), "wantedgrid");
-  for (const FieldError& error : errors) {
+  for (const PlaceError& error : errors) {
     const Vector2d tip = error.p_W_mm + exaggeration * error.e_mm;
     const std::size_t bin = limitBin(error.e_mm.norm(), limit_mm);
     map.raw(fmt::format(
@@ -182,11 +182,11 @@ std::string errorArrows(const AlignedBox2d& field_W_mm, const std::vector<FieldE
       exaggeration, errors.size(), lengthText(largest_mm), lengthText(limit_mm)));
 }
 
-std::string errorHistogram(const std::vector<FieldError>& errors, double limit_mm) {
+std::string errorHistogram(const std::vector<PlaceError>& errors, double limit_mm) {
   if (errors.empty()) return {};
   const double top_um = 1.1e3 * std::max(limit_mm, largestOf(errors));
   std::array<std::size_t, kBins> bins{};
-  for (const FieldError& error : errors) {
+  for (const PlaceError& error : errors) {
     const auto bin = static_cast<std::size_t>(1e3 * error.e_mm.norm() / top_um * kBins);
     ++bins.at(std::min<std::size_t>(bin, kBins - 1));
   }
@@ -209,7 +209,7 @@ std::string errorHistogram(const std::vector<FieldError>& errors, double limit_m
       fmt::format("Places over how far the beam is off; red: the limit of {}.", lengthText(limit_mm)));
 }
 
-std::string errorScatter(const std::vector<FieldError>& errors, double limit_mm) {
+std::string errorScatter(const std::vector<PlaceError>& errors, double limit_mm) {
   if (errors.empty()) return {};
   const double y_um = 1.1e3 * std::max(limit_mm, largestOf(errors));
   const double x_um = y_um * Plot::kW / Plot::kH;
@@ -218,7 +218,7 @@ std::string errorScatter(const std::vector<FieldError>& errors, double limit_mm)
   plot.yTicks(ticks(-y_um, y_um), "{:+g}");
   std::string dots;
   Vector2d mean(0.0, 0.0);
-  for (const FieldError& error : errors) {
+  for (const PlaceError& error : errors) {
     mean += error.e_mm / static_cast<double>(errors.size());
     fmt::format_to(std::back_inserter(dots), "M{:.1f} {:.1f}h0", plot.x(1e3 * error.e_mm.x()),
                    plot.y(1e3 * error.e_mm.y()));

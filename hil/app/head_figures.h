@@ -14,7 +14,7 @@
 namespace kerfbench::hil {
 
 /// What the beam is off at a place where it was wanted.
-struct FieldError {
+struct PlaceError {
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d e_mm{Eigen::Vector2d::Zero()};
 };
@@ -31,16 +31,16 @@ double exaggerationFor(double largest_mm, const Eigen::AlignedBox2d& field_W_mm)
 std::string deformedGrid(
     const Eigen::AlignedBox2d& field_W_mm,
     const std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>& error_mm,
-    const std::vector<FieldError>& marks);
+    const std::vector<PlaceError>& marks);
 
 /// Each error as an arrow, exaggerated, in the colour of its share of the limit.
-std::string errorArrows(const Eigen::AlignedBox2d& field_W_mm, const std::vector<FieldError>& errors,
+std::string errorArrows(const Eigen::AlignedBox2d& field_W_mm, const std::vector<PlaceError>& errors,
                         double limit_mm);
 
 /// How many places are off by how much, with the limit; empty for no errors.
-std::string errorHistogram(const std::vector<FieldError>& errors, double limit_mm);
+std::string errorHistogram(const std::vector<PlaceError>& errors, double limit_mm);
 
 /// Errors along x and y, with the limit as a circle; empty for no errors.
-std::string errorScatter(const std::vector<FieldError>& errors, double limit_mm);
+std::string errorScatter(const std::vector<PlaceError>& errors, double limit_mm);
 
 }  // namespace kerfbench::hil

@@ -85,8 +85,8 @@ std::string header(const HeadCalibration& result, const HeadPlan& plan, const He
                                 {"Kerfbench", facts.version}}));
 }
 
-std::vector<FieldError> errorsIn(std::span<const MeasuredSheet> sheets) {
-  std::vector<FieldError> errors;
+std::vector<PlaceError> errorsIn(std::span<const MeasuredSheet> sheets) {
+  std::vector<PlaceError> errors;
   for (const MeasuredSheet& sheet : sheets) {
     for (const MeasuredMark& mark : sheet.marks) errors.push_back({mark.wanted.p_W_mm, mark.error_mm()});
   }
@@ -113,7 +113,7 @@ std::string maps(const HeadCalibration& result, const HeadPlan& plan, const Head
 
 std::string residuals(const HeadCalibration& result, const HeadPlan& plan) {
   const HeadIteration& best = result.iterations.at(result.best);
-  const std::vector<FieldError> errors = errorsIn(best.verified);
+  const std::vector<PlaceError> errors = errorsIn(best.verified);
   if (errors.empty()) return {};
   return fmt::format(
       "<div class=figs>{}{}</div><p class=note>{} of {} places ({:.1f} %) lie within the ellipse that is "

@@ -155,7 +155,7 @@ bool settle(Corner& corner, const std::vector<Sample>& samples, double radius_px
 
 }  // namespace
 
-std::optional<CornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess) {
+std::optional<TargetCornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess) {
   const int cx = static_cast<int>(std::lround(guess.pixel.x()));
   const int cy = static_cast<int>(std::lround(guess.pixel.y()));
   const int r = guess.radius_px;
@@ -216,7 +216,7 @@ std::optional<CornerFit> fitCorner(const GrayImage& image, const CornerGuess& gu
     if (10 * left < 9 * samples.size() || !settle(corner, samples, r)) return std::nullopt;
     noise = noiseOf();
   }
-  CornerFit fit;
+  TargetCornerFit fit;
   fit.pixel = corner.p.head<2>() + Vector2d(cx, cy);
   fit.blur_px = corner.p[4];
   fit.contrast = 2.0 * std::abs(corner.p[6]);

@@ -18,7 +18,7 @@ struct CornerGuess {
 };
 
 /// Two straight edges that cross, blurred.
-struct CornerFit {
+struct TargetCornerFit {
   Eigen::Vector2d pixel;
   double blur_px{};   ///< Standard deviation of the Gaussian blur, the pixel's own area included.
   double contrast{};  ///< White less black, grey levels.
@@ -31,6 +31,6 @@ struct CornerFit {
 /// (quadrant probability of a bivariate normal distribution; Drezner and Wesolowsky 1990), so that place has
 /// no bias from where in its pixel the corner lies. Bright pixels that stand out are left out.
 /// nullopt where the window leaves the picture, nothing like a corner is there or the fit does not settle.
-std::optional<CornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess);
+std::optional<TargetCornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess);
 
 }  // namespace kerfbench::hil

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -159,6 +160,28 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
               "")
         << library.name;
   }
+}
+
+// Two types of one name in one namespace are the same type to the linker, which then takes the size of
+// either.
+TEST(Types, OfANamespaceHaveNamesOfTheirOwn) {
+  static const std::regex kNamespace(R"(^namespace kerfbench::(\w+) \{)");
+  static const std::regex kType(R"(^(?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? ?\{)");
+  std::map<std::string, std::string> header_of;
+  std::smatch match;
+  for (const fs::path& path : sources()) {
+    const std::string name = fs::relative(path, kRoot).string();
+    if (path.extension() != ".h" || in(name, "tests")) continue;
+    std::ifstream file(path);
+    std::string within;
+    for (std::string line; std::getline(file, line);) {
+      if (std::regex_search(line, match, kNamespace)) within = match[1].str();
+      if (!std::regex_search(line, match, kType)) continue;
+      const auto [other, is_new] = header_of.emplace(within + "::" + match[1].str(), name);
+      EXPECT_TRUE(is_new) << other->first << " is in " << other->second << " and in " << name;
+    }
+  }
+  EXPECT_GT(header_of.size(), 200U);
 }
 
 TEST(IncludeRules, OnlyTheAvrChildIsUnderTheGpl) {

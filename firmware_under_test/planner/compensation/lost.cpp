@@ -22,10 +22,10 @@ struct Interval {
 };
 
 /// What no kept piece lies beside, segment by segment.
-std::vector<Interval> uncovered(const Contour& contour, std::size_t number, const std::vector<Piece>& kept,
-                                double radius_mm) {
+std::vector<Interval> uncovered(const Contour& contour, std::size_t number,
+                                const std::vector<OffsetPiece>& kept, double radius_mm) {
   std::vector<std::vector<std::pair<double, double>>> covered(contour.segments.size());
-  for (const Piece& piece : kept) {
+  for (const OffsetPiece& piece : kept) {
     if (piece.contour != number || piece.joint) continue;
     const Segment& source = contour.segments[piece.segment];
     const auto whole = offsetOf(source, piece.side, radius_mm);
@@ -146,7 +146,8 @@ LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
 
 }  // namespace
 
-std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours, const std::vector<Piece>& kept,
+std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours,
+                                       const std::vector<OffsetPiece>& kept,
                                        const std::vector<BeamPath>& paths, double radius_mm) {
   std::vector<Boxed> curves;
   for (const BeamPath& path : paths) {
@@ -154,8 +155,9 @@ std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours, con
   }
   std::vector<LostStretch> all;
   for (std::size_t c = 0; c < contours.size(); ++c) {
-    const bool any = std::any_of(kept.begin(), kept.end(),
-                                 [&](const Piece& piece) { return piece.contour == c && !piece.joint; });
+    const bool any = std::any_of(kept.begin(), kept.end(), [&](const OffsetPiece& piece) {
+      return piece.contour == c && !piece.joint;
+    });
     for (const auto& run : runs(contours[c], uncovered(contours[c], c, kept, radius_mm))) {
       LostStretch lost = describe(contours[c], run, curves, radius_mm);
       lost.contour = c;

@@ -43,10 +43,10 @@ std::vector<double> cuts(const Segment& curve, const std::vector<Boxed>& others)
 }
 
 /// The parts of the pieces that have free way beside them.
-std::vector<Piece> freeParts(const std::vector<Piece>& pieces, const std::vector<Boxed>& cutters,
-                             const std::vector<Boxed>& obstacles, double radius_mm) {
-  std::vector<Piece> parts;
-  for (const Piece& piece : pieces) {
+std::vector<OffsetPiece> freeParts(const std::vector<OffsetPiece>& pieces, const std::vector<Boxed>& cutters,
+                                   const std::vector<Boxed>& obstacles, double radius_mm) {
+  std::vector<OffsetPiece> parts;
+  for (const OffsetPiece& piece : pieces) {
     const std::vector<double> at = cuts(piece.curve, cutters);
     const auto free = [&](std::size_t k) {
       const double middle = 0.5 * (at[k] + at[k + 1]);
@@ -64,7 +64,7 @@ std::vector<Piece> freeParts(const std::vector<Piece>& pieces, const std::vector
         continue;
       }
       if (at[k] - at[first] < kShortestMm) continue;
-      Piece part = piece;
+      OffsetPiece part = piece;
       if (first > 0 || k + 1 < at.size()) part.curve = piece.curve.part(at[first], at[k]);
       parts.push_back(part);
     }
@@ -72,9 +72,9 @@ std::vector<Piece> freeParts(const std::vector<Piece>& pieces, const std::vector
   return parts;
 }
 
-std::vector<Boxed> boxedCurves(const std::vector<Piece>& pieces) {
+std::vector<Boxed> boxedCurves(const std::vector<OffsetPiece>& pieces) {
   std::vector<Boxed> out;
-  for (const Piece& piece : pieces) out.push_back(boxed(piece.curve));
+  for (const OffsetPiece& piece : pieces) out.push_back(boxed(piece.curve));
   return out;
 }
 
@@ -115,10 +115,10 @@ void requireClear(const std::vector<BeamPath>& paths, const std::vector<Boxed>& 
 Offset offsetGroup(const std::vector<Contour>& contours, double radius_mm) {
   const std::vector<Boxed> obstacles = boxed(contours);
   Offset result;
-  const std::vector<Piece> raw = rawPieces(contours, obstacles, radius_mm, result.joints);
+  const std::vector<OffsetPiece> raw = rawPieces(contours, obstacles, radius_mm, result.joints);
   std::vector<Boxed> cutters = boxedCurves(raw);
   if (!contours.front().closed) addBackAndEnds(contours.front(), obstacles, radius_mm, cutters);
-  const std::vector<Piece> parts = freeParts(raw, cutters, obstacles, radius_mm);
+  const std::vector<OffsetPiece> parts = freeParts(raw, cutters, obstacles, radius_mm);
   result.paths = stitched(parts, contours);
   requireClear(result.paths, obstacles, radius_mm);
   result.lost = lostStretches(contours, parts, result.paths, radius_mm);

@@ -157,7 +157,7 @@ namespace {
 
 /// Decides on the joint's kind and adds what goes between the two offsets.
 void addJoint(const Contour& contour, double side, double radius_mm, const std::vector<Boxed>& obstacles,
-              Joint& joint, std::vector<Piece>& pieces) {
+              Joint& joint, std::vector<OffsetPiece>& pieces) {
   const std::size_t i = joint.segment;
   const Segment& a = contour.segments[i];
   const Segment& b = contour.segments[(i + 1) % contour.segments.size()];
@@ -185,9 +185,9 @@ void addJoint(const Contour& contour, double side, double radius_mm, const std::
 
 }  // namespace
 
-std::vector<Piece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
-                             double radius_mm, std::vector<Joint>& joints) {
-  std::vector<Piece> pieces;
+std::vector<OffsetPiece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
+                                   double radius_mm, std::vector<Joint>& joints) {
+  std::vector<OffsetPiece> pieces;
   for (std::size_t c = 0; c < contours.size(); ++c) {
     const Contour& contour = contours[c];
     const double side = contour.side == Side::kLeft ? 1.0 : -1.0;

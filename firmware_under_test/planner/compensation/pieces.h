@@ -11,7 +11,7 @@
 namespace kerfbench::planner {
 
 /// A piece of curve that the beam's path may follow, in the sense of its contour.
-struct Piece {
+struct OffsetPiece {
   Segment curve;
   std::size_t contour{};
   std::size_t segment{};  ///< Of the contour.
@@ -38,14 +38,15 @@ std::optional<Segment> offsetOf(const Segment& segment, double side, double radi
 Joint jointAfter(const Contour& contour, std::size_t i);
 
 /// Offsets of all segments and their joints, before anything is cut. Sets the joints' kinds.
-std::vector<Piece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
-                             double radius_mm, std::vector<Joint>& joints);
+std::vector<OffsetPiece> rawPieces(const std::vector<Contour>& contours, const std::vector<Boxed>& obstacles,
+                                   double radius_mm, std::vector<Joint>& joints);
 
 /// Pieces end to end. Closed contours: @throws CompensationError where an end meets no other.
-std::vector<BeamPath> stitched(std::vector<Piece> pieces, const std::vector<Contour>& contours);
+std::vector<BeamPath> stitched(std::vector<OffsetPiece> pieces, const std::vector<Contour>& contours);
 
 /// What of the contours is not cut by the paths. `kept` holds the offset pieces that remained.
-std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours, const std::vector<Piece>& kept,
+std::vector<LostStretch> lostStretches(const std::vector<Contour>& contours,
+                                       const std::vector<OffsetPiece>& kept,
                                        const std::vector<BeamPath>& paths, double radius_mm);
 
 }  // namespace kerfbench::planner

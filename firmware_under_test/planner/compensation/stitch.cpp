@@ -23,7 +23,7 @@ struct Link {
 
 /// For each piece the one that goes on from its end; the nearest first, so that a short piece does not close
 /// on itself.
-std::vector<std::size_t> linked(const std::vector<Piece>& pieces) {
+std::vector<std::size_t> linked(const std::vector<OffsetPiece>& pieces) {
   std::vector<Link> links;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     for (std::size_t j = 0; j < pieces.size(); ++j) {
@@ -74,7 +74,7 @@ std::vector<Segment> smoothed(const std::vector<Segment>& path, bool closed) {
 
 }  // namespace
 
-std::vector<BeamPath> stitched(std::vector<Piece> pieces, const std::vector<Contour>& contours) {
+std::vector<BeamPath> stitched(std::vector<OffsetPiece> pieces, const std::vector<Contour>& contours) {
   const std::vector<std::size_t> next = linked(pieces);
   std::vector<bool> has_before(pieces.size(), false);
   for (const std::size_t to : next) {

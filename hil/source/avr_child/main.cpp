@@ -33,7 +33,7 @@ void confine() {
   (void)::signal(SIGXFSZ, SIG_IGN);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
-#ifndef __SANITIZE_ADDRESS__
+#ifndef KERFBENCH_SANITIZED  // The sanitizers' shadow alone takes terabytes of addresses.
   constexpr rlim_t kMaxAddressSpace = 1U << 30U;
   limit(RLIMIT_AS, kMaxAddressSpace);
 #endif
@@ -101,7 +101,7 @@ void serve(int in_fd, int out_fd) {
     writeMessage(out_fd, KB_PS_ERROR, out);
     return;
   }
-#ifndef __SANITIZE_ADDRESS__
+#ifndef KERFBENCH_SANITIZED
   limit(RLIMIT_NOFILE, 3);  // The image is read: no file or socket can be opened from here on.
 #endif
   writeMessage(out_fd, KB_PS_HELLO, hello(*machine, options.clock_hz));

@@ -48,7 +48,7 @@ TEST(HeadFigures, OfNoErrorsThereIsNothingToShow) {
 }
 
 TEST(HeadFigures, WhatIsBeyondTheLimitIsRedInTheHistogram) {
-  const std::vector<FieldError> errors{{{0.0, 0.0}, {0.001, 0.0}}, {{1.0, 0.0}, {0.0, 0.03}}};
+  const std::vector<PlaceError> errors{{{0.0, 0.0}, {0.001, 0.0}}, {{1.0, 0.0}, {0.0, 0.03}}};
   EXPECT_THAT(errorHistogram(errors, 0.010), HasSubstr("class=barbad"));
   EXPECT_THAT(errorHistogram(errors, 0.040), Not(HasSubstr("class=barbad")));
   EXPECT_THAT(errorScatter(errors, 0.010), HasSubstr("Their mean is +0.50, +15.00 µm"));
