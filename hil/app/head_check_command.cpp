@@ -47,7 +47,7 @@ std::string checkJson(const QuickCheckResult& result, const HeadSetup& setup, co
             {"missing", sheet.missing},
             {"false", sheet.false_marks},
             {"rejected", result.rejected},
-            {"off_mm", errorsOf(sheet).max_mm},
+            {"off_mm", errorsOf({&sheet, 1}).max_mm},
             {"off_from_fit_mm", result.worst_mm},
             {"holds", result.holds},
             {"unexplained", result.unexplained},
@@ -126,7 +126,7 @@ int check(const HeadCheckOptions& options) {
   writeFileAtomically(options.results_dir / "check.json",
                       checkJson(result, setup, sheet, options.command_line));
   console.result(fmt::format("{}: {}; the beam is off by {:.4f} mm at most", setup.name, result.words,
-                             errorsOf(sheet).max_mm));
+                             errorsOf({&sheet, 1}).max_mm));
   return result.holds ? 0 : kExitChanged;
 }
 

@@ -100,7 +100,7 @@ TEST_F(HeadProcedure, VerifiesOnSeveralSheetsAtPlacesThatWereNotMarkedForTheFit)
   const HeadCalibration result = calibrated();
   const HeadIteration& only = result.iterations.at(0);
   EXPECT_GT(only.verified.size(), 2U);
-  EXPECT_THAT(rounds_, testing::Contains(1).Times(static_cast<int>(only.verified.size())));
+  EXPECT_THAT(rounds_, testing::Contains(1).Times(only.verified.size()));
   std::set<std::pair<double, double>> places;
   for (const MeasuredSheet& sheet : only.verified) {
     for (const MeasuredMark& mark : sheet.marks) {
