@@ -163,7 +163,8 @@ TEST(SpotTrack, FramesThatAreMissingAreCounted) {
   const Scene scene;
   std::vector<Frame> frames;
   const test::Canvas canvas(scene.camera, kBoard);
-  for (const std::uint64_t sequence : {5U, 6U, 9U, 10U, 10U, 12U}) frames.push_back(scene.frame(canvas, sequence));
+  for (const std::uint64_t sequence : {5U, 6U, 9U, 10U, 10U, 12U})
+    frames.push_back(scene.frame(canvas, sequence));
   EXPECT_EQ(scene.track(std::move(frames)).frames_lost, 2U + 1U + 1U);
 }
 
