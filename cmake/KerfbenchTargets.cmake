@@ -59,10 +59,10 @@ endfunction()
 add_custom_target(unit_tests)
 
 # kerfbench_test(twin_optics SOURCES a_test.cpp LIBS kerfbench::twin_optics LABELS unit)
-# STATISTICS: tests that say one thing of very many cases, as a gtest filter. The sanitizers' build leaves them out: what
-# it looks for is in the first case as in the thousandth, and the same code has tests of few cases.
+# LONG: tests of very many cases, as a gtest filter. The sanitizers' build leaves them out: what it looks for is in the
+# first case as in the thousandth, and the same code has tests of few cases.
 function(kerfbench_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;STATISTICS" "SOURCES;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;LONG" "SOURCES;LIBS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -81,8 +81,8 @@ function(kerfbench_test name)
   target_compile_definitions(${name}_test PRIVATE KERFBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERFBENCH_BINARY_DIR="${PROJECT_BINARY_DIR}")
   add_test(NAME ${name} COMMAND ${name}_test)
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
-  if(KERFBENCH_SANITIZE AND ARG_STATISTICS)
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT "GTEST_FILTER=-${ARG_STATISTICS}")
+  if(KERFBENCH_SANITIZE AND ARG_LONG)
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT "GTEST_FILTER=-${ARG_LONG}")
   endif()
   if(ARG_LABELS STREQUAL unit)
     add_dependencies(unit_tests ${name}_test)
