@@ -78,7 +78,7 @@ TEST_F(HeadTools, ByHandTellsWrongPicturesAndWritesNoTable) {
   const std::string command =
       fmt::format("calibrate head {} --by-hand --results-dir '{}'", options(), path("by-hand").string());
   EXPECT_EQ(kerfbench(command).exit_code, kWaiting);
-  fs::copy(calibrated() / "1-verify/pictures", path("by-hand/1-grid/pictures"));
+  fs::copy(calibrated() / "1-verify-1/pictures", path("by-hand/1-grid/pictures"));
   const ProgramRun wrong = kerfbench(command);
   EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
   EXPECT_THAT(wrong.output, HasSubstr("another job's sheet"));
@@ -87,7 +87,7 @@ TEST_F(HeadTools, ByHandTellsWrongPicturesAndWritesNoTable) {
   fs::copy(calibrated() / "1-grid/pictures", path("by-hand/1-grid/pictures"));
   const ProgramRun right = kerfbench(command);
   EXPECT_EQ(right.exit_code, kWaiting) << right.output;
-  EXPECT_THAT(right.output, HasSubstr("1-verify: a sheet is to be cut"));
+  EXPECT_THAT(right.output, HasSubstr("1-verify-1: a sheet is to be cut"));
 }
 
 TEST_F(HeadTools, ByHandForAnAvrControllerItsProgramIsPlanned) {
@@ -169,7 +169,7 @@ TEST_F(HeadTools, AnUnchangedHeadHoldsOnTheTwinFromPicturesAndByHand) {
 
   const ProgramRun wrong =
       check(fmt::format("--job '{}' --pictures '{}' --results-dir '{}'", (sheet / "marks.yaml").string(),
-                        (calibrated() / "1-verify/pictures").string(), path("wrong").string()));
+                        (calibrated() / "1-verify-1/pictures").string(), path("wrong").string()));
   EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
   EXPECT_THAT(wrong.output, HasSubstr("INVALID: nothing is said of the head"));
 }
