@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -366,9 +367,19 @@ int dispatch(int argc, char** argv) {
   return lintCommand(lint_files, options);
 }
 
+// Pictures of some megabytes come and go by the thousand: given back to the system each time, an eighth of a
+// run's time goes into getting zeroed pages again.
+void keepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  keepFreedMemory();
   try {
     return dispatch(argc, argv);
   } catch (const std::exception& e) {

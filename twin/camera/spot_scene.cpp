@@ -54,6 +54,25 @@ void mergeOverlapping(std::vector<PixelBox>& boxes) {
   }
 }
 
+/// Where the edge of a disc passes at any of its places: nearer to their middle all places cover, further off
+/// none does.
+struct RingOfEdges {
+  RingOfEdges(const std::vector<Vector2d>& places_mm, double radius_mm, double blur_mm)
+      : middle_mm(places_mm[places_mm.size() / 2]) {
+    double spread_mm = 0.0;
+    for (const Vector2d& place_mm : places_mm) spread_mm = std::max(spread_mm, (place_mm - middle_mm).norm());
+    const double inner_mm = radius_mm - blur_mm - spread_mm - kRounding_mm;
+    const double outer_mm = radius_mm + blur_mm + spread_mm + kRounding_mm;
+    inner_square = inner_mm > 0.0 ? inner_mm * inner_mm : -1.0;
+    outer_square = outer_mm * outer_mm;
+  }
+
+  static constexpr double kRounding_mm = 1e-9;
+  Vector2d middle_mm;
+  double inner_square;
+  double outer_square;
+};
+
 float* lineOf(std::vector<float>& light, const PixelBox& box, int y) {
   return light.data() + static_cast<std::ptrdiff_t>(y - box.y0) * (box.x1 - box.x0) - box.x0;
 }
@@ -283,6 +302,7 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
       static_cast<float>((kMarkGray - camera_.board_gray) / static_cast<double>(mark.p_WM_mm.size()));
   const double sigmas_per_mm = mark.px_per_mm / blur_px_;
   const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
+  const RingOfEdges ring(mark.p_WM_mm, mark.radius_mm, kEdgeSigmas / sigmas_per_mm);
   for (int y = own.y0; y < own.y1; ++y) {
     const double t = (y - own.y0) / static_cast<double>(own.y1 - own.y0);
     const Vector2d c0 = patch.alongRow(t, 0);
@@ -292,6 +312,12 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
     for (int x = own.x0; x < own.x1; ++x) {
       const double s = (x - own.x0) / static_cast<double>(own.x1 - own.x0);
       const Vector2d p_WP_mm = c0 + s * (c1 + s * c2);
+      const double square_from_middle = (p_WP_mm - ring.middle_mm).squaredNorm();
+      if (square_from_middle >= ring.outer_square) continue;
+      if (square_from_middle <= ring.inner_square) {
+        line[x] += darkening * static_cast<float>(mark.p_WM_mm.size());
+        continue;
+      }
       float covered = 0.0F;
       for (const Vector2d& p_WM_mm : mark.p_WM_mm) {
         const double square = (p_WP_mm - p_WM_mm).squaredNorm();
