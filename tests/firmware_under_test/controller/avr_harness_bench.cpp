@@ -13,9 +13,17 @@
 #include <sim_hex.h>
 
 namespace kerfbench::avr_bench {
+namespace {
+
+/// Of a port's pins; simavr's macros make an int of it.
+avr_irq_t* pinOf(avr_t* avr, char port, int pin) {
+  return avr_io_getirq(avr, static_cast<std::uint32_t>(AVR_IOCTL_IOPORT_GETIRQ(port)), pin);
+}
+
+}  // namespace
 
 void driveInput(Bench& bench, char port, int bit, unsigned level) {
-  avr_raise_irq(avr_io_getirq(bench.avr, AVR_IOCTL_IOPORT_GETIRQ(port), bit), level);
+  avr_raise_irq(pinOf(bench.avr, port, bit), level);
 }
 
 namespace {
@@ -169,14 +177,14 @@ void load(Bench& bench, const char* image) {
   avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
   flags &= ~static_cast<std::uint32_t>(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POLL_SLEEP);
   avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
-  const auto uart = [&](int i) { return avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), i); };
+  const auto uart = [&](int i) {
+    return avr_io_getirq(avr, static_cast<std::uint32_t>(AVR_IOCTL_UART_GETIRQ('0')), i);
+  };
   bench.rx = uart(UART_IRQ_INPUT);
   avr_irq_register_notify(uart(UART_IRQ_OUTPUT), onTx, &bench);
   avr_irq_register_notify(uart(UART_IRQ_OUT_XON), onXon, &bench);
   avr_irq_register_notify(uart(UART_IRQ_OUT_XOFF), onXoff, &bench);
-  const auto port = [&](char name) {
-    return avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(name), IOPORT_IRQ_REG_PORT);
-  };
+  const auto port = [&](char name) { return pinOf(avr, name, IOPORT_IRQ_REG_PORT); };
   avr_irq_register_notify(port('A'), onPortA, &bench);
   avr_irq_register_notify(port('C'), onPortC, &bench);
   for (std::size_t i = 0; i < bench.vectors.size(); ++i) {
