@@ -116,12 +116,11 @@ std::optional<std::vector<Segment>> smoothJump(const JumpEnds& ends, double radi
   if (candidates.empty()) return std::nullopt;
   const auto nearer = [](const Candidate& a, const Candidate& b) { return a.apart_mm < b.apart_mm; };
   const double least_mm = std::min_element(candidates.begin(), candidates.end(), nearer)->apart_mm;
-  const Candidate* best = nullptr;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.apart_mm > least_mm + kEqualMm) continue;
-    if (!best || lengthOf(candidate.path) < lengthOf(best->path)) best = &candidate;
-  }
-  return best->path;
+  std::erase_if(candidates, [&](const Candidate& c) { return c.apart_mm > least_mm + kEqualMm; });
+  const auto shorter = [](const Candidate& a, const Candidate& b) {
+    return lengthOf(a.path) < lengthOf(b.path);
+  };
+  return std::min_element(candidates.begin(), candidates.end(), shorter)->path;
 }
 
 }  // namespace kerfbench::planner
