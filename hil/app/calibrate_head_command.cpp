@@ -139,6 +139,7 @@ HeadFacts factsOf(const HeadCalibration& result, const HeadSetup& setup, const H
                                         : options.pictures.string(),
           .mark_size_mm = setup.mark_size_mm,
           .field_W_mm = setup.field_W_mm,
+          .unmodelled_share = setup.unmodelled_share,
           .table = setup.table,
           .files = filesOf(result, options, table)};
 }
@@ -168,7 +169,8 @@ int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetu
 int calibrate(const HeadCalibrateOptions& options) {
   Console console(options.quiet);
   const bool cut = !options.job.empty();
-  const HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
+  HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
+  setup.unmodelled_share = options.unmodelled_share;
   const HeadPlan plan = planOf(options, setup);
   fs::create_directories(options.results_dir);
   console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/calibrate/head/head_parameters.h"
 #include "hil/gauge/gauge.h"
 
 namespace kerfbench::hil {
@@ -69,6 +70,7 @@ struct HeadCalibrateOptions {
   std::vector<int> grids{3, 9, 17};
   int verify{400};
   double limit_mm{0.010};
+  double unmodelled_share{HeadTolerances{}.unmodelled_share};
   std::uint64_t seed{1};
   std::string imperfections{"static"};
   std::string twin{"fast"};

@@ -107,8 +107,9 @@ MeasuredSheet sheetOf(const HeadSetup& setup, const HeadCheckOptions& options, c
 
 int check(const HeadCheckOptions& options) {
   Console console(options.quiet);
-  const HeadSetup setup = readHeadSetup(options.machine, kDensest);
+  HeadSetup setup = readHeadSetup(options.machine, kDensest);
   const HeadRecord record = readHeadRecord(options.calibration, setup);
+  setup.unmodelled_share = record.unmodelled_share;
   const fs::path table_file = tableAtWork(options, setup, record);
   const AimGrid table = readControllerTable(table_file);
   fs::create_directories(options.results_dir);
@@ -121,7 +122,7 @@ int check(const HeadCheckOptions& options) {
   plan.date = setup.camera.date;
   const MarkJob job = planSheet(setup, plan, "check", gridPlaces(setup.field_W_mm, kMarksEachWay), 0);
   const MeasuredSheet sheet = sheetOf(setup, options, job, table_file, console);
-  const QuickCheckResult result = quickCheck(calibrated, observationsOf(sheet, table));
+  const QuickCheckResult result = quickCheck(calibrated, observationsOf(sheet, table, 0));
   tell(result, sheet, console);
   writeFileAtomically(options.results_dir / "check.json",
                       checkJson(result, setup, sheet, options.command_line));

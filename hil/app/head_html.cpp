@@ -118,7 +118,9 @@ std::string residuals(const HeadCalibration& result, const HeadPlan& plan) {
   return fmt::format(
       "<div class=figs>{}{}</div><p class=note>{} of {} places ({:.1f} %) lie within the ellipse that is "
       "said to hold "
-      "95 % of them, by the covariance of the fit and of each mark.</p>",
+      "95 % of them, by the covariance of the fit, of each mark and of its sheet's place. The places of a "
+      "sheet "
+      "share the error of its place: they lie aside together.</p>",
       errorHistogram(errors, plan.limit_mm), errorScatter(errors, plan.limit_mm), best.covered, errors.size(),
       100.0 * static_cast<double>(best.covered) / static_cast<double>(errors.size()));
 }

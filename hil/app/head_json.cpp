@@ -70,6 +70,7 @@ std::string headJson(const HeadCalibration& result, const HeadPlan& plan, const 
             {"date", plan.date},
             {"seed", plan.seed},
             {"limit_mm", plan.limit_mm},
+            {"unmodelled_share", facts.unmodelled_share},
             {"good", result.good()},
             {"end", result.endWords(plan)},
             {"best_iteration", result.best + 1}};

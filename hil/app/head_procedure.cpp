@@ -52,12 +52,12 @@ class Numbers {
 
 std::size_t coveredOf(const FittedHead& head, const MeasuredSheet& sheet) {
   const double most = chiSquare2Above(kCovered);
-  const std::vector<HeadObservation> seen = observationsOf(sheet, head.table.grid);
+  const std::vector<HeadObservation> seen = observationsOf(sheet, head.table.grid, 0);
   return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const HeadObservation& o) {
     const auto spot = head.fit.spotOf(o.aim_W_mm);
     const auto covariance = head.fit.covarianceAt_mm2(o.aim_W_mm);
     return spot && covariance &&
-           distance2(o.measured_W_mm - spot->p_W_mm, *covariance + o.covariance_mm2) <= most;
+           distance2(o.measured_W_mm - spot->p_W_mm, *covariance + o.wholeCovariance_mm2()) <= most;
   }));
 }
 
@@ -82,7 +82,7 @@ class Rounds {
     const std::vector<Vector2d> places = gridPlaces(setup_.field_W_mm, grid);
     marked_.insert(marked_.end(), places.begin(), places.end());
     const MeasuredSheet marks = measured(places, fmt::format("{}-grid", round_ + 1));
-    for (const HeadObservation& o : observationsOf(marks, table_)) observations_.push_back(o);
+    for (const HeadObservation& o : observationsOf(marks, table_, round_)) observations_.push_back(o);
     HeadIteration iteration{.grid = grid,
                             .marks = marks,
                             .before = errorsOf({&marks, 1}),
@@ -133,6 +133,7 @@ class Rounds {
 FittedHead fitted(const std::vector<HeadObservation>& observations, const HeadSetup& setup) {
   HeadFitOptions options;
   options.field_W_mm = setup.controller_W_mm;
+  options.tolerances.unmodelled_share = setup.unmodelled_share;
   options.round_steps = false;  // Arms run along no axis: the steps average out along them.
   HeadFit fit = fitHead(observations, setup.nominal, setup.design, options);
   CorrectionTableOptions grid;
@@ -187,7 +188,7 @@ HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& s
   result.iterations.push_back({.grid = 0,
                                .marks = sheet,
                                .before = errorsOf({&sheet, 1}),
-                               .head = fitted(observationsOf(sheet, setup.table), setup),
+                               .head = fitted(observationsOf(sheet, setup.table, 0), setup),
                                .verified = {},
                                .after = {}});
   result.end = HeadEnd::kNotVerified;

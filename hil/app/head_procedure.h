@@ -45,7 +45,9 @@ struct HeadIteration {
   FittedHead head;                      ///< By all marks so far but those that verify.
   std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
   SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
-  /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what fit and marks state.
+  /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what is stated of the fit,
+  /// of the mark and of the place of its sheet. Those of a sheet share the last, so that the share of one
+  /// calibration scatters far more than that of independent places.
   std::size_t covered{};
 };
 

@@ -26,6 +26,7 @@ struct Head {
   std::string machine;
   bool good{};
   int best{};
+  double unmodelled_share{};
 };
 
 Head readHead(const fs::path& path) {
@@ -36,7 +37,7 @@ Head readHead(const fs::path& path) {
   }
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
-    return {json.at("machine"), json.at("good"), json.at("best_iteration")};
+    return {json.at("machine"), json.at("good"), json.at("best_iteration"), json.at("unmodelled_share")};
   } catch (const nlohmann::json::exception& error) {
     throw ConfigError(
         fmt::format("{}: is not what `calibrate head` writes: {}", path.string(), error.what()));
@@ -66,6 +67,7 @@ HeadRecord readHeadRecord(const fs::path& results, const HeadSetup& setup) {
   if (!head.good) fault("good: false: this head was not calibrated well enough to be held against it");
   if (head.best < 1 || head.best > kMostIterations)
     fault(fmt::format("best_iteration: {} is none", head.best));
+  if (!(head.unmodelled_share > 0.0)) fault("unmodelled_share: must be above 0");
   if (faults.empty() && !fs::exists(results / "1-grid" / kSheetMeasured))
     fault(
         "no sheets lie beside it: it was made from pictures alone, which cannot be held against; calibrate "
@@ -74,12 +76,13 @@ HeadRecord readHeadRecord(const fs::path& results, const HeadSetup& setup) {
 
   HeadRecord record;
   record.iterations = head.best;
+  record.unmodelled_share = head.unmodelled_share;
   record.table = results / fmt::format("correction-{}.csv", head.best);
   for (int iteration = 1; iteration <= head.best; ++iteration) {
     const fs::path folder = results / fmt::format("{}-grid", iteration);
     std::optional<AimGrid> table;
     if (fs::exists(folder / kSheetTable)) table = readControllerTable(folder / kSheetTable);
-    for (const HeadObservation& seen : observationsOf(readSheet(folder), table))
+    for (const HeadObservation& seen : observationsOf(readSheet(folder), table, iteration))
       record.observations.push_back(seen);
   }
   return record;

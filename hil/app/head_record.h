@@ -14,6 +14,7 @@ namespace kerfbench::hil {
 struct HeadRecord {
   std::vector<HeadObservation> observations;
   int iterations{};             ///< Whose grids they are.
+  double unmodelled_share{};    ///< As the calibration was told.
   std::filesystem::path table;  ///< That was made of them.
 };
 

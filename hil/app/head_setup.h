@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "hil/app/machine_file.h"
+#include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/nominal_head.h"
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/vision/camera_calibration.h"
@@ -37,6 +38,8 @@ struct HeadSetup {
   std::optional<AimGrid> table;      ///< The machine's own so far.
   std::filesystem::path table_file;  ///< Empty: none.
   std::string digest;                ///< Of all files that say so.
+  /// What encoders, lens and board may do beyond the model, HeadTolerances::unmodelled_share.
+  double unmodelled_share{HeadTolerances{}.unmodelled_share};
 };
 
 /// Marks are as large as a grid of `densest` x `densest` leaves room for. The table is `table_file`, or the

@@ -141,6 +141,13 @@ CLI::App* addCalibrateHead(CLI::App& calibrate, HeadCalibrateOptions& options) {
   head->add_option("--limit-mm", options.limit_mm, "Largest error at any of them")
       ->check(CLI::Range(1e-4, 10.0))
       ->capture_default_str();
+  head->add_option(
+          "--unmodelled-share", options.unmodelled_share,
+          "What encoders, lens and board may do that the head's parameters do not describe (1 sigma), "
+          "as a share\nof the field's longer side: by their data sheets. It is in what is stated as "
+          "long as fewer than 40 marks\nare measured; more of them tell it themselves")
+      ->check(CLI::Range(1e-7, 0.1))
+      ->capture_default_str();
   head->add_option("--seed", options.seed, "Of what the imperfections draw, of all noise and of the places")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
       ->capture_default_str();

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Eigenvalues>
+
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/head/spread.h"
 
@@ -36,6 +38,23 @@ void readMarks(YamlReader& file, const MarkJob& job, MeasuredSheet& sheet) {
     wanted.erase(at);
     sheet.marks.push_back(measured);
   }
+}
+
+Eigen::Matrix3d poseCovarianceIn(YamlReader& file) {
+  const auto c = file.numbers("pose_covariance", 6, YamlReader::Range{.min = -1e4, .max = 1e4});
+  Eigen::Matrix3d covariance;
+  covariance << c[0], c[1], c[3], c[1], c[2], c[4], c[3], c[4], c[5];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  const double rounding = 1e-12 * covariance.trace();
+  if (!(solver.eigenvalues().minCoeff() >= -rounding)) file.fault("pose_covariance", "is no covariance");
+  return covariance;
+}
+
+/// Columns that move a place as the sheet's pose does, independent and of variance 1.
+Eigen::Matrix<double, 2, 3> poseModes(const Eigen::Matrix3d& root, const Eigen::Vector2d& p_W_mm) {
+  Eigen::Matrix<double, 2, 3> by_pose;
+  by_pose << 1.0, 0.0, -p_W_mm.y(), 0.0, 1.0, p_W_mm.x();
+  return by_pose * root;
 }
 
 }  // namespace
@@ -67,9 +86,11 @@ MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetu
     throw HeadEvidenceError(fmt::format("job {}: {}", job.name, fmt::join(lines, "\n  ")));
   }
   MeasuredSheet sheet;
+  // Symmetrical to the last bit, as its file has it.
+  const Eigen::Matrix3d pose = pictures.poseCovarianceAbout(job.p_SW_mm);
+  sheet.pose_covariance = 0.5 * (pose + pose.transpose());
   for (const MarkPoint& point : field.points) {
-    const Eigen::Matrix2d c = point.cut.covariance + pictures.poseCovariance(point.cut.p_S_mm);
-    // Symmetrical to the last bit, as its file has it.
+    const Eigen::Matrix2d& c = point.cut.covariance;
     sheet.marks.push_back({point.wanted, point.cut.p_S_mm - job.p_SW_mm, 0.5 * (c + c.transpose())});
   }
   sheet.missing = static_cast<int>(field.missing.size());
@@ -78,7 +99,11 @@ MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetu
   return sheet;
 }
 
-std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table) {
+std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table,
+                                            int number) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pose(sheet.pose_covariance);
+  const Eigen::Matrix3d root =
+      pose.eigenvectors() * pose.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   std::vector<HeadObservation> observations;
   std::string outside;
   for (const MeasuredMark& mark : sheet.marks) {
@@ -90,7 +115,8 @@ std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const st
                       outside.empty() ? "" : "\n", mark.wanted.number, wanted_W_mm.x(), wanted_W_mm.y());
       continue;
     }
-    observations.push_back({mark.wanted.number, wanted_W_mm + *d_mm, mark.p_W_mm, mark.covariance_mm2});
+    observations.push_back({mark.wanted.number, wanted_W_mm + *d_mm, mark.p_W_mm, mark.covariance_mm2,
+                            SharedError{number, poseModes(root, mark.p_W_mm)}});
   }
   if (!outside.empty()) throw HeadEvidenceError(outside);
   return observations;
@@ -100,18 +126,24 @@ std::string measuredText(const MeasuredSheet& sheet) {
   std::string text = fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
       "# Where the marks of the job beside this file lie, by their pictures.\n"
-      "version: 1\n"
+      "version: {}\n"
       "digest: '{}'   # Of machine, table, job and pictures.\n"
       "missing: {}\n"
       "false: {}\n"
       "remarks:\n",
-      sheet.digest, sheet.missing, sheet.false_marks);
+      kMeasuredVersion, sheet.digest, sheet.missing, sheet.false_marks);
   if (sheet.remarks.empty()) text = text.substr(0, text.size() - 1) + " []\n";
   for (std::string remark : sheet.remarks) {
     std::ranges::replace(remark, '\'', '"');
     text += fmt::format("  - {{text: '{}'}}\n", remark);
   }
-  text += "marks:   # In W.\n";
+  const Eigen::Matrix3d& pose = sheet.pose_covariance;
+  text +=
+      "# Of the sheet's place: xx, xy, yy (mm2), x turn, y turn (mm rad), turn turn (rad2); about W's "
+      "origin.\n";
+  text += fmt::format("pose_covariance: [{}, {}, {}, {}, {}, {}]\n", pose(0, 0), pose(0, 1), pose(1, 1),
+                      pose(0, 2), pose(1, 2), pose(2, 2));
+  text += "marks:   # In W; covariances without that of the sheet's place.\n";
   for (const MeasuredMark& mark : sheet.marks) {
     const Eigen::Matrix2d& c = mark.covariance_mm2;
     text += fmt::format("  - {{number: {}, p_W_mm: [{}, {}], covariance_mm2: [{}, {}, {}]}}\n",
@@ -127,11 +159,14 @@ std::optional<MeasuredSheet> readMeasured(const fs::path& path, const MarkJob& j
   MeasuredSheet sheet;
   sheet.digest = file.text("digest");
   if (sheet.digest != digest) return std::nullopt;
-  if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
-    file.fault("version", "this program reads version 1");
+  if (file.integer("version", {.min = 1, .max = 1e6}) != kMeasuredVersion) {
+    file.fault("version", fmt::format("this program reads version {}; calibrate again", kMeasuredVersion));
+    file.finish();
+  }
   sheet.missing = static_cast<int>(file.integer("missing", {.min = 0, .max = 1e6}));
   sheet.false_marks = static_cast<int>(file.integer("false", {.min = 0, .max = 1e6}));
   for (YamlReader& remark : file.list("remarks")) sheet.remarks.push_back(remark.text("text"));
+  sheet.pose_covariance = poseCovarianceIn(file);
   readMarks(file, job, sheet);
   file.finish();
   return sheet;

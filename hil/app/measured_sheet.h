@@ -20,7 +20,7 @@ namespace kerfbench::hil {
 struct MeasuredMark {
   WantedMark wanted;
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Where it lies.
-  /// Of p_W_mm: its own and that of the sheet's pose, which all marks of a sheet share.
+  /// Of p_W_mm: its own, without that of the sheet's pose.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
 
   [[nodiscard]] Eigen::Vector2d error_mm() const { return p_W_mm - wanted.p_W_mm; }
@@ -30,6 +30,9 @@ struct MeasuredMark {
 struct MeasuredSheet {
   std::string digest;  ///< Of all that it depends on; see sheetOnTwin().
   std::vector<MeasuredMark> marks;
+  /// Of where the sheet was taken to lie: what that error shifts (x, y, mm) and turns (rad, about W's origin)
+  /// all marks by.
+  Eigen::Matrix3d pose_covariance{Eigen::Matrix3d::Zero()};
   int missing{};      ///< Wanted, not found.
   int false_marks{};  ///< Found more than once, or of no mark of the job.
   std::vector<std::string> remarks;
@@ -46,10 +49,15 @@ SheetErrors errorsOf(std::span<const MeasuredSheet> sheets);
 /// used.
 MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetup& setup, int threads);
 
-/// As the fit wants them: aims are what the controller made of the wanted places with its table.
+/// As the fit wants them: aims are what the controller made of the wanted places with its table. `number`: of
+/// the sheet, another one for each that is fitted together.
 /// @throws HeadEvidenceError for a mark outside of the table.
-std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table);
+std::vector<HeadObservation> observationsOf(const MeasuredSheet& sheet, const std::optional<AimGrid>& table,
+                                            int number);
 
+/// Of measuredText(); belongs into a digest of what was measured, so that what an older program wrote is
+/// measured again.
+inline constexpr int kMeasuredVersion = 2;
 /// As YAML; numbers read back to the last bit.
 std::string measuredText(const MeasuredSheet& sheet);
 /// nullopt if there is no file, or one with another digest. @throws ConfigError with everything that is wrong

@@ -73,9 +73,9 @@ MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
 
 std::string SheetByHand::digestOf(const MarkJob& job, const std::optional<AimGrid>& table,
                                   const fs::path& pictures) const {
-  return sha256(fmt::format("by hand {} {} {} {} {}", setup_.digest, markJobDigest(job),
+  return sha256(fmt::format("by hand {} {} {} {} {} {}", setup_.digest, markJobDigest(job),
                             table ? sha256(csvTable(*table)) : "-", digestOfFolder(pictures),
-                            KERFBENCH_VERSION));
+                            KERFBENCH_VERSION, kMeasuredVersion));
 }
 
 void SheetByHand::writeFiles(const SheetRequest& request) const {

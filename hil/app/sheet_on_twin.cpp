@@ -40,10 +40,11 @@ void keepTable(const SheetRequest& request) {
 
 std::string digestOf(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                      const Case& the_case) {
-  return sha256(fmt::format("{} {} {} {} {} {} {} {} {}", setup.digest, markJobDigest(request.job),
+  return sha256(fmt::format("{} {} {} {} {} {} {} {} {} {}", setup.digest, markJobDigest(request.job),
                             request.table.empty() ? "-" : sha256File(request.table),
                             sha256File(the_case.scenario.firmware.image), bench.seed, request.sheet,
-                            nameOf(bench.imperfections), nameOf(bench.fidelity), KERFBENCH_VERSION));
+                            nameOf(bench.imperfections), nameOf(bench.fidelity), KERFBENCH_VERSION,
+                            kMeasuredVersion));
 }
 
 void refuseRun(const CutSheet& cut, const std::string& job) {

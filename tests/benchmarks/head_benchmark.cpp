@@ -20,6 +20,13 @@ using namespace hil::test;
 
 constexpr int kViews = 9;  // docs/CALIBRATION.md: what a camera is calibrated with.
 
+/// Of a sheet whose place is known to 0.4 µm, its turn to 2 µrad.
+Eigen::Matrix<double, 2, 3> poseModesAt(const Eigen::Vector2d& p_mm) {
+  Eigen::Matrix<double, 2, 3> modes;
+  modes << 4e-4, 0.0, -2e-6 * p_mm.y(), 0.0, 4e-4, 2e-6 * p_mm.x();
+  return modes;
+}
+
 /// `side` x `side` marks on one sheet, made with the correction of a sheet of 3 x 3 as the procedure does.
 void fitHead(benchmark::State& state, HeadKind kind, Beyond beyond) {
   const SimulatedHead head(kind, beyond, 1);
@@ -29,7 +36,8 @@ void fitHead(benchmark::State& state, HeadKind kind, Beyond beyond) {
   const hil::HeadFit first = hil::fitHead(hil::pairMarks(nine.aimed, nine.seen).observations, head.nominal(),
                                           head.design(), options);
   const MarkedSheet sheet = mark(head, static_cast<int>(state.range(0)), 9, &first, {}, 1);
-  const auto marks = hil::pairMarks(sheet.aimed, sheet.seen).observations;
+  auto marks = hil::pairMarks(sheet.aimed, sheet.seen).observations;
+  for (hil::HeadObservation& o : marks) o.shared = hil::SharedError{0, poseModesAt(o.aim_W_mm)};
   for (auto _ : state) {
     const hil::HeadFit fit = hil::fitHead(marks, head.nominal(), head.design(), options);
     benchmark::DoNotOptimize(fit.covarianceAt_mm2({10.0, 20.0}));

@@ -23,10 +23,14 @@ using namespace kerfbench::hil;
 using namespace kerfbench::test;
 namespace fs = std::filesystem;
 
+constexpr int kDensest = 17;  // Marks as large as `calibrate head` cuts them, whatever the grids.
+
 struct Options {
   std::uint64_t first_seed{1}, seeds{10};
   std::string only;
+  std::vector<int> grids{HeadPlan{}.grids};
   int verify{400};
+  double unmodelled_share{1e-6};  // The twin's encoders and board are exact.
   int jobs{1};
   fs::path results_dir{"results/head-pixels"};
   fs::path bin_dir;
@@ -38,12 +42,13 @@ CalibratedHead calibrated(const HeadKindProof& kind, std::uint64_t seed, const O
   const auto start = std::chrono::steady_clock::now();
   try {
     HeadPlan plan;
+    plan.grids = options.grids;
     plan.verify = options.verify;
     plan.limit_mm = kind.limit_mm;
     plan.seed = seed;
-    const HeadSetup setup =
-        readHeadSetup(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/machines" / (kind.machine + ".yaml"),
-                      std::ranges::max(plan.grids));
+    HeadSetup setup = readHeadSetup(
+        fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/machines" / (kind.machine + ".yaml"), kDensest);
+    setup.unmodelled_share = options.unmodelled_share;
     plan.date = setup.camera.date;
     TwinBench bench;
     bench.seed = seed;
@@ -116,6 +121,15 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   app.add_option("--only", options.only, "Machines whose name holds this");
+  app.add_option("--grids", options.grids,
+                 "Marks each way of each iteration; ends where all is within the limit")
+      ->delimiter(',')
+      ->check(CLI::Range(3, 33))
+      ->capture_default_str();
+  app.add_option("--unmodelled-share", options.unmodelled_share,
+                 "As `calibrate head` has it; by default what the twin's encoders and board do: nothing")
+      ->check(CLI::Range(1e-9, 0.1))
+      ->capture_default_str();
   app.add_option("--verify", options.verify, "Places that verify each table")
       ->check(CLI::Range(5, 1000))
       ->capture_default_str();

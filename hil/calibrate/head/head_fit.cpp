@@ -18,7 +18,7 @@ std::string faultsOf(std::span<const HeadObservation> observations) {
   std::string faults;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const HeadObservation& o = observations[i];
-    if (o.aim_W_mm.allFinite() && o.measured_W_mm.allFinite() && isCovariance(o.covariance_mm2)) continue;
+    if (isMeasured(o)) continue;
     faults += fmt::format("{} is not finite or has no positive covariance\n",
                           o.mark ? fmt::format("mark {}", *o.mark) : fmt::format("observation {}", i));
   }

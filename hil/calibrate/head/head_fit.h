@@ -50,7 +50,8 @@ struct HeadParameterFinding {
 /// What became of one observation, in the order given.
 struct HeadMarkFinding {
   bool used{};
-  Eigen::Vector2d residual_mm{Eigen::Vector2d::Zero()};  ///< Measured less fitted.
+  /// Measured less fitted, where the sheet's shared error is taken as the fit has it.
+  Eigen::Vector2d residual_mm{Eigen::Vector2d::Zero()};
   /// Squared distance from what all others and the tolerances predict there, in standard deviations:
   /// chi-square of two degrees of freedom for a good mark.
   double distance2{};
@@ -122,7 +123,8 @@ class HeadFit {
 ///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
 ///    the scale of the median mark, narrowed until it settles, then none.
 /// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
-///    share) as its prior.
+///    share) as its prior. What the marks of a sheet share (SharedError) is estimated with them: three errors
+///    a sheet, integrated out, so that the more marks a sheet has the less they hide it.
 /// 4. False marks: each is held against what all others and the priors predict there. distance2 above the
 ///    quantile of chi-square that a good one of n passes with chance 1 - rejection_chance / n is rejected,
 ///    the worst first; a rejected one that fits later comes back.

@@ -23,6 +23,7 @@ class HeadFitter {
 
  private:
   void weighMarks();
+  void gatherShared();
   /// Leaves out what is far from where the drawing and the axes put it.
   void dropFarMarks();
   void fitRobustly();
@@ -51,7 +52,9 @@ class HeadFitter {
 
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
-  [[nodiscard]] WhitenedRows usedRows() const;
+  /// Of two rows for each mark, those of marks that are used.
+  template <typename Rows>
+  [[nodiscard]] Rows usedOf(const Rows& rows) const;
   /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
   void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
   [[nodiscard]] std::size_t usedCount() const;
@@ -69,6 +72,7 @@ class HeadFitter {
   HeadVector scaled_{HeadVector::Zero()};
   Eigen::AlignedBox2d reach_mm_;
   std::optional<SmoothBasis> basis_;
+  Eigen::MatrixXd shared_;  ///< How what sheets share moves all marks, whitened: three columns a sheet.
   RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
   WhitenedRows rows_;  ///< Of all marks, at scaled_.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "hil/calibrate/head/model_solver.h"
@@ -26,27 +27,44 @@ using WhitenedRows =
 /// A row for each mark, or two.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Marks as a linear problem: reading = J · scaled departures + surface + noise. What only depends on the
-/// marks and the surface's functions is kept from one linearisation to the next.
+/// Marks as a linear problem: reading = J · scaled departures + surface + shared errors + noise. What the
+/// marks of a sheet share is no unknown of the solution: it is integrated out (Schur's complement), so that
+/// all products are those of marks whose noise N is correlated within a sheet. What only depends on the marks
+/// and the surface's functions is kept from one linearisation to the next.
 class JointMarks {
  public:
-  /// `basis`: the functions of the surface at the marks, a row for each; no columns: no surface.
-  JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis);
+  /// `basis`: the functions of the surface at the marks, a row for each; no columns: no surface. `shared`:
+  /// two rows for each mark, whitened: how the shared errors, of variance 1, move it; no columns: none.
+  JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis, Eigen::MatrixXd shared);
   /// `rows`: of these marks, in their order.
   void linearise(const WhitenedRows& rows);
 
   [[nodiscard]] Eigen::Index functions() const { return basis_.cols(); }
-  /// Rows^T rows, its lower part.
+  /// Rows^T N⁻¹ rows, its lower part.
   [[nodiscard]] const Eigen::MatrixXd& square() const { return square_; }
-  /// (Whitened basis)^T rows: functions for x, then for y.
+  /// (Whitened basis)^T N⁻¹ rows: functions for x, then for y.
   [[nodiscard]] const Eigen::MatrixXd& crossed() const { return crossed_; }
-  /// (Whitened basis)^T (whitened basis), its lower part.
+  /// (Whitened basis)^T N⁻¹ (whitened basis), its lower part.
   [[nodiscard]] const Eigen::MatrixXd& surfaceSquare() const;
   [[nodiscard]] Eigen::VectorXd surfaceDiagonal() const;
 
+  /// For given unknowns x the shared errors are C⁻ᵀ (reading - slopes x + w), w independent of variance 1.
+  /// Slopes are by the departures, then by the surface's coefficients if it has any; reading is the last
+  /// column.
+  [[nodiscard]] Eigen::MatrixXd sharedSlopes() const;
+  /// C⁻¹ rows^T: how w moves marks, those here or others, whose rows of `shared` these are.
+  [[nodiscard]] Eigen::MatrixXd sharedReach(const Eigen::MatrixXd& rows) const;
+
  private:
+  /// (Whitened basis)^T rows.
+  template <typename Rows>
+  [[nodiscard]] Eigen::MatrixXd byFunctions(const Rows& rows) const;
+
   std::vector<Eigen::Matrix2d> whitenings_1_mm_;
   RowMatrix basis_;
+  Eigen::MatrixXd shared_;
+  Eigen::LLT<Eigen::MatrixXd> shared_normal_;   ///< C C^T = 1 + shared^T shared.
+  Eigen::MatrixXd shared_rows_, shared_basis_;  ///< C⁻¹ shared^T times rows, and times the whitened basis.
   Eigen::VectorXd weight_xx_, weight_xy_, weight_yy_;
   Eigen::MatrixXd square_, crossed_;
   mutable Eigen::MatrixXd surface_square_;  ///< Empty until it is asked for.

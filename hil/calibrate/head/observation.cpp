@@ -63,6 +63,12 @@ void refuseTooMany(const Pairing& pairing, std::size_t aimed, std::size_t seen, 
 
 }  // namespace
 
+bool isMeasured(const HeadObservation& observation) {
+  return observation.aim_W_mm.allFinite() && observation.measured_W_mm.allFinite() &&
+         isCovariance(observation.covariance_mm2) &&
+         (!observation.shared || observation.shared->modes_mm.allFinite());
+}
+
 Pairing pairMarks(std::span<const AimedMark> aimed, std::span<const SeenMark> seen,
                   const PairingLimits& limits) {
   std::string faults;
@@ -83,7 +89,8 @@ Pairing pairMarks(std::span<const AimedMark> aimed, std::span<const SeenMark> se
       continue;
     }
     if (found->second.size() > 1) pairing.merged.push_back(mark.id);
-    pairing.observations.push_back({mark.id, mark.aim_W_mm, merged->p_mm, merged->covariance_mm2});
+    pairing.observations.push_back(
+        {mark.id, mark.aim_W_mm, merged->p_mm, merged->covariance_mm2, std::nullopt});
   }
   for (const auto& [id, sightings] : by_id) {
     if (!of_job.contains(id)) pairing.unknown.push_back(id);

@@ -15,6 +15,13 @@ class HeadCalibrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// An error that all marks of a sheet have in common: of where the sheet was taken to lie.
+struct SharedError {
+  int sheet{};  ///< Its number; another one for each sheet.
+  /// How the measured mark moves by each of three independent errors of variance 1, mm.
+  Eigen::Matrix<double, 2, 3> modes_mm{Eigen::Matrix<double, 2, 3>::Zero()};
+};
+
 /// One mark: what the controller was aimed at and where the beam really marked.
 struct HeadObservation {
   std::optional<int> mark;  ///< Its number in the job; only told again in messages.
@@ -25,7 +32,17 @@ struct HeadObservation {
   Eigen::Vector2d measured_W_mm{Eigen::Vector2d::Zero()};
   /// Of measured_W_mm, what the marks do not share (k = 1); positive definite.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
+  std::optional<SharedError> shared;  ///< What they do.
+
+  /// Of measured_W_mm, all of it.
+  [[nodiscard]] Eigen::Matrix2d wholeCovariance_mm2() const {
+    if (!shared) return covariance_mm2;
+    return covariance_mm2 + shared->modes_mm * shared->modes_mm.transpose();
+  }
 };
+
+/// All of it finite, with a covariance that is one.
+bool isMeasured(const HeadObservation& observation);
 
 /// A mark of the job, and one that was found on the sheet.
 struct AimedMark {

@@ -69,6 +69,12 @@ Readings readingsOf(const HeadFit& fit, const std::vector<HeadObservation>& mark
     const HeadObservation& o = marks[static_cast<std::size_t>(i)];
     readings.covariance_mm2.block<2, 2>(2 * i, 2 * i) +=
         o.covariance_mm2 + fit.nominal().roundingCovariance_mm2(o.aim_W_mm);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const HeadObservation& other = marks[static_cast<std::size_t>(k)];
+      if (!o.shared || !other.shared || o.shared->sheet != other.shared->sheet) continue;
+      readings.covariance_mm2.block<2, 2>(2 * i, 2 * k) +=
+          o.shared->modes_mm * other.shared->modes_mm.transpose();
+    }
   }
   return readings;
 }
@@ -218,7 +224,7 @@ QuickCheckResult quickCheck(const HeadFit& fit, std::span<const HeadObservation>
   check(limits);
   std::vector<HeadObservation> marks(observations.begin(), observations.end());
   for (const HeadObservation& o : marks) {
-    if (!o.aim_W_mm.allFinite() || !o.measured_W_mm.allFinite() || !isCovariance(o.covariance_mm2))
+    if (!isMeasured(o))
       throw HeadCalibrationError("a mark of the check is not finite or has no positive covariance");
   }
   const Six scales = scalesOf(limits);

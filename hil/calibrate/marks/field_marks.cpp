@@ -174,12 +174,16 @@ void checkOptions(const FieldSearchOptions& options) {
 
 }  // namespace
 
-Matrix2d FieldPictures::poseCovariance(const Vector2d& p_S_mm) const {
+Eigen::Matrix3d FieldPictures::poseCovarianceAbout(const Vector2d& p_S_mm) const {
   // p_S = R' (p_T - p_TS)
   const Matrix2d R_ST = Eigen::Rotation2Dd(-pose.angle_rad).toRotationMatrix();
-  Eigen::Matrix<double, 2, 3> by_pose;
-  by_pose << -R_ST, Vector2d(p_S_mm.y(), -p_S_mm.x());
+  Eigen::Matrix3d by_pose;
+  by_pose << -R_ST, Vector2d(p_S_mm.y(), -p_S_mm.x()), Eigen::RowVector3d(0.0, 0.0, -1.0);
   return by_pose * pose.covariance * by_pose.transpose();
+}
+
+Matrix2d FieldPictures::poseCovariance(const Vector2d& p_S_mm) const {
+  return poseCovarianceAbout(p_S_mm).topLeftCorner<2, 2>();
 }
 
 FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibration,

@@ -42,7 +42,10 @@ struct FieldPictures {
   UnitPose pose;                      ///< Of the sheet on the table, by its printed marks.
   std::vector<std::string> problems;  ///< Why nothing here may be used: no pose, unfit pictures.
 
-  /// Of all marks' places by the sheet's pose, as one error: covariance of the shift that it makes at p_S.
+  /// Of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S, mm) and
+  /// turns (rad, about p_S, from x to y) them all by.
+  [[nodiscard]] Eigen::Matrix3d poseCovarianceAbout(const Eigen::Vector2d& p_S_mm) const;
+  /// Of the shift that it makes at p_S alone.
   [[nodiscard]] Eigen::Matrix2d poseCovariance(const Eigen::Vector2d& p_S_mm) const;
 };
 

@@ -76,7 +76,7 @@ std::vector<HeadObservation> madeBy(const AxisMap& map) {
   for (const AimedMark& mark : job(5)) {
     const Vector2d p = mark.aim_W_mm;
     const Vector2d bow = 1e-4 * p.squaredNorm() * Vector2d(1.0, -0.5);
-    made.push_back({mark.id, p, map.matrix() * (p + bow) + Vector2d(3.0, -8.0), kFine});
+    made.push_back({mark.id, p, map.matrix() * (p + bow) + Vector2d(3.0, -8.0), kFine, {}});
   }
   return made;
 }

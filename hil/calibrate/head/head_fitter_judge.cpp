@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadFitter: which marks are false.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/LU>
+
+#include "hil/calibrate/head/head_fitter.h"
+#include "hil/calibrate/head/spread.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kCount = static_cast<int>(kHeadParameterCount);
+constexpr std::size_t kLeastMarks = 5;
+constexpr double kFewFalse = 2.0;     // Of any number of marks: two that were taken for each other.
+constexpr double kWorstShare = 0.25;  // Of the worst distance²: those are rejected together.
+
+}  // namespace
+
+void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const {
+  const Eigen::Index m = prior_ ? basis_values_.cols() : 0;
+  Eigen::MatrixXd columns(kCount + 2 * m, rows_.rows());
+  columns.topRows<kCount>() = rows_.leftCols<kCount>().transpose();
+  for (std::size_t i = 0; prior_ && i < marks_.size(); ++i) {
+    const auto mark = static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      auto surface = columns.col(2 * mark + k).tail(2 * m);
+      surface.head(m) = w(k, 0) * basis_values_.row(mark).transpose();
+      surface.tail(m) = w(k, 1) * basis_values_.row(mark).transpose();
+    }
+  }
+  // What a sheet's marks share is known from them too, the better the more there are.
+  const Eigen::MatrixXd reach = gathered_->sharedReach(shared_);
+  const Eigen::MatrixXd slopes = gathered_->sharedSlopes();
+  columns.noalias() -= slopes.leftCols(columns.rows()).transpose() * reach;
+  residuals =
+      rows_.col(kCount) - columns.transpose() * joint_.unknowns - reach.transpose() * slopes.rightCols<1>();
+  modes.resize(columns.rows() + reach.rows(), columns.cols());
+  modes.topRows(columns.rows()) = joint_.covariance_root.transpose().triangularView<Eigen::Lower>() * columns;
+  modes.bottomRows(reach.rows()) = reach;
+}
+
+bool HeadFitter::judge(bool may_return) {
+  std::vector<double> distances;
+  noise_chi2_ = 0.0;
+  noise_freedom_ = 0.0;
+  // Of residual and modes, a column for each row of a mark.
+  Eigen::MatrixXd modes;
+  Eigen::VectorXd residuals;
+  predictMarks(residuals, modes);
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    HeadMarkFinding& finding = findings_[i];
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d residual = residuals.segment<2>(row);
+    const double across = modes.col(row).dot(modes.col(row + 1));
+    Eigen::Matrix2d predicted;
+    predicted << modes.col(row).squaredNorm(), across, across, modes.col(row + 1).squaredNorm();
+    finding.residual_mm = marks_[i].whitening_1_mm.inverse() * residual;
+    // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
+    const double sign = used_[i] ? -1.0 : 1.0;
+    finding.distance2 =
+        lands_[i] ? distance2(residual, Eigen::Matrix2d::Identity() + sign * predicted) : INFINITY;
+    if (!used_[i]) continue;
+    distances.push_back(finding.distance2);
+    noise_chi2_ += residual.squaredNorm();
+    noise_freedom_ += 2.0 - predicted.trace();
+  }
+  const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
+  const double limit =
+      scale2 * chiSquare2Above(options_.rejection_chance / static_cast<double>(marks_.size()));
+  const double worst = *std::ranges::max_element(distances);
+  bool changed = false;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    const double d2 = findings_[i].distance2;
+    const bool use = used_[i] ? d2 <= limit || d2 < kWorstShare * worst : d2 <= limit && may_return;
+    changed = changed || use != used_[i];
+    used_[i] = use;
+  }
+  return changed;
+}
+
+void HeadFitter::refuseTooMany() const {
+  const std::size_t rejected = used_.size() - usedCount();
+  const double most = options_.most_false_share * static_cast<double>(used_.size());
+  if (static_cast<double>(rejected) <= std::max(kFewFalse, most) && usedCount() >= kLeastMarks) return;
+  std::string text = fmt::format("{} of {} marks do not fit to the others", rejected, used_.size());
+  std::size_t told = 0;
+  for (std::size_t i = 0; i < used_.size() && told < 10; ++i) {
+    if (used_[i]) continue;
+    const HeadObservation& o = observations_[i];
+    text += fmt::format("\n{} aimed at ({:.3f}, {:.3f}) was measured at ({:.3f}, {:.3f}) mm",
+                        o.mark ? fmt::format("mark {}", *o.mark) : "a mark", o.aim_W_mm.x(), o.aim_W_mm.y(),
+                        o.measured_W_mm.x(), o.measured_W_mm.y());
+    ++told;
+  }
+  if (told < rejected) text += fmt::format("\nand {} more", rejected - told);
+  throw HeadCalibrationError(text);
+}
+
+}  // namespace kerfbench::hil

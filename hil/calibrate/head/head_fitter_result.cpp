@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadFitter: what is told of the head.
+#include <cmath>
+
+#include "hil/calibrate/head/head_fitter.h"
+#include "hil/calibrate/head/spread.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr int kCount = static_cast<int>(kHeadParameterCount);
+constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
+constexpr double kHeldShare = 1.0 / 3.0;
+constexpr double kMixedCorrelation = 0.7;
+
+}  // namespace
+
+HeadFit HeadFitter::result() const {
+  HeadFit fit(nominal_, design_);
+  fit.axes_ = axes_;
+  fit.departures_ = tolerances_.cwiseProduct(scaled_);
+  if (prior_) {
+    const Eigen::Index m = basis_->size();
+    fit.surface_ = HeadSurface{*basis_, prior_->amplitude_mm, prior_->decay, prior_->evidence};
+    fit.coefficients_mm_.resize(m, 2);
+    fit.coefficients_mm_ << joint_.unknowns.segment(kCount, m), joint_.unknowns.tail(m);
+  }
+  fit.marks_ = findings_;
+  for (std::size_t i = 0; i < used_.size(); ++i) fit.marks_[i].used = used_[i];
+  setNoiseRatio(fit);
+  fit.covariance_root_ = joint_.covariance_root * (fit.noise_scaled_ ? fit.noise_ratio_ : 1.0);
+  fit.covariance_root_.topRows(kCount) = tolerances_.asDiagonal() * fit.covariance_root_.topRows(kCount);
+  reportParameters(fit);
+  return fit;
+}
+
+void HeadFitter::setNoiseRatio(HeadFit& fit) const {
+  if (noise_freedom_ < 1.0) return;  // Nothing left to tell it from.
+  fit.noise_ratio_ = std::sqrt(noise_chi2_ / noise_freedom_);
+  fit.noise_scaled_ = noise_chi2_ > chiSquareAbove(noise_freedom_, kNoiseScaledAt);
+}
+
+void HeadFitter::reportParameters(HeadFit& fit) const {
+  const Eigen::MatrixXd root = fit.covariance_root_.topRows(kHeadParameterCount);
+  const Eigen::MatrixXd covariance = root * root.transpose();
+  const Eigen::VectorXd sigmas = covariance.diagonal().cwiseSqrt();
+  for (std::size_t k = 0; k < kHeadParameterCount; ++k) {
+    const auto which = static_cast<HeadParameter>(k);
+    if (!actsOn(which, design_)) continue;
+    const auto row = static_cast<Eigen::Index>(k);
+    HeadParameterFinding finding{which, fit.departures_[row], sigmas[row], tolerances_[row], false, {}};
+    finding.held = finding.sigma < kHeldShare * finding.prior_sigma;
+    double strongest = kMixedCorrelation;
+    for (Eigen::Index other = 0; !finding.held && other < covariance.cols(); ++other) {
+      const double correlation = std::abs(covariance(row, other)) / (sigmas[row] * sigmas[other]);
+      if (other == row || correlation <= strongest) continue;
+      strongest = correlation;
+      finding.mixed_with = static_cast<HeadParameter>(other);
+    }
+    fit.parameters_.push_back(finding);
+  }
+}
+
+}  // namespace kerfbench::hil
