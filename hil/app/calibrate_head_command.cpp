@@ -111,6 +111,21 @@ void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSh
       fmt::format("{}: job {}: a part of the field has no marks{}", pictures.string(), job.name, faults));
 }
 
+/// Marks may scatter more than their pictures state, as those of a head that does not repeat itself do; not
+/// by so much that the table is worth nothing. Then it is the pictures, or where they are said to be taken.
+void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, const MeasuredSheet& sheet,
+                      const FittedHead& head) {
+  const double off_mm = 2.0 * head.table.largest_sigma_mm;
+  if (!head.fit.noiseScaled() || off_mm <= options.limit_mm) return;
+  std::string text = fmt::format(
+      "{}: job {}: the marks scatter {:.1f} times as much as their pictures state: with this table the beam "
+      "may be off "
+      "by {:.4f} mm, more than the limit of {:g} mm",
+      options.pictures.string(), job.name, head.fit.noiseRatio(), off_mm, options.limit_mm);
+  for (const std::string& remark : sheet.remarks) text += "\n  " + remark;
+  throw HeadEvidenceError(text);
+}
+
 /// A sheet that was cut and photographed before.
 HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
   const MarkJob job = readJobOf(setup, options.job);
@@ -120,6 +135,7 @@ HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions&
   console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
   requireReach(options.pictures, job, sheet);
   HeadCalibration result = calibrateHeadOnce(setup, sheet);
+  requireAgreement(options, job, sheet, result.iterations.front().head);
   const std::vector<int> left_out = rejectedOf(sheet, result.iterations.front().head.fit);
   if (!left_out.empty()) {
     console.say(fmt::format("    {} with all others and left out: {}",
