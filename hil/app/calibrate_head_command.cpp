@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -12,10 +13,7 @@
 #include "hil/app/scenario.h"
 #include "hil/app/sheet_by_hand.h"
 #include "hil/base/atomic_file.h"
-#include "hil/base/yaml_reader.h"
-#include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/tables/csv_table.h"
-#include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -23,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kExitNotGood = 1;
+constexpr double kLeastReach = 0.9;  // of the field that the job's marks span, along x and along y
 
 TwinBench benchOf(const HeadCalibrateOptions& options) {
   return {.seed = options.seed,
@@ -85,23 +84,66 @@ HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
           .seed = options.seed};
 }
 
+/// By their numbers: false, by all others. The fit is of this sheet alone.
+std::vector<int> rejectedOf(const MeasuredSheet& sheet, const HeadFit& fit) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < sheet.marks.size(); ++i)
+    if (!fit.marks()[i].used) numbers.push_back(sheet.marks[i].wanted.number);
+  return numbers;
+}
+
+/// Nothing verifies a table of pictures alone: it must not reach far beyond the marks.
+void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSheet& sheet) {
+  Eigen::AlignedBox2d wanted;
+  Eigen::AlignedBox2d found;
+  for (const WantedMark& mark : job.marks) wanted.extend(mark.p_W_mm);
+  for (const MeasuredMark& mark : sheet.marks) found.extend(mark.wanted.p_W_mm);
+  std::string faults;
+  for (const int axis : {0, 1}) {
+    if (found.sizes()[axis] >= kLeastReach * wanted.sizes()[axis]) continue;
+    faults += fmt::format(
+        "\n  the marks found reach from {0} = {1:g} to {2:g} mm, those of the job from {3:g} to {4:g} mm",
+        axis == 0 ? "x" : "y", found.min()[axis], found.max()[axis], wanted.min()[axis], wanted.max()[axis]);
+  }
+  if (faults.empty()) return;
+  for (const std::string& remark : sheet.remarks) faults += "\n  " + remark;
+  throw HeadEvidenceError(
+      fmt::format("{}: job {}: a part of the field has no marks{}", pictures.string(), job.name, faults));
+}
+
+/// Marks may scatter more than their pictures state, as those of a head that does not repeat itself do; not
+/// by so much that the table is worth nothing. Then it is the pictures, or where they are said to be taken.
+void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, const MeasuredSheet& sheet,
+                      const FittedHead& head) {
+  const double off_mm = 2.0 * head.table.largest_sigma_mm;
+  if (!head.fit.noiseScaled() || off_mm <= options.limit_mm) return;
+  std::string text = fmt::format(
+      "{}: job {}: the marks scatter {:.1f} times as much as their pictures state: with this table the beam "
+      "may be off "
+      "by {:.4f} mm, more than the limit of {:g} mm",
+      options.pictures.string(), job.name, head.fit.noiseRatio(), off_mm, options.limit_mm);
+  for (const std::string& remark : sheet.remarks) text += "\n  " + remark;
+  throw HeadEvidenceError(text);
+}
+
 /// A sheet that was cut and photographed before.
 HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
-  const MarkJob job = readMarkJob(options.job);
-  if (job.machine != setup.name) {
-    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", options.job.string(),
-                                  job.machine, options.machine.string(), setup.name));
+  const MarkJob job = readJobOf(setup, options.job);
+  console.say(fmt::format("  job {}, pictures of {}", job.name, options.pictures.string()));
+  const MeasuredSheet sheet = measurePictures(options.pictures, job, setup, options.jobs);
+  tell(sheet, console);
+  console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
+  requireReach(options.pictures, job, sheet);
+  HeadCalibration result = calibrateHeadOnce(setup, sheet);
+  requireAgreement(options, job, sheet, result.iterations.front().head);
+  const std::vector<int> left_out = rejectedOf(sheet, result.iterations.front().head.fit);
+  if (!left_out.empty()) {
+    console.say(fmt::format("    {} with all others and left out: {}",
+                            left_out.size() == 1 ? "1 mark that disagrees"
+                                                 : fmt::format("{} marks that disagree", left_out.size()),
+                            fmt::join(left_out, ", ")));
   }
-  TileFolder tiles(options.pictures);
-  console.say(fmt::format("  {} pictures of {}", tiles.size(), options.pictures.string()));
-  try {
-    const MeasuredSheet sheet = measureSheet(tiles, job, setup, options.jobs);
-    tell(sheet, console);
-    console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
-    return calibrateHeadOnce(setup, sheet);
-  } catch (const std::invalid_argument& error) {
-    throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
-  }
+  return result;
 }
 
 /// From the results; absolute where it lies elsewhere.

@@ -14,10 +14,7 @@
 #include "hil/app/sheet_by_hand.h"
 #include "hil/app/sheet_on_twin.h"
 #include "hil/base/atomic_file.h"
-#include "hil/base/yaml_reader.h"
 #include "hil/calibrate/head/quick_check.h"
-#include "hil/calibrate/marks/mark_job_file.h"
-#include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -73,23 +70,10 @@ fs::path tableAtWork(const HeadCheckOptions& options, const HeadSetup& setup, co
   return setup.table_file.empty() ? record.table : setup.table_file;
 }
 
-MeasuredSheet fromPictures(const HeadSetup& setup, const HeadCheckOptions& options) {
-  const MarkJob job = readMarkJob(options.job);
-  if (job.machine != setup.name) {
-    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", options.job.string(),
-                                  job.machine, options.machine.string(), setup.name));
-  }
-  TileFolder tiles(options.pictures);
-  try {
-    return measureSheet(tiles, job, setup, options.jobs);
-  } catch (const std::invalid_argument& error) {
-    throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
-  }
-}
-
 MeasuredSheet sheetOf(const HeadSetup& setup, const HeadCheckOptions& options, const MarkJob& job,
                       const fs::path& table, Console& console) {
-  if (!options.job.empty()) return fromPictures(setup, options);
+  if (!options.job.empty())
+    return measurePictures(options.pictures, readJobOf(setup, options.job), setup, options.jobs);
   const TwinBench bench{.seed = options.seed,
                         .imperfections = presetFromName(options.imperfections),
                         .fidelity = fidelityFromName(options.twin),

@@ -197,10 +197,14 @@ HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& s
 
 std::string HeadCalibration::endWords(const HeadPlan& plan) const {
   if (end == HeadEnd::kNotVerified) {
+    const double off_mm = 2.0 * iterations.at(best).head.table.largest_sigma_mm;
     return fmt::format(
-        "fitted and not verified: the beam should be off by {:.4f} mm at most (k = 2); cut other marks with "
+        "fitted and not verified: the beam should be off by {:.4f} mm at most (k = 2){}; cut other marks "
+        "with "
         "the table to see",
-        2.0 * iterations.at(best).head.table.largest_sigma_mm);
+        off_mm,
+        off_mm > plan.limit_mm ? fmt::format(", which may be beyond the limit of {:g} mm", plan.limit_mm)
+                               : "");
   }
   const SheetErrors& after = iterations.at(best).after;
   const std::string errors = fmt::format(

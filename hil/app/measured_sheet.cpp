@@ -12,11 +12,14 @@
 
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/head/spread.h"
+#include "hil/calibrate/marks/mark_job_file.h"
 
 namespace kerfbench::hil {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kPrintOff_mm = 0.02;  // RMS of the printed marks; the camera's own calibration leaves 0.001
 
 void readMarks(YamlReader& file, const MarkJob& job, MeasuredSheet& sheet) {
   std::map<int, WantedMark> wanted;
@@ -73,6 +76,29 @@ SheetErrors errorsOf(std::span<const MeasuredSheet> sheets) {
   return errors;
 }
 
+MarkJob readJobOf(const HeadSetup& setup, const fs::path& path) {
+  MarkJob job = readMarkJob(path);
+  if (job.machine != setup.name) {
+    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", path.string(), job.machine,
+                                  setup.machine.string(), setup.name));
+  }
+  return job;
+}
+
+TileFolder openPictures(const HeadSetup& setup, const fs::path& folder) {
+  return TileFolder(folder, PictureSize{setup.camera.width_px, setup.camera.height_px});
+}
+
+MeasuredSheet measurePictures(const fs::path& folder, const MarkJob& job, const HeadSetup& setup,
+                              int threads) {
+  TileFolder tiles = openPictures(setup, folder);
+  try {
+    return measureSheet(tiles, job, setup, threads);
+  } catch (const HeadEvidenceError& error) {
+    throw HeadEvidenceError(fmt::format("{}: {}", folder.string(), error.what()));
+  }
+}
+
 MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetup& setup, int threads) {
   FieldSearchOptions search;
   search.size_mm = job.size_mm;
@@ -96,6 +122,12 @@ MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetu
   sheet.missing = static_cast<int>(field.missing.size());
   sheet.false_marks = static_cast<int>(field.doubled.size() + field.foreign.size());
   sheet.remarks = field.remarks;
+  if (pictures.pose.residual_mm > kPrintOff_mm) {
+    sheet.remarks.push_back(
+        fmt::format("the printed marks lie {:.3f} mm RMS beside their places: the print is not true, or the "
+                    "camera's scale",
+                    pictures.pose.residual_mm));
+  }
   return sheet;
 }
 

@@ -13,6 +13,7 @@
 #include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/marks/field_marks.h"
 #include "hil/calibrate/marks/mark_job.h"
+#include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
 
@@ -45,9 +46,18 @@ struct SheetErrors {
 };
 SheetErrors errorsOf(std::span<const MeasuredSheet> sheets);
 
+/// A job that was cut. @throws ConfigError with everything that is wrong; for another machine's.
+MarkJob readJobOf(const HeadSetup& setup, const std::filesystem::path& path);
+/// Pictures of the machine's kerf camera. @throws ConfigError as TileFolder.
+TileFolder openPictures(const HeadSetup& setup, const std::filesystem::path& folder);
+
 /// Finds the job's marks in the pictures. @throws HeadEvidenceError with every reason why they must not be
 /// used.
 MeasuredSheet measureSheet(TileSource& tiles, const MarkJob& job, const HeadSetup& setup, int threads);
+/// The same of a folder, which the message names. @throws ConfigError for pictures that cannot be read, or
+/// are of another camera's size.
+MeasuredSheet measurePictures(const std::filesystem::path& folder, const MarkJob& job, const HeadSetup& setup,
+                              int threads);
 
 /// As the fit wants them: aims are what the controller made of the wanted places with its table. `number`: of
 /// the sheet, another one for each that is fitted together.

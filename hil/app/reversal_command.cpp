@@ -97,18 +97,10 @@ Seen fromPictures(const HeadSetup& setup, const ReversalCommandOptions& options)
                     "then one for each of --turns",
                     options.pictures.size(), turns.size()));
   }
-  Seen seen{readMarkJob(options.job), {}};
-  if (seen.job.machine != setup.name) {
-    throw ConfigError(fmt::format("{}: machine: the job is for {}, {} is {}", options.job.string(),
-                                  seen.job.machine, options.machine.string(), setup.name));
-  }
+  Seen seen{readJobOf(setup, options.job), {}};
   for (std::size_t i = 0; i < turns.size(); ++i) {
-    TileFolder tiles(options.pictures[i]);
-    try {
-      seen.views.push_back(lookAt(tiles, tiles.size(), seen.job, turns[i], setup, options.jobs));
-    } catch (const std::invalid_argument& error) {
-      throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
-    }
+    TileFolder tiles = openPictures(setup, options.pictures[i]);
+    seen.views.push_back(lookAt(tiles, tiles.size(), seen.job, turns[i], setup, options.jobs));
   }
   return seen;
 }

@@ -12,10 +12,8 @@
 #include "hil/app/case.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
-#include "hil/base/yaml_reader.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/tables/csv_table.h"
-#include "hil/camera/tile_folder.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -51,15 +49,10 @@ MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
     writeMarkJob(request.folder / kSheetJob, job);
     const MarkJob as_filed = readMarkJob(request.folder / kSheetJob);
     if (auto measured = readMeasured(request.folder / kSheetMeasured, as_filed, digest)) return *measured;
-    TileFolder tiles(pictures);
-    try {
-      MeasuredSheet sheet = measureSheet(tiles, as_filed, setup_, bench_.threads);
-      sheet.digest = digest;
-      writeFileAtomically(request.folder / kSheetMeasured, measuredText(sheet));
-      return sheet;
-    } catch (const std::invalid_argument& error) {
-      throw ConfigError(error.what());  // A picture that cannot be read, or of another camera's size.
-    }
+    MeasuredSheet sheet = measurePictures(pictures, as_filed, setup_, bench_.threads);
+    sheet.digest = digest;
+    writeFileAtomically(request.folder / kSheetMeasured, measuredText(sheet));
+    return sheet;
   }
   if (table) {
     request.table = request.folder / kSheetTable;
@@ -68,6 +61,9 @@ MeasuredSheet SheetByHand::operator()(const SheetOrder& order) const {
   writeFiles(request);
   const std::string text = instructions(request);
   writeFileAtomically(request.folder / "NEXT.txt", text + "\n");
+  if (fs::exists(pictures) && !fs::is_empty(pictures))
+    throw SheetWanted(
+        fmt::format("{}\nThere are pictures in {}, but no {}.", text, pictures.string(), kTileList));
   throw SheetWanted(text);
 }
 

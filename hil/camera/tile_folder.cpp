@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -25,18 +27,19 @@ GrayImage readPicture(const std::filesystem::path& path) {
   try {
     return decodeImage(bytes);
   } catch (const std::invalid_argument&) {
-    throw std::invalid_argument(path.string() + ": is no picture that can be read");
+    throw ConfigError(path.string() + ": is no picture that can be read");
   }
 }
 
 }  // namespace
 
-TileFolder::TileFolder(const std::filesystem::path& folder) {
+TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<PictureSize> size) : size_(size) {
   auto file = YamlReader::openFile(folder / kList);
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   auto tiles = file.list("tiles");
   if (tiles.empty()) file.fault("tiles", "there are none");
+  std::set<std::string> names;
   for (YamlReader& tile : tiles) {
     const std::string name = tile.text("file");
     const auto place = tile.numbers("p_TV_mm", 2, {.min = -1e6, .max = 1e6});
@@ -44,6 +47,7 @@ TileFolder::TileFolder(const std::filesystem::path& folder) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(folder / name, ignored))
       tile.fault("file", fmt::format("there is no {}", (folder / name).string()));
+    if (!names.insert(name).second) tile.fault("file", fmt::format("{} is listed twice", name));
     entries_.push_back({folder / name, static_cast<int>(unit), {place[0], place[1]}});
   }
   file.finish();
@@ -53,10 +57,35 @@ std::vector<KerfTile> TileFolder::nextBatch(std::size_t max) {
   std::vector<KerfTile> tiles;
   const std::size_t end = next_ + std::min(max, entries_.size() - next_);
   for (; next_ < end; ++next_) {
-    const Entry& entry = entries_[next_];
-    tiles.push_back({readPicture(entry.file), entry.p_TV_mm, entry.unit});
+    try {
+      tiles.push_back(read(entries_[next_]));
+    } catch (const ConfigError&) {
+      throw ConfigError(faultsFrom(next_));
+    }
   }
   return tiles;
+}
+
+KerfTile TileFolder::read(const Entry& entry) const {
+  GrayImage image = readPicture(entry.file);
+  if (size_ && (image.width != size_->width_px || image.height != size_->height_px)) {
+    throw ConfigError(fmt::format("{}: has {} x {} pixels, the camera is calibrated for {} x {}",
+                                  entry.file.string(), image.width, image.height, size_->width_px,
+                                  size_->height_px));
+  }
+  return {std::move(image), entry.p_TV_mm, entry.unit};
+}
+
+std::string TileFolder::faultsFrom(std::size_t first) const {
+  std::string faults;
+  for (std::size_t at = first; at < entries_.size(); ++at) {
+    try {
+      static_cast<void>(read(entries_[at]));
+    } catch (const ConfigError& error) {
+      faults += fmt::format("{}{}", faults.empty() ? "" : "\n", error.what());
+    }
+  }
+  return faults;
 }
 
 void writeTiles(TileSource& source, const std::filesystem::path& folder) {

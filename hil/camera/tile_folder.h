@@ -3,11 +3,17 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "hil/vision/kerf_scan.h"
 
 namespace kerfbench::hil {
+
+struct PictureSize {
+  int width_px{}, height_px{};
+};
 
 /// Kerf tiles as files: pictures, and `tiles.yaml` with the place of the camera for each of them.
 ///
@@ -16,10 +22,13 @@ namespace kerfbench::hil {
 ///       - {file: tile-0000.png, unit: 0, p_TV_mm: [-12.5, 40]}     # unit: default 0
 class TileFolder final : public TileSource {
  public:
-  /// @throws ConfigError with everything that is wrong, pictures that are not there included.
-  explicit TileFolder(const std::filesystem::path& folder);
+  /// `size`: that each picture must have.
+  /// @throws ConfigError with everything that is wrong in the list: pictures that are not there, or there
+  /// twice, included.
+  explicit TileFolder(const std::filesystem::path& folder, std::optional<PictureSize> size = {});
 
-  /// @throws std::invalid_argument that names a picture that cannot be read.
+  /// @throws ConfigError that names every picture, from the first of these to the last of the folder, that
+  /// cannot be read or has another size.
   std::vector<KerfTile> nextBatch(std::size_t max) override;
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
@@ -29,6 +38,10 @@ class TileFolder final : public TileSource {
     int unit{};
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };
+  [[nodiscard]] KerfTile read(const Entry& entry) const;
+  [[nodiscard]] std::string faultsFrom(std::size_t first) const;
+
+  std::optional<PictureSize> size_;
   std::vector<Entry> entries_;
   std::size_t next_{0};
 };

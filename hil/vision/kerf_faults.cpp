@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <sstream>
+#include <string>
 
 #include <Eigen/LU>
 
@@ -22,6 +24,7 @@ constexpr double kMarkBlurPx = 0.015;  // Scatter of one mark of 100 px; counts 
 constexpr double kBlurBelief = 4.0;
 constexpr double kPrintEdgePx = 0.006;  // What a sharp print seemed to be blurred by.
 constexpr double kEdgePx = 4.0;         // Each way: pixels farther from the edge add nothing but noise.
+constexpr std::size_t kNamed = 8;       // pictures of many
 
 /// Means of ink and board about a disc.
 struct Levels {
@@ -101,11 +104,15 @@ void tellTileFaults(const std::vector<TileView>& tiles, int unit, const LensBlur
                     std::vector<std::string>& problems) {
   const std::string name = "unit " + std::to_string(unit) + ": ";
   const auto tell = [&](auto&& unfit, const char* what) {
-    const auto count = std::count_if(tiles.begin(), tiles.end(),
-                                     [&](const TileView& view) { return unfit(*view.background); });
-    if (count == 0) return;
-    problems.push_back(name + std::to_string(count) + " of " + std::to_string(tiles.size()) +
-                       " pictures of the kerf camera are " + what);
+    std::vector<std::size_t> which;  // From 1, as people count.
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      if (unfit(*tiles[i].background)) which.push_back(i + 1);
+    if (which.empty()) return;
+    std::string text = name + std::to_string(which.size()) + " of " + std::to_string(tiles.size()) +
+                       " pictures of the kerf camera are " + what + ": number";
+    for (std::size_t i = 0; i < std::min(which.size(), kNamed); ++i)
+      text += (i == 0 ? " " : ", ") + std::to_string(which[i]);
+    problems.push_back(text + (which.size() > kNamed ? " …" : ""));
   };
   tell([](const Background& b) { return b.median() < kDarkGray; }, "dark");
   tell([](const Background& b) { return b.saturatedShare() > kSaturatedShare; }, "saturated");

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -172,23 +173,8 @@ void checkOptions(const FieldSearchOptions& options) {
     throw std::invalid_argument("field marks: size_mm and open_gray must be > 0, beam_radius_mm >= 0");
 }
 
-}  // namespace
-
-Eigen::Matrix3d FieldPictures::poseCovarianceAbout(const Vector2d& p_S_mm) const {
-  // p_S = R' (p_T - p_TS)
-  const Matrix2d R_ST = Eigen::Rotation2Dd(-pose.angle_rad).toRotationMatrix();
-  Eigen::Matrix3d by_pose;
-  by_pose << -R_ST, Vector2d(p_S_mm.y(), -p_S_mm.x()), Eigen::RowVector3d(0.0, 0.0, -1.0);
-  return by_pose * pose.covariance * by_pose.transpose();
-}
-
-Matrix2d FieldPictures::poseCovariance(const Vector2d& p_S_mm) const {
-  return poseCovarianceAbout(p_S_mm).topLeftCorner<2, 2>();
-}
-
-FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibration,
-                             const std::vector<RegistrationMark>& print, const FieldSearchOptions& options) {
-  checkOptions(options);
+FieldPictures searchSheet(TileSource& tiles, const CameraCalibration& calibration,
+                          const std::vector<RegistrationMark>& print, const FieldSearchOptions& options) {
   KerfScanOptions scan;
   scan.station_pitch_mm = kStationPitch_mm;
   scan.patches = 0;
@@ -221,6 +207,34 @@ FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibra
   out.pose = {0,           place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance, place->residual_mm,
               place->marks};
   FieldSearch(calibration, options, scan, pictures, index, place->X_TS).run(out);
+  return out;
+}
+
+/// As `hil/vision` tells it, which knows of products one after the other; here is but one sheet.
+std::string ofSheet(const std::string& problem) {
+  constexpr std::string_view kFirst = "unit 0: ";
+  return problem.starts_with(kFirst) ? problem.substr(kFirst.size()) : problem;
+}
+
+}  // namespace
+
+Eigen::Matrix3d FieldPictures::poseCovarianceAbout(const Vector2d& p_S_mm) const {
+  // p_S = R' (p_T - p_TS)
+  const Matrix2d R_ST = Eigen::Rotation2Dd(-pose.angle_rad).toRotationMatrix();
+  Eigen::Matrix3d by_pose;
+  by_pose << -R_ST, Vector2d(p_S_mm.y(), -p_S_mm.x()), Eigen::RowVector3d(0.0, 0.0, -1.0);
+  return by_pose * pose.covariance * by_pose.transpose();
+}
+
+Matrix2d FieldPictures::poseCovariance(const Vector2d& p_S_mm) const {
+  return poseCovarianceAbout(p_S_mm).topLeftCorner<2, 2>();
+}
+
+FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibration,
+                             const std::vector<RegistrationMark>& print, const FieldSearchOptions& options) {
+  checkOptions(options);
+  FieldPictures out = searchSheet(tiles, calibration, print, options);
+  std::ranges::transform(out.problems, out.problems.begin(), ofSheet);
   return out;
 }
 

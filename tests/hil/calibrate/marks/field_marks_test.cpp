@@ -24,6 +24,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using test::MarkedSheet;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -315,7 +316,37 @@ TEST(FieldMarks, AFolderThatIsNotWholeSaysWhatIsWrong) {
   static_cast<void>(folder.write("tiles.yaml", "version: 1\ntiles:\n  - {file: a.png, p_TV_mm: [0, 0]}\n"));
   static_cast<void>(folder.write("a.png", "no picture"));
   TileFolder tiles(folder.path());
-  EXPECT_THROW(static_cast<void>(tiles.nextBatch(1)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(tiles.nextBatch(1)), ConfigError);
+}
+
+TEST(FieldMarks, EveryPictureOfAFolderThatIsUnfitIsNamed) {
+  const TempFolder folder;
+  MarkedSheet sheet(4, 3);
+  const auto tiles = sheet.tiles();
+  test::ReadyTiles live(tiles);
+  writeTiles(live, folder.path());
+  const PictureSize size{tiles[0].image.width, tiles[0].image.height};
+  EXPECT_EQ(TileFolder(folder.path(), size).nextBatch(1).size(), 1U);
+  const auto toldOf = [&](TileFolder stored) {
+    try {
+      static_cast<void>(stored.nextBatch(1));
+    } catch (const ConfigError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(toldOf(TileFolder(folder.path(), PictureSize{size.width_px, 7})),
+              AllOf(HasSubstr("tile-0000.png: has"), HasSubstr("x 7"), HasSubstr("\n"),
+                    HasSubstr("tile-0001.png: has")));
+  static_cast<void>(folder.write("tiles.yaml",
+                                 "version: 1\ntiles:\n  - {file: tile-0000.png, p_TV_mm: [0, 0]}\n"
+                                 "  - {file: tile-0000.png, p_TV_mm: [9, 0]}\n"));
+  try {
+    const TileFolder listed(folder.path());
+    FAIL() << "must not be read";
+  } catch (const ConfigError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("tiles.yaml:4: tiles[1].file: tile-0000.png is listed twice"));
+  }
 }
 
 }  // namespace
