@@ -145,6 +145,7 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
+      {"V4L2", "^linux/(videodev2|v4l2-.*)\\.h$", {"hil/camera/v4l2"}},
       {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
   };
   for (const Library& library : libraries) {

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/camera/v4l2/camera_settings.h"
+
+#include <linux/videodev2.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kExposureUnit_s = 100e-6;
+
+class Setter {
+ public:
+  Setter(VideoDevice& device, const CameraSettings& settings) : device_(device), settings_(settings) {}
+
+  CameraSetup run() {
+    setFormat();
+    if (settings_.frame_rate_hz) setFrameRate(*settings_.frame_rate_hz);
+    readPeriod();
+    if (settings_.exposure_s) setExposure(*settings_.exposure_s);
+    if (settings_.gain) setGain(*settings_.gain);
+    for (const auto& [key, value] : settings_.controls) setByKey(key, value);
+    if (!faults_.empty()) throw std::invalid_argument(device_.path() + ": " + faults_);
+    return setup_;
+  }
+
+ private:
+  void fault(const std::string& text) { faults_ += (faults_.empty() ? "" : "; ") + text; }
+
+  void requireLife(int error, const char* name) const {
+    if (error == ENODEV) throwVideoError(error, device_.path(), name);
+  }
+
+  void setFormat() {
+    const PixelFormat& format = *settings_.format;
+    const int bits = settings_.bits == 0 ? format.bits : settings_.bits;
+    if (bits != format.bits && (format.bits != 16 || bits < 8 || bits > 16))
+      fault(fmt::format("bits: {} has {}", format.name, format.bits));
+    v4l2_format wanted{};
+    wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    wanted.fmt.pix.width = static_cast<std::uint32_t>(settings_.width_px);
+    wanted.fmt.pix.height = static_cast<std::uint32_t>(settings_.height_px);
+    wanted.fmt.pix.pixelformat = format.fourcc;
+    wanted.fmt.pix.field = V4L2_FIELD_NONE;
+    const int error = device_.request(VIDIOC_S_FMT, &wanted);
+    requireLife(error, "VIDIOC_S_FMT");
+    if (error != 0) return fault(fmt::format("format: {}", std::strerror(error)));
+    if (wanted.fmt.pix.pixelformat != format.fourcc)
+      return fault(fmt::format("format: {} became {}", format.name, fourccText(wanted.fmt.pix.pixelformat)));
+    if (wanted.fmt.pix.field != V4L2_FIELD_NONE) fault("format: the pictures are interlaced");
+    setup_.layout = currentLayout(device_, settings_);
+    if (setup_.layout.width_px != settings_.width_px || setup_.layout.height_px != settings_.height_px)
+      fault(fmt::format("size: {} x {} became {} x {}", settings_.width_px, settings_.height_px,
+                        setup_.layout.width_px, setup_.layout.height_px));
+    checkRows();
+  }
+
+  void checkRows() {
+    const FrameLayout& layout = setup_.layout;
+    if (layout.format->packing == PixelPacking::kJpeg) return;
+    const auto least =
+        static_cast<std::size_t>(layout.width_px) * static_cast<std::size_t>(layout.format->bytesPerPixel());
+    if (layout.stride_bytes < least)
+      fault(fmt::format("format: rows of {} bytes hold no {} pixels", layout.stride_bytes, layout.width_px));
+    const bool is_bayer = layout.format->bayer != BayerOrder::kNone;
+    if ((is_bayer && (layout.width_px % 2 != 0 || layout.height_px % 2 != 0 || layout.width_px < 4 ||
+                      layout.height_px < 4)) ||
+        (layout.format->packing == PixelPacking::kYuyv && layout.width_px % 2 != 0))
+      fault("size: this format needs an even one");
+  }
+
+  void setFrameRate(double rate_hz) {
+    constexpr double kParts = 1000.0;
+    v4l2_streamparm wanted{};
+    wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    if (!(rate_hz >= 0.001) || rate_hz > 1e6) return fault("frame_rate_hz: must be 0.001 ... 1e6");
+    wanted.parm.capture.timeperframe.numerator = static_cast<std::uint32_t>(kParts);
+    wanted.parm.capture.timeperframe.denominator = static_cast<std::uint32_t>(std::lround(kParts * rate_hz));
+    const int error = device_.request(VIDIOC_S_PARM, &wanted);
+    requireLife(error, "VIDIOC_S_PARM");
+    if (error != 0) return fault(fmt::format("frame_rate_hz: {}", std::strerror(error)));
+    if ((wanted.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
+      return fault("frame_rate_hz: the driver cannot set it");
+    asked_rate_ = true;
+  }
+
+  void readPeriod() {
+    v4l2_streamparm now{};
+    now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    const v4l2_fract& time = now.parm.capture.timeperframe;
+    if (device_.request(VIDIOC_G_PARM, &now) == 0 && time.numerator > 0 && time.denominator > 0)
+      setup_.frame_period_s = static_cast<double>(time.numerator) / time.denominator;
+    if (!asked_rate_) return;
+    if (!setup_.frame_period_s) return fault("frame_rate_hz: the driver does not say what it is");
+    setup_.outcomes.push_back({"frame_rate_hz", *settings_.frame_rate_hz, 1.0 / *setup_.frame_period_s});
+  }
+
+  /// What the device says of a control; nullopt and a fault where it has none that can be set.
+  bool canSet(std::uint32_t id, const std::string& setting, std::int64_t value) {
+    v4l2_queryctrl control{};
+    control.id = id;
+    const int error = device_.request(VIDIOC_QUERYCTRL, &control);
+    requireLife(error, "VIDIOC_QUERYCTRL");
+    if (error != 0 || (control.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+      return fault(setting + ": the camera has no such control"), false;
+    if ((control.flags & (V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_INACTIVE)) != 0)
+      return fault(setting + ": is read-only, or inactive for another control's sake"), false;
+    if (value < control.minimum || value > control.maximum)
+      return fault(
+                 fmt::format("{}: {} is not in {} ... {}", setting, value, control.minimum, control.maximum)),
+             false;
+    return true;
+  }
+
+  std::optional<std::int32_t> set(std::uint32_t id, const std::string& setting, std::int32_t value) {
+    if (!canSet(id, setting, value)) return std::nullopt;
+    v4l2_control control{id, value};
+    int error = device_.request(VIDIOC_S_CTRL, &control);
+    if (error == 0) error = device_.request(VIDIOC_G_CTRL, &control);
+    requireLife(error, "VIDIOC_S_CTRL");
+    if (error != 0) return fault(fmt::format("{}: {}", setting, std::strerror(error))), std::nullopt;
+    return control.value;
+  }
+
+  /// Off, where the camera has it at all; true if it is off or not there.
+  bool switchOff(std::uint32_t id, std::int32_t off) {
+    v4l2_control control{id, off};
+    const int error = device_.request(VIDIOC_S_CTRL, &control);
+    requireLife(error, "VIDIOC_S_CTRL");
+    if (error == EINVAL && device_.request(VIDIOC_G_CTRL, &control) == EINVAL) return true;
+    return error == 0 && device_.request(VIDIOC_G_CTRL, &control) == 0 && control.value == off;
+  }
+
+  void setExposure(double exposure_s) {
+    if (!(exposure_s > 0.0) || exposure_s > 1000.0) return fault("exposure_s: must be > 0 and <= 1000");
+    if (!switchOff(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL))
+      fault("exposure_s: the camera's automatic exposure stays on");
+    const auto units = static_cast<std::int32_t>(std::lround(exposure_s / kExposureUnit_s));
+    const auto got = set(V4L2_CID_EXPOSURE_ABSOLUTE, "exposure_s (in 100 us)", units);
+    if (!got) return;
+    setup_.exposure_s = *got * kExposureUnit_s;
+    setup_.outcomes.push_back({"exposure_s", exposure_s, *setup_.exposure_s});
+  }
+
+  void setGain(std::int32_t gain) {
+    if (!switchOff(V4L2_CID_AUTOGAIN, 0)) fault("gain: the camera's automatic gain stays on");
+    v4l2_queryctrl control{};
+    control.id = V4L2_CID_GAIN;
+    const bool has_gain = device_.request(VIDIOC_QUERYCTRL, &control) == 0;
+    const auto got = set(has_gain ? V4L2_CID_GAIN : V4L2_CID_ANALOGUE_GAIN, "gain", gain);
+    if (got) setup_.outcomes.push_back({"gain", static_cast<double>(gain), static_cast<double>(*got)});
+  }
+
+  void setByKey(const std::string& key, std::int32_t value) {
+    v4l2_queryctrl control{};
+    control.id = V4L2_CTRL_FLAG_NEXT_CTRL;
+    std::uint32_t last = 0;
+    while (device_.request(VIDIOC_QUERYCTRL, &control) == 0 && control.id > last) {
+      last = control.id;
+      const auto* const name = reinterpret_cast<const char*>(control.name);
+      if (controlKey({name, ::strnlen(name, sizeof control.name)}) == key) {
+        const auto got = set(control.id, key, value);
+        if (got) setup_.outcomes.push_back({key, static_cast<double>(value), static_cast<double>(*got)});
+        return;
+      }
+      control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+    }
+    fault(key + ": the camera has no such control");
+  }
+
+  VideoDevice& device_;
+  const CameraSettings& settings_;
+  CameraSetup setup_;
+  std::string faults_;
+  bool asked_rate_{};
+};
+
+}  // namespace
+
+FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings) {
+  v4l2_format now{};
+  now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  device.require(VIDIOC_G_FMT, &now, "VIDIOC_G_FMT");
+  const v4l2_pix_format& pix = now.fmt.pix;
+  FrameLayout layout;
+  layout.format = findPixelFormat(pix.pixelformat);
+  layout.width_px = static_cast<int>(pix.width);
+  layout.height_px = static_cast<int>(pix.height);
+  layout.stride_bytes = pix.bytesperline;
+  layout.bits = settings.bits != 0 ? settings.bits : settings.format->bits;
+  // Brightness and colour without a word are 16 ... 235 by default, but for JPEG's own colours.
+  layout.full_range =
+      pix.quantization == V4L2_QUANTIZATION_FULL_RANGE ||
+      (pix.quantization == V4L2_QUANTIZATION_DEFAULT && pix.colorspace == V4L2_COLORSPACE_JPEG);
+  return layout;
+}
+
+CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings) {
+  if (settings.format == nullptr || settings.width_px <= 0 || settings.height_px <= 0)
+    throw std::invalid_argument(device.path() + ": format and size must be told");
+  return Setter(device, settings).run();
+}
+
+}  // namespace kerfbench::hil

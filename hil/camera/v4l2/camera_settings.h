@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/camera/v4l2/gray_decode.h"
+#include "hil/camera/v4l2/video_device.h"
+
+namespace kerfbench::hil {
+
+/// What a camera is asked for. What is not said stays as the driver has it.
+struct CameraSettings {
+  const PixelFormat* format{};  ///< Of pixelFormats(); required.
+  int width_px{};
+  int height_px{};
+  int bits{0};  ///< Of Y16 and SxxxX16: significant bits, 8 … 16; 0: all of the format's.
+  /// Of the shutter; the driver's own automatic is switched off. V4L2 counts it in 100 µs; what came of it is
+  /// in the outcomes.
+  std::optional<double> exposure_s{};
+  std::optional<double> frame_rate_hz{};
+  std::optional<std::int32_t> gain{};  ///< In the driver's units; its automatic is switched off.
+  /// Further controls by their keys (see controlKey()), set in this order after those above: V4L2 has no
+  /// control of its own for an external trigger, so its driver's name for it stands here.
+  struct Control {
+    std::string key;
+    std::int32_t value{};
+  };
+  std::vector<Control> controls{};
+};
+
+/// What a driver made of one setting.
+struct SettingOutcome {
+  std::string setting;  ///< "exposure_s", "frame_rate_hz", "gain" or a control's key.
+  double wanted{};
+  double got{};  ///< Read back.
+};
+
+struct CameraSetup {
+  FrameLayout layout;
+  std::vector<SettingOutcome> outcomes;  ///< In the order of CameraSettings.
+  std::optional<double> frame_period_s;  ///< What the driver says of it.
+  std::optional<double> exposure_s;      ///< Where it was asked for, as read back.
+};
+
+/// Sets format, size, frame rate and controls, and reads back what came of them.
+/// @throws std::invalid_argument "PATH: fault; fault; …" with everything that the device has not or refuses;
+/// std::system_error for a device that is none or has gone.
+CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings);
+
+/// The size and layout that the device has now. @throws std::system_error.
+FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings);
+
+}  // namespace kerfbench::hil

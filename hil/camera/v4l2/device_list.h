@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/camera/v4l2/video_calls.h"
+
+namespace kerfbench::hil {
+
+/// Frame intervals at one size: one (shortest = longest), or a range.
+struct IntervalListing {
+  double shortest_s{};
+  double longest_s{};
+};
+
+/// A size that a driver offers in a format: one, or a range in steps.
+struct SizeListing {
+  int width_px{}, height_px{};          ///< The only one, or the smallest.
+  int max_width_px{}, max_height_px{};  ///< Equal to the above for the only one.
+  int step_width_px{}, step_height_px{};
+  std::vector<IntervalListing> intervals;  ///< At the largest size; empty where the driver does not tell.
+};
+
+struct FormatListing {
+  std::string fourcc;
+  std::string description;  ///< The driver's.
+  bool is_readable{};       ///< By decodeFrame().
+  std::string cost;         ///< See PixelFormat; of a format that cannot be read, empty.
+  std::vector<SizeListing> sizes;
+};
+
+struct ControlListing {
+  std::uint32_t id{};
+  std::string name;  ///< The driver's.
+  std::string key;   ///< What a setting calls it: see controlKey().
+  std::int64_t min{}, max{}, step{}, fallback{};
+  std::int64_t value{};
+  bool has_value{};               ///< False where it cannot be read (a button, say).
+  bool is_locked{};               ///< Read-only, disabled, or inactive for another control's sake.
+  std::vector<std::string> menu;  ///< "0: Auto Mode" …
+};
+
+/// One /dev/video*.
+struct CameraListing {
+  std::string path;
+  /// Why nothing more is known (no permission, say, and what to do), or empty.
+  std::string problem;
+  std::string card, driver, bus;
+  bool captures{};  ///< Gives pictures, by the means that the bench uses (streaming).
+  std::vector<FormatListing> formats;
+  std::vector<ControlListing> controls;
+};
+
+/// All video devices of this machine, those that cannot be opened included. Changes no setting. Never throws
+/// for a device's sake: what it refuses is missing or told in `problem`.
+std::vector<CameraListing> listCameras(VideoCalls& calls);
+
+/// A listing in lines for people.
+std::string describe(const CameraListing& camera);
+
+}  // namespace kerfbench::hil

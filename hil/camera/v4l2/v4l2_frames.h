@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/camera/frame_source.h"
+#include "hil/camera/v4l2/camera_clock.h"
+#include "hil/camera/v4l2/frame_watch.h"
+#include "hil/camera/v4l2/v4l2_stream.h"
+
+namespace kerfbench::hil {
+
+/// Something that went wrong, with the time on the clock of the pins in which pictures are missing for it.
+struct CaptureIncident {
+  double from_s{};  ///< Of the last good frame before.
+  double to_s{};
+  std::uint64_t sequence{};
+  std::string words;
+};
+
+struct CaptureReport {
+  std::uint64_t taken{};   ///< Frames that came, without those discarded at the start.
+  std::uint64_t good{};    ///< Of those, given out.
+  std::uint64_t lost{};    ///< Missing in the driver's sequence.
+  double worst_ahead_s{};  ///< How far a stamp lay after its frame's arrival, at most; 0 for none.
+  StampClock clock{StampClock::kUnknown};        ///< Of the last frame.
+  std::uint64_t incidents{};                     ///< All of them.
+  std::vector<CaptureIncident> first_incidents;  ///< The first 1000.
+  std::string ended_early;  ///< Why fewer frames came than were asked for; empty if they all came.
+};
+
+struct V4l2FrameOptions {
+  double exposure_s{};       ///< > 0: by the camera's shutter, or the strobe's length where that is shorter.
+  std::uint64_t frames{};    ///< How many are taken, good or not; > 0.
+  int timeout_ms{1000};      ///< Without a frame for so long the camera has stopped; > 0.
+  std::uint64_t discard{1};  ///< At the start: the first buffer of a loopback holds an old picture.
+  WatchOptions watch{};      ///< Its period is the driver's if it has none and is_triggered is false.
+  bool is_triggered{};
+};
+
+/// Frames of a real camera. A frame that is not to be believed is left out, so that it is missing in the
+/// sequence like a lost one: what judges a run (INVALID around a cut) needs no further rule.
+class V4l2FrameSource final : public FrameSource {
+ public:
+  /// `stream` must outlive this. @throws std::invalid_argument that names every option out of range.
+  V4l2FrameSource(V4l2Stream& stream, CameraClock clock, const V4l2FrameOptions& options);
+
+  std::vector<Frame> nextBatch(std::size_t max) override;
+  [[nodiscard]] const CaptureReport& report() const { return report_; }
+
+ private:
+  void take(const StreamEvent& event, std::vector<Frame>& frames);
+  void tell(const FrameIntegrity& integrity, const std::string& why_unreadable);
+  void tell(CaptureIncident incident);
+  [[nodiscard]] double begin_s(std::int64_t stamp_ns) const;
+
+  V4l2Stream& stream_;
+  CameraClock clock_;
+  V4l2FrameOptions options_;
+  FrameWatch watch_;
+  CaptureReport report_;
+  std::vector<std::uint8_t> last_bytes_;
+  std::uint64_t discarded_{};
+};
+
+}  // namespace kerfbench::hil
