@@ -21,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kExitNotGood = 1;
+constexpr std::size_t kManyMarks =
+    40;                              // From so many on the fit takes nothing of the head's surface as told.
 constexpr double kLeastReach = 0.9;  // of the field that the job's marks span, along x and along y
 
 TwinBench benchOf(const HeadCalibrateOptions& options) {
@@ -111,17 +113,16 @@ void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSh
       fmt::format("{}: job {}: a part of the field has no marks{}", pictures.string(), job.name, faults));
 }
 
-/// Marks may scatter more than their pictures state, as those of a head that does not repeat itself do; not
-/// by so much that the table is worth nothing. Then it is the pictures, or where they are said to be taken.
+/// Of few marks a table is as good as they allow. Many hold any head of this kind; where they leave a doubt
+/// beyond the limit they lie as none would put them, and it is the pictures, or where they were taken.
 void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, const MeasuredSheet& sheet,
                       const FittedHead& head) {
   const double off_mm = 2.0 * head.table.largest_sigma_mm;
-  if (!head.fit.noiseScaled() || off_mm <= options.limit_mm) return;
+  if (sheet.marks.size() < kManyMarks || off_mm <= options.limit_mm) return;
   std::string text = fmt::format(
-      "{}: job {}: the marks scatter {:.1f} times as much as their pictures state: with this table the beam "
-      "may be off "
-      "by {:.4f} mm, more than the limit of {:g} mm",
-      options.pictures.string(), job.name, head.fit.noiseRatio(), off_mm, options.limit_mm);
+      "{}: job {}: {} marks do not agree on a head: the beam may be off by {:.4f} mm with their table, more "
+      "than the limit of {:g} mm",
+      options.pictures.string(), job.name, sheet.marks.size(), off_mm, options.limit_mm);
   for (const std::string& remark : sheet.remarks) text += "\n  " + remark;
   throw HeadEvidenceError(text);
 }

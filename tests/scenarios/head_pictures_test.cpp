@@ -118,7 +118,7 @@ TEST_F(HeadPictures, PicturesOfAnotherScaleAreRefused) {
   };
   refused(scaled(1.02), {"registration marks"});
   // The printed marks still fit; the marks of neighbouring pictures no longer do.
-  refused(scaled(1.002), {"times as much as their pictures state", "more than the limit of 0.01 mm",
+  refused(scaled(1.002), {"45 marks do not agree on a head", "more than the limit of 0.01 mm",
                           "mm RMS beside their places: the print is not true, or the camera's scale"});
 }
 
