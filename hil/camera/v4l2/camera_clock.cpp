@@ -124,8 +124,10 @@ Survey surveyOf(std::span<const Band> bands, double max_drift) {
   }
   const auto key = [](const Line& line) { return std::pair(line.offset_s, line.drift); };
   std::ranges::sort(survey.corners, {}, key);
-  const auto same = std::ranges::unique(survey.corners, {}, key);
-  survey.corners.erase(same.begin(), same.end());
+  // std::ranges::unique of GCC 12 is none to clang 14.
+  const auto same = std::unique(survey.corners.begin(), survey.corners.end(),
+                                [&](const Line& a, const Line& b) { return key(a) == key(b); });
+  survey.corners.erase(same, survey.corners.end());
   return survey;
 }
 

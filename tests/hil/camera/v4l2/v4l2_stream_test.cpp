@@ -279,7 +279,9 @@ TEST(V4l2Stream, IsNotMadeOfADeviceThatCannotBeOpened) {
 }
 
 TEST(V4l2Stream, IsNotMadeOfWhatGivesNoPictures) {
-  for (const std::uint32_t caps : {V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING, V4L2_CAP_VIDEO_CAPTURE}) {
+  const std::vector<std::uint32_t> lacking{V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING,
+                                           V4L2_CAP_VIDEO_CAPTURE};
+  for (const std::uint32_t caps : lacking) {
     FakeVideo video;
     video.caps = caps;
     EXPECT_THAT(whyNot(video), HasSubstr("no pictures"));
