@@ -20,7 +20,7 @@ struct GpioWire {
 
 struct GpioCaptureOptions {
   std::filesystem::path chip;   ///< As "/dev/gpiochip0".
-  std::vector<GpioWire> wires;  ///< One for each output that `map` has.
+  std::vector<GpioWire> wires;  ///< Outputs that `map` has; one without a wire stays low.
   double stamp_err_s{};         ///< Declared bias and jitter of a time stamp.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long.
   double time_limit_s{60.0};    ///< Of the whole, waiting for the first edge included.
