@@ -28,7 +28,7 @@ struct PinRecording {
                                     ///< sigrok drops changes at the last stamp otherwise.
   std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a file of another
                                     ///< program was sampled: a tick each way.
-  bool own{};  ///< Read from a file that Kerfbench wrote, so that ticks are exact.
+  bool own{};                       ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
