@@ -40,6 +40,13 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
 
 }  // namespace
 
+void refuseUnwired(const Case& the_case) {
+  if (the_case.scenario.firmware.source != FirmwareChoice::Source::kGpio) return;
+  const bool gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry;
+  const std::string faults = faultsOf(the_case.scenario.firmware.gpio, the_case.machine.signals, gantry);
+  if (!faults.empty()) throw ConfigError(faults);
+}
+
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
   Case the_case;
   the_case.scenario = readScenario(scenario, {firmware_dir});
@@ -52,6 +59,7 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
     throw ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
                                   the_case.scenario.path.string(), the_case.scenario.machine.string()));
   }
+  refuseUnwired(the_case);
   for (const Signal signal : signalsOf(the_case.scenario.provoke)) {
     if (the_case.machine.signals.pin(signal)) continue;
     throw ConfigError(fmt::format("{}: provoke: {} has no pin {}", the_case.scenario.path.string(),

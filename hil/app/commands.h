@@ -102,6 +102,13 @@ struct GaugeCommandOptions {
   bool quiet{};
 };
 
+/// See doctorCommand().
+struct DoctorOptions {
+  std::filesystem::path scenario;  ///< Empty: what this computer has, and no more.
+  bool json{};
+  std::filesystem::path bin_dir;
+};
+
 inline constexpr int kExitBroken = 2;    ///< The bench itself broke.
 inline constexpr int kExitUsage = 64;    ///< Wrong command line.
 inline constexpr int kExitInput = 65;    ///< Bad input file.
@@ -114,6 +121,9 @@ int replayCommand(const std::filesystem::path& recording, const std::filesystem:
                   const CommonOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
+/// What hardware this computer has and what is wrong with it, on standard output. Returns 0; with a scenario
+/// 1 if something that it needs is missing, or kExitInput.
+int doctorCommand(const DoctorOptions& options);
 /// Draws a machine at rest, or as a run of the scenario has it at given times (by the fast twin). Several
 /// times make several files, with the time in the name. Returns 0, kExitUsage, kExitInput, or kExitBroken
 /// when POV-Ray is missing or fails.

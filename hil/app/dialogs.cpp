@@ -68,6 +68,10 @@ void starve(planner::Program& program, double share, int axis, PreparedJob& job)
 
 PreparedJob prepareJob(const Case& the_case) {
   PreparedJob job;
+  if (the_case.scenario.firmware.dialog == FirmwareChoice::Dialog::kNone) {
+    job.summary = "the job is started at the machine";
+    return job;
+  }
   if (the_case.scenario.firmware.dialog == FirmwareChoice::Dialog::kLineOk) {
     job.gcode = textOf(the_case.scenario.firmware.gcode);
     job.summary =

@@ -23,7 +23,8 @@ struct PreparedJob {
   long long starved_pulses{};          ///< and its pulses in what the host has.
 };
 
-/// Plans the job (reference controller) or reads the G-code (line-and-ok firmware).
+/// Plans the job (reference controller) or reads the G-code (line-and-ok firmware). No dialog for a job that
+/// is started at the machine.
 /// @throws planner::PlanError, std::system_error.
 PreparedJob prepareJob(const Case& the_case);
 

@@ -7,6 +7,7 @@
 
 #include "hil/app/camera_files.h"
 #include "hil/app/cut_on_twin.h"
+#include "hil/app/pin_stamps.h"
 #include "hil/camera/twin_frames.h"
 #include "hil/inspect/inspect.h"
 #include "hil/source/encoder_edges.h"
@@ -59,6 +60,10 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, co
   evidence.belt_count_mm = the_case.machine.controller.encoder_count_mm;
   evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
   evidence.problems = run.problems;
+  evidence.pin_u_s = pinUncertainty_s(run.recording);
+  const std::vector<std::string> unproven =
+      unprovenSteps(evidence.pulses, run.recording.rate.seconds(run.recording.stamp_err_ticks));
+  evidence.problems.insert(evidence.problems.end(), unproven.begin(), unproven.end());
   evidence.account = words.account;
   evidence.end = words.end;
   for (const double edge_s : twin.powerMonitorEdges_s())

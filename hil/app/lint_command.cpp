@@ -81,6 +81,7 @@ int lintFile(const fs::path& path, const CommonOptions& options) {
     the_case.scenario = readScenario(path, {options.bin_dir.parent_path() / "firmware"});
     const MachineFile file = readMachineFile(the_case.scenario.machine);
     warnOfCameras(path, the_case, file, options.quiet);
+    refuseUnwired(the_case);
     refuseUnfit(file, webOf(the_case));
     return lintDrawing(the_case.scenario.dieline, the_case.scenario.layers, options.quiet);
   }

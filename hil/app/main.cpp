@@ -302,6 +302,17 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
   return gauge;
 }
 
+CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
+  CLI::App* doctor = app.add_subcommand(
+      "doctor",
+      "What hardware this computer has for real pins (chips, lines, clock, real-time limits), what is wrong "
+      "with "
+      "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
+  doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
+  doctor->add_flag("--json", options.json, "As JSON");
+  return doctor;
+}
+
 int dispatch(int argc, char** argv) {
   CommonOptions options;
   options.bin_dir = fs::read_symlink("/proc/self/exe").parent_path();
@@ -339,6 +350,10 @@ int dispatch(int argc, char** argv) {
   lint->add_option("FILE", lint_files, "Files to check")->required();
   lint->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
 
+  DoctorOptions doctor_options;
+  doctor_options.bin_dir = options.bin_dir;
+  const CLI::App* doctor = addDoctor(app, doctor_options);
+
   ShowOptions show_options;
   show_options.bin_dir = options.bin_dir;
   const CLI::App* show = addShow(app, show_options);
@@ -365,6 +380,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run->parsed()) return runCommand(scenarios, options);
   if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
+  if (doctor->parsed()) return doctorCommand(doctor_options);
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);
   if (calibrate.target->parsed()) return calibrateTargetCommand(calibrate_options);

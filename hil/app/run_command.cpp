@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
 #include "hil/app/machine_film.h"
+#include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
 #include "hil/app/release.h"
 #include "hil/app/safe_demand.h"
@@ -33,6 +35,7 @@ std::string sourceName(FirmwareChoice::Source source) {
     case FirmwareChoice::Source::kNative:
       return "native build";
     case FirmwareChoice::Source::kChild:
+    case FirmwareChoice::Source::kGpio:  // Has no image; see runOnPins().
       break;
   }
   return "child process";
@@ -89,12 +92,82 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
   conclusion.safe_state = std::move(evidence);
 }
 
+/// Twin and judge behind pins that are recorded already. `problems` are those of the recording.
+int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const PinRecording& recorded,
+                  std::vector<std::string> problems, Conclusion conclusion, const CommonOptions& options,
+                  Stopwatch& stopwatch, Console& console) {
+  const auto source = openRecording(recorded, conclusion.source_id);
+  twin::Twin twin(drawn.machine, webOf(the_case), recorded.rate, twinOptions(the_case));
+  MachineFilm film(drawn.machine.laser.full_power_w);
+  FilmedSource filmed(*source, twin, film);
+  LockstepOptions lockstep;
+  lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  LockstepResult run =
+      runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+  run.problems.insert(run.problems.end(), std::make_move_iterator(problems.begin()),
+                      std::make_move_iterator(problems.end()));
+  run.recording.sensors = recorded.sensors;
+  run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
+  film.add(twin);
+  stopwatch.lap("machine");
+  conclusion.drawn = &drawn;
+  conclusion.film = &film;
+  // A recording without the controller's words is judged by its pins alone.
+  if (!recorded.uart.empty()) {
+    const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
+    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
+                   std::numeric_limits<double>::quiet_NaN(), run, conclusion);
+  }
+  return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
+}
+
+int replayOne(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
+  Stopwatch stopwatch;
+  Console console(options.quiet);
+  const Case the_case = caseWithOptions(scenario, options);
+  console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
+                          recording.string()));
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  PinRecording recorded;
+  Conclusion conclusion;
+  try {
+    recorded = readVcd(recording, the_case.machine.signals);
+    conclusion.source_id = "recording sha256 " + sha256File(recording);
+  } catch (const std::runtime_error& e) {
+    throw InputFault(e.what());
+  }
+  stopwatch.lap("reading");
+  conclusion.folder_name = the_case.scenario.name + "-replay";
+  conclusion.firmware = "recording " + recording.filename().string();
+  return judgeRecorded(the_case, drawn, recorded, {}, std::move(conclusion), options, stopwatch, console);
+}
+
+/// The pins are recorded first and the model runs behind: nothing of it can make the reader late, and a
+/// replay of the recording is the same evidence.
+int runOnPins(const Case& the_case, const CommonOptions& options, Stopwatch& stopwatch, Console& console) {
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  console.say("  " + prepareJob(the_case).summary);
+  stopwatch.lap("reading");
+  const PinCapture captured = captureCase(the_case, linuxGpioSystem(), listChips(), console);
+  stopwatch.lap("real pins");
+  Conclusion conclusion;
+  conclusion.folder_name = the_case.scenario.name;
+  conclusion.firmware = fmt::format("real pins of {}", the_case.scenario.firmware.gpio.chip);
+  conclusion.source_id =
+      fmt::format("gpiochip {}, stamps within {:.4g} us", the_case.scenario.firmware.gpio.chip,
+                  1e6 * the_case.scenario.firmware.gpio.stamp_err_s);
+  return judgeRecorded(the_case, drawn, captured.recording, captured.problems, std::move(conclusion), options,
+                       stopwatch, console);
+}
+
 int runOne(const fs::path& path, const CommonOptions& options) {
   Stopwatch stopwatch;
   Console console(options.quiet);
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
+  if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
+    return runOnPins(the_case, options, stopwatch, console);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
@@ -130,50 +203,6 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
   hearController(the_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
-  return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
-}
-
-int replayOne(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
-  Stopwatch stopwatch;
-  Console console(options.quiet);
-  const Case the_case = caseWithOptions(scenario, options);
-  console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
-                          recording.string()));
-  const twin::DrawnMachine drawn = drawnMachine(the_case);
-  std::unique_ptr<SignalSource> source;
-  PinRecording recorded;  // for what a source does not hand on: sensors, and the controller's words
-  try {
-    source = openVcd(recording, the_case.machine.signals);
-    recorded = readVcd(recording, the_case.machine.signals);
-  } catch (const std::runtime_error& e) {
-    throw InputFault(e.what());
-  }
-  stopwatch.lap("reading");
-
-  const SourceInfo info = source->info();
-  twin::Twin twin(drawn.machine, webOf(the_case), info.rate, twinOptions(the_case));
-  MachineFilm film(drawn.machine.laser.full_power_w);
-  FilmedSource filmed(*source, twin, film);
-  LockstepOptions lockstep;
-  lockstep.time_limit_s = the_case.scenario.time_limit_s;
-  LockstepResult run =
-      runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
-  run.recording.sensors = recorded.sensors;
-  film.add(twin);
-  stopwatch.lap("machine");
-
-  Conclusion conclusion;
-  conclusion.folder_name = the_case.scenario.name + "-replay";
-  conclusion.firmware = "recording " + recording.filename().string();
-  conclusion.source_id = info.config_id;
-  conclusion.drawn = &drawn;
-  conclusion.film = &film;
-  // A recording without the controller's words is judged by its pins alone.
-  if (!recorded.uart.empty()) {
-    const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
-    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
-                   std::numeric_limits<double>::quiet_NaN(), run, conclusion);
-  }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 

@@ -230,7 +230,16 @@ std::string readName(YamlReader& file, std::string_view key, const std::array<co
 
 FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
   FirmwareChoice result;
-  const std::string source = firmware.choice("source", {"avr", "native", "child"});
+  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio"});
+  if (source == "gpio") {
+    result.source = FirmwareChoice::Source::kGpio;
+    result.dialog = FirmwareChoice::Dialog::kNone;
+    result.gpio = readGpioChoice(firmware);
+    // Of an emulated scenario that this one extends.
+    for (const char* key : {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode"})
+      (void)firmware.has(key);
+    return result;
+  }
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
                   : source == "child" ? FirmwareChoice::Source::kChild
                                       : FirmwareChoice::Source::kAvr;
@@ -400,6 +409,13 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
+  if (s.firmware.source == FirmwareChoice::Source::kGpio &&
+      (s.belt_speed_mm_s != 0 || !s.belt_speed_changes.empty() || s.belt_by_controller)) {
+    file.fault(
+        "belt",
+        "speed_mm_s must be 0 and drive: line on real pins (source: gpio): encoder and print mark are not "
+        "driven to the controller yet, so the sheet lies at rest");
+  }
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
   if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");

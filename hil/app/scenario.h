@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/selection.h"
+#include "hil/app/gpio_choice.h"
 #include "hil/app/provoke.h"
 #include "hil/dieline/read.h"
 #include "hil/inspect/inspect.h"
@@ -23,11 +24,17 @@ namespace kerfbench::hil {
 
 /// Which release runs, and how it is talked to.
 struct FirmwareChoice {
-  enum class Source { kAvr, kNative, kChild };
+  enum class Source {
+    kAvr,
+    kNative,
+    kChild,
+    kGpio,  ///< A controller's real pins; see `gpio`.
+  };
   enum class Dialog {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
                  ///< program.
     kLineOk,     ///< Send a line, wait for "ok" (Grbl and its kin); `gcode` is what is sent.
+    kNone,       ///< The job is started at the machine.
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
@@ -37,6 +44,7 @@ struct FirmwareChoice {
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
+  GpioChoice gpio;  ///< For kGpio.
 };
 
 /// A scenario file, checked; all paths absolute.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hil/source/signal_source.h"
+#include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
 namespace kerfbench::hil {
@@ -28,5 +29,8 @@ std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options);
 /// Replays pins.vcd (or any VCD with 1-bit wires named as signalName()); `map` gives the pins the events get.
 /// @throws std::runtime_error listing every fault with its line.
 std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const SignalMap& map);
+
+/// Replays a recording that is in memory; `config_id` says where it comes from.
+std::unique_ptr<SignalSource> openRecording(PinRecording recording, std::string config_id);
 
 }  // namespace kerfbench::hil

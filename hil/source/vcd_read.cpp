@@ -125,6 +125,7 @@ class Reader {
     for (int i = 0; i < exponent_; ++i) rate.den *= 10;
     recording_.own = own_rate_.has_value();
     recording_.rate = own_rate_.value_or(rate);
+    recording_.stamp_err_ticks = own_stamp_err_.value_or(recording_.own ? 0 : 1);
     scale_ = VcdScale(exponent_, recording_.rate);
     if (recording_.own && !scale_.exact() && exponent_ < 12)
       fault("the time scale is too coarse for the tick");
@@ -169,6 +170,9 @@ class Reader {
     } else if (words[1] == "end") {
       own_end_ = number<Tick>(words[2]);
       if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
+    } else if (words[1] == "stamp_err") {
+      own_stamp_err_ = number<std::uint32_t>(words[2]);
+      if (!own_stamp_err_) fault("an error of " + shown(words[2]) + " ticks makes no sense");
     } else if (words[1] == "words") {
       own_words_ = number<std::size_t>(words[2]);
       if (!own_words_) fault("a number of words of " + shown(words[2]) + " makes no sense");
@@ -358,6 +362,7 @@ class Reader {
   std::optional<TickRate> own_rate_;
   std::optional<Tick> own_end_;
   std::optional<std::size_t> own_words_;
+  std::optional<std::uint32_t> own_stamp_err_;
   std::vector<Gap> gaps_;
   std::array<bool, kSignalCount> seen_{};
   std::unordered_map<std::string_view, Wire> wires_;

@@ -9,14 +9,14 @@
 namespace kerfbench::hil {
 namespace {
 
-class VcdSource final : public SignalSource {
+class RecordingSource final : public SignalSource {
  public:
-  VcdSource(const std::filesystem::path& path, const SignalMap& map) : recording_(readVcd(path, map)) {
+  RecordingSource(PinRecording recording, std::string config_id) : recording_(std::move(recording)) {
     info_.rate = recording_.rate;
-    info_.stamp_err_ticks = recording_.own ? 0 : 1;  // A foreign recorder samples: half a period each way.
+    info_.stamp_err_ticks = recording_.stamp_err_ticks;
     info_.deterministic = true;
     info_.accepts_input = false;
-    info_.config_id = "recording sha256 " + sha256File(path);
+    info_.config_id = std::move(config_id);
   }
 
   [[nodiscard]] SourceInfo info() const override { return info_; }
@@ -48,7 +48,11 @@ class VcdSource final : public SignalSource {
 }  // namespace
 
 std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const SignalMap& map) {
-  return std::make_unique<VcdSource>(path, map);
+  return openRecording(readVcd(path, map), "recording sha256 " + sha256File(path));
+}
+
+std::unique_ptr<SignalSource> openRecording(PinRecording recording, std::string config_id) {
+  return std::make_unique<RecordingSource>(std::move(recording), std::move(config_id));
 }
 
 }  // namespace kerfbench::hil

@@ -53,6 +53,8 @@ class Writer {
     text_ += "$version kerfbench $end\n$comment kerfbench tick " + std::to_string(recording_.rate.num) + "/" +
              std::to_string(recording_.rate.den) + " $end\n$comment kerfbench end " +
              std::to_string(recording_.end) + " $end\n";
+    if (recording_.stamp_err_ticks > 0)
+      text_ += "$comment kerfbench stamp_err " + std::to_string(recording_.stamp_err_ticks) + " $end\n";
     if (!recording_.uart.empty())
       text_ += "$comment kerfbench words " + std::to_string(recording_.uart.size()) + " $end\n";
     for (const auto& event : recording_.outputs) {

@@ -142,6 +142,8 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
        "^opencv2/.*",
        {"hil/camera", "hil/vision", "hil/calibrate", "hil/report", "hil/scene", "twin/camera"}},
       {"Ceres", "^ceres/.*", {"hil/calibrate/head"}},
+      {"libgpiod", "^gpiod\\.h(pp)?$", {"hil/source/gpio"}},
+      {"the kernel's GPIO interface", "^linux/gpio\\.h$", {"hil/source/gpio"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},

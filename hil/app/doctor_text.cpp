@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "hil/app/doctor.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* nameOf(DoctorFinding::Grade grade) {
+  switch (grade) {
+    case DoctorFinding::Grade::kGood:
+      return "good";
+    case DoctorFinding::Grade::kNote:
+      return "note";
+    case DoctorFinding::Grade::kTrouble:
+      return "trouble";
+    case DoctorFinding::Grade::kMissing:
+      break;
+  }
+  return "missing";
+}
+
+std::string lineText(const GpioLineInfo& line) {
+  std::string text = fmt::format("  {:3}  {:<20} {}{}", line.offset, line.name.empty() ? "-" : line.name,
+                                 line.output ? "output" : "input", line.active_low ? ", active low" : "");
+  if (line.used) text += line.consumer.empty() ? ", taken" : ", taken by '" + line.consumer + "'";
+  return text + "\n";
+}
+
+Json chipJson(const GpioChipInfo& chip) {
+  Json lines = Json::array();
+  for (const GpioLineInfo& line : chip.lines) {
+    lines.push_back({{"offset", line.offset},
+                     {"name", line.name},
+                     {"consumer", line.consumer},
+                     {"used", line.used},
+                     {"direction", line.output ? "output" : "input"},
+                     {"active_low", line.active_low}});
+  }
+  return {
+      {"path", chip.path.string()}, {"name", chip.name}, {"label", chip.label}, {"lines", std::move(lines)}};
+}
+
+}  // namespace
+
+std::string doctorText(const ComputerState& state, const std::vector<DoctorFinding>& findings) {
+  std::string text = state.kernel + "\n";
+  for (const GpioChipInfo& chip : state.gpio.chips) {
+    text += fmt::format("{} ({}), {} lines\n", chip.path.string(), chip.label, chip.lines.size());
+    for (const GpioLineInfo& line : chip.lines) text += lineText(line);
+  }
+  text +=
+      fmt::format("CLOCK_MONOTONIC: {} ns, by {}\n", state.clock_resolution_ns,
+                  state.clock_source.empty() ? "a clock that the kernel does not name" : state.clock_source);
+  for (const DoctorFinding& finding : findings) {
+    std::string indented;
+    for (const char c : finding.text) indented += c == '\n' ? std::string("\n         ") : std::string(1, c);
+    text += fmt::format("{:<7}  {}\n", nameOf(finding.grade), indented);
+  }
+  return text;
+}
+
+std::string doctorJson(const ComputerState& state, const std::vector<DoctorFinding>& findings,
+                       const std::string& scenario) {
+  Json json;
+  json["kernel"] = state.kernel;
+  if (!scenario.empty()) json["scenario"] = scenario;
+  Json chips = Json::array();
+  for (const GpioChipInfo& chip : state.gpio.chips) chips.push_back(chipJson(chip));
+  json["gpio"] = {{"chips", std::move(chips)}};
+  json["clock"] = {{"source", state.clock_source}, {"resolution_ns", state.clock_resolution_ns}};
+  json["real_time"] = {{"allowed", state.real_time_notes.empty()}};
+  Json list = Json::array();
+  for (const DoctorFinding& finding : findings)
+    list.push_back({{"grade", nameOf(finding.grade)}, {"text", finding.text}});
+  json["findings"] = std::move(list);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/source/gpio/system.h"
+#include "hil/source/vcd.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::hil {
+
+/// Which line of a chip carries which output of the controller.
+struct GpioWire {
+  Signal signal{};
+  std::uint32_t offset{};
+};
+
+struct GpioCaptureOptions {
+  std::filesystem::path chip;   ///< As "/dev/gpiochip0".
+  std::vector<GpioWire> wires;  ///< Outputs that `map` has; one without a wire stays low.
+  double stamp_err_s{};         ///< Declared bias and jitter of a time stamp.
+  double quiet_s{2.0};          ///< The job is over when no edge has come for this long.
+  double time_limit_s{60.0};    ///< Of the whole, waiting for the first edge included.
+  /// High at the start these are a problem: pins are low before their first event, so a drive that counts
+  /// rising edges would count one that was none.
+  std::vector<Signal> low_at_start;
+};
+
+/// What came in on real pins.
+struct PinCapture {
+  PinRecording recording;             ///< In ticks of 1 ns, from a little before the first edge.
+  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; the recording has a gap then.
+  std::vector<std::string> notes;     ///< What was not allowed and makes a loss more likely.
+  std::uint64_t edges{};
+};
+
+/// Records edges until the pins are quiet. Once the lines are had, whatever goes wrong is a problem in the
+/// result and never an exception: what came until then is evidence of something.
+/// @throws GpioError if the lines cannot be had, std::invalid_argument for wires that `map` does not have.
+PinCapture capturePins(const GpioCaptureOptions& options, const SignalMap& map,
+                       const std::shared_ptr<GpioSystem>& system);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace kerfbench::hil {
+
+/// Real pins that cannot be used, or no longer; what() says in words what to do.
+class GpioError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What the kernel answered: a value >= 0, or -1 and an errno.
+struct KernelAnswer {
+  int value{};
+  int error{};
+  [[nodiscard]] bool failed() const { return value < 0; }
+};
+
+/// The system calls of real pins, so that tests give every answer that a kernel can give.
+class GpioSystem {
+ public:
+  virtual ~GpioSystem() = default;
+  virtual KernelAnswer open(const std::string& path) = 0;
+  virtual KernelAnswer control(int fd, unsigned long request, void* argument) = 0;
+  virtual KernelAnswer read(int fd, std::span<std::byte> into) = 0;
+  /// Waits for POLLIN; `revents` is what poll(2) says.
+  virtual KernelAnswer poll(int fd, int timeout_ms, short& revents) = 0;
+  virtual void close(int fd) = 0;
+  /// CLOCK_MONOTONIC, which the kernel stamps edges with.
+  virtual std::uint64_t now_ns() = 0;
+  /// SCHED_FIFO at this priority for the calling thread.
+  virtual KernelAnswer setRealTime(int priority) = 0;
+  /// All pages that the process has now. Not those to come: where the limit is near, malloc() would fail.
+  virtual KernelAnswer lockMemory() = 0;
+  /// Back to SCHED_OTHER and unlocked pages.
+  virtual void leaveRealTime() = 0;
+};
+/// The real ones.
+std::shared_ptr<GpioSystem> linuxGpioSystem();
+
+/// A move-only file descriptor of such a system.
+class GpioFd {
+ public:
+  GpioFd() = default;
+  GpioFd(std::shared_ptr<GpioSystem> system, int fd) : system_(std::move(system)), fd_(fd) {}
+  GpioFd(GpioFd&& other) noexcept : system_(std::move(other.system_)), fd_(std::exchange(other.fd_, -1)) {}
+  GpioFd& operator=(GpioFd&& other) noexcept {
+    std::swap(system_, other.system_);
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~GpioFd() {
+    if (fd_ >= 0) system_->close(fd_);
+  }
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  std::shared_ptr<GpioSystem> system_;
+  int fd_{-1};
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/doctor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/hil/app/temp_folder.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using Grade = DoctorFinding::Grade;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class DoctorTest : public testing::Test {
+ protected:
+  DoctorTest() {
+    state.kernel = "Linux 6.1";
+    state.clock_source = "tsc";
+    state.clock_resolution_ns = 1;
+    GpioChipInfo chip{"/dev/gpiochip0", "gpiochip0", "sim", {}};
+    for (std::uint32_t i = 0; i < 8; ++i) chip.lines.push_back({i, "", "", false, false, false});
+    chip.lines[7] = {7, "LED", "heart \"beat\"", true, true, true};
+    state.gpio.chips = {chip};
+    (void)temp.write("linecutter-avr.hex", ":00000001FF\n");
+  }
+  Case onPins() const {
+    const auto path =
+        temp.write("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                 "\nname: on-pins\n"
+                                 "firmware: {source: gpio, chip: gpiochip0, stamp_err_us: 30, lines: "
+                                 "{galvo_x_pul: 0, galvo_x_dir: 1, galvo_y_pul: 2, galvo_y_dir: 3, "
+                                 "laser_gate: 4, laser_pwm: 5}}\n");
+    return readCase(path, temp.path());
+  }
+  static std::string textsOf(const std::vector<DoctorFinding>& findings, Grade grade) {
+    std::string text;
+    for (const DoctorFinding& finding : findings) {
+      if (finding.grade == grade) text += finding.text + "\n";
+    }
+    return text;
+  }
+  std::string missing() const { return textsOf(needsOf(onPins(), state, temp.path()), Grade::kMissing); }
+  ComputerState state;
+  const TempFolder temp;
+};
+
+TEST_F(DoctorTest, AComputerWithoutFaultsHasNone) {
+  const auto findings = findingsOf(state);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].grade, Grade::kGood);
+}
+
+TEST_F(DoctorTest, EachTroubleIsTold) {
+  state.gpio = {};
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kNote), HasSubstr("no gpiochip"));
+  state.gpio.faults = {"/dev/gpiochip0: not allowed; udev"};
+  EXPECT_EQ(textsOf(findingsOf(state), Grade::kTrouble), "/dev/gpiochip0: not allowed; udev\n");
+  EXPECT_EQ(textsOf(findingsOf(state), Grade::kNote), "");
+  state.gpio.faults.clear();
+  state.gpio_troubles = {"/dev/gpiochip0: old"};
+  EXPECT_EQ(textsOf(findingsOf(state), Grade::kTrouble), "/dev/gpiochip0: old\n");
+  state.gpio_troubles.clear();
+  state.clock_resolution_ns = 4'000'000;
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kTrouble), HasSubstr("4000000 ns"));
+  state.clock_resolution_ns = 1;
+  state.clock_source = "jiffies";
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kTrouble), HasSubstr("steps by milliseconds"));
+  state.clock_source = "hpet";
+  state.real_time_notes = {"no real-time priority"};
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kNote),
+              AllOf(HasSubstr("hpet"), HasSubstr("no real-time priority")));
+}
+
+TEST_F(DoctorTest, WhatAScenarioOnPinsNeedsIsThereOrNamed) {
+  EXPECT_EQ(missing(), "");
+  state.gpio.chips[0].lines[2].used = true;
+  state.gpio.chips[0].lines[2].consumer = "spi";
+  EXPECT_EQ(missing(), "/dev/gpiochip0: line 2 for galvo_y_pul is taken by 'spi'\n");
+  state.gpio.chips[0].lines[2].used = false;
+  state.gpio_troubles = {"/dev/gpiochip0: old kernel", "/dev/gpiochip1: old kernel"};
+  EXPECT_EQ(missing(), "/dev/gpiochip0: old kernel\n");
+  state.gpio_troubles.clear();
+  state.gpio.chips[0].lines.resize(5);
+  EXPECT_THAT(missing(), HasSubstr("laser_pwm: /dev/gpiochip0 has no line 5"));
+  state.gpio.chips.clear();
+  EXPECT_THAT(missing(), HasSubstr("there is no gpiochip 'gpiochip0'"));
+}
+
+TEST_F(DoctorTest, AnEmulatedScenarioNeedsItsEmulator) {
+  const Case the_case = readCase(fixture("scenarios/line-ok/plate.yaml"), temp.path());
+  EXPECT_THAT(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing),
+              HasSubstr("kerfbench-avr is not there"));
+  (void)temp.write("kerfbench-avr", "");
+  EXPECT_EQ(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing), "");
+}
+
+TEST_F(DoctorTest, TheTextHasEveryLineWithItsUser) {
+  const std::string text = doctorText(state, findingsOf(state));
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("/dev/gpiochip0 (sim), 8 lines"), HasSubstr("  0  -                    input\n"),
+                  HasSubstr("output, active low, taken by 'heart \"beat\"'"), HasSubstr("by tsc")));
+}
+
+TEST_F(DoctorTest, TheJsonSaysTheSame) {
+  const auto json = nlohmann::json::parse(doctorJson(state, findingsOf(state), "s"));
+  EXPECT_EQ(json["scenario"], "s");
+  EXPECT_EQ(json["gpio"]["chips"][0]["lines"][7]["consumer"], "heart \"beat\"");
+  EXPECT_EQ(json["gpio"]["chips"][0]["lines"][7]["direction"], "output");
+  EXPECT_EQ(json["clock"]["resolution_ns"], 1);
+  EXPECT_EQ(json["real_time"]["allowed"], true);
+  EXPECT_EQ(json["findings"][0]["grade"], "good");
+}
+
+// Drivers give names in any encoding.
+TEST_F(DoctorTest, NamesThatAreNoUtf8DoNotStopIt) {
+  state.gpio.chips[0].lines[0].name = "\xff\xfe";
+  EXPECT_TRUE(nlohmann::json::accept(doctorJson(state, {}, "")));
+}
+
+TEST_F(DoctorTest, LookingAtThisComputerWorksWhateverItHas) {
+  const ComputerState here = lookAtComputer(linuxGpioSystem());
+  EXPECT_THAT(here.kernel, testing::StartsWith("Linux "));
+  EXPECT_GT(here.clock_resolution_ns, 0U);
+  EXPECT_FALSE(findingsOf(here).empty());
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

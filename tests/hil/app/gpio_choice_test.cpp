@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/gpio_choice.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/app/case.h"
+#include "hil/app/dialogs.h"
+#include "hil/app/release.h"
+#include "tests/hil/app/temp_folder.h"
+
+namespace kerfbench::hil {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kWires =
+    "firmware:\n"
+    "  source: gpio\n"
+    "  chip: gpiochip3\n"
+    "  stamp_err_us: 30\n"
+    "  lines:\n"
+    "    galvo_x_pul: 4\n"
+    "    galvo_x_dir: DIR_X\n"
+    "    galvo_y_pul: 6\n"
+    "    galvo_y_dir: 7\n"
+    "    laser_gate: 8\n"
+    "    laser_pwm: 9\n";
+
+class GpioChoiceTest : public testing::Test {
+ protected:
+  void SetUp() override { (void)temp_.write("linecutter-avr.hex", ":00000001FF\n"); }
+  Case plate(const std::string& lines) const {
+    const auto path = temp_.write("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                                "\nname: on-pins\n" + lines);
+    return readCase(path, temp_.path());
+  }
+  std::string faultsIn(const std::string& lines) const {
+    try {
+      plate(lines);
+    } catch (const ConfigError& e) {
+      return e.what();
+    }
+    return {};
+  }
+  static GpioChipList chips() {
+    GpioChipInfo chip{"/dev/gpiochip3", "gpiochip3", "sim", {}};
+    for (std::uint32_t i = 0; i < 12; ++i)
+      chip.lines.push_back({i, i == 5 ? "DIR_X" : "", "", false, false, false});
+    return {{chip}, {}};
+  }
+  const TempFolder temp_;
+};
+
+TEST_F(GpioChoiceTest, TheSameScenarioRunsOnRealPins) {
+  const Case the_case = plate(kWires);
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  EXPECT_EQ(firmware.source, FirmwareChoice::Source::kGpio);
+  EXPECT_EQ(firmware.gpio.chip, "gpiochip3");
+  EXPECT_DOUBLE_EQ(firmware.gpio.stamp_err_s, 30e-6);
+  EXPECT_DOUBLE_EQ(firmware.gpio.quiet_s, 2.0);
+  const GpioCaptureOptions options = captureOptions(firmware.gpio, chips());
+  EXPECT_EQ(options.chip, "/dev/gpiochip3");
+  ASSERT_EQ(options.wires.size(), 6U);
+  EXPECT_EQ(options.wires[1].signal, Signal::kGalvoXDir);
+  EXPECT_EQ(options.wires[1].offset, 5U);
+  EXPECT_EQ(prepareJob(the_case).dialog, nullptr);
+}
+
+TEST_F(GpioChoiceTest, WhatIsMissingIsAskedFor) {
+  const std::string faults = faultsIn("firmware: {source: gpio}\n");
+  EXPECT_THAT(faults, AllOf(HasSubstr("firmware.chip"), HasSubstr("firmware.stamp_err_us")));
+}
+
+TEST_F(GpioChoiceTest, EveryOutputThatTheMachineHasNeedsALine) {
+  const std::string faults =
+      faultsIn(replaced(replaced(kWires, "    galvo_y_dir: 7\n", ""), "    laser_gate: 8\n", ""));
+  EXPECT_THAT(faults, AllOf(HasSubstr("s.yaml:5: firmware.chip: firmware.lines has no line for galvo_y_dir"),
+                            HasSubstr("no line for laser_gate"), Not(HasSubstr("galvo_x_pul"))));
+}
+
+TEST_F(GpioChoiceTest, LinesThatMakeNoSenseAreFaultsWithFileAndLine) {
+  const std::string faults = faultsIn(std::string(kWires) +
+                                      "    gantry_x_pul: 10\n"
+                                      "    encoder_a: 11\n"
+                                      "    galvo_z_pul: 1\n");
+  EXPECT_THAT(faults, AllOf(HasSubstr("s.yaml:15: firmware.lines.encoder_a: is an input of the controller"),
+                            HasSubstr("s.yaml:16: firmware.lines.galvo_z_pul: unknown key")));
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, {}, false),
+              HasSubstr("s.yaml:8: firmware.lines.galvo_x_pul: the machine has no such pin"));
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, plate(kWires).machine.signals, true),
+              HasSubstr("no line for gantry_x_pul"));
+  EXPECT_THAT(faultsIn(replaced(kWires, "laser_gate: 8", "laser_gate: 7")),
+              HasSubstr("s.yaml:12: firmware.lines.laser_gate: has line 7, and so has galvo_y_dir"));
+}
+
+// Nothing drives the encoder: a controller that follows the belt would see it at rest.
+TEST_F(GpioChoiceTest, ABeltThatMovesIsRefused) {
+  EXPECT_THAT(faultsIn(std::string(kWires) + "belt: {speed_mm_s: 60}\n"),
+              HasSubstr("speed_mm_s must be 0 and drive: line on real pins"));
+  EXPECT_THAT(faultsIn(std::string(kWires) + "belt: {drive: controller}\n"), HasSubstr("on real pins"));
+}
+
+TEST_F(GpioChoiceTest, ProvokedFaultsNeedTheReferenceController) {
+  EXPECT_THAT(faultsIn(std::string(kWires) + "provoke: {line_cut_at_s: 1}\n"), HasSubstr("provoke"));
+}
+
+TEST_F(GpioChoiceTest, OnlyRunOpensRealPins) {
+  EXPECT_THROW((void)openRelease(plate(kWires).scenario.firmware, temp_.path()), InputFault);
+}
+
+TEST_F(GpioChoiceTest, AllLinesThatTheChipDoesNotHaveAreTold) {
+  GpioChoice choice = plate(kWires).scenario.firmware.gpio;
+  choice.lines[0].line = "12";
+  choice.lines[1].line = "ENA";
+  choice.lines[2].line = "7";
+  try {
+    (void)captureOptions(choice, chips());
+    FAIL();
+  } catch (const GpioError& e) {
+    EXPECT_THAT(e.what(),
+                AllOf(HasSubstr("s.yaml:8: firmware.lines.galvo_x_pul: /dev/gpiochip3 has no line 12"),
+                      HasSubstr("s.yaml:9: firmware.lines.galvo_x_dir: /dev/gpiochip3 has no line of the "
+                                "name 'ENA'"),
+                      HasSubstr("s.yaml:11: firmware.lines.galvo_y_dir: is line 7, and so is galvo_y_pul")));
+  }
+  EXPECT_THROW((void)captureOptions(choice, {}), GpioError);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

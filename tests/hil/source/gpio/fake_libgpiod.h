@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace kerfbench::hil {
+
+/// What the stand-in for libgpiod says: its functions are linked instead of the library's.
+struct FakeLine {
+  std::string name;
+  std::string consumer;
+  bool used{};
+  bool output{};
+  bool active_low{};
+};
+struct FakeLibgpiod {
+  int open_error{};
+  int line_error{};          ///< For the last line.
+  std::string label{"sim"};  ///< Of each chip; its name is that of the file.
+  std::vector<FakeLine> lines;
+  int open_chips{};
+};
+extern FakeLibgpiod fake_libgpiod;
+
+}  // namespace kerfbench::hil

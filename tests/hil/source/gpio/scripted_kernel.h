@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <linux/gpio.h>
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/source/gpio/system.h"
+
+namespace kerfbench::hil {
+
+/// A kernel by script: one chip with eight free lines, and edges at given times. Each answer can be replaced.
+/// Its clock stands still but for poll(), which takes as long as it waits.
+class ScriptedKernel : public GpioSystem {
+ public:
+  static constexpr std::uint32_t kLines = 8;
+  static constexpr std::uint64_t kStart_ns = 1'000'000'000;
+
+  // What it is to answer.
+  int open_error{};
+  int chip_error{};
+  int line_info_error{};
+  int request_error{};
+  int levels_error{};
+  int poll_error{};  ///< Once; then all is well again.
+  short poll_revents{};
+  int read_error{};               ///< Once.
+  std::vector<int> read_bytes{};  ///< Sizes of the next reads instead of all that there is.
+  int priority_error{};
+  int lock_error{};
+  std::map<std::uint32_t, std::string> taken;  ///< Lines with their consumers.
+  std::uint64_t level_bits{};                  ///< Of the lines as they were asked for.
+
+  // What was asked.
+  gpio_v2_line_request request{};
+  std::vector<int> open_fds;
+  int real_time{};  ///< +1 by setRealTime(), 0 by leaveRealTime().
+
+  /// An edge in the kernel's buffer from `at_ns` on.
+  void edge(std::uint64_t stamp_ns, std::uint32_t offset, bool rising, std::uint32_t seqno,
+            std::uint32_t line_seqno, std::uint64_t at_ns);
+  /// As edge(), numbered and level kept as a good kernel does it; the buffer has it at once.
+  void toggle(std::uint64_t stamp_ns, std::uint32_t offset);
+  /// Called before each poll(), with the time.
+  std::function<void(std::uint64_t)> before_poll;
+
+  KernelAnswer open(const std::string& path) override;
+  KernelAnswer control(int fd, unsigned long request_code, void* argument) override;
+  KernelAnswer read(int fd, std::span<std::byte> into) override;
+  KernelAnswer poll(int fd, int timeout_ms, short& revents) override;
+  void close(int fd) override;
+  std::uint64_t now_ns() override { return now_; }
+  KernelAnswer setRealTime(int priority) override;
+  KernelAnswer lockMemory() override;
+  void leaveRealTime() override { real_time = 0; }
+
+ private:
+  struct Buffered {
+    std::uint64_t at_ns{};
+    gpio_v2_line_event event{};
+  };
+  KernelAnswer give(int fd);
+
+  std::deque<Buffered> buffer_;
+  std::map<std::uint32_t, std::uint32_t> line_seqno_;
+  std::map<std::uint32_t, bool> level_;
+  std::uint32_t seqno_{};
+  std::uint64_t now_{kStart_ns};
+  int next_fd_{100};
+};
+
+}  // namespace kerfbench::hil
