@@ -190,10 +190,11 @@ TEST_F(HeadTools, TheQuickCheckRefusesACalibrationThatIsNone) {
   EXPECT_THAT(check("machines/two-mirror-100.yaml", path("bad")).output,
               HasSubstr("is not what `calibrate head` writes"));
   std::ofstream(path("bad/head.json"))
-      << R"({"machine": "two-mirror-100", "good": false, "best_iteration": 0})";
+      << R"({"machine": "two-mirror-100", "good": false, "best_iteration": 0, "unmodelled_share": 0})";
   const ProgramRun bad = check("machines/two-mirror-100.yaml", path("bad"));
   EXPECT_THAT(bad.output, HasSubstr("good: false"));
   EXPECT_THAT(bad.output, HasSubstr("best_iteration: 0 is none"));
+  EXPECT_THAT(bad.output, HasSubstr("unmodelled_share: must be above 0"));
 }
 
 /// A camera that sees the whole sheet at once, so that its lens's error is one over the sheet.
