@@ -94,6 +94,14 @@ std::vector<int> rejectedOf(const MeasuredSheet& sheet, const HeadFit& fit) {
   return numbers;
 }
 
+/// Says where, and what else was noticed on the sheet.
+[[noreturn]] void refuse(const fs::path& pictures, const MarkJob& job, const MeasuredSheet& sheet,
+                         const std::string& text) {
+  std::string all = fmt::format("{}: job {}: {}", pictures.string(), job.name, text);
+  for (const std::string& remark : sheet.remarks) all += "\n  " + remark;
+  throw HeadEvidenceError(all);
+}
+
 /// Nothing verifies a table of pictures alone: it must not reach far beyond the marks.
 void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSheet& sheet) {
   Eigen::AlignedBox2d wanted;
@@ -108,9 +116,7 @@ void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSh
         axis == 0 ? "x" : "y", found.min()[axis], found.max()[axis], wanted.min()[axis], wanted.max()[axis]);
   }
   if (faults.empty()) return;
-  for (const std::string& remark : sheet.remarks) faults += "\n  " + remark;
-  throw HeadEvidenceError(
-      fmt::format("{}: job {}: a part of the field has no marks{}", pictures.string(), job.name, faults));
+  refuse(pictures, job, sheet, "a part of the field has no marks" + faults);
 }
 
 /// Of few marks a table is as good as they allow. Many hold any head of this kind; where they leave a doubt
@@ -119,12 +125,20 @@ void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, c
                       const FittedHead& head) {
   const double off_mm = 2.0 * head.table.largest_sigma_mm;
   if (sheet.marks.size() < kManyMarks || off_mm <= options.limit_mm) return;
-  std::string text = fmt::format(
-      "{}: job {}: {} marks do not agree on a head: the beam may be off by {:.4f} mm with their table, more "
-      "than the limit of {:g} mm",
-      options.pictures.string(), job.name, sheet.marks.size(), off_mm, options.limit_mm);
-  for (const std::string& remark : sheet.remarks) text += "\n  " + remark;
-  throw HeadEvidenceError(text);
+  refuse(
+      options.pictures, job, sheet,
+      fmt::format("{} marks do not agree on a head: the beam may be off by {:.4f} mm with their table, more "
+                  "than the limit of {:g} mm",
+                  sheet.marks.size(), off_mm, options.limit_mm));
+}
+
+HeadCalibration fitted(const HeadSetup& setup, const fs::path& pictures, const MarkJob& job,
+                       const MeasuredSheet& sheet) {
+  try {
+    return calibrateHeadOnce(setup, sheet);
+  } catch (const HeadCalibrationError& error) {
+    refuse(pictures, job, sheet, error.what());
+  }
 }
 
 /// A sheet that was cut and photographed before.
@@ -135,7 +149,7 @@ HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions&
   tell(sheet, console);
   console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
   requireReach(options.pictures, job, sheet);
-  HeadCalibration result = calibrateHeadOnce(setup, sheet);
+  HeadCalibration result = fitted(setup, options.pictures, job, sheet);
   requireAgreement(options, job, sheet, result.iterations.front().head);
   const std::vector<int> left_out = rejectedOf(sheet, result.iterations.front().head.fit);
   if (!left_out.empty()) {
