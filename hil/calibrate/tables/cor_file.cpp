@@ -200,7 +200,10 @@ CorFile parseCorFile(std::string_view bytes, const std::string& name, const CorC
   TableFaults faults(name);
   if (const std::string wrong = conventionFaults(convention); !wrong.empty()) faults.ofFile(wrong);
   const Layout* layout = layoutWithLabelOf(bytes);
-  if (layout == nullptr) faults.atByte(0, "the label is neither LMC1COR_1.0 nor JCZ_COR_2_1");
+  if (layout == nullptr) {
+    faults.atByte(0, "the label is neither LMC1COR_1.0 nor JCZ_COR_2_1");
+    faults.raise();
+  }
   faults.throwIfAny();
   checkSize(bytes, *layout, faults);
   const double in_file = numberAt<double>(bytes, layout->scale_byte);

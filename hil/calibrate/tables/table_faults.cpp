@@ -11,8 +11,7 @@ void TableFaults::add(const std::string& what) {
   if (++count_ <= kMostFaults) text_ += name_ + what + "\n";
 }
 
-void TableFaults::throwIfAny() const {
-  if (!any()) return;
+void TableFaults::raise() const {
   std::string text = text_;
   if (count_ > kMostFaults) text += name_ + ": and " + std::to_string(count_ - kMostFaults) + " more\n";
   text.pop_back();

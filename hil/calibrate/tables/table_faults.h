@@ -25,7 +25,11 @@ class TableFaults {
   void ofFile(const std::string& what) { add(": " + what); }
   [[nodiscard]] bool any() const { return count_ > 0; }
   /// @throws TableFileError if there is a fault.
-  void throwIfAny() const;
+  void throwIfAny() const {
+    if (any()) raise();
+  }
+  /// After a fault. @throws TableFileError
+  [[noreturn]] void raise() const;
 
  private:
   void add(const std::string& what);
