@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <Eigen/LU>
 
@@ -74,6 +75,7 @@ SheetTracker::UnitState SheetTracker::predict(int unit, double time_s) const {
       from_unit = k;
     }
   }
+  if (from == nullptr) throw std::logic_error("SheetTracker::predict: no unit has been seen yet");
   PlaneMotion motion = from->motion;
   motion.shift_mm += motion.rotation() * Eigen::Vector2d((from_unit - unit) * print_.pitch_mm, 0.0);
   motion.shift_mm.x() += speed_mm_s_ * (time_s - from->time_s);
