@@ -21,9 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kExitNotGood = 1;
-constexpr std::size_t kManyMarks =
-    40;                              // From so many on the fit takes nothing of the head's surface as told.
-constexpr double kLeastReach = 0.9;  // of the field that the job's marks span, along x and along y
+// From so many on the fit takes nothing of the head's surface as told.
+constexpr std::size_t kManyMarks = 40;
+// Of the field that the job's marks span, along x and along y.
+constexpr double kLeastReach = 0.9;
 
 TwinBench benchOf(const HeadCalibrateOptions& options) {
   return {.seed = options.seed,
