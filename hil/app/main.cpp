@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <malloc.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -15,6 +13,7 @@
 #include "hil/app/commands.h"
 #include "hil/app/head_tools_cli.h"
 #include "hil/app/scenario.h"
+#include "hil/base/freed_memory.h"
 
 namespace {
 
@@ -388,15 +387,6 @@ int dispatch(int argc, char** argv) {
   if (const auto code = head_tools.run()) return *code;
   if (gauge->parsed()) return gaugeCommand(gauge_options);
   return lintCommand(lint_files, options);
-}
-
-// Pictures of some megabytes come and go by the thousand: given back to the system each time, an eighth of a
-// run's time goes into getting zeroed pages again.
-void keepFreedMemory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-#endif
 }
 
 }  // namespace

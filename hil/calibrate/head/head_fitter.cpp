@@ -49,12 +49,10 @@ HeadFit HeadFitter::fit() {
   scaleTolerances();
   if (few) {
     settle(std::min(options_.most_surface_degree, kUsualDegree), kSettled);
-  } else if (prior_) {
-    const int degree = degreeFor(usedCount());
-    prior_ = surfaceThatTheMarksWant(degree);
-    settle(degree, kSettled);
   } else {
-    settle(0, kSettled);
+    const int degree = degreeFor(usedCount());
+    if (prior_) prior_ = surfaceThatTheMarksWant(degree);
+    settle(prior_ ? degree : 0, kSettled);
   }
   return result();
 }
@@ -78,15 +76,15 @@ void HeadFitter::linearise() {
   }
 }
 
-void HeadFitter::gather(const SmoothBasis& basis) {
+void HeadFitter::gather() {
   const auto n = static_cast<Eigen::Index>(usedCount());
   std::vector<Eigen::Matrix2d> whitenings;
-  RowMatrix values(n, prior_ ? basis.size() : 0);
+  RowMatrix values(n, prior_ ? basis_->size() : 0);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (!used_[i]) continue;
     if (prior_) {
       values.row(static_cast<Eigen::Index>(whitenings.size())) =
-          basis_values_.row(static_cast<Eigen::Index>(i)).head(basis.size());
+          basis_values_.row(static_cast<Eigen::Index>(i));
     }
     whitenings.push_back(marks_[i].whitening_1_mm);
   }
@@ -114,7 +112,7 @@ void HeadFitter::relinearise() {
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
 void HeadFitter::solve(double settled) {
-  gather(*basis_);
+  gather();
   double last = 0.0;
   for (int pass = 0; pass < kMostSteps; ++pass) {
     relinearise();
@@ -178,14 +176,14 @@ int HeadFitter::degreeFor(std::size_t marks) const {
 }
 
 std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
-  setBasis(degree);
   // Rows as for the last step: it has settled nearly. Whether there is a surface shows in its lower degrees.
-  const SmoothBasis lower(basis_->area_mm(), std::min(degree, kTellingDegree));
-  gather(lower);
+  setBasis(std::min(degree, kTellingDegree));
+  gather();
   gathered_->linearise(usedOf(rows_));
-  const std::vector<double> decays = promisingDecays(*gathered_, lower);
+  const std::vector<double> decays = promisingDecays(*gathered_, *basis_);
   if (decays.empty()) return std::nullopt;
-  gather(*basis_);
+  setBasis(degree);
+  gather();
   gathered_->linearise(usedOf(rows_));
   return bestSurface(*gathered_, *basis_, decays);
 }

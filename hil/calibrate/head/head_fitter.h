@@ -36,8 +36,8 @@ class HeadFitter {
   void solve(double settled);
   void setBasis(int degree);
   void linearise();
-  /// Marks that are used, with the functions of `basis` if there is a prior: of basis_, or the first of them.
-  void gather(const SmoothBasis& basis);
+  /// Marks that are used, with the basis's functions if there is a prior.
+  void gather();
   void relinearise();
   /// Tolerances as far from the drawing as the marks show this head to be.
   void scaleTolerances();
