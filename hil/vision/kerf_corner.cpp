@@ -26,9 +26,10 @@ constexpr double kMostOffMm = 0.35;  // Where a kerf lies farther off, the pixel
 constexpr int kDraws = 64;
 constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 // What the model of the picture leaves, measured on artefacts (./bench gauge): the lens is not known better.
-constexpr double kArcModelMm = 0.0004;
+constexpr double kArcModelMm = 0.0003;
 constexpr double kLegsModelMm = 0.0003;
 constexpr double kRoundingModelMm = 0.0003;
+constexpr double kFlickerShare = 1.4;  // Of how far the legs' half widths flicker: the arc has fewer places.
 // Of where a leg ends that runs over. One that hardly stands out is none; told worst are those of about
 // 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
 constexpr double kEndsNearShare = 1.0 / 3.0;  // of how far it runs over
@@ -173,11 +174,12 @@ void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKe
       std::acos(std::clamp(-fit.shape.in.outwards.dot(fit.shape.out.outwards), -1.0, 1.0));
   const double hidden_mm = arc ? arcLegMm(turn_rad, fit.shape.rounding_mm) : over_mm;
   const double bent_mm = std::max(bendWithin(fit.shape.in, hidden_mm), bendWithin(fit.shape.out, hidden_mm));
-  const double meeting_mm = std::hypot(flicker_mm, kBentMeeting * bent_mm);
+  const double unsteady_mm = kFlickerShare * flicker_mm;
+  const double meeting_mm = std::hypot(unsteady_mm, kBentMeeting * bent_mm);
   // The farthest of many places that are each uncertain lies too far.
   out.deviation_mm = std::max(0.0, deviation_mm - deviation.mean());
   out.deviation_sigma_mm = deviation.sigma(
-      std::hypot(deviationModelMm(fit.shape, reach_mm), flicker_mm, kBentDeviation * bent_mm));
+      std::hypot(deviationModelMm(fit.shape, reach_mm), unsteady_mm, kBentDeviation * bent_mm));
   out.rounding_mm = std::max(0.0, fit.shape.rounding_mm);
   out.rounding_sigma_mm = rounding.sigma(std::hypot(kArcModelMm, kRoundingModelMm, meeting_mm));
   out.overshoot_mm = arc ? 0.0 : std::max(0.0, over_mm - over.mean());
