@@ -27,6 +27,8 @@ std::string describe(Stop stop, const SignalSource& source, double now_s) {
       return "the firmware floods its pins" + where;
     case Stop::kHung:
       return "the emulator does not answer" + where;
+    case Stop::kLost:
+      return "the real pins were lost" + where;
     case Stop::kEnded:
       return "the firmware halted before the job was done" + where;
     case Stop::kReached:
