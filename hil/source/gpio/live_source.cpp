@@ -119,7 +119,9 @@ void GpioLiveSource::pumpUart() {
   if (!uart_) return;
   std::vector<std::uint8_t> bytes;
   uart_->pump(bytes);
-  if (!bytes.empty()) heard_.push_back({system_->now_ns() - origin_ns_, std::move(bytes)});
+  if (bytes.empty()) return;
+  const Tick now = system_->now_ns() - origin_ns_;
+  heard_.push_back({heard_.empty() ? now : std::max(now, heard_.back().tick + 1), std::move(bytes)});
 }
 
 void GpioLiveSource::drive(PinId pin, bool level, Tick at) {

@@ -288,6 +288,22 @@ TEST_F(GpioLiveSourceTest, TheUartIsTheSerialLine) {
   EXPECT_THAT(source->finish(10 * kMs).uart, IsEmpty());
 }
 
+// Files of recordings are strict in that.
+TEST_F(GpioLiveSourceTest, WordsThatAreReadAtOneTimeHaveTimesOfTheirOwn) {
+  open(uart());
+  int reads = 0;
+  serial->before_read = [&] {
+    if (++reads <= 3) serial->to_bench = {7};
+  };
+  kernel->toggle(kOrigin + 2, 0);
+  kernel->toggle(kOrigin + 2, 1);
+  runTo(3 * kMs);
+  const GpioLiveRecord record = source->finish(100 * kMs);
+  ASSERT_THAT(record.uart, SizeIs(3));
+  EXPECT_LT(record.uart[0].tick, record.uart[1].tick);
+  EXPECT_LT(record.uart[1].tick, record.uart[2].tick);
+}
+
 TEST_F(GpioLiveSourceTest, WhatCameOverTheLineBeforeTheStartIsOfAnotherRun) {
   open(uart());
   serial->to_bench = {5, 6};

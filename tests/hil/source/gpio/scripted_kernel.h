@@ -71,6 +71,11 @@ class ScriptedKernel : public GpioSystem {
   KernelAnswer setRealTime(int priority) override;
   KernelAnswer lockMemory() override;
   void leaveRealTime() override { real_time = 0; }
+  /// Of a line, as toggle() left it.
+  [[nodiscard]] bool levelOf(std::uint32_t offset) const {
+    const auto found = level_.find(offset);
+    return found != level_.end() && found->second;
+  }
 
  protected:
   std::uint64_t now_{kStart_ns};
