@@ -19,7 +19,7 @@ namespace {
 constexpr TickRate kNanoseconds{1, 1'000'000'000};
 constexpr Tick kLead = 100'000'000;  // Before the first edge: the machine is at rest.
 constexpr Tick kTail = 200'000'000;  // After the last: mirrors swing out.
-constexpr std::uint64_t kWait_ns = 10'000'000;
+constexpr std::chrono::milliseconds kWait{10};
 constexpr std::size_t kMostEdges = 50'000'000;
 
 std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
@@ -57,7 +57,7 @@ class Capture {
       if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s)) return problem(limitWords(any));
       if (edges_.size() > kMostEdges) return problem("more edges came than a recording holds");
       try {
-        request_.read(kWait_ns, read);
+        request_.read(kWait, read);
       } catch (const GpioError& e) {
         return problem(e.what());
       }

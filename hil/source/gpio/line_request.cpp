@@ -48,9 +48,9 @@ void LineRequest::request() {
 
 void LineRequest::gone(int error) const { throw GpioError(readWords(chip_, error)); }
 
-bool LineRequest::read(std::uint64_t timeout_ns, std::vector<KernelEdge>& edges) {
+bool LineRequest::read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges) {
   short revents = 0;
-  const KernelAnswer ready = system_->poll(fd_.get(), timeout_ns, revents);
+  const KernelAnswer ready = system_->poll(fd_.get(), static_cast<std::uint64_t>(timeout.count()), revents);
   if (ready.failed() && ready.error != EINTR) gone(ready.error);
   if (ready.value <= 0) return false;
   if ((revents & POLLIN) == 0) gone((revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 ? ENODEV : EIO);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -36,9 +37,9 @@ class LineRequest {
   LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
               std::vector<LineWish> lines);
 
-  /// Waits up to `timeout_ns` for edges and appends what there is; false: none came. @throws GpioError when
+  /// Waits up to `timeout` for edges and appends what there is; false: none came. @throws GpioError when
   /// the chip has gone, or what the kernel says makes no sense.
-  bool read(std::uint64_t timeout_ns, std::vector<KernelEdge>& edges);
+  bool read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges);
   /// Levels of all lines now. @throws GpioError as read().
   std::vector<bool> levels();
   [[nodiscard]] const std::vector<LineWish>& lines() const { return lines_; }

@@ -107,7 +107,7 @@ void GpioLiveSource::runTo(std::uint64_t goal_ns) {
 
 bool GpioLiveSource::readEdges(std::uint64_t timeout_ns) {
   read_.clear();
-  const bool came = request_.read(timeout_ns, read_);
+  const bool came = request_.read(std::chrono::nanoseconds(timeout_ns), read_);
   if (read_.empty()) return came;
   last_edge_ns_ = system_->now_ns();
   any_edge_ = true;

@@ -24,7 +24,7 @@ twin::WebDescription web() {
   result.print.pitch_mm = 70;
   result.print.units = 2;
   result.print.eye_mark_length_mm = 4;
-  result.start_x_mm = -255;
+  result.start_x_mm = -170;
   result.belt_speed_mm_s = 60;
   result.belt_speed_changes = {{0.2, 90.0}, {0.5, 20.0}};
   return result;
