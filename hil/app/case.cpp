@@ -42,8 +42,9 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
 
 void refuseUnwired(const Case& the_case) {
   if (the_case.scenario.firmware.source != FirmwareChoice::Source::kGpio) return;
-  const bool gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry;
-  const std::string faults = faultsOf(the_case.scenario.firmware.gpio, the_case.machine.signals, gantry);
+  const WiringNeeds needs{.gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry,
+                          .moving_sheet = the_case.scenario.sheetMoves()};
+  const std::string faults = faultsOf(the_case.scenario.firmware.gpio, the_case.machine.signals, needs);
   if (!faults.empty()) throw ConfigError(faults);
 }
 

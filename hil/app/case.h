@@ -23,7 +23,7 @@ struct Case {
 /// well for a machine that the twin cannot run, and for a dieline that is unfit to cut (see lintDieline).
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
 
-/// @throws ConfigError for a scenario on real pins whose lines are not the outputs that the machine has.
+/// @throws ConfigError for a scenario on real pins whose lines are not the pins that the machine has.
 void refuseUnwired(const Case& the_case);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.

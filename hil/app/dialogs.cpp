@@ -82,7 +82,8 @@ PreparedJob prepareJob(const Case& the_case) {
   const std::filesystem::path& edited = the_case.scenario.job_gcode;
   planner::MachineParameters machine = plannerMachine(the_case);
   // One that does not say what it is gets a job for the AVR release; what it answers must agree with that.
-  machine.target = planner::findTarget(the_case.scenario.firmware.image).value_or(planner::Target{});
+  const std::filesystem::path& image = the_case.scenario.firmware.image;
+  if (!image.empty()) machine.target = planner::findTarget(image).value_or(planner::Target{});
   const planner::JobParameters parameters = plannerJob(the_case);
   const planner::PlannerFaults& faults = the_case.scenario.planner_faults;
   planner::Plan plan = edited.empty() ? planner::plan(the_case.dieline, machine, parameters, faults)

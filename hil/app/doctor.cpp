@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <ctime>
 #include <fstream>
+#include <system_error>
 #include <utility>
 
 #include "hil/app/camera_files.h"
@@ -31,26 +34,46 @@ std::string clockSource() {
   return name;
 }
 
+void lookAtLines(const GpioChipInfo& chip, const std::vector<GpioWire>& wires, const ComputerState& state,
+                 std::vector<DoctorFinding>& findings) {
+  for (const GpioWire& wire : wires) {
+    const GpioLineInfo& line = findLine(chip, std::to_string(wire.offset));
+    const std::string which =
+        fmt::format("{}: line {} for {}", chip.path.string(), wire.offset, signalName(wire.signal));
+    if (line.used) {
+      findings.push_back({Grade::kMissing, fmt::format("{} is taken by '{}'", which, line.consumer)});
+    } else {
+      findings.push_back({Grade::kGood, which + " is free"});
+    }
+  }
+  for (const std::string& trouble : state.gpio_troubles) {
+    if (trouble.starts_with(chip.path.string() + ":")) findings.push_back({Grade::kMissing, trouble});
+  }
+}
+
+void lookAtUart(const std::string& path, std::vector<DoctorFinding>& findings) {
+  if (path.empty()) return;
+  if (::access(path.c_str(), R_OK | W_OK) == 0) {
+    findings.push_back({Grade::kGood, path + " is there, for the controller's UART"});
+    return;
+  }
+  findings.push_back({Grade::kMissing, fmt::format("{}, for the controller's UART: {}", path,
+                                                   std::generic_category().message(errno))});
+}
+
 void lookAtPins(const GpioChoice& choice, const ComputerState& state, std::vector<DoctorFinding>& findings) {
   try {
-    const GpioCaptureOptions options = captureOptions(choice, state.gpio);
-    const GpioChipInfo& chip = findChip(state.gpio, options.chip.string());
-    for (const GpioWire& wire : options.wires) {
-      const GpioLineInfo& line = findLine(chip, std::to_string(wire.offset));
-      const std::string which =
-          fmt::format("{}: line {} for {}", chip.path.string(), wire.offset, signalName(wire.signal));
-      if (line.used) {
-        findings.push_back({Grade::kMissing, fmt::format("{} is taken by '{}'", which, line.consumer)});
-      } else {
-        findings.push_back({Grade::kGood, which + " is free"});
-      }
-    }
-    for (const std::string& trouble : state.gpio_troubles) {
-      if (trouble.starts_with(chip.path.string() + ":")) findings.push_back({Grade::kMissing, trouble});
+    const GpioLiveOptions options = liveOptions(choice, state.gpio);
+    lookAtLines(findChip(state.gpio, options.in.chip.string()), options.in.wires, state, findings);
+    if (!options.out.empty()) {
+      const GpioChipInfo& chip = findChip(state.gpio, options.out_chip.string());
+      const bool same = options.out_chip == options.in.chip;
+      lookAtLines(chip, options.out, same ? ComputerState{} : state, findings);
     }
   } catch (const GpioError& e) {
     findings.push_back({Grade::kMissing, e.what()});
   }
+  lookAtUart(choice.uart, findings);
 }
 
 void lookAtRelease(const FirmwareChoice& firmware, const fs::path& bin_dir,

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
+#include <utility>
 
 namespace kerfbench::hil {
 namespace {
@@ -15,6 +17,69 @@ std::string placeOf(const YamlReader& firmware, const std::string& key) {
   return firmware.placeOf("firmware." + key) + ": firmware." + key;
 }
 
+/// The lines of one section: those of the controller's outputs, or of its inputs.
+std::vector<GpioChoice::Line> readLines(YamlReader& firmware, const char* section, bool sensors) {
+  std::vector<GpioChoice::Line> chosen;
+  YamlReader lines = firmware.section(section);
+  std::map<std::string, std::string_view> users;
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
+    const auto signal = static_cast<Signal>(i);
+    const std::string_view name = signalName(signal);
+    if (!lines.has(name)) continue;
+    const std::string line = lines.text(name);
+    if (isSensor(signal) && !sensors) {
+      lines.fault(name,
+                  "is an input of the controller: it belongs to firmware.outputs, which the bench drives");
+    } else if (!isSensor(signal) && sensors) {
+      lines.fault(name, "is an output of the controller: it belongs to firmware.lines");
+    } else if (signal == Signal::kPowerMonitor) {
+      lines.fault(
+          name,
+          "cannot be driven: the model knows what the laser did 21 ms later, and a power meter answers "
+          "sooner");
+    } else if (const auto [user, is_new] = users.emplace(line, name); !is_new) {
+      lines.fault(name, fmt::format("has line {}, and so has {}", line, user->second));
+    } else {
+      chosen.push_back({signal, line, placeOf(firmware, fmt::format("{}.{}", section, name))});
+    }
+  }
+  return chosen;
+}
+
+bool hasLine(const std::vector<GpioChoice::Line>& lines, Signal signal) {
+  return std::ranges::find(lines, signal, &GpioChoice::Line::signal) != lines.end();
+}
+
+template <typename Find>
+auto foundAt(const std::string& place, const Find& find) {
+  try {
+    return find();
+  } catch (const GpioError& e) {
+    throw GpioError(place + ": " + e.what());
+  }
+}
+
+/// Lines of one chip and who has them, for both directions.
+using LineUsers = std::map<std::pair<std::string, std::uint32_t>, Signal>;
+
+std::vector<GpioWire> wiresOf(const std::vector<GpioChoice::Line>& lines, const GpioChipInfo& chip,
+                              LineUsers& users, std::string& faults) {
+  std::vector<GpioWire> wires;
+  for (const GpioChoice::Line& line : lines) {
+    try {
+      const std::uint32_t offset = foundAt(line.place, [&] { return findLine(chip, line.line).offset; });
+      const auto [user, is_new] = users.emplace(std::pair(chip.path.string(), offset), line.signal);
+      if (!is_new)
+        addLine(faults,
+                fmt::format("{}: is line {}, and so is {}", line.place, offset, signalName(user->second)));
+      wires.push_back({line.signal, offset});
+    } catch (const GpioError& e) {
+      addLine(faults, e.what());
+    }
+  }
+  return wires;
+}
+
 }  // namespace
 
 GpioChoice readGpioChoice(YamlReader& firmware) {
@@ -23,71 +88,71 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
   choice.place = placeOf(firmware, "chip");
   choice.stamp_err_s = 1e-6 * firmware.number("stamp_err_us", {.min = 0.001, .max = 1e4});
   choice.quiet_s = firmware.number("quiet_s", {.min = 0.5, .max = 60, .fallback = 2.0});
-  YamlReader lines = firmware.section("lines");
-  std::map<std::string, std::string_view> users;
-  for (std::size_t i = 0; i < kSignalCount; ++i) {
-    const auto signal = static_cast<Signal>(i);
-    const std::string_view name = signalName(signal);
-    if (!lines.has(name)) continue;
-    const std::string line = lines.text(name);
-    if (isSensor(signal)) {
-      lines.fault(name, "is an input of the controller, and the bench does not drive pins yet");
-    } else if (const auto [user, is_new] = users.emplace(line, name); !is_new) {
-      lines.fault(name, fmt::format("has line {}, and so has {}", line, user->second));
-    } else {
-      choice.lines.push_back({signal, line, placeOf(firmware, fmt::format("lines.{}", name))});
+  choice.lines = readLines(firmware, "lines", false);
+  choice.outputs = readLines(firmware, "outputs", true);
+  choice.out_chip = firmware.text("out_chip", choice.chip);
+  choice.out_place = firmware.has("out_chip") ? placeOf(firmware, "out_chip") : choice.place;
+  if (firmware.has("max_lag_us"))
+    choice.max_lag_s = 1e-6 * firmware.number("max_lag_us", {.min = 1, .max = 1e5});
+  choice.uart = firmware.text("uart", "");
+  choice.uart_place = placeOf(firmware, "uart");
+  choice.uart_wait_s = firmware.number("uart_wait_s", {.min = 0, .max = 30, .fallback = 0.0});
+  if (choice.outputs.empty()) {
+    for (const char* key : {"out_chip", "max_lag_us"}) {
+      if (firmware.has(key)) firmware.fault(key, "belongs to firmware.outputs, which are not there");
     }
   }
   return choice;
 }
 
-std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, bool gantry) {
+std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs) {
   std::string faults;
-  for (const GpioChoice::Line& line : choice.lines) {
-    if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
+  for (const auto* lines : {&choice.lines, &choice.outputs}) {
+    for (const GpioChoice::Line& line : *lines) {
+      if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
+    }
   }
-  std::vector<Signal> needed{Signal::kLaserGate, Signal::kLaserPwm};
-  if (gantry) {
-    needed.insert(needed.end(),
-                  {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir});
+  const auto ask = [&](const char* section, const std::vector<GpioChoice::Line>& lines,
+                       std::initializer_list<Signal> wanted) {
+    for (const Signal signal : wanted) {
+      if (!machine.pin(signal) || hasLine(lines, signal)) continue;
+      addLine(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", choice.place,
+                                  section, signalName(signal)));
+    }
+  };
+  ask("lines", choice.lines, {Signal::kLaserGate, Signal::kLaserPwm});
+  if (needs.gantry) {
+    ask("lines", choice.lines,
+        {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir});
   } else {
-    needed.insert(needed.end(),
-                  {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir});
+    ask("lines", choice.lines,
+        {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir});
   }
-  for (const Signal signal : needed) {
-    if (!machine.pin(signal)) continue;
-    if (std::ranges::find(choice.lines, signal, &GpioChoice::Line::signal) == choice.lines.end())
-      addLine(faults, fmt::format("{}: firmware.lines has no line for {}, which the machine has",
-                                  choice.place, signalName(signal)));
-  }
+  if (needs.moving_sheet)
+    ask("outputs", choice.outputs, {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark});
   return faults;
 }
 
 GpioCaptureOptions captureOptions(const GpioChoice& choice, const GpioChipList& chips) {
-  GpioCaptureOptions options;
-  options.stamp_err_s = choice.stamp_err_s;
-  options.quiet_s = choice.quiet_s;
-  const auto at = [](const std::string& place, const auto& find) {
-    try {
-      return find();
-    } catch (const GpioError& e) {
-      throw GpioError(place + ": " + e.what());
-    }
-  };
-  const GpioChipInfo* const chip = at(choice.place, [&] { return &findChip(chips, choice.chip); });
-  options.chip = chip->path;
+  GpioChoice inputs_alone = choice;
+  inputs_alone.outputs.clear();
+  return liveOptions(inputs_alone, chips).in;
+}
+
+GpioLiveOptions liveOptions(const GpioChoice& choice, const GpioChipList& chips) {
+  GpioLiveOptions options;
+  options.in.stamp_err_s = choice.stamp_err_s;
+  options.in.quiet_s = choice.quiet_s;
+  const GpioChipInfo* const chip = foundAt(choice.place, [&] { return &findChip(chips, choice.chip); });
+  options.in.chip = chip->path;
   std::string faults;
-  std::map<std::uint32_t, Signal> users;
-  for (const GpioChoice::Line& line : choice.lines) {
-    try {
-      const std::uint32_t offset = at(line.place, [&] { return findLine(*chip, line.line).offset; });
-      if (const auto [user, is_new] = users.emplace(offset, line.signal); !is_new)
-        addLine(faults,
-                fmt::format("{}: is line {}, and so is {}", line.place, offset, signalName(user->second)));
-      options.wires.push_back({line.signal, offset});
-    } catch (const GpioError& e) {
-      addLine(faults, e.what());
-    }
+  LineUsers users;
+  options.in.wires = wiresOf(choice.lines, *chip, users, faults);
+  if (!choice.outputs.empty()) {
+    const GpioChipInfo* const out =
+        foundAt(choice.out_place, [&] { return &findChip(chips, choice.out_chip); });
+    options.out_chip = out->path;
+    options.out = wiresOf(choice.outputs, *out, users, faults);
   }
   if (!faults.empty()) throw GpioError(faults);
   return options;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/base/yaml_reader.h"
 #include "hil/source/gpio/capture.h"
 #include "hil/source/gpio/chips.h"
+#include "hil/source/gpio/live_source.h"
 #include "twin/base/signal_map.h"
 
 namespace kerfbench::hil {
@@ -23,18 +25,34 @@ struct GpioChoice {
   std::vector<Line> lines;
   double stamp_err_s{};
   double quiet_s{};
+  std::vector<Line> outputs;  ///< Inputs of the controller, which the bench drives.
+  std::string out_chip;       ///< Of `outputs`; path, name or label.
+  std::string out_place;
+  std::optional<double> max_lag_s;  ///< Of an edge that is driven; absent: from the belt's speed.
+  std::string uart;                 ///< Serial line to the controller; empty: none.
+  std::string uart_place;
+  double uart_wait_s{};  ///< After it was opened: some boards start anew then.
+
+  /// The model runs while the pins are read.
+  [[nodiscard]] bool isLive() const { return !outputs.empty() || !uart.empty(); }
 };
 
 /// What is wrong goes to the reader.
 GpioChoice readGpioChoice(YamlReader& firmware);
 
-/// Lines of signals that the machine does not have, and outputs that it has and the choice has no line for:
-/// its laser's, and its axes' (`gantry` or mirrors; a sheet at rest has no feed). One fault a line, with file
-/// and line; empty: none.
-std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, bool gantry);
+/// What a case on real pins is to have wired.
+struct WiringNeeds {
+  bool gantry{};        ///< Its motors, instead of those of mirrors. A line's belt has no feed.
+  bool moving_sheet{};  ///< Encoder and print mark have to be driven.
+};
+/// Lines of signals that the machine does not have, and pins that it has and the choice has no line for. One
+/// fault a line, with file and line; empty: none.
+std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs);
 
 /// What capturePins() needs, but for its time limit. @throws GpioError with every line that the chip does not
 /// have, or that two signals share, with file and line of the scenario.
 GpioCaptureOptions captureOptions(const GpioChoice& choice, const GpioChipList& chips);
+/// The same with the lines that are driven. @throws GpioError likewise.
+GpioLiveOptions liveOptions(const GpioChoice& choice, const GpioChipList& chips);
 
 }  // namespace kerfbench::hil

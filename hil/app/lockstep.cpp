@@ -27,6 +27,8 @@ std::string describe(Stop stop, const SignalSource& source, double now_s) {
       return "the firmware floods its pins" + where;
     case Stop::kHung:
       return "the emulator does not answer" + where;
+    case Stop::kLost:
+      return "the real pins were lost" + where;
     case Stop::kEnded:
       return "the firmware halted before the job was done" + where;
     case Stop::kReached:
@@ -43,9 +45,15 @@ bool hasGap(const std::vector<PinEvent>& events) {
 
 LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
                            const LockstepOptions& options, const ProgressFn& progress) {
+  TwinModel model(twin);
+  return runLockstep(source, model, map, dialog, options, progress);
+}
+
+LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const SignalMap& map, Dialog* dialog,
+                           const LockstepOptions& options, const ProgressFn& progress) {
   const SourceInfo info = source.info();
   const Tick quantum =
-      std::max<Tick>(1, info.rate.ticksAt(std::min(options.quantum_s, twin.longestQuantum_s())));
+      std::max<Tick>(1, info.rate.ticksAt(std::min(options.quantum_s, model.longestQuantum_s())));
   const Tick limit = info.rate.ticksAt(options.time_limit_s);
   LockstepResult result;
   result.recording.rate = info.rate;
@@ -57,7 +65,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
   for (int round = 0; now < end; ++round) {
     const Tick until = std::min(now + quantum, end);
     if (info.accepts_input) {
-      std::vector<SensorEdge> edges = twin.predictSensors(until);
+      std::vector<SensorEdge> edges = model.predictSensors(until);
       if (options.provocation != nullptr) options.provocation->changeSensors(edges, now, until);
       sendSensors(source, edges, map, result.recording);
     }
@@ -66,7 +74,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
     if (hasGap(batch.events)) {
       result.problems.push_back(fmt::format("pin events were lost before {:.6f} s", info.rate.seconds(now)));
     }
-    twin.advance(now, batch.events);
+    model.advance(now, batch.events);
     result.recording.outputs.insert(result.recording.outputs.end(), batch.events.begin(), batch.events.end());
     ended = stop == Stop::kEnded;
     if (ended && dialog == nullptr) break;
@@ -96,8 +104,9 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
         fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
   }
   if (dialog == nullptr && !ended && result.problems.empty()) {
-    result.problems.push_back(fmt::format(
-        "the time limit of {} s was reached before the end of the recording", options.time_limit_s));
+    result.problems.push_back(
+        fmt::format("the time limit of {} s was reached before {}", options.time_limit_s,
+                    info.accepts_input ? "the pins were quiet" : "the end of the recording"));
   }
   result.recording.end = now;
   return result;

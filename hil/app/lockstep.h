@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,40 @@ struct LockstepResult {
   std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
 };
 
+/// What a run needs of a machine.
+class LockstepModel {
+ public:
+  virtual ~LockstepModel() = default;
+  /// Edges of the controller's inputs that it is to be told before (now, until] is run: of a machine that is
+  /// emulated those in there, by tick.
+  virtual std::vector<SensorEdge> predictSensors(Tick until) = 0;
+  /// `events` are all pin events of the controller in (now, until], by tick.
+  virtual void advance(Tick until, std::span<const PinEvent> events) = 0;
+  /// A run's quanta are no longer than this.
+  [[nodiscard]] virtual double longestQuantum_s() const = 0;
+};
+
+/// The twin as such a machine. `twin` must outlive it.
+class TwinModel : public LockstepModel {
+ public:
+  explicit TwinModel(twin::Twin& twin) : twin_(twin) {}
+  std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
+  void advance(Tick until, std::span<const PinEvent> events) override { twin_.advance(until, events); }
+  [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
+
+ private:
+  twin::Twin& twin_;
+};
+
 /// Called now and then with the virtual time and a word on what happens.
 using ProgressFn = std::function<void(double now_s, const std::string& what)>;
 
-/// Runs source and twin quantum by quantum: the twin's sensor edges of a quantum go to the source before it
-/// runs it, the source's pin events go to the twin after. `dialog` may be null (a recording).
+/// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
+/// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that
+/// is started at the machine).
+LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const SignalMap& map, Dialog* dialog,
+                           const LockstepOptions& options, const ProgressFn& progress);
+/// The same with the twin.
 LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
                            const LockstepOptions& options, const ProgressFn& progress);
 

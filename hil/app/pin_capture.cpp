@@ -10,9 +10,7 @@
 #include "hil/app/release.h"
 
 namespace kerfbench::hil {
-namespace {
 
-/// PUL of the drives that count its rising edges.
 std::vector<Signal> countedRising(const twin::MachineDescription& machine) {
   const std::array<std::pair<Signal, const twin::AxisDescription*>, 5> axes{
       {{Signal::kGalvoXPul, &machine.galvo_x},
@@ -26,8 +24,6 @@ std::vector<Signal> countedRising(const twin::MachineDescription& machine) {
   }
   return rising;
 }
-
-}  // namespace
 
 PinCapture captureCase(const Case& the_case, const std::shared_ptr<GpioSystem>& system,
                        const GpioChipList& chips, Console& console) {

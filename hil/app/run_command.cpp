@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -13,11 +12,14 @@
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
+#include "hil/app/live_pins.h"
 #include "hil/app/machine_film.h"
 #include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
+#include "hil/app/real_pins.h"
 #include "hil/app/release.h"
 #include "hil/app/safe_demand.h"
+#include "hil/app/sensor_lag.h"
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/source/open.h"
@@ -92,21 +94,52 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
   conclusion.safe_state = std::move(evidence);
 }
 
-/// Twin and judge behind pins that are recorded already. `problems` are those of the recording.
-int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const PinRecording& recorded,
-                  std::vector<std::string> problems, Conclusion conclusion, const CommonOptions& options,
-                  Stopwatch& stopwatch, Console& console) {
+/// Pins that are recorded already, and how they came about.
+struct Recorded {
+  PinRecording pins;
+  std::vector<std::string> problems;
+  std::string dialog_failure;  ///< As LockstepResult's.
+  double dialog_failed_s{};
+};
+
+/// Whether the inputs of a controller on real pins were driven as the machine would have done it.
+void judgeSensors(const Case& the_case, const WitnessedTwin& twin, const PinRecording& recorded,
+                  LockstepResult& run, Console& console) {
+  std::vector<Signal> signals;
+  for (const GpioChoice::Line& line : the_case.scenario.firmware.gpio.outputs) signals.push_back(line.signal);
+  const double limit_s = sensorLagLimit_s(the_case.scenario);
+  const SensorLag found =
+      sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
+  console.say(
+      fmt::format("  {} edges of sensors: at worst {:.1f} us off the machine's, {:.1f} us rms, limit {:.1f}",
+                  found.lag.edges(), 1e-3 * static_cast<double>(found.lag.worst_ns()),
+                  1e-3 * found.lag.rms_ns(), 1e6 * limit_s));
+  run.problems.insert(run.problems.end(), found.problems.begin(), found.problems.end());
+}
+
+/// Twin and judge behind pins that are recorded already.
+int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const Recorded& before,
+                  Conclusion conclusion, const CommonOptions& options, Stopwatch& stopwatch,
+                  Console& console) {
+  const PinRecording& recorded = before.pins;
   const auto source = openRecording(recorded, conclusion.source_id);
   twin::Twin twin(drawn.machine, webOf(the_case), recorded.rate, twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  const bool driven = !the_case.scenario.firmware.gpio.outputs.empty();
+  WitnessedTwin witnessed(twin);
+  TwinModel alone(twin);
+  LockstepModel& model = driven ? static_cast<LockstepModel&>(witnessed) : alone;
   LockstepResult run =
-      runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
-  run.problems.insert(run.problems.end(), std::make_move_iterator(problems.begin()),
-                      std::make_move_iterator(problems.end()));
+      runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+  run.problems.insert(run.problems.end(), before.problems.begin(), before.problems.end());
+  run.dialog_failure = before.dialog_failure;
+  run.dialog_failed_s = before.dialog_failed_s;
+  if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
   run.recording.sensors = recorded.sensors;
+  run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
   film.add(twin);
   stopwatch.lap("machine");
@@ -117,6 +150,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const P
     const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
     hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
                    std::numeric_limits<double>::quiet_NaN(), run, conclusion);
+  } else {
+    addProblem(run.dialog_failure, run);
   }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
@@ -128,10 +163,10 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
                           recording.string()));
   const twin::DrawnMachine drawn = drawnMachine(the_case);
-  PinRecording recorded;
+  Recorded recorded;
   Conclusion conclusion;
   try {
-    recorded = readVcd(recording, the_case.machine.signals);
+    recorded.pins = readVcd(recording, the_case.machine.signals);
     conclusion.source_id = "recording sha256 " + sha256File(recording);
   } catch (const std::runtime_error& e) {
     throw InputFault(e.what());
@@ -139,25 +174,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   stopwatch.lap("reading");
   conclusion.folder_name = the_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
-  return judgeRecorded(the_case, drawn, recorded, {}, std::move(conclusion), options, stopwatch, console);
-}
-
-/// The pins are recorded first and the model runs behind: nothing of it can make the reader late, and a
-/// replay of the recording is the same evidence.
-int runOnPins(const Case& the_case, const CommonOptions& options, Stopwatch& stopwatch, Console& console) {
-  const twin::DrawnMachine drawn = drawnMachine(the_case);
-  console.say("  " + prepareJob(the_case).summary);
-  stopwatch.lap("reading");
-  const PinCapture captured = captureCase(the_case, linuxGpioSystem(), listChips(), console);
-  stopwatch.lap("real pins");
-  Conclusion conclusion;
-  conclusion.folder_name = the_case.scenario.name;
-  conclusion.firmware = fmt::format("real pins of {}", the_case.scenario.firmware.gpio.chip);
-  conclusion.source_id =
-      fmt::format("gpiochip {}, stamps within {:.4g} us", the_case.scenario.firmware.gpio.chip,
-                  1e6 * the_case.scenario.firmware.gpio.stamp_err_s);
-  return judgeRecorded(the_case, drawn, captured.recording, captured.problems, std::move(conclusion), options,
-                       stopwatch, console);
+  return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
 }
 
 int runOne(const fs::path& path, const CommonOptions& options) {
@@ -167,7 +184,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
-    return runOnPins(the_case, options, stopwatch, console);
+    return runOnPins(the_case, realPins(), options, stopwatch, console);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
@@ -207,6 +224,40 @@ int runOne(const fs::path& path, const CommonOptions& options) {
 }
 
 }  // namespace
+
+RealPins realPins() {
+  return {linuxGpioSystem(), [] { return listChips(); }, linuxSerialSystem()};
+}
+
+int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
+              Console& console) {
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  PreparedJob job = prepareJob(the_case);
+  console.say("  " + job.summary);
+  stopwatch.lap("reading and planning");
+  Conclusion conclusion;
+  conclusion.folder_name = the_case.scenario.name;
+  conclusion.firmware = fmt::format("real pins of {}", firmware.gpio.chip);
+  conclusion.source_id = fmt::format("gpiochip {}, stamps within {:.4g} us", firmware.gpio.chip,
+                                     1e6 * firmware.gpio.stamp_err_s);
+  Recorded recorded;
+  if (firmware.gpio.isLive()) {
+    LivePins live = runLive(the_case, drawn, pins, job, console);
+    conclusion.source_id += fmt::format(
+        "; {} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms", live.lag.edges(),
+        1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns());
+    conclusion.firmware_version = std::move(job.controller);
+    conclusion.gcode = std::move(job.gcode);
+    recorded = {std::move(live.captured.recording), std::move(live.captured.problems),
+                std::move(live.dialog_failure), live.dialog_failed_s};
+  } else {
+    PinCapture captured = captureCase(the_case, pins.gpio, pins.chips(), console);
+    recorded = {std::move(captured.recording), std::move(captured.problems), {}, 0.0};
+  }
+  stopwatch.lap("real pins");
+  return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+}
 
 int runCommand(const std::vector<fs::path>& scenarios, const CommonOptions& options) {
   int code = 0;

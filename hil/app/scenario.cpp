@@ -228,18 +228,35 @@ std::string readName(YamlReader& file, std::string_view key, const std::array<co
   return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
 }
 
-FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
-  FirmwareChoice result;
-  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio"});
-  if (source == "gpio") {
-    result.source = FirmwareChoice::Source::kGpio;
-    result.dialog = FirmwareChoice::Dialog::kNone;
-    result.gpio = readGpioChoice(firmware);
-    // Of an emulated scenario that this one extends.
-    for (const char* key : {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode"})
-      (void)firmware.has(key);
-    return result;
+void readDialog(YamlReader& firmware, FirmwareChoice& result) {
+  result.baud =
+      static_cast<std::uint32_t>(firmware.integer("baud", {.min = 300, .max = 4e6, .fallback = 250e3}));
+  if (firmware.choice("dialog", {"kerfbench", "line-ok"}, "kerfbench") == "line-ok") {
+    result.dialog = FirmwareChoice::Dialog::kLineOk;
+    result.gcode = fileOf(firmware, "gcode");
   }
+}
+
+FirmwareChoice readFirmwareOnPins(YamlReader& firmware, const ImagePath& images) {
+  FirmwareChoice result;
+  result.source = FirmwareChoice::Source::kGpio;
+  result.gpio = readGpioChoice(firmware);
+  if (result.gpio.uart.empty()) {
+    result.dialog = FirmwareChoice::Dialog::kNone;
+    for (const char* key : {"image", "baud", "dialog", "gcode"}) (void)firmware.has(key);
+  } else {
+    if (firmware.has("image")) result.image = fileOf(firmware, "image", images.firmware_dir);
+    readDialog(firmware, result);
+  }
+  // Of an emulated scenario that this one extends.
+  for (const char* key : {"child", "mcu", "clock_hz"}) (void)firmware.has(key);
+  return result;
+}
+
+FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
+  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio"});
+  if (source == "gpio") return readFirmwareOnPins(firmware, images);
+  FirmwareChoice result;
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
                   : source == "child" ? FirmwareChoice::Source::kChild
                                       : FirmwareChoice::Source::kAvr;
@@ -249,12 +266,7 @@ FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
   result.mcu = firmware.text("mcu", result.mcu);
   result.clock_hz =
       static_cast<std::uint64_t>(firmware.integer("clock_hz", {.min = 1e5, .max = 1e9, .fallback = 16e6}));
-  result.baud =
-      static_cast<std::uint32_t>(firmware.integer("baud", {.min = 300, .max = 4e6, .fallback = 250e3}));
-  if (firmware.choice("dialog", {"kerfbench", "line-ok"}, "kerfbench") == "line-ok") {
-    result.dialog = FirmwareChoice::Dialog::kLineOk;
-    result.gcode = fileOf(firmware, "gcode");
-  }
+  readDialog(firmware, result);
   return result;
 }
 
@@ -409,12 +421,11 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
-  if (s.firmware.source == FirmwareChoice::Source::kGpio &&
-      (s.belt_speed_mm_s != 0 || !s.belt_speed_changes.empty() || s.belt_by_controller)) {
+  if (s.firmware.source == FirmwareChoice::Source::kGpio && s.belt_by_controller) {
     file.fault(
         "belt",
-        "speed_mm_s must be 0 and drive: line on real pins (source: gpio): encoder and print mark are not "
-        "driven to the controller yet, so the sheet lies at rest");
+        "drive must be line on real pins (source: gpio): where the controller feeds, its own pins move "
+        "the encoder, and the model knows of them too late");
   }
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
@@ -429,6 +440,8 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
       s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
+  if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.source == FirmwareChoice::Source::kGpio)
+    file.fault("provoke", "is for emulated releases; on real pins (source: gpio) nothing is provoked yet");
   auto checks = file.section("checks");
   s.limits = readLimits(checks);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.

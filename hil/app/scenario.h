@@ -34,11 +34,11 @@ struct FirmwareChoice {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
                  ///< program.
     kLineOk,     ///< Send a line, wait for "ok" (Grbl and its kin); `gcode` is what is sent.
-    kNone,       ///< The job is started at the machine.
+    kNone,       ///< The job is started at the machine (kGpio without a serial line).
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
-  std::filesystem::path image;  ///< Absolute.
+  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if it is told.
   std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
   std::filesystem::path gcode;  ///< For kLineOk.
   std::string mcu{"atmega2560"};
@@ -78,6 +78,9 @@ struct Scenario {
   std::uint64_t seed{1};
   twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.
   twin::Fidelity fidelity{twin::Fidelity::kReference};
+
+  /// By the line.
+  [[nodiscard]] bool sheetMoves() const { return belt_speed_mm_s != 0 || !belt_speed_changes.empty(); }
 };
 
 /// As in scenarios and on the command line: "ideal", "static", "dynamic"; "reference", "fast".

@@ -24,6 +24,7 @@ enum class Stop {
   kEnded,    ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
   kCrashed,  ///< The firmware or its emulator crashed; see message().
   kFlooded,  ///< More events than `max_events` in one quantum.
+  kLost,     ///< Real pins can no longer be used: chip or serial line have gone, or the bench is too slow.
   kHung,     ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
 };
 

@@ -144,6 +144,7 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"Ceres", "^ceres/.*", {"hil/calibrate/head"}},
       {"libgpiod", "^gpiod\\.h(pp)?$", {"hil/source/gpio"}},
       {"the kernel's GPIO interface", "^linux/gpio\\.h$", {"hil/source/gpio"}},
+      {"the kernel's terminals", "^asm/termbits\\.h$", {"hil/source/serial"}},
       {"yaml-cpp", "^yaml-cpp/.*", {"hil/base"}},
       {"pugixml", "^pugixml.*", {"hil/dieline", "hil/report"}},
       {"OpenSSL", "^openssl/.*", {"hil/base"}},

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <stdexcept>
 #include <utility>
 
 #include "hil/source/gpio/edge_order.h"
+#include "hil/source/gpio/line_levels.h"
 #include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/port_events.h"
 #include "hil/source/gpio/real_time.h"
 
 namespace kerfbench::hil {
@@ -19,7 +19,7 @@ namespace {
 constexpr TickRate kNanoseconds{1, 1'000'000'000};
 constexpr Tick kLead = 100'000'000;  // Before the first edge: the machine is at rest.
 constexpr Tick kTail = 200'000'000;  // After the last: mirrors swing out.
-constexpr int kWait_ms = 10;
+constexpr std::chrono::milliseconds kWait{10};
 constexpr std::size_t kMostEdges = 50'000'000;
 
 std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
@@ -30,42 +30,22 @@ class Capture {
       : options_(options),
         map_(map),
         system_(std::move(system)),
-        request_(system_, options.chip, wishes()),
+        request_(system_, options.chip, lineWishes(options.wires, map, false)),
         levels_(request_.levels()),
         begin_ns_(system_->now_ns()),
         order_(levels_, begin_ns_) {}
 
   PinCapture run() {
-    checkStart();
+    problems(highAtStart(options_.wires, levels_, options_.low_at_start));
     const bool quiet = listen();
     order_.takeAll(edges_);
-    if (quiet) compareLevels();
-    tellFaults();
+    if (quiet) problems(levelsAgainstEdges(request_, order_));
+    problems(edgeTroubles(order_, begin_ns_));
     record();
     return std::move(result_);
   }
 
  private:
-  [[nodiscard]] std::vector<LineWish> wishes() const {
-    std::vector<LineWish> wishes;
-    for (const GpioWire& wire : options_.wires) {
-      if (!map_.pin(wire.signal) || isSensor(wire.signal))
-        throw std::invalid_argument("a wire for a signal that is no output of the machine's");
-      wishes.push_back({wire.offset, std::string(signalName(wire.signal))});
-    }
-    return wishes;
-  }
-
-  void checkStart() {
-    for (std::size_t i = 0; i < levels_.size(); ++i) {
-      if (levels_[i] &&
-          std::ranges::find(options_.low_at_start, options_.wires[i].signal) != options_.low_at_start.end())
-        problem(request_.lines()[i].name +
-                " is high at the start, and its drive counts rising edges: polarity or wiring is not as the "
-                "machine file has it");
-    }
-  }
-
   /// True: the pins have come to rest.
   bool listen() {
     std::vector<KernelEdge> read;
@@ -77,7 +57,7 @@ class Capture {
       if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s)) return problem(limitWords(any));
       if (edges_.size() > kMostEdges) return problem("more edges came than a recording holds");
       try {
-        request_.read(kWait_ms, read);
+        request_.read(kWait, read);
       } catch (const GpioError& e) {
         return problem(e.what());
       }
@@ -99,28 +79,6 @@ class Capture {
                              options_.time_limit_s);
   }
 
-  /// A second way to know that no edge was lost: where the last edge leaves each line, there it is.
-  void compareLevels() {
-    try {
-      const std::vector<bool> now = request_.levels();
-      for (std::size_t i = 0; i < now.size(); ++i) {
-        if (now[i] == order_.levels()[i]) continue;
-        problem(fmt::format("{} is {} in the end, and its edges say {}: an odd number of them was lost",
-                            request_.lines()[i].name, now[i] ? "high" : "low", now[i] ? "low" : "high"));
-      }
-    } catch (const GpioError& e) {
-      problem(e.what());
-    }
-  }
-
-  void tellFaults() {
-    const std::vector<std::string> faults = order_.problems();
-    for (const std::string& fault : faults) problem(fault);
-    if (faults.empty() || order_.faults().first_ns <= begin_ns_) return;
-    result_.problems.back() += fmt::format(" (the first trouble with edges is {:.6f} s after the start)",
-                                           1e-9 * static_cast<double>(order_.faults().first_ns - begin_ns_));
-  }
-
   void record() {
     PinRecording& recording = result_.recording;
     recording.rate = kNanoseconds;
@@ -130,45 +88,16 @@ class Capture {
     std::uint64_t origin_ns = begin_ns_ - 1;
     if (!edges_.empty() && edges_.front().stamp_ns > origin_ns + kLead)
       origin_ns = edges_.front().stamp_ns - kLead;
-    recordStart();
-    for (const LineEdge& edge : edges_) recordEdge(edge, edge.stamp_ns - origin_ns);
+    PortEvents ports(pinsOf(options_.wires, map_));
+    ports.start(levels_, 1, recording.outputs);
+    for (const LineEdge& edge : edges_) ports.add(edge, edge.stamp_ns - origin_ns, recording.outputs);
     recording.end = edges_.empty() ? kTail : edges_.back().stamp_ns - origin_ns + kTail;
     // A replay has to know as well.
-    if (!result_.problems.empty()) {
-      const std::uint16_t port = pinOf(0).port;
-      recording.outputs.push_back({recording.end, port, 0, port_levels_[port], PinEvent::kGap});
-    }
+    if (!result_.problems.empty()) recording.outputs.push_back(ports.gap(recording.end));
   }
 
-  void recordStart() {
-    for (std::size_t i = 0; i < levels_.size(); ++i) {
-      if (!levels_[i]) continue;
-      port_levels_[pinOf(i).port] |= maskOf(i);
-    }
-    for (const auto& [port, level] : port_levels_)
-      result_.recording.outputs.push_back({1, port, level, level, PinEvent::kNone});
-  }
-
-  /// Edges of one port at one stamp are one event, as in any recording.
-  void recordEdge(const LineEdge& edge, Tick tick) {
-    auto& outputs = result_.recording.outputs;
-    const PinId pin = pinOf(edge.line);
-    std::uint16_t& level = port_levels_[pin.port];
-    const std::uint16_t changed = edge.changed ? maskOf(edge.line) : std::uint16_t{0};
-    level ^= changed;
-    PinEvent* event = nullptr;
-    for (auto it = outputs.rbegin(); it != outputs.rend() && it->tick == tick; ++it) {
-      if (it->port == pin.port) event = &*it;
-    }
-    if (event == nullptr) event = &outputs.emplace_back(PinEvent{tick, pin.port, 0, level, PinEvent::kNone});
-    event->changed |= changed;
-    event->level = level;
-    if (edge.gap) event->flags |= PinEvent::kGap;
-  }
-
-  [[nodiscard]] PinId pinOf(std::size_t line) const { return *map_.pin(options_.wires[line].signal); }
-  [[nodiscard]] std::uint16_t maskOf(std::size_t line) const {
-    return static_cast<std::uint16_t>(1U << pinOf(line).bit);
+  void problems(const std::vector<std::string>& words) {
+    for (const std::string& sentence : words) problem(sentence);
   }
   bool problem(std::string words) {
     result_.problems.push_back(std::move(words));
@@ -183,7 +112,6 @@ class Capture {
   std::uint64_t begin_ns_;
   EdgeOrder order_;
   std::vector<LineEdge> edges_;
-  std::map<std::uint16_t, std::uint16_t> port_levels_;
   PinCapture result_;
 };
 

@@ -7,16 +7,11 @@
 #include <vector>
 
 #include "hil/source/gpio/system.h"
+#include "hil/source/gpio/wires.h"
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
 namespace kerfbench::hil {
-
-/// Which line of a chip carries which output of the controller.
-struct GpioWire {
-  Signal signal{};
-  std::uint32_t offset{};
-};
 
 struct GpioCaptureOptions {
   std::filesystem::path chip;   ///< As "/dev/gpiochip0".

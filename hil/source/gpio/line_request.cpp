@@ -16,7 +16,6 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr char kConsumer[] = "kerfbench";
 constexpr std::size_t kEdgesAtOnce = 64;
 
 }  // namespace
@@ -30,46 +29,14 @@ LineRequest::LineRequest(std::shared_ptr<GpioSystem> system, const std::filesyst
         "merges leave no gap in its numbers",
         chip_, lines_.size(), GPIO_V2_LINES_MAX));
   }
-  const KernelAnswer opened = system_->open(chip_);
-  if (opened.failed()) throw GpioError(openWords(chip_, opened.error));
-  chip_fd_ = GpioFd(system_, opened.value);
-  checkChip();
-  checkLines();
+  chip_fd_ = openChipLines(system_, chip_, lines_);
   request();
-}
-
-void LineRequest::checkChip() {
-  gpiochip_info info{};
-  const KernelAnswer known = system_->control(chip_fd_.get(), GPIO_GET_CHIPINFO_IOCTL, &info);
-  if (known.failed()) throw GpioError(chipWords(chip_, known.error));
-  for (const LineWish& line : lines_) {
-    if (line.offset >= info.lines) {
-      throw GpioError(fmt::format("{}: there is no line {} for {}, it has {} lines", chip_, line.offset,
-                                  line.name, info.lines));
-    }
-  }
-}
-
-// The kernel's answer to the request itself does not say which line is taken.
-void LineRequest::checkLines() {
-  std::string taken;
-  for (const LineWish& line : lines_) {
-    gpio_v2_line_info info{};
-    info.offset = line.offset;
-    const KernelAnswer known = system_->control(chip_fd_.get(), GPIO_V2_GET_LINEINFO_IOCTL, &info);
-    if (known.failed()) throw GpioError(lineInfoWords(chip_, known.error));
-    if ((info.flags & GPIO_V2_LINE_FLAG_USED) == 0) continue;
-    info.consumer[GPIO_MAX_NAME_SIZE - 1] = 0;
-    taken += fmt::format("{}{}", taken.empty() ? "" : "\n",
-                         takenWords(chip_, line.offset, line.name, info.consumer));
-  }
-  if (!taken.empty()) throw GpioError(taken);
 }
 
 void LineRequest::request() {
   gpio_v2_line_request request{};
   for (std::size_t i = 0; i < lines_.size(); ++i) request.offsets[i] = lines_[i].offset;
-  std::memcpy(request.consumer, kConsumer, sizeof kConsumer);
+  std::memcpy(request.consumer, kGpioConsumer, sizeof kGpioConsumer);
   request.config.flags =
       GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING | GPIO_V2_LINE_FLAG_EDGE_FALLING;
   request.num_lines = static_cast<std::uint32_t>(lines_.size());
@@ -81,9 +48,9 @@ void LineRequest::request() {
 
 void LineRequest::gone(int error) const { throw GpioError(readWords(chip_, error)); }
 
-bool LineRequest::read(int timeout_ms, std::vector<KernelEdge>& edges) {
+bool LineRequest::read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges) {
   short revents = 0;
-  const KernelAnswer ready = system_->poll(fd_.get(), timeout_ms, revents);
+  const KernelAnswer ready = system_->poll(fd_.get(), static_cast<std::uint64_t>(timeout.count()), revents);
   if (ready.failed() && ready.error != EINTR) gone(ready.error);
   if (ready.value <= 0) return false;
   if ((revents & POLLIN) == 0) gone((revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 ? ENODEV : EIO);

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "hil/source/gpio/chip_lines.h"
 #include "hil/source/gpio/system.h"
 
 namespace kerfbench::hil {
-
-/// A line that is asked for: where it is, and how people call it ("galvo_x_pul on line 4").
-struct LineWish {
-  std::uint32_t offset{};
-  std::string name;
-};
 
 /// An edge as the kernel tells it.
 struct KernelEdge {
@@ -41,16 +37,14 @@ class LineRequest {
   LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
               std::vector<LineWish> lines);
 
-  /// Waits up to `timeout_ms` for edges and appends what there is; false: none came. @throws GpioError when
+  /// Waits up to `timeout` for edges and appends what there is; false: none came. @throws GpioError when
   /// the chip has gone, or what the kernel says makes no sense.
-  bool read(int timeout_ms, std::vector<KernelEdge>& edges);
+  bool read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges);
   /// Levels of all lines now. @throws GpioError as read().
   std::vector<bool> levels();
   [[nodiscard]] const std::vector<LineWish>& lines() const { return lines_; }
 
  private:
-  void checkChip();
-  void checkLines();
   void request();
   [[noreturn]] void gone(int error) const;
 

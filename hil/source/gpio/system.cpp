@@ -29,9 +29,11 @@ class LinuxGpioSystem final : public GpioSystem {
   KernelAnswer read(int fd, std::span<std::byte> into) override {
     return answer(::read(fd, into.data(), into.size()));
   }
-  KernelAnswer poll(int fd, int timeout_ms, short& revents) override {
+  KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override {
     pollfd polled{fd, POLLIN, 0};
-    const KernelAnswer ready = answer(::poll(&polled, 1, timeout_ms));
+    const timespec timeout{static_cast<time_t>(timeout_ns / 1'000'000'000U),
+                           static_cast<long>(timeout_ns % 1'000'000'000U)};
+    const KernelAnswer ready = answer(::ppoll(&polled, 1, &timeout, nullptr));
     revents = polled.revents;
     return ready;
   }

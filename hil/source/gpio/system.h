@@ -30,8 +30,8 @@ class GpioSystem {
   virtual KernelAnswer open(const std::string& path) = 0;
   virtual KernelAnswer control(int fd, unsigned long request, void* argument) = 0;
   virtual KernelAnswer read(int fd, std::span<std::byte> into) = 0;
-  /// Waits for POLLIN; `revents` is what poll(2) says.
-  virtual KernelAnswer poll(int fd, int timeout_ms, short& revents) = 0;
+  /// Waits for POLLIN, with a negative `fd` for the time alone; `revents` is what ppoll(2) says.
+  virtual KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) = 0;
   virtual void close(int fd) = 0;
   /// CLOCK_MONOTONIC, which the kernel stamps edges with.
   virtual std::uint64_t now_ns() = 0;

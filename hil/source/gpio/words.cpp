@@ -86,9 +86,32 @@ std::string requestWords(const std::string& chip, int error) {
   }
 }
 
+std::string outputWords(const std::string& chip, int error) {
+  switch (error) {
+    case EBUSY:
+    case ENOTTY:
+    case ENODEV:
+      return requestWords(chip, error);
+    case EACCES:
+    case EPERM:
+      return chip + ": lines of this chip may not be used as outputs";
+    case ENXIO:
+    case EINVAL:
+    case EOPNOTSUPP:
+      return fmt::format("{}: a line cannot be an output ({})", chip, system(error));
+    default:
+      return chip + ": the output lines cannot be had: " + system(error);
+  }
+}
+
 std::string readWords(const std::string& chip, int error) {
   return error == ENODEV ? chip + ": the chip has gone while its lines were read"
                          : chip + ": its lines can no longer be read: " + system(error);
+}
+
+std::string writeWords(const std::string& chip, int error) {
+  return error == ENODEV ? chip + ": the chip has gone while its lines were driven"
+                         : chip + ": its lines can no longer be driven: " + system(error);
 }
 
 }  // namespace kerfbench::hil

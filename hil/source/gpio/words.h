@@ -13,6 +13,8 @@ std::string lineInfoWords(const std::string& chip, int error);
 std::string takenWords(const std::string& chip, std::uint32_t offset, const std::string& name,
                        const std::string& consumer);
 std::string requestWords(const std::string& chip, int error);
+std::string outputWords(const std::string& chip, int error);
 std::string readWords(const std::string& chip, int error);
+std::string writeWords(const std::string& chip, int error);
 
 }  // namespace kerfbench::hil

@@ -91,6 +91,26 @@ TEST_F(DoctorTest, WhatAScenarioOnPinsNeedsIsThereOrNamed) {
   EXPECT_THAT(missing(), HasSubstr("there is no gpiochip 'gpiochip0'"));
 }
 
+TEST_F(DoctorTest, WhatALiveScenarioDrivesIsLookedAtToo) {
+  const auto path = temp.write("l.yaml",
+                               "extends: s.yaml\nname: live\n"
+                               "firmware: {outputs: {encoder_a: 6, print_mark: 7}, uart: " +
+                                   (temp.path() / "tty").string() + "}\n");
+  (void)onPins();
+  const auto found = [&](Grade grade) {
+    return textsOf(needsOf(readCase(path, temp.path()), state, temp.path()), grade);
+  };
+  EXPECT_THAT(found(Grade::kGood), HasSubstr("/dev/gpiochip0: line 6 for encoder_a is free"));
+  EXPECT_THAT(found(Grade::kMissing),
+              AllOf(HasSubstr("/dev/gpiochip0: line 7 for print_mark is taken by 'heart \"beat\"'"),
+                    HasSubstr("tty, for the controller's UART: No such file")));
+  state.gpio_troubles = {"/dev/gpiochip0: old kernel"};
+  const std::string missing_now = found(Grade::kMissing);
+  EXPECT_EQ(missing_now.find("old kernel"), missing_now.rfind("old kernel"));
+  (void)temp.write("tty", "");
+  EXPECT_THAT(found(Grade::kGood), HasSubstr("tty is there"));
+}
+
 TEST_F(DoctorTest, AnEmulatedScenarioNeedsItsEmulator) {
   const Case the_case = readCase(fixture("scenarios/line-ok/plate.yaml"), temp.path());
   EXPECT_THAT(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing),

@@ -29,6 +29,8 @@ constexpr const char* kWires =
     "    laser_gate: 8\n"
     "    laser_pwm: 9\n";
 
+constexpr const char* kOutputs = "  outputs: {encoder_a: 1, encoder_b: 2, print_mark: 3}\n";
+
 class GpioChoiceTest : public testing::Test {
  protected:
   void SetUp() override { (void)temp_.write("linecutter-avr.hex", ":00000001FF\n"); }
@@ -86,25 +88,94 @@ TEST_F(GpioChoiceTest, LinesThatMakeNoSenseAreFaultsWithFileAndLine) {
                                       "    gantry_x_pul: 10\n"
                                       "    encoder_a: 11\n"
                                       "    galvo_z_pul: 1\n");
-  EXPECT_THAT(faults, AllOf(HasSubstr("s.yaml:15: firmware.lines.encoder_a: is an input of the controller"),
-                            HasSubstr("s.yaml:16: firmware.lines.galvo_z_pul: unknown key")));
-  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, {}, false),
+  EXPECT_THAT(
+      faults,
+      AllOf(HasSubstr("s.yaml:15: firmware.lines.encoder_a: is an input of the controller: it belongs to "
+                      "firmware.outputs"),
+            HasSubstr("s.yaml:16: firmware.lines.galvo_z_pul: unknown key")));
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, {}, {}),
               HasSubstr("s.yaml:8: firmware.lines.galvo_x_pul: the machine has no such pin"));
-  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, plate(kWires).machine.signals, true),
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, plate(kWires).machine.signals, {.gantry = true}),
               HasSubstr("no line for gantry_x_pul"));
   EXPECT_THAT(faultsIn(replaced(kWires, "laser_gate: 8", "laser_gate: 7")),
               HasSubstr("s.yaml:12: firmware.lines.laser_gate: has line 7, and so has galvo_y_dir"));
 }
 
-// Nothing drives the encoder: a controller that follows the belt would see it at rest.
-TEST_F(GpioChoiceTest, ABeltThatMovesIsRefused) {
-  EXPECT_THAT(faultsIn(std::string(kWires) + "belt: {speed_mm_s: 60}\n"),
-              HasSubstr("speed_mm_s must be 0 and drive: line on real pins"));
-  EXPECT_THAT(faultsIn(std::string(kWires) + "belt: {drive: controller}\n"), HasSubstr("on real pins"));
+// A controller that follows the belt would see it at rest.
+TEST_F(GpioChoiceTest, ABeltThatMovesNeedsItsSensorsDriven) {
+  const std::string moving = std::string(kWires) + "belt: {speed_mm_s: 60}\n";
+  EXPECT_THAT(faultsIn(moving),
+              AllOf(HasSubstr("s.yaml:5: firmware.chip: firmware.outputs has no line for encoder_a"),
+                    HasSubstr("no line for encoder_b"), HasSubstr("no line for print_mark")));
+  EXPECT_EQ(faultsIn(moving.substr(0, moving.find("belt:")) + kOutputs + "belt: {speed_mm_s: 60}\n"), "");
+  EXPECT_THAT(faultsIn(std::string(kWires) + kOutputs + "belt: {drive: controller}\n"),
+              HasSubstr("belt: drive must be line on real pins"));
+}
+
+TEST_F(GpioChoiceTest, WhatIsDrivenIsReadWithItsChipItsLimitAndTheSerialLine) {
+  const GpioChoice quiet = plate(kWires).scenario.firmware.gpio;
+  EXPECT_FALSE(quiet.isLive());
+  const Case the_case = plate(std::string(kWires) + kOutputs +
+                              "  out_chip: gpiochip4\n"
+                              "  max_lag_us: 250\n"
+                              "  uart: /dev/ttyUSB0\n"
+                              "  uart_wait_s: 2\n"
+                              "  baud: 115200\n");
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  EXPECT_TRUE(firmware.gpio.isLive());
+  EXPECT_EQ(firmware.dialog, FirmwareChoice::Dialog::kLineOk);
+  EXPECT_EQ(firmware.baud, 115'200U);
+  EXPECT_EQ(firmware.gpio.uart, "/dev/ttyUSB0");
+  EXPECT_DOUBLE_EQ(firmware.gpio.uart_wait_s, 2.0);
+  EXPECT_DOUBLE_EQ(firmware.gpio.max_lag_s.value(), 250e-6);
+  GpioChipList list = chips();
+  list.chips.push_back({"/dev/gpiochip4", "gpiochip4", "other", list.chips[0].lines});
+  const GpioLiveOptions options = liveOptions(firmware.gpio, list);
+  EXPECT_EQ(options.in.chip, "/dev/gpiochip3");
+  EXPECT_EQ(options.out_chip, "/dev/gpiochip4");
+  ASSERT_EQ(options.out.size(), 3U);
+  EXPECT_EQ(options.out[2].signal, Signal::kPrintMark);
+  EXPECT_NE(prepareJob(the_case).dialog, nullptr);
+}
+
+TEST_F(GpioChoiceTest, OutputsThatMakeNoSenseAreFaultsWithFileAndLine) {
+  const std::string faults = faultsIn(std::string(kWires) +
+                                      "  outputs:\n"
+                                      "    encoder_a: 1\n"
+                                      "    encoder_b: 1\n"
+                                      "    laser_gate: 2\n"
+                                      "    power_monitor: 3\n");
+  EXPECT_THAT(faults,
+              AllOf(HasSubstr("s.yaml:16: firmware.outputs.encoder_b: has line 1, and so has encoder_a"),
+                    HasSubstr("s.yaml:17: firmware.outputs.laser_gate: is an output of the controller"),
+                    HasSubstr("s.yaml:18: firmware.outputs.power_monitor: cannot be driven")));
+  EXPECT_THAT(faultsIn(std::string(kWires) + "  out_chip: gpiochip0\n  max_lag_us: 3\n"),
+              AllOf(HasSubstr("s.yaml:14: firmware.out_chip: belongs to firmware.outputs"),
+                    HasSubstr("s.yaml:15: firmware.max_lag_us: belongs to firmware.outputs")));
+  EXPECT_THAT(faultsIn(std::string(kWires) + "  outputs: {power: 3}\n"), HasSubstr("unknown key"));
+}
+
+TEST_F(GpioChoiceTest, ALineCannotBeReadAndDriven) {
+  GpioChoice choice = plate(std::string(kWires) + kOutputs).scenario.firmware.gpio;
+  EXPECT_EQ(liveOptions(choice, chips()).out.size(), 3U);
+  choice.outputs[1].line = "5";
+  choice.outputs[2].line = "77";
+  try {
+    (void)liveOptions(choice, chips());
+    FAIL();
+  } catch (const GpioError& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("firmware.outputs.encoder_b: is line 5, and so is galvo_x_dir"),
+                                HasSubstr("firmware.outputs.print_mark: /dev/gpiochip3 has no line 77")));
+  }
+  choice.out_chip = "gpiochip9";
+  EXPECT_THROW((void)liveOptions(choice, chips()), GpioError);
 }
 
 TEST_F(GpioChoiceTest, ProvokedFaultsNeedTheReferenceController) {
   EXPECT_THAT(faultsIn(std::string(kWires) + "provoke: {line_cut_at_s: 1}\n"), HasSubstr("provoke"));
+  EXPECT_THAT(faultsIn(std::string(kWires) +
+                       "  uart: /dev/ttyUSB0\n  dialog: kerfbench\nprovoke: {interlock_open_at_s: 1}\n"),
+              HasSubstr("provoke: is for emulated releases"));
 }
 
 TEST_F(GpioChoiceTest, OnlyRunOpensRealPins) {

@@ -17,6 +17,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr std::chrono::milliseconds kWait{10};
+
 class LineRequestTest : public testing::Test {
  protected:
   LineRequest open(std::vector<LineWish> lines = {{4, "pul"}, {5, "dir"}}) {
@@ -37,7 +39,7 @@ class LineRequestTest : public testing::Test {
   std::string readFault() {
     LineRequest request = open();
     std::vector<KernelEdge> edges;
-    return wordsOf([&] { request.read(10, edges); });
+    return wordsOf([&] { request.read(kWait, edges); });
   }
   void TearDown() override { EXPECT_THAT(kernel->open_fds, IsEmpty()); }
   const std::shared_ptr<ScriptedKernel> kernel = std::make_shared<ScriptedKernel>();
@@ -104,7 +106,8 @@ TEST_F(LineRequestTest, EveryLineThatIsTakenIsNamedWithWhoHasIt) {
 }
 
 TEST_F(LineRequestTest, ALineBeyondTheChipIsRefused) {
-  EXPECT_EQ(refusal({{4, "pul"}, {8, "dir"}}), "/dev/gpiochip0: there is no line 8 for dir, it has 8 lines");
+  EXPECT_EQ(refusal({{4, "pul"}, {12, "dir"}}),
+            "/dev/gpiochip0: there is no line 12 for dir, it has 12 lines");
 }
 
 TEST_F(LineRequestTest, SaysWhyLinesCannotBeHad) {
@@ -127,26 +130,26 @@ TEST_F(LineRequestTest, EdgesComeAsTheKernelTellsThem) {
   kernel->toggle(1'000'000'200, 4);
   LineRequest request = open();
   std::vector<KernelEdge> edges;
-  while (edges.size() < 2) ASSERT_TRUE(request.read(10, edges));
+  while (edges.size() < 2) ASSERT_TRUE(request.read(kWait, edges));
   EXPECT_EQ(edges[0].stamp_ns, 1'000'000'100U);
   EXPECT_EQ(edges[0].line, 1U);
   EXPECT_TRUE(edges[0].level);
   EXPECT_EQ(edges[1].line, 0U);
   EXPECT_EQ(edges[1].seqno, 2U);
   EXPECT_EQ(edges[1].line_seqno, 1U);
-  EXPECT_FALSE(request.read(10, edges));
+  EXPECT_FALSE(request.read(kWait, edges));
 }
 
 TEST_F(LineRequestTest, AnInterruptedWaitOrReadIsNoError) {
   LineRequest request = open();
   std::vector<KernelEdge> edges;
   kernel->poll_error = EINTR;
-  EXPECT_FALSE(request.read(10, edges));
+  EXPECT_FALSE(request.read(kWait, edges));
   for (const int error : {EINTR, EAGAIN}) {
     kernel->toggle(1'000'000'100, 4);
     kernel->read_error = error;
-    EXPECT_FALSE(request.read(10, edges));
-    EXPECT_TRUE(request.read(10, edges));
+    EXPECT_FALSE(request.read(kWait, edges));
+    EXPECT_TRUE(request.read(kWait, edges));
   }
   EXPECT_EQ(edges.size(), 2U);
 }

@@ -58,12 +58,12 @@ KernelAnswer ScriptedKernel::control(int /*fd*/, unsigned long request_code, voi
     }
     return {};
   }
-  if (request_code == GPIO_V2_GET_LINE_IOCTL) {
-    if (request_error != 0) return no(request_error);
-    auto* wanted = static_cast<gpio_v2_line_request*>(argument);
-    wanted->fd = next_fd_++;
-    request = *wanted;
-    (void)give(wanted->fd);
+  if (request_code == GPIO_V2_GET_LINE_IOCTL) return giveLines(*static_cast<gpio_v2_line_request*>(argument));
+  if (request_code == GPIO_V2_LINE_SET_VALUES_IOCTL) {
+    if (set_error != 0) return no(set_error);
+    const auto* values = static_cast<const gpio_v2_line_values*>(argument);
+    driven.push_back({now_, values->mask, values->bits});
+    now_ += set_takes_ns;
     return {};
   }
   if (request_code != GPIO_V2_LINE_GET_VALUES_IOCTL) return no(ENOTTY);
@@ -73,12 +73,20 @@ KernelAnswer ScriptedKernel::control(int /*fd*/, unsigned long request_code, voi
   return {};
 }
 
-KernelAnswer ScriptedKernel::poll(int /*fd*/, int timeout_ms, short& revents) {
+KernelAnswer ScriptedKernel::giveLines(gpio_v2_line_request& wanted) {
+  const bool output = (wanted.config.flags & GPIO_V2_LINE_FLAG_OUTPUT) != 0;
+  if (const int error = output ? output_error : request_error; error != 0) return no(error);
+  wanted.fd = next_fd_++;
+  (output ? output_request : request) = wanted;
+  return give(wanted.fd);
+}
+
+KernelAnswer ScriptedKernel::poll(int /*fd*/, std::uint64_t timeout_ns, short& revents) {
   if (before_poll) before_poll(now_);
   if (poll_error != 0) return no(std::exchange(poll_error, 0));
   revents = poll_revents;
   if (revents != 0) return {1, 0};
-  const std::uint64_t until = now_ + static_cast<std::uint64_t>(timeout_ms) * 1'000'000U;
+  const std::uint64_t until = now_ + timeout_ns;
   const bool any = !buffer_.empty() && buffer_.front().at_ns <= until;
   now_ = any ? std::max(now_, buffer_.front().at_ns) : until;
   revents = any ? POLLIN : 0;

@@ -14,11 +14,11 @@
 
 namespace kerfbench::hil {
 
-/// A kernel by script: one chip with eight free lines, and edges at given times. Each answer can be replaced.
-/// Its clock stands still but for poll(), which takes as long as it waits.
+/// A kernel by script: one chip with twelve free lines, and edges at given times. Each answer can be
+/// replaced. Its clock stands still but for poll(), which takes as long as it waits, and where it is told to.
 class ScriptedKernel : public GpioSystem {
  public:
-  static constexpr std::uint32_t kLines = 8;
+  static constexpr std::uint32_t kLines = 12;
   static constexpr std::uint64_t kStart_ns = 1'000'000'000;
 
   // What it is to answer.
@@ -31,13 +31,24 @@ class ScriptedKernel : public GpioSystem {
   short poll_revents{};
   int read_error{};               ///< Once.
   std::vector<int> read_bytes{};  ///< Sizes of the next reads instead of all that there is.
+  int output_error{};             ///< To a request for outputs.
+  int set_error{};
+  std::uint64_t set_takes_ns{};  ///< What the clock goes on by when lines are driven.
   int priority_error{};
   int lock_error{};
   std::map<std::uint32_t, std::string> taken;  ///< Lines with their consumers.
   std::uint64_t level_bits{};                  ///< Of the lines as they were asked for.
 
   // What was asked.
-  gpio_v2_line_request request{};
+  gpio_v2_line_request request{};  ///< For inputs.
+  gpio_v2_line_request output_request{};
+  struct Driven {
+    std::uint64_t at_ns{};  ///< When the call came.
+    std::uint64_t mask{};   ///< Of the lines as they were asked for.
+    std::uint64_t bits{};
+    friend bool operator==(const Driven&, const Driven&) = default;
+  };
+  std::vector<Driven> driven;
   std::vector<int> open_fds;
   int real_time{};  ///< +1 by setRealTime(), 0 by leaveRealTime().
 
@@ -52,12 +63,22 @@ class ScriptedKernel : public GpioSystem {
   KernelAnswer open(const std::string& path) override;
   KernelAnswer control(int fd, unsigned long request_code, void* argument) override;
   KernelAnswer read(int fd, std::span<std::byte> into) override;
-  KernelAnswer poll(int fd, int timeout_ms, short& revents) override;
+  KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
   void close(int fd) override;
   std::uint64_t now_ns() override { return now_; }
+  /// Somebody computes meanwhile.
+  void passTime(std::uint64_t by_ns) { now_ += by_ns; }
   KernelAnswer setRealTime(int priority) override;
   KernelAnswer lockMemory() override;
   void leaveRealTime() override { real_time = 0; }
+  /// Of a line, as toggle() left it.
+  [[nodiscard]] bool levelOf(std::uint32_t offset) const {
+    const auto found = level_.find(offset);
+    return found != level_.end() && found->second;
+  }
+
+ protected:
+  std::uint64_t now_{kStart_ns};
 
  private:
   struct Buffered {
@@ -65,12 +86,12 @@ class ScriptedKernel : public GpioSystem {
     gpio_v2_line_event event{};
   };
   KernelAnswer give(int fd);
+  KernelAnswer giveLines(gpio_v2_line_request& wanted);
 
   std::deque<Buffered> buffer_;
   std::map<std::uint32_t, std::uint32_t> line_seqno_;
   std::map<std::uint32_t, bool> level_;
   std::uint32_t seqno_{};
-  std::uint64_t now_{kStart_ns};
   int next_fd_{100};
 };
 

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/live_pins.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "hil/app/gpio_choice.h"
+#include "hil/app/live_model.h"
+#include "hil/app/lockstep.h"
+#include "hil/app/pin_capture.h"
+#include "hil/app/release.h"
+#include "hil/source/gpio/live_source.h"
+
+namespace kerfbench::hil {
+namespace {
+
+constexpr double kQuantum_s = 1e-3;
+
+bool wantsLimits(const Case& the_case) {
+  return the_case.machine.kind == twin::MachineDescription::Kind::kGantry &&
+         std::ranges::any_of(the_case.scenario.firmware.gpio.outputs, [](const GpioChoice::Line& line) {
+           return line.signal == Signal::kLimitX || line.signal == Signal::kLimitY;
+         });
+}
+
+void waitFor(double time_s, GpioSystem& system) {
+  const std::uint64_t end_ns = system.now_ns() + static_cast<std::uint64_t>(1e9 * time_s);
+  for (std::uint64_t now_ns = system.now_ns(); now_ns < end_ns; now_ns = system.now_ns()) {
+    short none = 0;
+    (void)system.poll(-1, end_ns - now_ns, none);
+  }
+}
+
+std::unique_ptr<SerialLine> openUart(const FirmwareChoice& firmware, const RealPins& pins) {
+  if (firmware.gpio.uart.empty()) return nullptr;
+  try {
+    auto line = std::make_unique<SerialLine>(pins.serial, firmware.gpio.uart, firmware.baud);
+    waitFor(firmware.gpio.uart_wait_s, *pins.gpio);
+    return line;
+  } catch (const SerialError& e) {
+    throw SerialError(fmt::format("{}: {}", firmware.gpio.uart_place, e.what()));
+  }
+}
+
+void announce(const GpioLiveOptions& live, const FirmwareChoice& firmware, Console& console) {
+  console.say(fmt::format("  live: reading {} lines of {}, driving {}{}", live.in.wires.size(),
+                          live.in.chip.string(), live.out.size(),
+                          live.out.empty() ? "" : " of " + live.out_chip.string()));
+  console.say(
+      live.ends_when_quiet
+          ? fmt::format("  start the job: the sheet is on its way; it is over when the pins are quiet "
+                        "for {} s",
+                        live.in.quiet_s)
+          : fmt::format("  talking to the controller on {}", firmware.gpio.uart));
+}
+
+/// Pins, sensors and words of the run in one recording.
+PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t stamp_err_ticks) {
+  PinCapture captured;
+  captured.recording = std::move(run.recording);
+  PinRecording& recording = captured.recording;
+  recording.stamp_err_ticks = stamp_err_ticks;
+  recording.sensors = std::move(record.sensors);
+  recording.uart = std::move(record.uart);
+  captured.notes = std::move(record.notes);
+  captured.edges = record.edges;
+  captured.problems = std::move(run.problems);
+  captured.problems.insert(captured.problems.end(), std::make_move_iterator(record.problems.begin()),
+                           std::make_move_iterator(record.problems.end()));
+  // A replay has to know as well.
+  if (!captured.problems.empty()) recording.outputs.push_back(record.gap);
+  return captured;
+}
+
+}  // namespace
+
+LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
+                 const PreparedJob& job, Console& console) {
+  const Scenario& scenario = the_case.scenario;
+  try {
+    GpioLiveOptions options = liveOptions(scenario.firmware.gpio, pins.chips());
+    options.in.low_at_start = countedRising(the_case.machine);
+    options.ends_when_quiet = job.dialog == nullptr;
+    LiveModel model(drawn.machine, webOf(the_case), GpioLiveSource::kRate, scenario.seed,
+                    wantsLimits(the_case));
+    options.high_at_start = model.highAtStart();
+    // First, because opening it can make a board start anew, with all that its pins do then.
+    std::unique_ptr<SerialLine> uart = openUart(scenario.firmware, pins);
+    GpioLiveSource source(options, the_case.machine.signals, pins.gpio, std::move(uart));
+    announce(options, scenario.firmware, console);
+    LockstepOptions lockstep;
+    lockstep.quantum_s = kQuantum_s;
+    lockstep.time_limit_s = scenario.time_limit_s;
+    // Without progress on the terminal: writing there can take longer than a quantum.
+    LockstepResult run = runLockstep(source, model, the_case.machine.signals, job.dialog.get(), lockstep, {});
+    run.recording.end = std::max<Tick>(run.recording.end, 1);
+    GpioLiveRecord record = source.finish(run.recording.end);
+    LivePins live;
+    live.lag = record.lag;
+    live.dialog_failure = run.dialog_failure;
+    live.dialog_failed_s = run.dialog_failed_s;
+    live.captured = captureOf(run, record, source.info().stamp_err_ticks);
+    for (const std::string& note : live.captured.notes) console.say("  " + note);
+    console.say(fmt::format(
+        "  {} edges read in {:.3f} s, {} driven: at worst {:.1f} us behind their plan, {:.1f} "
+        "us rms",
+        live.captured.edges, GpioLiveSource::kRate.seconds(live.captured.recording.end), live.lag.edges(),
+        1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns()));
+    return live;
+  } catch (const GpioError& e) {
+    throw InputFault(e.what());
+  } catch (const SerialError& e) {
+    throw InputFault(e.what());
+  }
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "hil/app/case.h"
+#include "hil/app/console.h"
+#include "hil/app/dialogs.h"
+#include "hil/app/real_pins.h"
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/edge_player.h"
+#include "twin/cutter/imperfections.h"
+
+namespace kerfbench::hil {
+
+/// What a live run leaves.
+struct LivePins {
+  PinCapture captured;         ///< Sensors as they were driven, and the UART, included.
+  LagMeter lag;                ///< Of the driven edges against their plan.
+  std::string dialog_failure;  ///< As LockstepResult's.
+  double dialog_failed_s{};
+};
+
+/// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the
+/// controller if there is a serial line. @throws InputFault if pins or line cannot be had.
+LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
+                 const PreparedJob& job, Console& console);
+
+}  // namespace kerfbench::hil

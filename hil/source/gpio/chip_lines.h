@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/source/gpio/system.h"
+
+namespace kerfbench::hil {
+
+/// Whom the kernel tells others that a line belongs to.
+inline constexpr char kGpioConsumer[] = "kerfbench";
+
+/// A line that is asked for: where it is, and how people call it ("galvo_x_pul").
+struct LineWish {
+  std::uint32_t offset{};
+  std::string name;
+};
+
+/// Opens a chip of which these lines will be requested by the kernel's second interface.
+/// @throws GpioError: chip missing, no gpiochip, not allowed, kernel without the second interface, every line
+/// that is taken (and by whom), a line beyond the chip.
+GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::string& chip,
+                     const std::vector<LineWish>& lines);
+
+}  // namespace kerfbench::hil

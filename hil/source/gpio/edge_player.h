@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "hil/source/gpio/output_lines.h"
+#include "hil/source/gpio/system.h"
+
+namespace kerfbench::hil {
+
+/// An edge on an output line: when it was to be, and when the kernel had made it. ns of CLOCK_MONOTONIC.
+struct PlayedEdge {
+  std::size_t line{};
+  bool level{};
+  std::uint64_t planned_ns{};
+  std::uint64_t put_ns{};  ///< When the call came back: never before the edge. Ascends.
+};
+
+/// Puts edges onto output lines when their time has come, never before. Whoever owns it calls play() as often
+/// as nextDue_ns() asks for; what is late then is put out at once, each edge for itself, in order.
+class EdgePlayer {
+ public:
+  static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
+
+  EdgePlayer(std::shared_ptr<GpioSystem> system, OutputLines lines);
+
+  /// Edges of one line come in the order in which they are planned, whatever their times.
+  void plan(std::size_t line, bool level, std::uint64_t at_ns);
+  /// Puts out what is due, and appends what it has put out. @throws GpioError as OutputLines::set().
+  void play(std::vector<PlayedEdge>& played);
+  /// When the next edge is due; kNever: none is planned.
+  [[nodiscard]] std::uint64_t nextDue_ns() const {
+    return planned_.empty() ? kNever : planned_.front().due_ns;
+  }
+
+ private:
+  struct Planned {
+    std::uint64_t due_ns{};
+    std::uint64_t wished_ns{};  ///< As it was planned; before `due_ns` where the line's last edge is later.
+    std::size_t line{};
+    bool level{};
+  };
+
+  std::shared_ptr<GpioSystem> system_;
+  OutputLines lines_;
+  std::deque<Planned> planned_;          ///< By `due_ns`.
+  std::vector<std::uint64_t> last_due_;  ///< Of each line.
+  std::uint64_t last_put_ns_{};
+};
+
+/// How far edges are from their plan; later is positive.
+class LagMeter {
+ public:
+  void add(std::int64_t lag_ns, std::uint64_t at_ns);
+  [[nodiscard]] std::uint64_t edges() const { return edges_; }
+  /// Furthest from the plan; of equals the first.
+  [[nodiscard]] std::int64_t worst_ns() const { return worst_ns_; }
+  [[nodiscard]] std::uint64_t worstAt_ns() const { return worst_at_ns_; }
+  /// Root of the mean square; 0 without edges.
+  [[nodiscard]] double rms_ns() const;
+
+ private:
+  std::uint64_t edges_{};
+  std::int64_t worst_ns_{};
+  std::uint64_t worst_at_ns_{};
+  double squares_{};
+};
+
+}  // namespace kerfbench::hil

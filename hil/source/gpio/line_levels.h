@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/source/gpio/edge_order.h"
+#include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/wires.h"
+
+namespace kerfbench::hil {
+
+/// Lines that must not be high before the first edge, and are, in words.
+std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
+                                     const std::vector<Signal>& low_at_start);
+
+/// A second way to know that no edge was lost: where the last edge leaves each line, there it is. In words,
+/// the lines where it is not, or why nobody can tell.
+std::vector<std::string> levelsAgainstEdges(LineRequest& request, const EdgeOrder& order);
+
+/// What is wrong with the edges, in words, with the place of the first trouble.
+std::vector<std::string> edgeTroubles(const EdgeOrder& order, std::uint64_t begin_ns);
+
+}  // namespace kerfbench::hil

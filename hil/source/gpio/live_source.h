@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/edge_order.h"
+#include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/port_events.h"
+#include "hil/source/gpio/real_time.h"
+#include "hil/source/serial/serial_line.h"
+#include "hil/source/signal_source.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::hil {
+
+struct GpioLiveOptions {
+  GpioCaptureOptions in;  ///< The controller's outputs. Its time limit is the caller's affair.
+  std::filesystem::path out_chip;
+  std::vector<GpioWire> out;          ///< The controller's inputs; may be empty.
+  std::vector<Signal> high_at_start;  ///< Of `out`, from before tick 0 on.
+  /// The job is started at the machine: it is over when no edge has come for in.quiet_s. If not, whoever
+  /// talks to the controller knows when it is over.
+  bool ends_when_quiet{};
+};
+
+/// What a live run leaves, besides the events that it handed out. Ticks are ns since tick 0.
+struct GpioLiveRecord {
+  std::vector<SensorEdge> sensors;  ///< As they were put out, those of the start at tick 1.
+  std::vector<HeardBytes> uart;     ///< When they were read.
+  std::vector<std::string> problems;
+  std::vector<std::string> notes;  ///< As PinCapture's.
+  PinEvent gap;                    ///< Goes to the end of a recording that has problems.
+  LagMeter lag;                    ///< Of the output edges, against their plan.
+  std::uint64_t edges{};           ///< That came in.
+};
+
+/// A controller's real pins while a model runs along: its outputs are read, its inputs are driven, its UART
+/// may be a serial line. Tick 0 is the first advance(); a tick is 1 ns of CLOCK_MONOTONIC.
+///
+/// Time. An edge is stamped in its interrupt but may be read later, by up to EdgeOrder::kHold_ns. So
+/// advance(until) comes back at until + kHoldBack_ns, and by then all that happened up to `until` is known:
+/// the watermark is true, and an edge which comes with a stamp at or before it spoils the run. It follows:
+///
+/// - A sensor that depends on nothing but the clock (encoder and print mark of a belt that the line drives)
+///   is to be driven ahead: an edge for tick t must be here before the clock is there, which is when the
+///   watermark is t - kHoldBack_ns, less a quantum and what the model computes meanwhile. drive() takes ticks
+///   as far ahead as one likes. Then its lag is what this computer's timers and the call cost.
+/// - A sensor that depends on pins (a limit switch that the gantry runs onto) is known kHoldBack_ns after it
+///   happened, and put out at once: that late. To guess it earlier from speed would trip switches that a
+///   controller brakes in front of.
+///
+/// While it waits it puts out edges at their times and reads what comes; between two calls of advance() it
+/// does neither, so whatever the caller computes there makes edges late, which is measured. Nothing is put
+/// out early.
+class GpioLiveSource final : public SignalSource {
+ public:
+  static constexpr TickRate kRate{1, 1'000'000'000};
+  /// A little more than EdgeOrder waits, so that it has made up its mind about a missing number.
+  static constexpr std::uint64_t kHoldBack_ns = EdgeOrder::kHold_ns + 1'000'000;
+  /// By which the caller may be late before the run is given up: edges would be lost in the kernel's buffer.
+  static constexpr std::uint64_t kHopeless_ns = 250'000'000;
+
+  /// `uart` may be null. @throws GpioError if lines cannot be had, std::invalid_argument for wires that `map`
+  /// does not have.
+  GpioLiveSource(const GpioLiveOptions& options, const SignalMap& map, std::shared_ptr<GpioSystem> system,
+                 std::unique_ptr<SerialLine> uart);
+
+  [[nodiscard]] SourceInfo info() const override;
+  /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, or the caller is
+  /// hopelessly late.
+  Stop advance(Tick until, Batch& batch) override;
+  /// Calls for one pin come in order of tick, which may be past; pins without a line are passed over.
+  void drive(PinId pin, bool level, Tick at) override;
+  void uartWrite(std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] std::string message() const override { return message_; }
+
+  /// After the last advance(): looks at the lines once more. What was put out or heard after `end` is left
+  /// out.
+  GpioLiveRecord finish(Tick end);
+
+ private:
+  void begin();
+  void runTo(std::uint64_t goal_ns);
+  bool readEdges(std::uint64_t timeout_ns);
+  void pumpUart();
+  void lookAgain(std::vector<std::string>& problems);
+  Stop stop(Stop why, std::string message);
+  [[nodiscard]] std::uint64_t nsOf(Tick tick) const { return origin_ns_ + tick; }
+
+  GpioLiveOptions options_;
+  std::shared_ptr<GpioSystem> system_;
+  RealTime real_time_;
+  std::unique_ptr<SerialLine> uart_;
+  LineRequest request_;
+  std::optional<EdgePlayer> player_;
+  std::map<PinId, std::size_t> out_line_;  ///< Of each pin that is driven.
+  struct Wish {
+    std::size_t line{};
+    bool level{};
+    Tick at{};
+  };
+  std::vector<Wish> before_start_;
+
+  bool begun_{};
+  std::uint64_t origin_ns_{};
+  std::uint64_t begin_ns_{};
+  std::optional<EdgeOrder> order_;
+  PortEvents ports_;
+  std::vector<PinEvent> start_events_;
+  std::vector<std::string> start_problems_;
+  std::vector<KernelEdge> read_;
+  std::vector<LineEdge> edges_;
+  std::vector<PlayedEdge> played_;
+  std::vector<HeardBytes> heard_;
+  std::size_t handed_bytes_{};  ///< Entries of heard_ that the caller has.
+  std::uint64_t last_edge_ns_{};
+  bool any_edge_{};
+  Tick watermark_{};
+  Stop stop_{Stop::kReached};
+  std::string message_;
+};
+
+}  // namespace kerfbench::hil

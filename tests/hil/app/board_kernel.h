@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "hil/source/signal_source.h"
+#include "tests/hil/source/gpio/scripted_kernel.h"
+#include "tests/hil/source/serial/scripted_serial.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::hil {
+
+/// A controller board behind a scripted kernel: a release whose pins are the chip's lines and whose UART is a
+/// serial line. Its time is the kernel's clock, which goes on only while somebody waits (or is told to be
+/// slow), so that a live run on it is the same each time and takes no real time.
+class BoardKernel final : public ScriptedKernel {
+ public:
+  /// Which line carries which signal, in and out.
+  using Wiring = std::map<std::uint32_t, Signal>;
+
+  /// `release` at tick 0 when the kernel's clock is at its start.
+  BoardKernel(std::unique_ptr<SignalSource> release, const SignalMap& pins, Wiring wiring);
+
+  /// Its serial line.
+  [[nodiscard]] const std::shared_ptr<ScriptedSerial>& serial() const { return serial_; }
+
+  KernelAnswer control(int fd, unsigned long request_code, void* argument) override;
+  KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
+
+ private:
+  void runTo(std::uint64_t goal_ns);
+  void takeEvent(const PinEvent& event);
+  void driveLines(const gpio_v2_line_request& lines, std::uint64_t mask, std::uint64_t bits);
+  [[nodiscard]] Tick tickAt(std::uint64_t now_ns) const;
+  [[nodiscard]] std::uint64_t stampOf(Tick tick) const;
+
+  std::unique_ptr<SignalSource> release_;
+  TickRate rate_;
+  SignalMap pins_;
+  Wiring wiring_;
+  std::map<PinId, std::uint32_t> line_of_;  ///< Of the release's outputs.
+  std::shared_ptr<ScriptedSerial> serial_{std::make_shared<ScriptedSerial>()};
+  std::size_t sent_{};  ///< Bytes of the bench that the release has.
+  Batch batch_;
+  Tick last_drive_{};
+};
+
+}  // namespace kerfbench::hil
