@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bench's reader of pins on the kernel's real GPIO, with the kernel's simulated chip. Time is the guest's: a count of
+// instructions, so waiting and rates are the same in every run.
+#include <gmock/gmock.h>
+#include <gpiod.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/chips.h"
+#include "hil/source/gpio/edge_order.h"
+#include "hil/source/gpio/line_request.h"
+#include "tests/guest/player.h"
+#include "tests/guest/sim_chip.h"
+
+namespace kerfbench::guest {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint32_t kPul = 0;
+constexpr std::uint32_t kDir = 1;
+constexpr std::uint32_t kGate = 2;
+
+/// A system whose first wait for edges lasts until `until` says so: a reader that something else keeps from running.
+class StalledSystem final : public hil::GpioSystem {
+ public:
+  explicit StalledSystem(std::function<void()> until) : until_(std::move(until)) {}
+  hil::KernelAnswer open(const std::string& path) override { return real_->open(path); }
+  hil::KernelAnswer control(int fd, unsigned long request, void* argument) override {
+    return real_->control(fd, request, argument);
+  }
+  hil::KernelAnswer read(int fd, std::span<std::byte> into) override { return real_->read(fd, into); }
+  hil::KernelAnswer poll(int fd, int timeout_ms, short& revents) override {
+    if (until_) std::exchange(until_, nullptr)();
+    return real_->poll(fd, timeout_ms, revents);
+  }
+  void close(int fd) override { real_->close(fd); }
+  std::uint64_t now_ns() override { return real_->now_ns(); }
+  hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
+  hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
+  void leaveRealTime() override { real_->leaveRealTime(); }
+
+ private:
+  std::shared_ptr<hil::GpioSystem> real_ = hil::linuxGpioSystem();
+  std::function<void()> until_;
+};
+
+/// Pulses of half_ns each way under an open gate, with a turn after every 50, DIR half_ns before the pulse.
+std::vector<Stroke> pulses(std::size_t count, std::uint64_t half_ns) {
+  std::vector<Stroke> strokes{{0, kGate, true}};
+  std::uint64_t at_ns = 0;
+  bool dir = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % 50 == 49) strokes.push_back({at_ns += half_ns, kDir, dir = !dir});
+    strokes.push_back({at_ns += half_ns, kPul, true});
+    strokes.push_back({at_ns += half_ns, kPul, false});
+  }
+  strokes.push_back({at_ns + half_ns, kGate, false});
+  if (dir) strokes.push_back({at_ns + 2 * half_ns, kDir, false});
+  return strokes;
+}
+
+class PinsTest : public testing::Test {
+ protected:
+  PinsTest() {
+    for (const auto& [signal, line] : {std::pair{Signal::kGalvoXPul, kPul}, std::pair{Signal::kGalvoXDir, kDir},
+                                       std::pair{Signal::kLaserGate, kGate}}) {
+      map.assign(signal, {0, static_cast<std::uint16_t>(line)});
+      options.wires.push_back({signal, line});
+    }
+    options.chip = chip.device();
+    options.stamp_err_s = 10e-6;
+    options.quiet_s = 0.2;
+    options.time_limit_s = 30.0;
+  }
+  hil::PinCapture capture(const std::shared_ptr<hil::GpioSystem>& system = hil::linuxGpioSystem()) {
+    return hil::capturePins(options, map, system);
+  }
+  /// Line and level of each edge of a recording, in its order.
+  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const hil::PinCapture& captured) {
+    std::vector<std::pair<std::uint32_t, bool>> edges;
+    for (const PinEvent& event : captured.recording.outputs) {
+      for (std::uint32_t line = 0; line < 3; ++line) {
+        if ((event.changed >> line & 1U) != 0) edges.emplace_back(line, (event.level >> line & 1U) != 0);
+      }
+    }
+    return edges;
+  }
+  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const std::vector<Stroke>& strokes) {
+    std::vector<std::pair<std::uint32_t, bool>> edges;
+    for (const Stroke& stroke : strokes) edges.emplace_back(stroke.line, stroke.level);
+    return edges;
+  }
+  static bool hasGap(const hil::PinCapture& captured) {
+    return std::ranges::any_of(captured.recording.outputs,
+                               [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
+  }
+  /// A problem of these words, and a gap that a replay of the recording finds.
+  static void expectInvalid(const hil::PinCapture& captured, const std::string& words) {
+    EXPECT_THAT(captured.problems, Contains(HasSubstr(words)));
+    EXPECT_TRUE(hasGap(captured));
+  }
+
+  SimChip chip{"kerfbench-test", {"PUL", "DIR", "GATE", "", "spare"}};
+  SignalMap map;
+  hil::GpioCaptureOptions options;
+};
+
+TEST_F(PinsTest, ListsWhatConfigfsMade) {
+  const SimChip other("second-chip", {"", "A"});
+  const hil::GpioChipList list = hil::listChips();
+  EXPECT_THAT(list.faults, IsEmpty());
+  for (const SimChip* made : std::initializer_list<const SimChip*>{&chip, &other}) {
+    const hil::GpioChipInfo& found = hil::findChip(list, made->label());
+    EXPECT_EQ(found.path, made->device());
+    std::vector<std::string> names;
+    for (const hil::GpioLineInfo& line : found.lines) {
+      names.push_back(line.name);
+      EXPECT_FALSE(line.used);
+      EXPECT_FALSE(line.output);
+    }
+    EXPECT_EQ(names, made->lineNames());
+    EXPECT_EQ(hil::edgeTrouble(*hil::linuxGpioSystem(), made->device()), "");
+  }
+}
+
+TEST_F(PinsTest, TenThousandEdgesASecondAreReadOneByOneAndInOrder) {
+  const std::vector<Stroke> strokes = pulses(10'000, 90'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture();
+  const Played played = player.join();
+  EXPECT_GE(played.rate_hz(strokes.size()), 10'000.0);
+  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.notes, IsEmpty());
+  EXPECT_EQ(captured.edges, strokes.size());
+  EXPECT_FALSE(hasGap(captured));
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+}
+
+TEST_F(PinsTest, StampsAreThoseOfTheWire) {
+  const std::vector<Stroke> strokes = pulses(500, 200'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture();
+  player.join();
+  const auto& events = captured.recording.outputs;
+  ASSERT_EQ(events.size(), strokes.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const auto after_first_ns = static_cast<double>(events[i].tick - events.front().tick);
+    EXPECT_NEAR(after_first_ns, static_cast<double>(strokes[i].at_ns), 1e9 * options.stamp_err_s) << i;
+  }
+}
+
+TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {
+  const std::vector<Stroke> strokes = pulses(450, 100'000);
+  ASSERT_LT(strokes.size(), hil::kEventBuffer);
+  Player player(chip, strokes);
+  // Taken for late would be only what the kernel stamps long before it can be read.
+  const hil::PinCapture captured = capture(std::make_shared<StalledSystem>([&] { player.join(); }));
+  EXPECT_EQ(captured.edges, strokes.size());
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+}
+
+TEST_F(PinsTest, AReaderThatStallsTooLongIsNoticed) {
+  const std::vector<Stroke> strokes = pulses(1'000, 100'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture(std::make_shared<StalledSystem>([&] { player.join(); }));
+  EXPECT_EQ(captured.edges, hil::kEventBuffer);
+  expectInvalid(captured, fmt::format("{} edges lost because the kernel's buffer was full",
+                                      strokes.size() - hil::kEventBuffer));
+}
+
+TEST_F(PinsTest, EdgesThatTheKernelMergesAreNoticed) {
+  // A player above the interrupt threads: three edges of PUL before any of them is looked at.
+  std::vector<Stroke> strokes = pulses(20, 100'000);
+  const std::uint64_t after_ns = strokes.back().at_ns + 1'000'000;
+  for (const bool level : {true, false, true}) strokes.push_back({after_ns, kPul, level});
+  strokes.push_back({after_ns + 1'000'000, kPul, false});
+  Player player(chip, strokes, 60);
+  const hil::PinCapture captured = capture();
+  player.join();
+  EXPECT_LT(captured.edges, strokes.size());
+  expectInvalid(captured, "came faster than its interrupt thread takes them");
+}
+
+TEST_F(PinsTest, AnOddNumberOfEdgesMergedAtTheVeryEndIsNoticed) {
+  std::vector<Stroke> strokes = pulses(20, 100'000);
+  const std::uint64_t after_ns = strokes.back().at_ns + 1'000'000;
+  for (const bool level : {true, false}) strokes.push_back({after_ns, kPul, level});
+  Player player(chip, strokes, 60);
+  const hil::PinCapture captured = capture();
+  player.join();
+  EXPECT_EQ(captured.edges, strokes.size() - 1);
+  EXPECT_TRUE(hasGap(captured));
+  EXPECT_THAT(captured.problems, testing::Not(IsEmpty()));
+}
+
+TEST_F(PinsTest, ALineThatAnotherProgramHasIsNamedWithItsUser) {
+  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
+      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
+  ASSERT_NE(opened, nullptr);
+  gpiod_line* const line = gpiod_chip_get_line(opened.get(), kDir);
+  ASSERT_EQ(gpiod_line_request_input(line, "spi0 CS1"), 0);
+  EXPECT_EQ(hil::readChip(chip.device()).lines.at(kDir).consumer, "spi0 CS1");
+  try {
+    capture();
+    ADD_FAILURE() << "a line was shared";
+  } catch (const hil::GpioError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("line 1 for galvo_x_dir is taken by 'spi0 CS1'"));
+  }
+}
+
+TEST_F(PinsTest, AChipThatVanishesWhileItsLinesAreReadIsNoticed) {
+  const std::vector<Stroke> strokes = pulses(100, 100'000);
+  Player player(chip, strokes);
+  std::jthread thief([&] {
+    player.join();
+    chip.vanish();
+  });
+  const hil::PinCapture captured = capture();
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+  expectInvalid(captured, "the chip has gone while its lines were read");
+}
+
+TEST_F(PinsTest, ACrashedControllerAndASilentOneAreNotTheSame) {
+  options.time_limit_s = 0.5;
+  expectInvalid(capture(), "no edge came within 0.5 s");
+}
+
+}  // namespace
+}  // namespace kerfbench::guest
