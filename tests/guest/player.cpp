@@ -17,11 +17,12 @@ namespace {
 
 constexpr std::uint64_t kLook_ns = 1'000'000;
 constexpr std::uint64_t kSettle_ns = 5'000'000;  // A reader takes levels and clock once it has the lines.
-constexpr std::uint64_t kShortest_ns = 100'000;  // What is worth going to sleep for.
+constexpr std::uint64_t kShortest_ns = 20'000;   // What is worth going to sleep for.
 
 void waitForListener(const SimChip& chip) {
   const auto is_heard = [](const hil::GpioLineInfo& line) { return line.consumer == "kerfbench"; };
-  while (std::ranges::none_of(hil::readChip(chip.device()).lines, is_heard)) sleepUntil_ns(now_ns() + kLook_ns);
+  while (std::ranges::none_of(hil::readChip(chip.device()).lines, is_heard))
+    sleepUntil_ns(now_ns() + kLook_ns);
   sleepUntil_ns(now_ns() + kSettle_ns);
 }
 
@@ -46,8 +47,8 @@ void setRealTime(int thread, int priority) {
     throw std::system_error(errno, std::generic_category(), "sched_setscheduler");
 }
 
-Player::Player(SimChip& chip, std::vector<Stroke> strokes, int real_time_priority)
-    : chip_(chip), strokes_(std::move(strokes)), real_time_priority_(real_time_priority), thread_([this] {
+Player::Player(SimChip& chip, std::vector<Stroke> strokes, PlayerOptions options)
+    : chip_(chip), strokes_(std::move(strokes)), options_(std::move(options)), thread_([this] {
         try {
           play();
         } catch (...) {
@@ -58,7 +59,8 @@ Player::Player(SimChip& chip, std::vector<Stroke> strokes, int real_time_priorit
 void Player::play() {
   ::prctl(PR_SET_TIMERSLACK, 1UL);
   waitForListener(chip_);
-  if (real_time_priority_ > 0) setRealTime(0, real_time_priority_);
+  if (options_.before) options_.before();
+  if (options_.real_time_priority > 0) setRealTime(0, options_.real_time_priority);
   played_.begin_ns = now_ns();
   for (const Stroke& stroke : strokes_) {
     const std::uint64_t due_ns = played_.begin_ns + stroke.at_ns;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -28,12 +29,18 @@ struct Played {
   }
 };
 
+struct PlayerOptions {
+  /// Of SCHED_FIFO, 0 for none; above 50 strokes without a pause keep the kernel's interrupt threads from
+  /// running.
+  int real_time_priority{0};
+  std::function<void()> before{};  ///< Called in the player's thread when somebody listens, before the job.
+};
+
 /// A controller in a thread of its own: it starts its job as soon as somebody listens to its lines.
 class Player {
  public:
-  /// `chip` must outlive this. `real_time_priority`: of SCHED_FIFO, 0 for none; above 50 it keeps the kernel's
-  /// interrupt threads from running.
-  Player(SimChip& chip, std::vector<Stroke> strokes, int real_time_priority = 0);
+  /// `chip` must outlive this.
+  Player(SimChip& chip, std::vector<Stroke> strokes, PlayerOptions options = {});
   /// Waits for the end of the job. @throws what went wrong in the thread.
   Played join();
 
@@ -42,7 +49,7 @@ class Player {
 
   SimChip& chip_;
   std::vector<Stroke> strokes_;
-  int real_time_priority_;
+  PlayerOptions options_;
   Played played_;
   std::exception_ptr fault_;
   std::jthread thread_;

@@ -33,7 +33,7 @@ mkdir -p "$shared"
 qemu=0
 timeout -k 5 "$limit_s" qemu-system-x86_64 -M q35 -accel tcg,thread=single -cpu max -icount shift=1,sleep=off -smp 1 -m 384 \
   -nodefaults -no-user-config -display none -no-reboot -monitor none \
-  -kernel "$guest/vmlinuz" -initrd "$guest/initramfs.cpio" -append 'console=ttyS0 quiet loglevel=5 panic=-1 mitigations=off' \
+  -kernel "$guest/vmlinuz" -initrd "$guest/initramfs.cpio" -append 'console=ttyS0 quiet loglevel=4 panic=-1 mitigations=off' \
   -serial "file:$shared/console" \
   -virtfs local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap \
   -virtfs "local,path=$shared,mount_tag=shared,security_model=none,multidevs=remap" || qemu=$?

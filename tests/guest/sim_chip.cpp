@@ -84,8 +84,7 @@ void SimChip::remove() noexcept {
   } catch (const std::system_error&) {  // It has gone already, or was never made.
   }
   const fs::path bank = config_ / "bank0";
-  for (std::size_t i = 0; i < line_names_.size(); ++i)
-    fs::remove(bank / ("line" + std::to_string(i)), none);
+  for (std::size_t i = 0; i < line_names_.size(); ++i) fs::remove(bank / ("line" + std::to_string(i)), none);
   fs::remove(bank, none);
   fs::remove(config_, none);
 }
