@@ -194,6 +194,7 @@ FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings) {
   layout.width_px = static_cast<int>(pix.width);
   layout.height_px = static_cast<int>(pix.height);
   layout.stride_bytes = pix.bytesperline;
+  layout.most_bytes = pix.sizeimage;
   layout.bits = settings.bits != 0 ? settings.bits : settings.format->bits;
   // Brightness and colour without a word are 16 ... 235 by default, but for JPEG's own colours.
   layout.full_range =

@@ -23,7 +23,7 @@ struct BufferNote {
   StampClock clock{StampClock::kUnknown};
   bool is_start_of_exposure{};  ///< What the stamp is the time of; else the frame's end.
   bool has_error{};             ///< V4L2_BUF_FLAG_ERROR.
-  bool is_short{};              ///< Fewer bytes than a frame has, or more than the buffer has.
+  bool is_short{};              ///< Fewer bytes than a frame has, or more than the driver says.
 };
 
 enum class FrameFault {

@@ -21,6 +21,8 @@ struct FrameLayout {
   int bits{8};
   bool full_range{};  ///< YUYV alone: brightness is 0 ... 255 and not 16 ... 235.
 
+  std::size_t most_bytes{};  ///< That the driver gives a frame; 0: it does not say.
+
   /// The fewest bytes a whole frame has; 1 for JPEG.
   [[nodiscard]] std::size_t leastBytes() const;
 };

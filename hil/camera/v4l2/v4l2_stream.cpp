@@ -55,10 +55,7 @@ V4l2Stream::V4l2Stream(VideoCalls& calls, const std::string& path, const CameraS
     : device_(calls, path), settings_(settings) {
   requireCapture();
   setup_ = setUpCamera(device_, settings_);
-  v4l2_event_subscription changes{};
-  changes.type = V4L2_EVENT_SOURCE_CHANGE;
-  (void)device_.request(VIDIOC_SUBSCRIBE_EVENT,
-                        &changes);  // Few drivers have it; the layout is asked besides.
+  subscribe();
   try {
     mapBuffers(buffers);
     for (std::uint32_t i = 0; i < mappings_.size(); ++i) {
@@ -82,6 +79,16 @@ void V4l2Stream::requireCapture() {
       (what.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? what.device_caps : what.capabilities;
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0)
     throw std::invalid_argument(device_.path() + ": gives no pictures by streaming");
+}
+
+// Few drivers have such events; the layout is asked besides. They are of one input, not of the device.
+void V4l2Stream::subscribe() {
+  int input = 0;
+  (void)device_.request(VIDIOC_G_INPUT, &input);
+  v4l2_event_subscription changes{};
+  changes.type = V4L2_EVENT_SOURCE_CHANGE;
+  changes.id = static_cast<std::uint32_t>(input);
+  (void)device_.request(VIDIOC_SUBSCRIBE_EVENT, &changes);
 }
 
 void V4l2Stream::mapBuffers(int count) {
@@ -169,7 +176,11 @@ std::optional<StreamEvent> V4l2Stream::take() {
   const Mapping& mapping = mappings_[buffer.index];
   StreamEvent frame;
   frame.note = noteOf(buffer, device_.calls().monotonicNs());
-  frame.note.is_short = buffer.bytesused < setup_.layout.leastBytes() || buffer.bytesused > mapping.length;
+  // A buffer may be longer than a frame: v4l2loopback's are whole pages.
+  const FrameLayout& layout = setup_.layout;
+  const std::size_t most =
+      layout.most_bytes == 0 ? mapping.length : std::min(layout.most_bytes, mapping.length);
+  frame.note.is_short = buffer.bytesused < layout.leastBytes() || buffer.bytesused > most;
   frame.bytes = {static_cast<const std::uint8_t*>(mapping.address),
                  std::min<std::size_t>(buffer.bytesused, mapping.length)};
   return frame;

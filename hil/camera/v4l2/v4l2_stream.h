@@ -50,6 +50,7 @@ class V4l2Stream {
     std::size_t length{};
   };
   void requireCapture();
+  void subscribe();
   void mapBuffers(int count);
   void releaseAll() noexcept;
   StreamEvent end(StreamEvent::Kind kind, std::string words);

@@ -135,7 +135,7 @@ int FakeVideo::answer(unsigned long request, void* argument) {
     case VIDIOC_STREAMOFF:
       return stop();
     case VIDIOC_SUBSCRIBE_EVENT:
-      is_subscribed_ = has_events;
+      is_subscribed_ = has_events && as<v4l2_event_subscription>(argument).id == input;
       return has_events ? 0 : ENOTTY;
     case VIDIOC_DQEVENT:
       if (events.empty()) return ENOENT;
@@ -161,6 +161,9 @@ int FakeVideo::answerQuery(unsigned long request, void* argument) {
       what.device_caps = is_capability_per_device ? caps : 0;
       return 0;
     }
+    case VIDIOC_G_INPUT:
+      as<int>(argument) = static_cast<int>(input);
+      return 0;
     case VIDIOC_G_FMT:
       as<v4l2_format>(argument).fmt.pix = format;
       return 0;
@@ -267,7 +270,7 @@ int FakeVideo::requestBuffers(v4l2_requestbuffers& wanted) {
   queue_.clear();
   wanted.count = std::min(wanted.count, most_buffers);
   buffers_.resize(wanted.count);
-  for (Buffer& buffer : buffers_) buffer.memory.resize(format.sizeimage);
+  for (Buffer& buffer : buffers_) buffer.memory.resize(format.sizeimage + buffer_slack);
   return 0;
 }
 

@@ -47,7 +47,9 @@ class FakeVideo final : public VideoCalls {
   std::uint32_t most_buffers{32};
   std::int32_t value_step{1};  ///< Values of controls are rounded down to this.
   bool has_events{true};
-  bool is_stubborn_format{};  ///< S_FMT leaves everything as it is.
+  std::uint32_t input{};       ///< The one that is selected; events of changes of the source are its.
+  std::size_t buffer_slack{};  ///< By so many bytes a buffer is longer than a frame.
+  bool is_stubborn_format{};   ///< S_FMT leaves everything as it is.
   std::deque<FakeFrame> frames;
   std::deque<v4l2_event> events;
   std::int64_t now_ns{5'000'000'000};

@@ -139,6 +139,31 @@ TEST(V4l2Stream, TellsFramesOfTooFewOrTooManyBytesAndReadsNoneBeyondTheBuffer) {
   EXPECT_FALSE(stream.next(1000).note.is_short);
 }
 
+// v4l2loopback's buffers are whole pages, and a writer of larger pictures fills them.
+TEST(V4l2Stream, TellsAFrameThatIsLongerThanFramesAreThoughTheBufferHoldsIt) {
+  FakeVideo video;
+  video.buffer_slack = 1024;
+  video.addFrames(2);
+  video.frames[0].bytesused = 64 * 48 + 1;
+  V4l2Stream stream(video, kPath, greySettings());
+  EXPECT_TRUE(stream.next(1000).note.is_short);
+  EXPECT_FALSE(stream.next(1000).note.is_short);
+}
+
+TEST(V4l2Stream, HearsOfTheSourceOfTheInputThatIsSelected) {
+  FakeVideo video;
+  video.input = 2;
+  video.addFrames(2);
+  V4l2Stream stream(video, kPath, greySettings());
+  EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
+  v4l2_event change{};
+  change.type = V4L2_EVENT_SOURCE_CHANGE;
+  change.id = 2;
+  change.u.src_change.changes = V4L2_EVENT_SRC_CH_RESOLUTION;
+  video.events = {change};
+  expectEnds(stream, Kind::kSizeChanged, "the source changed its size");
+}
+
 TEST(V4l2Stream, EndsWhenTheSourceTellsAnotherSize) {
   FakeVideo video;
   video.addFrames(3);

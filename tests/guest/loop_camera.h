@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "twin/base/image.h"
+
+namespace kerfbench::guest {
+
+/// A picture that tells its number: every byte follows from it.
+GrayImage numberedImage(int width_px, int height_px, std::uint32_t number);
+
+/// One picture of a camera.
+struct Exposure {
+  std::uint64_t at_ns{};  ///< After the start.
+  std::uint32_t number{};
+};
+/// Numbers first … last, one each period.
+std::vector<Exposure> exposures(std::uint32_t first, std::uint32_t last, std::uint64_t period_ns);
+
+/// The writing side of a v4l2loopback device, 8-bit grey, from the start on ready for readers.
+class LoopWriter {
+ public:
+  /// @throws std::system_error with path and call.
+  LoopWriter(const std::string& path, int width_px, int height_px, std::uint32_t rate_hz);
+  ~LoopWriter();
+  LoopWriter(const LoopWriter&) = delete;
+  LoopWriter& operator=(const LoopWriter&) = delete;
+
+  void write(std::uint32_t number);
+  /// Of another size than was agreed on.
+  void write(const GrayImage& image);
+  /// Writes these in time.
+  void run(const std::vector<Exposure>& exposures);
+
+ private:
+  std::string path_;
+  int width_px_;
+  int height_px_;
+  int fd_;
+};
+
+}  // namespace kerfbench::guest

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bench's reader of pins on the kernel's real GPIO, with the kernel's simulated chip. Time is the
+// guest's: a count of instructions, so waiting and rates are the same in every run.
+#include <gmock/gmock.h>
+#include <gpiod.h>
+#include <gtest/gtest.h>
+#include <linux/gpio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/chips.h"
+#include "hil/source/gpio/edge_order.h"
+#include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/real_time.h"
+#include "tests/guest/player.h"
+#include "tests/guest/sim_chip.h"
+
+namespace kerfbench::guest {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint32_t kPul = 0;
+constexpr std::uint32_t kDir = 1;
+constexpr std::uint32_t kGate = 2;
+
+/// The real system, with a look at what passes, and a first wait for edges that lasts as long as the test
+/// wants: a reader that something else keeps from running.
+class WatchedSystem final : public hil::GpioSystem {
+ public:
+  explicit WatchedSystem(std::function<void()> before_first_wait = {})
+      : before_first_wait_(std::move(before_first_wait)) {}
+
+  hil::KernelAnswer open(const std::string& path) override { return real_->open(path); }
+  hil::KernelAnswer control(int fd, unsigned long request, void* argument) override {
+    return real_->control(fd, request, argument);
+  }
+  hil::KernelAnswer read(int fd, std::span<std::byte> into) override {
+    const hil::KernelAnswer got = real_->read(fd, into);
+    const std::uint64_t now_ns = real_->now_ns();
+    std::array<gpio_v2_line_event, 64> events{};
+    if (got.failed() || into.size() > sizeof events) return got;
+    std::memcpy(events.data(), into.data(), into.size());
+    for (const gpio_v2_line_event& event :
+         std::span(events).first(static_cast<std::size_t>(got.value) / sizeof events[0])) {
+      numbers_.push_back(event.seqno);
+      worst_delay_ns_ = std::max<std::uint64_t>(worst_delay_ns_, now_ns - event.timestamp_ns);
+    }
+    return got;
+  }
+  hil::KernelAnswer poll(int fd, int timeout_ms, short& revents) override {
+    if (before_first_wait_) std::exchange(before_first_wait_, nullptr)();
+    return real_->poll(fd, timeout_ms, revents);
+  }
+  void close(int fd) override { real_->close(fd); }
+  std::uint64_t now_ns() override { return real_->now_ns(); }
+  hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
+  hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
+  void leaveRealTime() override { real_->leaveRealTime(); }
+
+  /// Of the edges as they came from the kernel.
+  [[nodiscard]] const std::vector<std::uint32_t>& numbers() const { return numbers_; }
+  /// From an edge's stamp until it was read.
+  [[nodiscard]] std::uint64_t worstDelay_ns() const { return worst_delay_ns_; }
+
+ private:
+  std::shared_ptr<hil::GpioSystem> real_ = hil::linuxGpioSystem();
+  std::function<void()> before_first_wait_;
+  std::vector<std::uint32_t> numbers_;
+  std::uint64_t worst_delay_ns_{};
+};
+
+/// Numbers of the kernel's threads that serve the interrupts of the bench's lines, in order of the lines.
+std::vector<int> interruptThreads() {
+  std::vector<std::pair<int, int>> threads;  // By the interrupt's number.
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(entry.path() / "comm");
+    std::string name;
+    int interrupt = 0;
+    if (std::getline(file, name) && std::sscanf(name.c_str(), "irq/%d-kerfbench", &interrupt) == 1 &&
+        name.ends_with("-kerfbench"))
+      threads.emplace_back(interrupt, std::stoi(entry.path().filename().string()));
+  }
+  std::ranges::sort(threads);
+  std::vector<int> numbers;
+  for (const auto& [interrupt, thread] : threads) numbers.push_back(thread);
+  return numbers;
+}
+
+/// Pulses of half_ns each way under an open gate, with a turn after every 50, DIR half_ns before the pulse.
+std::vector<Stroke> pulses(std::size_t count, std::uint64_t half_ns) {
+  std::vector<Stroke> strokes{{0, kGate, true}};
+  std::uint64_t at_ns = 0;
+  bool dir = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % 50 == 49) strokes.push_back({at_ns += half_ns, kDir, dir = !dir});
+    strokes.push_back({at_ns += half_ns, kPul, true});
+    strokes.push_back({at_ns += half_ns, kPul, false});
+  }
+  strokes.push_back({at_ns + half_ns, kGate, false});
+  if (dir) strokes.push_back({at_ns + 2 * half_ns, kDir, false});
+  return strokes;
+}
+
+class PinsTest : public testing::Test {
+ protected:
+  PinsTest() {
+    for (const auto& [signal, line] :
+         {std::pair{Signal::kGalvoXPul, kPul}, std::pair{Signal::kGalvoXDir, kDir},
+          std::pair{Signal::kLaserGate, kGate}}) {
+      map.assign(signal, {0, static_cast<std::uint16_t>(line)});
+      options.wires.push_back({signal, line});
+    }
+    options.chip = chip.device();
+    options.stamp_err_s = 10e-6;
+    options.quiet_s = 0.2;
+    options.time_limit_s = 30.0;
+  }
+  hil::PinCapture capture(const std::shared_ptr<hil::GpioSystem>& system = hil::linuxGpioSystem()) {
+    return hil::capturePins(options, map, system);
+  }
+  /// Line and level of each edge of a recording, in its order.
+  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const hil::PinCapture& captured) {
+    std::vector<std::pair<std::uint32_t, bool>> edges;
+    for (const PinEvent& event : captured.recording.outputs) {
+      for (std::uint32_t line = 0; line < 3; ++line) {
+        if ((event.changed >> line & 1U) != 0) edges.emplace_back(line, (event.level >> line & 1U) != 0);
+      }
+    }
+    return edges;
+  }
+  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const std::vector<Stroke>& strokes) {
+    std::vector<std::pair<std::uint32_t, bool>> edges;
+    for (const Stroke& stroke : strokes) edges.emplace_back(stroke.line, stroke.level);
+    return edges;
+  }
+  static bool hasGap(const hil::PinCapture& captured) {
+    return std::ranges::any_of(captured.recording.outputs,
+                               [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
+  }
+  /// A problem of these words, and a gap that a replay of the recording finds.
+  static void expectInvalid(const hil::PinCapture& captured, const std::string& words) {
+    EXPECT_THAT(captured.problems, Contains(HasSubstr(words)));
+    EXPECT_TRUE(hasGap(captured));
+  }
+
+  SimChip chip{"kerfbench-test", {"PUL", "DIR", "GATE", "", "spare"}};
+  SignalMap map;
+  hil::GpioCaptureOptions options;
+};
+
+TEST_F(PinsTest, ListsWhatConfigfsMade) {
+  const SimChip other("second-chip", {"", "A"});
+  const hil::GpioChipList list = hil::listChips();
+  EXPECT_THAT(list.faults, IsEmpty());
+  for (const SimChip* made : std::initializer_list<const SimChip*>{&chip, &other}) {
+    const hil::GpioChipInfo& found = hil::findChip(list, made->label());
+    EXPECT_EQ(found.path, made->device());
+    std::vector<std::string> names;
+    for (const hil::GpioLineInfo& line : found.lines) {
+      names.push_back(line.name);
+      EXPECT_FALSE(line.used);
+      EXPECT_FALSE(line.output);
+    }
+    EXPECT_EQ(names, made->lineNames());
+    EXPECT_EQ(hil::edgeTrouble(*hil::linuxGpioSystem(), made->device()), "");
+  }
+}
+
+TEST_F(PinsTest, TenThousandEdgesASecondAreReadOneByOneAndInOrder) {
+  const std::vector<Stroke> strokes = pulses(10'000, 90'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture();
+  const Played played = player.join();
+  EXPECT_GE(played.rate_hz(strokes.size()), 10'000.0);
+  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.notes, IsEmpty());
+  EXPECT_EQ(captured.edges, strokes.size());
+  EXPECT_FALSE(hasGap(captured));
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+}
+
+TEST_F(PinsTest, StampsAreThoseOfTheWire) {
+  const std::vector<Stroke> strokes = pulses(500, 200'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture();
+  player.join();
+  const auto& events = captured.recording.outputs;
+  ASSERT_EQ(events.size(), strokes.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    const auto after_first_ns = static_cast<double>(events[i].tick - events.front().tick);
+    EXPECT_NEAR(after_first_ns, static_cast<double>(strokes[i].at_ns), 1e9 * options.stamp_err_s) << i;
+  }
+}
+
+TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {
+  const std::vector<Stroke> strokes = pulses(450, 100'000);
+  ASSERT_LT(strokes.size(), hil::kEventBuffer);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
+  EXPECT_EQ(captured.edges, strokes.size());
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+}
+
+TEST_F(PinsTest, AReaderThatStallsTooLongIsNoticed) {
+  const std::vector<Stroke> strokes = pulses(1'000, 100'000);
+  Player player(chip, strokes);
+  const hil::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
+  EXPECT_EQ(captured.edges, hil::kEventBuffer);
+  expectInvalid(captured, fmt::format("{} edges lost because the kernel's buffer was full",
+                                      strokes.size() - hil::kEventBuffer));
+}
+
+TEST_F(PinsTest, EdgesThatTheKernelMergesAreNoticed) {
+  // A player above the interrupt threads: three edges of PUL before any of them is looked at.
+  std::vector<Stroke> strokes = pulses(20, 100'000);
+  const std::uint64_t after_ns = strokes.back().at_ns + 1'000'000;
+  for (const bool level : {true, false, true}) strokes.push_back({after_ns, kPul, level});
+  strokes.push_back({after_ns + 1'000'000, kPul, false});
+  Player player(chip, strokes, {.real_time_priority = 60});
+  const hil::PinCapture captured = capture();
+  player.join();
+  EXPECT_LT(captured.edges, strokes.size());
+  expectInvalid(captured, "came faster than its interrupt thread takes them");
+}
+
+TEST_F(PinsTest, TwoEdgesThatBecomeOneAreNoticed) {
+  std::vector<Stroke> strokes = pulses(20, 100'000);
+  const std::uint64_t after_ns = strokes.back().at_ns + 1'000'000;
+  for (const bool level : {true, false}) strokes.push_back({after_ns, kPul, level});
+  Player player(chip, strokes, {.real_time_priority = 60});
+  const hil::PinCapture captured = capture();
+  player.join();
+  EXPECT_EQ(captured.edges, strokes.size() - 1);
+  expectInvalid(captured, "1 edge to a level that the line had already");
+}
+
+TEST_F(PinsTest, EdgesOfTwoLinesThatTheKernelTellsInTheWrongOrderArePutRight) {
+  std::vector<Stroke> strokes;
+  for (std::uint64_t i = 1; i <= 50; ++i) {
+    const std::uint64_t at_ns = i * 1'000'000;
+    const bool high = i % 2 != 0;
+    strokes.push_back({at_ns, kDir, high});
+    strokes.push_back({at_ns + 5'000, kPul, true});
+    strokes.push_back({at_ns + 500'000, kPul, false});
+  }
+  // The thread that serves PUL goes first; both have edges to serve when the player rests.
+  const auto preferPul = [] { setRealTime(interruptThreads().at(kPul), 55); };
+  Player player(chip, strokes, {.real_time_priority = 60, .before = preferPul});
+  const auto system = std::make_shared<WatchedSystem>();
+  const hil::PinCapture captured = capture(system);
+  player.join();
+  EXPECT_FALSE(std::ranges::is_sorted(system->numbers())) << "the kernel was to tell PUL before DIR";
+  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_FALSE(hasGap(captured));
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+}
+
+TEST_F(PinsTest, RatesThatOneProcessorHolds) {
+  fmt::print(
+      "| asked for, edges/s | played, edges/s | edges | lost | worst delay from stamp to read, µs |\n");
+  fmt::print("|---|---|---|---|---|\n");
+  for (const std::uint64_t half_ns : {500'000U, 100'000U, 50'000U, 1U}) {
+    const std::vector<Stroke> strokes = pulses(3'000, half_ns);
+    Player player(chip, strokes);
+    const auto system = std::make_shared<WatchedSystem>();
+    const hil::PinCapture captured = capture(system);
+    const Played played = player.join();
+    EXPECT_THAT(captured.problems, IsEmpty());
+    fmt::print("| {} | {:.0f} | {} | {} | {:.0f} |\n",
+               half_ns == 1 ? "as many as go" : std::to_string(1'000'000'000 / half_ns),
+               played.rate_hz(strokes.size()), strokes.size(), strokes.size() - captured.edges,
+               1e-3 * static_cast<double>(system->worstDelay_ns()));
+  }
+}
+
+TEST_F(PinsTest, ALineThatAnotherProgramHasIsNamedWithItsUser) {
+  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
+      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
+  ASSERT_NE(opened, nullptr);
+  gpiod_line* const line = gpiod_chip_get_line(opened.get(), kDir);
+  ASSERT_EQ(gpiod_line_request_input(line, "spi0 CS1"), 0);
+  EXPECT_EQ(hil::readChip(chip.device()).lines.at(kDir).consumer, "spi0 CS1");
+  try {
+    capture();
+    ADD_FAILURE() << "a line was shared";
+  } catch (const hil::GpioError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("line 1 for galvo_x_dir is taken by 'spi0 CS1'"));
+  }
+}
+
+TEST_F(PinsTest, AControllerThatSaysNothingIsNoticed) {
+  options.time_limit_s = 0.5;
+  expectInvalid(capture(), "no edge came within 0.5 s");
+}
+
+TEST_F(PinsTest, AUserWithoutPermissionIsToldWhatToDo) {
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::seteuid(kNobody), 0);
+  const std::string opened = hil::edgeTrouble(*hil::linuxGpioSystem(), chip.device());
+  const std::vector<std::string> notes = hil::RealTime(hil::linuxGpioSystem()).notes();
+  ASSERT_EQ(::seteuid(0), 0);
+  EXPECT_THAT(opened, HasSubstr("not allowed; as a rule in /etc/udev/rules.d/60-gpio.rules put"));
+  EXPECT_THAT(notes, Contains(HasSubstr("no real-time priority")));
+}
+
+// The last: this kernel complains of the chip's lines still being in use, and leaks them.
+TEST_F(PinsTest, AChipThatVanishesWhileItsLinesAreReadIsNoticed) {
+  const std::vector<Stroke> strokes = pulses(100, 100'000);
+  Player player(chip, strokes);
+  std::jthread thief([&] {
+    player.join();
+    chip.vanish();
+  });
+  const hil::PinCapture captured = capture();
+  EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
+  expectInvalid(captured, "the chip has gone while its lines were read");
+}
+
+}  // namespace
+}  // namespace kerfbench::guest
