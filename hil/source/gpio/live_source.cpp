@@ -13,7 +13,7 @@
 namespace kerfbench::hil {
 namespace {
 
-std::uint32_t nanoseconds(double time_s) { return static_cast<std::uint32_t>(std::ceil(1e9 * time_s)); }
+std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
 std::vector<bool> levelsAtStart(const GpioLiveOptions& options) {
   std::vector<bool> levels;
@@ -40,7 +40,7 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
 }
 
 SourceInfo GpioLiveSource::info() const {
-  return {kRate, nanoseconds(options_.in.stamp_err_s), false, true,
+  return {kRate, static_cast<std::uint32_t>(nanoseconds(options_.in.stamp_err_s)), false, true,
           fmt::format("gpiochip {}, live", options_.in.chip.string())};
 }
 
