@@ -13,6 +13,8 @@
 namespace kerfbench::hil {
 namespace {
 
+constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges; memory that is not used costs nothing.
+
 std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
 std::vector<bool> levelsAtStart(const GpioLiveOptions& options) {
@@ -32,6 +34,8 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
       uart_(std::move(uart)),
       request_(system_, options.in.chip, lineWishes(options.in.wires, map, false)),
       ports_(pinsOf(options.in.wires, map)) {
+  // A vector that grows copies what it has while edges are due.
+  played_.reserve(kRoom);
   if (options_.out.empty()) return;
   player_.emplace(system_, OutputLines(system_, options_.out_chip, lineWishes(options_.out, map, true),
                                        levelsAtStart(options_)));
