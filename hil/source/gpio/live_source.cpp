@@ -13,7 +13,9 @@
 namespace kerfbench::hil {
 namespace {
 
-std::uint32_t nanoseconds(double time_s) { return static_cast<std::uint32_t>(std::ceil(1e9 * time_s)); }
+constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges; memory that is not used costs nothing.
+
+std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
 std::vector<bool> levelsAtStart(const GpioLiveOptions& options) {
   std::vector<bool> levels;
@@ -32,6 +34,8 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
       uart_(std::move(uart)),
       request_(system_, options.in.chip, lineWishes(options.in.wires, map, false)),
       ports_(pinsOf(options.in.wires, map)) {
+  // A vector that grows copies what it has while edges are due.
+  played_.reserve(kRoom);
   if (options_.out.empty()) return;
   player_.emplace(system_, OutputLines(system_, options_.out_chip, lineWishes(options_.out, map, true),
                                        levelsAtStart(options_)));
@@ -40,7 +44,7 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
 }
 
 SourceInfo GpioLiveSource::info() const {
-  return {kRate, nanoseconds(options_.in.stamp_err_s), false, true,
+  return {kRate, static_cast<std::uint32_t>(nanoseconds(options_.in.stamp_err_s)), false, true,
           fmt::format("gpiochip {}, live", options_.in.chip.string())};
 }
 

@@ -217,6 +217,17 @@ TEST_F(GpioLiveSourceTest, AJobOfTheMachineEndsWithQuietPins) {
   EXPECT_THAT(source->finish(batch.watermark).problems, IsEmpty());
 }
 
+TEST_F(GpioLiveSourceTest, TheJobMayRestForAsLongAsTheScenarioSays) {
+  options.ends_when_quiet = true;
+  options.in.quiet_s = 60;
+  open();
+  kernel->toggle(kOrigin + 100 * kMs, 0);
+  kernel->toggle(kOrigin + 50'000 * kMs, 0);
+  EXPECT_THAT(runTo(120'000 * kMs, 100 * kMs), SizeIs(2));
+  EXPECT_EQ(stop, Stop::kEnded);
+  EXPECT_NEAR(static_cast<double>(batch.watermark), 110'000.0 * kMs, 200.0 * kMs);
+}
+
 TEST_F(GpioLiveSourceTest, PinsThatStayQuietAreNoEvidence) {
   options.ends_when_quiet = true;
   open();
