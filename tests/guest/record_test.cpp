@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// In the guest: the program sees the chip and says what is wrong, and the pins of recorded releases, played
+// on its lines, are recorded as a live run would. end_to_end_test.cpp made the recordings, and judges what
+// comes out.
+#include <gmock/gmock.h>
+#include <gpiod.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "hil/app/case.h"
+#include "hil/app/pin_capture.h"
+#include "hil/source/gpio/chips.h"
+#include "hil/source/vcd.h"
+#include "tests/guest/player.h"
+#include "tests/guest/sim_chip.h"
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::guest {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const fs::path kScenario = test::fixture("scenarios/pins/plate-on-pins.yaml");
+
+/// What a controller did on the lines of `wires`.
+std::vector<Stroke> strokesOf(const hil::PinRecording& recording, const std::vector<hil::GpioWire>& wires,
+                              const SignalMap& map) {
+  std::vector<Stroke> strokes;
+  for (const PinEvent& event : recording.outputs) {
+    for (const hil::GpioWire& wire : wires) {
+      const PinId pin = *map.pin(wire.signal);
+      if (pin.port != event.port || (event.changed >> pin.bit & 1U) == 0) continue;
+      const double at_s = recording.rate.seconds(event.tick);
+      strokes.push_back(
+          {static_cast<std::uint64_t>(1e9 * at_s), wire.offset, (event.level >> pin.bit & 1U) != 0});
+    }
+  }
+  return strokes;
+}
+
+class RecordTest : public testing::Test {
+ protected:
+  /// Plays the pins of a run on the host and records them from the chip, to a file of this name for the host.
+  void record(const std::string& run, const std::string& name) {
+    const hil::Case the_case = hil::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    const SignalMap& map = the_case.machine.signals;
+    const hil::GpioChipList chips = hil::listChips();
+    const std::vector<Stroke> strokes =
+        strokesOf(hil::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
+                  hil::captureOptions(the_case.scenario.firmware.gpio, chips).wires, map);
+    ASSERT_FALSE(strokes.empty());
+    Player player(chip, strokes);
+    hil::Console console(false);
+    const hil::PinCapture captured = hil::captureCase(the_case, hil::linuxGpioSystem(), chips, console);
+    const Played played = player.join();
+    fmt::print("{}: {} edges in {:.3f} s, at worst {:.0f} µs late\n", name, strokes.size(),
+               1e-9 * static_cast<double>(played.end_ns - played.begin_ns),
+               1e-3 * static_cast<double>(played.worst_late_ns));
+    EXPECT_THAT(captured.problems, IsEmpty());
+    EXPECT_EQ(captured.edges, strokes.size());
+    const fs::path file = fs::path("/run/shared") / name;
+    hil::writeVcd(file, captured.recording, map);
+    // To the tick what the live run's model would get: a replay cannot have another digest.
+    const hil::PinRecording read = hil::readVcd(file, map);
+    EXPECT_EQ(read.rate, captured.recording.rate);
+    EXPECT_EQ(read.stamp_err_ticks, captured.recording.stamp_err_ticks);
+    EXPECT_EQ(read.end, captured.recording.end);
+    EXPECT_EQ(read.outputs, captured.recording.outputs);
+  }
+  SimChip chip{"kerfbench-pins", {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", ""}};
+};
+
+TEST_F(RecordTest, DoctorListsTheChipAsItIs) {
+  const test::ProgramRun run = test::kerfbench("doctor --json");
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const auto told = nlohmann::json::parse(run.output);
+  const auto& chips = told.at("gpio").at("chips");
+  const auto found =
+      std::ranges::find_if(chips, [&](const auto& one) { return one.at("label") == chip.label(); });
+  ASSERT_NE(found, chips.end()) << run.output;
+  EXPECT_EQ(found->at("path"), chip.device().string());
+  std::vector<std::string> names;
+  for (const auto& line : found->at("lines")) names.push_back(line.at("name"));
+  EXPECT_EQ(names, chip.lineNames());
+  for (const auto& finding : told.at("findings"))
+    EXPECT_NE(finding.at("grade"), "trouble") << finding.at("text");
+}
+
+TEST_F(RecordTest, ALineThatSomebodyElseHasIsToldByDoctorAndByRun) {
+  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
+      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
+  ASSERT_NE(opened, nullptr);
+  ASSERT_EQ(gpiod_line_request_input(gpiod_chip_get_line(opened.get(), 4), "status LED"), 0);
+  const test::ProgramRun doctor = test::kerfbench(fmt::format("doctor '{}'", kScenario.string()));
+  EXPECT_EQ(doctor.exit_code, 1);
+  EXPECT_THAT(doctor.output, HasSubstr("line 4 for laser_gate is taken by 'status LED'"));
+  EXPECT_THAT(doctor.output, HasSubstr("line 0 for galvo_x_pul is free"));
+  const test::ProgramRun run =
+      test::kerfbench(fmt::format("run '{}' --results-dir /tmp/results", kScenario.string()));
+  EXPECT_EQ(run.exit_code, 65) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("line 4 for laser_gate is taken by 'status LED'"));
+  EXPECT_FALSE(fs::exists("/tmp/results/plate-on-pins/verdict.json"));
+}
+
+TEST_F(RecordTest, ThePinsOfAGoodReleaseAreRecorded) { record("pins-plate", "good.vcd"); }
+
+TEST_F(RecordTest, ThePinsOfAKnownBadReleaseAreRecorded) { record("pins-plate-gate-late", "bad.vcd"); }
+
+}  // namespace
+}  // namespace kerfbench::guest
