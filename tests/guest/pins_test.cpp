@@ -4,16 +4,9 @@
 #include <gmock/gmock.h>
 #include <gpiod.h>
 #include <gtest/gtest.h>
-#include <linux/gpio.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <functional>
 #include <memory>
 #include <utility>
 
@@ -26,6 +19,7 @@
 #include "hil/source/gpio/real_time.h"
 #include "tests/guest/player.h"
 #include "tests/guest/sim_chip.h"
+#include "tests/guest/watched_system.h"
 
 namespace kerfbench::guest {
 namespace {
@@ -37,69 +31,6 @@ using testing::IsEmpty;
 constexpr std::uint32_t kPul = 0;
 constexpr std::uint32_t kDir = 1;
 constexpr std::uint32_t kGate = 2;
-
-/// The real system, with a look at what passes, and a first wait for edges that lasts as long as the test
-/// wants: a reader that something else keeps from running.
-class WatchedSystem final : public hil::GpioSystem {
- public:
-  explicit WatchedSystem(std::function<void()> before_first_wait = {})
-      : before_first_wait_(std::move(before_first_wait)) {}
-
-  hil::KernelAnswer open(const std::string& path) override { return real_->open(path); }
-  hil::KernelAnswer control(int fd, unsigned long request, void* argument) override {
-    return real_->control(fd, request, argument);
-  }
-  hil::KernelAnswer read(int fd, std::span<std::byte> into) override {
-    const hil::KernelAnswer got = real_->read(fd, into);
-    const std::uint64_t now_ns = real_->now_ns();
-    std::array<gpio_v2_line_event, 64> events{};
-    if (got.failed() || into.size() > sizeof events) return got;
-    std::memcpy(events.data(), into.data(), into.size());
-    for (const gpio_v2_line_event& event :
-         std::span(events).first(static_cast<std::size_t>(got.value) / sizeof events[0])) {
-      numbers_.push_back(event.seqno);
-      worst_delay_ns_ = std::max<std::uint64_t>(worst_delay_ns_, now_ns - event.timestamp_ns);
-    }
-    return got;
-  }
-  hil::KernelAnswer poll(int fd, int timeout_ms, short& revents) override {
-    if (before_first_wait_) std::exchange(before_first_wait_, nullptr)();
-    return real_->poll(fd, timeout_ms, revents);
-  }
-  void close(int fd) override { real_->close(fd); }
-  std::uint64_t now_ns() override { return real_->now_ns(); }
-  hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
-  hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
-  void leaveRealTime() override { real_->leaveRealTime(); }
-
-  /// Of the edges as they came from the kernel.
-  [[nodiscard]] const std::vector<std::uint32_t>& numbers() const { return numbers_; }
-  /// From an edge's stamp until it was read.
-  [[nodiscard]] std::uint64_t worstDelay_ns() const { return worst_delay_ns_; }
-
- private:
-  std::shared_ptr<hil::GpioSystem> real_ = hil::linuxGpioSystem();
-  std::function<void()> before_first_wait_;
-  std::vector<std::uint32_t> numbers_;
-  std::uint64_t worst_delay_ns_{};
-};
-
-/// Numbers of the kernel's threads that serve the interrupts of the bench's lines, in order of the lines.
-std::vector<int> interruptThreads() {
-  std::vector<std::pair<int, int>> threads;  // By the interrupt's number.
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "comm");
-    std::string name;
-    int interrupt = 0;
-    if (std::getline(file, name) && std::sscanf(name.c_str(), "irq/%d-kerfbench", &interrupt) == 1 &&
-        name.ends_with("-kerfbench"))
-      threads.emplace_back(interrupt, std::stoi(entry.path().filename().string()));
-  }
-  std::ranges::sort(threads);
-  std::vector<int> numbers;
-  for (const auto& [interrupt, thread] : threads) numbers.push_back(thread);
-  return numbers;
-}
 
 /// Pulses of half_ns each way under an open gate, with a turn after every 50, DIR half_ns before the pulse.
 std::vector<Stroke> pulses(std::size_t count, std::uint64_t half_ns) {

@@ -51,7 +51,11 @@ class Setter {
     wanted.fmt.pix.field = V4L2_FIELD_NONE;
     const int error = device_.request(VIDIOC_S_FMT, &wanted);
     requireLife(error, "VIDIOC_S_FMT");
-    if (error != 0) return fault(fmt::format("format: {}", std::strerror(error)));
+    if (error != 0) {
+      return fault(fmt::format(
+          "format: {}{}", std::strerror(error),
+          error == EBUSY ? " (another program has it, or nobody writes into a loopback yet)" : ""));
+    }
     if (wanted.fmt.pix.pixelformat != format.fourcc)
       return fault(fmt::format("format: {} became {}", format.name, fourccText(wanted.fmt.pix.pixelformat)));
     if (wanted.fmt.pix.field != V4L2_FIELD_NONE) fault("format: the pictures are interlaced");

@@ -195,7 +195,8 @@ TEST(CameraSettings, TakeTheAnalogueGainWhereThereIsNoOther) {
 TEST(CameraSettings, SayWhichCallWasRefused) {
   FakeVideo video;
   video.failIoctl(VIDIOC_S_FMT, EBUSY);
-  EXPECT_THAT(whyNot(video, greySettings()), HasSubstr("format: Device or resource busy"));
+  EXPECT_THAT(whyNot(video, greySettings()),
+              HasSubstr("format: Device or resource busy (another program has it"));
   FakeVideo other;
   other.failIoctl(VIDIOC_S_PARM, EINVAL);
   CameraSettings settings = greySettings();

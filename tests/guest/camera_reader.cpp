@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/guest/camera_reader.h"
+
+#include <utility>
+
+namespace kerfbench::guest {
+
+hil::CameraSettings grey(int width_px, int height_px) {
+  hil::CameraSettings settings;
+  settings.format = hil::findPixelFormat("GREY");
+  settings.width_px = width_px;
+  settings.height_px = height_px;
+  return settings;
+}
+
+hil::V4l2FrameOptions optionsFor(std::uint64_t frames) {
+  hil::V4l2FrameOptions options;
+  options.exposure_s = 1e-3;
+  options.frames = frames;
+  options.timeout_ms = 500;
+  return options;
+}
+
+std::vector<std::string> Taken::incidents() const {
+  std::vector<std::string> words;
+  for (const hil::CaptureIncident& incident : report.first_incidents) words.push_back(incident.words);
+  return words;
+}
+
+CameraReader::CameraReader(const std::string& path, const hil::CameraSettings& settings,
+                           const hil::V4l2FrameOptions& options)
+    : stream_(hil::kernelVideoCalls(), path, settings),
+      source_(stream_, hil::CameraClock(0.0, {{0.0, 0.0}}), options) {}
+
+Taken CameraReader::takeAll() {
+  std::vector<Frame> frames = source_.nextBatch(SIZE_MAX);
+  return {std::move(frames), source_.report()};
+}
+
+}  // namespace kerfbench::guest

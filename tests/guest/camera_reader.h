@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/camera/v4l2/v4l2_frames.h"
+#include "hil/camera/v4l2/v4l2_stream.h"
+
+namespace kerfbench::guest {
+
+hil::CameraSettings grey(int width_px, int height_px);
+/// So many frames; after half a second without one the camera has stopped.
+hil::V4l2FrameOptions optionsFor(std::uint64_t frames);
+
+/// What a source gave out, and what it told, until it ended.
+struct Taken {
+  std::vector<Frame> frames;
+  hil::CaptureReport report;
+  [[nodiscard]] std::vector<std::string> incidents() const;
+};
+
+/// The bench's way from a device to frames, with the camera's clock taken for the pins'.
+class CameraReader {
+ public:
+  /// Streams from here on. @throws as V4l2Stream.
+  CameraReader(const std::string& path, const hil::CameraSettings& settings,
+               const hil::V4l2FrameOptions& options);
+  /// So many good frames, or fewer at the end.
+  std::vector<Frame> take(std::size_t count) { return source_.nextBatch(count); }
+  /// To the end.
+  Taken takeAll();
+
+ private:
+  hil::V4l2Stream stream_;
+  hil::V4l2FrameSource source_;
+};
+
+}  // namespace kerfbench::guest

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bench's reader of cameras on a camera of the kernel's own that fails on demand (vivid).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/v4l2-dv-timings.h>
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "hil/camera/v4l2/device_list.h"
+#include "hil/camera/v4l2/video_device.h"
+#include "tests/guest/camera_reader.h"
+
+namespace kerfbench::guest {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kVivid = "/dev/video30";  // As init.sh numbers it.
+
+class VividTest : public testing::Test {
+ protected:
+  /// Of a test pattern, which repeats.
+  static hil::V4l2FrameOptions noiseless(std::uint64_t frames) {
+    hil::V4l2FrameOptions options = optionsFor(frames);
+    options.watch.sensor_has_noise = false;
+    return options;
+  }
+  /// Sets a control while another reads, as anybody may.
+  static void control(const std::string& key, std::int32_t value = 1) {
+    const std::vector<hil::CameraListing> cameras = hil::listCameras(hil::kernelVideoCalls());
+    const auto camera = std::ranges::find(cameras, kVivid, &hil::CameraListing::path);
+    ASSERT_NE(camera, cameras.end());
+    const auto found = std::ranges::find(camera->controls, key, &hil::ControlListing::key);
+    ASSERT_NE(found, camera->controls.end()) << key << " is none of\n" << hil::describe(*camera);
+    hil::VideoDevice device(hil::kernelVideoCalls(), kVivid);
+    v4l2_control wanted{found->id, value};
+    device.require(VIDIOC_S_CTRL, &wanted, key.c_str());
+  }
+  static hil::CameraSettings webcam() {
+    hil::CameraSettings settings = grey(320, 180);
+    settings.frame_rate_hz = 25.0;
+    return settings;
+  }
+  /// 0: a webcam, 1: HDMI (init.sh).
+  static void selectInput(int input) {
+    hil::VideoDevice(hil::kernelVideoCalls(), kVivid).require(VIDIOC_S_INPUT, &input, "VIDIOC_S_INPUT");
+  }
+  hil::CameraSettings settings = webcam();
+};
+
+TEST_F(VividTest, StreamsWithoutAnIncident) {
+  CameraReader reader(kVivid, settings, noiseless(25));
+  const Taken taken = reader.takeAll();
+  EXPECT_THAT(taken.incidents(), IsEmpty());
+  EXPECT_EQ(taken.report.ended_early, "");
+  EXPECT_EQ(taken.report.good, 25U);
+  EXPECT_EQ(taken.report.clock, hil::StampClock::kMonotonic);
+}
+
+TEST_F(VividTest, AFrameThatTheDriverMarksIsLeftOut) {
+  CameraReader reader(kVivid, settings, noiseless(20));
+  const std::size_t before = reader.take(5).size();
+  control("inject_v4l2_buf_flag_error");
+  const Taken taken = reader.takeAll();
+  EXPECT_THAT(taken.incidents(), testing::ElementsAre("the driver marks it as damaged"));
+  EXPECT_EQ(before + taken.frames.size(), 19U);
+}
+
+TEST_F(VividTest, FramesThatTheDriverDropsAreMissed) {
+  control("percentage_of_dropped_buffers", 30);
+  CameraReader reader(kVivid, settings, noiseless(40));
+  const Taken taken = reader.takeAll();
+  control("percentage_of_dropped_buffers", 0);
+  EXPECT_GT(taken.report.lost, 0U);
+  EXPECT_THAT(taken.incidents(), Contains(HasSubstr("frames were lost")));
+}
+
+TEST_F(VividTest, ADriverThatFailsWhileItStreamsEndsTheCapture) {
+  CameraReader reader(kVivid, settings, noiseless(20));
+  reader.take(5);
+  control("inject_fatal_streaming_error");
+  const Taken taken = reader.takeAll();
+  EXPECT_NE(taken.report.ended_early, "");
+  EXPECT_LT(taken.report.taken, 20U);
+}
+
+TEST_F(VividTest, ADriverThatRefusesBuffersOrStreamingIsToldByCall) {
+  for (const auto& [key, call] : {std::pair{"inject_vidioc_reqbufs_error", "VIDIOC_REQBUFS"},
+                                  std::pair{"inject_vidioc_qbuf_error", "VIDIOC_QBUF"},
+                                  std::pair{"inject_vidioc_streamon_error", "VIDIOC_STREAMON"}}) {
+    control(key);
+    try {
+      hil::V4l2Stream(hil::kernelVideoCalls(), kVivid, settings);
+      ADD_FAILURE() << key;
+    } catch (const std::system_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(kVivid + ": " + call));
+    }
+    // And nothing is left behind that keeps the next one from it.
+    EXPECT_EQ(CameraReader(kVivid, settings, noiseless(3)).takeAll().report.good, 3U) << key;
+  }
+}
+
+TEST_F(VividTest, NumbersThatWrapAreNoGap) {
+  control("wrap_sequence_number");
+  CameraReader reader(kVivid, settings, noiseless(150));
+  const Taken taken = reader.takeAll();
+  control("wrap_sequence_number", 0);
+  EXPECT_THAT(taken.incidents(), IsEmpty());
+  ASSERT_EQ(taken.report.good, 150U);
+  EXPECT_EQ(taken.frames.back().sequence, 149U);
+}
+
+TEST_F(VividTest, ASourceThatChangesEndsTheCapture) {
+  selectInput(1);
+  {
+    hil::VideoDevice device(hil::kernelVideoCalls(), kVivid);
+    v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
+    device.require(VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
+    CameraReader reader(kVivid, grey(640, 480), noiseless(20));
+    reader.take(5);
+    control("dv_timings_signal_mode");  // No signal.
+    const Taken taken = reader.takeAll();
+    EXPECT_THAT(taken.report.ended_early, HasSubstr("the source changed its size while it streamed"));
+    EXPECT_LT(taken.report.taken, 20U);
+    control("dv_timings_signal_mode", 0);
+  }
+  selectInput(0);
+}
+
+TEST_F(VividTest, ASizeThatItHasNotIsRefusedWithWhatItWouldGive) {
+  try {
+    hil::V4l2Stream(hil::kernelVideoCalls(), kVivid, grey(321, 181));
+    ADD_FAILURE() << "a size became another without a word";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("size: 321 x 181 became 320 x 180"));
+  }
+}
+
+// The last: it does not come back.
+TEST_F(VividTest, ACameraThatIsPulledOutEndsTheCapture) {
+  CameraReader reader(kVivid, settings, noiseless(20));
+  reader.take(5);
+  control("disconnect");
+  const Taken taken = reader.takeAll();
+  EXPECT_THAT(taken.report.ended_early, HasSubstr("the camera has vanished"));
+}
+
+}  // namespace
+}  // namespace kerfbench::guest

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/source/gpio/system.h"
+
+namespace kerfbench::guest {
+
+/// The real system, with a look at what passes, and a first wait for edges that lasts as long as the test
+/// wants: a reader that something else keeps from running.
+class WatchedSystem final : public hil::GpioSystem {
+ public:
+  explicit WatchedSystem(std::function<void()> before_first_wait = {})
+      : before_first_wait_(std::move(before_first_wait)) {}
+
+  hil::KernelAnswer open(const std::string& path) override { return real_->open(path); }
+  hil::KernelAnswer control(int fd, unsigned long request, void* argument) override {
+    return real_->control(fd, request, argument);
+  }
+  hil::KernelAnswer read(int fd, std::span<std::byte> into) override;
+  hil::KernelAnswer poll(int fd, int timeout_ms, short& revents) override;
+  void close(int fd) override { real_->close(fd); }
+  std::uint64_t now_ns() override { return real_->now_ns(); }
+  hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
+  hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
+  void leaveRealTime() override { real_->leaveRealTime(); }
+
+  /// Of the edges as they came from the kernel.
+  [[nodiscard]] const std::vector<std::uint32_t>& numbers() const { return numbers_; }
+  /// From an edge's stamp until it was read.
+  [[nodiscard]] std::uint64_t worstDelay_ns() const { return worst_delay_ns_; }
+
+ private:
+  std::shared_ptr<hil::GpioSystem> real_ = hil::linuxGpioSystem();
+  std::function<void()> before_first_wait_;
+  std::vector<std::uint32_t> numbers_;
+  std::uint64_t worst_delay_ns_{};
+};
+
+/// Numbers of the kernel's threads that serve the interrupts of the bench's lines, in order of the lines.
+std::vector<int> interruptThreads();
+
+}  // namespace kerfbench::guest
