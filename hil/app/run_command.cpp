@@ -13,6 +13,7 @@
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
+#include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
 #include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
@@ -121,7 +122,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const P
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 
-int replayOne(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
+int replayOne(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
+              const CommonOptions& options) {
   Stopwatch stopwatch;
   Console console(options.quiet);
   const Case the_case = caseWithOptions(scenario, options);
@@ -137,6 +139,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
     throw InputFault(e.what());
   }
   stopwatch.lap("reading");
+  conclusion.spot_frames = framesOfReplay(the_case, recording, frames);
   conclusion.folder_name = the_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
   return judgeRecorded(the_case, drawn, recorded, {}, std::move(conclusion), options, stopwatch, console);
@@ -148,9 +151,11 @@ int runOnPins(const Case& the_case, const CommonOptions& options, Stopwatch& sto
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   console.say("  " + prepareJob(the_case).summary);
   stopwatch.lap("reading");
+  LiveSpot spot(the_case, options.results_dir, console);
   const PinCapture captured = captureCase(the_case, linuxGpioSystem(), listChips(), console);
-  stopwatch.lap("real pins");
   Conclusion conclusion;
+  spot.finish(conclusion, console);
+  stopwatch.lap("real pins");
   conclusion.folder_name = the_case.scenario.name;
   conclusion.firmware = fmt::format("real pins of {}", the_case.scenario.firmware.gpio.chip);
   conclusion.source_id =
@@ -168,6 +173,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
     return runOnPins(the_case, options, stopwatch, console);
+  refuseRealCamera(the_case);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
@@ -216,8 +222,9 @@ int runCommand(const std::vector<fs::path>& scenarios, const CommonOptions& opti
   return code;
 }
 
-int replayCommand(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
-  return guarded(scenario, [&] { return replayOne(recording, scenario, options); });
+int replayCommand(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
+                  const CommonOptions& options) {
+  return guarded(scenario, [&] { return replayOne(recording, scenario, frames, options); });
 }
 
 }  // namespace kerfbench::hil

@@ -429,6 +429,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
       s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
+  s.cameras = readCameraChoice(file.section("cameras"));
   auto checks = file.section("checks");
   s.limits = readLimits(checks);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
