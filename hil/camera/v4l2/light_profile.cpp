@@ -44,11 +44,8 @@ class OnTable {
     step_s_ = std::max(kResolution_s, (to_s - from_s) / kMostEntries);
     const auto count = static_cast<std::size_t>((to_s - from_s) / step_s_) + 2;
     on_s_.reserve(count);
-    on_s_.push_back(0.0);
-    for (std::size_t i = 1; i < count; ++i) {
-      const double t = from_s + static_cast<double>(i) * step_s_;
-      on_s_.push_back(on_s_.back() + step_s_ * profile.meanOver(t - step_s_, t));
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      on_s_.push_back(profile.onUntil_s(from_s + static_cast<double>(i) * step_s_));
   }
   [[nodiscard]] double meanOver(double from_s, double to_s) const {
     return (at(to_s) - at(from_s)) / (to_s - from_s);

@@ -28,6 +28,8 @@ class LightProfile {
   explicit LightProfile(std::span<const Step> steps);
   /// Share of the time that it was on; `to_s` > `from_s`.
   [[nodiscard]] double meanOver(double from_s, double to_s) const;
+  /// Time on until then.
+  [[nodiscard]] double onUntil_s(double time_s) const;
 
  private:
   struct Knot {
@@ -35,13 +37,12 @@ class LightProfile {
     double on_s{};  ///< Time on until then.
     bool is_on{};   ///< After.
   };
-  [[nodiscard]] double onUntil_s(double time_s) const;
   std::vector<Knot> knots_;
 };
 
 /// A clock that is known roughly, sharpened: light in the lit frames is taken to be in proportion to what the
 /// pins ask for during their exposure and, of a sluggish light, around it. Offset and drift are those with
-/// which that leaves least: all that the rough clock allows are tried. Its ± is three standard deviations, by
+/// which that leaves least: all that the rough clock allows are tried. Its ± covers 99.7 %, by
 /// leaving out a tenth of the frames after the other, and options.edge_error_s for what is alike in all of
 /// them (the tube's delay). Nothing where too few frames are lit to tell, where another place fits nearly as
 /// well, where it is no sharper than before, or leaves the bounds known before.
