@@ -109,6 +109,17 @@ struct DoctorOptions {
   std::filesystem::path bin_dir;
 };
 
+/// See recordFramesCommand().
+struct RecordFramesOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path out;
+  std::uint64_t frames{};  ///< 0: until it ends, by time or by itself.
+  double time_limit_s{60.0};
+  double wait_s{10.0};  ///< For the first frame.
+  bool quiet{};
+  std::filesystem::path bin_dir;
+};
+
 inline constexpr int kExitBroken = 2;    ///< The bench itself broke.
 inline constexpr int kExitUsage = 64;    ///< Wrong command line.
 inline constexpr int kExitInput = 65;    ///< Bad input file.
@@ -116,9 +127,13 @@ inline constexpr int kExitWaiting = 75;  ///< Somebody has to do something; then
 
 /// Runs every scenario; returns the worst exit code (INVALID before FAIL before NOT PROVEN before PASS).
 int runCommand(const std::vector<std::filesystem::path>& scenarios, const CommonOptions& options);
-/// Judges a recording of pins as if it were live.
+/// Judges a recording of pins as if it were live. `frames`: of a real spot camera; empty: those beside the
+/// pins.
 int replayCommand(const std::filesystem::path& recording, const std::filesystem::path& scenario,
-                  const CommonOptions& options);
+                  const std::filesystem::path& frames, const CommonOptions& options);
+/// Records the spot camera that a scenario names. Returns 0; 3 if the camera ended by itself before all that
+/// was asked for came; kExitInput.
+int recordFramesCommand(const RecordFramesOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
 /// What hardware this computer has and what is wrong with it, on standard output. Returns 0; with a scenario

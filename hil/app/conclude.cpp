@@ -6,6 +6,7 @@
 #include "hil/app/judge.h"
 #include "hil/app/machine_pictures.h"
 #include "hil/app/results_folder.h"
+#include "hil/app/spot_recorder.h"
 #include "hil/base/atomic_file.h"
 #include "hil/report/run_report.h"
 #include "hil/source/vcd.h"
@@ -78,13 +79,15 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
     judgeSafeState(the_case, twin, *conclusion.safe_state, report);
   } else {
     judge(
-        the_case, twin, run, conclusion.words, options.jobs, stopwatch,
+        the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
         [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
   }
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
   writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
   writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
+  if (conclusion.moves_frames)
+    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   if (!conclusion.gcode.empty()) writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
   stopwatch.lap("recording of the pins");
   if (options.pictures) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct Conclusion {
   const MachineFilm* film{};          ///< For the report's pictures; not null.
   std::string gcode;                  ///< Written to the results folder unless empty.
   ControllerWords words;
+  std::filesystem::path spot_frames;            ///< Recording of a real spot camera; empty: none.
+  bool moves_frames{};                          ///< It goes into the results folder.
   std::optional<SafeStateEvidence> safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
 };
 /// Returns the exit code of the verdict.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "hil/app/camera_files.h"
+#include "hil/app/doctor_cameras.h"
 #include "hil/app/gpio_choice.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/real_time.h"
@@ -90,8 +91,9 @@ void lookAtRelease(const FirmwareChoice& firmware, const fs::path& bin_dir,
 
 }  // namespace
 
-ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system) {
+ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system, VideoCalls& video) {
   ComputerState state;
+  state.cameras = listCameras(video);
   state.kernel = kernelName();
   state.gpio = listChips();
   for (const GpioChipInfo& chip : state.gpio.chips) {
@@ -131,6 +133,7 @@ std::vector<DoctorFinding> findingsOf(const ComputerState& state) {
                                    "processor's own clock (tsc) unstable",
                                    state.clock_source)});
   }
+  addCameraFindings(state.cameras, findings);
   for (const std::string& note : state.real_time_notes) findings.push_back({Grade::kNote, note});
   if (findings.empty()) findings.push_back({Grade::kGood, "nothing is wrong"});
   return findings;
@@ -145,6 +148,7 @@ std::vector<DoctorFinding> needsOf(const Case& the_case, const ComputerState& st
   } else {
     lookAtRelease(firmware, bin_dir, findings);
   }
+  addCameraNeeds(the_case, state.cameras, findings);
   const std::vector<std::string> cameras = readCalibrations(the_case).problems;
   for (const std::string& problem : cameras) findings.push_back({Grade::kMissing, problem});
   if (cameras.empty()) findings.push_back({Grade::kGood, "the cameras are calibrated"});

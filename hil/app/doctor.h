@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/app/case.h"
+#include "hil/camera/v4l2/device_list.h"
 #include "hil/source/gpio/chips.h"
 
 namespace kerfbench::hil {
@@ -16,13 +17,14 @@ namespace kerfbench::hil {
 struct ComputerState {
   std::string kernel;  ///< "Linux 6.1.0-18-amd64".
   GpioChipList gpio;
-  std::vector<std::string> gpio_troubles;    ///< Chips whose edges cannot be read without losing some.
+  std::vector<std::string> gpio_troubles;  ///< Chips whose edges cannot be read without losing some.
+  std::vector<CameraListing> cameras;
   std::string clock_source;                  ///< Of the kernel: "tsc"; empty: it does not say.
   std::uint64_t clock_resolution_ns{};       ///< Of CLOCK_MONOTONIC.
   std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
 };
 /// Looks; changes nothing but the priority of the thread, for a moment.
-ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system);
+ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system, VideoCalls& video);
 
 /// One thing that was looked at.
 struct DoctorFinding {

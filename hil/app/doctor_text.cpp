@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/doctor.h"
+#include "hil/app/doctor_cameras.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -53,6 +54,7 @@ std::string doctorText(const ComputerState& state, const std::vector<DoctorFindi
     text += fmt::format("{} ({}), {} lines\n", chip.path.string(), chip.label, chip.lines.size());
     for (const GpioLineInfo& line : chip.lines) text += lineText(line);
   }
+  for (const CameraListing& camera : state.cameras) text += describe(camera);
   text +=
       fmt::format("CLOCK_MONOTONIC: {} ns, by {}\n", state.clock_resolution_ns,
                   state.clock_source.empty() ? "a clock that the kernel does not name" : state.clock_source);
@@ -72,6 +74,7 @@ std::string doctorJson(const ComputerState& state, const std::vector<DoctorFindi
   Json chips = Json::array();
   for (const GpioChipInfo& chip : state.gpio.chips) chips.push_back(chipJson(chip));
   json["gpio"] = {{"chips", std::move(chips)}};
+  json["cameras"] = camerasJson(state.cameras);
   json["clock"] = {{"source", state.clock_source}, {"resolution_ns", state.clock_resolution_ns}};
   json["real_time"] = {{"allowed", state.real_time_notes.empty()}};
   Json list = Json::array();

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "hil/app/camera_files.h"
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/pin_stamps.h"
+#include "hil/app/real_spot.h"
+#include "hil/camera/tile_folder.h"
 #include "hil/camera/twin_frames.h"
 #include "hil/inspect/inspect.h"
 #include "hil/source/encoder_edges.h"
@@ -45,10 +48,33 @@ std::vector<BeltEdge> beltOf(const PinRecording& recording, double count_mm) {
   return belt;
 }
 
+void takeRealSpot(RealSpot real, Evidence& evidence, RunReport& report) {
+  evidence.spot = std::move(real.track);
+  evidence.clock_bound_s = real.clock_bound_s;
+  evidence.problems.insert(evidence.problems.end(), real.problems.begin(), real.problems.end());
+  report.versions.insert(report.versions.end(), real.facts.begin(), real.facts.end());
+}
+
+std::unique_ptr<TileSource> kerfPictures(const Case& the_case, twin::Twin& twin,
+                                         const CameraCalibration& calibration, int jobs, RunReport& report) {
+  const CameraChoice& cameras = the_case.scenario.cameras;
+  if (!cameras.kerf.tiles.empty()) {
+    report.versions.emplace_back("kerf pictures", "of " + cameras.kerf.tiles.string());
+    return std::make_unique<TileFolder>(cameras.kerf.tiles,
+                                        PictureSize{calibration.width_px, calibration.height_px});
+  }
+  if (cameras.spot.is_real)
+    report.versions.emplace_back("kerf pictures", "of the model: no real sheet was looked at for the kerf");
+  TwinTileOptions options;
+  options.threads = jobs;
+  return std::make_unique<TwinTileSource>(kerfTiles(the_case, twin, options));
+}
+
 }  // namespace
 
 void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, const ControllerWords& words,
-           int jobs, Stopwatch& stopwatch, const ProgressFn& progress, RunReport& report) {
+           const RealPictures& pictures, int jobs, Stopwatch& stopwatch, const ProgressFn& progress,
+           RunReport& report) {
   const Scenario& scenario = the_case.scenario;
   const BenchCameras cameras = readCalibrations(the_case);
 
@@ -76,21 +102,26 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, co
 
   if (!evidence.gates.empty() && cameras.spot && cameras.kerf) {
     progress(-1, "looking at the spot");
-    TwinFrameSource frames(twin::SpotCamera(the_case.machine.spot_camera, scenario.print,
-                                            the_case.machine.glow_gray_per_w, scenario.seed),
-                           exposuresWhileLaserWorks(twin, evidence.gates), jobs);
-    evidence.spot = trackSpot(frames, *cameras.spot, scenario.print, {jobs, scenario.belt_speed_mm_s});
-    stopwatch.lap("spot camera: render and measure");
+    if (scenario.cameras.spot.is_real) {
+      takeRealSpot(
+          lookAtRealSpot(the_case, pictures.spot, *cameras.spot, run.recording, evidence.gates, jobs),
+          evidence, report);
+      stopwatch.lap("spot camera: measure");
+    } else {
+      TwinFrameSource frames(twin::SpotCamera(the_case.machine.spot_camera, scenario.print,
+                                              the_case.machine.glow_gray_per_w, scenario.seed),
+                             exposuresWhileLaserWorks(twin, evidence.gates), jobs);
+      evidence.spot = trackSpot(frames, *cameras.spot, scenario.print, {jobs, scenario.belt_speed_mm_s});
+      stopwatch.lap("spot camera: render and measure");
+    }
 
     progress(-1, "looking at the cut");
-    TwinTileOptions tile_options;
-    tile_options.threads = jobs;
-    TwinTileSource tiles = kerfTiles(the_case, twin, tile_options);
+    const std::unique_ptr<TileSource> tiles = kerfPictures(the_case, twin, *cameras.kerf, jobs, report);
     KerfScanOptions scan_options;
     scan_options.threads = jobs;
     scan_options.station_pitch_mm = kStationPitch_mm;
     scan_options.beam_radius_mm = the_case.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
-    evidence.kerf = scanKerf(tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
+    evidence.kerf = scanKerf(*tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
     stopwatch.lap("kerf camera: render and measure");
   }
   evidence.kerf_calibration = cameras.kerf;

@@ -301,6 +301,26 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
   return gauge;
 }
 
+CLI::App* addRecordFrames(CLI::App& app, RecordFramesOptions& options) {
+  CLI::App* record = app.add_subcommand(
+      "record-frames",
+      "Record the real spot camera that a scenario names (cameras.spot), for replay --frames. Buffers are "
+      "written as the\n"
+      "driver gives them, faulty ones included. Exit code 3: the camera ended before all came.");
+  record->add_option("SCENARIO", options.scenario, "Whose camera, format and settings")->required();
+  record->add_option("--out", options.out, "Folder for the recording, empty or not there yet")->required();
+  record->add_option("--frames", options.frames,
+                     "So many; otherwise until the time is over or none comes any more");
+  record->add_option("--seconds", options.time_limit_s, "At most so long, after --wait")
+      ->check(CLI::Range(0.001, 36000.0))
+      ->capture_default_str();
+  record->add_option("--wait", options.wait_s, "For the first frame, in seconds")
+      ->check(CLI::Range(0.001, 3600.0))
+      ->capture_default_str();
+  record->add_flag("--quiet,-q", options.quiet, "Only the result");
+  return record;
+}
+
 CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
   CLI::App* doctor = app.add_subcommand(
       "doctor",
@@ -345,7 +365,15 @@ int dispatch(int argc, char** argv) {
   CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd) as if they were live");
   replay->add_option("RECORDING", recording, "VCD file with 1-bit wires named like galvo_x_pul")->required();
   replay->add_option("--scenario", replay_scenario, "The scenario that was recorded")->required();
+  fs::path replay_frames;
+  replay->add_option("--frames", replay_frames,
+                     "Recording of the real spot camera that the scenario names;\notherwise the folder spot "
+                     "beside the pins");
   addCommonOptions(*replay, options);
+
+  RecordFramesOptions record_options;
+  record_options.bin_dir = options.bin_dir;
+  const CLI::App* record_frames = addRecordFrames(app, record_options);
 
   std::vector<fs::path> lint_files;
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
@@ -381,7 +409,8 @@ int dispatch(int argc, char** argv) {
     return code == 0 ? 0 : kExitUsage;
   }
   if (run->parsed()) return runCommand(scenarios, options);
-  if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
+  if (replay->parsed()) return replayCommand(recording, replay_scenario, replay_frames, options);
+  if (record_frames->parsed()) return recordFramesCommand(record_options);
   if (doctor->parsed()) return doctorCommand(doctor_options);
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);

@@ -13,6 +13,7 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
 #include "hil/app/live_pins.h"
+#include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
 #include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
@@ -156,7 +157,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
 
-int replayOne(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
+int replayOne(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
+              const CommonOptions& options) {
   Stopwatch stopwatch;
   Console console(options.quiet);
   const Case the_case = caseWithOptions(scenario, options);
@@ -172,6 +174,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
     throw InputFault(e.what());
   }
   stopwatch.lap("reading");
+  conclusion.spot_frames = framesOfReplay(the_case, recording, frames);
   conclusion.folder_name = the_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
   return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
@@ -185,6 +188,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
     return runOnPins(the_case, realPins(), options, stopwatch, console);
+  refuseRealCamera(the_case);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
@@ -241,6 +245,7 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
   conclusion.firmware = fmt::format("real pins of {}", firmware.gpio.chip);
   conclusion.source_id = fmt::format("gpiochip {}, stamps within {:.4g} us", firmware.gpio.chip,
                                      1e6 * firmware.gpio.stamp_err_s);
+  LiveSpot spot(the_case, options.results_dir, console);
   Recorded recorded;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(the_case, drawn, pins, job, console);
@@ -255,6 +260,7 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
     PinCapture captured = captureCase(the_case, pins.gpio, pins.chips(), console);
     recorded = {std::move(captured.recording), std::move(captured.problems), {}, 0.0};
   }
+  spot.finish(conclusion, console);
   stopwatch.lap("real pins");
   return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
 }
@@ -267,8 +273,9 @@ int runCommand(const std::vector<fs::path>& scenarios, const CommonOptions& opti
   return code;
 }
 
-int replayCommand(const fs::path& recording, const fs::path& scenario, const CommonOptions& options) {
-  return guarded(scenario, [&] { return replayOne(recording, scenario, options); });
+int replayCommand(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
+                  const CommonOptions& options) {
+  return guarded(scenario, [&] { return replayOne(recording, scenario, frames, options); });
 }
 
 }  // namespace kerfbench::hil

@@ -442,6 +442,7 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
   if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.source == FirmwareChoice::Source::kGpio)
     file.fault("provoke", "is for emulated releases; on real pins (source: gpio) nothing is provoked yet");
+  s.cameras = readCameraChoice(file.section("cameras"));
   auto checks = file.section("checks");
   s.limits = readLimits(checks);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.

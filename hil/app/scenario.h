@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/selection.h"
+#include "hil/app/camera_choice.h"
 #include "hil/app/gpio_choice.h"
 #include "hil/app/provoke.h"
 #include "hil/dieline/read.h"
@@ -71,6 +72,7 @@ struct Scenario {
   planner::PlannerFaults planner_faults;
   std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
   ProvokeChoice provoke;
+  CameraChoice cameras;
   Limits limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
   int calibration_max_age_days{180};

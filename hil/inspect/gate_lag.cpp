@@ -195,8 +195,10 @@ std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits
     const auto start = startOf(evidence, lit, gate);
     if (!start) continue;
     // A start that few frames saw is known too loosely to prove anything, unless it is far off.
-    const bool usable = start->sigma_s <= 0.2 * limits.gate_lag_s;
-    const bool far_off = std::abs(start->lag_s) - 4.0 * start->sigma_s > limits.gate_lag_s;
+    const bool usable =
+        start->sigma_s <= 0.2 * limits.gate_lag_s && evidence.clock_bound_s <= 0.5 * limits.gate_lag_s;
+    const bool far_off =
+        std::abs(start->lag_s) - 4.0 * start->sigma_s - evidence.clock_bound_s > limits.gate_lag_s;
     if (usable || far_off) starts.push_back(*start);
   }
   if (starts.empty()) return std::nullopt;
@@ -212,7 +214,8 @@ std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits
     return std::abs(a.lag_s) < std::abs(b.lag_s);
   });
   check.value = extreme.value();
-  check.u = check.guard = extreme.expandedU();
+  // The clocks' relation is off alike at all starts.
+  check.u = check.guard = extreme.expandedU() + 1e3 * evidence.clock_bound_s;
   check.subject = nameOf(worst.unit, worst.entity);
   decide(check);
   const double median_ms = medianOf(lags_ms);

@@ -134,6 +134,7 @@ void addPins(const Evidence& evidence, Numbers& n) {
   n.need(evidence.power_quantum_j, "the energy of an edge of the power meter");
   n.need(evidence.belt_count_mm, "the travel of a count of the belt's encoder");
   n.need(evidence.pin_u_s, "the uncertainty of a pin's time");
+  n.need(evidence.clock_bound_s, "the bound of the camera's clock");
 }
 
 void addCalibration(const std::optional<CameraCalibration>& calibration, Numbers& n) {

@@ -104,6 +104,7 @@ Check laserGateCheck(const Evidence& evidence, const Limits& limits) {
     }
   }
   if (lit == 0 && gates.empty()) check.value = 0.0;
+  check.u = check.guard = 1e3 * evidence.clock_bound_s;
   decide(check);
   if (gates.empty()) {
     check.explanation = lit == 0

@@ -40,6 +40,12 @@ Band bandOf(const EdgeSighting& seen, double reference_stamp_s, const CameraCloc
   return {seen.lit_stamp_s - reference_stamp_s, edge_s - most_s, edge_s - least_s};
 }
 
+Band bandOf(const LightSighting& seen, double reference_stamp_s, const CameraClockOptions& options) {
+  const double slack_s = options.stamp_jitter_s + options.edge_error_s;
+  return {seen.stamp_s - reference_stamp_s, seen.on_s - options.exposure_s - slack_s - seen.stamp_s,
+          seen.off_s + slack_s - seen.stamp_s};
+}
+
 /// What of a convex polygon lies where room(corner) >= 0 (Sutherland and Hodgman 1974); room is linear.
 template <typename Room>
 Polygon clip(const Polygon& polygon, const Room& room) {
@@ -108,6 +114,15 @@ std::string faultOf(const EdgeSighting& seen) {
   return {};
 }
 
+std::string faultOf(const LightSighting& seen) {
+  if (!std::isfinite(seen.stamp_s) || !std::isfinite(seen.on_s) || !std::isfinite(seen.off_s))
+    return "has a time that is no number";
+  return seen.off_s > seen.on_s ? "" : "has a light that goes off before it goes on";
+}
+
+double stampOf(const EdgeSighting& seen) { return seen.lit_stamp_s; }
+double stampOf(const LightSighting& seen) { return seen.stamp_s; }
+
 struct Survey {
   std::vector<Line> corners;
   std::vector<std::size_t> suspects;
@@ -129,6 +144,47 @@ Survey surveyOf(std::span<const Band> bands, double max_drift) {
                                 [&](const Line& a, const Line& b) { return key(a) == key(b); });
   survey.corners.erase(same, survey.corners.end());
   return survey;
+}
+
+template <typename Sighting>
+CameraClockFit fitted(std::span<const Sighting> sightings, const CameraClockOptions& options) {
+  if (const std::string faults = faultsOf(options); !faults.empty())
+    throw std::invalid_argument("fitCameraClock: " + faults);
+  constexpr std::size_t kLeast = 3;  // Of two that contradict each other none is to be believed.
+  CameraClockFit fit;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    if (const std::string fault = faultOf(sightings[i]); !fault.empty()) {
+      fit.why_not = fmt::format("sighting {} {}", i, fault);
+      return fit;
+    }
+  }
+  if (sightings.size() < kLeast) {
+    fit.why_not = fmt::format("{} sightings; one may be wrong, so {} are needed", sightings.size(), kLeast);
+    return fit;
+  }
+  const auto [first, last] =
+      std::ranges::minmax(sightings, {}, [](const Sighting& seen) { return stampOf(seen); });
+  const double reference_s = std::midpoint(stampOf(first), stampOf(last));
+  std::vector<Band> bands;
+  for (const Sighting& seen : sightings) bands.push_back(bandOf(seen, reference_s, options));
+  Survey survey = surveyOf(bands, options.max_drift);
+  fit.suspects = std::move(survey.suspects);
+  if (survey.corners.empty()) {
+    fit.why_not = "the sightings contradict each other, whichever one is left out";
+    return fit;
+  }
+  CameraClock clock(reference_s, std::move(survey.corners));
+  const double worst_s =
+      std::max(clock.uncertaintyAt_s(stampOf(first)), clock.uncertaintyAt_s(stampOf(last)));
+  if (worst_s > options.max_uncertainty_s) {
+    fit.why_not = fmt::format(
+        "the sightings tell the offset to ±{:.3g} ms only, and ±{:.3g} ms are asked for: too few of them, or "
+        "all at the same place of a frame",
+        worst_s * 1e3, options.max_uncertainty_s * 1e3);
+    return fit;
+  }
+  fit.clock = std::move(clock);
+  return fit;
 }
 
 }  // namespace
@@ -162,42 +218,12 @@ double CameraClock::driftUncertainty() const {
 }
 
 CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const CameraClockOptions& options) {
-  if (const std::string faults = faultsOf(options); !faults.empty())
-    throw std::invalid_argument("fitCameraClock: " + faults);
-  constexpr std::size_t kLeast = 3;  // Of two that contradict each other none is to be believed.
-  CameraClockFit fit;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    if (const std::string fault = faultOf(sightings[i]); !fault.empty()) {
-      fit.why_not = fmt::format("sighting {} {}", i, fault);
-      return fit;
-    }
-  }
-  if (sightings.size() < kLeast) {
-    fit.why_not = fmt::format("{} sightings; one may be wrong, so {} are needed", sightings.size(), kLeast);
-    return fit;
-  }
-  const auto [first, last] = std::ranges::minmax(sightings, {}, &EdgeSighting::lit_stamp_s);
-  const double reference_s = std::midpoint(first.lit_stamp_s, last.lit_stamp_s);
-  std::vector<Band> bands;
-  for (const EdgeSighting& seen : sightings) bands.push_back(bandOf(seen, reference_s, options));
-  Survey survey = surveyOf(bands, options.max_drift);
-  fit.suspects = std::move(survey.suspects);
-  if (survey.corners.empty()) {
-    fit.why_not = "the sightings contradict each other, whichever one is left out";
-    return fit;
-  }
-  CameraClock clock(reference_s, std::move(survey.corners));
-  const double worst_s =
-      std::max(clock.uncertaintyAt_s(first.lit_stamp_s), clock.uncertaintyAt_s(last.lit_stamp_s));
-  if (worst_s > options.max_uncertainty_s) {
-    fit.why_not = fmt::format(
-        "the sightings tell the offset to ±{:.3g} ms only, and ±{:.3g} ms are asked for: too few of them, or "
-        "all at the same place of a frame",
-        worst_s * 1e3, options.max_uncertainty_s * 1e3);
-    return fit;
-  }
-  fit.clock = std::move(clock);
-  return fit;
+  return fitted(sightings, options);
+}
+
+CameraClockFit fitCameraClockToLights(std::span<const LightSighting> sightings,
+                                      const CameraClockOptions& options) {
+  return fitted(sightings, options);
 }
 
 }  // namespace kerfbench::hil

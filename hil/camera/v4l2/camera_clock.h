@@ -20,6 +20,15 @@ struct EdgeSighting {
   std::optional<double> lit_share;
 };
 
+/// A frame that shows a light which was on from on_s to off_s at most, by the pins. Unlike that of an edge
+/// the light may begin and end softly (a laser whose power follows the speed): that a frame is dark says
+/// nothing here.
+struct LightSighting {
+  double stamp_s{};  ///< The camera's, of the frame.
+  double on_s{};
+  double off_s{};  ///< Later than on_s.
+};
+
 /// What is known beforehand. The bounds are bounds, not standard deviations: what the fit tells rests on
 /// them.
 struct CameraClockOptions {
@@ -78,5 +87,9 @@ struct CameraClockFit {
 /// answer of no clock comes with the reason. @throws std::invalid_argument that names every option out of
 /// range.
 CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const CameraClockOptions& options);
+/// The same by frames that show a light. Only a light's first and last frames say much: others may be left
+/// out.
+CameraClockFit fitCameraClockToLights(std::span<const LightSighting> sightings,
+                                      const CameraClockOptions& options);
 
 }  // namespace kerfbench::hil

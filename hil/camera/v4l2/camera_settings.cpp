@@ -8,6 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,12 +28,14 @@ class Setter {
     if (settings_.exposure_s) setExposure(*settings_.exposure_s);
     if (settings_.gain) setGain(*settings_.gain);
     for (const auto& [key, value] : settings_.controls) setByKey(key, value);
-    if (!faults_.empty()) throw std::invalid_argument(device_.path() + ": " + faults_);
+    if (!faults_.empty()) throw CameraSettingsError(device_.path(), std::move(faults_));
     return setup_;
   }
 
  private:
-  void fault(const std::string& text) { faults_ += (faults_.empty() ? "" : "; ") + text; }
+  void fault(const std::string& setting, std::string words) {
+    faults_.push_back({setting, std::move(words)});
+  }
 
   void requireLife(int error, const char* name) const {
     if (error == ENODEV) throwVideoError(error, device_.path(), name);
@@ -42,7 +45,7 @@ class Setter {
     const PixelFormat& format = *settings_.format;
     const int bits = settings_.bits == 0 ? format.bits : settings_.bits;
     if (bits != format.bits && (format.bits != 16 || bits < 8 || bits > 16))
-      fault(fmt::format("bits: {} has {}", format.name, format.bits));
+      fault("bits", fmt::format("{} has {}", format.name, format.bits));
     v4l2_format wanted{};
     wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     wanted.fmt.pix.width = static_cast<std::uint32_t>(settings_.width_px);
@@ -52,17 +55,19 @@ class Setter {
     const int error = device_.request(VIDIOC_S_FMT, &wanted);
     requireLife(error, "VIDIOC_S_FMT");
     if (error != 0) {
-      return fault(fmt::format(
-          "format: {}{}", std::strerror(error),
-          error == EBUSY ? " (another program has it, or nobody writes into a loopback yet)" : ""));
+      return fault("format", fmt::format("{}{}", std::strerror(error),
+                                         error == EBUSY
+                                             ? " (another program has it, or nobody writes into a loopback yet)"
+                                             : ""));
     }
     if (wanted.fmt.pix.pixelformat != format.fourcc)
-      return fault(fmt::format("format: {} became {}", format.name, fourccText(wanted.fmt.pix.pixelformat)));
-    if (wanted.fmt.pix.field != V4L2_FIELD_NONE) fault("format: the pictures are interlaced");
+      return fault("format",
+                   fmt::format("{} became {}", format.name, fourccText(wanted.fmt.pix.pixelformat)));
+    if (wanted.fmt.pix.field != V4L2_FIELD_NONE) fault("format", "the pictures are interlaced");
     setup_.layout = currentLayout(device_, settings_);
     if (setup_.layout.width_px != settings_.width_px || setup_.layout.height_px != settings_.height_px)
-      fault(fmt::format("size: {} x {} became {} x {}", settings_.width_px, settings_.height_px,
-                        setup_.layout.width_px, setup_.layout.height_px));
+      fault("size", fmt::format("{} x {} became {} x {}", settings_.width_px, settings_.height_px,
+                                setup_.layout.width_px, setup_.layout.height_px));
     checkRows();
   }
 
@@ -72,26 +77,27 @@ class Setter {
     const auto least =
         static_cast<std::size_t>(layout.width_px) * static_cast<std::size_t>(layout.format->bytesPerPixel());
     if (layout.stride_bytes < least)
-      fault(fmt::format("format: rows of {} bytes hold no {} pixels", layout.stride_bytes, layout.width_px));
+      fault("format",
+            fmt::format("rows of {} bytes hold no {} pixels", layout.stride_bytes, layout.width_px));
     const bool is_bayer = layout.format->bayer != BayerOrder::kNone;
     if ((is_bayer && (layout.width_px % 2 != 0 || layout.height_px % 2 != 0 || layout.width_px < 4 ||
                       layout.height_px < 4)) ||
         (layout.format->packing == PixelPacking::kYuyv && layout.width_px % 2 != 0))
-      fault("size: this format needs an even one");
+      fault("size", "this format needs an even one");
   }
 
   void setFrameRate(double rate_hz) {
     constexpr double kParts = 1000.0;
     v4l2_streamparm wanted{};
     wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (!(rate_hz >= 0.001) || rate_hz > 1e6) return fault("frame_rate_hz: must be 0.001 ... 1e6");
+    if (!(rate_hz >= 0.001) || rate_hz > 1e6) return fault("frame_rate_hz", "must be 0.001 ... 1e6");
     wanted.parm.capture.timeperframe.numerator = static_cast<std::uint32_t>(kParts);
     wanted.parm.capture.timeperframe.denominator = static_cast<std::uint32_t>(std::lround(kParts * rate_hz));
     const int error = device_.request(VIDIOC_S_PARM, &wanted);
     requireLife(error, "VIDIOC_S_PARM");
-    if (error != 0) return fault(fmt::format("frame_rate_hz: {}", std::strerror(error)));
+    if (error != 0) return fault("frame_rate_hz", std::strerror(error));
     if ((wanted.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
-      return fault("frame_rate_hz: the driver cannot set it");
+      return fault("frame_rate_hz", "the driver cannot set it");
     asked_rate_ = true;
   }
 
@@ -102,7 +108,7 @@ class Setter {
     if (device_.request(VIDIOC_G_PARM, &now) == 0 && time.numerator > 0 && time.denominator > 0)
       setup_.frame_period_s = static_cast<double>(time.numerator) / time.denominator;
     if (!asked_rate_) return;
-    if (!setup_.frame_period_s) return fault("frame_rate_hz: the driver does not say what it is");
+    if (!setup_.frame_period_s) return fault("frame_rate_hz", "the driver does not say what it is");
     setup_.outcomes.push_back({"frame_rate_hz", *settings_.frame_rate_hz, 1.0 / *setup_.frame_period_s});
   }
 
@@ -113,12 +119,13 @@ class Setter {
     const int error = device_.request(VIDIOC_QUERYCTRL, &control);
     requireLife(error, "VIDIOC_QUERYCTRL");
     if (error != 0 || (control.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
-      return fault(setting + ": the camera has no such control"), false;
+      return fault(setting, "the camera has no such control"), false;
     if ((control.flags & (V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_INACTIVE)) != 0)
-      return fault(setting + ": is read-only, or inactive for another control's sake"), false;
+      return fault(setting, "is read-only, or inactive for another control's sake"), false;
     if (value < control.minimum || value > control.maximum)
-      return fault(
-                 fmt::format("{}: {} is not in {} ... {}", setting, value, control.minimum, control.maximum)),
+      return fault(setting, fmt::format("{}{} is not in {} ... {}", value,
+                                        id == V4L2_CID_EXPOSURE_ABSOLUTE ? " (in 100 us)" : "",
+                                        control.minimum, control.maximum)),
              false;
     return true;
   }
@@ -129,7 +136,7 @@ class Setter {
     int error = device_.request(VIDIOC_S_CTRL, &control);
     if (error == 0) error = device_.request(VIDIOC_G_CTRL, &control);
     requireLife(error, "VIDIOC_S_CTRL");
-    if (error != 0) return fault(fmt::format("{}: {}", setting, std::strerror(error))), std::nullopt;
+    if (error != 0) return fault(setting, std::strerror(error)), std::nullopt;
     return control.value;
   }
 
@@ -143,18 +150,18 @@ class Setter {
   }
 
   void setExposure(double exposure_s) {
-    if (!(exposure_s > 0.0) || exposure_s > 1000.0) return fault("exposure_s: must be > 0 and <= 1000");
+    if (!(exposure_s > 0.0) || exposure_s > 1000.0) return fault("exposure_s", "must be > 0 and <= 1000");
     if (!switchOff(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL))
-      fault("exposure_s: the camera's automatic exposure stays on");
+      fault("exposure_s", "the camera's automatic exposure stays on");
     const auto units = static_cast<std::int32_t>(std::lround(exposure_s / kExposureUnit_s));
-    const auto got = set(V4L2_CID_EXPOSURE_ABSOLUTE, "exposure_s (in 100 us)", units);
+    const auto got = set(V4L2_CID_EXPOSURE_ABSOLUTE, "exposure_s", units);
     if (!got) return;
     setup_.exposure_s = *got * kExposureUnit_s;
     setup_.outcomes.push_back({"exposure_s", exposure_s, *setup_.exposure_s});
   }
 
   void setGain(std::int32_t gain) {
-    if (!switchOff(V4L2_CID_AUTOGAIN, 0)) fault("gain: the camera's automatic gain stays on");
+    if (!switchOff(V4L2_CID_AUTOGAIN, 0)) fault("gain", "the camera's automatic gain stays on");
     v4l2_queryctrl control{};
     control.id = V4L2_CID_GAIN;
     const bool has_gain = device_.request(VIDIOC_QUERYCTRL, &control) == 0;
@@ -176,17 +183,27 @@ class Setter {
       }
       control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
     }
-    fault(key + ": the camera has no such control");
+    fault(key, "the camera has no such control");
   }
 
   VideoDevice& device_;
   const CameraSettings& settings_;
   CameraSetup setup_;
-  std::string faults_;
+  std::vector<SettingFault> faults_;
   bool asked_rate_{};
 };
 
+std::string textOf(const std::string& path, const std::vector<SettingFault>& faults) {
+  std::string text;
+  for (const SettingFault& fault : faults)
+    text += fmt::format("{}{}: {}", text.empty() ? path + ": " : "; ", fault.setting, fault.words);
+  return text;
+}
+
 }  // namespace
+
+CameraSettingsError::CameraSettingsError(const std::string& path, std::vector<SettingFault> faults)
+    : std::invalid_argument(textOf(path, faults)), faults_(std::move(faults)) {}
 
 FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings) {
   v4l2_format now{};
@@ -209,7 +226,7 @@ FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings) {
 
 CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings) {
   if (settings.format == nullptr || settings.width_px <= 0 || settings.height_px <= 0)
-    throw std::invalid_argument(device.path() + ": format and size must be told");
+    throw CameraSettingsError(device.path(), {{"format", "format and size must be told"}});
   return Setter(device, settings).run();
 }
 

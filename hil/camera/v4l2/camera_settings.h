@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -45,9 +46,24 @@ struct CameraSetup {
   std::optional<double> exposure_s;      ///< Where it was asked for, as read back.
 };
 
+/// What a device has not or refuses.
+struct SettingFault {
+  std::string setting;  ///< "format", "size", "bits", or as in SettingOutcome.
+  std::string words;
+};
+
+/// All of them; what() is "PATH: setting: fault; setting: fault; …".
+class CameraSettingsError : public std::invalid_argument {
+ public:
+  CameraSettingsError(const std::string& path, std::vector<SettingFault> faults);
+  [[nodiscard]] const std::vector<SettingFault>& faults() const { return faults_; }
+
+ private:
+  std::vector<SettingFault> faults_;
+};
+
 /// Sets format, size, frame rate and controls, and reads back what came of them.
-/// @throws std::invalid_argument "PATH: fault; fault; …" with everything that the device has not or refuses;
-/// std::system_error for a device that is none or has gone.
+/// @throws CameraSettingsError; std::system_error for a device that is none or has gone.
 CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings);
 
 /// The size and layout that the device has now. @throws std::system_error.

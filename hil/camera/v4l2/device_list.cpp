@@ -140,22 +140,6 @@ std::vector<ControlListing> controlsOf(VideoDevice& device) {
   return controls;
 }
 
-std::string problemOf(const std::system_error& error) {
-  switch (error.code().value()) {
-    case EACCES:
-    case EPERM:
-      return "no permission: add the user to the group \"video\", or give the device a udev rule";
-    case EBUSY:
-      return "another program has it";
-    case ENODEV:
-    case ENXIO:
-    case ENOENT:
-      return "the device has gone";
-    default:
-      return error.what();
-  }
-}
-
 CameraListing look(VideoCalls& calls, const std::string& path) {
   CameraListing camera;
   camera.path = path;
@@ -205,6 +189,22 @@ std::string controlText(const ControlListing& control) {
 }
 
 }  // namespace
+
+std::string problemOf(const std::system_error& error) {
+  switch (error.code().value()) {
+    case EACCES:
+    case EPERM:
+      return "no permission: add the user to the group \"video\", or give the device a udev rule";
+    case EBUSY:
+      return "another program has it";
+    case ENODEV:
+    case ENXIO:
+    case ENOENT:
+      return "the device has gone";
+    default:
+      return error.what();
+  }
+}
 
 std::vector<CameraListing> listCameras(VideoCalls& calls) {
   std::vector<CameraListing> cameras;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hil/camera/v4l2/video_calls.h"
@@ -56,6 +57,9 @@ struct CameraListing {
 /// All video devices of this machine, those that cannot be opened included. Changes no setting. Never throws
 /// for a device's sake: what it refuses is missing or told in `problem`.
 std::vector<CameraListing> listCameras(VideoCalls& calls);
+
+/// Why a device cannot be used, and what to do, in words.
+std::string problemOf(const std::system_error& error);
 
 /// A listing in lines for people.
 std::string describe(const CameraListing& camera);

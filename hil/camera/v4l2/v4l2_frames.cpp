@@ -31,7 +31,7 @@ WatchOptions watchOf(const V4l2FrameOptions& options, const CameraSetup& setup) 
 
 }  // namespace
 
-V4l2FrameSource::V4l2FrameSource(V4l2Stream& stream, CameraClock clock, const V4l2FrameOptions& options)
+V4l2FrameSource::V4l2FrameSource(BufferStream& stream, CameraClock clock, const V4l2FrameOptions& options)
     : stream_(stream),
       clock_(std::move(clock)),
       options_(checked(options)),

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "hil/camera/frame_source.h"
+#include "hil/camera/v4l2/buffer_stream.h"
 #include "hil/camera/v4l2/camera_clock.h"
 #include "hil/camera/v4l2/frame_watch.h"
-#include "hil/camera/v4l2/v4l2_stream.h"
 
 namespace kerfbench::hil {
 
@@ -46,7 +46,7 @@ struct V4l2FrameOptions {
 class V4l2FrameSource final : public FrameSource {
  public:
   /// `stream` must outlive this. @throws std::invalid_argument that names every option out of range.
-  V4l2FrameSource(V4l2Stream& stream, CameraClock clock, const V4l2FrameOptions& options);
+  V4l2FrameSource(BufferStream& stream, CameraClock clock, const V4l2FrameOptions& options);
 
   std::vector<Frame> nextBatch(std::size_t max) override;
   [[nodiscard]] const CaptureReport& report() const { return report_; }
@@ -57,7 +57,7 @@ class V4l2FrameSource final : public FrameSource {
   void tell(CaptureIncident incident);
   [[nodiscard]] double begin_s(std::int64_t stamp_ns) const;
 
-  V4l2Stream& stream_;
+  BufferStream& stream_;
   CameraClock clock_;
   V4l2FrameOptions options_;
   FrameWatch watch_;

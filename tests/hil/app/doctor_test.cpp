@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/app/doctor.h"
+#include "hil/app/doctor_cameras.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +27,24 @@ class DoctorTest : public testing::Test {
     for (std::uint32_t i = 0; i < 8; ++i) chip.lines.push_back({i, "", "", false, false, false});
     chip.lines[7] = {7, "LED", "heart \"beat\"", true, true, true};
     state.gpio.chips = {chip};
+    state.cameras = {goodCamera()};
     (void)temp.write("linecutter-avr.hex", ":00000001FF\n");
+  }
+  /// What label-camera.yaml asks for.
+  static CameraListing goodCamera() {
+    CameraListing camera{"/dev/video7", "", "Eye", "uvc", "usb-1", true, {}, {}};
+    camera.formats = {{"GREY", "8-bit", true, "", {{800, 400, 800, 400, 0, 0, {{1.0 / 400, 1.0 / 400}}}}}};
+    camera.controls.emplace_back();
+    camera.controls.back().key = "exposure_time_absolute";
+    camera.controls.back().name = "\xff";
+    return camera;
+  }
+  std::string cameraNeeds() const {
+    std::vector<DoctorFinding> findings;
+    const Case the_case =
+        readCase(fixture("scenarios/native/label-camera.yaml"), KERFBENCH_BINARY_DIR "/firmware");
+    addCameraNeeds(the_case, state.cameras, findings);
+    return textsOf(findings, Grade::kMissing) + textsOf(findings, Grade::kGood);
   }
   Case onPins() const {
     const auto path =
@@ -119,6 +137,47 @@ TEST_F(DoctorTest, AnEmulatedScenarioNeedsItsEmulator) {
   EXPECT_EQ(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing), "");
 }
 
+TEST_F(DoctorTest, ASpotCameraIsThereOrWhatItLacksIsNamed) {
+  EXPECT_EQ(cameraNeeds(), "/dev/video7 (Eye) has what the spot camera needs\n");
+  CameraListing& camera = state.cameras[0];
+  camera.formats[0].sizes[0].intervals[0] = {0.04, 0.04};
+  EXPECT_THAT(
+      cameraNeeds(),
+      HasSubstr("label-camera.yaml:17: cameras.spot.frames_per_s: /dev/video7 gives no 400 frames/s"));
+  camera.formats[0].sizes[0].max_width_px = camera.formats[0].sizes[0].width_px = 640;
+  camera.controls.clear();
+  EXPECT_THAT(
+      cameraNeeds(),
+      AllOf(HasSubstr("cameras.spot.device: /dev/video7 gives no 800 x 400 in GREY"),
+            HasSubstr("cameras.spot.exposure_us: /dev/video7 has no control exposure_time_absolute")));
+  camera.formats[0].fourcc = "YUYV";
+  EXPECT_THAT(cameraNeeds(), HasSubstr("cameras.spot.format: /dev/video7 has no GREY, it offers YUYV"));
+  camera.captures = false;
+  EXPECT_THAT(cameraNeeds(), HasSubstr("/dev/video7: gives no pictures by streaming"));
+  camera.problem = "no permission";
+  EXPECT_THAT(cameraNeeds(), HasSubstr("/dev/video7: no permission"));
+  state.cameras.clear();
+  EXPECT_THAT(cameraNeeds(), HasSubstr("cameras.spot.device: there is no /dev/video7"));
+}
+
+TEST_F(DoctorTest, TroubleWithCamerasIsTold) {
+  state.cameras.push_back({"/dev/video8", "no permission: group", "", "", "", false, {}, {}});
+  state.cameras.push_back({"/dev/video9", "", "Odd", "x", "y", true, {}, {}});
+  EXPECT_THAT(
+      textsOf(findingsOf(state), Grade::kTrouble),
+      AllOf(HasSubstr("/dev/video8: no permission"), HasSubstr("/dev/video9: gives pictures in no format")));
+  state.cameras.clear();
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kNote), HasSubstr("no camera"));
+}
+
+TEST_F(DoctorTest, CamerasAreInTextAndJson) {
+  EXPECT_THAT(doctorText(state, {}), AllOf(HasSubstr("/dev/video7: Eye (driver uvc, usb-1)"),
+                                           HasSubstr("800 x 400 at 400 frames/s")));
+  const auto json = nlohmann::json::parse(doctorJson(state, {}, ""));
+  EXPECT_EQ(json["cameras"][0]["formats"][0]["sizes"][0]["size_px"][1], 400);
+  EXPECT_EQ(json["cameras"][0]["controls"][0]["key"], "exposure_time_absolute");
+}
+
 TEST_F(DoctorTest, TheTextHasEveryLineWithItsUser) {
   const std::string text = doctorText(state, findingsOf(state));
   EXPECT_THAT(
@@ -143,7 +202,7 @@ TEST_F(DoctorTest, NamesThatAreNoUtf8DoNotStopIt) {
 }
 
 TEST_F(DoctorTest, LookingAtThisComputerWorksWhateverItHas) {
-  const ComputerState here = lookAtComputer(linuxGpioSystem());
+  const ComputerState here = lookAtComputer(linuxGpioSystem(), kernelVideoCalls());
   EXPECT_THAT(here.kernel, testing::StartsWith("Linux "));
   EXPECT_GT(here.clock_resolution_ns, 0U);
   EXPECT_FALSE(findingsOf(here).empty());

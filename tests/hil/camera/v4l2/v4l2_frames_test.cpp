@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "fake_video.h"
+#include "hil/camera/v4l2/v4l2_stream.h"
 
 namespace kerfbench::hil {
 namespace {

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/camera_choice.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "hil/camera/v4l2/pixel_format.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a driver rounds a setting by without its being another one.
+constexpr double kSameSetting = 0.01;
+
+std::string placeOf(const YamlReader& spot, const std::string& key) {
+  const std::string whole = "cameras.spot" + (key.empty() ? "" : "." + key);
+  return spot.placeOf(whole) + ": " + whole;
+}
+
+void readFormat(YamlReader& spot, SpotCameraChoice& choice) {
+  const std::string name = spot.text("format");
+  choice.settings.format = findPixelFormat(std::string_view(name));
+  if (choice.settings.format == nullptr && !name.empty()) {
+    std::string known;
+    for (const PixelFormat& format : pixelFormats())
+      known += (known.empty() ? "" : ", ") + std::string(format.name);
+    spot.fault("format", fmt::format("'{}' cannot be read; known are {}", name, known));
+  }
+  choice.settings.bits = static_cast<int>(spot.integer("bits", {.min = 0, .max = 16, .fallback = 0.0}));
+}
+
+void readControls(YamlReader& spot, SpotCameraChoice& choice) {
+  for (const auto& [key, text] : spot.pairs("controls")) {
+    std::int32_t value = 0;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || rest != text.data() + text.size())
+      spot.fault("controls", fmt::format("{}: '{}' is no whole number", key, text));
+    choice.settings.controls.push_back({key, value});
+    choice.places[key] = placeOf(spot, "controls." + key);
+  }
+}
+
+void readTimes(YamlReader& spot, SpotCameraChoice& choice) {
+  constexpr double kLong_us = 1e7;
+  if (spot.has("exposure_us"))
+    choice.settings.exposure_s = 1e-6 * spot.number("exposure_us", {.min = 1, .max = kLong_us});
+  if (spot.has("lit_us")) choice.lit_s = 1e-6 * spot.number("lit_us", {.min = 0.1, .max = kLong_us});
+  if (!spot.has("exposure_us") && !spot.has("lit_us"))
+    spot.fault("exposure_us",
+               "say it, or with lit_us how long light falls on a frame of a camera without that setting");
+  if (choice.settings.exposure_s && choice.lit_s > *choice.settings.exposure_s)
+    spot.fault("lit_us", "is longer than the exposure");
+  if (choice.lit_s == 0.0) choice.lit_s = choice.settings.exposure_s.value_or(0.0);
+  choice.stamp_jitter_s = 1e-6 * spot.number("stamp_jitter_us", {.min = 0, .max = 1e5, .fallback = 50.0});
+  choice.light_error_s = 1e-6 * spot.number("light_error_us", {.min = 0, .max = 1e5, .fallback = 100.0});
+  choice.max_clock_s = 1e-6 * spot.number("clock_us", {.min = 1, .max = 1e6, .fallback = 2000.0});
+}
+
+SpotCameraChoice readSpot(YamlReader spot) {
+  SpotCameraChoice choice;
+  choice.is_real = spot.choice("source", {"twin", "v4l2"}, "twin") == "v4l2";
+  if (!choice.is_real) return choice;
+  choice.device = spot.text("device");
+  choice.place = placeOf(spot, "device");
+  readFormat(spot, choice);
+  readTimes(spot, choice);
+  if (spot.has("frames_per_s"))
+    choice.settings.frame_rate_hz = spot.number("frames_per_s", {.min = 0.1, .max = 1e5});
+  if (spot.has("gain"))
+    choice.settings.gain = static_cast<std::int32_t>(spot.integer("gain", {.min = -1e9, .max = 1e9}));
+  readControls(spot, choice);
+  choice.is_triggered = spot.boolean("triggered", false);
+  choice.sensor_has_noise = spot.boolean("sensor_has_noise", true);
+  for (const auto& [setting, key] : {std::pair{"format", "format"},
+                                     {"bits", "bits"},
+                                     {"exposure_s", "exposure_us"},
+                                     {"frame_rate_hz", "frames_per_s"},
+                                     {"gain", "gain"}})
+    choice.places[setting] = placeOf(spot, key);
+  return choice;
+}
+
+KerfCameraChoice readKerf(YamlReader kerf) {
+  KerfCameraChoice choice;
+  if (kerf.choice("source", {"twin", "tiles"}, "twin") != "tiles") return choice;
+  choice.tiles = fs::absolute(kerf.folderOf("folder") / kerf.text("folder")).lexically_normal();
+  if (kerf.has("folder") && !fs::is_directory(choice.tiles))
+    kerf.fault("folder", fmt::format("there is no folder {}", choice.tiles.string()));
+  return choice;
+}
+
+std::string whatThereIs(std::span<const CameraListing> cameras) {
+  std::string text;
+  for (const CameraListing& camera : cameras) {
+    if (!camera.captures && camera.problem.empty()) continue;
+    text += fmt::format("{}{} ({})", text.empty() ? "there is " : ", ", camera.path,
+                        camera.card.empty() ? camera.problem : camera.card + ", " + camera.bus);
+  }
+  return text.empty() ? "there is no camera at all" : text;
+}
+
+void addLine(std::string& text, const std::string& line) { text += (text.empty() ? "" : "\n") + line; }
+
+std::string placeOfSetting(const SpotCameraChoice& choice, const std::string& setting) {
+  const auto place = choice.places.find(setting);
+  return place == choice.places.end() ? choice.place + ": " + setting : place->second;
+}
+
+}  // namespace
+
+CameraChoice readCameraChoice(YamlReader cameras) {
+  CameraChoice choice;
+  choice.spot = readSpot(cameras.section("spot"));
+  // A model's kerf beside a real spot must be meant.
+  if (choice.spot.is_real && !cameras.has("kerf"))
+    cameras.fault(
+        "spot",
+        "is real: say as well where the kerf's pictures come from, kerf: {source: tiles, folder: …} or, "
+        "if no real sheet is cut, {source: twin}");
+  choice.kerf = readKerf(cameras.section("kerf"));
+  return choice;
+}
+
+std::string findCamera(const SpotCameraChoice& choice, std::span<const CameraListing> cameras) {
+  if (choice.device.starts_with('/')) {
+    std::error_code none;  // A udev link, say; what cannot be resolved cannot be opened either, and says why.
+    const fs::path path = fs::canonical(choice.device, none);
+    return none ? choice.device : path.string();
+  }
+  std::vector<std::string> found;
+  for (const CameraListing& camera : cameras) {
+    if (camera.captures && (camera.card == choice.device || camera.bus == choice.device))
+      found.push_back(camera.path);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.empty())
+    throw ConfigError(
+        fmt::format("{}: there is no camera '{}'; {}", choice.place, choice.device, whatThereIs(cameras)));
+  throw ConfigError(fmt::format("{}: {} cameras are '{}', the first are {} and {}: name the bus or the path",
+                                choice.place, found.size(), choice.device, found[0], found[1]));
+}
+
+std::string faultsOf(const SpotCameraChoice& choice, std::span<const SettingFault> faults) {
+  std::string text;
+  for (const SettingFault& fault : faults)
+    addLine(text, placeOfSetting(choice, fault.setting) + ": " + fault.words);
+  return text;
+}
+
+std::string faultsOf(const SpotCameraChoice& choice, const CameraSetup& setup) {
+  std::string text;
+  for (const SettingOutcome& one : setup.outcomes) {
+    if (std::abs(one.got - one.wanted) <= kSameSetting * std::abs(one.wanted)) continue;
+    addLine(text, fmt::format("{}: {} = {:g} was asked for, and the camera made {:g} of it",
+                              placeOfSetting(choice, one.setting), one.setting, one.wanted, one.got));
+  }
+  return text;
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "hil/app/doctor.h"
+
+namespace kerfbench::hil {
+
+/// Of the cameras of this computer alone.
+void addCameraFindings(const std::vector<CameraListing>& cameras, std::vector<DoctorFinding>& findings);
+/// Of what a case with a real spot camera needs: device, format, size, rate and settings.
+void addCameraNeeds(const Case& the_case, const std::vector<CameraListing>& cameras,
+                    std::vector<DoctorFinding>& findings);
+nlohmann::ordered_json camerasJson(const std::vector<CameraListing>& cameras);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/live_spot.h"
+
+#include <fmt/format.h>
+
+#include "hil/app/release.h"
+
+namespace kerfbench::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+LiveSpot::LiveSpot(const Case& the_case, const fs::path& results_dir, Console& console) {
+  if (!the_case.scenario.cameras.spot.is_real) return;
+  scratch_.emplace(results_dir, the_case.scenario.name + "-frames");
+  recorder_.emplace(the_case, kernelVideoCalls(), scratch_->staging() / kSpotFrames);
+  const RecordedCamera& camera = recorder_->camera();
+  console.say(fmt::format("  recording {} ({})", camera.device, camera.card));
+  for (const SettingOutcome& one : camera.setup.outcomes)
+    console.say(fmt::format("  {}: {:g}, the camera has {:g}", one.setting, one.wanted, one.got));
+}
+
+void LiveSpot::finish(Conclusion& conclusion, Console& console) {
+  if (!recorder_) return;
+  const std::string ended = recorder_->finish();
+  console.say(
+      fmt::format("  {} frames{}", recorder_->frames(), ended.empty() ? "" : "; the camera ended: " + ended));
+  conclusion.spot_frames = scratch_->staging() / kSpotFrames;
+  conclusion.moves_frames = true;
+}
+
+fs::path framesOfReplay(const Case& the_case, const fs::path& pins, const fs::path& frames) {
+  const SpotCameraChoice& spot = the_case.scenario.cameras.spot;
+  if (!spot.is_real) {
+    if (frames.empty()) return {};
+    throw InputFault(fmt::format("{}: has no real spot camera (cameras.spot), so no frames to judge",
+                                 the_case.scenario.path.string()));
+  }
+  const fs::path folder = frames.empty() ? fs::absolute(pins).parent_path() / kSpotFrames : frames;
+  if (fs::is_directory(folder)) return folder;
+  throw InputFault(fmt::format("{}: the spot camera is real, and there is no recording of its frames in {}",
+                               spot.place, folder.string()));
+}
+
+void refuseRealCamera(const Case& the_case) {
+  const SpotCameraChoice& spot = the_case.scenario.cameras.spot;
+  if (spot.is_real)
+    throw InputFault(
+        fmt::format("{}: the pins are emulated, so a real camera sees nothing of them; run on real pins "
+                    "(firmware.source: gpio), or replay with --frames",
+                    spot.place));
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "hil/app/case.h"
+#include "hil/app/conclude.h"
+#include "hil/app/console.h"
+#include "hil/app/results_folder.h"
+#include "hil/app/spot_recorder.h"
+
+namespace kerfbench::hil {
+
+/// The real spot camera of a run on real pins, if the case has one: recorded from here until finish(), beside
+/// the results.
+class LiveSpot {
+ public:
+  /// @throws InputFault for a camera that cannot be had, std::system_error.
+  LiveSpot(const Case& the_case, const std::filesystem::path& results_dir, Console& console);
+  /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
+  /// then.
+  void finish(Conclusion& conclusion, Console& console);
+
+ private:
+  std::optional<ResultsFolder> scratch_;
+  std::optional<SpotRecorder> recorder_;
+};
+
+/// The recording that a replay of a case with a real spot camera judges: `frames`, or where that is empty the
+/// folder beside the pins. Empty for a case without such a camera. @throws InputFault where there is none, or
+/// one too many.
+std::filesystem::path framesOfReplay(const Case& the_case, const std::filesystem::path& pins,
+                                     const std::filesystem::path& frames);
+
+/// @throws InputFault for a case whose pins are emulated: a real camera sees nothing of them.
+void refuseRealCamera(const Case& the_case);
+
+}  // namespace kerfbench::hil

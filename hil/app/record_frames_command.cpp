@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "hil/app/commands.h"
+#include "hil/app/console.h"
+#include "hil/app/exit_codes.h"
+#include "hil/app/release.h"
+#include "hil/app/spot_recorder.h"
+#include "hil/inspect/verdict.h"
+
+namespace kerfbench::hil {
+namespace {
+
+int record(const RecordFramesOptions& options) {
+  Console console(options.quiet);
+  const Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+  if (!the_case.scenario.cameras.spot.is_real)
+    throw InputFault(fmt::format("{}: names no real spot camera (cameras.spot: {{source: v4l2, ...}})",
+                                 options.scenario.string()));
+  VideoCalls& calls = kernelVideoCalls();
+  const OpenSpotCamera open = openSpotCamera(the_case, calls);
+  FrameRecordingWriter writer(options.out, open.camera);
+  RecordOptions how = recordOptions(open);
+  how.most_frames = options.frames;
+  how.first_timeout_ms = static_cast<int>(std::lround(1e3 * options.wait_s));
+  console.say(fmt::format("recording {} ({})", open.camera.device, open.camera.card));
+  const auto end_ns =
+      calls.monotonicNs() + static_cast<std::int64_t>(1e9 * (options.time_limit_s + options.wait_s));
+  const std::string ended =
+      recordFrames(*open.stream, writer, how, [&] { return calls.monotonicNs() >= end_ns; });
+  console.result(fmt::format("{} frames in {}{}", writer.frames(), options.out.string(),
+                             ended.empty() ? "" : "; the camera ended: " + ended));
+  const bool all_came = ended.empty() && (options.frames == 0 || writer.frames() == options.frames);
+  return all_came || (options.frames == 0 && writer.frames() > 0) ? 0 : exitCode(Verdict::kInvalid);
+}
+
+}  // namespace
+
+int recordFramesCommand(const RecordFramesOptions& options) {
+  return guarded(options.scenario, [&] { return record(options); });
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "hil/app/case.h"
+#include "hil/camera/v4l2/frame_recorder.h"
+#include "hil/camera/v4l2/v4l2_stream.h"
+
+namespace kerfbench::hil {
+
+/// The spot camera that a case names, set up as it asks for and streaming.
+struct OpenSpotCamera {
+  std::unique_ptr<V4l2Stream> stream;
+  RecordedCamera camera;
+};
+/// @throws InputFault with everything that is wrong, each with file and line: no such camera, no permission,
+/// a format or a setting that it has not or makes another of.
+OpenSpotCamera openSpotCamera(const Case& the_case, VideoCalls& calls);
+
+/// Below a results folder: the recording of the spot camera's frames.
+inline constexpr const char* kSpotFrames = "spot";
+
+/// How the camera of a case is to be recorded: one that a trigger drives may be silent for as long as it
+/// likes.
+RecordOptions recordOptions(const OpenSpotCamera& open);
+
+/// Records the spot camera of a case in the background while something else is going on (pins are captured).
+class SpotRecorder {
+ public:
+  /// Begins. `folder`: see FrameRecordingWriter. @throws InputFault, std::system_error.
+  SpotRecorder(const Case& the_case, VideoCalls& calls, const std::filesystem::path& folder);
+  ~SpotRecorder();
+  SpotRecorder(const SpotRecorder&) = delete;
+  SpotRecorder& operator=(const SpotRecorder&) = delete;
+
+  /// Ends; returns why the camera ended by itself, or empty. @throws std::system_error if the disk took no
+  /// more.
+  std::string finish();
+  [[nodiscard]] const RecordedCamera& camera() const { return open_.camera; }
+  [[nodiscard]] std::uint64_t frames() const { return writer_.frames(); }
+
+ private:
+  OpenSpotCamera open_;
+  FrameRecordingWriter writer_;
+  std::atomic<bool> is_over_{};
+  std::string ended_;
+  std::exception_ptr failure_;
+  std::thread thread_;
+};
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "hil/camera/v4l2/buffer_stream.h"
+#include "hil/camera/v4l2/frame_recording.h"
+
+namespace kerfbench::hil {
+
+struct RecordOptions {
+  int timeout_ms{1000};         ///< Without a frame for so long the camera has stopped; > 0.
+  int first_timeout_ms{1000};   ///< The same before the first frame.
+  std::uint64_t discard{1};     ///< See V4l2FrameOptions; these are not recorded.
+  std::uint64_t most_frames{};  ///< 0: as many as come.
+};
+
+/// Writes what a camera gives until `stop` says so (asked at least every 50 ms), until most_frames are there,
+/// or until the stream ends, and finishes the recording. Faulty frames are written as they are: judging comes
+/// later. Returns why the stream ended by itself, or empty. @throws std::system_error if the disk takes no
+/// more: the recording stays unfinished.
+std::string recordFrames(BufferStream& stream, FrameRecordingWriter& writer, const RecordOptions& options,
+                         const std::function<bool()>& stop);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/camera/v4l2/light_clock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace kerfbench::hil {
+namespace {
+
+/// Begins of light that are tried against each interval: the first may be a reflex, or an interval's second
+/// half.
+constexpr std::size_t kTriedBegins = 4;
+/// An interval of fewer frames need not be seen.
+constexpr double kSeenFrames = 3.0;
+/// Share of lit frames that may lie outside of all intervals.
+constexpr double kStrayShare = 0.01;
+/// Another answer must leave so much more unexplained, in frames.
+constexpr double kClearly = 3.0;
+/// A first guess is off by no more than this, in frames.
+constexpr double kGuessFrames = 6.0;
+/// Stretches of time from each of which the frames that say most are taken, and how many of either side.
+constexpr std::size_t kStretches = 10;
+constexpr std::size_t kOfEachSide = 4;
+constexpr int kMostRounds = 20;
+constexpr double kStillNarrows = 0.99;
+
+/// Where the exposures of frames lie on the clock of the pins, as far as is known.
+struct Knowledge {
+  CameraClock clock;
+  double first_stamp_s{};
+  double guess_error_s{};  ///< At the first stamp, as long as there are no bounds; grows with the drift.
+  double guess_drift{};
+
+  [[nodiscard]] double error_s(double stamp_s) const {
+    return clock.uncertaintyAt_s(stamp_s) + guess_error_s + guess_drift * std::abs(stamp_s - first_stamp_s);
+  }
+};
+
+class LightFit {
+ public:
+  LightFit(std::span<const FrameLight> frames, std::span<const LightInterval> intervals,
+           const LightProfile* profile, double period_s, const CameraClockOptions& options)
+      : frames_(frames), profile_(profile), intervals_(intervals), period_s_(period_s), options_(options) {
+    for (const FrameLight& frame : frames) {
+      if (frame.isLit()) lit_s_.push_back(frame.stamp_s);
+    }
+  }
+
+  CameraClockFit run() {
+    CameraClockFit fit;
+    if (intervals_.empty()) {
+      fit.why_not = "the pins show no light";
+    } else if (lit_s_.empty()) {
+      fit.why_not = fmt::format("none of {} frames shows light", frames_.size());
+    } else if (const auto offset_s = guess(fit.why_not)) {
+      return narrowed(*offset_s);
+    }
+    return fit;
+  }
+
+ private:
+  struct Guess {
+    double offset_s{};     ///< Pins' time less the camera's.
+    double strays{};       ///< Lit frames outside of all intervals.
+    double unexplained{};  ///< Those, and intervals without a lit frame.
+  };
+
+  /// After darkness of two frames or more.
+  [[nodiscard]] std::vector<double> beginsOfLight() const {
+    std::vector<double> begins;
+    double last_s = -std::numeric_limits<double>::infinity();
+    for (const double stamp_s : lit_s_) {
+      if (stamp_s - last_s > 2.5 * period_s_ && begins.size() < kTriedBegins) begins.push_back(stamp_s);
+      last_s = stamp_s;
+    }
+    return begins;
+  }
+
+  /// The interval nearest to an exposure that begins then, and how far it is away; 0 within.
+  [[nodiscard]] std::pair<std::size_t, double> nearest(double begin_s) const {
+    const auto away_s = [&](const LightInterval& i) {
+      return std::max({i.on_s - begin_s - options_.exposure_s, begin_s - i.off_s, 0.0});
+    };
+    const auto next = std::ranges::upper_bound(intervals_, begin_s, {}, &LightInterval::on_s);
+    auto best = next == intervals_.end() ? next - 1 : next;
+    if (next != intervals_.begin() && away_s(*(next - 1)) <= away_s(*best)) best = next - 1;
+    return {static_cast<std::size_t>(best - intervals_.begin()), away_s(*best)};
+  }
+
+  [[nodiscard]] Guess judged(double offset_s) const {
+    Guess result{offset_s, 0.0, 0.0};
+    std::vector<char> is_seen(intervals_.size());
+    for (const double stamp_s : lit_s_) {
+      const double slack_s = options_.edge_error_s + options_.stamp_jitter_s + period_s_ +
+                             options_.max_drift * (stamp_s - lit_s_.front());
+      const auto [interval, away_s] = nearest(stamp_s + offset_s);
+      if (away_s <= slack_s) {
+        is_seen[interval] = 1;
+      } else {
+        result.strays += 1.0;
+      }
+    }
+    result.unexplained = result.strays;
+    for (std::size_t i = 0; i < intervals_.size(); ++i) {
+      const double frames = (intervals_[i].off_s - intervals_[i].on_s) / period_s_;
+      if (is_seen[i] == 0 && frames > kSeenFrames) result.unexplained += std::min(frames, 2.0 * kClearly);
+    }
+    return result;
+  }
+
+  [[nodiscard]] double guessError_s() const {
+    return options_.edge_error_s + options_.exposure_s + kGuessFrames * period_s_;
+  }
+
+  std::optional<double> guess(std::string& why_not) const {
+    std::vector<Guess> guesses;
+    for (const double begin_s : beginsOfLight()) {
+      for (const LightInterval& interval : intervals_) {
+        // The light is seen as it comes on, or where it is soft some frames later.
+        for (const double later_frames : {0.0, 1.0, 3.0})
+          guesses.push_back(judged(interval.on_s - begin_s + later_frames * period_s_));
+      }
+    }
+    std::ranges::stable_sort(guesses, {}, &Guess::unexplained);
+    const Guess& best = guesses.front();
+    if (best.strays > kStrayShare * static_cast<double>(lit_s_.size()) + 1.0) {
+      why_not = fmt::format(
+          "however the clocks lie to each other, {} of {} lit frames fall outside of the times of light",
+          best.strays, lit_s_.size());
+      return std::nullopt;
+    }
+    for (const Guess& other : guesses) {
+      if (other.unexplained >= best.unexplained + kClearly) break;
+      if (std::abs(other.offset_s - best.offset_s) <= guessError_s()) continue;
+      why_not = fmt::format("the frames fit the light {:.3g} s later as well: its times are too much alike",
+                            other.offset_s - best.offset_s);
+      return std::nullopt;
+    }
+    return best.offset_s;
+  }
+
+  /// From the first interval that a frame can show to the last.
+  [[nodiscard]] std::optional<LightSighting> sightingOf(double stamp_s, const Knowledge& known) const {
+    const double slack_s = known.error_s(stamp_s) + options_.stamp_jitter_s + options_.edge_error_s;
+    const double from_s = known.clock.beginOf_s(stamp_s) - slack_s;
+    const double to_s = known.clock.beginOf_s(stamp_s) + options_.exposure_s + slack_s;
+    const auto end = std::ranges::upper_bound(intervals_, to_s, {}, &LightInterval::on_s);
+    const auto begin = std::ranges::lower_bound(intervals_.begin(), end, from_s, {}, &LightInterval::off_s);
+    if (begin == end) return std::nullopt;  // A reflex; the guess has counted it.
+    return LightSighting{stamp_s, begin->on_s, (end - 1)->off_s};
+  }
+
+  /// Of each stretch of time those that bound the clock most on either side.
+  [[nodiscard]] std::vector<LightSighting> telling(std::vector<LightSighting> all) const {
+    std::vector<LightSighting> chosen;
+    const auto take = [&](std::vector<LightSighting> some, const auto& bound) {
+      const std::size_t count = std::min(kOfEachSide, some.size());
+      std::ranges::partial_sort(some, some.begin() + static_cast<std::ptrdiff_t>(count), {}, bound);
+      chosen.insert(chosen.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
+    };
+    for (std::size_t i = 0; i < kStretches; ++i) {
+      const auto at = [&](std::size_t k) {
+        return all.begin() + static_cast<std::ptrdiff_t>(k * all.size() / kStretches);
+      };
+      const std::vector<LightSighting> stretch(at(i), at(i + 1));
+      take(stretch, [](const LightSighting& s) { return s.stamp_s - s.on_s; });
+      take(stretch, [](const LightSighting& s) { return s.off_s - s.stamp_s; });
+    }
+    return chosen;
+  }
+
+  CameraClockFit narrowed(double offset_s) const {
+    Knowledge known{CameraClock(lit_s_.front(), {{offset_s, 0.0}}), lit_s_.front(), guessError_s(),
+                    options_.max_drift};
+    CameraClockOptions wide = options_;
+    wide.max_uncertainty_s = std::numeric_limits<double>::infinity();
+    std::vector<LightSighting> sightings;
+    for (int round = 0; round < kMostRounds; ++round) {
+      sightings.clear();
+      for (const double stamp_s : lit_s_) {
+        if (const auto seen = sightingOf(stamp_s, known)) sightings.push_back(*seen);
+      }
+      sightings = telling(std::move(sightings));
+      CameraClockFit fit = fitCameraClockToLights(sightings, wide);
+      if (!fit.clock) return fit;
+      const double before_s = known.error_s(lit_s_.back());
+      known = {*fit.clock, lit_s_.front(), 0.0, 0.0};
+      if (known.error_s(lit_s_.back()) > kStillNarrows * before_s) break;
+    }
+    if (profile_ != nullptr) {
+      if (auto clock = sharpened(known.clock, frames_, *profile_, options_))
+        return checked(std::move(*clock));
+    }
+    return fitCameraClockToLights(sightings, options_);
+  }
+
+  [[nodiscard]] CameraClockFit checked(CameraClock clock) const {
+    CameraClockFit fit;
+    const double worst_s =
+        std::max(clock.uncertaintyAt_s(lit_s_.front()), clock.uncertaintyAt_s(lit_s_.back()));
+    if (worst_s <= options_.max_uncertainty_s) {
+      fit.clock = std::move(clock);
+    } else {
+      fit.why_not = fmt::format("the light tells the offset to ±{:.3g} ms only, and ±{:.3g} ms are asked for",
+                                1e3 * worst_s, 1e3 * options_.max_uncertainty_s);
+    }
+    return fit;
+  }
+
+  std::span<const FrameLight> frames_;
+  const LightProfile* profile_;
+  std::span<const LightInterval> intervals_;
+  double period_s_;
+  const CameraClockOptions& options_;
+  std::vector<double> lit_s_;
+};
+
+}  // namespace
+
+CameraClockFit fitLightClock(std::span<const FrameLight> frames, std::span<const LightInterval> intervals,
+                             const LightProfile* profile, double period_s,
+                             const CameraClockOptions& options) {
+  return LightFit(frames, intervals, profile, period_s, options).run();
+}
+
+}  // namespace kerfbench::hil

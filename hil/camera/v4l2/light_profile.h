@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hil/camera/v4l2/camera_clock.h"
+
+namespace kerfbench::hil {
+
+/// What a frame tells of a light.
+struct FrameLight {
+  double stamp_s{};  ///< The camera's.
+  double light{};    ///< Of the whole spot above its surroundings, in any unit; 0: dark.
+
+  [[nodiscard]] bool isLit() const { return light > 0.0; }
+};
+
+/// How much light the pins ask for, over time: a level that is on or off, so fast (PWM) that its mean counts.
+class LightProfile {
+ public:
+  struct Step {
+    double time_s{};
+    bool is_on{};
+  };
+  /// By time; off before the first.
+  explicit LightProfile(std::span<const Step> steps);
+  /// Share of the time that it was on; `to_s` > `from_s`.
+  [[nodiscard]] double meanOver(double from_s, double to_s) const;
+  /// Time on until then.
+  [[nodiscard]] double onUntil_s(double time_s) const;
+
+ private:
+  struct Knot {
+    double time_s{};
+    double on_s{};  ///< Time on until then.
+    bool is_on{};   ///< After.
+  };
+  std::vector<Knot> knots_;
+};
+
+/// A clock that is known roughly, sharpened: light in the lit frames is taken to be in proportion to what the
+/// pins ask for during their exposure and, of a sluggish light, around it. Offset and drift are those with
+/// which that leaves least: all that the rough clock allows are tried. Its ± covers 99.7 %, by
+/// leaving out a tenth of the frames after the other, and options.edge_error_s for what is alike in all of
+/// them (the tube's delay). Nothing where too few frames are lit to tell, where another place fits nearly as
+/// well, where it is no sharper than before, or leaves the bounds known before.
+std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const FrameLight> frames,
+                                     const LightProfile& profile, const CameraClockOptions& options);
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/scenarios/filmed_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hil/app/judge.h"
+#include "hil/app/spot_recorder.h"
+#include "hil/app/stopwatch.h"
+#include "hil/camera/twin_frames.h"
+
+namespace kerfbench::test {
+namespace {
+
+constexpr double kMargin_s = 0.1;
+
+std::int64_t nanoseconds(double time_s) { return std::llround(1e9 * time_s); }
+
+}  // namespace
+
+FilmedCut::FilmedCut(const std::filesystem::path& scenario)
+    : case_(hil::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware")),
+      cut_(hil::cutOnTwin(case_, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {})) {
+  const auto gates = cut_.twin->gateIntervals();
+  // judge() takes the exposures of its own twin; a real camera's are its own.
+  exposures_ = cut_.twin->takeExposures();
+  std::erase_if(exposures_, [&](const twin::Exposure& e) {
+    return gates.empty() || e.start_s < gates.front().first - kMargin_s ||
+           e.start_s > gates.back().second + kMargin_s;
+  });
+}
+
+std::unique_ptr<hil::FakeVideo> FilmedCut::camera(double drift) const {
+  const twin::CameraDescription& described = case_.machine.spot_camera;
+  auto video = std::make_unique<hil::FakeVideo>(case_.scenario.cameras.spot.device);
+  video->addControl(V4L2_CID_EXPOSURE_AUTO, "Auto Exposure", 0, 3, V4L2_EXPOSURE_MANUAL);
+  video->addControl(V4L2_CID_EXPOSURE_ABSOLUTE, "Exposure Time, Absolute", 1, 10'000, 50);
+  hil::TwinFrameSource source(
+      twin::SpotCamera(described, case_.scenario.print, case_.machine.glow_gray_per_w, 99), exposures_, 2);
+  constexpr std::int64_t kTransfer_ns = 3'000'000;
+  for (kerfbench::Frame& frame : source.nextBatch(exposures_.size())) {
+    hil::FakeFrame buffer;
+    buffer.bytes = std::move(frame.image.pixels);
+    buffer.sequence = static_cast<std::uint32_t>(frame.sequence);
+    buffer.stamp_ns = nanoseconds((1.0 + drift) * frame.start_s + kOffset_s);
+    buffer.arrival_ns = buffer.stamp_ns + kTransfer_ns;
+    video->frames.push_back(std::move(buffer));
+  }
+  video->now_ns = video->frames.front().stamp_ns;
+  return video;
+}
+
+std::size_t FilmedCut::frameAt(const hil::FakeVideo& camera, double pins_s) const {
+  const auto after =
+      std::ranges::upper_bound(camera.frames, nanoseconds(pins_s + kOffset_s), {}, &hil::FakeFrame::stamp_ns);
+  return static_cast<std::size_t>(after - camera.frames.begin());
+}
+
+std::vector<double> FilmedCut::begins_s() const {
+  std::vector<double> begins;
+  for (const twin::Exposure& exposure : exposures_) begins.push_back(exposure.start_s);
+  return begins;
+}
+
+double FilmedCut::middleOfACut_s() const {
+  const auto gates = cut_.twin->gateIntervals();
+  const auto longest = std::ranges::max_element(gates, {}, [](const auto& g) { return g.second - g.first; });
+  return 0.5 * (longest->first + longest->second);
+}
+
+std::string FilmedCut::record(hil::FakeVideo& camera, const std::filesystem::path& folder) const {
+  const hil::OpenSpotCamera open = hil::openSpotCamera(case_, camera);
+  hil::FrameRecordingWriter writer(folder, open.camera);
+  return hil::recordFrames(*open.stream, writer, hil::recordOptions(open), [] { return false; });
+}
+
+hil::RunReport FilmedCut::judged(const std::filesystem::path& recording, int jobs) const {
+  hil::RunReport report;
+  hil::Stopwatch stopwatch;
+  hil::judge(
+      case_, *cut_.twin, cut_.run, {}, {recording}, jobs, stopwatch, [](double, const std::string&) {},
+      report);
+  return report;
+}
+
+}  // namespace kerfbench::test

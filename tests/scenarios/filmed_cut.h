@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/app/case.h"
+#include "hil/app/cut_on_twin.h"
+#include "hil/report/run_report.h"
+#include "tests/hil/camera/v4l2/fake_video.h"
+
+namespace kerfbench::test {
+
+/// A sheet that is cut on the twin before a spot camera of V4L2: what the twin's spot camera sees comes out
+/// of a fake device, whose clock is not that of the pins.
+class FilmedCut {
+ public:
+  static constexpr double kOffset_s = 7123.456789;  ///< Of the camera's clock before the pins'.
+
+  explicit FilmedCut(const std::filesystem::path& scenario);
+
+  /// The device with all frames from a little before the first cut to a little after the last, each there 3
+  /// ms after its stamp.
+  [[nodiscard]] std::unique_ptr<hil::FakeVideo> camera(double drift = 0.0) const;
+  /// Index in FakeVideo::frames of the frame that is on its way at a time of the pins.
+  [[nodiscard]] std::size_t frameAt(const hil::FakeVideo& camera, double pins_s) const;
+  /// When exposures began, on the clock of the pins.
+  [[nodiscard]] std::vector<double> begins_s() const;
+  /// Middle of the longest cut.
+  [[nodiscard]] double middleOfACut_s() const;
+
+  /// Records the device as the case asks for, until it falls silent. Returns why it ended.
+  std::string record(hil::FakeVideo& camera, const std::filesystem::path& folder) const;
+  /// What a replay makes of a recording.
+  [[nodiscard]] hil::RunReport judged(const std::filesystem::path& recording, int jobs = 2) const;
+
+  [[nodiscard]] const hil::Case& theCase() const { return case_; }
+  [[nodiscard]] const hil::CutSheet& cut() const { return cut_; }
+
+ private:
+  hil::Case case_;
+  hil::CutSheet cut_;
+  std::vector<twin::Exposure> exposures_;
+};
+
+}  // namespace kerfbench::test

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// A spot camera on V4L2: a scripted device delivers what the twin's camera sees of a run.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <string>
+
+#include "hil/app/camera_files.h"
+#include "hil/app/real_spot.h"
+#include "hil/app/release.h"
+#include "hil/app/spot_recorder.h"
+#include "hil/source/vcd.h"
+#include "tests/scenarios/filmed_cut.h"
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using hil::FakeVideo;
+using hil::Verdict;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Cut once for all tests.
+const FilmedCut& goodCut() {
+  static const FilmedCut cut(fixture("scenarios/native/label-camera.yaml"));
+  return cut;
+}
+
+std::string problemsOf(const hil::RunReport& report) {
+  std::string text;
+  for (const std::string& problem : report.result.problems) text += problem + "\n";
+  return text;
+}
+
+/// The good run, but for what `spoil` does to the camera.
+hil::RunReport filmedWith(const std::function<void(FakeVideo&, std::size_t)>& spoil) {
+  const ScratchFolder scratch;
+  const auto camera = goodCut().camera();
+  spoil(*camera, goodCut().frameAt(*camera, goodCut().middleOfACut_s()));
+  (void)goodCut().record(*camera, scratch.path() / "spot");
+  return goodCut().judged(scratch.path() / "spot");
+}
+
+TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
+  const ScratchFolder scratch;
+  const auto folder = scratch.path() / "spot";
+  const auto camera = goodCut().camera();
+  EXPECT_THAT(goodCut().record(*camera, folder), HasSubstr("no frame within"));
+  const hil::RunReport live = goodCut().judged(folder, 1);
+  EXPECT_EQ(live.result.verdict, Verdict::kPass) << problemsOf(live);
+  EXPECT_EQ(hil::digestOf(live), hil::digestOf(goodCut().judged(folder, 2)));
+
+  // The program makes the same of pins and frames, up to what the controller said.
+  const auto pins = scratch.path() / "pins.vcd";
+  hil::PinRecording recording = goodCut().cut().run.recording;
+  recording.uart.clear();
+  hil::writeVcd(pins, recording, goodCut().theCase().machine.signals);
+  const auto replay =
+      kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'", pins.string(),
+                            fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));
+  ASSERT_EQ(replay.exit_code, 0) << replay.output;
+  const auto verdict = verdictOf(scratch.path() / "label-camera-replay");
+  EXPECT_EQ(verdict.at("digest"), hil::digestOf(live));
+  EXPECT_THAT(verdict.at("versions").dump(),
+              AllOf(HasSubstr("Fake camera"), HasSubstr("of the model: no real sheet")));
+}
+
+TEST(RealCamera, GivesABadReleaseAFail) {
+  const ScratchFolder scratch;
+  const auto scenario = scratch.path() / "bad.yaml";
+  std::ofstream(scenario) << "extends: " << fixture("scenarios/native/label-camera.yaml").string()
+                          << "\nname: bad\nplanner: {faults: {ignore_belt: true}}\n";
+  const FilmedCut bad(scenario);
+  const auto camera = bad.camera();
+  (void)bad.record(*camera, scratch.path() / "spot");
+  const hil::RunReport report = bad.judged(scratch.path() / "spot");
+  EXPECT_EQ(report.result.verdict, Verdict::kFail) << problemsOf(report);
+  const auto stillness = std::ranges::find(report.result.checks, "stillness_x", &hil::Check::name);
+  ASSERT_NE(stillness, report.result.checks.end());
+  EXPECT_EQ(stillness->verdict, Verdict::kFail);
+}
+
+std::vector<hil::GateInterval> gatesOf(const FilmedCut& cut) {
+  std::vector<hil::GateInterval> gates;
+  for (const auto& [on_s, off_s] : cut.cut().twin->gateIntervals()) gates.push_back({on_s, off_s});
+  return gates;
+}
+
+// The light is soft: power follows the speed, so the gate alone tells no more than some milliseconds.
+TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
+  const ScratchFolder scratch;
+  const std::vector<double> begins_s = goodCut().begins_s();
+  const auto calibration = hil::readCalibrations(goodCut().theCase()).spot;
+  for (const double drift : {0.0, 100e-6}) {
+    const auto folder = scratch.path() / fmt::format("drift-{}", drift);
+    const auto camera = goodCut().camera(drift);
+    (void)goodCut().record(*camera, folder);
+    const hil::RealSpot spot = hil::lookAtRealSpot(goodCut().theCase(), folder, calibration.value(),
+                                                   goodCut().cut().run.recording, gatesOf(goodCut()), 2);
+    ASSERT_GT(spot.track.frames.size(), 300U);
+    EXPECT_LT(spot.clock_bound_s, 1e-3);
+    double worst_s = 0.0;
+    for (const hil::FrameMeasurement& frame : spot.track.frames) {
+      const double begin_s = frame.mid_s - 100e-6;
+      const auto after = std::ranges::lower_bound(begins_s, begin_s - 1e-3);
+      ASSERT_NE(after, begins_s.end());
+      worst_s = std::max(worst_s, std::abs(begin_s - *after));
+    }
+    EXPECT_LT(worst_s, spot.clock_bound_s);
+    RecordProperty(fmt::format("worst_us_{}", drift),
+                   fmt::format("{:.1f} of {:.1f}", 1e6 * worst_s, 1e6 * spot.clock_bound_s));
+  }
+}
+
+TEST(RealCamera, SeesOnlyDarknessWhereNothingIsCut) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t) {
+    const std::vector<std::uint8_t> dark = camera.frames.front().bytes;
+    std::uint8_t noise = 0;
+    for (hil::FakeFrame& frame : camera.frames) {
+      frame.bytes = dark;
+      frame.bytes[0] = noise++;
+    }
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("clock cannot be related to that of the pins: none of"));
+}
+
+TEST(RealCamera, ThatLosesAFrameDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+    camera.frames.erase(camera.frames.begin() + static_cast<std::ptrdiff_t>(at));
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report),
+              AllOf(HasSubstr("during a cut: 1 frames were lost"), HasSubstr("lost 1 frames around cuts")));
+}
+
+TEST(RealCamera, ThatLosesAFrameBeforeTheFirstCutIsAsGood) {
+  const hil::RunReport report =
+      filmedWith([](FakeVideo& camera, std::size_t) { camera.frames.erase(camera.frames.begin() + 3); });
+  EXPECT_EQ(report.result.verdict, Verdict::kPass) << problemsOf(report);
+}
+
+TEST(RealCamera, ThatRepeatsAPictureDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith(
+      [](FakeVideo& camera, std::size_t at) { camera.frames[at].bytes = camera.frames[at - 1].bytes; });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("its picture is the one before, to the byte"));
+}
+
+TEST(RealCamera, ThatGivesANumberTwiceDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+    for (std::size_t i = at; i < camera.frames.size(); ++i) --camera.frames[i].sequence;
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("its number is that of the frame before"));
+}
+
+TEST(RealCamera, ThatFlagsAFrameDuringACutIsInvalid) {
+  const hil::RunReport report =
+      filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].flags |= V4L2_BUF_FLAG_ERROR; });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("the driver marks it as damaged"));
+}
+
+TEST(RealCamera, ThatCutsAFrameOffDuringACutIsInvalid) {
+  const hil::RunReport report =
+      filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].bytesused = 1000; });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("too few or too many bytes"));
+}
+
+TEST(RealCamera, ThatStopsDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+    camera.frames.erase(camera.frames.begin() + static_cast<std::ptrdiff_t>(at), camera.frames.end());
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("no frame within 1000 ms"));
+}
+
+TEST(RealCamera, ThatVanishesDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+    camera.frames[at].before = [&camera] { camera.is_gone = true; };
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("the camera has vanished"));
+}
+
+TEST(RealCamera, ThatChangesItsSizeDuringACutIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+    camera.frames[at].before = [&camera] { camera.format.width = 640; };
+  });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("GREY 800 x 400 became GREY 640 x 400"));
+}
+
+TEST(RealCamera, WhoseStampsRunWildIsInvalid) {
+  const hil::RunReport report =
+      filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].stamp_ns -= 50'000'000; });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("its stamp is not later than that of the frame before"));
+}
+
+TEST(RealCamera, ThatSeesBarelyAnythingOfTheJobIsInvalid) {
+  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t) { camera.frames.resize(1); });
+  EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
+  EXPECT_THAT(problemsOf(report), HasSubstr("the spot camera gave no frame: no frame within"));
+}
+
+TEST(RealCamera, IsRecordedInTheBackgroundUntilItIsAskedToStop) {
+  const ScratchFolder scratch;
+  const auto camera = goodCut().camera();
+  std::promise<void> reached;
+  std::future<void> is_reached = reached.get_future();
+  camera->frames[20].before = [&reached] { reached.set_value(); };
+  hil::SpotRecorder recorder(goodCut().theCase(), *camera, scratch.path() / "spot");
+  is_reached.get();
+  (void)recorder.finish();
+  EXPECT_GE(recorder.frames(), 18U);
+  const hil::FrameRecording recording(scratch.path() / "spot");
+  EXPECT_EQ(recording.frames(), recorder.frames());
+  EXPECT_EQ(recording.camera().card, "Fake camera");
+  EXPECT_EQ(recording.setup().exposure_s, 200e-6);
+}
+
+TEST(RealCamera, IsRefusedWithEveryReasonWhereItIsNotAsAskedFor) {
+  const ScratchFolder scratch;
+  const auto camera = goodCut().camera();
+  camera->controls.clear();
+  camera->can_set_interval = 0;
+  camera->fourccs = {V4L2_PIX_FMT_YUYV};
+  camera->is_stubborn_format = true;
+  try {
+    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    FAIL();
+  } catch (const hil::InputFault& fault) {
+    EXPECT_THAT(fault.what(),
+                AllOf(HasSubstr("label-camera.yaml:14: cameras.spot.device: size"),
+                      HasSubstr("label-camera.yaml:16: cameras.spot.exposure_us: the camera has no such"),
+                      HasSubstr("label-camera.yaml:17: cameras.spot.frames_per_s: the driver cannot")));
+  }
+}
+
+TEST(RealCamera, IsRefusedWhereItMakesAnotherSettingOfIt) {
+  const auto camera = goodCut().camera();
+  camera->value_step = 3;
+  camera->controls.erase(camera->controls.begin());  // No automatic.
+  try {
+    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    FAIL();
+  } catch (const hil::InputFault& fault) {
+    EXPECT_THAT(fault.what(),
+                HasSubstr("label-camera.yaml:16: cameras.spot.exposure_us: exposure_s = 0.0002 was asked "
+                          "for, and the camera made 0 of it"));
+  }
+}
+
+TEST(RealCamera, WithoutPermissionSaysWhatToDo) {
+  const auto camera = goodCut().camera();
+  camera->open_error = EACCES;
+  try {
+    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    FAIL();
+  } catch (const hil::InputFault& fault) {
+    EXPECT_THAT(fault.what(), AllOf(HasSubstr("label-camera.yaml:14: cameras.spot.device: /dev/video7"),
+                                    HasSubstr("group \"video\"")));
+  }
+}
+
+TEST(RealCamera, SeesNothingOfEmulatedPins) {
+  const ScratchFolder scratch;
+  const auto run =
+      kerfbench(fmt::format("run '{}' -q --results-dir '{}'",
+                            fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("cameras.spot.device: the pins are emulated"), HasSubstr("--frames")));
+}
+
+TEST(RealCamera, WithoutARecordingOfItsFramesIsNotReplayed) {
+  const ScratchFolder scratch;
+  const auto pins = scratch.path() / "pins.vcd";
+  hil::writeVcd(pins, goodCut().cut().run.recording, goodCut().theCase().machine.signals);
+  const std::string scenario = fixture("scenarios/native/label-camera.yaml").string();
+  const auto run = kerfbench(fmt::format("replay '{}' --scenario '{}' -q --results-dir '{}'", pins.string(),
+                                         scenario, scratch.path().string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output,
+              HasSubstr("there is no recording of its frames in " + (scratch.path() / "spot").string()));
+  const auto other =
+      kerfbench(fmt::format("replay '{}' --scenario '{}' --frames '{}' -q --results-dir '{}'", pins.string(),
+                            fixture("scenarios/native/label-on-belt.yaml").string(), scratch.path().string(),
+                            scratch.path().string()));
+  EXPECT_EQ(other.exit_code, 65);
+  EXPECT_THAT(other.output, HasSubstr("has no real spot camera"));
+}
+
+}  // namespace
+}  // namespace kerfbench::test
