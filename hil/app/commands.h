@@ -13,6 +13,15 @@
 
 namespace kerfbench::hil {
 
+/// See captureCommand().
+struct CaptureCommandOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path out;           ///< Folder; empty: results/NAME-capture.
+  std::optional<double> time_limit_s;  ///< Real; instead of the scenario's.
+  bool quiet{};
+  std::filesystem::path bin_dir;
+};
+
 /// What all commands that judge have in common. See DESIGN: the program.
 struct CommonOptions {
   std::filesystem::path results_dir{"results"};
@@ -119,6 +128,9 @@ int runCommand(const std::vector<std::filesystem::path>& scenarios, const Common
 /// Judges a recording of pins as if it were live.
 int replayCommand(const std::filesystem::path& recording, const std::filesystem::path& scenario,
                   const CommonOptions& options);
+/// Records the real pins that a scenario names to a folder, without model and verdict. Returns 0, 3 if the
+/// recording cannot be trusted, or kExitInput.
+int captureCommand(const CaptureCommandOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
 /// What hardware this computer has and what is wrong with it, on standard output. Returns 0; with a scenario

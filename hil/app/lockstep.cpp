@@ -35,6 +35,12 @@ std::string describe(Stop stop, const SignalSource& source, double now_s) {
   return {};
 }
 
+/// A replay of the recording has to know as well. (It finds gaps by itself.)
+void spoil(const std::string& problem, LockstepResult& result) {
+  result.problems.push_back(problem);
+  result.recording.problems.push_back(problem);
+}
+
 bool hasGap(const std::vector<PinEvent>& events) {
   return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
 }
@@ -71,7 +77,7 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
     ended = stop == Stop::kEnded;
     if (ended && dialog == nullptr) break;
     if (stop != Stop::kReached) {
-      result.problems.push_back(describe(stop, source, info.rate.seconds(now)));
+      spoil(describe(stop, source, info.rate.seconds(now)), result);
       break;
     }
     const double now_s = info.rate.seconds(now);
@@ -92,12 +98,13 @@ LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalM
     if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
   }
   if (dialog != nullptr && !finishing && result.problems.empty() && options.provocation == nullptr) {
-    result.problems.push_back(
-        fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
+    spoil(fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()),
+          result);
   }
   if (dialog == nullptr && !ended && result.problems.empty()) {
-    result.problems.push_back(fmt::format(
-        "the time limit of {} s was reached before the end of the recording", options.time_limit_s));
+    spoil(fmt::format("the time limit of {} s was reached before the end of the recording",
+                      options.time_limit_s),
+          result);
   }
   result.recording.end = now;
   return result;

@@ -302,6 +302,20 @@ CLI::App* addGauge(CLI::App& app, GaugeCommandOptions& options) {
   return gauge;
 }
 
+CLI::App* addCapture(CLI::App& app, CaptureCommandOptions& options) {
+  CLI::App* capture = app.add_subcommand(
+      "capture",
+      "Record a controller's real pins to pins.vcd, without model and verdict; `replay` judges it later.\n"
+      "Exit code 0; 3: what was recorded cannot be trusted.");
+  capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio)")
+      ->required();
+  capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");
+  capture->add_option("--time-limit", options.time_limit_s, "Real seconds, instead of the scenario's")
+      ->check(CLI::PositiveNumber);
+  capture->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
+  return capture;
+}
+
 CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
   CLI::App* doctor = app.add_subcommand(
       "doctor",
@@ -345,6 +359,10 @@ int dispatch(int argc, char** argv) {
   replay->add_option("--scenario", replay_scenario, "The scenario that was recorded")->required();
   addCommonOptions(*replay, options);
 
+  CaptureCommandOptions capture_options;
+  capture_options.bin_dir = options.bin_dir;
+  const CLI::App* capture = addCapture(app, capture_options);
+
   std::vector<fs::path> lint_files;
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
   lint->add_option("FILE", lint_files, "Files to check")->required();
@@ -380,6 +398,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run->parsed()) return runCommand(scenarios, options);
   if (replay->parsed()) return replayCommand(recording, replay_scenario, options);
+  if (capture->parsed()) return captureCommand(capture_options);
   if (doctor->parsed()) return doctorCommand(doctor_options);
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);

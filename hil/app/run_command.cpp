@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -14,8 +13,8 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/exit_codes.h"
 #include "hil/app/machine_film.h"
-#include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
+#include "hil/app/real_pins.h"
 #include "hil/app/release.h"
 #include "hil/app/safe_demand.h"
 #include "hil/base/digest.h"
@@ -71,6 +70,8 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
                     double line_cut_s, LockstepResult& run, Conclusion& conclusion) {
   if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) {
     addProblem(run.dialog_failure, run);
+    // A replay has no dialog that could fail.
+    if (!run.dialog_failure.empty()) run.recording.problems.push_back(run.dialog_failure);
     return;
   }
   const PinSums pins(recording, the_case.machine.signals);
@@ -92,10 +93,10 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
   conclusion.safe_state = std::move(evidence);
 }
 
-/// Twin and judge behind pins that are recorded already. `problems` are those of the recording.
+/// Twin and judge behind pins that are recorded already.
 int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const PinRecording& recorded,
-                  std::vector<std::string> problems, Conclusion conclusion, const CommonOptions& options,
-                  Stopwatch& stopwatch, Console& console) {
+                  Conclusion conclusion, const CommonOptions& options, Stopwatch& stopwatch,
+                  Console& console) {
   const auto source = openRecording(recorded, conclusion.source_id);
   twin::Twin twin(drawn.machine, webOf(the_case), recorded.rate, twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
@@ -104,8 +105,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const P
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
   LockstepResult run =
       runLockstep(filmed, twin, the_case.machine.signals, nullptr, lockstep, progressOn(console));
-  run.problems.insert(run.problems.end(), std::make_move_iterator(problems.begin()),
-                      std::make_move_iterator(problems.end()));
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
+    problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
   run.recording.sensors = recorded.sensors;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
   film.add(twin);
@@ -139,25 +140,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   stopwatch.lap("reading");
   conclusion.folder_name = the_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
-  return judgeRecorded(the_case, drawn, recorded, {}, std::move(conclusion), options, stopwatch, console);
-}
-
-/// The pins are recorded first and the model runs behind: nothing of it can make the reader late, and a
-/// replay of the recording is the same evidence.
-int runOnPins(const Case& the_case, const CommonOptions& options, Stopwatch& stopwatch, Console& console) {
-  const twin::DrawnMachine drawn = drawnMachine(the_case);
-  console.say("  " + prepareJob(the_case).summary);
-  stopwatch.lap("reading");
-  const PinCapture captured = captureCase(the_case, linuxGpioSystem(), listChips(), console);
-  stopwatch.lap("real pins");
-  Conclusion conclusion;
-  conclusion.folder_name = the_case.scenario.name;
-  conclusion.firmware = fmt::format("real pins of {}", the_case.scenario.firmware.gpio.chip);
-  conclusion.source_id =
-      fmt::format("gpiochip {}, stamps within {:.4g} us", the_case.scenario.firmware.gpio.chip,
-                  1e6 * the_case.scenario.firmware.gpio.stamp_err_s);
-  return judgeRecorded(the_case, drawn, captured.recording, captured.problems, std::move(conclusion), options,
-                       stopwatch, console);
+  return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
 }
 
 int runOne(const fs::path& path, const CommonOptions& options) {
@@ -166,8 +149,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
-  if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
-    return runOnPins(the_case, options, stopwatch, console);
+  if (scenario.firmware.onRealPins()) return runOnPins(the_case, realPins(), options, stopwatch, console);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);
@@ -207,6 +189,23 @@ int runOne(const fs::path& path, const CommonOptions& options) {
 }
 
 }  // namespace
+
+int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
+              Console& console) {
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  console.say("  " + prepareJob(the_case).summary);
+  stopwatch.lap("reading");
+  const PinCapture captured = hearPins(the_case, pins, console);
+  stopwatch.lap("real pins");
+  Conclusion conclusion;
+  conclusion.folder_name = the_case.scenario.name;
+  conclusion.firmware = "real pins of " + pinsName(the_case.scenario.firmware);
+  conclusion.source_id =
+      fmt::format("{}, stamps within {:.4g} us", pinsName(the_case.scenario.firmware),
+                  1e6 * captured.recording.rate.seconds(captured.recording.stamp_err_ticks));
+  return judgeRecorded(the_case, drawn, captured.recording, std::move(conclusion), options, stopwatch,
+                       console);
+}
 
 int runCommand(const std::vector<fs::path>& scenarios, const CommonOptions& options) {
   int code = 0;

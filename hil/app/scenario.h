@@ -45,6 +45,8 @@ struct FirmwareChoice {
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
   GpioChoice gpio;  ///< For kGpio.
+
+  [[nodiscard]] bool onRealPins() const { return source == Source::kGpio; }
 };
 
 /// A scenario file, checked; all paths absolute.

@@ -117,7 +117,7 @@ class Capture {
     const std::vector<std::string> faults = order_.problems();
     for (const std::string& fault : faults) problem(fault);
     if (faults.empty() || order_.faults().first_ns <= begin_ns_) return;
-    result_.problems.back() += fmt::format(" (the first trouble with edges is {:.6f} s after the start)",
+    result_.recording.problems.back() += fmt::format(" (the first trouble with edges is {:.6f} s after the start)",
                                            1e-9 * static_cast<double>(order_.faults().first_ns - begin_ns_));
   }
 
@@ -134,7 +134,7 @@ class Capture {
     for (const LineEdge& edge : edges_) recordEdge(edge, edge.stamp_ns - origin_ns);
     recording.end = edges_.empty() ? kTail : edges_.back().stamp_ns - origin_ns + kTail;
     // A replay has to know as well.
-    if (!result_.problems.empty()) {
+    if (!recording.problems.empty()) {
       const std::uint16_t port = pinOf(0).port;
       recording.outputs.push_back({recording.end, port, 0, port_levels_[port], PinEvent::kGap});
     }
@@ -171,7 +171,7 @@ class Capture {
     return static_cast<std::uint16_t>(1U << pinOf(line).bit);
   }
   bool problem(std::string words) {
-    result_.problems.push_back(std::move(words));
+    result_.recording.problems.push_back(std::move(words));
     return false;
   }
 

@@ -31,9 +31,8 @@ struct GpioCaptureOptions {
 
 /// What came in on real pins.
 struct PinCapture {
-  PinRecording recording;             ///< In ticks of 1 ns, from a little before the first edge.
-  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; the recording has a gap then.
-  std::vector<std::string> notes;     ///< What was not allowed and makes a loss more likely.
+  PinRecording recording;          ///< From a little before the first edge; has a gap if it has problems.
+  std::vector<std::string> notes;  ///< What was not allowed and makes a loss more likely.
   std::uint64_t edges{};
 };
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "hil/app/case.h"
+#include "hil/app/commands.h"
+#include "hil/app/console.h"
+#include "hil/app/stopwatch.h"
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/chips.h"
+
+namespace kerfbench::hil {
+
+/// The ways to a controller's real pins; tests script them.
+struct RealPins {
+  std::shared_ptr<GpioSystem> gpio;
+  std::function<GpioChipList()> chips;
+};
+/// Those of this computer.
+RealPins realPins();
+
+/// Where a scenario on real pins gets them from, for people.
+std::string pinsName(const FirmwareChoice& firmware);
+
+/// Records the pins that a case on real pins names. @throws InputFault as captureCase().
+PinCapture hearPins(const Case& the_case, const RealPins& pins, Console& console);
+
+/// The pins are recorded first and the model runs behind: nothing of it can make the reader late, and a
+/// replay of the recording is the same evidence. Returns the exit code of the verdict. @throws as hearPins().
+int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
+              Console& console);
+
+/// captureCommand() on these pins. @throws ConfigError, InputFault.
+int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options);
+
+}  // namespace kerfbench::hil
