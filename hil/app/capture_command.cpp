@@ -24,7 +24,7 @@ Case readPinCase(const CaptureCommandOptions& options) {
   Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
   if (!the_case.scenario.firmware.onRealPins()) {
     throw ConfigError(
-        fmt::format("{}: firmware.source: nothing to capture: the pins are no real ones (source: gpio)",
+        fmt::format("{}: firmware.source: nothing to capture: the pins are no real ones (source: gpio, analyser)",
                     the_case.scenario.path.string()));
   }
   if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
@@ -75,7 +75,7 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
 }
 
 int captureCommand(const CaptureCommandOptions& options) {
-  return guarded(options.scenario, [&] { return captureOnPins(realPins(), options); });
+  return guarded(options.scenario, [&] { return captureOnPins(realPins(options.bin_dir), options); });
 }
 
 }  // namespace kerfbench::hil

@@ -41,9 +41,13 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
 }  // namespace
 
 void refuseUnwired(const Case& the_case) {
-  if (the_case.scenario.firmware.source != FirmwareChoice::Source::kGpio) return;
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  if (!firmware.onRealPins()) return;
   const bool gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry;
-  const std::string faults = faultsOf(the_case.scenario.firmware.gpio, the_case.machine.signals, gantry);
+  const std::string faults =
+      firmware.source == FirmwareChoice::Source::kGpio
+          ? faultsOf(firmware.gpio.lines, firmware.gpio.place, the_case.machine.signals, gantry)
+          : faultsOf(firmware.analyser, the_case.machine);
   if (!faults.empty()) throw ConfigError(faults);
 }
 

@@ -22,7 +22,17 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
   choice.chip = firmware.text("chip");
   choice.place = placeOf(firmware, "chip");
   choice.stamp_err_s = 1e-6 * firmware.number("stamp_err_us", {.min = 0.001, .max = 1e4});
-  choice.quiet_s = firmware.number("quiet_s", {.min = 0.5, .max = 60, .fallback = 2.0});
+  choice.quiet_s = readQuiet_s(firmware);
+  choice.lines = readPinLines(firmware);
+  return choice;
+}
+
+double readQuiet_s(YamlReader& firmware) {
+  return firmware.number("quiet_s", {.min = 0.5, .max = 60, .fallback = 2.0});
+}
+
+std::vector<PinLine> readPinLines(YamlReader& firmware) {
+  std::vector<PinLine> read;
   YamlReader lines = firmware.section("lines");
   std::map<std::string, std::string_view> users;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
@@ -35,15 +45,16 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
     } else if (const auto [user, is_new] = users.emplace(line, name); !is_new) {
       lines.fault(name, fmt::format("has line {}, and so has {}", line, user->second));
     } else {
-      choice.lines.push_back({signal, line, placeOf(firmware, fmt::format("lines.{}", name))});
+      read.push_back({signal, line, placeOf(firmware, fmt::format("lines.{}", name))});
     }
   }
-  return choice;
+  return read;
 }
 
-std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, bool gantry) {
+std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
+                     bool gantry) {
   std::string faults;
-  for (const GpioChoice::Line& line : choice.lines) {
+  for (const PinLine& line : lines) {
     if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
   }
   std::vector<Signal> needed{Signal::kLaserGate, Signal::kLaserPwm};
@@ -56,9 +67,9 @@ std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, bool ga
   }
   for (const Signal signal : needed) {
     if (!machine.pin(signal)) continue;
-    if (std::ranges::find(choice.lines, signal, &GpioChoice::Line::signal) == choice.lines.end())
-      addLine(faults, fmt::format("{}: firmware.lines has no line for {}, which the machine has",
-                                  choice.place, signalName(signal)));
+    if (std::ranges::find(lines, signal, &PinLine::signal) == lines.end())
+      addLine(faults, fmt::format("{}: firmware.lines has no line for {}, which the machine has", place,
+                                  signalName(signal)));
   }
   return faults;
 }
@@ -78,7 +89,7 @@ GpioCaptureOptions captureOptions(const GpioChoice& choice, const GpioChipList& 
   options.chip = chip->path;
   std::string faults;
   std::map<std::uint32_t, Signal> users;
-  for (const GpioChoice::Line& line : choice.lines) {
+  for (const PinLine& line : choice.lines) {
     try {
       const std::uint32_t offset = at(line.place, [&] { return findLine(*chip, line.line).offset; });
       if (const auto [user, is_new] = users.emplace(offset, line.signal); !is_new)

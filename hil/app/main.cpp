@@ -307,7 +307,7 @@ CLI::App* addCapture(CLI::App& app, CaptureCommandOptions& options) {
       "capture",
       "Record a controller's real pins to pins.vcd, without model and verdict; `replay` judges it later.\n"
       "Exit code 0; 3: what was recorded cannot be trusted.");
-  capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio)")
+  capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio, analyser)")
       ->required();
   capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");
   capture->add_option("--time-limit", options.time_limit_s, "Real seconds, instead of the scenario's")

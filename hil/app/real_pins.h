@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
 #include "hil/app/stopwatch.h"
+#include "hil/source/analyser/analyser.h"
 #include "hil/source/gpio/capture.h"
 #include "hil/source/gpio/chips.h"
 
@@ -18,9 +20,10 @@ namespace kerfbench::hil {
 struct RealPins {
   std::shared_ptr<GpioSystem> gpio;
   std::function<GpioChipList()> chips;
+  std::shared_ptr<AnalyserSystem> analysers;
 };
-/// Those of this computer.
-RealPins realPins();
+/// Those of this computer. `bin_dir`: where kerfbench's children are.
+RealPins realPins(const std::filesystem::path& bin_dir);
 
 /// Where a scenario on real pins gets them from, for people.
 std::string pinsName(const FirmwareChoice& firmware);

@@ -34,7 +34,8 @@ std::string sourceName(FirmwareChoice::Source source) {
     case FirmwareChoice::Source::kNative:
       return "native build";
     case FirmwareChoice::Source::kChild:
-    case FirmwareChoice::Source::kGpio:  // Has no image; see runOnPins().
+    case FirmwareChoice::Source::kGpio:  // Have no image; see runOnPins().
+    case FirmwareChoice::Source::kAnalyser:
       break;
   }
   return "child process";
@@ -149,7 +150,8 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
-  if (scenario.firmware.onRealPins()) return runOnPins(the_case, realPins(), options, stopwatch, console);
+  if (scenario.firmware.onRealPins())
+    return runOnPins(the_case, realPins(options.bin_dir), options, stopwatch, console);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
   console.say("  " + job.summary);

@@ -228,16 +228,27 @@ std::string readName(YamlReader& file, std::string_view key, const std::array<co
   return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
 }
 
+/// Of a scenario with another source that this one extends.
+void skipKeys(const YamlReader& firmware, const std::vector<const char*>& keys) {
+  for (const char* key : keys) (void)firmware.has(key);
+}
+
 FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
   FirmwareChoice result;
-  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio"});
+  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio", "analyser"});
   if (source == "gpio") {
     result.source = FirmwareChoice::Source::kGpio;
     result.dialog = FirmwareChoice::Dialog::kNone;
     result.gpio = readGpioChoice(firmware);
-    // Of an emulated scenario that this one extends.
-    for (const char* key : {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode"})
-      (void)firmware.has(key);
+    skipKeys(firmware, {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode"});
+    return result;
+  }
+  if (source == "analyser") {
+    result.source = FirmwareChoice::Source::kAnalyser;
+    result.dialog = FirmwareChoice::Dialog::kNone;
+    result.analyser = readAnalyserChoice(firmware);
+    skipKeys(firmware,
+             {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us"});
     return result;
   }
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
@@ -409,12 +420,12 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
-  if (s.firmware.source == FirmwareChoice::Source::kGpio &&
+  if (s.firmware.onRealPins() &&
       (s.belt_speed_mm_s != 0 || !s.belt_speed_changes.empty() || s.belt_by_controller)) {
-    file.fault(
-        "belt",
-        "speed_mm_s must be 0 and drive: line on real pins (source: gpio): encoder and print mark are not "
-        "driven to the controller yet, so the sheet lies at rest");
+    file.fault("belt",
+               "speed_mm_s must be 0 and drive: line on real pins (source: gpio, analyser): encoder and "
+               "print mark are not "
+               "driven to the controller yet, so the sheet lies at rest");
   }
   auto planner = file.section("planner");
   s.job = readJob(planner, s);

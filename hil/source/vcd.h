@@ -31,12 +31,12 @@ struct PinRecording {
                                     ///< program was sampled: a tick each way.
   /// Why this cannot be trusted, besides gaps, in words: what is spoiled stays so in its file.
   std::vector<std::string> problems{};
-  bool own{};                       ///< Read from a file that Kerfbench wrote, so that ticks are exact.
+  bool own{};  ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
-/// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller said. Only wired signals
-/// are written; what a port does on other pins is lost.
+/// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller said. Only
+/// wired signals are written; what a port does on other pins is lost.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 

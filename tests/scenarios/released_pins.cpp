@@ -70,4 +70,29 @@ std::shared_ptr<hil::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merged) 
   return kernel;
 }
 
+std::vector<hil::LevelRun> ReleasedPins::sampled(std::uint64_t samplerate_hz) const {
+  std::vector<hil::LevelRun> runs;
+  const Tick first = recording_.outputs.front().tick;
+  std::uint64_t done = 0;
+  std::uint32_t levels = 0;
+  const auto until = [&](std::uint64_t sample) {
+    if (sample > done) runs.push_back({sample - done, levels});
+    done = std::max(done, sample);
+  };
+  for (const PinEvent& event : recording_.outputs) {
+    // The first sample that is not before the edge.
+    const double time_s = 0.5 + recording_.rate.seconds(event.tick - first);
+    until(static_cast<std::uint64_t>(std::ceil(time_s * static_cast<double>(samplerate_hz))));
+    for (std::uint32_t line = 0; line < wired().size(); ++line) {
+      const PinId pin = *map_.pin(wired()[line]);
+      if (pin.port != event.port || (event.changed >> pin.bit & 1U) == 0) continue;
+      const std::uint32_t mask = 1U << line;
+      levels = (event.level >> pin.bit & 1U) != 0 ? levels | mask : levels & ~mask;
+    }
+  }
+  until(done + 1);
+  until(done + 5 * samplerate_hz);
+  return runs;
+}
+
 }  // namespace kerfbench::test

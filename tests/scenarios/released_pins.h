@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/source/analyser/level_runs.h"
 #include "hil/source/vcd.h"
 #include "tests/hil/source/gpio/scripted_kernel.h"
 #include "twin/base/signal_map.h"
@@ -28,6 +29,10 @@ class ReleasedPins {
 
   /// A kernel whose lines do what the pins did; edge number `merged` (from 1) never comes, 0: all do.
   [[nodiscard]] std::shared_ptr<hil::ScriptedKernel> kernel(std::uint32_t merged = 0) const;
+
+  /// The levels of wired() as an analyser of this rate takes them: half a second before the first edge and
+  /// five behind the last, which is a run of its own.
+  [[nodiscard]] std::vector<hil::LevelRun> sampled(std::uint64_t samplerate_hz) const;
 
  private:
   std::filesystem::path folder_;

@@ -17,10 +17,9 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr TickRate kNanoseconds{1, 1'000'000'000};
-constexpr Tick kLead = 100'000'000;  // Before the first edge: the machine is at rest.
-constexpr Tick kTail = 200'000'000;  // After the last: mirrors swing out.
+constexpr Tick kLead = kNanoseconds.ticksAt(kLeadBeforeEdges_s);
+constexpr Tick kTail = kNanoseconds.ticksAt(kTailAfterEdges_s);
 constexpr int kWait_ms = 10;
-constexpr std::size_t kMostEdges = 50'000'000;
 
 std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
@@ -60,9 +59,7 @@ class Capture {
     for (std::size_t i = 0; i < levels_.size(); ++i) {
       if (levels_[i] &&
           std::ranges::find(options_.low_at_start, options_.wires[i].signal) != options_.low_at_start.end())
-        problem(request_.lines()[i].name +
-                " is high at the start, and its drive counts rising edges: polarity or wiring is not as the "
-                "machine file has it");
+        problem(highAtStartWords(request_.lines()[i].name));
     }
   }
 
@@ -74,8 +71,8 @@ class Capture {
     for (;;) {
       const std::uint64_t before_ns = system_->now_ns();
       if (any && before_ns - last_ns >= nanoseconds(options_.quiet_s)) return true;
-      if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s)) return problem(limitWords(any));
-      if (edges_.size() > kMostEdges) return problem("more edges came than a recording holds");
+      if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s)) return problem(timeLimitWords(options_.time_limit_s, any));
+      if (edges_.size() > kMostCapturedEdges) return problem(kTooManyEdgesWords);
       try {
         request_.read(kWait_ms, read);
       } catch (const GpioError& e) {
@@ -90,13 +87,6 @@ class Capture {
       read.clear();
       if (now_ns - begin_ns_ > EdgeOrder::kHold_ns) order_.take(now_ns, now_ns - EdgeOrder::kHold_ns, edges_);
     }
-  }
-
-  [[nodiscard]] std::string limitWords(bool any) const {
-    return any ? fmt::format("the time limit of {} s was reached, and the pins were not quiet",
-                             options_.time_limit_s)
-               : fmt::format("no edge came within {} s: is the controller wired, powered and started?",
-                             options_.time_limit_s);
   }
 
   /// A second way to know that no edge was lost: where the last edge leaves each line, there it is.

@@ -88,9 +88,9 @@ TEST_F(GpioChoiceTest, LinesThatMakeNoSenseAreFaultsWithFileAndLine) {
                                       "    galvo_z_pul: 1\n");
   EXPECT_THAT(faults, AllOf(HasSubstr("s.yaml:15: firmware.lines.encoder_a: is an input of the controller"),
                             HasSubstr("s.yaml:16: firmware.lines.galvo_z_pul: unknown key")));
-  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, {}, false),
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio.lines, "", {}, false),
               HasSubstr("s.yaml:8: firmware.lines.galvo_x_pul: the machine has no such pin"));
-  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio, plate(kWires).machine.signals, true),
+  EXPECT_THAT(faultsOf(plate(kWires).scenario.firmware.gpio.lines, "", plate(kWires).machine.signals, true),
               HasSubstr("no line for gantry_x_pul"));
   EXPECT_THAT(faultsIn(replaced(kWires, "laser_gate: 8", "laser_gate: 7")),
               HasSubstr("s.yaml:12: firmware.lines.laser_gate: has line 7, and so has galvo_y_dir"));
