@@ -34,20 +34,29 @@ AnalyserChoice readAnalyserChoice(YamlReader& firmware) {
   return choice;
 }
 
+std::vector<SlowRate> tooSlowFor(const twin::MachineDescription& machine, std::uint64_t samplerate_hz) {
+  std::vector<SlowRate> slow;
+  for (const auto& [pul, axis] : pulAxes(machine)) {
+    const double pulse_s = shortestPulse_s(axis->profile);
+    // Not a whole hertz more for the rounding of a quotient.
+    const double least_hz = pulse_s > 0.0 ? std::ceil((1.0 - 1e-12) * kLeastSamples / pulse_s) : 0.0;
+    if (!machine.signals.pin(pul) || static_cast<double>(samplerate_hz) >= least_hz) continue;
+    slow.push_back(
+        {pul,
+         fmt::format("{} Hz is too low for {}: its drive ({}) takes pulses of {:.4g} us, and {} samples of "
+                     "each need at least {:.0f} Hz",
+                     samplerate_hz, signalName(pul), axis->profile.name, 1e6 * pulse_s, kLeastSamples,
+                     least_hz)});
+  }
+  return slow;
+}
+
 std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescription& machine) {
   std::string faults = faultsOf(choice.lines, choice.place, machine.signals,
                                 machine.kind == twin::MachineDescription::Kind::kGantry);
-  for (const auto& [pul, axis] : pulAxes(machine)) {
-    if (std::ranges::find(choice.lines, pul, &PinLine::signal) == choice.lines.end()) continue;
-    const double pulse_s = shortestPulse_s(axis->profile);
-    const double least_hz = pulse_s > 0.0 ? kLeastSamples / pulse_s : 0.0;
-    if (static_cast<double>(choice.samplerate_hz) >= least_hz) continue;
-    faults += fmt::format(
-        "{}{}: {} Hz is too low for {}: its drive ({}) takes pulses of {:.4g} us, and {} samples of each "
-        "need "
-        "at least {:.0f} Hz",
-        faults.empty() ? "" : "\n", choice.rate_place, choice.samplerate_hz, signalName(pul),
-        axis->profile.name, 1e6 * pulse_s, kLeastSamples, std::ceil(least_hz));
+  for (const SlowRate& slow : tooSlowFor(machine, choice.samplerate_hz)) {
+    if (std::ranges::find(choice.lines, slow.pul, &PinLine::signal) != choice.lines.end())
+      faults += (faults.empty() ? "" : "\n") + choice.rate_place + ": " + slow.words;
   }
   return faults;
 }

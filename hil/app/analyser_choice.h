@@ -33,6 +33,13 @@ inline constexpr double kLeastSamples = 4.0;
 /// What is wrong goes to the reader.
 AnalyserChoice readAnalyserChoice(YamlReader& firmware);
 
+/// A drive of the machine whose shortest pulses (width, space) have less than kLeastSamples at a rate.
+struct SlowRate {
+  Signal pul{};
+  std::string words;  ///< Which rate is enough.
+};
+std::vector<SlowRate> tooSlowFor(const twin::MachineDescription& machine, std::uint64_t samplerate_hz);
+
 /// As faultsOf() of lines, and a rate that is too low for the pulses (width, space) of a drive that is heard.
 std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescription& machine);
 

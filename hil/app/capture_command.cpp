@@ -13,6 +13,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/inspect/verdict.h"
+#include "hil/source/analyser/sr_file.h"
 #include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
@@ -23,15 +24,22 @@ namespace fs = std::filesystem;
 Case readPinCase(const CaptureCommandOptions& options) {
   Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
   if (!the_case.scenario.firmware.onRealPins()) {
-    throw ConfigError(
-        fmt::format("{}: firmware.source: nothing to capture: the pins are no real ones (source: gpio, analyser)",
+    throw ConfigError(fmt::format(
+        "{}: firmware.source: nothing to capture: the pins are no real ones (source: gpio, analyser)",
+        the_case.scenario.path.string()));
+  }
+  if (options.session && the_case.scenario.firmware.source == FirmwareChoice::Source::kGpio) {
+    throw InputFault(
+        fmt::format("{}: --sr is for an analyser's samples (source: analyser): edges of a gpiochip, stamped "
+                    "in ns, have no "
+                    "sample rate",
                     the_case.scenario.path.string()));
   }
   if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
   return the_case;
 }
 
-constexpr std::array kFiles{"pins.vcd", "scenario.yaml"};
+constexpr std::array kFiles{"pins.vcd", "pins.sr", "scenario.yaml"};
 
 /// The folder as a whole is put in place, so what else there is would go.
 fs::path outFolder(const CaptureCommandOptions& options, const std::string& name) {
@@ -63,6 +71,7 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
   const PinCapture captured = hearPins(the_case, pins, console);
   const PinRecording& recording = captured.recording;
   writeVcd(folder.staging() / "pins.vcd", recording, the_case.machine.signals);
+  if (options.session) writeSr(folder.staging() / "pins.sr", recording, the_case.machine.signals);
   writeFileAtomically(folder.staging() / "scenario.yaml", the_case.scenario.text);
   folder.commit();
 

@@ -18,6 +18,7 @@ struct CaptureCommandOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;           ///< Folder; empty: results/NAME-capture.
   std::optional<double> time_limit_s;  ///< Real; instead of the scenario's.
+  bool session{};                      ///< pins.sr beside pins.vcd.
   bool quiet{};
   std::filesystem::path bin_dir;
 };

@@ -310,6 +310,7 @@ CLI::App* addCapture(CLI::App& app, CaptureCommandOptions& options) {
   capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio, analyser)")
       ->required();
   capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");
+  capture->add_flag("--sr", options.session, "pins.sr too, for PulseView and sigrok-cli; of an analyser");
   capture->add_option("--time-limit", options.time_limit_s, "Real seconds, instead of the scenario's")
       ->check(CLI::PositiveNumber);
   capture->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
@@ -319,7 +320,8 @@ CLI::App* addCapture(CLI::App& app, CaptureCommandOptions& options) {
 CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
   CLI::App* doctor = app.add_subcommand(
       "doctor",
-      "What hardware this computer has for real pins (chips, lines, clock, real-time limits), what is wrong "
+      "What hardware this computer has for real pins (chips, lines, logic analysers, clock, real-time "
+      "limits), what is wrong "
       "with "
       "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
@@ -354,8 +356,12 @@ int dispatch(int argc, char** argv) {
 
   fs::path recording;
   fs::path replay_scenario;
-  CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd) as if they were live");
-  replay->add_option("RECORDING", recording, "VCD file with 1-bit wires named like galvo_x_pul")->required();
+  CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd, .sr) as if they were live");
+  replay
+      ->add_option("RECORDING", recording,
+                   "VCD file with 1-bit wires named like galvo_x_pul,\nor a session file of sigrok (.sr), "
+                   "channels named so or as the scenario's lines")
+      ->required();
   replay->add_option("--scenario", replay_scenario, "The scenario that was recorded")->required();
   addCommonOptions(*replay, options);
 

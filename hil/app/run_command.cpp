@@ -15,6 +15,7 @@
 #include "hil/app/machine_film.h"
 #include "hil/app/pin_sums.h"
 #include "hil/app/real_pins.h"
+#include "hil/app/recording_file.h"
 #include "hil/app/release.h"
 #include "hil/app/safe_demand.h"
 #include "hil/base/digest.h"
@@ -133,7 +134,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const CommonO
   PinRecording recorded;
   Conclusion conclusion;
   try {
-    recorded = readVcd(recording, the_case.machine.signals);
+    recorded = readRecording(recording, the_case);
     conclusion.source_id = "recording sha256 " + sha256File(recording);
   } catch (const std::runtime_error& e) {
     throw InputFault(e.what());

@@ -6,10 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 
 #include "hil/app/release.h"
+#include "hil/source/analyser/sr_file.h"
 #include "tests/hil/source/analyser/scripted_analyser.h"
 #include "tests/scenarios/released_pins.h"
 #include "tests/scenarios/scenario_runs.h"
@@ -85,6 +87,7 @@ class PinsToVerdict : public testing::Test {
     return {.scenario = release.scenario(firmware),
             .out = results_.path() / "heard",
             .time_limit_s = {},
+            .session = false,
             .quiet = true,
             .bin_dir = options().bin_dir};
   }
@@ -212,6 +215,63 @@ TEST_F(PinsToVerdict, TheDemoAnalyserEndsInvalidAndIsHeardEdgeByEdge) {
                             results_.path().string(), scenario.string()));
   EXPECT_EQ(replay.exit_code, 3) << replay.output;
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+}
+
+// What sigrok-cli makes of the recording of a run is the same evidence, at the rate of its ticks and at a
+// lower one.
+TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
+  if (std::system("command -v sigrok-cli >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "sigrok-cli is not installed";
+  const auto judged = [&](const ReleasedPins& release, const std::string& name, int every) {
+    const fs::path vcd = scratch_->path() / (name + "-pins") / "pins.vcd";
+    const fs::path session = results_.path() / (name + ".sr");
+    const std::string convert =
+        fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,
+                    vcd.string(), session.string());
+    EXPECT_EQ(std::system(convert.c_str()), 0);
+    const int code = hil::replayCommand(session, release.scenario("{source: native}"), options());
+    EXPECT_EQ(hil::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
+    return code;
+  };
+  EXPECT_EQ(judged(*good_, "good", 625), 0);
+  EXPECT_EQ(judged(*good_, "good", 1250), 0);
+  EXPECT_EQ(judged(*bad_, "bad", 625), 1);
+}
+
+TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
+  hil::PinRecording coarse;
+  coarse.rate = {1, 100'000};
+  coarse.outputs = {{1000, 0, 1, 1, 0}, {1001, 0, 1, 0, 0}};
+  coarse.end = 20'000;
+  hil::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
+  EXPECT_EQ(hil::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), options()),
+            3);
+  EXPECT_THAT(verdict("good-pins-replay").at("problems").get<std::vector<std::string>>(),
+              Contains(HasSubstr("100000 Hz is too low for galvo_x_pul: its drive (galvo-pul-dir) takes "
+                                 "pulses of 2.5 us, and 4 samples "
+                                 "of each need at least 1600000 Hz")));
+}
+
+TEST_F(PinsToVerdict, AnAnalysersCaptureIsASessionTooThatIsJudgedAlike) {
+  const hil::RealPins real = analyser(*good_);
+  CaptureCommandOptions capture = captureOptions(*good_, kAnalyser);
+  capture.session = true;
+  EXPECT_EQ(captureOnPins(real, capture), 0);
+  EXPECT_EQ(replay(*good_, kAnalyser), 0);
+  const auto by_vcd = verdict("good-pins-replay");
+  EXPECT_EQ(hil::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), options()), 0);
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), by_vcd.at("digest"));
+  capture.scenario = good_->scenario(kFirmware);
+  EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), hil::InputFault);
+}
+
+TEST_F(PinsToVerdict, ASessionThatCannotBeReadIsAnErrorInWords) {
+  std::ofstream(results_.path() / "cut.sr") << "PK";
+  const auto run =
+      kerfbench(fmt::format("replay '{0}/cut.sr' --scenario '{1}' --results-dir '{0}'",
+                            results_.path().string(), good_->scenario("{source: native}").string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output, HasSubstr("cut.sr: no readable zip archive"));
 }
 
 TEST_F(PinsToVerdict, OnlyRealPinsAreCaptured) {
