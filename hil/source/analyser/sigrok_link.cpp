@@ -114,7 +114,7 @@ std::string requestOf(const AnalyserWish& wish) {
   line("quiet", std::to_string(wish.listen.quiet_samples));
   line("limit", std::to_string(wish.listen.limit_samples));
   for (const std::string& channel : wish.channels) line("channel", channel);
-  for (const auto& [key, value] : wish.settings) line("setting", key + "=" + value);
+  for (const auto& [key, value] : wish.settings) line("setting", fmt::format("{}={}", key, value));
   return request + "\n";
 }
 

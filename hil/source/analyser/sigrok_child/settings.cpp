@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hil/source/analyser/sigrok_child/settings.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <optional>
 
@@ -46,7 +48,7 @@ GVariant* valueOf(int datatype, const std::string& text) {
 void applySettings(Library& library, sr_dev_inst* device,
                    const std::vector<std::pair<std::string, std::string>>& settings) {
   for (const auto& [key, text] : settings) {
-    const std::string what = describe(device) + ": setting " + key + ": " + text;
+    const std::string what = fmt::format("{}: setting {}: {}", describe(device), key, text);
     const sr_key_info* const info = sr_key_info_name_get(SR_KEY_CONFIG, key.c_str());
     if (info == nullptr) throw SigrokError(what + ": libsigrok knows no setting of this name");
     std::vector<const sr_channel_group*> places{nullptr};

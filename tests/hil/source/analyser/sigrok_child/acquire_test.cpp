@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -230,7 +231,7 @@ TEST_F(SigrokChild, SettingsThatMakeNoSenseAreRefused) {
                                                         {"voltage_threshold", "a-b"},
                                                         {"measured_quantity", "1"}}) {
     request.settings = {{key, text}};
-    EXPECT_THAT(refusal(), HasSubstr("setting " + key + ": " + text + ": no value for it"));
+    EXPECT_THAT(refusal(), HasSubstr(fmt::format("setting {}: {}: no value for it", key, text)));
   }
   request.settings = {{"colour", "red"}};
   EXPECT_THAT(refusal(), HasSubstr("knows no setting of this name"));
