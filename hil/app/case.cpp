@@ -41,10 +41,13 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
 }  // namespace
 
 void refuseUnwired(const Case& the_case) {
-  if (the_case.scenario.firmware.source != FirmwareChoice::Source::kGpio) return;
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  if (!firmware.onRealPins()) return;
   const WiringNeeds needs{.gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry,
                           .moving_sheet = the_case.scenario.sheetMoves()};
-  const std::string faults = faultsOf(the_case.scenario.firmware.gpio, the_case.machine.signals, needs);
+  const std::string faults = firmware.source == FirmwareChoice::Source::kGpio
+                                 ? faultsOf(firmware.gpio, the_case.machine.signals, needs)
+                                 : faultsOf(firmware.analyser, the_case.machine);
   if (!faults.empty()) throw ConfigError(faults);
 }
 

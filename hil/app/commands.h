@@ -13,6 +13,16 @@
 
 namespace kerfbench::hil {
 
+/// See captureCommand().
+struct CaptureCommandOptions {
+  std::filesystem::path scenario;
+  std::filesystem::path out;           ///< Folder; empty: results/NAME-capture.
+  std::optional<double> time_limit_s;  ///< Real; instead of the scenario's.
+  bool session{};                      ///< pins.sr beside pins.vcd.
+  bool quiet{};
+  std::filesystem::path bin_dir;
+};
+
 /// What all commands that judge have in common. See DESIGN: the program.
 struct CommonOptions {
   std::filesystem::path results_dir{"results"};
@@ -134,6 +144,9 @@ int replayCommand(const std::filesystem::path& recording, const std::filesystem:
 /// Records the spot camera that a scenario names. Returns 0; 3 if the camera ended by itself before all that
 /// was asked for came; kExitInput.
 int recordFramesCommand(const RecordFramesOptions& options);
+/// Records the real pins that a scenario names to a folder, without model and verdict. Returns 0, 3 if the
+/// recording cannot be trusted, or kExitInput.
+int captureCommand(const CaptureCommandOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
 /// What hardware this computer has and what is wrong with it, on standard output. Returns 0; with a scenario

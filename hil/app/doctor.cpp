@@ -115,6 +115,7 @@ std::vector<DoctorFinding> findingsOf(const ComputerState& state) {
     findings.push_back({Grade::kNote, "no gpiochip: scenarios on real pins (source: gpio) cannot run here"});
   for (const std::string& fault : state.gpio.faults) findings.push_back({Grade::kTrouble, fault});
   for (const std::string& trouble : state.gpio_troubles) findings.push_back({Grade::kTrouble, trouble});
+  addAnalyserFindings(state, findings);
   if (state.clock_resolution_ns > 1) {
     findings.push_back(
         {Grade::kTrouble,
@@ -145,6 +146,8 @@ std::vector<DoctorFinding> needsOf(const Case& the_case, const ComputerState& st
   const FirmwareChoice& firmware = the_case.scenario.firmware;
   if (firmware.source == FirmwareChoice::Source::kGpio) {
     lookAtPins(firmware.gpio, state, findings);
+  } else if (firmware.source == FirmwareChoice::Source::kAnalyser) {
+    addAnalyserNeeds(firmware.analyser, state, findings);
   } else {
     lookAtRelease(firmware, bin_dir, findings);
   }

@@ -9,6 +9,7 @@
 
 #include "hil/app/case.h"
 #include "hil/camera/v4l2/device_list.h"
+#include "hil/source/analyser/analyser.h"
 #include "hil/source/gpio/chips.h"
 
 namespace kerfbench::hil {
@@ -19,12 +20,19 @@ struct ComputerState {
   GpioChipList gpio;
   std::vector<std::string> gpio_troubles;  ///< Chips whose edges cannot be read without losing some.
   std::vector<CameraListing> cameras;
+  AnalyserList analysers;
+  std::string analyser_trouble;              ///< Why they could not be listed; empty: they could.
   std::string clock_source;                  ///< Of the kernel: "tsc"; empty: it does not say.
   std::uint64_t clock_resolution_ns{};       ///< Of CLOCK_MONOTONIC.
   std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
 };
 /// Looks; changes nothing but the priority of the thread, for a moment.
 ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system, VideoCalls& video);
+
+/// Fills in the logic analysers. Opens each for a moment.
+void lookAtAnalysers(AnalyserSystem& system, ComputerState& state);
+/// "fx2lafw: Saleae Logic, at 1.14".
+std::string analyserName(const AnalyserDevice& device);
 
 /// One thing that was looked at.
 struct DoctorFinding {
@@ -43,6 +51,11 @@ std::vector<DoctorFinding> findingsOf(const ComputerState& state);
 /// Of what a case needs: kGood or kMissing. `bin_dir`: where kerfbench's children are.
 std::vector<DoctorFinding> needsOf(const Case& the_case, const ComputerState& state,
                                    const std::filesystem::path& bin_dir);
+
+/// The part of findingsOf() and needsOf() that is about logic analysers.
+void addAnalyserFindings(const ComputerState& state, std::vector<DoctorFinding>& findings);
+void addAnalyserNeeds(const AnalyserChoice& choice, const ComputerState& state,
+                      std::vector<DoctorFinding>& findings);
 
 /// For people, and as JSON. `scenario`: name of the case whose needs are among the findings, or empty.
 std::string doctorText(const ComputerState& state, const std::vector<DoctorFinding>& findings);

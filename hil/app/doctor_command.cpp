@@ -12,7 +12,8 @@ namespace {
 int examine(const DoctorOptions& options) {
   std::vector<DoctorFinding> findings;
   std::string name;
-  const ComputerState state = lookAtComputer(linuxGpioSystem(), kernelVideoCalls());
+  ComputerState state = lookAtComputer(linuxGpioSystem(), kernelVideoCalls());
+  lookAtAnalysers(*sigrokAnalysers(options.bin_dir), state);
   findings = findingsOf(state);
   if (!options.scenario.empty()) {
     const Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");

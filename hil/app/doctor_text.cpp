@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -32,6 +33,28 @@ std::string lineText(const GpioLineInfo& line) {
   return text + "\n";
 }
 
+std::string analysersText(const AnalyserList& list) {
+  std::string text =
+      fmt::format("{}, drivers for logic analysers: {}\n", list.library, fmt::join(list.drivers, " "));
+  for (const AnalyserDevice& device : list.devices)
+    text += fmt::format("{}\n  channels {}; {}\n", analyserName(device), fmt::join(device.channels, " "),
+                        device.samplerates.empty() ? "does not tell its rates" : device.samplerates);
+  return text + "recordings that are read: VCD (pins.vcd), session files of sigrok (.sr)\n";
+}
+
+Json analysersJson(const AnalyserList& list) {
+  Json devices = Json::array();
+  for (const AnalyserDevice& device : list.devices) {
+    devices.push_back({{"driver", device.driver},
+                       {"name", device.name},
+                       {"serial", device.serial},
+                       {"conn", device.conn},
+                       {"channels", device.channels},
+                       {"samplerates", device.samplerates}});
+  }
+  return {{"library", list.library}, {"drivers", list.drivers}, {"devices", std::move(devices)}};
+}
+
 Json chipJson(const GpioChipInfo& chip) {
   Json lines = Json::array();
   for (const GpioLineInfo& line : chip.lines) {
@@ -55,6 +78,7 @@ std::string doctorText(const ComputerState& state, const std::vector<DoctorFindi
     for (const GpioLineInfo& line : chip.lines) text += lineText(line);
   }
   for (const CameraListing& camera : state.cameras) text += describe(camera);
+  if (!state.analysers.library.empty()) text += analysersText(state.analysers);
   text +=
       fmt::format("CLOCK_MONOTONIC: {} ns, by {}\n", state.clock_resolution_ns,
                   state.clock_source.empty() ? "a clock that the kernel does not name" : state.clock_source);
@@ -75,6 +99,7 @@ std::string doctorJson(const ComputerState& state, const std::vector<DoctorFindi
   for (const GpioChipInfo& chip : state.gpio.chips) chips.push_back(chipJson(chip));
   json["gpio"] = {{"chips", std::move(chips)}};
   json["cameras"] = camerasJson(state.cameras);
+  json["analysers"] = analysersJson(state.analysers);
   json["clock"] = {{"source", state.clock_source}, {"resolution_ns", state.clock_resolution_ns}};
   json["real_time"] = {{"allowed", state.real_time_notes.empty()}};
   Json list = Json::array();

@@ -18,8 +18,8 @@ std::string placeOf(const YamlReader& firmware, const std::string& key) {
 }
 
 /// The lines of one section: those of the controller's outputs, or of its inputs.
-std::vector<GpioChoice::Line> readLines(YamlReader& firmware, const char* section, bool sensors) {
-  std::vector<GpioChoice::Line> chosen;
+std::vector<PinLine> readLines(YamlReader& firmware, const char* section, bool sensors) {
+  std::vector<PinLine> chosen;
   YamlReader lines = firmware.section(section);
   std::map<std::string, std::string_view> users;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
@@ -29,7 +29,8 @@ std::vector<GpioChoice::Line> readLines(YamlReader& firmware, const char* sectio
     const std::string line = lines.text(name);
     if (isSensor(signal) && !sensors) {
       lines.fault(name,
-                  "is an input of the controller: it belongs to firmware.outputs, which the bench drives");
+                  "is an input of the controller: it belongs to firmware.outputs, which the bench drives "
+                  "(source: gpio)");
     } else if (!isSensor(signal) && sensors) {
       lines.fault(name, "is an output of the controller: it belongs to firmware.lines");
     } else if (signal == Signal::kPowerMonitor) {
@@ -46,8 +47,19 @@ std::vector<GpioChoice::Line> readLines(YamlReader& firmware, const char* sectio
   return chosen;
 }
 
-bool hasLine(const std::vector<GpioChoice::Line>& lines, Signal signal) {
-  return std::ranges::find(lines, signal, &GpioChoice::Line::signal) != lines.end();
+void addUnknown(const std::vector<PinLine>& lines, const SignalMap& machine, std::string& faults) {
+  for (const PinLine& line : lines) {
+    if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
+  }
+}
+
+void addMissing(const char* section, const std::vector<PinLine>& lines, std::initializer_list<Signal> wanted,
+                const std::string& place, const SignalMap& machine, std::string& faults) {
+  for (const Signal signal : wanted) {
+    if (!machine.pin(signal) || std::ranges::find(lines, signal, &PinLine::signal) != lines.end()) continue;
+    addLine(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", place, section,
+                                signalName(signal)));
+  }
 }
 
 template <typename Find>
@@ -62,10 +74,10 @@ auto foundAt(const std::string& place, const Find& find) {
 /// Lines of one chip and who has them, for both directions.
 using LineUsers = std::map<std::pair<std::string, std::uint32_t>, Signal>;
 
-std::vector<GpioWire> wiresOf(const std::vector<GpioChoice::Line>& lines, const GpioChipInfo& chip,
-                              LineUsers& users, std::string& faults) {
+std::vector<GpioWire> wiresOf(const std::vector<PinLine>& lines, const GpioChipInfo& chip, LineUsers& users,
+                              std::string& faults) {
   std::vector<GpioWire> wires;
-  for (const GpioChoice::Line& line : lines) {
+  for (const PinLine& line : lines) {
     try {
       const std::uint32_t offset = foundAt(line.place, [&] { return findLine(chip, line.line).offset; });
       const auto [user, is_new] = users.emplace(std::pair(chip.path.string(), offset), line.signal);
@@ -87,8 +99,8 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
   choice.chip = firmware.text("chip");
   choice.place = placeOf(firmware, "chip");
   choice.stamp_err_s = 1e-6 * firmware.number("stamp_err_us", {.min = 0.001, .max = 1e4});
-  choice.quiet_s = firmware.number("quiet_s", {.min = 0.5, .max = 60, .fallback = 2.0});
-  choice.lines = readLines(firmware, "lines", false);
+  choice.quiet_s = readQuiet_s(firmware);
+  choice.lines = readPinLines(firmware);
   choice.outputs = readLines(firmware, "outputs", true);
   choice.out_chip = firmware.text("out_chip", choice.chip);
   choice.out_place = firmware.has("out_chip") ? placeOf(firmware, "out_chip") : choice.place;
@@ -105,31 +117,35 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
   return choice;
 }
 
-std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs) {
+double readQuiet_s(YamlReader& firmware) {
+  return firmware.number("quiet_s", {.min = 0.5, .max = 60, .fallback = 2.0});
+}
+
+std::vector<PinLine> readPinLines(YamlReader& firmware) { return readLines(firmware, "lines", false); }
+
+std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
+                     bool gantry) {
   std::string faults;
-  for (const auto* lines : {&choice.lines, &choice.outputs}) {
-    for (const GpioChoice::Line& line : *lines) {
-      if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
-    }
-  }
-  const auto ask = [&](const char* section, const std::vector<GpioChoice::Line>& lines,
-                       std::initializer_list<Signal> wanted) {
-    for (const Signal signal : wanted) {
-      if (!machine.pin(signal) || hasLine(lines, signal)) continue;
-      addLine(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", choice.place,
-                                  section, signalName(signal)));
-    }
-  };
-  ask("lines", choice.lines, {Signal::kLaserGate, Signal::kLaserPwm});
-  if (needs.gantry) {
-    ask("lines", choice.lines,
-        {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir});
+  addUnknown(lines, machine, faults);
+  addMissing("lines", lines, {Signal::kLaserGate, Signal::kLaserPwm}, place, machine, faults);
+  if (gantry) {
+    addMissing("lines", lines,
+               {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir}, place,
+               machine, faults);
   } else {
-    ask("lines", choice.lines,
-        {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir});
+    addMissing("lines", lines,
+               {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir}, place,
+               machine, faults);
   }
+  return faults;
+}
+
+std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs) {
+  std::string faults = faultsOf(choice.lines, choice.place, machine, needs.gantry);
+  addUnknown(choice.outputs, machine, faults);
   if (needs.moving_sheet)
-    ask("outputs", choice.outputs, {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark});
+    addMissing("outputs", choice.outputs, {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark},
+               choice.place, machine, faults);
   return faults;
 }
 

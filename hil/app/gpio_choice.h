@@ -13,20 +13,25 @@
 
 namespace kerfbench::hil {
 
+/// A line of a chip, or a channel of an analyser, as a scenario names it.
+struct PinLine {
+  Signal signal{};
+  std::string line;   ///< Number or name.
+  std::string place;  ///< "file:line: firmware.lines.galvo_x_pul", for faults that come up later.
+};
+/// `firmware.lines` and `firmware.quiet_s`; what is wrong goes to the reader.
+std::vector<PinLine> readPinLines(YamlReader& firmware);
+double readQuiet_s(YamlReader& firmware);
+
 /// Real pins as a scenario names them (`firmware: {source: gpio, …}`).
 struct GpioChoice {
-  struct Line {
-    Signal signal{};
-    std::string line;   ///< Number or name.
-    std::string place;  ///< "file:line: firmware.lines.galvo_x_pul", for faults that come up later.
-  };
   std::string chip;  ///< Path, name or label.
   std::string place;
-  std::vector<Line> lines;
+  std::vector<PinLine> lines;
   double stamp_err_s{};
   double quiet_s{};
-  std::vector<Line> outputs;  ///< Inputs of the controller, which the bench drives.
-  std::string out_chip;       ///< Of `outputs`; path, name or label.
+  std::vector<PinLine> outputs;  ///< Inputs of the controller, which the bench drives.
+  std::string out_chip;          ///< Of `outputs`; path, name or label.
   std::string out_place;
   std::optional<double> max_lag_s;  ///< Of an edge that is driven; absent: from the belt's speed.
   std::string uart;                 ///< Serial line to the controller; empty: none.
@@ -48,6 +53,10 @@ struct WiringNeeds {
 /// Lines of signals that the machine does not have, and pins that it has and the choice has no line for. One
 /// fault a line, with file and line; empty: none.
 std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs);
+/// The same of the controller's outputs alone: its laser's, and its axes' (`gantry` or mirrors). `place`: of
+/// the choice.
+std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
+                     bool gantry);
 
 /// What capturePins() needs, but for its time limit. @throws GpioError with every line that the chip does not
 /// have, or that two signals share, with file and line of the scenario.

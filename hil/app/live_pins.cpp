@@ -22,7 +22,7 @@ constexpr double kQuantum_s = 1e-3;
 
 bool wantsLimits(const Case& the_case) {
   return the_case.machine.kind == twin::MachineDescription::Kind::kGantry &&
-         std::ranges::any_of(the_case.scenario.firmware.gpio.outputs, [](const GpioChoice::Line& line) {
+         std::ranges::any_of(the_case.scenario.firmware.gpio.outputs, [](const PinLine& line) {
            return line.signal == Signal::kLimitX || line.signal == Signal::kLimitY;
          });
 }
@@ -68,11 +68,10 @@ PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t 
   recording.uart = std::move(record.uart);
   captured.notes = std::move(record.notes);
   captured.edges = record.edges;
-  captured.problems = std::move(run.problems);
-  captured.problems.insert(captured.problems.end(), std::make_move_iterator(record.problems.begin()),
-                           std::make_move_iterator(record.problems.end()));
+  recording.problems.insert(recording.problems.end(), std::make_move_iterator(record.problems.begin()),
+                            std::make_move_iterator(record.problems.end()));
   // A replay has to know as well.
-  if (!captured.problems.empty()) recording.outputs.push_back(record.gap);
+  if (!recording.problems.empty()) recording.outputs.push_back(record.gap);
   return captured;
 }
 

@@ -41,6 +41,12 @@ std::string describe(Stop stop, const SignalSource& source, double now_s) {
   return {};
 }
 
+/// A replay of the recording has to know as well. (It finds gaps by itself.)
+void spoil(const std::string& problem, LockstepResult& result) {
+  result.problems.push_back(problem);
+  result.recording.problems.push_back(problem);
+}
+
 bool hasGap(const std::vector<PinEvent>& events) {
   return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
 }
@@ -87,7 +93,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
     ended = stop == Stop::kEnded;
     if (ended && dialog == nullptr) break;
     if (stop != Stop::kReached) {
-      result.problems.push_back(describe(stop, source, info.rate.seconds(now)));
+      spoil(describe(stop, source, info.rate.seconds(now)), result);
       break;
     }
     const double now_s = info.rate.seconds(now);
@@ -108,13 +114,13 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
     if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
   }
   if (dialog != nullptr && !finishing && result.problems.empty() && options.provocation == nullptr) {
-    result.problems.push_back(
-        fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()));
+    spoil(fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()),
+          result);
   }
   if (dialog == nullptr && !ended && result.problems.empty()) {
-    result.problems.push_back(
-        fmt::format("the time limit of {} s was reached before {}", options.time_limit_s,
-                    info.accepts_input ? "the pins were quiet" : "the end of the recording"));
+    spoil(fmt::format("the time limit of {} s was reached before {}", options.time_limit_s,
+                      info.accepts_input ? "the pins were quiet" : "the end of the recording"),
+          result);
   }
   result.recording.end = now;
   return result;

@@ -321,10 +321,26 @@ CLI::App* addRecordFrames(CLI::App& app, RecordFramesOptions& options) {
   return record;
 }
 
+CLI::App* addCapture(CLI::App& app, CaptureCommandOptions& options) {
+  CLI::App* capture = app.add_subcommand(
+      "capture",
+      "Record a controller's real pins to pins.vcd, without model and verdict; `replay` judges it later.\n"
+      "Exit code 0; 3: what was recorded cannot be trusted.");
+  capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio, analyser)")
+      ->required();
+  capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");
+  capture->add_flag("--sr", options.session, "pins.sr too, for PulseView and sigrok-cli; of an analyser");
+  capture->add_option("--time-limit", options.time_limit_s, "Real seconds, instead of the scenario's")
+      ->check(CLI::PositiveNumber);
+  capture->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
+  return capture;
+}
+
 CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
   CLI::App* doctor = app.add_subcommand(
       "doctor",
-      "What hardware this computer has for real pins (chips, lines, clock, real-time limits), what is wrong "
+      "What hardware this computer has for real pins (chips, lines, logic analysers, clock, real-time "
+      "limits), what is wrong "
       "with "
       "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
@@ -362,8 +378,12 @@ int dispatch(int argc, char** argv) {
 
   fs::path recording;
   fs::path replay_scenario;
-  CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd) as if they were live");
-  replay->add_option("RECORDING", recording, "VCD file with 1-bit wires named like galvo_x_pul")->required();
+  CLI::App* replay = app.add_subcommand("replay", "Judge recorded pins (pins.vcd, .sr) as if they were live");
+  replay
+      ->add_option("RECORDING", recording,
+                   "VCD file with 1-bit wires named like galvo_x_pul,\nor a session file of sigrok (.sr), "
+                   "channels named so or as the scenario's lines")
+      ->required();
   replay->add_option("--scenario", replay_scenario, "The scenario that was recorded")->required();
   fs::path replay_frames;
   replay->add_option("--frames", replay_frames,
@@ -374,6 +394,9 @@ int dispatch(int argc, char** argv) {
   RecordFramesOptions record_options;
   record_options.bin_dir = options.bin_dir;
   const CLI::App* record_frames = addRecordFrames(app, record_options);
+  CaptureCommandOptions capture_options;
+  capture_options.bin_dir = options.bin_dir;
+  const CLI::App* capture = addCapture(app, capture_options);
 
   std::vector<fs::path> lint_files;
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
@@ -411,6 +434,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return runCommand(scenarios, options);
   if (replay->parsed()) return replayCommand(recording, replay_scenario, replay_frames, options);
   if (record_frames->parsed()) return recordFramesCommand(record_options);
+  if (capture->parsed()) return captureCommand(capture_options);
   if (doctor->parsed()) return doctorCommand(doctor_options);
   if (show->parsed()) return showCommand(show_options);
   if (calibrate.camera->parsed()) return calibrateCameraCommand(calibrate_options);

@@ -3,26 +3,32 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <utility>
-
 #include "hil/app/gpio_choice.h"
 #include "hil/app/release.h"
 
 namespace kerfbench::hil {
 
+std::array<std::pair<Signal, const twin::AxisDescription*>, 5> pulAxes(
+    const twin::MachineDescription& machine) {
+  return {{{Signal::kGalvoXPul, &machine.galvo_x},
+           {Signal::kGalvoYPul, &machine.galvo_y},
+           {Signal::kGantryXPul, &machine.gantry_x},
+           {Signal::kGantryYPul, &machine.gantry_y},
+           {Signal::kFeedPul, &machine.belt.feed}}};
+}
+
 std::vector<Signal> countedRising(const twin::MachineDescription& machine) {
-  const std::array<std::pair<Signal, const twin::AxisDescription*>, 5> axes{
-      {{Signal::kGalvoXPul, &machine.galvo_x},
-       {Signal::kGalvoYPul, &machine.galvo_y},
-       {Signal::kGantryXPul, &machine.gantry_x},
-       {Signal::kGantryYPul, &machine.gantry_y},
-       {Signal::kFeedPul, &machine.belt.feed}}};
   std::vector<Signal> rising;
-  for (const auto& [signal, axis] : axes) {
+  for (const auto& [signal, axis] : pulAxes(machine)) {
     if (axis->profile.active_edge_rising) rising.push_back(signal);
   }
   return rising;
+}
+
+void tellCapture(const PinCapture& captured, Console& console) {
+  for (const std::string& note : captured.notes) console.say("  " + note);
+  console.say(fmt::format("  {} edges in {:.3f} s", captured.edges,
+                          captured.recording.rate.seconds(captured.recording.end)));
 }
 
 PinCapture captureCase(const Case& the_case, const std::shared_ptr<GpioSystem>& system,
@@ -35,9 +41,7 @@ PinCapture captureCase(const Case& the_case, const std::shared_ptr<GpioSystem>& 
         fmt::format("  listening to {} lines of {}: start the job; it is over when they are quiet for {} s",
                     options.wires.size(), options.chip.string(), options.quiet_s));
     PinCapture captured = capturePins(options, the_case.machine.signals, system);
-    for (const std::string& note : captured.notes) console.say("  " + note);
-    console.say(fmt::format("  {} edges in {:.3f} s", captured.edges,
-                            captured.recording.rate.seconds(captured.recording.end)));
+    tellCapture(captured, console);
     return captured;
   } catch (const GpioError& e) {
     throw InputFault(e.what());

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
 #include "hil/app/stopwatch.h"
+#include "hil/source/analyser/analyser.h"
+#include "hil/source/gpio/capture.h"
 #include "hil/source/gpio/chips.h"
 #include "hil/source/serial/serial_system.h"
 
@@ -18,9 +22,16 @@ struct RealPins {
   std::shared_ptr<GpioSystem> gpio;
   std::function<GpioChipList()> chips;
   std::shared_ptr<SerialSystem> serial;
+  std::shared_ptr<AnalyserSystem> analysers;
 };
-/// Those of this computer.
-RealPins realPins();
+/// Those of this computer. `bin_dir`: where kerfbench's children are.
+RealPins realPins(const std::filesystem::path& bin_dir);
+
+/// Where a scenario on real pins gets them from, for people.
+std::string pinsName(const FirmwareChoice& firmware);
+
+/// Records the pins that a case on real pins names, and drives none. @throws InputFault as captureCase().
+PinCapture hearPins(const Case& the_case, const RealPins& pins, Console& console);
 
 /// Runs a case on real pins and judges it. Whether the model runs along to drive the controller's inputs or
 /// not, what is judged is the recording, with the model behind it: nothing that is slow there makes anything
@@ -28,5 +39,9 @@ RealPins realPins();
 /// @throws InputFault if the pins cannot be had: who, where, and what to do.
 int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
               Console& console);
+
+/// captureCommand() on these pins. @throws ConfigError; InputFault, also for a case whose controller's inputs
+/// are to be driven.
+int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options);
 
 }  // namespace kerfbench::hil

@@ -27,8 +27,8 @@ std::uint64_t flood(const FirmwareChoice& firmware) {
 
 std::unique_ptr<SignalSource> openRelease(const FirmwareChoice& firmware,
                                           const std::filesystem::path& bin_dir) {
-  if (firmware.source == FirmwareChoice::Source::kGpio)
-    throw InputFault("a scenario on real pins (source: gpio) runs by `kerfbench run` alone");
+  if (firmware.onRealPins())
+    throw InputFault("a scenario on real pins (source: gpio, analyser) runs by `kerfbench run` alone");
   ChildSourceOptions options;
   options.image = firmware.image;
   // A native release is itself the child that speaks the protocol.

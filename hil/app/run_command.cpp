@@ -15,9 +15,9 @@
 #include "hil/app/live_pins.h"
 #include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
-#include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
 #include "hil/app/real_pins.h"
+#include "hil/app/recording_file.h"
 #include "hil/app/release.h"
 #include "hil/app/safe_demand.h"
 #include "hil/app/sensor_lag.h"
@@ -38,7 +38,8 @@ std::string sourceName(FirmwareChoice::Source source) {
     case FirmwareChoice::Source::kNative:
       return "native build";
     case FirmwareChoice::Source::kChild:
-    case FirmwareChoice::Source::kGpio:  // Has no image; see runOnPins().
+    case FirmwareChoice::Source::kGpio:  // Have no image; see runOnPins().
+    case FirmwareChoice::Source::kAnalyser:
       break;
   }
   return "child process";
@@ -69,11 +70,17 @@ void addProblem(const std::string& problem, LockstepResult& run) {
   if (!problem.empty()) run.problems.push_back(problem);
 }
 
+/// A replay has no dialog that could fail.
+void spoilByDialog(LockstepResult& run) {
+  addProblem(run.dialog_failure, run);
+  if (!run.dialog_failure.empty()) run.recording.problems.push_back(run.dialog_failure);
+}
+
 /// What the controller itself said of the run, and of its end; what that leaves unproven is a problem.
 void hearController(const Case& the_case, const PreparedJob& job, const PinRecording& recording,
                     double line_cut_s, LockstepResult& run, Conclusion& conclusion) {
   if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) {
-    addProblem(run.dialog_failure, run);
+    spoilByDialog(run);
     return;
   }
   const PinSums pins(recording, the_case.machine.signals);
@@ -98,7 +105,6 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
 /// Pins that are recorded already, and how they came about.
 struct Recorded {
   PinRecording pins;
-  std::vector<std::string> problems;
   std::string dialog_failure;  ///< As LockstepResult's.
   double dialog_failed_s{};
 };
@@ -107,7 +113,7 @@ struct Recorded {
 void judgeSensors(const Case& the_case, const WitnessedTwin& twin, const PinRecording& recorded,
                   LockstepResult& run, Console& console) {
   std::vector<Signal> signals;
-  for (const GpioChoice::Line& line : the_case.scenario.firmware.gpio.outputs) signals.push_back(line.signal);
+  for (const PinLine& line : the_case.scenario.firmware.gpio.outputs) signals.push_back(line.signal);
   const double limit_s = sensorLagLimit_s(the_case.scenario);
   const SensorLag found =
       sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
@@ -135,7 +141,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
   LockstepModel& model = driven ? static_cast<LockstepModel&>(witnessed) : alone;
   LockstepResult run =
       runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, progressOn(console));
-  run.problems.insert(run.problems.end(), before.problems.begin(), before.problems.end());
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
+    problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
   run.dialog_failure = before.dialog_failure;
   run.dialog_failed_s = before.dialog_failed_s;
   if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
@@ -152,7 +159,7 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
     hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
                    std::numeric_limits<double>::quiet_NaN(), run, conclusion);
   } else {
-    addProblem(run.dialog_failure, run);
+    spoilByDialog(run);
   }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
@@ -168,7 +175,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   Recorded recorded;
   Conclusion conclusion;
   try {
-    recorded.pins = readVcd(recording, the_case.machine.signals);
+    recorded.pins = readRecording(recording, the_case);
     conclusion.source_id = "recording sha256 " + sha256File(recording);
   } catch (const std::runtime_error& e) {
     throw InputFault(e.what());
@@ -186,8 +193,8 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
-  if (scenario.firmware.source == FirmwareChoice::Source::kGpio)
-    return runOnPins(the_case, realPins(), options, stopwatch, console);
+  if (scenario.firmware.onRealPins())
+    return runOnPins(the_case, realPins(options.bin_dir), options, stopwatch, console);
   refuseRealCamera(the_case);
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);
@@ -229,10 +236,6 @@ int runOne(const fs::path& path, const CommonOptions& options) {
 
 }  // namespace
 
-RealPins realPins() {
-  return {linuxGpioSystem(), [] { return listChips(); }, linuxSerialSystem()};
-}
-
 int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
               Console& console) {
   const FirmwareChoice& firmware = the_case.scenario.firmware;
@@ -242,24 +245,26 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
   stopwatch.lap("reading and planning");
   Conclusion conclusion;
   conclusion.folder_name = the_case.scenario.name;
-  conclusion.firmware = fmt::format("real pins of {}", firmware.gpio.chip);
-  conclusion.source_id = fmt::format("gpiochip {}, stamps within {:.4g} us", firmware.gpio.chip,
-                                     1e6 * firmware.gpio.stamp_err_s);
+  conclusion.firmware = "real pins of " + pinsName(firmware);
   LiveSpot spot(the_case, options.results_dir, console);
   Recorded recorded;
+  std::string driven;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(the_case, drawn, pins, job, console);
-    conclusion.source_id += fmt::format(
-        "; {} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms", live.lag.edges(),
-        1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns());
+    driven = fmt::format("; {} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms",
+                         live.lag.edges(), 1e-3 * static_cast<double>(live.lag.worst_ns()),
+                         1e-3 * live.lag.rms_ns());
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);
-    recorded = {std::move(live.captured.recording), std::move(live.captured.problems),
-                std::move(live.dialog_failure), live.dialog_failed_s};
+    recorded = {std::move(live.captured.recording), std::move(live.dialog_failure), live.dialog_failed_s};
+    // Said by the recording, as in a replay; the reference controller's is judged by its own words.
+    if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench && !recorded.dialog_failure.empty())
+      recorded.pins.problems.push_back(std::exchange(recorded.dialog_failure, {}));
   } else {
-    PinCapture captured = captureCase(the_case, pins.gpio, pins.chips(), console);
-    recorded = {std::move(captured.recording), std::move(captured.problems), {}, 0.0};
+    recorded.pins = hearPins(the_case, pins, console).recording;
   }
+  conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
+                                     1e6 * recorded.pins.rate.seconds(recorded.pins.stamp_err_ticks), driven);
   spot.finish(conclusion, console);
   stopwatch.lap("real pins");
   return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);

@@ -237,25 +237,40 @@ void readDialog(YamlReader& firmware, FirmwareChoice& result) {
   }
 }
 
+/// Of a scenario with another source that this one extends.
+void skipKeys(const YamlReader& firmware, const std::vector<const char*>& keys) {
+  for (const char* key : keys) (void)firmware.has(key);
+}
+
 FirmwareChoice readFirmwareOnPins(YamlReader& firmware, const ImagePath& images) {
   FirmwareChoice result;
   result.source = FirmwareChoice::Source::kGpio;
   result.gpio = readGpioChoice(firmware);
   if (result.gpio.uart.empty()) {
     result.dialog = FirmwareChoice::Dialog::kNone;
-    for (const char* key : {"image", "baud", "dialog", "gcode"}) (void)firmware.has(key);
+    skipKeys(firmware, {"image", "baud", "dialog", "gcode"});
   } else {
     if (firmware.has("image")) result.image = fileOf(firmware, "image", images.firmware_dir);
     readDialog(firmware, result);
   }
-  // Of an emulated scenario that this one extends.
-  for (const char* key : {"child", "mcu", "clock_hz"}) (void)firmware.has(key);
+  skipKeys(firmware, {"child", "mcu", "clock_hz"});
+  return result;
+}
+
+FirmwareChoice readFirmwareOnAnalyser(YamlReader& firmware) {
+  FirmwareChoice result;
+  result.source = FirmwareChoice::Source::kAnalyser;
+  result.dialog = FirmwareChoice::Dialog::kNone;
+  result.analyser = readAnalyserChoice(firmware);
+  skipKeys(firmware,
+           {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us"});
   return result;
 }
 
 FirmwareChoice readFirmware(YamlReader firmware, const ImagePath& images) {
-  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio"});
+  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio", "analyser"});
   if (source == "gpio") return readFirmwareOnPins(firmware, images);
+  if (source == "analyser") return readFirmwareOnAnalyser(firmware);
   FirmwareChoice result;
   result.source = source == "native"  ? FirmwareChoice::Source::kNative
                   : source == "child" ? FirmwareChoice::Source::kChild
@@ -421,11 +436,16 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
   s.firmware = readFirmware(file.section("firmware"), images);
-  if (s.firmware.source == FirmwareChoice::Source::kGpio && s.belt_by_controller) {
+  if (s.firmware.onRealPins() && s.belt_by_controller) {
     file.fault(
         "belt",
-        "drive must be line on real pins (source: gpio): where the controller feeds, its own pins move "
-        "the encoder, and the model knows of them too late");
+        "drive must be line on real pins (source: gpio, analyser): where the controller feeds, its own pins "
+        "move the encoder, and the model knows of them too late");
+  }
+  if (s.firmware.source == FirmwareChoice::Source::kAnalyser && s.sheetMoves()) {
+    file.fault("belt",
+               "speed_mm_s must be 0 where an analyser listens (source: analyser): it drives neither encoder "
+               "nor print mark, so the sheet lies at rest");
   }
   auto planner = file.section("planner");
   s.job = readJob(planner, s);
@@ -440,8 +460,9 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
       s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
     file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
-  if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.source == FirmwareChoice::Source::kGpio)
-    file.fault("provoke", "is for emulated releases; on real pins (source: gpio) nothing is provoked yet");
+  if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.onRealPins())
+    file.fault("provoke",
+               "is for emulated releases; on real pins (source: gpio, analyser) nothing is provoked yet");
   s.cameras = readCameraChoice(file.section("cameras"));
   auto checks = file.section("checks");
   s.limits = readLimits(checks);

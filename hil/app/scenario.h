@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/plan.h"
 #include "firmware_under_test/planner/selection.h"
+#include "hil/app/analyser_choice.h"
 #include "hil/app/camera_choice.h"
 #include "hil/app/gpio_choice.h"
 #include "hil/app/provoke.h"
@@ -29,7 +30,8 @@ struct FirmwareChoice {
     kAvr,
     kNative,
     kChild,
-    kGpio,  ///< A controller's real pins; see `gpio`.
+    kGpio,      ///< A controller's real pins; see `gpio`.
+    kAnalyser,  ///< The same by a logic analyser; see `analyser`.
   };
   enum class Dialog {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
@@ -45,7 +47,10 @@ struct FirmwareChoice {
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
-  GpioChoice gpio;  ///< For kGpio.
+  GpioChoice gpio;          ///< For kGpio.
+  AnalyserChoice analyser;  ///< For kAnalyser.
+
+  [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
 };
 
 /// A scenario file, checked; all paths absolute.

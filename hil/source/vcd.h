@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "twin/base/pin_event.h"
@@ -28,12 +29,14 @@ struct PinRecording {
                                     ///< sigrok drops changes at the last stamp otherwise.
   std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a file of another
                                     ///< program was sampled: a tick each way.
-  bool own{};                       ///< Read from a file that Kerfbench wrote, so that ticks are exact.
+  /// Why this cannot be trusted, besides gaps, in words: what is spoiled stays so in its file.
+  std::vector<std::string> problems{};
+  bool own{};  ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
-/// for: the exact tick, its error, the end of the run, gaps, and what the controller said. Only wired signals
-/// are written; what a port does on other pins is lost.
+/// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller said. Only
+/// wired signals are written; what a port does on other pins is lost.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 

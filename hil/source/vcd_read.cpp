@@ -16,6 +16,7 @@
 
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
+#include "hil/source/vcd_words.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -96,6 +97,7 @@ class Reader {
       const auto next = word();
       if (next.empty()) giveUp(std::string(name) + " has no $end: the file is truncated");
       if (next == "$end") return words;
+      section_end_ = next.data() + next.size();
       if (words.size() < 64) words.push_back(next);
     }
   }
@@ -183,6 +185,14 @@ class Reader {
         gaps_.push_back({*tick, *port});
       } else {
         fault("a gap makes no sense");
+      }
+    } else if (words[1] == "problem") {
+      const char* const first = words[2].data();
+      const auto problem = fromVcdWords({first, static_cast<std::size_t>(section_end_ - first)});
+      if (problem) {
+        recording_.problems.push_back(*problem);
+      } else {
+        fault("a problem makes no sense");
       }
     }
   }
@@ -355,6 +365,7 @@ class Reader {
   std::string_view text_;
   const SignalMap& map_;
   std::size_t at_{};
+  const char* section_end_{};  ///< Behind the last word of the section that was read last.
   std::size_t line_{1};
   std::string faults_;
   std::size_t fault_count_{};

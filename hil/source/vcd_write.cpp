@@ -11,6 +11,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
+#include "hil/source/vcd_words.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -62,6 +63,8 @@ class Writer {
       text_ += "$comment kerfbench gap " + std::to_string(event.tick) + " " + std::to_string(event.port) +
                " $end\n";
     }
+    for (const std::string& problem : recording_.problems)
+      text_ += "$comment kerfbench problem " + vcdWords(problem) + " $end\n";
     text_ += "$timescale " + scale_.text() + " $end\n$scope module pins $end\n";
     for (const auto signal : wired_) {
       text_ += std::string("$var wire 1 ") + identifier(signal) + " " + std::string(signalName(signal)) +

@@ -135,6 +135,18 @@ struct Library {
   std::vector<std::string> folders;
 };
 
+bool inGplChild(const std::string& file) {
+  return in(file, "hil/source/avr_child") || in(file, "hil/source/analyser/sigrok_child");
+}
+
+// A child is a program of its own, so that its library's licence does not become the bench's.
+TEST(IncludeRules, NothingOfAGplChildIsPartOfTheBench) {
+  EXPECT_EQ(offenders([](const Include& i) {
+              return inGplChild(i.target) && !inGplChild(i.file) && !in(i.file, "tests");
+            }),
+            "");
+}
+
 TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
   const std::vector<Library> libraries{
       {"Bullet", "^(Bullet|Linear[A-Z]|bt[A-Z]).*", {"twin/machine"}},
@@ -150,14 +162,16 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"OpenSSL", "^openssl/.*", {"hil/base"}},
       {"V4L2", "^linux/(videodev2|v4l2-.*)\\.h$", {"hil/camera/v4l2"}},
       {"simavr", "^(simavr/|sim_|avr_).*", {"hil/source/avr_child"}},
+      {"libsigrok", "^libsigrok/.*", {"hil/source/analyser/sigrok_child"}},
+      {"libzip", "^zip\\.h$", {"hil/source/analyser"}},
   };
   for (const Library& library : libraries) {
     const std::regex pattern(library.header);
     EXPECT_EQ(offenders([&](const Include& i) {
                 if (in(i.file, "tests") || !std::regex_match(i.target, pattern)) return false;
-                // The AVR child as a whole is the adapter to simavr, its own headers included.
+                // A child as a whole is the adapter to its library, its own headers included.
                 const bool is_source =
-                    i.file.ends_with(".cpp") || i.file.ends_with(".c") || in(i.file, "hil/source/avr_child");
+                    i.file.ends_with(".cpp") || i.file.ends_with(".c") || inGplChild(i.file);
                 return !is_source ||
                        std::ranges::none_of(library.folders, [&](const auto& f) { return in(i.file, f); });
               }),
@@ -188,14 +202,15 @@ TEST(Types, OfANamespaceHaveNamesOfTheirOwn) {
   EXPECT_GT(header_of.size(), 200U);
 }
 
-TEST(IncludeRules, OnlyTheAvrChildIsUnderTheGpl) {
+TEST(IncludeRules, OnlyTheChildrenWhoseLibrariesAskForItAreUnderTheGpl) {
   for (const fs::path& path : sources()) {
     std::ifstream file(path);
     std::string line;
     std::getline(file, line);
     const std::string name = fs::relative(path, kRoot).string();
-    const bool gpl_allowed =
-        in(name, "hil/source/avr_child") || name.starts_with("tests/firmware_under_test/controller/avr_");
+    const bool gpl_allowed = inGplChild(name) ||
+                             name.starts_with("tests/firmware_under_test/controller/avr_") ||
+                             in(name, "tests/hil/source/analyser/sigrok_child");
     const bool apache = line.find("SPDX-License-Identifier: Apache-2.0") != std::string::npos;
     const bool gpl = line.find("SPDX-License-Identifier: GPL-3.0-or-later") != std::string::npos;
     EXPECT_TRUE(apache || (gpl && gpl_allowed)) << name << ": " << line;

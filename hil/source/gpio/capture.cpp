@@ -17,10 +17,9 @@ namespace kerfbench::hil {
 namespace {
 
 constexpr TickRate kNanoseconds{1, 1'000'000'000};
-constexpr Tick kLead = 100'000'000;  // Before the first edge: the machine is at rest.
-constexpr Tick kTail = 200'000'000;  // After the last: mirrors swing out.
+constexpr Tick kLead = kNanoseconds.ticksAt(kLeadBeforeEdges_s);
+constexpr Tick kTail = kNanoseconds.ticksAt(kTailAfterEdges_s);
 constexpr std::chrono::milliseconds kWait{10};
-constexpr std::size_t kMostEdges = 50'000'000;
 
 std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
@@ -54,8 +53,9 @@ class Capture {
     for (;;) {
       const std::uint64_t before_ns = system_->now_ns();
       if (any && before_ns - last_ns >= nanoseconds(options_.quiet_s)) return true;
-      if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s)) return problem(limitWords(any));
-      if (edges_.size() > kMostEdges) return problem("more edges came than a recording holds");
+      if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s))
+        return problem(timeLimitWords(options_.time_limit_s, any));
+      if (edges_.size() > kMostCapturedEdges) return problem(kTooManyEdgesWords);
       try {
         request_.read(kWait, read);
       } catch (const GpioError& e) {
@@ -72,13 +72,6 @@ class Capture {
     }
   }
 
-  [[nodiscard]] std::string limitWords(bool any) const {
-    return any ? fmt::format("the time limit of {} s was reached, and the pins were not quiet",
-                             options_.time_limit_s)
-               : fmt::format("no edge came within {} s: is the controller wired, powered and started?",
-                             options_.time_limit_s);
-  }
-
   void record() {
     PinRecording& recording = result_.recording;
     recording.rate = kNanoseconds;
@@ -93,14 +86,14 @@ class Capture {
     for (const LineEdge& edge : edges_) ports.add(edge, edge.stamp_ns - origin_ns, recording.outputs);
     recording.end = edges_.empty() ? kTail : edges_.back().stamp_ns - origin_ns + kTail;
     // A replay has to know as well.
-    if (!result_.problems.empty()) recording.outputs.push_back(ports.gap(recording.end));
+    if (!recording.problems.empty()) recording.outputs.push_back(ports.gap(recording.end));
   }
 
   void problems(const std::vector<std::string>& words) {
     for (const std::string& sentence : words) problem(sentence);
   }
   bool problem(std::string words) {
-    result_.problems.push_back(std::move(words));
+    result_.recording.problems.push_back(std::move(words));
     return false;
   }
 

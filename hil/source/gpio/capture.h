@@ -8,7 +8,7 @@
 
 #include "hil/source/gpio/system.h"
 #include "hil/source/gpio/wires.h"
-#include "hil/source/vcd.h"
+#include "hil/source/pin_capture.h"
 #include "twin/base/signal_map.h"
 
 namespace kerfbench::hil {
@@ -24,16 +24,8 @@ struct GpioCaptureOptions {
   std::vector<Signal> low_at_start;
 };
 
-/// What came in on real pins.
-struct PinCapture {
-  PinRecording recording;             ///< In ticks of 1 ns, from a little before the first edge.
-  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; the recording has a gap then.
-  std::vector<std::string> notes;     ///< What was not allowed and makes a loss more likely.
-  std::uint64_t edges{};
-};
-
-/// Records edges until the pins are quiet. Once the lines are had, whatever goes wrong is a problem in the
-/// result and never an exception: what came until then is evidence of something.
+/// Records edges, in ticks of 1 ns, until the pins are quiet. Once the lines are had, whatever goes wrong is
+/// a problem in the result and never an exception: what came until then is evidence of something.
 /// @throws GpioError if the lines cannot be had, std::invalid_argument for wires that `map` does not have.
 PinCapture capturePins(const GpioCaptureOptions& options, const SignalMap& map,
                        const std::shared_ptr<GpioSystem>& system);

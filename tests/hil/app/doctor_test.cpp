@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/hil/app/temp_folder.h"
+#include "tests/hil/source/analyser/scripted_analyser.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -28,6 +29,10 @@ class DoctorTest : public testing::Test {
     chip.lines[7] = {7, "LED", "heart \"beat\"", true, true, true};
     state.gpio.chips = {chip};
     state.cameras = {goodCamera()};
+    state.analysers = {
+        "libsigrok 0.5.2", {"demo", "fx2lafw"}, {{"demo", "Demo device", "", "", {"D0"}, "1 Hz"}}, {}};
+    state.analysers.devices.push_back(
+        {"fx2lafw", "Saleae Logic", "A7", "1.14", {"D0", "D1", "D2", "D3", "D4", "D5"}, ""});
     (void)temp.write("linecutter-avr.hex", ":00000001FF\n");
   }
   /// What label-camera.yaml asks for.
@@ -54,6 +59,16 @@ class DoctorTest : public testing::Test {
                                  "{galvo_x_pul: 0, galvo_x_dir: 1, galvo_y_pul: 2, galvo_y_dir: 3, "
                                  "laser_gate: 4, laser_pwm: 5}}\n");
     return readCase(path, temp.path());
+  }
+  std::string missingByAnalyser(const std::string& keys, Grade grade = Grade::kMissing) const {
+    const auto path =
+        temp.write("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+                                 "\nname: on-pins\n"
+                                 "firmware: {source: analyser, samplerate_hz: 24000000, lines: "
+                                 "{galvo_x_pul: D0, galvo_x_dir: D1, galvo_y_pul: D2, galvo_y_dir: D3, "
+                                 "laser_gate: D4, laser_pwm: D5}, " +
+                                 keys + "}\n");
+    return textsOf(needsOf(readCase(path, temp.path()), state, temp.path()), grade);
   }
   static std::string textsOf(const std::vector<DoctorFinding>& findings, Grade grade) {
     std::string text;
@@ -127,6 +142,48 @@ TEST_F(DoctorTest, WhatALiveScenarioDrivesIsLookedAtToo) {
   EXPECT_EQ(missing_now.find("old kernel"), missing_now.rfind("old kernel"));
   (void)temp.write("tty", "");
   EXPECT_THAT(found(Grade::kGood), HasSubstr("tty is there"));
+}
+
+TEST_F(DoctorTest, WhatAScenarioOnAnAnalyserNeedsIsThereOrNamed) {
+  EXPECT_EQ(missingByAnalyser("driver: fx2lafw"), "");
+  EXPECT_EQ(missingByAnalyser("driver: fx2lafw, conn: 1.14, serial: A7"), "");
+  EXPECT_THAT(missingByAnalyser("driver: fx2lafw", Grade::kGood),
+              HasSubstr("fx2lafw: Saleae Logic, serial A7, at 1.14 has the channels"));
+  EXPECT_THAT(
+      missingByAnalyser("driver: ols"),
+      HasSubstr("s.yaml:3: firmware.driver: libsigrok 0.5.2 has no driver 'ols' for logic analysers; it has "
+                "demo fx2lafw"));
+  EXPECT_THAT(missingByAnalyser("driver: fx2lafw, serial: B8"), HasSubstr("no analyser with the serial B8"));
+  EXPECT_THAT(missingByAnalyser("driver: demo"), HasSubstr("has no channel 'D5'; it has D0"));
+  EXPECT_THAT(missingByAnalyser("driver: fx2lafw, conn: /dev/ttyUSB0", Grade::kNote),
+              HasSubstr("at /dev/ttyUSB0 shows when it is used"));
+  state.analysers.devices.push_back(state.analysers.devices.back());
+  EXPECT_THAT(missingByAnalyser("driver: fx2lafw"), HasSubstr("finds 2 analysers: name one"));
+  state.analyser_trouble = "kerfbench-sigrok: no such file";
+  EXPECT_THAT(missingByAnalyser("driver: fx2lafw"), HasSubstr("no such file"));
+}
+
+TEST_F(DoctorTest, AnalysersAreListedAndWhatIsWrongWithThemIsTold) {
+  EXPECT_THAT(doctorText(state, {}),
+              AllOf(HasSubstr("drivers for logic analysers: demo fx2lafw"),
+                    HasSubstr("fx2lafw: Saleae Logic, serial A7, at 1.14\n  channels D0 D1 "
+                              "D2 D3 D4 D5; does not tell its rates"),
+                    HasSubstr("session files of sigrok (.sr)")));
+  EXPECT_EQ(nlohmann::json::parse(doctorJson(state, {}, ""))["analysers"]["devices"][1]["conn"], "1.14");
+  state.analysers.faults = {"ols: busy"};
+  state.analysers.devices.pop_back();
+  EXPECT_EQ(textsOf(findingsOf(state), Grade::kTrouble), "ols: busy\n");
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kNote), HasSubstr("no logic analyser is found"))
+      << "the demo driver's is none";
+  ScriptedAnalyser system;
+  system.refusal = "cannot be started";
+  lookAtAnalysers(system, state);
+  EXPECT_THAT(textsOf(findingsOf(state), Grade::kTrouble),
+              HasSubstr("(kerfbench-sigrok): cannot be started"));
+  system.refusal.reset();
+  system.listed.library = "libsigrok 9";
+  lookAtAnalysers(system, state);
+  EXPECT_EQ(state.analysers.library, "libsigrok 9");
 }
 
 TEST_F(DoctorTest, AnEmulatedScenarioNeedsItsEmulator) {

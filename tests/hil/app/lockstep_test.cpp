@@ -150,6 +150,7 @@ TEST_F(Lockstep, AnEndThatTheDialogDidNotWantIsAProblem) {
     EXPECT_THAT(result.problems, ElementsAre(HasSubstr(words)));
     EXPECT_THAT(result.problems, ElementsAre(HasSubstr("at 0.005 s: the script says so")));
     EXPECT_EQ(result.recording.end, 83'333U);
+    EXPECT_EQ(result.recording.problems, result.problems) << "or a replay would be clean";
   }
 }
 
@@ -165,6 +166,7 @@ TEST_F(Lockstep, TheTimeLimitIsAProblem) {
   const auto result = run(&endless);
   EXPECT_THAT(result.problems, ElementsAre(HasSubstr("the time limit of 0.05 s was reached (talking)")));
   EXPECT_EQ(result.recording.end, 800'000U);
+  EXPECT_EQ(result.recording.problems, result.problems);
 }
 
 TEST_F(Lockstep, AFailedDialogIsToldAndLeftToTheCaller) {

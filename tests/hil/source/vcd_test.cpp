@@ -72,6 +72,20 @@ TEST_F(VcdTest, GapsSurvive) {
   EXPECT_EQ(back.outputs[60].flags, PinEvent::kGap);
 }
 
+TEST_F(VcdTest, ProblemsSurviveWhateverTheirWords) {
+  auto recording = sampleRecording(10);
+  recording.problems = {"a chip has gone", " $end of 100 %\n  #5 0! ", "30 µs; \"x\"\x7f%41",
+                        std::string(3000, 'w'), "many " + [] {
+                          std::string words;
+                          for (int i = 0; i < 200; ++i) words += "words ";
+                          return words + "long";
+                        }()};
+  writeVcd(file("problems.vcd"), recording, sampleMap());
+  const auto back = readVcd(file("problems.vcd"), sampleMap());
+  EXPECT_EQ(back.problems, recording.problems);
+  EXPECT_EQ(back.outputs, recording.outputs);
+}
+
 TEST_F(VcdTest, TheControllersWordsSurvive) {
   auto recording = sampleRecording(10);
   recording.uart = {{8000, {0x00, 0xA5, 0xFF}}, {16000, {0x7F}}};

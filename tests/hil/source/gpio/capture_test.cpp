@@ -59,7 +59,7 @@ class CaptureTest : public testing::Test {
   }
   /// Every problem leaves a mark that a replay finds.
   void expectInvalid(const PinCapture& captured, const std::string& words) {
-    EXPECT_THAT(captured.problems, testing::Contains(HasSubstr(words)));
+    EXPECT_THAT(captured.recording.problems, testing::Contains(HasSubstr(words)));
     EXPECT_TRUE(hasGap(captured)) << words;
     EXPECT_TRUE(std::ranges::is_sorted(captured.recording.outputs, {}, &PinEvent::tick));
   }
@@ -72,7 +72,7 @@ class CaptureTest : public testing::Test {
 TEST_F(CaptureTest, AJobIsRecordedEdgeByEdge) {
   job();
   const PinCapture captured = capture();
-  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.recording.problems, IsEmpty());
   EXPECT_FALSE(hasGap(captured));
   EXPECT_EQ(captured.edges, 203U);
   const PinRecording& recording = captured.recording;
@@ -122,7 +122,7 @@ TEST_F(CaptureTest, LinesThatAreHighAtTheStartAreSoInTheRecording) {
   kernel->edge(kStart + 1'000'000, 0, false, 1, 1, kStart + 1'000'000);
   kernel->before_poll = [this](std::uint64_t) { kernel->level_bits = 0b010; };
   const PinCapture captured = capture();
-  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.recording.problems, IsEmpty());
   EXPECT_THAT(captured.recording.outputs,
               ElementsAre(PinEvent{1, 0, 0x28, 0x28, 0}, PinEvent{1'000'001, 0, 0x08, 0x20, 0}));
 }
@@ -131,7 +131,7 @@ TEST_F(CaptureTest, APulThatRestsHighWhereItsDriveCountsRisingEdgesIsAProblem) {
   job();
   options.low_at_start = {Signal::kGalvoXPul};
   kernel->level_bits = 0b010;
-  EXPECT_THAT(capture().problems, testing::Not(testing::Contains(HasSubstr("high at the start"))));
+  EXPECT_THAT(capture().recording.problems, testing::Not(testing::Contains(HasSubstr("high at the start"))));
   const auto other = std::make_shared<ScriptedKernel>();
   other->level_bits = 0b001;
   expectInvalid(capturePins(options, map, other), "galvo_x_pul is high at the start");
@@ -200,7 +200,7 @@ TEST_F(CaptureTest, WhatIsNotAllowedIsNotedAndNoProblem) {
   kernel->priority_error = EPERM;
   const PinCapture captured = capture();
   EXPECT_THAT(captured.notes, ElementsAre(HasSubstr("no real-time priority")));
-  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.recording.problems, IsEmpty());
 }
 
 TEST_F(CaptureTest, LinesThatCannotBeHadAreAnErrorAndLeaveNothingBehind) {

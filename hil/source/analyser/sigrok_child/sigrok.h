@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/source/analyser/analyser_stream.h"
+#include "hil/source/analyser/level_runs.h"
+
+namespace kerfbench::sigrok_child {
+
+using Frame = hil::analyser_stream::AnalyserFrame;
+
+/// Where frames go; may throw, which ends the work.
+using Sink = std::function<void(Frame, const std::string& payload)>;
+
+/// It does not come to sampling; what() says in words why.
+class SigrokError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct AcquireRequest {
+  std::string driver, conn, serial;
+  std::uint64_t samplerate_hz{};
+  std::vector<std::string> channels;
+  std::vector<std::pair<std::string, std::string>> settings;
+  hil::ListenFor listen;
+};
+
+/// kLibrary, and kDevice or kFault for each logic analyser that a scan finds. @throws SigrokError.
+void listAnalysers(const Sink& sink);
+
+/// kStarted, kRuns, kProblem and kNote until the pins are quiet, the limit is reached or the device stops;
+/// kFinished. @throws SigrokError before kStarted, or what the sink throws.
+void acquire(const AcquireRequest& request, const Sink& sink);
+
+}  // namespace kerfbench::sigrok_child

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/source/vcd.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::hil {
+
+/// What a channel of a session file is called, where it is not called as its signal.
+using ChannelNames = std::vector<std::pair<Signal, std::string>>;
+
+/// Reads a session file of sigrok (a zip with metadata and samples), as sigrok-cli and PulseView save it. A
+/// tick is a sample, and an edge was somewhere in the period before its stamp. A signal is on the channel of
+/// its name in `names`, or of its own; channels of other names are skipped.
+///
+/// Strict, because evidence depends on it: outputs of `names` (of `map`, if there are none) without a
+/// channel, channels twice, more than one device, missing or damaged parts and half a sample are refused.
+/// Problems that writeSr() found stay.
+/// @throws std::runtime_error listing every fault, with the path.
+PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names);
+
+/// Writes such a file: a channel for each signal of `map`, a sample for each tick. Whole or not at all. What
+/// the controller said is lost; problems and gaps stay in a part of the zip that sigrok does not read, and
+/// does not keep.
+/// @throws std::invalid_argument for ticks that are no whole rate, or more than 2^36 of them;
+/// std::runtime_error with the path.
+void writeSr(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
+
+}  // namespace kerfbench::hil

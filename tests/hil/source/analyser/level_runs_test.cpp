@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/source/analyser/level_runs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace kerfbench::hil {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<LevelRun> packed(SamplePacker& packer, const std::vector<std::uint8_t>& samples,
+                             std::size_t sample_bytes) {
+  std::vector<LevelRun> runs;
+  packer.add(samples, sample_bytes, runs);
+  return runs;
+}
+
+TEST(SamplePacker, PicksChannelsInTheOrderAskedFor) {
+  SamplePacker packer({7, 0});
+  EXPECT_THAT(packed(packer, {0x80, 0x80, 0x01, 0x81, 0x00}, 1),
+              ElementsAre(LevelRun{2, 0b01}, LevelRun{1, 0b10}, LevelRun{1, 0b11}, LevelRun{1, 0}));
+}
+
+TEST(SamplePacker, OtherChannelsMakeNoRuns) {
+  SamplePacker packer({0});
+  EXPECT_THAT(packed(packer, {0x00, 0xF0, 0x0E, 0xFE, 0x01}, 1), ElementsAre(LevelRun{4, 0}, LevelRun{1, 1}));
+}
+
+TEST(SamplePacker, TakesWideSamplesAndGoesOnFromCallToCall) {
+  SamplePacker packer({17, 3});
+  EXPECT_THAT(packed(packer, {0, 0, 2, 8, 0, 2}, 3), ElementsAre(LevelRun{1, 0b01}, LevelRun{1, 0b11}));
+  EXPECT_THAT(packed(packer, {8, 0, 2, 0, 0, 0}, 3), ElementsAre(LevelRun{1, 0b11}, LevelRun{1, 0}));
+  EXPECT_THAT(packed(packer, {}, 3), IsEmpty());
+}
+
+TEST(SamplePacker, RefusesWhatIsNoWholeNumberOfSamples) {
+  SamplePacker packer({9});
+  EXPECT_THROW(packed(packer, {1, 2, 3}, 2), std::invalid_argument);
+  EXPECT_THROW(packed(packer, {1}, 1), std::invalid_argument) << "channel 9 is in no byte";
+  EXPECT_THROW(packed(packer, {1}, 0), std::invalid_argument);
+  EXPECT_THROW(packed(packer, std::vector<std::uint8_t>(9), 9), std::invalid_argument);
+  EXPECT_THROW(SamplePacker(std::vector<unsigned>(33)), std::invalid_argument);
+}
+
+struct Heard {
+  std::vector<LevelRun> runs;
+  Listener::State state{};
+};
+Heard heard(const ListenFor& listen, const std::vector<std::vector<LevelRun>>& packets) {
+  Listener listener(listen);
+  Heard heard;
+  std::uint64_t samples = 0;
+  for (std::vector<LevelRun> runs : packets) {
+    heard.state = listener.add(runs);
+    for (const LevelRun& run : runs) samples += run.samples;
+    heard.runs.insert(heard.runs.end(), runs.begin(), runs.end());
+  }
+  EXPECT_EQ(listener.samples(), samples);
+  return heard;
+}
+
+TEST(Listener, WaitsForTheFirstEdgeAndThenForQuiet) {
+  const Heard all = heard({10, 1000}, {{{50, 0}, {3, 1}, {9, 0}, {1, 1}}, {{9, 1}, {9, 1}}, {{5, 0}}});
+  EXPECT_EQ(all.state, Listener::State::kQuiet);
+  EXPECT_THAT(all.runs,
+              ElementsAre(LevelRun{50, 0}, LevelRun{3, 1}, LevelRun{9, 0}, LevelRun{1, 1}, LevelRun{9, 1}));
+}
+
+TEST(Listener, EndsAtTheLimitToTheSample) {
+  const Heard all = heard({10, 20}, {{{15, 0}, {4, 1}, {9, 0}}, {{1, 1}}});
+  EXPECT_EQ(all.state, Listener::State::kLimit);
+  EXPECT_THAT(all.runs, ElementsAre(LevelRun{15, 0}, LevelRun{4, 1}, LevelRun{1, 0}));
+  EXPECT_EQ(heard({10, 1000}, {{{999, 0}}}).state, Listener::State::kListening);
+  EXPECT_EQ(heard({10, 1000}, {{{1000, 0}}}).state, Listener::State::kLimit);
+}
+
+TEST(Listener, QuietThatIsOverWithTheLimitIsQuiet) {
+  EXPECT_EQ(heard({10, 20}, {{{10, 0}, {50, 1}}}).state, Listener::State::kQuiet);
+}
+
+}  // namespace
+}  // namespace kerfbench::hil

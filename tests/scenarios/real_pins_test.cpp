@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
+#include "hil/app/real_pins.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+
+#include "hil/app/release.h"
+#include "hil/source/analyser/sr_file.h"
+#include "tests/hil/source/analyser/scripted_analyser.h"
+#include "tests/scenarios/released_pins.h"
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+namespace fs = std::filesystem;
+using hil::CaptureCommandOptions;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kFirmware =
+    "{source: gpio, chip: gpiochip0, stamp_err_us: 1, lines: {galvo_x_pul: 0, galvo_x_dir: 1, "
+    "galvo_y_pul: 2, galvo_y_dir: 3, laser_gate: 4, laser_pwm: 5}}";
+
+constexpr const char* kAnalyser =
+    "{source: analyser, driver: fx2lafw, samplerate_hz: 24000000, lines: {galvo_x_pul: D0, galvo_x_dir: D1, "
+    "galvo_y_pul: D2, galvo_y_dir: D3, laser_gate: D4, laser_pwm: D5}}";
+
+class PinsToVerdict : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = std::make_unique<ScratchFolder>();
+    good_ = std::make_unique<ReleasedPins>(scratch_->path(), "good", "{}");
+    bad_ = std::make_unique<ReleasedPins>(scratch_->path(), "bad", "{faults: {no_pincushion: true}}");
+  }
+  static void TearDownTestSuite() {
+    good_.reset();
+    bad_.reset();
+    scratch_.reset();
+  }
+  static hil::RealPins pins(std::shared_ptr<hil::GpioSystem> kernel) {
+    return {.gpio = std::move(kernel),
+            .chips =
+                [] {
+                  hil::GpioChipInfo chip{"/dev/gpiochip0", "gpiochip0", "script", {}};
+                  for (std::uint32_t i = 0; i < hil::ScriptedKernel::kLines; ++i)
+                    chip.lines.push_back({i, "", "", false, false, false});
+                  return hil::GpioChipList{{chip}, {}};
+                },
+            .analysers = nullptr};
+  }
+  static hil::RealPins analyser(const ReleasedPins& release) {
+    auto script = std::make_shared<hil::ScriptedAnalyser>();
+    script->runs = release.sampled(24'000'000);
+    return {.gpio = nullptr, .chips = {}, .analysers = std::move(script)};
+  }
+  static std::string replacedIn(std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  }
+  hil::CommonOptions options() const {
+    hil::CommonOptions options;
+    options.results_dir = results_.path();
+    options.bin_dir = fs::path(KERFBENCH_BINARY_DIR) / "bin";
+    options.quiet = true;
+    options.pictures = false;
+    options.twin = "fast";
+    return options;
+  }
+  int runOn(const hil::RealPins& real, const fs::path& scenario) const {
+    hil::Stopwatch stopwatch;
+    hil::Console console(true);
+    hil::Case the_case = hil::readCase(scenario, {});
+    the_case.scenario.fidelity = twin::Fidelity::kFast;
+    return runOnPins(the_case, real, options(), stopwatch, console);
+  }
+  int run(const ReleasedPins& release, const std::shared_ptr<hil::GpioSystem>& kernel) const {
+    return runOn(pins(kernel), release.scenario(kFirmware));
+  }
+  CaptureCommandOptions captureOptions(const ReleasedPins& release, const char* firmware = kFirmware) const {
+    return {.scenario = release.scenario(firmware),
+            .out = results_.path() / "heard",
+            .time_limit_s = {},
+            .session = false,
+            .quiet = true,
+            .bin_dir = options().bin_dir};
+  }
+  /// What capture recorded, judged. The exit code.
+  int replay(const ReleasedPins& release, const char* firmware = kFirmware) const {
+    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), options());
+  }
+  /// Not by EXPECT_EQ: to tell how long texts differ takes all memory.
+  static bool same(const fs::path& a, const fs::path& b) {
+    return !textOf(a).empty() && textOf(a) == textOf(b);
+  }
+  nlohmann::json verdict(const std::string& name) const { return verdictOf(results_.path() / name); }
+
+  static inline std::unique_ptr<ScratchFolder> scratch_;
+  static inline std::unique_ptr<ReleasedPins> good_, bad_;
+  const ScratchFolder results_;
+};
+
+TEST_F(PinsToVerdict, AGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
+  EXPECT_EQ(run(*good_, good_->kernel()), 0);
+  const auto live = verdict("good-pins");
+  EXPECT_EQ(live.at("verdict"), "PASS");
+  EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
+  EXPECT_EQ(replay(*good_), 0);
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+  EXPECT_TRUE(same(results_.path() / "heard" / "pins.vcd", results_.path() / "good-pins" / "pins.vcd"));
+}
+
+TEST_F(PinsToVerdict, ABadReleaseFails) {
+  EXPECT_EQ(run(*bad_, bad_->kernel()), 1);
+  EXPECT_THAT(checksThat(verdict("bad-pins"), "FAIL"), Contains("path"));
+}
+
+// What was spoiled when it was heard cannot be made clean by way of a file.
+TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
+  constexpr std::uint32_t kMerged = 5000;
+  EXPECT_EQ(run(*good_, good_->kernel(kMerged)), 3);
+  const auto live = verdict("good-pins");
+  EXPECT_EQ(live.at("verdict"), "INVALID");
+  EXPECT_THAT(live.at("problems").get<std::vector<std::string>>(),
+              Contains(HasSubstr("1 edge lost in the kernel before they were read")));
+  EXPECT_EQ(captureOnPins(pins(good_->kernel(kMerged)), captureOptions(*good_)), 3);
+  EXPECT_EQ(replay(*good_), 3);
+  const auto replayed = verdict("good-pins-replay");
+  EXPECT_EQ(replayed.at("problems"), live.at("problems"));
+  EXPECT_EQ(replayed.at("digest"), live.at("digest"));
+  // Nor by the recording of the replay.
+  EXPECT_TRUE(
+      same(results_.path() / "good-pins-replay" / "pins.vcd", results_.path() / "good-pins" / "pins.vcd"));
+}
+
+TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
+  const CaptureCommandOptions options = captureOptions(*good_);
+  EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
+  EXPECT_EQ(textOf(options.out / "scenario.yaml"), textOf(options.scenario));
+  EXPECT_EQ(std::distance(fs::directory_iterator(options.out), {}), 2);
+  // A second one takes its place.
+  EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
+}
+
+TEST_F(PinsToVerdict, ACaptureNeverReplacesAFolderThatIsNoneOfIts) {
+  CaptureCommandOptions options = captureOptions(*good_);
+  fs::create_directories(options.out);
+  std::ofstream(options.out / "thesis.tex") << "years";
+  const auto kernel = good_->kernel();
+  EXPECT_THROW(captureOnPins(pins(kernel), options), hil::InputFault);
+  EXPECT_EQ(textOf(options.out / "thesis.tex"), "years");
+  EXPECT_EQ(kernel->request.num_lines, 0U) << "refused before anybody starts a job";
+  options.out /= "thesis.tex";
+  EXPECT_THROW(captureOnPins(pins(kernel), options), hil::InputFault);
+}
+
+TEST_F(PinsToVerdict, ByAnAnalyserAGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
+  const hil::RealPins real = analyser(*good_);
+  EXPECT_EQ(runOn(real, good_->scenario(kAnalyser)), 0);
+  const auto live = verdict("good-pins");
+  EXPECT_EQ(live.at("verdict"), "PASS");
+  EXPECT_EQ(captureOnPins(real, captureOptions(*good_, kAnalyser)), 0);
+  EXPECT_EQ(replay(*good_, kAnalyser), 0);
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+}
+
+TEST_F(PinsToVerdict, ByAnAnalyserABadReleaseFails) {
+  EXPECT_EQ(runOn(analyser(*bad_), bad_->scenario(kAnalyser)), 1);
+}
+
+TEST_F(PinsToVerdict, AnAnalyserThatStopsByItselfMakesRunAndCaptureAndReplayInvalid) {
+  hil::RealPins real = analyser(*good_);
+  // All edges are there, but who knows that.
+  std::dynamic_pointer_cast<hil::ScriptedAnalyser>(real.analysers)->runs.pop_back();
+  EXPECT_EQ(runOn(real, good_->scenario(kAnalyser)), 3);
+  const auto live = verdict("good-pins");
+  EXPECT_THAT(live.at("problems").get<std::vector<std::string>>(),
+              Contains(HasSubstr("the analyser stopped by itself")));
+  EXPECT_EQ(captureOnPins(real, captureOptions(*good_, kAnalyser)), 3);
+  EXPECT_EQ(replay(*good_, kAnalyser), 3);
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+}
+
+// libsigrok's demo driver, by the program as a user gets it: what it plays is no job.
+TEST_F(PinsToVerdict, TheDemoAnalyserEndsInvalidAndIsHeardEdgeByEdge) {
+  const std::string firmware = replacedIn(replacedIn(kAnalyser, "fx2lafw", "demo"), "samplerate_hz: 24000000",
+                                          "samplerate_hz: 4000000, settings: {pattern: incremental}");
+  const auto scenario = good_->scenario(firmware);
+  const auto run =
+      kerfbench(fmt::format("run '{}' --twin fast --no-pictures --time-limit 0.02 --results-dir '{}'",
+                            scenario.string(), results_.path().string()));
+  EXPECT_EQ(run.exit_code, 3) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("listening to 6 channels by demo at 4000000 Hz"));
+  const auto live = verdict("good-pins");
+  EXPECT_EQ(live.at("verdict"), "INVALID");
+  EXPECT_THAT(live.at("problems").get<std::vector<std::string>>(),
+              Contains(HasSubstr("the time limit of 0.02 s was reached, and the pins were not quiet")));
+  const auto capture = kerfbench(fmt::format("capture '{}' --time-limit 0.02 -o '{}/heard'",
+                                             scenario.string(), results_.path().string()));
+  EXPECT_EQ(capture.exit_code, 3) << capture.output;
+  // 80 000 samples of a number that counts up: bit i changes with each 2^i th.
+  for (const char* heard : {"galvo_x_pul         79999 edges", "galvo_x_dir         39999 edges",
+                            "galvo_y_pul         19999 edges", "galvo_y_dir          9999 edges",
+                            "laser_gate           4999 edges", "laser_pwm            2499 edges"})
+    EXPECT_THAT(capture.output, HasSubstr(heard));
+  const auto replay =
+      kerfbench(fmt::format("replay '{0}/heard/pins.vcd' --scenario '{1}' --twin fast --no-pictures "
+                            "--time-limit 0.02 --results-dir '{0}'",
+                            results_.path().string(), scenario.string()));
+  EXPECT_EQ(replay.exit_code, 3) << replay.output;
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+}
+
+// What sigrok-cli makes of the recording of a run is the same evidence, at the rate of its ticks and at a
+// lower one.
+TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
+  if (std::system("command -v sigrok-cli >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "sigrok-cli is not installed";
+  const auto judged = [&](const ReleasedPins& release, const std::string& name, int every) {
+    const fs::path vcd = scratch_->path() / (name + "-pins") / "pins.vcd";
+    const fs::path session = results_.path() / (name + ".sr");
+    const std::string convert =
+        fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,
+                    vcd.string(), session.string());
+    EXPECT_EQ(std::system(convert.c_str()), 0);
+    const int code = hil::replayCommand(session, release.scenario("{source: native}"), options());
+    EXPECT_EQ(hil::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
+    return code;
+  };
+  EXPECT_EQ(judged(*good_, "good", 625), 0);
+  EXPECT_EQ(judged(*good_, "good", 1250), 0);
+  EXPECT_EQ(judged(*bad_, "bad", 625), 1);
+}
+
+TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
+  hil::PinRecording coarse;
+  coarse.rate = {1, 100'000};
+  coarse.outputs = {{1000, 0, 1, 1, 0}, {1001, 0, 1, 0, 0}};
+  coarse.end = 20'000;
+  hil::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
+  EXPECT_EQ(hil::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), options()),
+            3);
+  EXPECT_THAT(verdict("good-pins-replay").at("problems").get<std::vector<std::string>>(),
+              Contains(HasSubstr("100000 Hz is too low for galvo_x_pul: its drive (galvo-pul-dir) takes "
+                                 "pulses of 2.5 us, and 4 samples "
+                                 "of each need at least 1600000 Hz")));
+}
+
+TEST_F(PinsToVerdict, AnAnalysersCaptureIsASessionTooThatIsJudgedAlike) {
+  const hil::RealPins real = analyser(*good_);
+  CaptureCommandOptions capture = captureOptions(*good_, kAnalyser);
+  capture.session = true;
+  EXPECT_EQ(captureOnPins(real, capture), 0);
+  EXPECT_EQ(replay(*good_, kAnalyser), 0);
+  const auto by_vcd = verdict("good-pins-replay");
+  EXPECT_EQ(hil::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), options()), 0);
+  EXPECT_EQ(verdict("good-pins-replay").at("digest"), by_vcd.at("digest"));
+  capture.scenario = good_->scenario(kFirmware);
+  EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), hil::InputFault);
+}
+
+TEST_F(PinsToVerdict, ASessionThatCannotBeReadIsAnErrorInWords) {
+  std::ofstream(results_.path() / "cut.sr") << "PK";
+  const auto run =
+      kerfbench(fmt::format("replay '{0}/cut.sr' --scenario '{1}' --results-dir '{0}'",
+                            results_.path().string(), good_->scenario("{source: native}").string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output, HasSubstr("cut.sr: no readable zip archive"));
+}
+
+TEST_F(PinsToVerdict, OnlyRealPinsAreCaptured) {
+  const auto scenario = good_->scenario("{source: native}");
+  const auto run =
+      kerfbench(fmt::format("capture '{}' -o '{}/x'", scenario.string(), results_.path().string()));
+  EXPECT_EQ(run.exit_code, 65);
+  EXPECT_THAT(run.output, HasSubstr("firmware.source: nothing to capture"));
+  EXPECT_FALSE(fs::exists(results_.path() / "x"));
+}
+
+TEST_F(PinsToVerdict, PinsThatCannotBeHadLeaveNoFolder) {
+  const auto run = kerfbench(
+      fmt::format("capture '{}' -o '{}/x'", good_->scenario(kFirmware).string(), results_.path().string()));
+  EXPECT_EQ(run.exit_code, 65) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("good.yaml:"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(results_.path()), {}), 0);
+}
+
+}  // namespace
+}  // namespace kerfbench::test
