@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // A controller board made of a release: see --help.
 #include <fmt/format.h>
+#include <sched.h>
 #include <CLI/CLI.hpp>
 
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "hil/app/machine_file.h"
@@ -27,6 +30,7 @@ struct BoardArguments {
   double step_us{200};
   double delay_us{1000};
   double seconds{30};
+  int priority{};
 };
 
 std::uint64_t nanoseconds(double time_us) { return static_cast<std::uint64_t>(1e3 * time_us); }
@@ -44,7 +48,18 @@ std::map<Signal, unsigned> linesFrom(const std::vector<std::string>& words) {
   return lines;
 }
 
+/// For the release as well, which is a child. A board shares no processor with the bench; one that does has
+/// to go before it.
+void takePriority(int priority) {
+  if (priority == 0) return;
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
+    throw std::system_error(errno, std::generic_category(), "real-time priority");
+}
+
 void runBoard(const BoardArguments& arguments) {
+  takePriority(arguments.priority);
   hil::ChildSourceOptions child;
   child.image = arguments.image;
   // A native release is itself the child.
@@ -89,6 +104,9 @@ int main(int argc, char** argv) {
   app.add_option("--tty", arguments.tty, "Link to be made to the bench's end of the UART")->required();
   app.add_option("--step-us", arguments.step_us, "Inputs are looked at so often")->capture_default_str();
   app.add_option("--delay-us", arguments.delay_us, "What goes out comes so much later than in the release")
+      ->capture_default_str();
+  app.add_option("--priority", arguments.priority, "Of SCHED_FIFO, above the bench's 49; 0: none")
+      ->check(CLI::Range(0, 99))
       ->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "Of real time")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
