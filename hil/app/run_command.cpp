@@ -15,6 +15,7 @@
 #include "hil/app/exit_codes.h"
 #include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
+#include "hil/app/model_parting.h"
 #include "hil/app/pin_capture.h"
 #include "hil/app/pin_sums.h"
 #include "hil/app/release.h"
@@ -98,7 +99,9 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const P
                   std::vector<std::string> problems, Conclusion conclusion, const CommonOptions& options,
                   Stopwatch& stopwatch, Console& console) {
   const auto source = openRecording(recorded, conclusion.source_id);
-  twin::Twin twin(drawn.machine, webOf(the_case), recorded.rate, twinOptions(the_case));
+  const bool is_real = the_case.scenario.cameras.spot.is_real;
+  twin::Twin twin(is_real ? watchedDensely(drawn.machine) : drawn.machine, webOf(the_case), recorded.rate,
+                  twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;
