@@ -8,6 +8,7 @@
 
 #include "hil/app/camera_files.h"
 #include "hil/app/cut_on_twin.h"
+#include "hil/app/model_parting.h"
 #include "hil/app/pin_stamps.h"
 #include "hil/app/real_spot.h"
 #include "hil/camera/tile_folder.h"
@@ -128,6 +129,8 @@ void judge(const Case& the_case, twin::Twin& twin, const LockstepResult& run, co
   evidence.spot_calibration = cameras.spot;
 
   report.result = inspect(evidence, scenario.limits);
+  if (scenario.cameras.spot.is_real)
+    report.model.partings = spotPartings(evidence.spot, twin.takeExposures(), report.result.cuts);
   report.limits = scenario.limits;
   report.versions.insert(report.versions.end(), cameras.facts.begin(), cameras.facts.end());
   report.dieline = the_case.dieline;

@@ -15,6 +15,7 @@
 #include "hil/app/live_pins.h"
 #include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
+#include "hil/app/model_parting.h"
 #include "hil/app/pin_sums.h"
 #include "hil/app/real_pins.h"
 #include "hil/app/recording_file.h"
@@ -130,7 +131,9 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
                   Console& console) {
   const PinRecording& recorded = before.pins;
   const auto source = openRecording(recorded, conclusion.source_id);
-  twin::Twin twin(drawn.machine, webOf(the_case), recorded.rate, twinOptions(the_case));
+  const bool is_real = the_case.scenario.cameras.spot.is_real;
+  twin::Twin twin(is_real ? watchedDensely(drawn.machine) : drawn.machine, webOf(the_case), recorded.rate,
+                  twinOptions(the_case));
   MachineFilm film(drawn.machine.laser.full_power_w);
   FilmedSource filmed(*source, twin, film);
   LockstepOptions lockstep;

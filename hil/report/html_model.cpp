@@ -71,7 +71,7 @@ std::string modelSection(const RunReport& report) {
              "<p>Imperfections <b>{}</b>, seed {}, model <b>{}</b>. This is what the model knows of itself; "
              "nothing here was measured or judged.</p>",
              escapeHtml(model.imperfections), report.seed, escapeHtml(model.twin)) +
-         lostStepsTable(model) + drawnTable(model);
+         lostStepsTable(model) + partingSection(report) + drawnTable(model);
 }
 
 }  // namespace kerfbench::hil

@@ -57,5 +57,7 @@ std::string uncertaintySection(const RunReport& report);
 std::string lostStepsBanner(const RunReport& report);
 /// Preset, seed, model, what was drawn, what was lost.
 std::string modelSection(const RunReport& report);
+/// Measured spot against the model's; empty without a real camera.
+std::string partingSection(const RunReport& report);
 
 }  // namespace kerfbench::hil

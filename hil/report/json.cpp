@@ -176,6 +176,18 @@ OrderedJson modelJson(const ModelFacts& model) {
                                {"unit", lost.unit},
                                {"full_steps", lost.full_steps}});
   }
+  if (model.partings.empty()) return j;
+  j["partings"] = OrderedJson::array();
+  for (const SpotParting& parting : model.partings) {
+    j["partings"].push_back({{"unit", parting.unit},
+                             {"entity", parting.entity},
+                             {"from_s", rounded(parting.time_s.front())},
+                             {"frames", parting.time_s.size()},
+                             {"mean_x_mm", rounded(parting.mean_x_mm)},
+                             {"mean_y_mm", rounded(parting.mean_y_mm)},
+                             {"worst_mm", rounded(parting.worst_mm)},
+                             {"worst_s", rounded(parting.worst_s)}});
+  }
   return j;
 }
 

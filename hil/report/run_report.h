@@ -44,6 +44,16 @@ struct LostStepsNote {
   long long full_steps{};  ///< > 0: it stayed behind in the direction of +.
 };
 
+/// How far the measured spot of one cut lies from that of the model that ran along; in the machine's frame.
+struct SpotParting {
+  int unit{};
+  int entity{};  ///< -1: none.
+  double mean_x_mm{}, mean_y_mm{};
+  double worst_mm{}, worst_s{};
+  std::vector<double> time_s{};        ///< Of each frame; never empty.
+  std::vector<double> x_mm{}, y_mm{};  ///< Measured less the model's.
+};
+
 /// How the model ran, and what it alone knows: for people who look for a reason. Neither judged nor part of
 /// the digest.
 struct ModelFacts {
@@ -51,6 +61,7 @@ struct ModelFacts {
   std::string twin;           ///< "reference", "fast".
   std::vector<DrawnValue> drawn;
   std::vector<LostStepsNote> lost_steps;  ///< By time.
+  std::vector<SpotParting> partings;      ///< Of a real spot camera's frames, by cut.
 };
 
 /// "The machine lost steps: galvo_x 8 at 1.234 s (first of 3)."; empty if it lost none.

@@ -68,6 +68,12 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
   const auto verdict = verdictOf(scratch.path() / "label-camera-replay");
   EXPECT_EQ(verdict.at("digest"), hil::digestOf(live));
+  // The model that ran along with the same pins is the same machine.
+  ASSERT_FALSE(verdict.at("model").at("partings").empty());
+  for (const auto& parting : verdict.at("model").at("partings")) {
+    EXPECT_LT(std::abs(parting.at("mean_x_mm").get<double>()), 0.05);
+    EXPECT_LT(std::abs(parting.at("mean_y_mm").get<double>()), 0.05);
+  }
   EXPECT_THAT(verdict.at("versions").dump(),
               AllOf(HasSubstr("Fake camera"), HasSubstr("of the model: no real sheet")));
 }
@@ -85,6 +91,40 @@ TEST(RealCamera, GivesABadReleaseAFail) {
   const auto stillness = std::ranges::find(report.result.checks, "stillness_x", &hil::Check::name);
   ASSERT_NE(stillness, report.result.checks.end());
   EXPECT_EQ(stillness->verdict, Verdict::kFail);
+}
+
+// Mode 2: a machine whose Y mirror rests 200 urad off, and a model that knows nothing of it.
+TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
+  const ScratchFolder scratch;
+  std::ofstream(scratch.path() / "machine.yaml")
+      << "extends: " << fixture("machines/two-mirror-camera.yaml").string()
+      << "\noptics: {mirror_y: {zero_urad: 200}}\n";
+  std::ofstream(scratch.path() / "askew.yaml")
+      << "extends: " << fixture("scenarios/native/label-camera.yaml").string()
+      << "\nname: askew\nmachine: machine.yaml\n";
+  const FilmedCut askew(scratch.path() / "askew.yaml");
+  const auto camera = askew.camera();
+  (void)askew.record(*camera, scratch.path() / "spot");
+  hil::PinRecording recording = askew.cut().run.recording;
+  recording.uart.clear();
+  hil::writeVcd(scratch.path() / "pins.vcd", recording, askew.theCase().machine.signals);
+  const auto replay =
+      kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'",
+                            (scratch.path() / "pins.vcd").string(),
+                            fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));
+  const auto results = scratch.path() / "label-camera-replay";
+  const auto verdict = verdictOf(results);
+  ASSERT_FALSE(verdict.is_null()) << replay.output;
+  double frames = 0.0;
+  double sum_mm = 0.0;
+  for (const auto& parting : verdict.at("model").at("partings")) {
+    frames += parting.at("frames").get<double>();
+    sum_mm += parting.at("frames").get<double>() * parting.at("mean_y_mm").get<double>();
+  }
+  ASSERT_GT(frames, 150.0) << replay.output;
+  // Twice the angle over the throw of 500 mm.
+  EXPECT_NEAR(std::abs(sum_mm / frames), 0.2, 0.02);
+  EXPECT_THAT(textOf(results / "report.html"), HasSubstr("Where machine and model part"));
 }
 
 std::vector<hil::GateInterval> gatesOf(const FilmedCut& cut) {
