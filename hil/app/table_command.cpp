@@ -201,10 +201,11 @@ void write(const Checked& table, const TableCommandOptions& options, Console& co
   const AimGrid grid = withNodes(table.grid, options);
   const TableOptions how = toWrite(options, format, grid);
   writeTable(options.out, format, grid, how);
+  const AimGrid written = readTable(options.out, how, format);
   // Against the table as it was, coarser nodes included.
-  const TableLoss loss = tableLoss(table.grid, readTable(options.out, how, format));
+  const TableLoss loss = tableLoss(table.grid, written);
   console.result(fmt::format("{}: {}{}", options.out.string(), options.to, table.righted ? ", righted" : ""));
-  console.say("  convention  " + conventionOf(format, how, grid));
+  console.say("  convention  " + conventionOf(format, how, written));
   if (format == TableFormat::kCHeader) tellSize(grid, options, console);
   console.say("  what it costs, where the beam lands beside:");
   std::istringstream lines(loss.text());

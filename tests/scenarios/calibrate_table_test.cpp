@@ -72,6 +72,12 @@ TEST_F(CalibrateTable, TellsWhatAFileIs) {
   EXPECT_THAT(table(written(small, "small.csv")).output, HasSubstr("too symmetrical, or too small"));
 }
 
+/// "bilinear between nodes; outside linear", said around the place `at`.
+std::string ruleSaidAt(const std::string& said, std::size_t at) {
+  const std::size_t begin = said.rfind("; ", at) + 2;
+  return said.substr(begin, said.find('\n', at) - begin);
+}
+
 TEST_F(CalibrateTable, EachFormatBecomesEachOtherAndTheLossIsTold) {
   const std::string csv = written(grid_, "t.csv");
   for (const std::string to : {"c-header", "cor1", "cor2", "grid-text", "nine-points"}) {
@@ -82,6 +88,12 @@ TEST_F(CalibrateTable, EachFormatBecomesEachOtherAndTheLossIsTold) {
     const ProgramRun back = table(fmt::format("{} --out {}", path("t." + to), path("back." + to)));
     EXPECT_EQ(back.exit_code, 0) << back.output;
     EXPECT_THAT(back.output, HasSubstr(fmt::format("t.{0}: {0}\n", to)));
+    // What is said of a file when it is written is what is said of it when it is read.
+    const std::size_t written_at = there.output.rfind(" between nodes");
+    const std::size_t read_at = back.output.find(" between nodes");
+    ASSERT_NE(written_at, std::string::npos);
+    ASSERT_NE(read_at, std::string::npos);
+    EXPECT_EQ(ruleSaidAt(there.output, written_at), ruleSaidAt(back.output, read_at)) << to;
     // Bilinear between 33 x 33 nodes: 2 µm of a few mm; a quadratic through nine points: 200.
     EXPECT_LT(apart_um("back." + to), to == "nine-points" ? 1000.0 : to == "grid-text" ? 10.0 : 2.0) << to;
   }

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 
 namespace kerfbench::test {
 namespace {
 
-constexpr std::size_t kEnoughHeads = 10;
+constexpr std::size_t kEnoughSeeds = 10;
 
 double shareOf(const CalibratedHead& head) {
   return static_cast<double>(head.covered) / static_cast<double>(head.places);
@@ -36,13 +37,12 @@ void brokenCover(const std::vector<CalibratedHead>& heads, int iterations, std::
   const Cover cover = coverOf(heads);
   const bool fine =
       cover.share + 2.0 * cover.sigma >= kLeastCover && cover.share - 2.0 * cover.sigma <= kMostCover;
-  if (cover.heads < kEnoughHeads || fine) return;
+  if (cover.seeds < kEnoughSeeds || fine) return;
   broken.push_back(
       fmt::format("after {} iteration{} the ellipse of 95 % holds {:.1f} ± {:.1f} % of the places of {} "
-                  "heads; {:g} … {:g} % are "
-                  "claimed",
+                  "heads of {} seeds; {:g} … {:g} % are claimed",
                   iterations, iterations == 1 ? "" : "s", 100.0 * cover.share, 200.0 * cover.sigma,
-                  cover.heads, 100.0 * kLeastCover, 100.0 * kMostCover));
+                  cover.heads, cover.seeds, 100.0 * kLeastCover, 100.0 * kMostCover));
 }
 
 std::string rowOf(const HeadKindProof& kind) {
@@ -78,11 +78,15 @@ Cover coverOf(const std::vector<CalibratedHead>& heads) {
   if (cover.heads == 0) return cover;
   const auto n = static_cast<double>(cover.heads);
   cover.share /= n;
-  double sum = 0.0;
+  std::map<std::uint64_t, double> off;  // From the mean, of all heads of a seed.
   for (const CalibratedHead& head : heads) {
-    if (head.error.empty() && head.places > 0) sum += std::pow(shareOf(head) - cover.share, 2);
+    if (head.error.empty() && head.places > 0) off[head.seed] += shareOf(head) - cover.share;
   }
-  if (cover.heads > 1) cover.sigma = std::sqrt(sum / (n - 1.0) / n);
+  cover.seeds = off.size();
+  double sum = 0.0;
+  for (const auto& [seed, of_seed] : off) sum += of_seed * of_seed;
+  const auto seeds = static_cast<double>(cover.seeds);
+  if (cover.seeds > 1) cover.sigma = std::sqrt(seeds / (seeds - 1.0) * sum) / n;
   return cover;
 }
 

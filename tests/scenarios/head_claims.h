@@ -28,10 +28,10 @@ struct CalibratedHead {
 /// Share of places within the ellipse, over several heads.
 struct Cover {
   double share{};
-  /// Standard error by the scatter between heads: places of one head share its fit and the poses of its
-  /// sheets.
+  /// Standard error by the scatter between seeds: places of one head share its fit and the poses of its
+  /// sheets, and heads of one seed, whatever the machine, what the twin draws by the seed.
   double sigma{};
-  std::size_t heads{};
+  std::size_t heads{}, seeds{};
 };
 Cover coverOf(const std::vector<CalibratedHead>& heads);
 
@@ -44,7 +44,7 @@ struct HeadKindProof {
 
 /// Every claim that does not hold, in words: a head without a table, beyond its limit, after too many
 /// iterations; and, over all heads with the same number of iterations, a share of covered places whose 95 %
-/// interval lies beside kLeastCover … kMostCover. Of fewer than ten heads the share is not judged.
+/// interval lies beside kLeastCover … kMostCover. Of fewer than ten seeds the share is not judged.
 std::vector<std::string> brokenClaims(const std::vector<HeadKindProof>& proof);
 
 /// One line for each machine, with a heading.

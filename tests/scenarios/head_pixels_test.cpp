@@ -64,7 +64,8 @@ TEST(HeadClaims, NameTheHeadThatIsBeyondItsLimitOrTookTooLongOrHasNoTable) {
 TEST(HeadClaims, AnEllipseTooLargeOrTooSmallForManyHeadsIsToldAndOneOddHeadIsNot) {
   auto proof = goodProof();
   for (CalibratedHead& head : proof[0].heads) head.covered = 400;
-  EXPECT_THAT(brokenClaims(proof), ElementsAre(HasSubstr("holds 100.0 ± 0.0 % of the places of 10 heads")));
+  EXPECT_THAT(brokenClaims(proof),
+              ElementsAre(HasSubstr("holds 100.0 ± 0.0 % of the places of 10 heads of 10 seeds")));
   for (CalibratedHead& head : proof[0].heads) head.covered = 370;
   EXPECT_THAT(brokenClaims(proof), ElementsAre(HasSubstr("holds 92.5 ± 0.0 %")));
   proof = goodProof();
@@ -86,6 +87,23 @@ TEST(HeadClaims, AnEllipseTooLargeOrTooSmallForManyHeadsIsToldAndOneOddHeadIsNot
   }
   EXPECT_THAT(brokenClaims(proof),
               ElementsAre(HasSubstr("after 1 iteration the"), HasSubstr("after 2 iterations")));
+}
+
+TEST(HeadClaims, HeadsOfOneSeedOnSeveralMachinesAreNoMoreProofThanOne) {
+  auto one = goodProof()[0].heads;
+  one[0].covered = 300;
+  std::vector<CalibratedHead> four;
+  for (int machine = 0; machine < 4; ++machine) four.insert(four.end(), one.begin(), one.end());
+  EXPECT_NEAR(coverOf(four).share, coverOf(one).share, 1e-12);
+  EXPECT_NEAR(coverOf(four).sigma, coverOf(one).sigma, 1e-12);
+  EXPECT_EQ(coverOf(four).seeds, 10U);
+
+  // Nine seeds are too few to tell, on however many machines.
+  auto proof = goodProof();
+  proof[0].heads.resize(9);
+  for (CalibratedHead& head : proof[0].heads) head.covered = 400;
+  proof.push_back(proof[0]);
+  EXPECT_THAT(brokenClaims(proof), IsEmpty());
 }
 
 }  // namespace
