@@ -85,7 +85,7 @@ class PinsTest : public testing::Test {
   }
   /// A problem of these words, and a gap that a replay of the recording finds.
   static void expectInvalid(const hil::PinCapture& captured, const std::string& words) {
-    EXPECT_THAT(captured.problems, Contains(HasSubstr(words)));
+    EXPECT_THAT(captured.recording.problems, Contains(HasSubstr(words)));
     EXPECT_TRUE(hasGap(captured));
   }
 
@@ -118,7 +118,7 @@ TEST_F(PinsTest, TenThousandEdgesASecondAreReadOneByOneAndInOrder) {
   const hil::PinCapture captured = capture();
   const Played played = player.join();
   EXPECT_GE(played.rate_hz(strokes.size()), 10'000.0);
-  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.recording.problems, IsEmpty());
   EXPECT_THAT(captured.notes, IsEmpty());
   EXPECT_EQ(captured.edges, strokes.size());
   EXPECT_FALSE(hasGap(captured));
@@ -196,7 +196,7 @@ TEST_F(PinsTest, EdgesOfTwoLinesThatTheKernelTellsInTheWrongOrderArePutRight) {
   const hil::PinCapture captured = capture(system);
   player.join();
   EXPECT_FALSE(std::ranges::is_sorted(system->numbers())) << "the kernel was to tell PUL before DIR";
-  EXPECT_THAT(captured.problems, IsEmpty());
+  EXPECT_THAT(captured.recording.problems, IsEmpty());
   EXPECT_FALSE(hasGap(captured));
   EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
 }
@@ -211,7 +211,7 @@ TEST_F(PinsTest, RatesThatOneProcessorHolds) {
     const auto system = std::make_shared<WatchedSystem>();
     const hil::PinCapture captured = capture(system);
     const Played played = player.join();
-    EXPECT_THAT(captured.problems, IsEmpty());
+    EXPECT_THAT(captured.recording.problems, IsEmpty());
     fmt::print("| {} | {:.0f} | {} | {} | {:.0f} |\n",
                half_ns == 1 ? "as many as go" : std::to_string(1'000'000'000 / half_ns),
                played.rate_hz(strokes.size()), strokes.size(), strokes.size() - captured.edges,

@@ -63,7 +63,7 @@ class RecordTest : public testing::Test {
     fmt::print("{}: {} edges in {:.3f} s, at worst {:.0f} µs late\n", name, strokes.size(),
                1e-9 * static_cast<double>(played.end_ns - played.begin_ns),
                1e-3 * static_cast<double>(played.worst_late_ns));
-    EXPECT_THAT(captured.problems, IsEmpty());
+    EXPECT_THAT(captured.recording.problems, IsEmpty());
     EXPECT_EQ(captured.edges, strokes.size());
     const fs::path file = fs::path("/run/shared") / name;
     hil::writeVcd(file, captured.recording, map);

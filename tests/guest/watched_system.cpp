@@ -26,9 +26,9 @@ hil::KernelAnswer WatchedSystem::read(int fd, std::span<std::byte> into) {
   return got;
 }
 
-hil::KernelAnswer WatchedSystem::poll(int fd, int timeout_ms, short& revents) {
+hil::KernelAnswer WatchedSystem::poll(int fd, std::uint64_t timeout_ns, short& revents) {
   if (before_first_wait_) std::exchange(before_first_wait_, nullptr)();
-  return real_->poll(fd, timeout_ms, revents);
+  return real_->poll(fd, timeout_ns, revents);
 }
 
 std::vector<int> interruptThreads() {

@@ -25,7 +25,7 @@ class WatchedSystem final : public hil::GpioSystem {
     return real_->control(fd, request, argument);
   }
   hil::KernelAnswer read(int fd, std::span<std::byte> into) override;
-  hil::KernelAnswer poll(int fd, int timeout_ms, short& revents) override;
+  hil::KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
   void close(int fd) override { real_->close(fd); }
   std::uint64_t now_ns() override { return real_->now_ns(); }
   hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
