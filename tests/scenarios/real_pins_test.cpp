@@ -54,12 +54,13 @@ class PinsToVerdict : public testing::Test {
                     chip.lines.push_back({i, "", "", false, false, false});
                   return hil::GpioChipList{{chip}, {}};
                 },
+            .serial = nullptr,
             .analysers = nullptr};
   }
   static hil::RealPins analyser(const ReleasedPins& release) {
     auto script = std::make_shared<hil::ScriptedAnalyser>();
     script->runs = release.sampled(24'000'000);
-    return {.gpio = nullptr, .chips = {}, .analysers = std::move(script)};
+    return {.gpio = nullptr, .chips = {}, .serial = nullptr, .analysers = std::move(script)};
   }
   static std::string replacedIn(std::string text, const std::string& from, const std::string& to) {
     return text.replace(text.find(from), from.size(), to);
@@ -93,7 +94,8 @@ class PinsToVerdict : public testing::Test {
   }
   /// What capture recorded, judged. The exit code.
   int replay(const ReleasedPins& release, const char* firmware = kFirmware) const {
-    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), options());
+    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {},
+                              options());
   }
   /// Not by EXPECT_EQ: to tell how long texts differ takes all memory.
   static bool same(const fs::path& a, const fs::path& b) {
@@ -229,7 +231,7 @@ TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
         fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,
                     vcd.string(), session.string());
     EXPECT_EQ(std::system(convert.c_str()), 0);
-    const int code = hil::replayCommand(session, release.scenario("{source: native}"), options());
+    const int code = hil::replayCommand(session, release.scenario("{source: native}"), {}, options());
     EXPECT_EQ(hil::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
     return code;
   };
@@ -244,8 +246,9 @@ TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
   coarse.outputs = {{1000, 0, 1, 1, 0}, {1001, 0, 1, 0, 0}};
   coarse.end = 20'000;
   hil::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
-  EXPECT_EQ(hil::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), options()),
-            3);
+  EXPECT_EQ(
+      hil::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), {}, options()),
+      3);
   EXPECT_THAT(verdict("good-pins-replay").at("problems").get<std::vector<std::string>>(),
               Contains(HasSubstr("100000 Hz is too low for galvo_x_pul: its drive (galvo-pul-dir) takes "
                                  "pulses of 2.5 us, and 4 samples "
@@ -259,7 +262,7 @@ TEST_F(PinsToVerdict, AnAnalysersCaptureIsASessionTooThatIsJudgedAlike) {
   EXPECT_EQ(captureOnPins(real, capture), 0);
   EXPECT_EQ(replay(*good_, kAnalyser), 0);
   const auto by_vcd = verdict("good-pins-replay");
-  EXPECT_EQ(hil::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), options()), 0);
+  EXPECT_EQ(hil::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), {}, options()), 0);
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), by_vcd.at("digest"));
   capture.scenario = good_->scenario(kFirmware);
   EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), hil::InputFault);

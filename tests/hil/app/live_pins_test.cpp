@@ -70,7 +70,7 @@ class LivePinsTest : public testing::Test {
     Stopwatch stopwatch;
     Console console(true);
     const Case the_case = readCase(scenario, kFirmware);
-    return runOnPins(the_case, {board, &chips, board->serial()}, options, stopwatch, console);
+    return runOnPins(the_case, {board, &chips, board->serial(), nullptr}, options, stopwatch, console);
   }
   nlohmann::json verdict(const std::string& name = "on-pins") const {
     return nlohmann::json::parse(contentOf(options.results_dir / name / "verdict.json"));
@@ -79,7 +79,7 @@ class LivePinsTest : public testing::Test {
   /// What the recording says is what the live run said.
   void expectReplayAgrees(int live_code) {
     const auto recording = options.results_dir / "on-pins" / "pins.vcd";
-    EXPECT_EQ(replayCommand(recording, scenario, options), live_code);
+    EXPECT_EQ(replayCommand(recording, scenario, {}, options), live_code);
     EXPECT_EQ(verdict("on-pins-replay")["verdict"], verdict()["verdict"]);
   }
   const TempFolder temp;
