@@ -36,7 +36,7 @@ class LabelRun {
     hil::Stopwatch stopwatch;
     hil::RunReport report;
     hil::judge(
-        case_, twin, {}, {}, jobs, stopwatch, [](double, const std::string&) {}, report);
+        case_, twin, {}, {}, {}, jobs, stopwatch, [](double, const std::string&) {}, report);
     return report;
   }
 
