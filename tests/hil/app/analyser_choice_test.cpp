@@ -74,7 +74,7 @@ TEST_F(AnalyserChoiceTest, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(faultsIn(replaced(kWires, "    laser_gate: D4\n", "")),
               HasSubstr("s.yaml:5: firmware.driver: firmware.lines has no line for laser_gate"));
   EXPECT_THAT(faultsIn(std::string(kWires) + "belt: {speed_mm_s: 60}\n"),
-              HasSubstr("speed_mm_s must be 0 and drive: line on real pins"));
+              HasSubstr("speed_mm_s must be 0 where an analyser listens"));
 }
 
 TEST_F(AnalyserChoiceTest, AScenarioOnAGpiochipIsExtended) {

@@ -149,6 +149,16 @@ TEST_F(SpoiltLivePinsTest, AnOutputLineThatIsTakenIsRefused) {
   expectRefused("line 9 for encoder_b is taken by 'spi0 CS0'");
 }
 
+TEST_F(SpoiltLivePinsTest, ACaptureAloneDrivesNothingAndIsRefused) {
+  Console console(true);
+  try {
+    (void)hearPins(readCase(scenario, kFirmware), {board, &chips, board->serial(), nullptr}, console);
+    FAIL() << "it listened";
+  } catch (const InputFault& e) {
+    EXPECT_THAT(e.what(), HasSubstr("firmware.outputs and firmware.uart need the model beside the pins"));
+  }
+}
+
 TEST_F(SpoiltLivePinsTest, ASerialLineThatIsNotThereIsRefusedWithFileAndLine) {
   board->serial()->open_error = ENOENT;
   expectRefused("label.yaml:8: firmware.uart: /dev/ttyS9: no such serial line");
