@@ -67,6 +67,11 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
   // Before the pins are heard: whoever has started a job wants to keep it.
   const fs::path out = outFolder(options, name);
   ResultsFolder folder(out.parent_path(), out.filename().string());
+  const bool has_camera = the_case.scenario.cameras.spot.is_real;
+  if (has_camera)
+    console.say(
+        "  the spot camera is real and not recorded here: `kerfbench record-frames` beside this does, or "
+        "`run` both");
 
   const PinCapture captured = hearPins(the_case, pins, console);
   const PinRecording& recording = captured.recording;
@@ -78,8 +83,8 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
   console.say(heardText(heardPins(recording, the_case.machine.signals)));
   for (const std::string& problem : recording.problems) console.result("  INVALID: " + problem);
   const fs::path vcd = folder.place() / "pins.vcd";
-  console.say(fmt::format("recording: {}\njudge it: ./bench replay {} --scenario {}", vcd.string(),
-                          vcd.string(), options.scenario.string()));
+  console.say(fmt::format("recording: {}\njudge it: ./bench replay {} --scenario {}{}", vcd.string(),
+                          vcd.string(), options.scenario.string(), has_camera ? " --frames FOLDER" : ""));
   return recording.problems.empty() ? 0 : exitCode(Verdict::kInvalid);
 }
 

@@ -49,7 +49,7 @@ void refuseRealCamera(const Case& the_case) {
   if (spot.is_real)
     throw InputFault(
         fmt::format("{}: the pins are emulated, so a real camera sees nothing of them; run on real pins "
-                    "(firmware.source: gpio), or replay with --frames",
+                    "(firmware.source: gpio, analyser), or replay with --frames",
                     spot.place));
 }
 

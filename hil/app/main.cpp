@@ -371,8 +371,8 @@ int dispatch(int argc, char** argv) {
   std::vector<fs::path> scenarios;
   CLI::App* run = app.add_subcommand(
       "run",
-      "Run scenarios: firmware, machine, camera, verdict, report.\nA scenario on real pins (source: gpio) "
-      "runs in real time; docs/HARDWARE.md has its keys.");
+      "Run scenarios: firmware, machine, camera, verdict, report.\nA scenario on real pins (source: gpio, "
+      "analyser) runs in real time; docs/HARDWARE.md has its keys.");
   run->add_option("SCENARIO", scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();
   addCommonOptions(*run, options);
 

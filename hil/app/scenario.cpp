@@ -262,8 +262,12 @@ FirmwareChoice readFirmwareOnAnalyser(YamlReader& firmware) {
   result.source = FirmwareChoice::Source::kAnalyser;
   result.dialog = FirmwareChoice::Dialog::kNone;
   result.analyser = readAnalyserChoice(firmware);
-  skipKeys(firmware,
-           {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us"});
+  skipKeys(firmware, {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us",
+                      "out_chip", "max_lag_us", "uart_wait_s"});
+  for (const char* key : {"outputs", "uart"}) {
+    if (firmware.has(key))
+      firmware.fault(key, "is for source: gpio; an analyser drives nothing and talks to no controller");
+  }
   return result;
 }
 

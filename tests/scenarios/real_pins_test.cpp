@@ -21,9 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using hil::CaptureCommandOptions;
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kFirmware =
     "{source: gpio, chip: gpiochip0, stamp_err_us: 1, lines: {galvo_x_pul: 0, galvo_x_dir: 1, "
@@ -217,6 +219,21 @@ TEST_F(PinsToVerdict, TheDemoAnalyserEndsInvalidAndIsHeardEdgeByEdge) {
                             results_.path().string(), scenario.string()));
   EXPECT_EQ(replay.exit_code, 3) << replay.output;
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
+}
+
+TEST_F(PinsToVerdict, ACaptureBesideARealCameraSaysThatItHoldsNoFrames) {
+  const auto scenario = good_->scenario(replacedIn(kAnalyser, "fx2lafw", "demo"));
+  const auto heard = [&] {
+    return kerfbench(fmt::format("capture '{}' --time-limit 0.02 -o '{}/heard'", scenario.string(),
+                                 results_.path().string()))
+        .output;
+  };
+  EXPECT_THAT(heard(), AllOf(HasSubstr("judge it: "), Not(HasSubstr("--frames"))));
+  std::ofstream(scenario, std::ios::app)
+      << "cameras: {spot: {source: v4l2, device: /dev/video7, format: GREY, exposure_us: 200, "
+         "frames_per_s: 400}, kerf: {source: twin}}\n";
+  EXPECT_THAT(heard(), AllOf(HasSubstr("the spot camera is real and not recorded here"),
+                             HasSubstr(scenario.string() + " --frames FOLDER")));
 }
 
 // What sigrok-cli makes of the recording of a run is the same evidence, at the rate of its ticks and at a

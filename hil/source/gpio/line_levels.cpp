@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "hil/source/pin_capture.h"
+
 namespace kerfbench::hil {
 
 std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
@@ -12,10 +14,7 @@ std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const s
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     if (levels[i] && std::ranges::find(low_at_start, wires[i].signal) != low_at_start.end())
-      problems.push_back(
-          fmt::format("{} is high at the start, and its drive counts rising edges: polarity or wiring is not "
-                      "as the machine file has it",
-                      signalName(wires[i].signal)));
+      problems.push_back(highAtStartWords(std::string(signalName(wires[i].signal))));
   }
   return problems;
 }
