@@ -26,7 +26,7 @@ struct RealSpot {
 /// sheet while the laser works. Frames that are not to be believed are left out; those around cuts are told.
 /// The result depends on nothing but what is given. @throws ConfigError for a recording that is none, or
 /// unfinished.
-RealSpot lookAtRealSpot(const Case& the_case, const std::filesystem::path& recording,
+RealSpot lookAtRealSpot(const Case& the_case, const std::filesystem::path& folder,
                         const CameraCalibration& calibration, const PinRecording& pins,
                         const std::vector<GateInterval>& gates, int jobs);
 

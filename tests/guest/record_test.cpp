@@ -89,8 +89,15 @@ TEST_F(RecordTest, DoctorListsTheChipAsItIs) {
   std::vector<std::string> names;
   for (const auto& line : found->at("lines")) names.push_back(line.at("name"));
   EXPECT_EQ(names, chip.lineNames());
-  for (const auto& finding : told.at("findings"))
-    EXPECT_NE(finding.at("grade"), "trouble") << finding.at("text");
+  for (const auto& finding : told.at("findings")) {
+    const std::string text = finding.at("text");
+    // Nobody writes into the loopbacks here, and such a one has no format.
+    if (text.starts_with("/dev/video")) {
+      EXPECT_THAT(text, HasSubstr("gives pictures in no format that can be read"));
+    } else {
+      EXPECT_NE(finding.at("grade"), "trouble") << text;
+    }
+  }
 }
 
 TEST_F(RecordTest, ALineThatSomebodyElseHasIsToldByDoctorAndByRun) {
