@@ -55,10 +55,11 @@ class Setter {
     const int error = device_.request(VIDIOC_S_FMT, &wanted);
     requireLife(error, "VIDIOC_S_FMT");
     if (error != 0) {
-      return fault("format", fmt::format("{}{}", std::strerror(error),
-                                         error == EBUSY
-                                             ? " (another program has it, or nobody writes into a loopback yet)"
-                                             : ""));
+      return fault(
+          "format",
+          fmt::format(
+              "{}{}", std::strerror(error),
+              error == EBUSY ? " (another program has it, or nobody writes into a loopback yet)" : ""));
     }
     if (wanted.fmt.pix.pixelformat != format.fourcc)
       return fault("format",
