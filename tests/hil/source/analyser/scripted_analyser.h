@@ -38,11 +38,11 @@ class ScriptedAnalyser final : public AnalyserSystem {
    public:
     Feed(const ScriptedAnalyser& script, const ListenFor& listen) : script_(script), listener_(listen) {}
     [[nodiscard]] std::string device() const override { return "script"; }
-    bool read(std::vector<LevelRun>& runs) override {
+    bool read(std::vector<LevelRun>& into) override {
       if (state_ != Listener::State::kListening || next_ == script_.runs.size()) return false;
       std::vector<LevelRun> one{script_.runs[next_++]};
       state_ = listener_.add(one);
-      runs.insert(runs.end(), one.begin(), one.end());
+      into.insert(into.end(), one.begin(), one.end());
       return true;
     }
     [[nodiscard]] AnalyserEnd end() const override {
