@@ -82,7 +82,7 @@ TEST_F(SensorLagTest, AnEdgeThatTheMachineDidNotMakeIsAProblem) {
 
 // The belt trembles about one line of the disc: the same count again and again.
 TEST_F(SensorLagTest, OfSeveralEdgesOfAKindTheNearestCounts) {
-  for (const Tick at : {110, 120, 130}) {
+  for (const Tick at : {Tick{110}, Tick{120}, Tick{130}}) {
     due.push_back({at * kMs, Signal::kEncoderA, true});
     due.push_back({at * kMs + kMs, Signal::kEncoderA, false});
   }
