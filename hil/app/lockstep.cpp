@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace kerfbench::hil {
 namespace {
@@ -51,6 +52,27 @@ bool hasGap(const std::vector<PinEvent>& events) {
   return std::ranges::any_of(events, [](const PinEvent& e) { return (e.flags & PinEvent::kGap) != 0; });
 }
 
+/// Where pin events were lost: of a hopeless front end in every quantum, and that is one fault.
+class Gaps {
+ public:
+  void add(double now_s) {
+    if (count_++ == 0) first_s_ = now_s;
+    last_s_ = now_s;
+  }
+  /// Goes before what came of it.
+  void tell(std::vector<std::string>& problems) const {
+    if (count_ == 0) return;
+    std::string text = fmt::format("pin events were lost before {:.6f} s", first_s_);
+    if (count_ > 1) text += fmt::format(" and {} times more, the last before {:.6f} s", count_ - 1, last_s_);
+    problems.insert(problems.begin(), std::move(text));
+  }
+
+ private:
+  std::size_t count_{};
+  double first_s_{};
+  double last_s_{};
+};
+
 }  // namespace
 
 LockstepResult runLockstep(SignalSource& source, twin::Twin& twin, const SignalMap& map, Dialog* dialog,
@@ -76,6 +98,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
   bool finishing = false;
   bool ended = false;
   Batch batch;
+  Gaps gaps;
   for (int round = 0; now < end; ++round) {
     const Tick until = std::min(now + quantum, end);
     if (info.accepts_input) {
@@ -85,9 +108,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
     }
     const Stop stop = source.advance(until, batch);
     now = batch.watermark;
-    if (hasGap(batch.events)) {
-      result.problems.push_back(fmt::format("pin events were lost before {:.6f} s", info.rate.seconds(now)));
-    }
+    if (hasGap(batch.events)) gaps.add(info.rate.seconds(now));
     model.advance(now, batch.events);
     result.recording.outputs.insert(result.recording.outputs.end(), batch.events.begin(), batch.events.end());
     ended = stop == Stop::kEnded;
@@ -113,6 +134,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
     }
     if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
   }
+  gaps.tell(result.problems);
   if (dialog != nullptr && !finishing && result.problems.empty() && options.provocation == nullptr) {
     spoil(fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()),
           result);

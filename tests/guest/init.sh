@@ -27,6 +27,8 @@ root=/newroot
 mount -t proc proc $root/proc
 mount -t sysfs sys $root/sys
 mount -t devtmpfs dev $root/dev
+mkdir -p $root/dev/pts
+mount -t devpts pts $root/dev/pts
 mount -t configfs config $root/sys/kernel/config
 mount -t tmpfs tmp $root/tmp
 mount -t tmpfs run $root/run

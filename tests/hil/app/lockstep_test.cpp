@@ -136,6 +136,13 @@ TEST_F(Lockstep, LostEventsAreAProblem) {
   EXPECT_EQ(result.recording.outputs.size(), 2U);
 }
 
+TEST_F(Lockstep, EventsLostAgainAndAgainAreOneProblem) {
+  for (Tick tick = 100'000; tick <= 300'000; tick += 100'000)
+    source.events.push_back({tick, 0, 1, static_cast<std::uint16_t>(tick / 100'000 % 2), PinEvent::kGap});
+  EXPECT_THAT(run(&dialog).problems,
+              ElementsAre(AllOf(HasSubstr("lost before 0.0065"), HasSubstr("2 times more, the last before 0.0190"))));
+}
+
 TEST_F(Lockstep, AnEndThatTheDialogDidNotWantIsAProblem) {
   for (const auto& [stop, words] : {std::pair(Stop::kCrashed, "crashed"),
                                     {Stop::kFlooded, "floods"},
