@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/head_tools_cli.h"
-
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "hil/app/cli.h"
+#include "hil/app/head_check_command.h"
+#include "hil/app/reversal_command.h"
 #include "hil/app/scenario.h"
+#include "hil/app/table_command.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -61,22 +64,12 @@ void addTwin(CLI::App& command, Options& o) {
       ->capture_default_str();
 }
 
-}  // namespace
-
-HeadToolsCli::HeadToolsCli(CLI::App& calibrate, const Program& program) {
-  check_.bin_dir = program.bin_dir;
-  check_.command_line = program.command_line;
-  check_.jobs = program.jobs;
-  reversal_.bin_dir = program.bin_dir;
-  reversal_.command_line = program.command_line;
-  reversal_.jobs = program.jobs;
-  addCheck(calibrate);
-  addReversal(calibrate);
-  addTable(calibrate);
-}
-
-void HeadToolsCli::addCheck(CLI::App& calibrate) {
-  HeadCheckOptions& o = check_;
+void addCheck(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<HeadCheckOptions>();
+  HeadCheckOptions& o = *holder;
+  o.bin_dir = program.bin_dir;
+  o.command_line = program.command_line;
+  o.jobs = program.jobs;
   CLI::App* check = calibrate.add_subcommand("check",
                                              "Does a head's correction still hold? Nine marks are cut with "
                                              "it and held against the head as it was when\n"
@@ -101,11 +94,15 @@ void HeadToolsCli::addCheck(CLI::App& calibrate) {
       check->add_option("--pictures", o.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
   job->needs(pictures)->excludes(by_hand);
   check->add_flag("--quiet,-q", o.quiet, "Only the result");
-  check_command_ = check;
+  actions.add(check, std::move(holder), checkHeadCommand);
 }
 
-void HeadToolsCli::addReversal(CLI::App& calibrate) {
-  ReversalCommandOptions& o = reversal_;
+void addReversal(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<ReversalCommandOptions>();
+  ReversalCommandOptions& o = *holder;
+  o.bin_dir = program.bin_dir;
+  o.command_line = program.command_line;
+  o.jobs = program.jobs;
   CLI::App* reversal =
       calibrate.add_subcommand("reversal",
                                "Which part of a head's error is the camera's own? A sheet of marks is cut "
@@ -142,11 +139,12 @@ void HeadToolsCli::addReversal(CLI::App& calibrate) {
           ->needs(job);
   job->needs(pictures);
   reversal->add_flag("--quiet,-q", o.quiet, "Only the result");
-  reversal_command_ = reversal;
+  actions.add(reversal, std::move(holder), reversalCommand);
 }
 
-void HeadToolsCli::addTable(CLI::App& calibrate) {
-  TableCommandOptions& o = table_;
+void addTable(CLI::App& calibrate, CliActions& actions) {
+  auto holder = std::make_shared<TableCommandOptions>();
+  TableCommandOptions& o = *holder;
   CLI::App* table = calibrate.add_subcommand(
       "table",
       "Tell what a file of correction is, hold it against nine marks, write it in another format.\n"
@@ -176,14 +174,15 @@ void HeadToolsCli::addTable(CLI::App& calibrate) {
       ->needs(out);
   addTableFormats(*table, o);
   table->add_flag("--quiet,-q", o.quiet, "Only what was found and written");
-  table_command_ = table;
+  actions.add(table, std::move(holder), calibrateTableCommand);
 }
 
-std::optional<int> HeadToolsCli::run() const {
-  if (check_command_->parsed()) return checkHeadCommand(check_);
-  if (reversal_command_->parsed()) return reversalCommand(reversal_);
-  if (table_command_->parsed()) return calibrateTableCommand(table_);
-  return std::nullopt;
+}  // namespace
+
+void addHeadTools(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+  addCheck(calibrate, program, actions);
+  addReversal(calibrate, program, actions);
+  addTable(calibrate, actions);
 }
 
 }  // namespace kerfbench::hil

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include "hil/app/cli.h"
+#include "hil/app/commands.h"
+
+namespace kerfbench::hil {
+void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<RecordFramesOptions>();
+  RecordFramesOptions& options = *holder;
+  options.bin_dir = program.bin_dir;
+  CLI::App* record = app.add_subcommand(
+      "record-frames",
+      "Record the real spot camera that a scenario names (cameras.spot), for replay --frames. Buffers are "
+      "written as the\n"
+      "driver gives them, faulty ones included. Exit code 3: the camera ended before all came.");
+  record->add_option("SCENARIO", options.scenario, "Whose camera, format and settings")->required();
+  record->add_option("--out", options.out, "Folder for the recording, empty or not there yet")->required();
+  record->add_option("--frames", options.frames,
+                     "So many; otherwise until the time is over or none comes any more");
+  record->add_option("--seconds", options.time_limit_s, "At most so long, after --wait")
+      ->check(CLI::Range(0.001, 36000.0))
+      ->capture_default_str();
+  record->add_option("--wait", options.wait_s, "For the first frame, in seconds")
+      ->check(CLI::Range(0.001, 3600.0))
+      ->capture_default_str();
+  record->add_flag("--quiet,-q", options.quiet, "Only the result");
+  actions.add(record, std::move(holder), recordFramesCommand);
+}
+
+void addCapture(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<CaptureCommandOptions>();
+  CaptureCommandOptions& options = *holder;
+  options.bin_dir = program.bin_dir;
+  CLI::App* capture = app.add_subcommand(
+      "capture",
+      "Record a controller's real pins to pins.vcd, without model and verdict; `replay` judges it later.\n"
+      "Exit code 0; 3: what was recorded cannot be trusted.");
+  capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio, analyser)")
+      ->required();
+  capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");
+  capture->add_flag("--sr", options.session, "pins.sr too, for PulseView and sigrok-cli; of an analyser");
+  capture->add_option("--time-limit", options.time_limit_s, "Real seconds, instead of the scenario's")
+      ->check(CLI::PositiveNumber);
+  capture->add_flag("--quiet,-q", options.quiet, "Only what is wrong");
+  actions.add(capture, std::move(holder), captureCommand);
+}
+
+void addDoctor(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<DoctorOptions>();
+  DoctorOptions& options = *holder;
+  options.bin_dir = program.bin_dir;
+  CLI::App* doctor = app.add_subcommand(
+      "doctor",
+      "What hardware this computer has for real pins (chips, lines, logic analysers, clock, real-time "
+      "limits), what is wrong "
+      "with "
+      "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
+  doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
+  doctor->add_flag("--json", options.json, "As JSON");
+  actions.add(doctor, std::move(holder), doctorCommand);
+}
+
+}  // namespace kerfbench::hil

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "hil/app/cli.h"
+#include "hil/app/commands.h"
+
+namespace kerfbench::hil {
+namespace {
+
+// "1280x800"
+std::string readSize(const std::string& text, ShowOptions& options) {
+  const auto cross = text.find('x');
+  const auto number = [](const std::string& digits) {
+    const bool plain =
+        !digits.empty() && digits.size() <= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
+    return plain ? std::stoi(digits) : 0;
+  };
+  options.width_px = cross == std::string::npos ? 0 : number(text.substr(0, cross));
+  options.height_px = cross == std::string::npos ? 0 : number(text.substr(cross + 1));
+  const bool good = std::min(options.width_px, options.height_px) >= 64 &&
+                    std::max(options.width_px, options.height_px) <= 8192;
+  return good ? "" : "is to be WIDTHxHEIGHT in pixels, 64 to 8192 each";
+}
+
+}  // namespace
+
+void addShow(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<ShowOptions>();
+  ShowOptions& options = *holder;
+  options.bin_dir = program.bin_dir;
+  CLI::App* show = app.add_subcommand("show", "Draw a machine (PNG): at rest, or in the middle of a run");
+  show->add_option("MACHINE", options.machine, "Machine file; may be left out where --scenario names it");
+  CLI::Option* scenario =
+      show->add_option("--scenario", options.scenario, "Run this, and draw the machine as it is then");
+  show->add_option("--at", options.at_s,
+                   "Virtual seconds, one or several; otherwise in the middle of the longest cut")
+      ->needs(scenario)
+      ->check(CLI::NonNegativeNumber);
+  show->add_option("--out", options.out, "PNG file; several times are added to its name");
+  show->add_option_function<std::string>(
+          "--size",
+          [&options](const std::string& text) {
+            const std::string fault = readSize(text, options);
+            if (!fault.empty()) throw CLI::ValidationError("--size", fault);
+          },
+          "Pixels, 1280x800 unless told")
+      ->type_name("WxH");
+  show->add_option("--view", options.view,
+                   "overall, head (mirrors or carriage) or sheet (the board from above)")
+      ->check(CLI::IsMember({"overall", "head", "sheet"}))
+      ->capture_default_str();
+  show->add_flag("--quiet,-q", options.quiet, "Only the names of the files");
+  actions.add(show, std::move(holder), showCommand);
+}
+
+}  // namespace kerfbench::hil
