@@ -97,10 +97,10 @@ void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
               [=] { return replayCommand(files->recording, files->scenario, files->frames, *options); });
 }
 
-void addLint(CLI::App& app, CliActions& actions) {
+void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
   const auto files = std::make_shared<std::vector<fs::path>>();
-  const auto options = std::make_shared<CommonOptions>();
+  const auto options = commonOptions(program);
   lint->add_option("FILE", *files, "Files to check")->required();
   lint->add_flag("--quiet,-q", options->quiet, "Only what is wrong");
   actions.add(lint, [=] { return lintCommand(*files, *options); });
@@ -130,7 +130,7 @@ int dispatch(int argc, char** argv) {
   addReplay(app, program, actions);
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);
-  addLint(app, actions);
+  addLint(app, program, actions);
   addDoctor(app, program, actions);
   addShow(app, program, actions);
   addCalibrate(app, program, actions);
