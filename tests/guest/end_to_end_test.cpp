@@ -4,13 +4,12 @@
 // here again, on what was recorded: in the guest's emulated processor they would take minutes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "tests/guest/host.h"
 #include "tests/scenarios/scenario_runs.h"
 
 namespace kerfbench::guest {
@@ -21,22 +20,17 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-constexpr int kSkipped = 77;  // SKIP_RETURN_CODE of CMakeLists.txt.
 const fs::path kRuns = KERFBENCH_GUEST_RUNS;
 const fs::path kShared = kRuns.parent_path() / "record";
 
 class EndToEnd : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (std::system("command -v qemu-system-x86_64 >/dev/null") != 0) {
-      fmt::print("SKIPPED: qemu-system-x86_64 is not installed. Debian: qemu-system-x86\n");
-      std::exit(kSkipped);
-    }
+    skipWithoutQemu();
     fs::remove_all(kRuns);
     run("plate", 0);
     run("plate-gate-late", 1);
-    const int status = std::system(KERFBENCH_GUEST_RECORD);
-    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    ASSERT_TRUE(runGuest(KERFBENCH_GUEST_RECORD));
   }
   /// A release whose pins the guest plays.
   static void run(const std::string& scenario, int exit_code) {

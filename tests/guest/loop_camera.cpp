@@ -66,10 +66,11 @@ LoopWriter::~LoopWriter() { ::close(fd_); }
 
 void LoopWriter::write(std::uint32_t number) { write(numberedImage(width_px_, height_px_, number)); }
 
-void LoopWriter::write(const GrayImage& image) {
-  const std::size_t size = image.pixels.size();
+void LoopWriter::write(const GrayImage& image) { write(std::span(image.pixels)); }
+
+void LoopWriter::write(std::span<const std::uint8_t> pixels) {
   // The driver takes no more than its buffers hold.
-  if (const auto count = ::write(fd_, image.pixels.data(), size); count <= 0)
+  if (::write(fd_, pixels.data(), pixels.size()) <= 0)
     throw std::system_error(errno, std::generic_category(), path_ + ": write");
 }
 
@@ -78,6 +79,14 @@ void LoopWriter::run(const std::vector<Exposure>& exposures) {
   for (const Exposure& exposure : exposures) {
     sleepUntil_ns(begin_ns + exposure.at_ns);
     write(exposure.number);
+  }
+}
+
+void LoopWriter::play(const Film& film) {
+  const std::uint64_t begin_ns = now_ns();
+  for (std::size_t i = 0; i < film.at_ns.size(); ++i) {
+    sleepUntil_ns(begin_ns + film.at_ns[i]);
+    write(film.picture(i));
   }
 }
 

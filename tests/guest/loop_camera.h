@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "tests/guest/film.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::guest {
@@ -32,8 +34,10 @@ class LoopWriter {
   void write(std::uint32_t number);
   /// Of another size than was agreed on.
   void write(const GrayImage& image);
+  void write(std::span<const std::uint8_t> pixels);
   /// Writes these in time.
   void run(const std::vector<Exposure>& exposures);
+  void play(const Film& film);
 
  private:
   std::string path_;

@@ -31,7 +31,7 @@ mkdir -p "$shared"
 
 # Never KVM: time would be the host's. (And where /dev/kvm is a nested one without vmx or svm, this kernel does not boot.)
 qemu=0
-timeout -k 5 "$limit_s" qemu-system-x86_64 -M q35 -accel tcg,thread=single -cpu max -icount shift=${GUEST_SHIFT:-1},sleep=off -smp 1 -m 384 \
+timeout -k 5 "$limit_s" qemu-system-x86_64 -M q35 -accel tcg,thread=single -cpu max -icount shift=${GUEST_SHIFT:-1},sleep=off -smp 1 -m ${GUEST_MB:-384} \
   -nodefaults -no-user-config -display none -no-reboot -monitor none \
   -kernel "$guest/vmlinuz" -initrd "$guest/initramfs.cpio" -append 'console=ttyS0 quiet loglevel=4 panic=-1 mitigations=off' \
   -serial "file:$shared/console" \

@@ -19,6 +19,7 @@ class SimChip {
   SimChip& operator=(const SimChip&) = delete;
 
   [[nodiscard]] const std::filesystem::path& device() const { return device_; }  ///< "/dev/gpiochip1".
+  [[nodiscard]] const std::filesystem::path& sysfs() const { return sysfs_; }    ///< With its lines' levels.
   [[nodiscard]] const std::string& label() const { return label_; }
   [[nodiscard]] const std::vector<std::string>& lineNames() const { return line_names_; }
 

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "hil/app/judge.h"
+#include "hil/app/lockstep.h"
 #include "hil/app/spot_recorder.h"
 #include "hil/app/stopwatch.h"
 #include "hil/camera/twin_frames.h"
+#include "hil/source/open.h"
 
 namespace kerfbench::test {
 namespace {
@@ -17,11 +19,36 @@ constexpr double kMargin_s = 0.1;
 
 std::int64_t nanoseconds(double time_s) { return std::llround(1e9 * time_s); }
 
+hil::Case caseOf(const std::filesystem::path& scenario) {
+  return hil::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware");
+}
+
+hil::CutSheet cutByRelease(const hil::Case& the_case) {
+  return hil::cutOnTwin(the_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
+}
+
+hil::CutSheet cutByPins(const hil::Case& the_case, const std::filesystem::path& pins) {
+  hil::CutSheet cut;
+  cut.drawn = hil::drawnMachine(the_case);
+  const auto source = hil::openVcd(pins, the_case.machine.signals);
+  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, hil::webOf(the_case), source->info().rate,
+                                          hil::twinOptions(the_case));
+  hil::LockstepOptions lockstep;
+  lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  cut.run = hil::runLockstep(*source, *cut.twin, the_case.machine.signals, nullptr, lockstep, {});
+  return cut;
+}
+
 }  // namespace
 
 FilmedCut::FilmedCut(const std::filesystem::path& scenario)
-    : case_(hil::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware")),
-      cut_(hil::cutOnTwin(case_, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {})) {
+    : FilmedCut(caseOf(scenario), cutByRelease(caseOf(scenario))) {}
+
+FilmedCut::FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins)
+    : FilmedCut(caseOf(scenario), cutByPins(caseOf(scenario), pins)) {}
+
+FilmedCut::FilmedCut(hil::Case the_case, hil::CutSheet cut)
+    : case_(std::move(the_case)), cut_(std::move(cut)) {
   const auto gates = cut_.twin->gateIntervals();
   // judge() takes the exposures of its own twin; a real camera's are its own.
   exposures_ = cut_.twin->takeExposures();
@@ -31,15 +58,19 @@ FilmedCut::FilmedCut(const std::filesystem::path& scenario)
   });
 }
 
+std::vector<kerfbench::Frame> FilmedCut::frames() const {
+  hil::TwinFrameSource source(
+      twin::SpotCamera(case_.machine.spot_camera, case_.scenario.print, case_.machine.glow_gray_per_w, 99),
+      exposures_, 2);
+  return source.nextBatch(exposures_.size());
+}
+
 std::unique_ptr<hil::FakeVideo> FilmedCut::camera(double drift) const {
-  const twin::CameraDescription& described = case_.machine.spot_camera;
   auto video = std::make_unique<hil::FakeVideo>(case_.scenario.cameras.spot.device);
   video->addControl(V4L2_CID_EXPOSURE_AUTO, "Auto Exposure", 0, 3, V4L2_EXPOSURE_MANUAL);
   video->addControl(V4L2_CID_EXPOSURE_ABSOLUTE, "Exposure Time, Absolute", 1, 10'000, 50);
-  hil::TwinFrameSource source(
-      twin::SpotCamera(described, case_.scenario.print, case_.machine.glow_gray_per_w, 99), exposures_, 2);
   constexpr std::int64_t kTransfer_ns = 3'000'000;
-  for (kerfbench::Frame& frame : source.nextBatch(exposures_.size())) {
+  for (kerfbench::Frame& frame : frames()) {
     hil::FakeFrame buffer;
     buffer.bytes = std::move(frame.image.pixels);
     buffer.sequence = static_cast<std::uint32_t>(frame.sequence);

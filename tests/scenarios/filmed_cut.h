@@ -20,10 +20,15 @@ class FilmedCut {
  public:
   static constexpr double kOffset_s = 7123.456789;  ///< Of the camera's clock before the pins'.
 
+  /// By the scenario's release, or by pins that were recorded (VCD).
   explicit FilmedCut(const std::filesystem::path& scenario);
+  FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins);
 
-  /// The device with all frames from a little before the first cut to a little after the last, each there 3
-  /// ms after its stamp.
+  /// What the twin's camera sees from a little before the first cut to a little after the last, on the clock
+  /// of the pins.
+  [[nodiscard]] std::vector<kerfbench::Frame> frames() const;
+
+  /// The device with all frames(), each there 3 ms after its stamp.
   [[nodiscard]] std::unique_ptr<hil::FakeVideo> camera(double drift = 0.0) const;
   /// Index in FakeVideo::frames of the frame that is on its way at a time of the pins.
   [[nodiscard]] std::size_t frameAt(const hil::FakeVideo& camera, double pins_s) const;
@@ -41,6 +46,8 @@ class FilmedCut {
   [[nodiscard]] const hil::CutSheet& cut() const { return cut_; }
 
  private:
+  FilmedCut(hil::Case the_case, hil::CutSheet cut);
+
   hil::Case case_;
   hil::CutSheet cut_;
   std::vector<twin::Exposure> exposures_;

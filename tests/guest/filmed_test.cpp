@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// In the guest: what the twin's spot camera has seen of a run goes into a loopback device as a camera's
+// pictures, and is recorded from it as a run records its real camera. live_to_verdict_test.cpp made the
+// films.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "hil/app/spot_recorder.h"
+#include "tests/guest/film.h"
+#include "tests/guest/loop_camera.h"
+#include "tests/guest/player.h"
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::guest {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kRate_hz = 100;  // As label-live-camera.yaml asks for.
+
+void recordFilm(const std::string& name) {
+  const hil::Case the_case =
+      hil::readCase(test::fixture("scenarios/pins/label-live-camera.yaml"), KERFBENCH_BINARY_DIR "/firmware");
+  const Film film = readFilm(fs::path(KERFBENCH_GUEST_FILMS) / name);
+  const fs::path folder = fs::path("/tmp") / name;
+  {
+    LoopWriter camera(the_case.scenario.cameras.spot.device, film.width_px, film.height_px, kRate_hz);
+    hil::SpotRecorder recorder(the_case, hil::kernelVideoCalls(), folder);
+    std::thread([&] {
+      setRealTime(0, 40);
+      camera.play(film);
+    }).join();
+    // A reader is a frame behind; one that looked away longer would be told.
+    sleepUntil_ns(now_ns() + 50'000'000);
+    EXPECT_EQ(recorder.finish(), "");
+    // The first buffer of a loopback is an old picture.
+    EXPECT_GE(recorder.frames() + 1, film.at_ns.size());
+  }
+  fs::copy(folder, fs::path("/run/shared") / name, fs::copy_options::recursive);
+  fs::remove_all(folder);
+}
+
+TEST(Filmed, TheGoodReleasesCut) { recordFilm("good"); }
+
+TEST(Filmed, TheKnownBadReleasesCut) { recordFilm("bad"); }
+
+}  // namespace
+}  // namespace kerfbench::guest

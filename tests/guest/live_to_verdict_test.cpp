@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// A live run on the kernel's pins, and before a camera of the kernel's, to a verdict. In the guest a release
+// is a board on a simulated chip and the bench runs live before it (live_test.cpp). What the twin's spot
+// camera sees of what was recorded is rendered here and, in the guest again, comes from a loopback device
+// (filmed_test.cpp). The verdict is given here: in the guest's emulated processor twin and cameras take far
+// longer than the run itself.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tests/guest/film.h"
+#include "tests/guest/host.h"
+#include "tests/scenarios/filmed_cut.h"
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::guest {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+const fs::path kShared = KERFBENCH_GUEST_SHARED;  // Folders "live" and "filmed" of the two guests.
+const fs::path kFilms = KERFBENCH_GUEST_FILMS;
+
+fs::path scenario(const char* name) { return test::fixture(std::string("scenarios/pins/") + name + ".yaml"); }
+
+fs::path pinsOf(const std::string& release) { return kShared / "live" / (release + ".vcd"); }
+
+Film filmOf(const std::string& release) {
+  const test::FilmedCut cut(scenario("label-live-camera"), pinsOf(release));
+  Film film;
+  for (const Frame& frame : cut.frames()) {
+    film.width_px = frame.image.width;
+    film.height_px = frame.image.height;
+    film.at_ns.push_back(static_cast<std::uint64_t>(1e9 * frame.start_s));
+    film.pixels.insert(film.pixels.end(), frame.image.pixels.begin(), frame.image.pixels.end());
+  }
+  const std::uint64_t begin_ns = film.at_ns.front();
+  for (std::uint64_t& at_ns : film.at_ns) at_ns -= begin_ns;
+  return film;
+}
+
+class LiveToVerdict : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    skipWithoutQemu();
+    ASSERT_TRUE(runGuest(KERFBENCH_GUEST_LIVE));
+    fs::remove_all(kFilms);
+    for (const char* release : {"good", "bad"}) writeFilm(kFilms / release, filmOf(release));
+    ASSERT_TRUE(runGuest(KERFBENCH_GUEST_FILMED));
+  }
+  static void TearDownTestSuite() { fs::remove_all(kFilms); }
+  const test::ScratchFolder results;
+};
+
+test::ProgramRun replay(const std::string& release, const char* name, const std::string& more,
+                        const fs::path& results) {
+  return test::kerfbench(fmt::format("replay '{}' --scenario '{}' {} --no-pictures --results-dir '{}'",
+                                     pinsOf(release).string(), scenario(name).string(), more,
+                                     results.string()));
+}
+
+std::string framesOf(const std::string& release) {
+  return fmt::format("--frames '{}'", (kShared / "filmed" / release).string());
+}
+
+TEST_F(LiveToVerdict, AGoodReleasePasses) {
+  const test::ProgramRun done = replay("good", "label-live", "", results.path());
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+}
+
+TEST_F(LiveToVerdict, AKnownBadReleaseFailsForItsFault) {
+  const test::ProgramRun done = replay("bad", "label-live", "", results.path());
+  EXPECT_EQ(done.exit_code, 1) << done.output;
+  EXPECT_THAT(test::checksThat(test::verdictOf(results.path() / "label-live-replay"), "FAIL"),
+              AllOf(Contains("path"), Contains("stillness_x")));
+}
+
+TEST_F(LiveToVerdict, AGoodReleaseBeforeACameraOfTheKernelsPasses) {
+  const test::ProgramRun done = replay("good", "label-live-camera", framesOf("good"), results.path());
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_THAT(done.output, HasSubstr("PASS       stillness_x"));
+}
+
+TEST_F(LiveToVerdict, AKnownBadReleaseBeforeACameraOfTheKernelsFails) {
+  const test::ProgramRun done = replay("bad", "label-live-camera", framesOf("bad"), results.path());
+  EXPECT_EQ(done.exit_code, 1) << done.output;
+  EXPECT_THAT(test::checksThat(test::verdictOf(results.path() / "label-live-camera-replay"), "FAIL"),
+              Contains("stillness_x"));
+}
+
+}  // namespace
+}  // namespace kerfbench::guest
