@@ -66,7 +66,7 @@ endfunction()
 add_custom_target(unit_tests)
 
 # kerfbench_test(twin_optics SOURCES a_test.cpp LIBS kerfbench::twin_optics LABELS unit)
-# LONG: tests of very many cases, as a gtest filter. The sanitizers' build leaves them out: what it looks for is in the
+# LONG: tests of very many cases and whole live runs, as a gtest filter. The sanitizers' build leaves them out: what it looks for is in the
 # first case as in the thousandth, and the same code has tests of few cases.
 function(kerfbench_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT;LONG" "SOURCES;LIBS;LABELS" ${ARGN})

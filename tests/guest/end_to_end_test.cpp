@@ -57,8 +57,8 @@ TEST_F(EndToEnd, AGoodReleaseOnTheKernelsPinsPasses) {
 TEST_F(EndToEnd, AKnownBadReleaseOnTheKernelsPinsFailsForItsFault) {
   const test::ProgramRun done = replay("bad.vcd", "bad");
   EXPECT_EQ(done.exit_code, 1) << done.output;
-  for (const auto& results : fs::directory_iterator(kRuns / "bad"))
-    EXPECT_THAT(test::checksThat(test::verdictOf(results.path()), "FAIL"), Contains("gate_lag"));
+  EXPECT_THAT(test::checksThat(test::verdictOf(kRuns / "bad" / "plate-on-pins-replay"), "FAIL"),
+              Contains("gate_lag"));
 }
 
 }  // namespace

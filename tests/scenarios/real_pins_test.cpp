@@ -49,13 +49,7 @@ class PinsToVerdict : public testing::Test {
   }
   static hil::RealPins pins(std::shared_ptr<hil::GpioSystem> kernel) {
     return {.gpio = std::move(kernel),
-            .chips =
-                [] {
-                  hil::GpioChipInfo chip{"/dev/gpiochip0", "gpiochip0", "script", {}};
-                  for (std::uint32_t i = 0; i < hil::ScriptedKernel::kLines; ++i)
-                    chip.lines.push_back({i, "", "", false, false, false});
-                  return hil::GpioChipList{{chip}, {}};
-                },
+            .chips = &hil::ScriptedKernel::listed,
             .serial = nullptr,
             .analysers = nullptr};
   }
@@ -65,7 +59,9 @@ class PinsToVerdict : public testing::Test {
     return {.gpio = nullptr, .chips = {}, .serial = nullptr, .analysers = std::move(script)};
   }
   static std::string replacedIn(std::string text, const std::string& from, const std::string& to) {
-    return text.replace(text.find(from), from.size(), to);
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
   }
   hil::CommonOptions options() const {
     hil::CommonOptions options;
@@ -304,10 +300,11 @@ TEST_F(PinsToVerdict, OnlyRealPinsAreCaptured) {
 }
 
 TEST_F(PinsToVerdict, PinsThatCannotBeHadLeaveNoFolder) {
-  const auto run = kerfbench(
-      fmt::format("capture '{}' -o '{}/x'", good_->scenario(kFirmware).string(), results_.path().string()));
+  const auto scenario = good_->scenario(replacedIn(kFirmware, "gpiochip0", "no-such-chip"));
+  const auto run =
+      kerfbench(fmt::format("capture '{}' -o '{}/x'", scenario.string(), results_.path().string()));
   EXPECT_EQ(run.exit_code, 65) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("good.yaml:"));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("good.yaml:"), HasSubstr("no-such-chip")));
   EXPECT_EQ(std::distance(fs::directory_iterator(results_.path()), {}), 0);
 }
 

@@ -139,6 +139,7 @@ TEST_F(DoctorTest, WhatALiveScenarioDrivesIsLookedAtToo) {
                     HasSubstr("tty, for the controller's UART: No such file")));
   state.gpio_troubles = {"/dev/gpiochip0: old kernel"};
   const std::string missing_now = found(Grade::kMissing);
+  ASSERT_NE(missing_now.find("old kernel"), std::string::npos);
   EXPECT_EQ(missing_now.find("old kernel"), missing_now.rfind("old kernel"));
   (void)temp.write("tty", "");
   EXPECT_THAT(found(Grade::kGood), HasSubstr("tty is there"));

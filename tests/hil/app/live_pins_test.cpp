@@ -60,17 +60,12 @@ class LivePinsTest : public testing::Test {
     options.quiet = true;
     options.pictures = false;
   }
-  static GpioChipList chips() {
-    GpioChipInfo chip{"/dev/gpiochip0", "gpiochip0", "sim", {}};
-    for (std::uint32_t i = 0; i < ScriptedKernel::kLines; ++i)
-      chip.lines.push_back({i, "", "", false, false, false});
-    return {{chip}, {}};
-  }
   int run() {
     Stopwatch stopwatch;
     Console console(true);
     const Case the_case = readCase(scenario, kFirmware);
-    return runOnPins(the_case, {board, &chips, board->serial(), nullptr}, options, stopwatch, console);
+    return runOnPins(the_case, {board, &ScriptedKernel::listed, board->serial(), nullptr}, options, stopwatch,
+                     console);
   }
   nlohmann::json verdict(const std::string& name = "on-pins") const {
     return nlohmann::json::parse(contentOf(options.results_dir / name / "verdict.json"));
@@ -152,7 +147,8 @@ TEST_F(SpoiltLivePinsTest, AnOutputLineThatIsTakenIsRefused) {
 TEST_F(SpoiltLivePinsTest, ACaptureAloneDrivesNothingAndIsRefused) {
   Console console(true);
   try {
-    (void)hearPins(readCase(scenario, kFirmware), {board, &chips, board->serial(), nullptr}, console);
+    (void)hearPins(readCase(scenario, kFirmware), {board, &ScriptedKernel::listed, board->serial(), nullptr},
+                   console);
     FAIL() << "it listened";
   } catch (const InputFault& e) {
     EXPECT_THAT(e.what(), HasSubstr("firmware.outputs and firmware.uart need the model beside the pins"));

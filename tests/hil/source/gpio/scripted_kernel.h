@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/source/gpio/chips.h"
 #include "hil/source/gpio/system.h"
 
 namespace kerfbench::hil {
@@ -20,6 +21,8 @@ class ScriptedKernel : public GpioSystem {
  public:
   static constexpr std::uint32_t kLines = 12;
   static constexpr std::uint64_t kStart_ns = 1'000'000'000;
+  /// As listChips() would tell it: /dev/gpiochip0.
+  static GpioChipList listed();
 
   // What it is to answer.
   int open_error{};
