@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kRate_hz = 100;  // As label-live-camera.yaml asks for.
+constexpr std::uint32_t kRate_hz = 60;  // The machine file's.
 
 void recordFilm(const std::string& name) {
   const hil::Case the_case =

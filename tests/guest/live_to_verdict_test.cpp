@@ -80,7 +80,7 @@ TEST_F(LiveToVerdict, AKnownBadReleaseFailsForItsFault) {
   const test::ProgramRun done = replay("bad", "label-live", "", results.path());
   EXPECT_EQ(done.exit_code, 1) << done.output;
   EXPECT_THAT(test::checksThat(test::verdictOf(results.path() / "label-live-replay"), "FAIL"),
-              AllOf(Contains("path"), Contains("stillness_x")));
+              AllOf(Contains("path"), Contains("account")));
 }
 
 TEST_F(LiveToVerdict, AGoodReleaseBeforeACameraOfTheKernelsPasses) {
@@ -93,7 +93,7 @@ TEST_F(LiveToVerdict, AKnownBadReleaseBeforeACameraOfTheKernelsFails) {
   const test::ProgramRun done = replay("bad", "label-live-camera", framesOf("bad"), results.path());
   EXPECT_EQ(done.exit_code, 1) << done.output;
   EXPECT_THAT(test::checksThat(test::verdictOf(results.path() / "label-live-camera-replay"), "FAIL"),
-              Contains("stillness_x"));
+              Contains("spot_path"));
 }
 
 }  // namespace
