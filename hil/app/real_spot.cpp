@@ -83,12 +83,13 @@ class FramesWithin final : public FrameSource {
   double from_s_, to_s_;
 };
 
-CameraClockOptions clockOptions(const SpotCameraChoice& choice) {
+CameraClockOptions clockOptions(const SpotCameraChoice& choice, const SignalMap& map) {
   CameraClockOptions options;
   options.exposure_s = choice.lit_s;
   options.stamp_jitter_s = choice.stamp_jitter_s;
   options.edge_error_s = choice.light_error_s;
   options.max_drift = 200e-6;  // Two crystals.
+  options.is_light_hard = !map.pin(Signal::kLaserPwm);
   options.max_uncertainty_s = choice.max_clock_s;
   return options;
 }
@@ -177,8 +178,8 @@ RealSpot lookAtRealSpot(const Case& the_case, const std::filesystem::path& folde
   const LightProfile profile = profileOf(pins, the_case.machine.signals);
   std::vector<LightInterval> lights;
   for (const GateInterval& gate : gates) lights.push_back({gate.on_s, gate.off_s});
-  const CameraClockFit fit =
-      fitLightClock(survey.lights, lights, &profile, survey.period_s, clockOptions(choice));
+  const CameraClockFit fit = fitLightClock(survey.lights, lights, &profile, survey.period_s,
+                                           clockOptions(choice, the_case.machine.signals));
   if (!fit.clock) {
     spot.problems.push_back("the spot camera's clock cannot be related to that of the pins: " + fit.why_not);
     for (const CaptureIncident& incident : survey.report.first_incidents) {

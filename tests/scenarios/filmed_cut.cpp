@@ -15,7 +15,7 @@
 namespace kerfbench::test {
 namespace {
 
-constexpr double kMargin_s = 0.1;
+constexpr double kMargin_s = 0.3;
 
 std::int64_t nanoseconds(double time_s) { return std::llround(1e9 * time_s); }
 

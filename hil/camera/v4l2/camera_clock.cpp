@@ -40,10 +40,10 @@ Band bandOf(const EdgeSighting& seen, double reference_stamp_s, const CameraCloc
   return {seen.lit_stamp_s - reference_stamp_s, edge_s - most_s, edge_s - least_s};
 }
 
-Band bandOf(const LightSighting& seen, double reference_stamp_s, const CameraClockOptions& options) {
+Band bandOf(const BeginSighting& seen, double reference_stamp_s, const CameraClockOptions& options) {
   const double slack_s = options.stamp_jitter_s + options.edge_error_s;
-  return {seen.stamp_s - reference_stamp_s, seen.on_s - options.exposure_s - slack_s - seen.stamp_s,
-          seen.off_s + slack_s - seen.stamp_s};
+  return {seen.stamp_s - reference_stamp_s, seen.earliest_s - slack_s - seen.stamp_s,
+          seen.latest_s + slack_s - seen.stamp_s};
 }
 
 /// What of a convex polygon lies where room(corner) >= 0 (Sutherland and Hodgman 1974); room is linear.
@@ -114,14 +114,14 @@ std::string faultOf(const EdgeSighting& seen) {
   return {};
 }
 
-std::string faultOf(const LightSighting& seen) {
-  if (!std::isfinite(seen.stamp_s) || !std::isfinite(seen.on_s) || !std::isfinite(seen.off_s))
+std::string faultOf(const BeginSighting& seen) {
+  if (!std::isfinite(seen.stamp_s) || !std::isfinite(seen.earliest_s) || !std::isfinite(seen.latest_s))
     return "has a time that is no number";
-  return seen.off_s > seen.on_s ? "" : "has a light that goes off before it goes on";
+  return seen.latest_s >= seen.earliest_s ? "" : "has a frame that begins later than at its latest";
 }
 
 double stampOf(const EdgeSighting& seen) { return seen.lit_stamp_s; }
-double stampOf(const LightSighting& seen) { return seen.stamp_s; }
+double stampOf(const BeginSighting& seen) { return seen.stamp_s; }
 
 struct Survey {
   std::vector<Line> corners;
@@ -221,7 +221,7 @@ CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const Cam
   return fitted(sightings, options);
 }
 
-CameraClockFit fitCameraClockToLights(std::span<const LightSighting> sightings,
+CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
                                       const CameraClockOptions& options) {
   return fitted(sightings, options);
 }

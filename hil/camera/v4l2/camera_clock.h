@@ -20,23 +20,25 @@ struct EdgeSighting {
   std::optional<double> lit_share;
 };
 
-/// A frame that shows a light which was on from on_s to off_s at most, by the pins. Unlike that of an edge
-/// the light may begin and end softly (a laser whose power follows the speed): that a frame is dark says
-/// nothing here.
-struct LightSighting {
+/// What a frame's light, or that it has none, tells of when its exposure began on the clock of the pins. A
+/// frame that shows a light which was on from on_s to off_s at most began between on_s - exposure and off_s.
+struct BeginSighting {
   double stamp_s{};  ///< The camera's, of the frame.
-  double on_s{};
-  double off_s{};  ///< Later than on_s.
+  double earliest_s{};
+  double latest_s{};  ///< Not before earliest_s.
 };
 
 /// What is known beforehand. The bounds are bounds, not standard deviations: what the fit tells rests on
 /// them.
 struct CameraClockOptions {
-  double exposure_s{};             ///< Of every frame; > 0.
-  double stamp_jitter_s{};         ///< A stamp is off by at most this; >= 0.
-  double edge_error_s{};           ///< The pins' stamps likewise; >= 0.
-  double unseen_share{0.1};        ///< Light for less than this share of an exposure may go unseen; [0, 1].
-  double share_error{0.05};        ///< Of lit_share; [0, 1].
+  double exposure_s{};       ///< Of every frame; > 0.
+  double stamp_jitter_s{};   ///< A stamp is off by at most this; >= 0.
+  double edge_error_s{};     ///< The pins' stamps likewise; >= 0.
+  double unseen_share{0.1};  ///< Light for less than this share of an exposure may go unseen; [0, 1].
+  double share_error{0.05};  ///< Of lit_share; [0, 1].
+  /// Light comes on and goes off at once and is as strong all along, so that a dark frame had none but for
+  /// unseen_share. fitLightClock() alone asks.
+  bool is_light_hard{};
   double max_drift{500e-6};        ///< Of one clock against the other; [0, 0.1]. Crystals: 100e-6 each.
   double max_uncertainty_s{1e-3};  ///< More, anywhere between first and last sighting, is no answer; > 0.
 };
@@ -87,9 +89,9 @@ struct CameraClockFit {
 /// answer of no clock comes with the reason. @throws std::invalid_argument that names every option out of
 /// range.
 CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const CameraClockOptions& options);
-/// The same by frames that show a light. Only a light's first and last frames say much: others may be left
-/// out.
-CameraClockFit fitCameraClockToLights(std::span<const LightSighting> sightings,
+/// The same by what frames tell of their begin. Only a light's first and last frames say much: others may be
+/// left out.
+CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
                                       const CameraClockOptions& options);
 
 }  // namespace kerfbench::hil

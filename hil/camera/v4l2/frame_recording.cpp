@@ -28,12 +28,8 @@ namespace fs = std::filesystem;
 constexpr const char* kRaw = "frames.raw";
 constexpr const char* kIndex = "frames.csv";
 constexpr const char* kCamera = "camera.yaml";
+constexpr std::size_t kChecksumDigits = 32;
 constexpr std::array<std::string_view, 3> kClocks{"unknown", "monotonic", "copied"};
-constexpr std::size_t kDigestDigits = 32;  // Of 64: nobody forges frames, disks fail.
-
-std::string digestOf(std::span<const std::uint8_t> bytes) {
-  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, kDigestDigits);
-}
 
 /// As YAML takes any text.
 std::string yamlText(const std::string& text) {
@@ -112,7 +108,7 @@ void FrameRecordingWriter::add(const StreamEvent& frame) {
   requireWritten(raw_, folder_ / kRaw);
   index_ << fmt::format("{},{},{},{},{:d},{:d},{:d},{},{}\n", note.sequence, note.stamp_ns, note.arrival_ns,
                         kClocks.at(static_cast<std::size_t>(note.clock)), note.is_start_of_exposure,
-                        note.has_error, note.is_short, frame.bytes.size(), digestOf(frame.bytes));
+                        note.has_error, note.is_short, frame.bytes.size(), checksum(frame.bytes));
   requireWritten(index_, folder_ / kIndex);
   ++frames_;
 }
@@ -224,7 +220,7 @@ void FrameRecording::readIndex(const std::string& text) {
                          parseFlag(cell(line), note.has_error) && parseFlag(cell(line), note.is_short) &&
                          parse(cell(line), entry.bytes);
     entry.digest = line;
-    if (!is_good || entry.digest.size() != kDigestDigits)
+    if (!is_good || entry.digest.size() != kChecksumDigits)
       throw ConfigError(fmt::format("{}:{}: is no line of a buffer", path, number));
     entry.at = at;
     at += entry.bytes;
@@ -247,7 +243,7 @@ StreamEvent FrameRecording::next(int /*timeout_ms*/) {
   raw_.seekg(static_cast<std::streamoff>(entry.at));
   raw_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(entry.bytes));
   if (!raw_) return failed("cannot be read");
-  if (digestOf(buffer_) != entry.digest) return failed("was changed since it was recorded");
+  if (checksum(buffer_) != entry.digest) return failed("was changed since it was recorded");
   ++next_;
   return {StreamEvent::Kind::kFrame, entry.note, buffer_, {}};
 }

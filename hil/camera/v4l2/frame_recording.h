@@ -32,7 +32,7 @@ struct RecordedCamera {
 class FrameRecordingWriter {
  public:
   static constexpr const char* kIndexColumns =
-      "sequence,stamp_ns,arrival_ns,clock,start_of_exposure,error,short,bytes,sha256";
+      "sequence,stamp_ns,arrival_ns,clock,start_of_exposure,error,short,bytes,xxh3_128";
 
   /// Makes the folder. @throws std::system_error; std::invalid_argument if it holds anything.
   FrameRecordingWriter(std::filesystem::path folder, RecordedCamera camera);

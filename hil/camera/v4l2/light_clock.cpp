@@ -2,6 +2,7 @@
 #include "hil/camera/v4l2/light_clock.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -52,6 +53,7 @@ class LightFit {
     for (const FrameLight& frame : frames) {
       if (frame.isLit()) lit_s_.push_back(frame.stamp_s);
     }
+    if (options.is_light_hard) findTurns();
   }
 
   CameraClockFit run() {
@@ -148,20 +150,92 @@ class LightFit {
   }
 
   /// From the first interval that a frame can show to the last.
-  [[nodiscard]] std::optional<LightSighting> sightingOf(double stamp_s, const Knowledge& known) const {
+  [[nodiscard]] std::optional<BeginSighting> sightingOf(double stamp_s, const Knowledge& known) const {
     const double slack_s = known.error_s(stamp_s) + options_.stamp_jitter_s + options_.edge_error_s;
     const double from_s = known.clock.beginOf_s(stamp_s) - slack_s;
     const double to_s = known.clock.beginOf_s(stamp_s) + options_.exposure_s + slack_s;
     const auto end = std::ranges::upper_bound(intervals_, to_s, {}, &LightInterval::on_s);
     const auto begin = std::ranges::lower_bound(intervals_.begin(), end, from_s, {}, &LightInterval::off_s);
     if (begin == end) return std::nullopt;  // A reflex; the guess has counted it.
-    return LightSighting{stamp_s, begin->on_s, (end - 1)->off_s};
+    return BeginSighting{stamp_s, begin->on_s - options_.exposure_s, (end - 1)->off_s};
+  }
+
+  /// Where frames turn from dark to lit or back.
+  struct Turn {
+    double dark_s{}, lit_s{};  ///< Stamps.
+    double share{};            ///< Of light in the lit frame, to that of those next to it …
+    double share_error{};      ///< … which differ by so much among themselves.
+    [[nodiscard]] bool isBegin() const { return dark_s < lit_s; }
+  };
+
+  /// Of frames from the `lit`th on, `step` after `step`.
+  [[nodiscard]] std::optional<Turn> turnAt(std::ptrdiff_t lit, std::ptrdiff_t step) const {
+    constexpr std::ptrdiff_t kNext = 5;
+    const auto count = static_cast<std::ptrdiff_t>(frames_.size());
+    const auto inside = [&](std::ptrdiff_t i) { return i >= 0 && i < count; };
+    // Two of either side: a spot that was missed for one frame is no edge.
+    if (!inside(lit - 2 * step) || !inside(lit + kNext * step)) return std::nullopt;
+    const auto at = [&](std::ptrdiff_t i) -> const FrameLight& {
+      return frames_[static_cast<std::size_t>(lit + i * step)];
+    };
+    if (at(-2).isLit() || at(-1).isLit() || std::abs(at(0).stamp_s - at(-1).stamp_s) > 1.5 * period_s_)
+      return std::nullopt;
+    std::array<double, kNext> next{};
+    for (std::ptrdiff_t i = 0; i < kNext; ++i) next.at(static_cast<std::size_t>(i)) = at(i + 1).light;
+    std::ranges::sort(next);
+    if (!at(0).isLit() || next.front() <= 0.0) return std::nullopt;
+    const double full = next[kNext / 2];
+    return Turn{at(-1).stamp_s, at(0).stamp_s, at(0).light / full, (next.back() - next.front()) / full};
+  }
+
+  void findTurns() {
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(frames_.size()); ++i) {
+      for (const std::ptrdiff_t step : {1, -1}) {
+        if (const auto turn = turnAt(i, step)) turns_.push_back(*turn);
+      }
+    }
+  }
+
+  /// When the pins switched a hard light at a turn; nothing where that can have been more than one interval.
+  [[nodiscard]] std::optional<double> edgeOf(const Turn& turn, const Knowledge& known) const {
+    const double slack_s = known.error_s(turn.lit_s) + options_.stamp_jitter_s + options_.edge_error_s;
+    const double from_s = known.clock.beginOf_s(std::min(turn.dark_s, turn.lit_s)) - slack_s;
+    const double to_s =
+        known.clock.beginOf_s(std::max(turn.dark_s, turn.lit_s)) + options_.exposure_s + slack_s;
+    const auto meets = [&](const LightInterval& i) { return i.off_s > from_s && i.on_s < to_s; };
+    const auto found = std::ranges::find_if(intervals_, meets);
+    if (found == intervals_.end() || std::ranges::count_if(intervals_, meets) != 1) return std::nullopt;
+    const double edge_s = turn.isBegin() ? found->on_s : found->off_s;
+    if (edge_s < from_s || edge_s > to_s) return std::nullopt;  // Dark within the light: not what was asked.
+    return edge_s;
+  }
+
+  /// At a turn the dark frame's exposure lies outside of the light, and the lit one's has its share of it.
+  void addTurns(const Knowledge& known, std::vector<BeginSighting>& sightings) const {
+    constexpr double kAnyTime_s = 1e3;
+    const double exposure_s = options_.exposure_s;
+    const double unseen_s = exposure_s * options_.unseen_share;
+    for (const Turn& turn : turns_) {
+      const auto edge_s = edgeOf(turn, known);
+      if (!edge_s) continue;
+      const double error = options_.share_error + turn.share_error;
+      const double least_s = std::max(0.0, turn.share - error) * exposure_s;
+      const double most_s = turn.share + error < 1.0 ? (turn.share + error) * exposure_s : kAnyTime_s;
+      if (turn.isBegin()) {
+        const double end_s = *edge_s - exposure_s;  // An exposure that began then ended with the edge.
+        sightings.push_back({turn.dark_s, end_s - kAnyTime_s, end_s + unseen_s});
+        sightings.push_back({turn.lit_s, end_s + least_s, end_s + most_s});
+      } else {
+        sightings.push_back({turn.dark_s, *edge_s - unseen_s, *edge_s + kAnyTime_s});
+        sightings.push_back({turn.lit_s, *edge_s - most_s, *edge_s - least_s});
+      }
+    }
   }
 
   /// Of each stretch of time those that bound the clock most on either side.
-  [[nodiscard]] std::vector<LightSighting> telling(std::vector<LightSighting> all) const {
-    std::vector<LightSighting> chosen;
-    const auto take = [&](std::vector<LightSighting> some, const auto& bound) {
+  [[nodiscard]] std::vector<BeginSighting> telling(std::vector<BeginSighting> all) const {
+    std::vector<BeginSighting> chosen;
+    const auto take = [&](std::vector<BeginSighting> some, const auto& bound) {
       const std::size_t count = std::min(kOfEachSide, some.size());
       std::ranges::partial_sort(some, some.begin() + static_cast<std::ptrdiff_t>(count), {}, bound);
       chosen.insert(chosen.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
@@ -170,9 +244,9 @@ class LightFit {
       const auto at = [&](std::size_t k) {
         return all.begin() + static_cast<std::ptrdiff_t>(k * all.size() / kStretches);
       };
-      const std::vector<LightSighting> stretch(at(i), at(i + 1));
-      take(stretch, [](const LightSighting& s) { return s.stamp_s - s.on_s; });
-      take(stretch, [](const LightSighting& s) { return s.off_s - s.stamp_s; });
+      const std::vector<BeginSighting> stretch(at(i), at(i + 1));
+      take(stretch, [](const BeginSighting& s) { return s.stamp_s - s.earliest_s; });
+      take(stretch, [](const BeginSighting& s) { return s.latest_s - s.stamp_s; });
     }
     return chosen;
   }
@@ -182,24 +256,26 @@ class LightFit {
                     options_.max_drift};
     CameraClockOptions wide = options_;
     wide.max_uncertainty_s = std::numeric_limits<double>::infinity();
-    std::vector<LightSighting> sightings;
+    std::vector<BeginSighting> sightings;
     for (int round = 0; round < kMostRounds; ++round) {
       sightings.clear();
       for (const double stamp_s : lit_s_) {
         if (const auto seen = sightingOf(stamp_s, known)) sightings.push_back(*seen);
       }
       sightings = telling(std::move(sightings));
-      CameraClockFit fit = fitCameraClockToLights(sightings, wide);
+      // Only what is known a little tells which light a dark frame is beside.
+      if (round > 0) addTurns(known, sightings);
+      CameraClockFit fit = fitCameraClockToBegins(sightings, wide);
       if (!fit.clock) return fit;
       const double before_s = known.error_s(lit_s_.back());
       known = {*fit.clock, lit_s_.front(), 0.0, 0.0};
-      if (known.error_s(lit_s_.back()) > kStillNarrows * before_s) break;
+      if (round > 0 && known.error_s(lit_s_.back()) > kStillNarrows * before_s) break;
     }
     if (profile_ != nullptr) {
       if (auto clock = sharpened(known.clock, frames_, *profile_, options_))
         return checked(std::move(*clock));
     }
-    return fitCameraClockToLights(sightings, options_);
+    return fitCameraClockToBegins(sightings, options_);
   }
 
   [[nodiscard]] CameraClockFit checked(CameraClock clock) const {
@@ -221,6 +297,7 @@ class LightFit {
   double period_s_;
   const CameraClockOptions& options_;
   std::vector<double> lit_s_;
+  std::vector<Turn> turns_;  ///< Of a hard light.
 };
 
 }  // namespace

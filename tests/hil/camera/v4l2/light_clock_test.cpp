@@ -106,6 +106,45 @@ TEST(LightClock, HardEdgesBoundItByTheGateAlone) {
   }
 }
 
+// A gate alone, that opens twice: frames that show light bound each end from one side, dark ones from the
+// other.
+TEST(LightClock, DarkFramesBesideHardLightBoundItTwiceAsWell) {
+  double lit_s = 0.0;
+  double both_s = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    LitBench bench{.exposure_s = 4e-3, .seed = seed};
+    bench.addIntervals(2);
+    bench.light(0.0);
+    CameraClockOptions options = bench.options(1.0);
+    const CameraClockFit lit = fitLightClock(bench.frames(), bench.lights, nullptr, bench.period_s, options);
+    options.is_light_hard = true;
+    const CameraClockFit both = fitLightClock(bench.frames(), bench.lights, nullptr, bench.period_s, options);
+    ASSERT_TRUE(lit.clock && both.clock) << seed << ": " << lit.why_not << both.why_not;
+    EXPECT_LE(bench.worstShare(*both.clock), 1.0) << seed;
+    const double middle_s = bench.stampOf(bench.lights.front().off_s);
+    lit_s += lit.clock->uncertaintyAt_s(middle_s);
+    both_s += both.clock->uncertaintyAt_s(middle_s);
+  }
+  EXPECT_LT(both_s, 0.35 * lit_s);
+}
+
+TEST(LightClock, ASpotThatIsMissedForAFrameIsNoEdgeOfHardLight) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    LitBench bench{.seed = seed};
+    bench.addIntervals(4);
+    bench.light(0.0);
+    std::vector<FrameLight> seen = bench.frames();
+    const auto first = std::ranges::find_if(seen, &FrameLight::isLit);
+    (first + 1)->light = 0.0;
+    (std::ranges::find_if(seen.rbegin(), seen.rend(), &FrameLight::isLit) + 1)->light = 0.0;
+    CameraClockOptions options = bench.options(1.0);
+    options.is_light_hard = true;
+    const CameraClockFit fit = fitLightClock(seen, bench.lights, nullptr, bench.period_s, options);
+    ASSERT_TRUE(fit.clock) << seed << ": " << fit.why_not;
+    EXPECT_LE(bench.worstShare(*fit.clock), 1.0) << seed;
+  }
+}
+
 TEST(LightClock, SoftEdgesBoundItWidelyAndTheirProfileSharpensIt) {
   int well_known = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
