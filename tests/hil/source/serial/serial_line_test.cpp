@@ -130,6 +130,16 @@ TEST_F(SerialLineTest, SaysWhyALineCannotBeSet) {
   EXPECT_THAT(refusal(), HasSubstr("cannot be emptied"));
 }
 
+TEST_F(SerialLineTest, ALineThatIsRefusedIsLeftToOthers) {
+  system->set_error = EINVAL;
+  EXPECT_THAT(refusal(), HasSubstr("cannot be set"));
+  EXPECT_FALSE(system->alone);
+  system->set_error = 0;
+  system->runs_at_baud = 9'600;
+  EXPECT_THAT(refusal(), HasSubstr("runs at 9600 baud"));
+  EXPECT_FALSE(system->alone);
+}
+
 // The call succeeds although the driver took the nearest rate that it has.
 TEST_F(SerialLineTest, ARateThatTheDriverDoesNotHaveIsRefused) {
   system->runs_at_baud = 230'400;
