@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "hil/source/gpio/line_levels.h"
+#include "hil/source/gpio/nanoseconds.h"
 
 namespace kerfbench::hil {
 namespace {
 
 constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges; memory that is not used costs nothing.
-
-std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
 std::vector<bool> levelsAtStart(const GpioLiveOptions& options) {
   std::vector<bool> levels;
@@ -44,7 +42,7 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
 }
 
 SourceInfo GpioLiveSource::info() const {
-  return {kRate, static_cast<std::uint32_t>(nanoseconds(options_.in.stamp_err_s)), false, true,
+  return {kNanoseconds, static_cast<std::uint32_t>(nanosecondsUp(options_.in.stamp_err_s)), false, true,
           fmt::format("gpiochip {}, live", options_.in.chip.string())};
 }
 
@@ -77,7 +75,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   }
   batch.watermark = watermark_ = until;
   const bool quiet = options_.ends_when_quiet && any_edge_ &&
-                     system_->now_ns() - last_edge_ns_ >= nanoseconds(options_.in.quiet_s);
+                     system_->now_ns() - last_edge_ns_ >= nanosecondsUp(options_.in.quiet_s);
   return quiet ? stop(Stop::kEnded, "the pins are quiet") : Stop::kReached;
 }
 

@@ -61,7 +61,6 @@ struct GpioLiveRecord {
 /// out early.
 class GpioLiveSource final : public SignalSource {
  public:
-  static constexpr TickRate kRate{1, 1'000'000'000};
   /// A little more than EdgeOrder waits, so that it has made up its mind about a missing number.
   static constexpr std::uint64_t kHoldBack_ns = EdgeOrder::kHold_ns + 1'000'000;
   /// By which the caller may be late before the run is given up: edges would be lost in the kernel's buffer.
