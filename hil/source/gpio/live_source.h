@@ -28,6 +28,7 @@ struct GpioLiveOptions {
   /// The job is started at the machine: it is over when no edge has come for in.quiet_s. If not, whoever
   /// talks to the controller knows when it is over.
   bool ends_when_quiet{};
+  std::size_t most_edges{kMostCapturedEdges};  ///< More, of the inputs together, end the run.
 };
 
 /// What a live run leaves, besides the events that it handed out. Ticks are ns since tick 0.
@@ -72,8 +73,8 @@ class GpioLiveSource final : public SignalSource {
                  std::unique_ptr<SerialLine> uart);
 
   [[nodiscard]] SourceInfo info() const override;
-  /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, or the caller is
-  /// hopelessly late.
+  /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, more edges came
+  /// than a recording holds, or the caller is hopelessly late.
   Stop advance(Tick until, Batch& batch) override;
   /// Calls for one pin come in order of tick, which may be past; pins without a line are passed over.
   void drive(PinId pin, bool level, Tick at) override;
@@ -88,6 +89,7 @@ class GpioLiveSource final : public SignalSource {
   void begin();
   void runTo(std::uint64_t goal_ns);
   bool readEdges(std::uint64_t timeout_ns);
+  void drain(std::uint64_t until_ns);
   void pumpUart();
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
@@ -95,6 +97,7 @@ class GpioLiveSource final : public SignalSource {
 
   GpioLiveOptions options_;
   std::shared_ptr<GpioSystem> system_;
+  std::vector<PlayedEdge> played_;  ///< Before real_time_, which locks its memory.
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;
@@ -116,11 +119,10 @@ class GpioLiveSource final : public SignalSource {
   std::vector<std::string> start_problems_;
   std::vector<KernelEdge> read_;
   std::vector<LineEdge> edges_;
-  std::vector<PlayedEdge> played_;
   std::vector<HeardBytes> heard_;
   std::size_t handed_bytes_{};  ///< Entries of heard_ that the caller has.
   std::uint64_t last_edge_ns_{};
-  bool any_edge_{};
+  std::size_t came_{};  ///< Edges.
   Tick watermark_{};
   Stop stop_{Stop::kReached};
   std::string message_;
