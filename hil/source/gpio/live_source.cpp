@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "hil/source/gpio/line_levels.h"
-#include "hil/source/gpio/nanoseconds.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -49,7 +48,7 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
 }
 
 SourceInfo GpioLiveSource::info() const {
-  return {kNanoseconds, static_cast<std::uint32_t>(nanosecondsUp(options_.in.stamp_err_s)), false, true,
+  return {kRate, static_cast<std::uint32_t>(nanosecondsUp(options_.in.stamp_err_s)), false, true,
           fmt::format("gpiochip {}, live", options_.in.chip.string())};
 }
 

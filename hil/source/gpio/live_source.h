@@ -12,6 +12,7 @@
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/edge_player.h"
 #include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/nanoseconds.h"
 #include "hil/source/gpio/port_events.h"
 #include "hil/source/gpio/real_time.h"
 #include "hil/source/serial/serial_line.h"
@@ -62,6 +63,7 @@ struct GpioLiveRecord {
 /// out early.
 class GpioLiveSource final : public SignalSource {
  public:
+  static constexpr TickRate kRate = kNanoseconds;
   /// A little more than EdgeOrder waits, so that it has made up its mind about a missing number.
   static constexpr std::uint64_t kHoldBack_ns = EdgeOrder::kHold_ns + 1'000'000;
   /// By which the caller may be late before the run is given up: edges would be lost in the kernel's buffer.
