@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/hil/source/serial/scripted_serial.h"
+#include "tests/hil/source/words_of.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -22,17 +23,8 @@ using testing::IsEmpty;
 
 class SerialLineTest : public testing::Test {
  protected:
-  template <typename Work>
-  std::string wordsOf(const Work& work) {
-    try {
-      work();
-    } catch (const SerialError& e) {
-      return e.what();
-    }
-    return "no error";
-  }
   std::string refusal() {
-    return wordsOf([&] { const SerialLine line(system, "/dev/ttyUSB0", 250'000); });
+    return wordsOf<SerialError>([&] { const SerialLine line(system, "/dev/ttyUSB0", 250'000); });
   }
   void TearDown() override { EXPECT_EQ(system->lines_open, 0); }
   const std::shared_ptr<ScriptedSerial> system = std::make_shared<ScriptedSerial>();
@@ -91,14 +83,14 @@ TEST_F(SerialLineTest, AnInterruptedCallIsNoError) {
 TEST_F(SerialLineTest, ALineThatHangsUpIsTold) {
   SerialLine line(system, "/dev/ttyUSB0", 250'000);
   system->hung_up = true;
-  EXPECT_EQ(wordsOf([&] { line.pump(heard); }), "/dev/ttyUSB0: the other end has hung up");
+  EXPECT_EQ(wordsOf<SerialError>([&] { line.pump(heard); }), "/dev/ttyUSB0: the other end has hung up");
   system->read_error = EIO;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("hung up"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("hung up"));
   system->read_error = ENODEV;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("can no longer be read"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("can no longer be read"));
   line.write(std::vector<std::uint8_t>{1});
   system->write_error = EIO;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("can no longer be written"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("can no longer be written"));
 }
 
 TEST_F(SerialLineTest, SaysWhyALineCannotBeOpened) {
