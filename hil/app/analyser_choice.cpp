@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hil/app/pin_capture.h"
+#include "hil/base/add_to_list.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -56,7 +57,7 @@ std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescriptio
                                 machine.kind == twin::MachineDescription::Kind::kGantry);
   for (const SlowRate& slow : tooSlowFor(machine, choice.samplerate_hz)) {
     if (std::ranges::find(choice.lines, slow.pul, &PinLine::signal) != choice.lines.end())
-      faults += (faults.empty() ? "" : "\n") + choice.rate_place + ": " + slow.words;
+      addToList(faults, choice.rate_place + ": " + slow.words);
   }
   return faults;
 }

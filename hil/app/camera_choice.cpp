@@ -2,13 +2,14 @@
 #include "hil/app/camera_choice.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "hil/base/add_to_list.h"
+#include "hil/base/number_from.h"
 #include "hil/camera/v4l2/pixel_format.h"
 
 namespace kerfbench::hil {
@@ -29,8 +30,7 @@ void readFormat(YamlReader& spot, SpotCameraChoice& choice) {
   choice.settings.format = findPixelFormat(std::string_view(name));
   if (choice.settings.format == nullptr && !name.empty()) {
     std::string known;
-    for (const PixelFormat& format : pixelFormats())
-      known += (known.empty() ? "" : ", ") + std::string(format.name);
+    for (const PixelFormat& format : pixelFormats()) addToList(known, format.name, ", ");
     spot.fault("format", fmt::format("'{}' cannot be read; known are {}", name, known));
   }
   choice.settings.bits = static_cast<int>(spot.integer("bits", {.min = 0, .max = 16, .fallback = 0.0}));
@@ -38,11 +38,9 @@ void readFormat(YamlReader& spot, SpotCameraChoice& choice) {
 
 void readControls(YamlReader& spot, SpotCameraChoice& choice) {
   for (const auto& [key, text] : spot.pairs("controls")) {
-    std::int32_t value = 0;
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || rest != text.data() + text.size())
-      spot.fault("controls", fmt::format("{}: '{}' is no whole number", key, text));
-    choice.settings.controls.push_back({key, value});
+    const auto value = numberFrom<std::int32_t>(text);
+    if (!value) spot.fault("controls", fmt::format("{}: '{}' is no whole number", key, text));
+    choice.settings.controls.push_back({key, value.value_or(0)});
     choice.places[key] = placeOf(spot, "controls." + key);
   }
 }
@@ -106,8 +104,6 @@ std::string whatThereIs(std::span<const CameraListing> cameras) {
   return text.empty() ? "there is no camera at all" : text;
 }
 
-void addLine(std::string& text, const std::string& line) { text += (text.empty() ? "" : "\n") + line; }
-
 std::string placeOfSetting(const SpotCameraChoice& choice, const std::string& setting) {
   const auto place = choice.places.find(setting);
   return place == choice.places.end() ? choice.place + ": " + setting : place->second;
@@ -150,7 +146,7 @@ std::string findCamera(const SpotCameraChoice& choice, std::span<const CameraLis
 std::string faultsOf(const SpotCameraChoice& choice, std::span<const SettingFault> faults) {
   std::string text;
   for (const SettingFault& fault : faults)
-    addLine(text, placeOfSetting(choice, fault.setting) + ": " + fault.words);
+    addToList(text, placeOfSetting(choice, fault.setting) + ": " + fault.words);
   return text;
 }
 
@@ -158,8 +154,8 @@ std::string faultsOf(const SpotCameraChoice& choice, const CameraSetup& setup) {
   std::string text;
   for (const SettingOutcome& one : setup.outcomes) {
     if (std::abs(one.got - one.wanted) <= kSameSetting * std::abs(one.wanted)) continue;
-    addLine(text, fmt::format("{}: {} = {:g} was asked for, and the camera made {:g} of it",
-                              placeOfSetting(choice, one.setting), one.setting, one.wanted, one.got));
+    addToList(text, fmt::format("{}: {} = {:g} was asked for, and the camera made {:g} of it",
+                                placeOfSetting(choice, one.setting), one.setting, one.wanted, one.got));
   }
   return text;
 }

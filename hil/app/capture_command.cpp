@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 
 #include "hil/app/commands.h"
 #include "hil/app/exit_codes.h"
@@ -14,12 +15,25 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/inspect/verdict.h"
 #include "hil/source/analyser/sr_file.h"
+#include "hil/source/pin_capture.h"
 #include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Before the pins are heard: what is heard is cut out of the time limit, and a tail is added.
+void requireRoomForSession(const Scenario& scenario) {
+  const std::uint64_t rate_hz = scenario.firmware.analyser.samplerate_hz;
+  const double most_samples =
+      (scenario.time_limit_s + kTailAfterEdges_s) * static_cast<double>(rate_hz) + 3.0;
+  if (most_samples < static_cast<double>(kMostSrSamples)) return;
+  throw InputFault(
+      fmt::format("{}: --sr: {:g} s at {} Hz may be more samples than a session file holds (2^36): a shorter "
+                  "--time-limit, or do without --sr",
+                  scenario.path.string(), scenario.time_limit_s, rate_hz));
+}
 
 Case readPinCase(const CaptureCommandOptions& options) {
   Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
@@ -36,7 +50,18 @@ Case readPinCase(const CaptureCommandOptions& options) {
                     the_case.scenario.path.string()));
   }
   if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
+  if (options.session) requireRoomForSession(the_case.scenario);
   return the_case;
+}
+
+/// Why there is none, or empty. The job is over: what else was heard is to be kept.
+std::string writeSession(const fs::path& path, const PinRecording& recording, const SignalMap& map) {
+  try {
+    writeSr(path, recording, map);
+    return {};
+  } catch (const std::exception& e) {
+    return e.what();
+  }
 }
 
 constexpr std::array kFiles{"pins.vcd", "pins.sr", "scenario.yaml"};
@@ -76,8 +101,10 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
   const PinCapture captured = hearPins(the_case, pins, console);
   const PinRecording& recording = captured.recording;
   writeVcd(folder.staging() / "pins.vcd", recording, the_case.machine.signals);
-  if (options.session) writeSr(folder.staging() / "pins.sr", recording, the_case.machine.signals);
   writeFileAtomically(folder.staging() / "scenario.yaml", the_case.scenario.text);
+  std::string no_session;
+  if (options.session)
+    no_session = writeSession(folder.staging() / "pins.sr", recording, the_case.machine.signals);
   folder.commit();
 
   console.say(heardText(heardPins(recording, the_case.machine.signals)));
@@ -85,7 +112,10 @@ int captureOnPins(const RealPins& pins, const CaptureCommandOptions& options) {
   const fs::path vcd = folder.place() / "pins.vcd";
   console.say(fmt::format("recording: {}\njudge it: ./bench replay {} --scenario {}{}", vcd.string(),
                           vcd.string(), options.scenario.string(), has_camera ? " --frames FOLDER" : ""));
-  return recording.problems.empty() ? 0 : exitCode(Verdict::kInvalid);
+  const int code = recording.problems.empty() ? 0 : exitCode(Verdict::kInvalid);
+  if (no_session.empty()) return code;
+  console.result(fmt::format("  no pins.sr: {}", no_session));
+  return gravest(code, kExitBroken);
 }
 
 int captureCommand(const CaptureCommandOptions& options) {

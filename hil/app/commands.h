@@ -123,9 +123,9 @@ struct DoctorOptions {
 struct RecordFramesOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;
-  std::uint64_t frames{};  ///< 0: until it ends, by time or by itself.
-  double time_limit_s{60.0};
-  double wait_s{10.0};  ///< For the first frame.
+  std::uint64_t frames{};     ///< 0: until it ends, by time or by itself.
+  double time_limit_s{60.0};  ///< From the first frame on.
+  double wait_s{10.0};        ///< For the first frame.
   bool quiet{};
   std::filesystem::path bin_dir;
 };
@@ -141,11 +141,11 @@ int runCommand(const std::vector<std::filesystem::path>& scenarios, const Common
 /// pins.
 int replayCommand(const std::filesystem::path& recording, const std::filesystem::path& scenario,
                   const std::filesystem::path& frames, const CommonOptions& options);
-/// Records the spot camera that a scenario names. Returns 0; 3 if the camera ended by itself before all that
-/// was asked for came; kExitInput.
+/// Records the spot camera that a scenario names. Returns 0; 3 if fewer frames came than were asked for, or
+/// none; kExitInput.
 int recordFramesCommand(const RecordFramesOptions& options);
 /// Records the real pins that a scenario names to a folder, without model and verdict. Returns 0, 3 if the
-/// recording cannot be trusted, or kExitInput.
+/// recording cannot be trusted, kExitBroken if the session file alone could not be written, or kExitInput.
 int captureCommand(const CaptureCommandOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);

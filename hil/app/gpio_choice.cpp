@@ -8,10 +8,10 @@
 #include <map>
 #include <utility>
 
+#include "hil/base/add_to_list.h"
+
 namespace kerfbench::hil {
 namespace {
-
-void addLine(std::string& text, const std::string& line) { text += (text.empty() ? "" : "\n") + line; }
 
 std::string placeOf(const YamlReader& firmware, const std::string& key) {
   return firmware.placeOf("firmware." + key) + ": firmware." + key;
@@ -49,7 +49,7 @@ std::vector<PinLine> readLines(YamlReader& firmware, const char* section, bool s
 
 void addUnknown(const std::vector<PinLine>& lines, const SignalMap& machine, std::string& faults) {
   for (const PinLine& line : lines) {
-    if (!machine.pin(line.signal)) addLine(faults, line.place + ": the machine has no such pin");
+    if (!machine.pin(line.signal)) addToList(faults, line.place + ": the machine has no such pin");
   }
 }
 
@@ -57,8 +57,8 @@ void addMissing(const char* section, const std::vector<PinLine>& lines, std::ini
                 const std::string& place, const SignalMap& machine, std::string& faults) {
   for (const Signal signal : wanted) {
     if (!machine.pin(signal) || std::ranges::find(lines, signal, &PinLine::signal) != lines.end()) continue;
-    addLine(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", place, section,
-                                signalName(signal)));
+    addToList(faults, fmt::format("{}: firmware.{} has no line for {}, which the machine has", place, section,
+                                  signalName(signal)));
   }
 }
 
@@ -82,11 +82,11 @@ std::vector<GpioWire> wiresOf(const std::vector<PinLine>& lines, const GpioChipI
       const std::uint32_t offset = foundAt(line.place, [&] { return findLine(chip, line.line).offset; });
       const auto [user, is_new] = users.emplace(std::pair(chip.path.string(), offset), line.signal);
       if (!is_new)
-        addLine(faults,
-                fmt::format("{}: is line {}, and so is {}", line.place, offset, signalName(user->second)));
+        addToList(faults,
+                  fmt::format("{}: is line {}, and so is {}", line.place, offset, signalName(user->second)));
       wires.push_back({line.signal, offset});
     } catch (const GpioError& e) {
-      addLine(faults, e.what());
+      addToList(faults, e.what());
     }
   }
   return wires;

@@ -13,15 +13,15 @@ void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actio
       "record-frames",
       "Record the real spot camera that a scenario names (cameras.spot), for replay --frames. Buffers are "
       "written as the\n"
-      "driver gives them, faulty ones included. Exit code 3: the camera ended before all came.");
+      "driver gives them, faulty ones included. Exit code 3: fewer came than --frames, or none.");
   record->add_option("SCENARIO", options.scenario, "Whose camera, format and settings")->required();
   record->add_option("--out", options.out, "Folder for the recording, empty or not there yet")->required();
   record->add_option("--frames", options.frames,
                      "So many; otherwise until the time is over or none comes any more");
-  record->add_option("--seconds", options.time_limit_s, "At most so long, after --wait")
+  record->add_option("--seconds", options.time_limit_s, "At most so long, from the first frame on")
       ->check(CLI::Range(0.001, 36000.0))
       ->capture_default_str();
-  record->add_option("--wait", options.wait_s, "For the first frame, in seconds")
+  record->add_option("--wait", options.wait_s, "For the first frame at most so long, in seconds")
       ->check(CLI::Range(0.001, 3600.0))
       ->capture_default_str();
   record->add_flag("--quiet,-q", options.quiet, "Only the result");
@@ -35,7 +35,8 @@ void addCapture(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* capture = app.add_subcommand(
       "capture",
       "Record a controller's real pins to pins.vcd, without model and verdict; `replay` judges it later.\n"
-      "Exit code 0; 3: what was recorded cannot be trusted.");
+      "Exit code 0; 3: what was recorded cannot be trusted; 2: pins.vcd is there and pins.sr (--sr) could "
+      "not be written.");
   capture->add_option("SCENARIO", options.scenario, "Scenario on real pins (firmware.source: gpio, analyser)")
       ->required();
   capture->add_option("-o,--out", options.out, "Folder for the recording; else results/NAME-capture");

@@ -54,6 +54,9 @@ OpenSpotCamera openSpotCamera(const Case& the_case, VideoCalls& calls) {
 RecordOptions recordOptions(const OpenSpotCamera& open) {
   constexpr double kPeriods = 5.0;
   RecordOptions options;
+  // The first buffer of a loopback that runs by itself may hold an old picture; that of a trigger is the
+  // first of the job, and may be the only one.
+  options.discard = open.camera.is_triggered ? 0 : 1;
   if (open.camera.is_triggered) {
     options.timeout_ms = std::numeric_limits<int>::max();
   } else if (const auto period_s = open.camera.setup.frame_period_s) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "hil/app/case.h"
+#include "hil/app/commands.h"
 #include "hil/camera/v4l2/frame_recorder.h"
 #include "hil/camera/v4l2/v4l2_stream.h"
 
@@ -30,6 +31,10 @@ inline constexpr const char* kSpotFrames = "spot";
 /// How the camera of a case is to be recorded: one that a trigger drives may be silent for as long as it
 /// likes.
 RecordOptions recordOptions(const OpenSpotCamera& open);
+
+/// recordFramesCommand() by these calls. @throws ConfigError; InputFault, also for a folder that holds
+/// anything.
+int recordFramesOf(VideoCalls& calls, const RecordFramesOptions& options);
 
 /// Records the spot camera of a case in the background while something else is going on (pins are captured).
 class SpotRecorder {

@@ -2,10 +2,10 @@
 #include "hil/gauge/case_plan.h"
 
 #include <array>
-#include <charconv>
 
 #include <fmt/format.h>
 
+#include "hil/base/number_from.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::hil {
@@ -55,9 +55,9 @@ std::optional<CaseId> caseFromName(std::string_view name) {
   while (at < kStudyNames.size() && study != kStudyNames.at(at)) ++at;
   if (at == kStudyNames.size()) return std::nullopt;
   id.study = static_cast<Study>(at);
-  const std::string_view number = name.substr(second + 1);
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), id.index);
-  if (error != std::errc() || end != number.data() + number.size()) return std::nullopt;
+  const auto index = numberFrom<decltype(id.index)>(name.substr(second + 1));
+  if (!index) return std::nullopt;
+  id.index = *index;
   return id;
 }
 

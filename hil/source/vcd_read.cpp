@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/number_from.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_words.h"
@@ -28,14 +29,6 @@ constexpr std::uint64_t kMaxWidthBits = 4096;
 
 /// Thrown when there is no sense in reading on.
 struct GiveUp {};
-
-template <typename T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
 
 /// For people: never the raw bytes of a hostile file.
 std::string shown(std::string_view text) {
@@ -158,9 +151,10 @@ class Reader {
     if (words.size() < 3 || words[0] != "kerfbench") return;
     if (words[1] == "tick") {
       const auto slash = words[2].find('/');
-      const auto num = number<std::uint64_t>(words[2].substr(0, slash));
-      const auto den =
-          slash == std::string_view::npos ? std::nullopt : number<std::uint64_t>(words[2].substr(slash + 1));
+      const auto num = numberFrom<std::uint64_t>(words[2].substr(0, slash));
+      const auto den = slash == std::string_view::npos
+                           ? std::nullopt
+                           : numberFrom<std::uint64_t>(words[2].substr(slash + 1));
       constexpr std::uint64_t kMax = std::uint64_t{1} << 40U;
       if (!num || !den || *num == 0 || *den == 0 || *num > kMax || *den > kMax) {
         fault("a tick of " + shown(words[2]) + " seconds makes no sense");
@@ -170,17 +164,17 @@ class Reader {
         own_rate_ = TickRate{*num, *den};
       }
     } else if (words[1] == "end") {
-      own_end_ = number<Tick>(words[2]);
+      own_end_ = numberFrom<Tick>(words[2]);
       if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
     } else if (words[1] == "stamp_err") {
-      own_stamp_err_ = number<std::uint32_t>(words[2]);
+      own_stamp_err_ = numberFrom<std::uint32_t>(words[2]);
       if (!own_stamp_err_) fault("an error of " + shown(words[2]) + " ticks makes no sense");
     } else if (words[1] == "words") {
-      own_words_ = number<std::size_t>(words[2]);
+      own_words_ = numberFrom<std::size_t>(words[2]);
       if (!own_words_) fault("a number of words of " + shown(words[2]) + " makes no sense");
     } else if (words[1] == "gap") {
-      const auto tick = number<Tick>(words[2]);
-      const auto port = words.size() > 3 ? number<std::uint16_t>(words[3]) : std::nullopt;
+      const auto tick = numberFrom<Tick>(words[2]);
+      const auto port = words.size() > 3 ? numberFrom<std::uint16_t>(words[3]) : std::nullopt;
       if (tick && port) {
         gaps_.push_back({*tick, *port});
       } else {
@@ -198,7 +192,7 @@ class Reader {
   }
 
   void heard(const std::vector<std::string_view>& words) {
-    const auto tick = number<Tick>(words[2]);
+    const auto tick = numberFrom<Tick>(words[2]);
     const std::string_view hex = words.size() > 3 ? words[3] : "";
     HeardBytes said{tick.value_or(0), {}};
     bool good = tick && !hex.empty() && hex.size() % 2 == 0 &&
@@ -217,7 +211,7 @@ class Reader {
   }
 
   void variable(const std::vector<std::string_view>& words) {
-    const auto width = words.size() >= 4 ? number<std::uint64_t>(words[1]) : std::nullopt;
+    const auto width = words.size() >= 4 ? numberFrom<std::uint64_t>(words[1]) : std::nullopt;
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
@@ -275,7 +269,7 @@ class Reader {
   }
 
   void stamp(std::string_view digits) {
-    const auto value = number<std::uint64_t>(digits);
+    const auto value = numberFrom<std::uint64_t>(digits);
     if (!value) return fault("a stamp of " + shown(digits) + " makes no sense");
     if (stamped_ && *value < stamp_) return fault("time goes back to " + std::to_string(*value));
     stamp_ = *value;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <charconv>
 #include <limits>
 #include <map>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/number_from.h"
 #include "hil/calibrate/tables/c_header.h"
 #include "hil/calibrate/tables/c_header_numbers.h"
 #include "hil/calibrate/tables/table_text.h"
@@ -18,13 +18,6 @@ namespace {
 
 constexpr double kNmPerMm = 1e6;
 constexpr std::size_t kMostNumbers = AimGrid::kMostNodes * AimGrid::kMostNodes;
-
-std::optional<std::int64_t> wholeOf(std::string_view word) {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 
 /// Takes a header line by line.
 class Lines {
@@ -83,7 +76,7 @@ void Lines::takeNumbers(std::size_t number, std::string_view line) {
   }
   if (line.ends_with(',')) line.remove_suffix(1);
   for (const std::string_view word : wordsOf(line, ',')) {
-    const auto value = wholeOf(word);
+    const auto value = numberFrom<std::int64_t>(word);
     if (!value || *value > most_ || *value < -most_) {
       faults.atLine(number, fmt::format("a number is none, or beyond ±{}", most_));
     } else if (numbers_.arrays.at(array_).size() < kMostNumbers) {
@@ -94,7 +87,7 @@ void Lines::takeNumbers(std::size_t number, std::string_view line) {
 
 std::int64_t Lines::constant(const char* name, std::int64_t low, std::int64_t high) {
   const auto found = constants_.find(name);
-  const auto value = found == constants_.end() ? std::nullopt : wholeOf(found->second);
+  const auto value = found == constants_.end() ? std::nullopt : numberFrom<std::int64_t>(found->second);
   if (value && *value >= low && *value <= high) return *value;
   faults.ofFile(fmt::format("…{} must be defined as a whole number of {} to {}", name, low, high));
   return low;

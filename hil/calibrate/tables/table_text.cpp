@@ -2,10 +2,11 @@
 #include "hil/calibrate/tables/table_text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "hil/base/number_from.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -93,11 +94,12 @@ std::vector<std::string_view> wordsOf(std::string_view line, char separator) {
 bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults& faults, double& value) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+  const auto number = numberFrom<double>(digits);
+  if (!number || !std::isfinite(*number)) {
     faults.atLine(line, fmt::format("'{}' is no number", shown(word)));
     return false;
   }
+  value = *number;
   if (std::abs(value) > bound) {
     faults.atLine(line, fmt::format("{:g} is beyond ±{:g}", value, bound));
     return false;

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/add_to_list.h"
+
 namespace kerfbench::hil {
 namespace {
 
@@ -91,7 +93,7 @@ bool within(double value, double min, double max) { return value >= min && value
 std::string faultsOf(const CameraClockOptions& options) {
   std::string faults;
   const auto check = [&](bool good, const char* text) {
-    if (!good) faults += (faults.empty() ? "" : "; ") + std::string(text);
+    if (!good) addToList(faults, text, "; ");
   };
   constexpr double kLong_s = 1e6;
   check(options.exposure_s > 0.0 && options.exposure_s <= kLong_s, "exposure_s must be > 0");

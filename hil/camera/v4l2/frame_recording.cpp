@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -18,6 +18,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/number_from.h"
 #include "hil/base/yaml_reader.h"
 
 namespace kerfbench::hil {
@@ -68,8 +69,9 @@ std::string_view cell(std::string_view& line) {
 
 template <typename T>
 bool parse(std::string_view text, T& value) {
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && rest == text.data() + text.size();
+  const std::optional<T> number = numberFrom<T>(text);
+  value = number.value_or(T{});
+  return number.has_value();
 }
 
 bool parseFlag(std::string_view text, bool& value) {

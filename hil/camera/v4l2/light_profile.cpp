@@ -23,12 +23,18 @@ constexpr double kCoverage = 4.1;  // 99.7 % by Student's t of kBlocks - 1 degre
 /// Light is a mix of what is asked for during the exposure and around it, spread by so much either way: a
 /// laser may show each pulse of its PWM, or none.
 constexpr std::array kSpreads_s{0.0, 0.5e-3, 2e-3};
-constexpr int kGains = 3;
+constexpr int kGains = static_cast<int>(kSpreads_s.size());
 /// Steps in which places are tried, to the window in which light is gathered.
 constexpr double kStepsToWindow = 8.0;
-constexpr double kMostSteps = 2000.0;
+/// That are tried: a second or so.
+constexpr double kMostPlaces = 50'000.0;
+/// Two places that are so many windows apart are not the same.
+constexpr double kApart = 2.0;
 /// Any other place must leave so much more, else it might be that.
 constexpr double kClearly = 1.05;
+/// Of how light varies what is asked for leaves no more than this: a strobe that shows single pulses shows
+/// nothing of how many there are.
+constexpr double kUnexplained = 0.15;
 constexpr double kFinest_s = 1e-6;
 constexpr double kOutlier = 5.0;  // Standard deviations.
 
@@ -61,30 +67,50 @@ class OnTable {
   std::vector<double> on_s_;
 };
 
+/// In which light is gathered, by the narrowest of the spreads from `scale` on.
+double windowOf_s(std::size_t scale, const CameraClockOptions& options) {
+  return options.exposure_s + 2.0 * kSpreads_s.at(scale);
+}
+
+/// How much light is asked for when `lit` was exposed, wherever `rough` may put that.
+OnTable tableOf(const LightProfile& profile, const CameraClock& rough, const std::vector<FrameLight>& lit) {
+  const double first_s = lit.front().stamp_s;
+  const double last_s = lit.back().stamp_s;
+  const double around_s = 0.1 + 2.0 * std::max(rough.uncertaintyAt_s(first_s), rough.uncertaintyAt_s(last_s));
+  return {profile, rough.beginOf_s(first_s) - around_s, rough.beginOf_s(last_s) + around_s};
+}
+
 /// Begin of exposure = rough clock + late + swing * (stamp - middle) / half of the span, both in seconds;
-/// light = gains * what is asked for then.
+/// light = gains * what is asked for then, by spreads from `scale` on.
 class LightRegression {
  public:
-  LightRegression(const CameraClock& rough, const std::vector<FrameLight>& lit, const LightProfile& profile,
-                  const CameraClockOptions& options)
+  LightRegression(const CameraClock& rough, const std::vector<FrameLight>& lit, const OnTable& on,
+                  std::size_t scale, const CameraClockOptions& options)
       : rough_(rough),
         options_(options),
+        scale_(scale),
+        window_s_(windowOf_s(scale, options)),
         middle_s_(0.5 * (lit.front().stamp_s + lit.back().stamp_s)),
         half_span_s_(std::max(lit.back().stamp_s - middle_s_, 1e-3)),
         reach_s_(reachOf(rough, lit)),
-        on_(profile, rough.beginOf_s(lit.front().stamp_s) - 2.0 * reach_s_ - 0.1,
-            rough.beginOf_s(lit.back().stamp_s) + 2.0 * reach_s_ + 0.1) {
+        on_(on) {
     for (const FrameLight& frame : lit)
       seen_.push_back(
           {rough_.beginOf_s(frame.stamp_s), (frame.stamp_s - middle_s_) / half_span_s_, frame.light});
   }
 
+  /// How many are to be tried, of all that the rough clock allows.
+  [[nodiscard]] double places() const {
+    return (2.0 * stepsIn(reach_s_) + 1.0) * (2.0 * stepsIn(mostSwing_s()) + 1.0);
+  }
+
   std::optional<CameraClock> run() {
-    std::optional<Place> found = best();
+    const std::optional<Place> found = best();
     if (!found) return std::nullopt;
     leaveOutliers(*found);
     if (seen_.size() < kFewest) return std::nullopt;
     const Place fit = descended(*found, kBlocks);
+    if (fit.left > kUnexplained * leftOfNoClock()) return std::nullopt;
     double late_variance = 0.0;
     double swing_variance = 0.0;
     for (std::size_t block = 0; block < kBlocks; ++block) {
@@ -93,7 +119,9 @@ class LightRegression {
       swing_variance += std::pow(without.swing_s - fit.swing_s, 2);
     }
     constexpr double kJackknife = (kBlocks - 1.0) / kBlocks;
-    const double late_bound_s = kCoverage * std::sqrt(kJackknife * late_variance) + options_.edge_error_s;
+    // Blurred light may mislead all frames alike, by less than it is blurred.
+    const double late_bound_s =
+        kCoverage * std::sqrt(kJackknife * late_variance) + options_.edge_error_s + kSpreads_s.at(scale_);
     const double swing_bound_s = kCoverage * std::sqrt(kJackknife * swing_variance);
     if (!(late_bound_s + swing_bound_s < reach_s_)) return std::nullopt;
     if (std::abs(fit.late_s) > reach_s_ + late_bound_s) return std::nullopt;
@@ -120,14 +148,18 @@ class LightRegression {
   }
 
   [[nodiscard]] Gains asked(double begin_s) const {
-    Gains asked;
-    for (int k = 0; k < kGains; ++k) {
-      const double spread_s = kSpreads_s.at(static_cast<std::size_t>(k));
-      asked[k] = on_.meanOver(begin_s - spread_s, begin_s + options_.exposure_s + spread_s);
+    Gains asked = Gains::Zero();
+    for (std::size_t k = scale_; k < kSpreads_s.size(); ++k) {
+      const double spread_s = kSpreads_s.at(k);
+      asked[static_cast<int>(k)] = on_.meanOver(begin_s - spread_s, begin_s + options_.exposure_s + spread_s);
     }
     return asked;
   }
-  [[nodiscard]] double mostSwing_s() const { return std::max(options_.max_drift * half_span_s_, 1e-9); }
+  [[nodiscard]] double mostSwing_s() const {
+    return std::max(std::min(options_.max_drift, rough_.driftUncertainty()) * half_span_s_, 1e-9);
+  }
+  [[nodiscard]] double step_s() const { return window_s_ / kStepsToWindow; }
+  [[nodiscard]] double stepsIn(double time_s) const { return std::ceil(time_s / step_s()); }
 
   [[nodiscard]] CameraClock clockOf(const Place& best, double late_bound_s, double swing_bound_s) const {
     const double offset_s = rough_.beginOf_s(middle_s_) - middle_s_ + best.late_s;
@@ -138,6 +170,17 @@ class LightRegression {
         corners.push_back({offset_s + late * late_bound_s, drift + fast * swing_bound_s / half_span_s_});
     }
     return {middle_s_, std::move(corners)};
+  }
+
+  /// What is left where all light is taken to be alike.
+  [[nodiscard]] double leftOfNoClock() const {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (const Seen& seen : seen_) {
+      sum += seen.light;
+      squares += seen.light * seen.light;
+    }
+    return squares - sum * sum / static_cast<double>(seen_.size());
   }
 
   [[nodiscard]] Place placed(double late_s, double swing_s, std::size_t stride, std::size_t without) const {
@@ -159,18 +202,20 @@ class LightRegression {
   /// The best of all places that the rough clock allows; nothing where another fits nearly as well.
   [[nodiscard]] std::optional<Place> best() const {
     const std::size_t stride = std::max<std::size_t>(1, seen_.size() / kTried);
-    const double step_s = std::max(options_.exposure_s / kStepsToWindow, reach_s_ / kMostSteps);
-    std::vector<Place> all;
-    const auto swings = static_cast<int>(std::ceil(mostSwing_s() / step_s));
-    const auto lates = static_cast<int>(std::ceil(reach_s_ / step_s));
-    for (int swing = -swings; swing <= swings; ++swing) {
-      for (int late = -lates; late <= lates; ++late)
-        all.push_back(placed(late * step_s, swing * step_s, stride, kBlocks));
+    const auto swings = static_cast<int>(stepsIn(mostSwing_s()));
+    const auto lates = static_cast<int>(stepsIn(reach_s_));
+    std::vector<Place> of_lates;
+    for (int late = -lates; late <= lates; ++late) {
+      Place best{.left = std::numeric_limits<double>::infinity()};
+      for (int swing = -swings; swing <= swings; ++swing) {
+        const Place next = placed(late * step_s(), swing * step_s(), stride, kBlocks);
+        if (next.left < best.left) best = next;
+      }
+      of_lates.push_back(best);
     }
-    const Place& first = *std::ranges::min_element(all, {}, &Place::left);
-    const bool is_ambiguous = std::ranges::any_of(all, [&](const Place& other) {
-      return std::abs(other.late_s - first.late_s) > 2.0 * options_.exposure_s &&
-             other.left < kClearly * first.left;
+    const Place& first = *std::ranges::min_element(of_lates, {}, &Place::left);
+    const bool is_ambiguous = std::ranges::any_of(of_lates, [&](const Place& other) {
+      return std::abs(other.late_s - first.late_s) > kApart * window_s_ && other.left < kClearly * first.left;
     });
     if (is_ambiguous) return std::nullopt;
     return first;
@@ -181,16 +226,16 @@ class LightRegression {
   [[nodiscard]] Place descended(Place at, std::size_t without) const {
     constexpr std::array<std::array<double, 2>, 4> kWays{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     at = placed(at.late_s, at.swing_s, 1, without);
-    for (double step_s = options_.exposure_s / kStepsToWindow; step_s > kFinest_s;) {
+    for (double way_s = step_s(); way_s > kFinest_s;) {
       bool is_better = false;
       for (const auto& [late, swing] : kWays) {
-        const double swing_s = std::clamp(at.swing_s + swing * step_s, -mostSwing_s(), mostSwing_s());
-        const Place next = placed(at.late_s + late * step_s, swing_s, 1, without);
+        const double swing_s = std::clamp(at.swing_s + swing * way_s, -mostSwing_s(), mostSwing_s());
+        const Place next = placed(at.late_s + late * way_s, swing_s, 1, without);
         if (next.left >= at.left) continue;
         at = next;
         is_better = true;
       }
-      if (!is_better) step_s *= 0.5;
+      if (!is_better) way_s *= 0.5;
     }
     return at;
   }
@@ -211,10 +256,25 @@ class LightRegression {
 
   const CameraClock& rough_;
   const CameraClockOptions& options_;
-  double middle_s_, half_span_s_, reach_s_;
-  OnTable on_;
+  std::size_t scale_;
+  double window_s_, middle_s_, half_span_s_, reach_s_;
+  const OnTable& on_;
   std::vector<Seen> seen_;
 };
+
+/// At the finest scale that stamps tell by their jitter and that is not too many places.
+std::optional<CameraClock> sharpenedAtBestScale(const CameraClock& rough, const std::vector<FrameLight>& lit,
+                                                const LightProfile& profile,
+                                                const CameraClockOptions& options) {
+  const OnTable on = tableOf(profile, rough, lit);
+  for (std::size_t scale = 0; scale < kSpreads_s.size(); ++scale) {
+    const bool is_last = scale + 1 == kSpreads_s.size();
+    if (windowOf_s(scale, options) < 2.0 * options.stamp_jitter_s && !is_last) continue;
+    LightRegression regression(rough, lit, on, scale, options);
+    if (regression.places() <= kMostPlaces) return regression.run();
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -246,7 +306,7 @@ std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const F
     for (std::size_t i = 0; i < kMost; ++i) some.push_back(lit[i * lit.size() / kMost]);
     lit = std::move(some);
   }
-  return LightRegression(rough, lit, profile, options).run();
+  return sharpenedAtBestScale(rough, lit, profile, options);
 }
 
 }  // namespace kerfbench::hil

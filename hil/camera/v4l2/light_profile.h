@@ -42,10 +42,12 @@ class LightProfile {
 
 /// A clock that is known roughly, sharpened: light in the lit frames is taken to be in proportion to what the
 /// pins ask for during their exposure and, of a sluggish light, around it. Offset and drift are those with
-/// which that leaves least: all that the rough clock allows are tried. Its ± covers 99.7 %, by
-/// leaving out a tenth of the frames after the other, and options.edge_error_s for what is alike in all of
-/// them (the tube's delay). Nothing where too few frames are lit to tell, where another place fits nearly as
-/// well, where it is no sharper than before, or leaves the bounds known before.
+/// which that leaves least: all that the rough clock allows are tried; where they are too many, or exposures
+/// are finer than the jitter of stamps, by the light of a longer time around each frame, and no sharper than
+/// that. Its ± covers 99.7 %, by leaving out a tenth of the frames after the other, and options.edge_error_s
+/// for what is alike in all of them (the tube's delay). Nothing where too few frames are lit to tell, where
+/// the light is not what the pins ask for, where another place fits nearly as well, where it is no sharper
+/// than before, or leaves the bounds known before.
 std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const FrameLight> frames,
                                      const LightProfile& profile, const CameraClockOptions& options);
 

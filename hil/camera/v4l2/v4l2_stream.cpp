@@ -36,11 +36,19 @@ StampClock clockOf(std::uint32_t flags) {
   }
 }
 
+/// What is no time at all becomes the nearest that is one: FrameWatch tells of it.
+std::int64_t stampOf_ns(const timeval& stamp) {
+  constexpr std::int64_t kMost_s = 4'000'000'000;  // The difference of two still has room in 64 bits.
+  const std::int64_t whole_s = std::clamp(std::int64_t{stamp.tv_sec}, std::int64_t{0}, kMost_s);
+  const std::int64_t rest_us =
+      std::clamp(std::int64_t{stamp.tv_usec}, std::int64_t{0}, std::int64_t{999'999});
+  return whole_s * 1'000'000'000 + rest_us * 1000;
+}
+
 BufferNote noteOf(const v4l2_buffer& buffer, std::int64_t arrival_ns) {
   BufferNote note;
   note.sequence = buffer.sequence;
-  note.stamp_ns =
-      std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + std::int64_t{buffer.timestamp.tv_usec} * 1000;
+  note.stamp_ns = stampOf_ns(buffer.timestamp);
   note.arrival_ns = arrival_ns;
   note.clock = clockOf(buffer.flags);
   note.is_start_of_exposure = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;

@@ -9,11 +9,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <utility>
+
+#include "hil/base/number_from.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -27,10 +28,8 @@ class KernelVideoCalls final : public VideoCalls {
     for (const auto& entry : std::filesystem::directory_iterator("/dev", none)) {
       const std::string name = entry.path().filename().string();
       if (!name.starts_with(kPrefix)) continue;
-      int number = 0;
-      const char* const end = name.data() + name.size();
-      const auto [rest, error] = std::from_chars(name.data() + kPrefix.size(), end, number);
-      if (error == std::errc{} && rest == end) found.emplace_back(number, entry.path().string());
+      if (const auto number = numberFrom<int>(std::string_view(name).substr(kPrefix.size())))
+        found.emplace_back(*number, entry.path().string());
     }
     std::ranges::sort(found);
     std::vector<std::string> paths;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/source/analyser/analyser_stream.h"
 #include "hil/source/analyser/level_runs.h"
 
 namespace kerfbench::hil {
@@ -49,12 +50,7 @@ struct AnalyserWish {
 
 /// How listening ended.
 struct AnalyserEnd {
-  enum class Reason {
-    kQuiet,
-    kLimit,
-    kDevice,  ///< The device stopped by itself: memory full, overrun, unplugged.
-    kBroken,  ///< The program that reads it died or talked nonsense; see `problems`.
-  };
+  using Reason = analyser_stream::AnalyserReason;
   Reason reason{Reason::kBroken};
   std::vector<std::string> problems;  ///< Errors that the driver told of while it sampled.
   std::vector<std::string> notes;

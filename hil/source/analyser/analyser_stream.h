@@ -23,7 +23,7 @@
 ///     kStarted             text: the device; it samples at the rate asked for
 ///     kRuns                any number of runs: u64 samples, u32 levels
 ///     kProblem, kNote      text: an error or warning that the driver told of while it sampled
-///     kFinished            u8 reason (AnalyserEnd::Reason); the child ends
+///     kFinished            u8 AnalyserReason; the child ends
 ///     kListed              nothing; the list is complete, the child ends
 namespace kerfbench::hil::analyser_stream {
 
@@ -39,6 +39,15 @@ enum class AnalyserFrame : std::uint8_t {
   kFinished = 'f',
   kListed = 'z',
 };
+
+/// Why sampling ended.
+enum class AnalyserReason : std::uint8_t {
+  kQuiet = 0,
+  kLimit = 1,
+  kDevice = 2,  ///< The device stopped by itself: memory full, overrun, unplugged.
+  kBroken = 3,  ///< Never sent: the program that reads it died or talked nonsense; see `problems`.
+};
+
 inline constexpr std::size_t kHeadBytes = 5;
 inline constexpr std::size_t kRunBytes = 12;
 inline constexpr std::size_t kMostFrameBytes = std::size_t{64} << 20U;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -24,10 +25,13 @@ using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 /// @throws std::runtime_error listing every fault, with the path.
 PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, const ChannelNames& names);
 
+/// A session file that is written has fewer samples.
+inline constexpr std::uint64_t kMostSrSamples = std::uint64_t{1} << 36U;
+
 /// Writes such a file: a channel for each signal of `map`, a sample for each tick. Whole or not at all. What
 /// the controller said is lost; problems and gaps stay in a part of the zip that sigrok does not read, and
 /// does not keep.
-/// @throws std::invalid_argument for ticks that are no whole rate, or more than 2^36 of them;
+/// @throws std::invalid_argument for ticks that are no whole rate, or kMostSrSamples of them;
 /// std::runtime_error with the path.
 void writeSr(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 

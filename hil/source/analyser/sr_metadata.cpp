@@ -4,21 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
 
+#include "hil/base/number_from.h"
+
 namespace kerfbench::hil {
 namespace {
 
-std::optional<std::uint64_t> wholeNumber(std::string_view text) {
-  std::uint64_t value{};
-  const auto done = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (done.ec != std::errc{} || done.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
+/// No analyser is so fast; with more, times of samples would overflow.
+constexpr std::uint64_t kMostRate_hz = 1'000'000'000'000;
 
 /// "24 MHz", "14.7456 MHz", "500000" Hz, exactly.
 std::optional<std::uint64_t> rateOf(std::string_view text) {
@@ -35,7 +32,8 @@ std::optional<std::uint64_t> rateOf(std::string_view text) {
   while (fraction.ends_with('0')) fraction.pop_back();
   if (fraction.size() > zeros->second) return std::nullopt;
   fraction.resize(zeros->second, '0');
-  return wholeNumber(std::string(number.substr(0, point)) + fraction);
+  const auto rate_hz = numberFrom<std::uint64_t>(std::string(number.substr(0, point)) + fraction);
+  return rate_hz && *rate_hz <= kMostRate_hz ? rate_hz : std::nullopt;
 }
 
 using Keys = std::map<std::string, std::string>;
@@ -66,7 +64,7 @@ void readChannels(const Keys& keys, SrMetadata& metadata, std::vector<std::strin
   constexpr std::string_view kProbe = "probe";
   for (const auto& [key, name] : keys) {
     if (!key.starts_with(kProbe)) continue;
-    const auto number = wholeNumber(std::string_view(key).substr(kProbe.size()));
+    const auto number = numberFrom<std::uint64_t>(std::string_view(key).substr(kProbe.size()));
     if (!number || *number == 0 || *number > 8 * metadata.sample_bytes) {
       faults.push_back(fmt::format("metadata: {}={}: no channel of samples of {} bytes", key, name,
                                    metadata.sample_bytes));
@@ -92,10 +90,11 @@ SrMetadata readSrMetadata(const std::string& text, std::vector<std::string>& fau
   if (const std::string rate = value("samplerate"); !rate.empty()) {
     metadata.samplerate_hz = rateOf(rate).value_or(0);
     if (metadata.samplerate_hz == 0)
-      faults.push_back(fmt::format("metadata: samplerate={}: no rate in Hz, kHz, MHz or GHz", rate));
+      faults.push_back(
+          fmt::format("metadata: samplerate={}: no rate in Hz, kHz, MHz or GHz, up to 1000 GHz", rate));
   }
   if (const std::string size = value("unitsize"); !size.empty()) {
-    const std::uint64_t bytes = wholeNumber(size).value_or(0);
+    const std::uint64_t bytes = numberFrom<std::uint64_t>(size).value_or(0);
     if (bytes < 1 || bytes > 8)
       faults.push_back(fmt::format("metadata: unitsize={}: samples of 1 to 8 bytes can be read", size));
     metadata.sample_bytes = bytes < 1 || bytes > 8 ? 0 : static_cast<std::size_t>(bytes);

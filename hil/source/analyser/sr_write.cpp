@@ -15,7 +15,6 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr std::uint64_t kMostSamples = std::uint64_t{1} << 36U;
 constexpr std::uint64_t kPartSamples = std::uint64_t{1} << 21U;  // Some megabytes, as sigrok has them.
 
 /// Levels tick by tick, as bytes of samples. A copy goes on from where its original is.
@@ -88,7 +87,7 @@ class SampleCursor {
 };
 
 SrMetadata metadataOf(const PinRecording& recording, const SignalMap& map) {
-  if (recording.rate.num != 1 || recording.end >= kMostSamples)
+  if (recording.rate.num != 1 || recording.end >= kMostSrSamples)
     throw std::invalid_argument(
         "a session file needs a whole number of samples a second, and less than 2^36");
   SrMetadata metadata;

@@ -4,24 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/line_levels.h"
 #include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/nanoseconds.h"
 #include "hil/source/gpio/port_events.h"
 #include "hil/source/gpio/real_time.h"
 
 namespace kerfbench::hil {
 namespace {
 
-constexpr TickRate kNanoseconds{1, 1'000'000'000};
 constexpr Tick kLead = kNanoseconds.ticksAt(kLeadBeforeEdges_s);
 constexpr Tick kTail = kNanoseconds.ticksAt(kTailAfterEdges_s);
 constexpr std::chrono::milliseconds kWait{10};
-
-std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
 
 class Capture {
  public:
@@ -52,8 +49,8 @@ class Capture {
     bool any = false;
     for (;;) {
       const std::uint64_t before_ns = system_->now_ns();
-      if (any && before_ns - last_ns >= nanoseconds(options_.quiet_s)) return true;
-      if (before_ns - begin_ns_ >= nanoseconds(options_.time_limit_s))
+      if (any && before_ns - last_ns >= nanosecondsUp(options_.quiet_s)) return true;
+      if (before_ns - begin_ns_ >= nanosecondsUp(options_.time_limit_s))
         return problem(timeLimitWords(options_.time_limit_s, any));
       if (edges_.size() > kMostCapturedEdges) return problem(kTooManyEdgesWords);
       try {
@@ -75,7 +72,7 @@ class Capture {
   void record() {
     PinRecording& recording = result_.recording;
     recording.rate = kNanoseconds;
-    recording.stamp_err_ticks = static_cast<std::uint32_t>(nanoseconds(options_.stamp_err_s));
+    recording.stamp_err_ticks = static_cast<std::uint32_t>(nanosecondsUp(options_.stamp_err_s));
     result_.edges = edges_.size();
     // Tick 0 has no levels of its own and tick 1 those at the start; the first edge comes later than both.
     std::uint64_t origin_ns = begin_ns_ - 1;

@@ -4,10 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
+
+#include "hil/base/number_from.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -15,14 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "gpiochip";
-
-template <typename Number>
-std::optional<Number> numberOf(std::string_view text) {
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 }  // namespace
 
@@ -32,7 +25,7 @@ GpioChipList listChips(const fs::path& dev) {
   for (const auto& entry : fs::directory_iterator(dev, error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kPrefix)) continue;
-    if (const auto number = numberOf<unsigned>(std::string_view(name).substr(kPrefix.size())))
+    if (const auto number = numberFrom<unsigned>(std::string_view(name).substr(kPrefix.size())))
       found.emplace_back(*number, entry.path());
   }
   std::ranges::sort(found);
@@ -69,7 +62,7 @@ const GpioChipInfo& findChip(const GpioChipList& list, const std::string& which)
 }
 
 const GpioLineInfo& findLine(const GpioChipInfo& chip, const std::string& which) {
-  if (const auto offset = numberOf<std::uint32_t>(which)) {
+  if (const auto offset = numberFrom<std::uint32_t>(which)) {
     const auto found = std::ranges::find(chip.lines, *offset, &GpioLineInfo::offset);
     if (found != chip.lines.end()) return *found;
     throw GpioError(

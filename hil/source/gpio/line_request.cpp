@@ -14,12 +14,6 @@
 #include "hil/source/gpio/words.h"
 
 namespace kerfbench::hil {
-namespace {
-
-constexpr std::size_t kEdgesAtOnce = 64;
-
-}  // namespace
-
 LineRequest::LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
                          std::vector<LineWish> lines)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
@@ -55,7 +49,7 @@ bool LineRequest::read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>
   if (ready.value <= 0) return false;
   if ((revents & POLLIN) == 0) gone((revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 ? ENODEV : EIO);
 
-  std::array<gpio_v2_line_event, kEdgesAtOnce> events{};
+  std::array<gpio_v2_line_event, kMostAtOnce> events{};
   const KernelAnswer got = system_->read(fd_.get(), std::as_writable_bytes(std::span(events)));
   if (got.failed()) {
     if (got.error == EINTR || got.error == EAGAIN) return false;

@@ -37,8 +37,10 @@ class LineRequest {
   LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
               std::vector<LineWish> lines);
 
-  /// Waits up to `timeout` for edges and appends what there is; false: none came. @throws GpioError when
-  /// the chip has gone, or what the kernel says makes no sense.
+  /// Edges that one read() takes; fewer: the kernel had no more.
+  static constexpr std::size_t kMostAtOnce = 64;
+  /// Waits up to `timeout` for edges and appends what there is, kMostAtOnce at most; false: none came.
+  /// @throws GpioError when the chip has gone, or what the kernel says makes no sense.
   bool read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges);
   /// Levels of all lines now. @throws GpioError as read().
   std::vector<bool> levels();

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -13,9 +12,15 @@
 namespace kerfbench::hil {
 namespace {
 
-constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges; memory that is not used costs nothing.
+constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges.
 
-std::uint64_t nanoseconds(double time_s) { return static_cast<std::uint64_t>(std::ceil(1e9 * time_s)); }
+/// A vector that grows copies what it has while edges are due, and memory that nobody has touched yet is
+/// none: only what is there when it is locked (RealTime) is locked.
+std::vector<PlayedEdge> touchedRoom(std::size_t edges) {
+  std::vector<PlayedEdge> room(edges);
+  room.clear();
+  return room;
+}
 
 std::vector<bool> levelsAtStart(const GpioLiveOptions& options) {
   std::vector<bool> levels;
@@ -30,12 +35,11 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
                                std::shared_ptr<GpioSystem> system, std::unique_ptr<SerialLine> uart)
     : options_(options),
       system_(std::move(system)),
+      played_(touchedRoom(options.out.empty() ? 0 : kRoom)),
       real_time_(system_),
       uart_(std::move(uart)),
       request_(system_, options.in.chip, lineWishes(options.in.wires, map, false)),
       ports_(pinsOf(options.in.wires, map)) {
-  // A vector that grows copies what it has while edges are due.
-  played_.reserve(kRoom);
   if (options_.out.empty()) return;
   player_.emplace(system_, OutputLines(system_, options_.out_chip, lineWishes(options_.out, map, true),
                                        levelsAtStart(options_)));
@@ -44,7 +48,7 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
 }
 
 SourceInfo GpioLiveSource::info() const {
-  return {kRate, static_cast<std::uint32_t>(nanoseconds(options_.in.stamp_err_s)), false, true,
+  return {kRate, static_cast<std::uint32_t>(nanosecondsUp(options_.in.stamp_err_s)), false, true,
           fmt::format("gpiochip {}, live", options_.in.chip.string())};
 }
 
@@ -76,8 +80,8 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
     batch.uart.insert(batch.uart.end(), bytes.begin(), bytes.end());
   }
   batch.watermark = watermark_ = until;
-  const bool quiet = options_.ends_when_quiet && any_edge_ &&
-                     system_->now_ns() - last_edge_ns_ >= nanoseconds(options_.in.quiet_s);
+  const bool quiet = options_.ends_when_quiet && came_ > 0 &&
+                     system_->now_ns() - last_edge_ns_ >= nanosecondsUp(options_.in.quiet_s);
   return quiet ? stop(Stop::kEnded, "the pins are quiet") : Stop::kReached;
 }
 
@@ -105,7 +109,12 @@ void GpioLiveSource::runTo(std::uint64_t goal_ns) {
     readEdges(wake_ns > now_ns ? wake_ns - now_ns : 0);
   }
   // All that the kernel has by now belongs to this quantum or to later ones.
-  while (readEdges(0)) {
+  drain(goal_ns);
+}
+
+/// Reads what the kernel has, but no more than that: of a line that oscillates there is always a new edge.
+void GpioLiveSource::drain(std::uint64_t until_ns) {
+  while (readEdges(0) && read_.size() == LineRequest::kMostAtOnce && read_.back().stamp_ns <= until_ns) {
   }
 }
 
@@ -113,8 +122,9 @@ bool GpioLiveSource::readEdges(std::uint64_t timeout_ns) {
   read_.clear();
   const bool came = request_.read(std::chrono::nanoseconds(timeout_ns), read_);
   if (read_.empty()) return came;
+  came_ += read_.size();
+  if (came_ > options_.most_edges) throw GpioError(kTooManyEdgesWords);
   last_edge_ns_ = system_->now_ns();
-  any_edge_ = true;
   order_->add(read_, last_edge_ns_);
   return came;
 }
@@ -179,8 +189,7 @@ GpioLiveRecord GpioLiveSource::finish(Tick end) {
 /// The levels are a witness only where no edge comes while they are read.
 void GpioLiveSource::lookAgain(std::vector<std::string>& problems) {
   try {
-    while (readEdges(0)) {
-    }
+    drain(system_->now_ns());
     edges_.clear();
     order_->takeAll(edges_);
     const std::vector<std::string> odd = levelsAgainstEdges(request_, *order_);

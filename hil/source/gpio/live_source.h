@@ -12,6 +12,7 @@
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/edge_player.h"
 #include "hil/source/gpio/line_request.h"
+#include "hil/source/gpio/nanoseconds.h"
 #include "hil/source/gpio/port_events.h"
 #include "hil/source/gpio/real_time.h"
 #include "hil/source/serial/serial_line.h"
@@ -28,6 +29,7 @@ struct GpioLiveOptions {
   /// The job is started at the machine: it is over when no edge has come for in.quiet_s. If not, whoever
   /// talks to the controller knows when it is over.
   bool ends_when_quiet{};
+  std::size_t most_edges{kMostCapturedEdges};  ///< More, of the inputs together, end the run.
 };
 
 /// What a live run leaves, besides the events that it handed out. Ticks are ns since tick 0.
@@ -61,7 +63,7 @@ struct GpioLiveRecord {
 /// out early.
 class GpioLiveSource final : public SignalSource {
  public:
-  static constexpr TickRate kRate{1, 1'000'000'000};
+  static constexpr TickRate kRate = kNanoseconds;
   /// A little more than EdgeOrder waits, so that it has made up its mind about a missing number.
   static constexpr std::uint64_t kHoldBack_ns = EdgeOrder::kHold_ns + 1'000'000;
   /// By which the caller may be late before the run is given up: edges would be lost in the kernel's buffer.
@@ -73,8 +75,8 @@ class GpioLiveSource final : public SignalSource {
                  std::unique_ptr<SerialLine> uart);
 
   [[nodiscard]] SourceInfo info() const override;
-  /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, or the caller is
-  /// hopelessly late.
+  /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, more edges came
+  /// than a recording holds, or the caller is hopelessly late.
   Stop advance(Tick until, Batch& batch) override;
   /// Calls for one pin come in order of tick, which may be past; pins without a line are passed over.
   void drive(PinId pin, bool level, Tick at) override;
@@ -89,6 +91,7 @@ class GpioLiveSource final : public SignalSource {
   void begin();
   void runTo(std::uint64_t goal_ns);
   bool readEdges(std::uint64_t timeout_ns);
+  void drain(std::uint64_t until_ns);
   void pumpUart();
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
@@ -96,6 +99,7 @@ class GpioLiveSource final : public SignalSource {
 
   GpioLiveOptions options_;
   std::shared_ptr<GpioSystem> system_;
+  std::vector<PlayedEdge> played_;  ///< Before real_time_, which locks its memory.
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;
@@ -117,11 +121,10 @@ class GpioLiveSource final : public SignalSource {
   std::vector<std::string> start_problems_;
   std::vector<KernelEdge> read_;
   std::vector<LineEdge> edges_;
-  std::vector<PlayedEdge> played_;
   std::vector<HeardBytes> heard_;
   std::size_t handed_bytes_{};  ///< Entries of heard_ that the caller has.
   std::uint64_t last_edge_ns_{};
-  bool any_edge_{};
+  std::size_t came_{};  ///< Edges.
   Tick watermark_{};
   Stop stop_{Stop::kReached};
   std::string message_;

@@ -41,14 +41,16 @@ SerialLine::SerialLine(std::shared_ptr<SerialSystem> system, std::string path, s
   try {
     configure(baud);
   } catch (...) {
-    system_->close(fd_);
+    letGo();
     throw;
   }
 }
 
-SerialLine::~SerialLine() {
-  // The next program may have the line again.
-  (void)system_->control(fd_, TIOCNXCL, nullptr);
+SerialLine::~SerialLine() { letGo(); }
+
+void SerialLine::letGo() {
+  // The next program may have the line again: the mark outlives close() while anybody has the line open.
+  if (is_alone_) (void)system_->control(fd_, TIOCNXCL, nullptr);
   system_->close(fd_);
 }
 
@@ -61,6 +63,7 @@ void SerialLine::configure(std::uint32_t baud) {
   }
   const SerialAnswer alone = system_->control(fd_, TIOCEXCL, nullptr);
   if (alone.failed()) fail("cannot be had alone", alone.error);
+  is_alone_ = true;
   settings.c_iflag = IGNBRK | IGNPAR;
   settings.c_oflag = 0;
   settings.c_lflag = 0;

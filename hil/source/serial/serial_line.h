@@ -38,6 +38,7 @@ class SerialLine {
 
  private:
   void configure(std::uint32_t baud);
+  void letGo();
   void send();
   void receive(std::vector<std::uint8_t>& received);
   [[noreturn]] void fail(const std::string& what, int error) const;
@@ -45,6 +46,7 @@ class SerialLine {
   std::shared_ptr<SerialSystem> system_;
   std::string path_;
   int fd_{-1};
+  bool is_alone_{};
   std::vector<std::uint8_t> waiting_;
 };
 

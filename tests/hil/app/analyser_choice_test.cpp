@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "hil/app/analyser_capture.h"
-#include "hil/app/case.h"
 #include "hil/app/release.h"
-#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/app/plate_on_pins.h"
 #include "tests/hil/source/analyser/scripted_analyser.h"
 
 namespace kerfbench::hil {
@@ -32,24 +31,7 @@ constexpr const char* kWires =
     "    laser_gate: D4\n"
     "    laser_pwm: D5\n";
 
-class AnalyserChoiceTest : public testing::Test {
- protected:
-  void SetUp() override { (void)temp_.write("linecutter-avr.hex", ":00000001FF\n"); }
-  Case plate(const std::string& lines) const {
-    const auto path = temp_.write("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
-                                                "\nname: on-pins\n" + lines);
-    return readCase(path, temp_.path());
-  }
-  std::string faultsIn(const std::string& lines) const {
-    try {
-      plate(lines);
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
-    return {};
-  }
-  const TempFolder temp_;
-};
+class AnalyserChoiceTest : public PlateOnPins {};
 
 TEST_F(AnalyserChoiceTest, TheSameScenarioRunsOnAnAnalyser) {
   const Case the_case = plate(std::string(kWires) +

@@ -4,10 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/app/case.h"
 #include "hil/app/dialogs.h"
 #include "hil/app/release.h"
-#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/app/plate_on_pins.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -31,29 +30,14 @@ constexpr const char* kWires =
 
 constexpr const char* kOutputs = "  outputs: {encoder_a: 1, encoder_b: 2, print_mark: 3}\n";
 
-class GpioChoiceTest : public testing::Test {
+class GpioChoiceTest : public PlateOnPins {
  protected:
-  void SetUp() override { (void)temp_.write("linecutter-avr.hex", ":00000001FF\n"); }
-  Case plate(const std::string& lines) const {
-    const auto path = temp_.write("s.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
-                                                "\nname: on-pins\n" + lines);
-    return readCase(path, temp_.path());
-  }
-  std::string faultsIn(const std::string& lines) const {
-    try {
-      plate(lines);
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
-    return {};
-  }
   static GpioChipList chips() {
     GpioChipInfo chip{"/dev/gpiochip3", "gpiochip3", "sim", {}};
     for (std::uint32_t i = 0; i < 12; ++i)
       chip.lines.push_back({i, i == 5 ? "DIR_X" : "", "", false, false, false});
     return {{chip}, {}};
   }
-  const TempFolder temp_;
 };
 
 TEST_F(GpioChoiceTest, TheSameScenarioRunsOnRealPins) {

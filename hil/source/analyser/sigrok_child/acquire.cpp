@@ -154,9 +154,17 @@ Handle<sr_session> sessionWith(Library& library, sr_dev_inst* device) {
   return session;
 }
 
-/// AnalyserEnd::Reason.
 char reasonOf(hil::Listener::State state) {
-  return state == hil::Listener::State::kQuiet ? '\0' : state == hil::Listener::State::kLimit ? '\1' : '\2';
+  using Reason = hil::analyser_stream::AnalyserReason;
+  switch (state) {
+    case hil::Listener::State::kQuiet:
+      return static_cast<char>(Reason::kQuiet);
+    case hil::Listener::State::kLimit:
+      return static_cast<char>(Reason::kLimit);
+    case hil::Listener::State::kListening:
+      break;
+  }
+  return static_cast<char>(Reason::kDevice);
 }
 
 }  // namespace

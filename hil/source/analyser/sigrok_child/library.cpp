@@ -95,13 +95,19 @@ std::vector<sr_dev_inst*> Library::scan(sr_dev_driver* driver, const std::string
   return elementsOf<sr_dev_inst>(found.get());
 }
 
+std::string nameOf(sr_dev_inst* device) {
+  std::string name;
+  for (const char* part :
+       {sr_dev_inst_vendor_get(device), sr_dev_inst_model_get(device), sr_dev_inst_version_get(device)}) {
+    if (!textOf(part).empty()) name += (name.empty() ? "" : " ") + textOf(part);
+  }
+  return name;
+}
+
 std::string describe(sr_dev_inst* device) {
   const sr_dev_driver* const driver = sr_dev_inst_driver_get(device);
   std::string words = driver == nullptr ? "analyser" : driver->name;
-  for (const char* part :
-       {sr_dev_inst_vendor_get(device), sr_dev_inst_model_get(device), sr_dev_inst_version_get(device)}) {
-    if (!textOf(part).empty()) words += " " + textOf(part);
-  }
+  if (const std::string name = nameOf(device); !name.empty()) words += " " + name;
   if (const std::string serial = textOf(sr_dev_inst_sernum_get(device)); !serial.empty())
     words += ", serial " + serial;
   if (const std::string conn = textOf(sr_dev_inst_connid_get(device)); !conn.empty()) words += ", at " + conn;

@@ -46,6 +46,8 @@ class Library {
   Handle<sr_context> context_;
 };
 
+/// Maker, model and version, as far as they are known.
+std::string nameOf(sr_dev_inst* device);
 /// "fx2lafw Saleae Logic, serial 0123, at 1.14".
 std::string describe(sr_dev_inst* device);
 /// Logic channels.

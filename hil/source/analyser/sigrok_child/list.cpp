@@ -11,13 +11,8 @@ void tellDevice(Library& library, sr_dev_inst* device, const Sink& sink) {
     return;
   }
   const OpenDevice open(device);
-  std::string name;
-  for (const char* part :
-       {sr_dev_inst_vendor_get(device), sr_dev_inst_model_get(device), sr_dev_inst_version_get(device)}) {
-    if (!textOf(part).empty()) name += (name.empty() ? "" : " ") + textOf(part);
-  }
-  std::string lines = std::string("driver ") + sr_dev_inst_driver_get(device)->name + "\nname " + name +
-                      "\nserial " + textOf(sr_dev_inst_sernum_get(device)) + "\nconn " +
+  std::string lines = std::string("driver ") + sr_dev_inst_driver_get(device)->name + "\nname " +
+                      nameOf(device) + "\nserial " + textOf(sr_dev_inst_sernum_get(device)) + "\nconn " +
                       textOf(sr_dev_inst_connid_get(device)) + "\nrates " + ratesOf(device) + "\n";
   for (const sr_channel* channel : logicChannels(device)) lines += "channel " + textOf(channel->name) + "\n";
   sink(Frame::kDevice, lines);

@@ -339,6 +339,7 @@ int FakeVideo::dequeue(v4l2_buffer& buffer) {
       frame.bytesused < 0 ? static_cast<std::int64_t>(frame.bytes.size()) : frame.bytesused);
   buffer.timestamp.tv_sec = frame.stamp_ns / 1'000'000'000;
   buffer.timestamp.tv_usec = frame.stamp_ns % 1'000'000'000 / 1000;
+  if (frame.odd_stamp) buffer.timestamp = *frame.odd_stamp;
   return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -21,9 +22,10 @@ struct FakeFrame {
   std::uint32_t sequence{};
   std::int64_t stamp_ns{};
   std::uint32_t flags{V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC};
-  std::int64_t arrival_ns{};       ///< When it is there.
-  std::int64_t bytesused{-1};      ///< -1: as many as `bytes`.
-  std::function<void()> before{};  ///< Called as it arrives: something happens to the device.
+  std::int64_t arrival_ns{};           ///< When it is there.
+  std::int64_t bytesused{-1};          ///< -1: as many as `bytes`.
+  std::function<void()> before{};      ///< Called as it arrives: something happens to the device.
+  std::optional<timeval> odd_stamp{};  ///< Told instead of stamp_ns.
 };
 
 /// A video device in memory, with V4L2's states: REQBUFS, QUERYBUF, mmap, QBUF, STREAMON, DQBUF and back. It

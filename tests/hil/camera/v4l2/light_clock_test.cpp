@@ -25,6 +25,7 @@ struct LitBench {
   double late_s{};      ///< Light after the pins.
   double unseen{0.05};  ///< Light that is not seen, as a share of an exposure that is lit throughout.
   double noise{0.02};   ///< Of the light.
+  double spread_s{};    ///< Of a sluggish light: it follows the pins so long before and after.
   std::uint64_t seed{1};
   std::vector<LightInterval> lights{};
   std::vector<LightProfile::Step> steps{};
@@ -38,6 +39,15 @@ struct LitBench {
       const double on_s = at_s;
       at_s += 0.03 + 0.4 * random.uniform(2 * i + 1);
       lights.push_back({on_s, at_s});
+    }
+  }
+  /// `count` uneven intervals that are far apart.
+  void addFarApart(int count, double span_s) {
+    const CounterRandom random(seed, 3);
+    for (int i = 0; i < count; ++i) {
+      const auto k = static_cast<std::uint64_t>(i);
+      const double on_s = 10.0 + span_s / count * (i + 0.5 * random.uniform(2 * k));
+      lights.push_back({on_s, on_s + 0.1 + 0.2 * random.uniform(2 * k + 1)});
     }
   }
   /// Full light from begin to end of each interval, or by PWM over ramps of so long.
@@ -62,7 +72,7 @@ struct LitBench {
     std::vector<FrameLight> all;
     std::uint64_t i = 0;
     for (double t = lights.front().on_s - 0.3; t < lights.back().off_s + 0.3; t += period_s) {
-      const double seen = profile.meanOver(t - late_s, t - late_s + exposure_s);
+      const double seen = profile.meanOver(t - late_s - spread_s, t - late_s + exposure_s + spread_s);
       const double light = 1000.0 * seen * (1.0 + noise * random.normal(2 * i));
       const double jitter = jitter_s * (2.0 * random.uniform(2 * i + 1) - 1.0);
       all.push_back({stampOf(t) + jitter, seen > unseen ? light : 0.0});
@@ -164,6 +174,62 @@ TEST(LightClock, SoftEdgesBoundItWidelyAndTheirProfileSharpensIt) {
     well_known += sharp.clock->uncertaintyAt_s(middle_s) < 0.8e-3 ? 1 : 0;
   }
   EXPECT_GE(well_known, 8);
+}
+
+// A strobe of 5 us, and a laser that follows its PWM sluggishly: what tells is the light of a millisecond.
+TEST(LightClock, OfAShortStrobeIsSharpenedByTheLightAroundIt) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    LitBench bench{.exposure_s = 5e-6, .unseen = 0.4, .spread_s = 0.5e-3, .seed = seed};
+    bench.addIntervals(30);
+    bench.light(15e-3);
+    const std::vector<FrameLight> seen = bench.frames();
+    const CameraClockFit wide = bench.fit(seen, 20e-3, false);
+    const CameraClockFit sharp = bench.fit(seen, 20e-3);
+    ASSERT_TRUE(wide.clock) << seed << ": " << wide.why_not;
+    ASSERT_TRUE(sharp.clock) << seed << ": " << sharp.why_not;
+    EXPECT_LE(bench.worstShare(*sharp.clock), 1.0) << seed;
+    const double middle_s = bench.stampOf(bench.lights[15].on_s);
+    EXPECT_GT(wide.clock->uncertaintyAt_s(middle_s), 2e-3) << seed;
+    EXPECT_LT(sharp.clock->uncertaintyAt_s(middle_s), 1e-3) << seed;
+  }
+}
+
+// By drift alone there would be a hundred million places.
+TEST(LightClock, OfAShortStrobeInALongJobIsSharpenedToo) {
+  for (const double drift : {-150e-6, 60e-6}) {
+    LitBench bench{.exposure_s = 5e-6, .drift = drift, .unseen = 0.4, .spread_s = 0.5e-3};
+    bench.addFarApart(20, 600.0);
+    bench.light(15e-3);
+    const CameraClockFit fit = bench.fit(bench.frames(), 20e-3);
+    ASSERT_TRUE(fit.clock) << fit.why_not;
+    EXPECT_LE(bench.worstShare(*fit.clock), 1.0) << drift;
+    EXPECT_LT(fit.clock->uncertaintyAt_s(bench.stampOf(bench.lights[10].on_s)), 1e-3) << drift;
+  }
+}
+
+// At the exposure's own scale there would be some hundred thousand.
+TEST(LightClock, OfALongJobIsSharpenedByTheLightAroundFramesToo) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    LitBench bench{.exposure_s = 200e-6, .unseen = 0.4, .seed = seed};
+    bench.addFarApart(40, 300.0);
+    bench.light(15e-3);
+    const CameraClockFit fit = bench.fit(bench.frames(), 20e-3);
+    ASSERT_TRUE(fit.clock) << seed << ": " << fit.why_not;
+    EXPECT_LE(bench.worstShare(*fit.clock), 1.0) << seed;
+    EXPECT_LT(fit.clock->uncertaintyAt_s(bench.stampOf(bench.lights[20].on_s)), 1e-3) << seed;
+  }
+}
+
+// Each lit frame shows one whole pulse of PWM and nothing of how many there are.
+TEST(LightClock, OfAStrobeThatShowsSinglePulsesIsNotToldSharperThanItIs) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    LitBench bench{.exposure_s = 5e-6, .unseen = 0.4, .seed = seed};
+    bench.addIntervals(30);
+    bench.light(15e-3);
+    const CameraClockFit fit = bench.fit(bench.frames(), 20e-3);
+    ASSERT_TRUE(fit.clock) << seed << ": " << fit.why_not;
+    EXPECT_LE(bench.worstShare(*fit.clock), 1.0) << seed;
+  }
 }
 
 // Known and told in its documentation: the light's own delay cannot be told from the clock's.

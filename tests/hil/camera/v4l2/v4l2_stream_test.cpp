@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -91,6 +92,19 @@ TEST(V4l2Stream, GivesFramesInOrderWithWhatTheDriverSaysOfThem) {
   }
   EXPECT_FALSE(video.isStreaming());
   EXPECT_EQ(video.bufferCount(), 0U);
+}
+
+TEST(V4l2Stream, MakesATimeOfAStampThatIsNone) {
+  FakeVideo video;
+  video.addFrames(3);
+  constexpr auto kFar = std::numeric_limits<decltype(timeval::tv_sec)>::max();
+  video.frames[0].odd_stamp = timeval{kFar, kFar};
+  video.frames[1].odd_stamp = timeval{-kFar, -kFar};
+  video.frames[2].odd_stamp = timeval{7, 1'000'000};
+  V4l2Stream stream(video, kPath, greySettings());
+  EXPECT_EQ(stream.next(1000).note.stamp_ns, 4'000'000'000'999'999'000);
+  EXPECT_EQ(stream.next(1000).note.stamp_ns, 0);
+  EXPECT_EQ(stream.next(1000).note.stamp_ns, 7'999'999'000);
 }
 
 TEST(V4l2Stream, SaysThatNothingCameAndGoesOnWhenItDoes) {

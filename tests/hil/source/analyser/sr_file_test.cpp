@@ -116,9 +116,11 @@ TEST_F(SrFile, RatesAreExact) {
                                                           {"1.5 GHz", 1'500'000'000},
                                                           {"12.50 kHz", 12'500},
                                                           {"999 Hz", 999},
+                                                          {"1000 GHz", 1'000'000'000'000},
                                                           {"48000000", 48'000'000}})
     EXPECT_EQ(readSr(zip(with("metadata", metadata(text))), map_, {}).rate.den, hz) << text;
-  for (const char* text : {"0 MHz", "fast", "1.5 Hz", "1..5 MHz", "-4 MHz", "3 parsec", "99999999999 GHz"})
+  for (const char* text : {"0 MHz", "fast", "1.5 Hz", "1..5 MHz", "-4 MHz", "3 parsec", "99999999999 GHz",
+                           "1000.000000001 GHz", "18446744073709551615"})
     EXPECT_THAT(faultsOf(zip(with("metadata", metadata(text)))), HasSubstr("no rate in Hz, kHz")) << text;
 }
 

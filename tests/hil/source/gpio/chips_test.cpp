@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "tests/hil/source/gpio/fake_libgpiod.h"
+#include "tests/hil/source/words_of.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -34,15 +35,6 @@ class ChipsTest : public testing::Test {
   ~ChipsTest() override {
     fs::remove_all(dev);
     EXPECT_EQ(fake_libgpiod.open_chips, 0);
-  }
-  template <typename Work>
-  static std::string wordsOf(const Work& work) {
-    try {
-      work();
-    } catch (const GpioError& e) {
-      return e.what();
-    }
-    return "no error";
   }
   const fs::path dev = fs::path(testing::TempDir()) / ("kerfbench_chips_" + std::to_string(::getpid()));
 };
@@ -79,7 +71,7 @@ TEST_F(ChipsTest, AChipThatCannotBeReadIsAFaultInWordsAndTheOthersAreListed) {
 
 TEST_F(ChipsTest, AChipThatVanishesWhileItIsReadIsAFault) {
   fake_libgpiod.line_error = ENODEV;
-  EXPECT_THAT(wordsOf([&] { readChip(dev / "gpiochip2"); }), HasSubstr("has gone"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { readChip(dev / "gpiochip2"); }), HasSubstr("has gone"));
 }
 
 TEST_F(ChipsTest, AMissingFolderIsAFault) {
@@ -90,7 +82,7 @@ TEST_F(ChipsTest, AChipIsFoundByPathNameOrLabel) {
   GpioChipList list = listChips(dev);
   EXPECT_EQ(findChip(list, "gpiochip10").name, "gpiochip10");
   EXPECT_EQ(findChip(list, (dev / "gpiochip2").string()).name, "gpiochip2");
-  EXPECT_THAT(wordsOf([&] { findChip(list, "sim"); }), HasSubstr("2 chips have the label 'sim'"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findChip(list, "sim"); }), HasSubstr("2 chips have the label 'sim'"));
   list.chips[1].label = "other";
   EXPECT_EQ(findChip(list, "sim").name, "gpiochip2");
 }
@@ -98,10 +90,10 @@ TEST_F(ChipsTest, AChipIsFoundByPathNameOrLabel) {
 TEST_F(ChipsTest, AChipThatIsNotThereIsToldWithThoseThatAre) {
   fake_libgpiod.label = "sim";
   const GpioChipList list = listChips(dev);
-  EXPECT_THAT(wordsOf([&] { findChip(list, "gpiochip0"); }), HasSubstr("gpiochip2 (sim), "));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findChip(list, "gpiochip0"); }), HasSubstr("gpiochip2 (sim), "));
   GpioChipList none;
   none.faults = {"/dev/gpiochip0: not allowed"};
-  EXPECT_THAT(wordsOf([&] { findChip(none, "gpiochip0"); }),
+  EXPECT_THAT(wordsOf<GpioError>([&] { findChip(none, "gpiochip0"); }),
               HasSubstr("none that can be read\n/dev/gpiochip0: not"));
 }
 
@@ -109,10 +101,11 @@ TEST_F(ChipsTest, ALineIsFoundByNumberOrByAnUnambiguousName) {
   const GpioChipInfo chip = readChip(dev / "gpiochip2");
   EXPECT_EQ(findLine(chip, "2").offset, 2U);
   EXPECT_EQ(findLine(chip, "DIR").offset, 1U);
-  EXPECT_THAT(wordsOf([&] { findLine(chip, "4"); }), HasSubstr("has no line 4: it has 4"));
-  EXPECT_THAT(wordsOf([&] { findLine(chip, "PUL"); }), HasSubstr("several lines of the name 'PUL'"));
-  EXPECT_THAT(wordsOf([&] { findLine(chip, "ENA"); }), HasSubstr("no line of the name 'ENA'"));
-  EXPECT_THAT(wordsOf([&] { findLine(chip, ""); }), HasSubstr("no line of the name ''"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findLine(chip, "4"); }), HasSubstr("has no line 4: it has 4"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findLine(chip, "PUL"); }),
+              HasSubstr("several lines of the name 'PUL'"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findLine(chip, "ENA"); }), HasSubstr("no line of the name 'ENA'"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { findLine(chip, ""); }), HasSubstr("no line of the name ''"));
 }
 
 }  // namespace

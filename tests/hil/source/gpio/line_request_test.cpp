@@ -8,6 +8,7 @@
 #include <cerrno>
 
 #include "tests/hil/source/gpio/scripted_kernel.h"
+#include "tests/hil/source/words_of.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -24,22 +25,13 @@ class LineRequestTest : public testing::Test {
   LineRequest open(std::vector<LineWish> lines = {{4, "pul"}, {5, "dir"}}) {
     return {kernel, "/dev/gpiochip0", std::move(lines)};
   }
-  template <typename Work>
-  std::string wordsOf(const Work& work) {
-    try {
-      work();
-    } catch (const GpioError& e) {
-      return e.what();
-    }
-    return "no error";
-  }
   std::string refusal(std::vector<LineWish> lines = {{4, "pul"}, {5, "dir"}}) {
-    return wordsOf([&] { open(std::move(lines)); });
+    return wordsOf<GpioError>([&] { open(std::move(lines)); });
   }
   std::string readFault() {
     LineRequest request = open();
     std::vector<KernelEdge> edges;
-    return wordsOf([&] { request.read(kWait, edges); });
+    return wordsOf<GpioError>([&] { request.read(kWait, edges); });
   }
   void TearDown() override { EXPECT_THAT(kernel->open_fds, IsEmpty()); }
   const std::shared_ptr<ScriptedKernel> kernel = std::make_shared<ScriptedKernel>();
@@ -173,7 +165,7 @@ TEST_F(LineRequestTest, LevelsAreThoseOfTheLinesAsAskedFor) {
   kernel->level_bits = 0b10;
   EXPECT_THAT(open().levels(), ElementsAre(false, true));
   kernel->levels_error = ENODEV;
-  EXPECT_THAT(wordsOf([&] { open().levels(); }), HasSubstr("the chip has gone"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { open().levels(); }), HasSubstr("the chip has gone"));
 }
 
 TEST_F(LineRequestTest, HalfAnEdgeIsNone) {

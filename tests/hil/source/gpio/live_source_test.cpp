@@ -72,7 +72,7 @@ class GpioLiveSourceTest : public testing::Test {
   }
   SignalMap map;
   GpioLiveOptions options;
-  const std::shared_ptr<ScriptedKernel> kernel = std::make_shared<ScriptedKernel>();
+  std::shared_ptr<ScriptedKernel> kernel = std::make_shared<ScriptedKernel>();
   const std::shared_ptr<ScriptedSerial> serial = std::make_shared<ScriptedSerial>();
   std::unique_ptr<GpioLiveSource> source;
   Batch batch;
@@ -272,6 +272,41 @@ TEST_F(GpioLiveSourceTest, AModelThatIsHopelesslySlowEndsTheRun) {
   runTo(10 * kMs);
   kernel->passTime(300 * kMs);
   expectLost("does not keep up with the clock");
+}
+
+// Each look at the kernel's buffer takes time, and meanwhile the next edges are there.
+TEST_F(GpioLiveSourceTest, ALineThatOscillatesWithoutEndHoldsNothingUp) {
+  for (const int edges_at_once : {1, 63, 64, 200}) {
+    options.in.quiet_s = 60;
+    open();
+    batch = {};
+    kernel->before_poll = [&](std::uint64_t /*now_ns*/) {
+      for (int i = 0; i < edges_at_once; ++i) {
+        kernel->passTime(2'000);
+        kernel->toggle(kernel->now_ns(), 0);
+      }
+      kernel->level_bits = kernel->levelOf(0) ? 1 : 0;
+    };
+    const std::vector<PinEvent> events = runTo(5 * kMs);
+    EXPECT_EQ(stop, Stop::kReached) << edges_at_once;
+    EXPECT_GT(events.size(), 2'000U) << edges_at_once;
+    EXPECT_LT(kernel->now_ns(), kOrigin + 100 * kMs) << edges_at_once;
+    // The levels are no witness against edges that still come.
+    EXPECT_THAT(source->finish(5 * kMs).problems, IsEmpty()) << edges_at_once;
+    source.reset();
+    kernel = std::make_shared<ScriptedKernel>();
+  }
+}
+
+TEST_F(GpioLiveSourceTest, MoreEdgesThanARecordingHoldsEndTheRun) {
+  options.most_edges = 1'000;
+  open();
+  kernel->before_poll = [this](std::uint64_t /*now_ns*/) {
+    kernel->passTime(2'000);
+    kernel->toggle(kernel->now_ns(), 0);
+  };
+  expectLost("more edges came than a recording holds");
+  EXPECT_LT(kernel->now_ns(), kOrigin + 100 * kMs);
 }
 
 TEST_F(GpioLiveSourceTest, ASerialLineThatHangsUpEndsTheRun) {

@@ -7,6 +7,7 @@
 #include <cerrno>
 
 #include "tests/hil/source/gpio/scripted_kernel.h"
+#include "tests/hil/source/words_of.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -21,15 +22,6 @@ class OutputLinesTest : public testing::Test {
   OutputLines open(std::vector<LineWish> lines = {{4, "a"}, {5, "b"}, {7, "mark"}},
                    const std::vector<bool>& levels = {true, false, true}) {
     return {kernel, "/dev/gpiochip1", std::move(lines), levels};
-  }
-  template <typename Work>
-  std::string wordsOf(const Work& work) {
-    try {
-      work();
-    } catch (const GpioError& e) {
-      return e.what();
-    }
-    return "no error";
   }
   void TearDown() override { EXPECT_THAT(kernel->open_fds, IsEmpty()); }
   const std::shared_ptr<ScriptedKernel> kernel = std::make_shared<ScriptedKernel>();
@@ -58,13 +50,16 @@ TEST_F(OutputLinesTest, LinesThatChangeTogetherDoSoInOneCall) {
 
 TEST_F(OutputLinesTest, EveryLineThatIsTakenOrNotThereIsRefused) {
   kernel->taken = {{4, "spi0 CS0"}, {7, ""}};
-  EXPECT_EQ(wordsOf([&] { open(); }),
+  EXPECT_EQ(wordsOf<GpioError>([&] { open(); }),
             "/dev/gpiochip1: line 4 for a is taken by 'spi0 CS0'\n"
             "/dev/gpiochip1: line 7 for mark is taken by somebody who gives no name");
-  EXPECT_THAT(wordsOf([&] { open({{12, "a"}}, {false}); }), HasSubstr("there is no line 12 for a"));
-  EXPECT_THAT(wordsOf([&] { open({}, {}); }), HasSubstr("must be 1 to 64"));
+  EXPECT_THAT(wordsOf<GpioError>([&] {
+                open({{12, "a"}}, {false});
+              }),
+              HasSubstr("there is no line 12 for a"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { open({}, {}); }), HasSubstr("must be 1 to 64"));
   kernel->open_error = EACCES;
-  EXPECT_THAT(wordsOf([&] { open(); }), HasSubstr("udev"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { open(); }), HasSubstr("udev"));
 }
 
 TEST_F(OutputLinesTest, SaysWhyLinesCannotBeOutputs) {
@@ -76,16 +71,19 @@ TEST_F(OutputLinesTest, SaysWhyLinesCannotBeOutputs) {
       {ENOMEM, "Cannot allocate memory"}};
   for (const auto& [error, words] : cases) {
     kernel->output_error = error;
-    EXPECT_THAT(wordsOf([&] { open(); }), AllOf(HasSubstr("/dev/gpiochip1: "), HasSubstr(words)));
+    EXPECT_THAT(wordsOf<GpioError>([&] { open(); }), AllOf(HasSubstr("/dev/gpiochip1: "), HasSubstr(words)));
   }
 }
 
 TEST_F(OutputLinesTest, AChipThatVanishesIsTold) {
   OutputLines lines = open();
   kernel->set_error = ENODEV;
-  EXPECT_THAT(wordsOf([&] { lines.set({{0, false}}); }), HasSubstr("has gone while its lines were driven"));
+  EXPECT_THAT(wordsOf<GpioError>([&] {
+                lines.set({{0, false}});
+              }),
+              HasSubstr("has gone while its lines were driven"));
   kernel->set_error = EIO;
-  EXPECT_THAT(wordsOf([&] { lines.set({{0, false}}); }), HasSubstr("can no longer be driven"));
+  EXPECT_THAT(wordsOf<GpioError>([&] { lines.set({{0, false}}); }), HasSubstr("can no longer be driven"));
 }
 
 }  // namespace

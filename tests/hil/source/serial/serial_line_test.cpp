@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/hil/source/serial/scripted_serial.h"
+#include "tests/hil/source/words_of.h"
 
 namespace kerfbench::hil {
 namespace {
@@ -22,17 +23,8 @@ using testing::IsEmpty;
 
 class SerialLineTest : public testing::Test {
  protected:
-  template <typename Work>
-  std::string wordsOf(const Work& work) {
-    try {
-      work();
-    } catch (const SerialError& e) {
-      return e.what();
-    }
-    return "no error";
-  }
   std::string refusal() {
-    return wordsOf([&] { const SerialLine line(system, "/dev/ttyUSB0", 250'000); });
+    return wordsOf<SerialError>([&] { const SerialLine line(system, "/dev/ttyUSB0", 250'000); });
   }
   void TearDown() override { EXPECT_EQ(system->lines_open, 0); }
   const std::shared_ptr<ScriptedSerial> system = std::make_shared<ScriptedSerial>();
@@ -91,14 +83,14 @@ TEST_F(SerialLineTest, AnInterruptedCallIsNoError) {
 TEST_F(SerialLineTest, ALineThatHangsUpIsTold) {
   SerialLine line(system, "/dev/ttyUSB0", 250'000);
   system->hung_up = true;
-  EXPECT_EQ(wordsOf([&] { line.pump(heard); }), "/dev/ttyUSB0: the other end has hung up");
+  EXPECT_EQ(wordsOf<SerialError>([&] { line.pump(heard); }), "/dev/ttyUSB0: the other end has hung up");
   system->read_error = EIO;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("hung up"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("hung up"));
   system->read_error = ENODEV;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("can no longer be read"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("can no longer be read"));
   line.write(std::vector<std::uint8_t>{1});
   system->write_error = EIO;
-  EXPECT_THAT(wordsOf([&] { line.pump(heard); }), HasSubstr("can no longer be written"));
+  EXPECT_THAT(wordsOf<SerialError>([&] { line.pump(heard); }), HasSubstr("can no longer be written"));
 }
 
 TEST_F(SerialLineTest, SaysWhyALineCannotBeOpened) {
@@ -128,6 +120,16 @@ TEST_F(SerialLineTest, SaysWhyALineCannotBeSet) {
   system->set_error = 0;
   system->flush_error = EIO;
   EXPECT_THAT(refusal(), HasSubstr("cannot be emptied"));
+}
+
+TEST_F(SerialLineTest, ALineThatIsRefusedIsLeftToOthers) {
+  system->set_error = EINVAL;
+  EXPECT_THAT(refusal(), HasSubstr("cannot be set"));
+  EXPECT_FALSE(system->alone);
+  system->set_error = 0;
+  system->runs_at_baud = 9'600;
+  EXPECT_THAT(refusal(), HasSubstr("runs at 9600 baud"));
+  EXPECT_FALSE(system->alone);
 }
 
 // The call succeeds although the driver took the nearest rate that it has.

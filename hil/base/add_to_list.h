@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace kerfbench::hil {
+
+/// Appends one more to what is told: on a line of its own, or behind another separator.
+inline void addToList(std::string& list, std::string_view item, std::string_view separator = "\n") {
+  if (!list.empty()) list += separator;
+  list += item;
+}
+
+}  // namespace kerfbench::hil
