@@ -78,9 +78,8 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   if (conclusion.safe_state) {
     judgeSafeState(the_case, twin, *conclusion.safe_state, report);
   } else {
-    judge(
-        the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
-        [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
+    judge(the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
+          progressOn(console), report);
   }
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "hil/app/release.h"
+#include "hil/app/run_on_pins.h"
 #include "hil/source/analyser/sr_file.h"
 #include "tests/hil/source/analyser/scripted_analyser.h"
 #include "tests/scenarios/released_pins.h"

@@ -12,6 +12,7 @@
 #include "hil/app/exit_codes.h"
 #include "hil/app/real_pins.h"
 #include "hil/app/release.h"
+#include "hil/app/run_on_pins.h"
 #include "hil/source/open.h"
 #include "tests/hil/app/board_kernel.h"
 #include "tests/hil/app/temp_folder.h"

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/run_on_pins.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hil/app/cut_on_twin.h"
+#include "hil/app/dialogs.h"
+#include "hil/app/hear_controller.h"
+#include "hil/app/live_pins.h"
+#include "hil/app/live_spot.h"
+#include "hil/app/machine_film.h"
+#include "hil/app/model_parting.h"
+#include "hil/app/sensor_lag.h"
+#include "hil/source/open.h"
+
+namespace kerfbench::hil {
+namespace {
+
+/// Whether the inputs of a controller on real pins were driven as the machine would have done it.
+void judgeSensors(const Case& the_case, const WitnessedTwin& twin, const PinRecording& recorded,
+                  LockstepResult& run, Console& console) {
+  std::vector<Signal> signals;
+  for (const PinLine& line : the_case.scenario.firmware.gpio.outputs) signals.push_back(line.signal);
+  const double limit_s = sensorLagLimit_s(the_case.scenario);
+  const SensorLag found =
+      sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
+  console.say(
+      fmt::format("  {} edges of sensors: at worst {:.1f} us off the machine's, {:.1f} us rms, limit {:.1f}",
+                  found.lag.edges(), 1e-3 * static_cast<double>(found.lag.worst_ns()),
+                  1e-3 * found.lag.rms_ns(), 1e6 * limit_s));
+  run.problems.insert(run.problems.end(), found.problems.begin(), found.problems.end());
+}
+
+}  // namespace
+
+int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const Recorded& before,
+                  Conclusion conclusion, const CommonOptions& options, Stopwatch& stopwatch,
+                  Console& console) {
+  const PinRecording& recorded = before.pins;
+  const auto source = openRecording(recorded, conclusion.source_id);
+  const bool is_real = the_case.scenario.cameras.spot.is_real;
+  twin::Twin twin(is_real ? watchedDensely(drawn.machine) : drawn.machine, webOf(the_case), recorded.rate,
+                  twinOptions(the_case));
+  MachineFilm film(drawn.machine.laser.full_power_w);
+  FilmedSource filmed(*source, twin, film);
+  LockstepOptions lockstep;
+  lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  const bool driven = !the_case.scenario.firmware.gpio.outputs.empty();
+  WitnessedTwin witnessed(twin);
+  TwinModel alone(twin);
+  LockstepModel& model = driven ? static_cast<LockstepModel&>(witnessed) : alone;
+  LockstepResult run =
+      runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, progressOn(console));
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
+    problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
+  run.dialog_failure = before.dialog_failure;
+  run.dialog_failed_s = before.dialog_failed_s;
+  if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
+  run.recording.sensors = recorded.sensors;
+  run.recording.uart = recorded.uart;
+  run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
+  film.add(twin);
+  stopwatch.lap("machine");
+  conclusion.drawn = &drawn;
+  conclusion.film = &film;
+  // A recording without the controller's words is judged by its pins alone.
+  if (!recorded.uart.empty()) {
+    const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
+    hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
+                   std::numeric_limits<double>::quiet_NaN(), run, conclusion);
+  } else {
+    spoilByDialog(run);
+  }
+  return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
+}
+
+int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
+              Console& console) {
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  const twin::DrawnMachine drawn = drawnMachine(the_case);
+  PreparedJob job = prepareJob(the_case);
+  console.say("  " + job.summary);
+  stopwatch.lap("reading and planning");
+  Conclusion conclusion;
+  conclusion.folder_name = the_case.scenario.name;
+  conclusion.firmware = "real pins of " + pinsName(firmware);
+  LiveSpot spot(the_case, options.results_dir, console);
+  Recorded recorded;
+  std::string driven;
+  if (firmware.gpio.isLive()) {
+    LivePins live = runLive(the_case, drawn, pins, job, console);
+    driven = fmt::format("; {} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms",
+                         live.lag.edges(), 1e-3 * static_cast<double>(live.lag.worst_ns()),
+                         1e-3 * live.lag.rms_ns());
+    conclusion.firmware_version = std::move(job.controller);
+    conclusion.gcode = std::move(job.gcode);
+    recorded = {std::move(live.captured.recording), std::move(live.dialog_failure), live.dialog_failed_s};
+    // Said by the recording, as in a replay; the reference controller's is judged by its own words.
+    if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench && !recorded.dialog_failure.empty())
+      recorded.pins.problems.push_back(std::exchange(recorded.dialog_failure, {}));
+  } else {
+    recorded.pins = hearPins(the_case, pins, console).recording;
+  }
+  conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
+                                     1e6 * recorded.pins.rate.seconds(recorded.pins.stamp_err_ticks), driven);
+  spot.finish(conclusion, console);
+  stopwatch.lap("real pins");
+  return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+}
+
+}  // namespace kerfbench::hil
