@@ -54,3 +54,14 @@ void refuseRealCamera(const Case& the_case) {
 }
 
 }  // namespace kerfbench::hil
+void refuseKerfPictures(const Case& the_case) {
+  const KerfCameraChoice& kerf = the_case.scenario.cameras.kerf;
+  if (kerf.tiles.empty()) return;
+  throw InputFault(fmt::format(
+      "{}: pictures that are there before a sheet is cut are not of it. First cut and record with kerf: "
+      "{{source: twin}} (`run`; or `capture`, and `record-frames` for a real spot camera), then photograph "
+      "that "
+      "sheet, then judge it with {{source: tiles}}: ./bench replay PINS.vcd --scenario {}",
+      kerf.place, the_case.scenario.path.string()));
+}
+

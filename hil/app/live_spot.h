@@ -37,3 +37,7 @@ std::filesystem::path framesOfReplay(const Case& the_case, const std::filesystem
 void refuseRealCamera(const Case& the_case);
 
 }  // namespace kerfbench::hil
+/// Before a sheet is cut. @throws InputFault for a case whose kerf pictures are there already: they are of an
+/// earlier sheet, and would pass this one.
+void refuseKerfPictures(const Case& the_case);
+

@@ -78,6 +78,7 @@ int runOne(const fs::path& path, const CommonOptions& options) {
   const Case the_case = caseWithOptions(path, options);
   const Scenario& scenario = the_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
+  refuseKerfPictures(the_case);
   if (scenario.firmware.onRealPins())
     return runOnPins(the_case, realPins(options.bin_dir), options, stopwatch, console);
   refuseRealCamera(the_case);

@@ -80,6 +80,7 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
 
 int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
               Console& console) {
+  refuseKerfPictures(the_case);
   const FirmwareChoice& firmware = the_case.scenario.firmware;
   const twin::DrawnMachine drawn = drawnMachine(the_case);
   PreparedJob job = prepareJob(the_case);

@@ -30,7 +30,8 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
 /// Runs a case on real pins and judges it. Whether the model runs along to drive the controller's inputs or
 /// not, what is judged is the recording, with the model behind it: nothing that is slow there makes anything
 /// late, and a replay of the recording is the same evidence. Returns the exit code of the verdict.
-/// @throws InputFault if the pins cannot be had: who, where, and what to do.
+/// @throws InputFault if the pins cannot be had (who, where, and what to do), and before that as
+/// refuseKerfPictures().
 int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
               Console& console);
 
