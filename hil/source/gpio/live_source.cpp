@@ -52,6 +52,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   batch.events.clear();
   batch.uart.clear();
   batch.watermark = watermark_;
+  batch.uart_heard = uartHeard();
   if (stop_ != Stop::kReached) return stop_;
   if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
   try {
@@ -75,6 +76,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
     const std::vector<std::uint8_t>& bytes = heard_[handed_bytes_].bytes;
     batch.uart.insert(batch.uart.end(), bytes.begin(), bytes.end());
   }
+  batch.uart_heard = uartHeard();
   batch.watermark = watermark_ = until;
   const bool quiet = options_.ends_when_quiet && any_edge_ &&
                      system_->now_ns() - last_edge_ns_ >= nanoseconds(options_.in.quiet_s);

@@ -76,7 +76,8 @@ class GpioLiveSource final : public SignalSource {
   /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, or the caller is
   /// hopelessly late.
   Stop advance(Tick until, Batch& batch) override;
-  /// Calls for one pin come in order of tick, which may be past; pins without a line are passed over.
+  /// Unlike other sources: calls come in order of tick for each pin alone, and a tick that is past is put out
+  /// at once. Pins without a line are passed over.
   void drive(PinId pin, bool level, Tick at) override;
   void uartWrite(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] std::string message() const override { return message_; }
@@ -95,6 +96,8 @@ class GpioLiveSource final : public SignalSource {
   [[nodiscard]] std::uint64_t nsOf(Tick tick) const { return origin_ns_ + tick; }
 
   GpioLiveOptions options_;
+  /// Of the last bytes that the caller has.
+  [[nodiscard]] Tick uartHeard() const { return handed_bytes_ == 0 ? 0 : heard_[handed_bytes_ - 1].tick; }
   std::shared_ptr<GpioSystem> system_;
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;

@@ -110,6 +110,16 @@ TEST_F(LivePinsTest, AReleaseThatMisreadsTheDrivenEncoderFails) {
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
 }
 
+// The line hears of it 21 ms after the pins are known: no host that gave up before.
+TEST_F(LivePinsTest, AReleaseThatStopsByItselfFailsAndSoDoesItsReplayWithTheSameDigest) {
+  plugIn("controller-native");
+  write("belt: {profile: [{at_s: 3, speed_mm_s: 250}]}\n");
+  EXPECT_EQ(run(), 1) << verdict()["problems"];
+  EXPECT_THAT(verdict()["summary"].get<std::string>(), HasSubstr("the belt is too fast for this job"));
+  expectReplayAgrees(1);
+  EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
+}
+
 /// Runs that cannot end well: the evidence is INVALID and says why, and a replay of it is INVALID as well.
 class SpoiltLivePinsTest : public LivePinsTest {
  protected:
