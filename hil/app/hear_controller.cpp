@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/app/hear_controller.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "hil/app/controller_ear.h"
 #include "hil/app/pin_sums.h"
@@ -17,26 +19,32 @@ bool canBeAsked(const ProvokeChoice& provoke) {
          provoke.cause != ProvokeChoice::Cause::kUartNoise;
 }
 
+/// To both that do not have it: a recording says so already in its replay.
 void addProblem(const std::string& problem, LockstepResult& run) {
-  if (!problem.empty()) run.problems.push_back(problem);
+  if (problem.empty()) return;
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems}) {
+    if (std::ranges::find(*problems, problem) == problems->end()) problems->push_back(problem);
+  }
 }
 
 }  // namespace
 
-void spoilByDialog(LockstepResult& run) {
-  addProblem(run.dialog_failure, run);
-  if (!run.dialog_failure.empty()) run.recording.problems.push_back(run.dialog_failure);
+std::string unprovenDialog(const Case& the_case, const PinRecording& recording, const LockstepResult& run) {
+  if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) return run.dialog_failure;
+  const PinSums pins(recording, the_case.machine.signals);
+  return unprovenEnd(controllerEnd(ControllerEar(recording), pins, recording), run);
 }
 
 void hearController(const Case& the_case, const PreparedJob& job, const PinRecording& recording,
                     double line_cut_s, LockstepResult& run, Conclusion& conclusion) {
-  if (the_case.scenario.firmware.dialog != FirmwareChoice::Dialog::kKerfbench) {
-    spoilByDialog(run);
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench) {
+    addProblem(run.dialog_failure, run);
     return;
   }
   const PinSums pins(recording, the_case.machine.signals);
   const ControllerEar ear(recording);
-  conclusion.words.account = pins.accountBeside(ear.account(), the_case.scenario.firmware.baud);
+  conclusion.words.account = pins.accountBeside(ear.account(), firmware.baud);
   const ProvokeChoice& provoke = the_case.scenario.provoke;
   if (provoke.cause == ProvokeChoice::Cause::kNone) {
     conclusion.words.end = controllerEnd(ear, pins, recording);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "hil/app/case.h"
 #include "hil/app/conclude.h"
 #include "hil/app/dialogs.h"
@@ -9,11 +11,12 @@
 
 namespace kerfbench::hil {
 
-/// A dialog that failed makes the run INVALID; it goes into the recording as well, since a replay has no
-/// dialog that could fail.
-void spoilByDialog(LockstepResult& run);
+/// What a dialog that was led leaves unproven of a recording, empty where nothing is: why it failed, unless
+/// the reference controller stopped by itself.
+std::string unprovenDialog(const Case& the_case, const PinRecording& recording, const LockstepResult& run);
 
-/// What the controller itself said of the run, and of its end; what that leaves unproven is a problem.
+/// What the controller itself said of the run, and of its end; what that leaves unproven is a problem, of the
+/// recording as well, since a replay has no dialog that could fail.
 /// @param line_cut_s when a provocation cut the line to it; NaN: it did not.
 void hearController(const Case& the_case, const PreparedJob& job, const PinRecording& recording,
                     double line_cut_s, LockstepResult& run, Conclusion& conclusion);

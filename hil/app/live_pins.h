@@ -15,10 +15,9 @@ namespace kerfbench::hil {
 
 /// What a live run leaves.
 struct LivePins {
-  PinCapture captured;         ///< Sensors as they were driven, and the UART, included.
-  LagMeter lag;                ///< Of the driven edges against their plan.
-  std::string dialog_failure;  ///< As LockstepResult's.
-  double dialog_failed_s{};
+  /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
+  PinCapture captured;
+  LagMeter lag;  ///< Of the driven edges against their plan.
 };
 
 /// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the

@@ -57,10 +57,10 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
                           recording.string()));
   const twin::DrawnMachine drawn = drawnMachine(the_case);
-  Recorded recorded;
+  PinRecording recorded;
   Conclusion conclusion;
   try {
-    recorded.pins = readRecording(recording, the_case);
+    recorded = readRecording(recording, the_case);
     conclusion.source_id = "recording sha256 " + sha256File(recording);
   } catch (const std::runtime_error& e) {
     throw InputFault(e.what());

@@ -37,10 +37,9 @@ void judgeSensors(const Case& the_case, const WitnessedTwin& twin, const PinReco
 
 }  // namespace
 
-int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const Recorded& before,
+int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const PinRecording& recorded,
                   Conclusion conclusion, const CommonOptions& options, Stopwatch& stopwatch,
                   Console& console) {
-  const PinRecording& recorded = before.pins;
   const auto source = openRecording(recorded, conclusion.source_id);
   const bool is_real = the_case.scenario.cameras.spot.is_real;
   twin::Twin twin(is_real ? watchedDensely(drawn.machine) : drawn.machine, webOf(the_case), recorded.rate,
@@ -57,8 +56,6 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
       runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
     problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
-  run.dialog_failure = before.dialog_failure;
-  run.dialog_failed_s = before.dialog_failed_s;
   if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
@@ -72,8 +69,6 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const R
     const bool provoked = the_case.scenario.provoke.cause != ProvokeChoice::Cause::kNone;
     hearController(the_case, provoked ? prepareJob(the_case) : PreparedJob{}, recorded,
                    std::numeric_limits<double>::quiet_NaN(), run, conclusion);
-  } else {
-    spoilByDialog(run);
   }
   return conclude(the_case, twin, run, conclusion, options, stopwatch, console);
 }
@@ -90,7 +85,7 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
   conclusion.folder_name = the_case.scenario.name;
   conclusion.firmware = "real pins of " + pinsName(firmware);
   LiveSpot spot(the_case, options.results_dir, console);
-  Recorded recorded;
+  PinRecording recorded;
   std::string driven;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(the_case, drawn, pins, job, console);
@@ -99,15 +94,12 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
                          1e-3 * live.lag.rms_ns());
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);
-    recorded = {std::move(live.captured.recording), std::move(live.dialog_failure), live.dialog_failed_s};
-    // Said by the recording, as in a replay; the reference controller's is judged by its own words.
-    if (firmware.dialog != FirmwareChoice::Dialog::kKerfbench && !recorded.dialog_failure.empty())
-      recorded.pins.problems.push_back(std::exchange(recorded.dialog_failure, {}));
+    recorded = std::move(live.captured.recording);
   } else {
-    recorded.pins = hearPins(the_case, pins, console).recording;
+    recorded = hearPins(the_case, pins, console).recording;
   }
   conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
-                                     1e6 * recorded.pins.rate.seconds(recorded.pins.stamp_err_ticks), driven);
+                                     1e6 * recorded.rate.seconds(recorded.stamp_err_ticks), driven);
   spot.finish(conclusion, console);
   stopwatch.lap("real pins");
   return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);

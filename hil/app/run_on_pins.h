@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/conclude.h"
@@ -14,16 +12,9 @@
 
 namespace kerfbench::hil {
 
-/// Pins that are recorded already, and how they came about.
-struct Recorded {
-  PinRecording pins;
-  std::string dialog_failure;  ///< As LockstepResult's.
-  double dialog_failed_s{};
-};
-
 /// Twin and judge behind pins that are recorded already. `conclusion` but for what the twin alone knows.
-/// Returns the exit code of the verdict.
-int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const Recorded& before,
+/// Returns the exit code of the verdict. Live or replayed, the recording is all there is.
+int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const PinRecording& recorded,
                   Conclusion conclusion, const CommonOptions& options, Stopwatch& stopwatch,
                   Console& console);
 
