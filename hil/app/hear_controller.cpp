@@ -44,7 +44,9 @@ void hearController(const Case& the_case, const PreparedJob& job, const PinRecor
   }
   const PinSums pins(recording, the_case.machine.signals);
   const ControllerEar ear(recording);
-  conclusion.words.account = pins.accountBeside(ear.account(), firmware.baud);
+  conclusion.words.account = pins.accountBeside(
+      ear.account(),
+      {static_cast<double>(firmware.baud), firmware.gpio.uart.empty() ? 0.0 : firmware.gpio.uart_delay_s});
   const ProvokeChoice& provoke = the_case.scenario.provoke;
   if (provoke.cause == ProvokeChoice::Cause::kNone) {
     conclusion.words.end = controllerEnd(ear, pins, recording);

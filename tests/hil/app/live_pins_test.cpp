@@ -120,6 +120,19 @@ TEST_F(LivePinsTest, AReleaseThatStopsByItselfFailsAndSoDoesItsReplayWithTheSame
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
 }
 
+// An FTDI's latency timer: at 60 mm/s the belt goes on by 96 counts meanwhile.
+TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
+  plugIn("controller-native");
+  board->serial_latency_ns = 16'000'000;
+  write();
+  EXPECT_EQ(run(), 0) << verdict()["problems"];
+  expectReplayAgrees(0);
+  EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
+  // Who declares a line that is quicker is believed.
+  write("  uart_delay_ms: 0\n");
+  EXPECT_EQ(replayCommand(options.results_dir / "on-pins" / "pins.vcd", scenario, {}, options), 1);
+}
+
 /// Runs that cannot end well: the evidence is INVALID and says why, and a replay of it is INVALID as well.
 class SpoiltLivePinsTest : public LivePinsTest {
  protected:
