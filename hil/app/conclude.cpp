@@ -85,8 +85,6 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
   writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
   writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
-  if (conclusion.moves_frames)
-    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   if (!conclusion.gcode.empty()) writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
   stopwatch.lap("recording of the pins");
   if (options.pictures) {
@@ -98,6 +96,9 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   }
   report.timing = stopwatch.stages();
   writeReports(report, folder.staging());
+  // Last, so that whatever fails before leaves them where they are.
+  if (conclusion.moves_frames)
+    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   folder.commit();
   stopwatch.lap("report");
 

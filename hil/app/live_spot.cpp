@@ -27,9 +27,11 @@ void LiveSpot::finish(Conclusion& conclusion, Console& console) {
   const std::string ended = recorder_->finish();
   console.say(
       fmt::format("  {} frames{}", recorder_->frames(), ended.empty() ? "" : "; the camera ended: " + ended));
-  conclusion.spot_frames = scratch_->staging() / kSpotFrames;
+  conclusion.spot_frames = frames();
   conclusion.moves_frames = true;
 }
+
+fs::path LiveSpot::frames() const { return scratch_ ? scratch_->staging() / kSpotFrames : fs::path(); }
 
 fs::path framesOfReplay(const Case& the_case, const fs::path& pins, const fs::path& frames) {
   const SpotCameraChoice& spot = the_case.scenario.cameras.spot;
@@ -53,7 +55,6 @@ void refuseRealCamera(const Case& the_case) {
                     spot.place));
 }
 
-}  // namespace kerfbench::hil
 void refuseKerfPictures(const Case& the_case) {
   const KerfCameraChoice& kerf = the_case.scenario.cameras.kerf;
   if (kerf.tiles.empty()) return;
@@ -65,3 +66,4 @@ void refuseKerfPictures(const Case& the_case) {
       kerf.place, the_case.scenario.path.string()));
 }
 
+}  // namespace kerfbench::hil

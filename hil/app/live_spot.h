@@ -21,6 +21,8 @@ class LiveSpot {
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
   void finish(Conclusion& conclusion, Console& console);
+  /// Where the frames are while nobody has taken them; empty for a case without such a camera.
+  [[nodiscard]] std::filesystem::path frames() const;
 
  private:
   std::optional<ResultsFolder> scratch_;
@@ -36,8 +38,8 @@ std::filesystem::path framesOfReplay(const Case& the_case, const std::filesystem
 /// @throws InputFault for a case whose pins are emulated: a real camera sees nothing of them.
 void refuseRealCamera(const Case& the_case);
 
-}  // namespace kerfbench::hil
 /// Before a sheet is cut. @throws InputFault for a case whose kerf pictures are there already: they are of an
 /// earlier sheet, and would pass this one.
 void refuseKerfPictures(const Case& the_case);
 
+}  // namespace kerfbench::hil

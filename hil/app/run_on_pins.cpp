@@ -10,6 +10,7 @@
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/dialogs.h"
 #include "hil/app/hear_controller.h"
+#include "hil/app/kept_evidence.h"
 #include "hil/app/live_pins.h"
 #include "hil/app/live_spot.h"
 #include "hil/app/machine_film.h"
@@ -100,9 +101,14 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
   }
   conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
                                      1e6 * recorded.rate.seconds(recorded.stamp_err_ticks), driven);
-  spot.finish(conclusion, console);
-  stopwatch.lap("real pins");
-  return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+  try {
+    spot.finish(conclusion, console);
+    stopwatch.lap("real pins");
+    return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+  } catch (...) {
+    keepEvidence(the_case, recorded, spot.frames(), options.results_dir, console);
+    throw;
+  }
 }
 
 }  // namespace kerfbench::hil

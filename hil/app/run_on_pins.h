@@ -22,7 +22,7 @@ int judgeRecorded(const Case& the_case, const twin::DrawnMachine& drawn, const P
 /// not, what is judged is the recording, with the model behind it: nothing that is slow there makes anything
 /// late, and a replay of the recording is the same evidence. Returns the exit code of the verdict.
 /// @throws InputFault if the pins cannot be had (who, where, and what to do), and before that as
-/// refuseKerfPictures().
+/// refuseKerfPictures(). Whatever is thrown behind the recording has passed keepEvidence().
 int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
               Console& console);
 

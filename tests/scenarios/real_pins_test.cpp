@@ -8,7 +8,9 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <memory>
+#include <stdexcept>
 
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/release.h"
@@ -187,6 +189,35 @@ TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatT
   photograph(*bad_);
   EXPECT_EQ(judged(), 1);
   EXPECT_NE(verdict("good-pins-replay").at("versions").dump(), versions);
+}
+
+// The sheet is cut, whatever becomes of the judge.
+TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
+  const auto brokenRun = [&] {
+    hil::Stopwatch stopwatch;
+    hil::Console console(true);
+    hil::Case the_case = hil::readCase(good_->scenario(kFirmware), {});
+    the_case.scenario.fidelity = twin::Fidelity::kFast;
+    // It breaks while the pins are heard: the judge comes later.
+    const auto kernel = good_->kernel();
+    kernel->before_poll = [&the_case, levels = kernel->before_poll](std::uint64_t now) {
+      levels(now);
+      the_case.machine.glow_gray_per_w = std::numeric_limits<double>::quiet_NaN();
+    };
+    testing::internal::CaptureStdout();
+    EXPECT_THROW((void)runOnPins(the_case, pins(kernel), options(), stopwatch, console),
+                 std::invalid_argument);
+    return testing::internal::GetCapturedStdout();
+  };
+  const fs::path kept = results_.path() / "good-pins-capture";
+  EXPECT_THAT(brokenRun(), AllOf(HasSubstr("what was recorded is kept in " + kept.string()),
+                                 HasSubstr("./bench replay " + (kept / "pins.vcd").string())));
+  EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
+  EXPECT_EQ(textOf(kept / "scenario.yaml"), textOf(good_->scenario(kFirmware)));
+  EXPECT_EQ(hil::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
+  // Evidence does not take the place of evidence.
+  EXPECT_THAT(brokenRun(), HasSubstr(kept.string() + "-2"));
+  EXPECT_TRUE(same(kept / "pins.vcd", results_.path() / "good-pins-capture-2" / "pins.vcd"));
 }
 
 // What was spoiled when it was heard cannot be made clean by way of a file.
