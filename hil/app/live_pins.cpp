@@ -83,6 +83,16 @@ void tellUnproven(const Case& the_case, LockstepResult& run, PinRecording& recor
 
 }  // namespace
 
+std::string drivenWords(const LivePins& live) {
+  std::string words =
+      fmt::format("{} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms", live.lag.edges(),
+                  1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns());
+  if (live.switch_lag.edges() > 0)
+    words += fmt::format("; {} of limit switches, which answer to pins, at worst {:.1f} ms behind",
+                         live.switch_lag.edges(), 1e-6 * static_cast<double>(live.switch_lag.worst_ns()));
+  return words;
+}
+
 LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
                  const PreparedJob& job, Console& console) {
   const Scenario& scenario = the_case.scenario;
@@ -105,14 +115,12 @@ LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const Re
     GpioLiveRecord record = source.finish(run.recording.end);
     LivePins live;
     live.lag = record.lag;
+    live.switch_lag = record.switch_lag;
     live.captured = captureOf(run, record, source.info().stamp_err_ticks);
     tellUnproven(the_case, run, live.captured.recording);
     for (const std::string& note : live.captured.notes) console.say("  " + note);
-    console.say(fmt::format(
-        "  {} edges read in {:.3f} s, {} driven: at worst {:.1f} us behind their plan, {:.1f} "
-        "us rms",
-        live.captured.edges, GpioLiveSource::kRate.seconds(live.captured.recording.end), live.lag.edges(),
-        1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns()));
+    console.say(fmt::format("  {} edges read in {:.3f} s; {}", live.captured.edges,
+                            GpioLiveSource::kRate.seconds(live.captured.recording.end), drivenWords(live)));
     return live;
   } catch (const GpioError& e) {
     throw InputFault(e.what());

@@ -8,7 +8,7 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/real_pins.h"
 #include "hil/source/gpio/capture.h"
-#include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/lag_meter.h"
 #include "twin/cutter/imperfections.h"
 
 namespace kerfbench::hil {
@@ -17,8 +17,11 @@ namespace kerfbench::hil {
 struct LivePins {
   /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
   PinCapture captured;
-  LagMeter lag;  ///< Of the driven edges against their plan.
+  LagMeter lag, switch_lag;  ///< Of the driven edges against their plan; see GpioLiveRecord.
 };
+
+/// How many edges were driven and how late, for people.
+std::string drivenWords(const LivePins& live);
 
 /// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the
 /// controller if there is a serial line. @throws InputFault if pins or line cannot be had.

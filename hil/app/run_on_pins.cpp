@@ -33,6 +33,10 @@ void judgeSensors(const Case& the_case, const WitnessedTwin& twin, const PinReco
       fmt::format("  {} edges of sensors: at worst {:.1f} us off the machine's, {:.1f} us rms, limit {:.1f}",
                   found.lag.edges(), 1e-3 * static_cast<double>(found.lag.worst_ns()),
                   1e-3 * found.lag.rms_ns(), 1e6 * limit_s));
+  if (found.switch_lag.edges() > 0)
+    console.say(fmt::format(
+        "  {} edges of limit switches, which answer to pins: at worst {:.1f} ms off the machine's",
+        found.switch_lag.edges(), 1e-6 * static_cast<double>(found.switch_lag.worst_ns())));
   run.problems.insert(run.problems.end(), found.problems.begin(), found.problems.end());
 }
 
@@ -90,9 +94,7 @@ int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& o
   std::string driven;
   if (firmware.gpio.isLive()) {
     LivePins live = runLive(the_case, drawn, pins, job, console);
-    driven = fmt::format("; {} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms",
-                         live.lag.edges(), 1e-3 * static_cast<double>(live.lag.worst_ns()),
-                         1e-3 * live.lag.rms_ns());
+    driven = "; " + drivenWords(live);
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);
     recorded = std::move(live.captured.recording);

@@ -169,8 +169,10 @@ GpioLiveRecord GpioLiveSource::finish(Tick end) {
   for (const PlayedEdge& edge : played_) {
     const Tick tick = edge.put_ns - origin_ns_;
     if (tick > end) break;
-    record.sensors.push_back({tick, options_.out[edge.line].signal, edge.level});
-    record.lag.add(static_cast<std::int64_t>(edge.put_ns) - static_cast<std::int64_t>(edge.planned_ns), tick);
+    const Signal signal = options_.out[edge.line].signal;
+    record.sensors.push_back({tick, signal, edge.level});
+    LagMeter& lag = answersToPins(signal) ? record.switch_lag : record.lag;
+    lag.add(static_cast<std::int64_t>(edge.put_ns) - static_cast<std::int64_t>(edge.planned_ns), tick);
   }
   for (const HeardBytes& heard : heard_) {
     if (heard.tick <= end) record.uart.push_back(heard);

@@ -125,13 +125,20 @@ TEST_F(GpioLiveSourceTest, WhatTheCallAndTheCallerTakeIsMeasuredAsLag) {
   EXPECT_EQ(record.sensors[2].tick, 60 * kMs + 4'000);
 }
 
-TEST_F(GpioLiveSourceTest, ASensorThatAnswersToPinsIsLateByTheHoldBack) {
+TEST_F(GpioLiveSourceTest, ASensorThatAnswersToPinsIsLateByTheHoldBackAndIsMeasuredApart) {
+  constexpr PinId kLimitX{5, 1};
+  map.assign(Signal::kLimitX, kLimitX);
+  options.out.push_back({Signal::kLimitX, 11});
   open();
   runTo(5 * kMs);
-  source->drive(kEncoderA, true, 4 * kMs + 1);
-  runTo(6 * kMs);
+  source->drive(kEncoderA, true, 30 * kMs);
+  source->drive(kLimitX, true, 4 * kMs + 1);
+  runTo(12 * kMs);
   const GpioLiveRecord record = source->finish(50 * kMs);
-  EXPECT_EQ(record.lag.worst_ns(), static_cast<std::int64_t>(kMs + GpioLiveSource::kHoldBack_ns) - 1);
+  EXPECT_EQ(record.lag.edges(), 1U);
+  EXPECT_EQ(record.lag.worst_ns(), 0);
+  EXPECT_EQ(record.switch_lag.edges(), 1U);
+  EXPECT_EQ(record.switch_lag.worst_ns(), static_cast<std::int64_t>(kMs + GpioLiveSource::kHoldBack_ns) - 1);
 }
 
 TEST_F(GpioLiveSourceTest, EdgesComeInTheQuantumOfTheirStampsWheneverTheyAreRead) {
