@@ -16,7 +16,7 @@ namespace kerfbench::hil {
 /// the results.
 class LiveSpot {
  public:
-  /// @throws InputFault for a camera that cannot be had, std::system_error.
+  /// @throws as openSpotCamera() for a camera that cannot be had, std::system_error.
   LiveSpot(const Case& the_case, const std::filesystem::path& results_dir, Console& console);
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
