@@ -20,9 +20,8 @@ namespace fs = std::filesystem;
 /// What a driver rounds a setting by without its being another one.
 constexpr double kSameSetting = 0.01;
 
-std::string placeOf(const YamlReader& spot, const std::string& key) {
-  const std::string whole = "cameras.spot" + (key.empty() ? "" : "." + key);
-  return spot.placeOf(whole) + ": " + whole;
+std::string placeOf(const YamlReader& camera, const std::string& whole) {
+  return camera.placeOf(whole) + ": " + whole;
 }
 
 void readFormat(YamlReader& spot, SpotCameraChoice& choice) {
@@ -41,7 +40,7 @@ void readControls(YamlReader& spot, SpotCameraChoice& choice) {
     const auto value = numberFrom<std::int32_t>(text);
     if (!value) spot.fault("controls", fmt::format("{}: '{}' is no whole number", key, text));
     choice.settings.controls.push_back({key, value.value_or(0)});
-    choice.places[key] = placeOf(spot, "controls." + key);
+    choice.places[key] = placeOf(spot, "cameras.spot.controls." + key);
   }
 }
 
@@ -66,7 +65,7 @@ SpotCameraChoice readSpot(YamlReader spot) {
   choice.is_real = spot.choice("source", {"twin", "v4l2"}, "twin") == "v4l2";
   if (!choice.is_real) return choice;
   choice.device = spot.text("device");
-  choice.place = placeOf(spot, "device");
+  choice.place = placeOf(spot, "cameras.spot.device");
   readFormat(spot, choice);
   readTimes(spot, choice);
   if (spot.has("frames_per_s"))
@@ -81,7 +80,7 @@ SpotCameraChoice readSpot(YamlReader spot) {
                                      {"exposure_s", "exposure_us"},
                                      {"frame_rate_hz", "frames_per_s"},
                                      {"gain", "gain"}})
-    choice.places[setting] = placeOf(spot, key);
+    choice.places[setting] = placeOf(spot, std::string("cameras.spot.") + key);
   return choice;
 }
 
@@ -89,6 +88,7 @@ KerfCameraChoice readKerf(YamlReader kerf) {
   KerfCameraChoice choice;
   if (kerf.choice("source", {"twin", "tiles"}, "twin") != "tiles") return choice;
   choice.tiles = fs::absolute(kerf.folderOf("folder") / kerf.text("folder")).lexically_normal();
+  choice.place = placeOf(kerf, "cameras.kerf.folder");
   if (kerf.has("folder") && !fs::is_directory(choice.tiles))
     kerf.fault("folder", fmt::format("there is no folder {}", choice.tiles.string()));
   return choice;

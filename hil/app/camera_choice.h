@@ -33,6 +33,7 @@ struct SpotCameraChoice {
 /// Where the kerf's pictures come from.
 struct KerfCameraChoice {
   std::filesystem::path tiles;  ///< A folder with tiles.yaml; empty: the twin takes them.
+  std::string place;            ///< "file:line: cameras.kerf.folder", where there is one.
 };
 
 struct CameraChoice {

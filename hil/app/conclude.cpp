@@ -78,16 +78,13 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   if (conclusion.safe_state) {
     judgeSafeState(the_case, twin, *conclusion.safe_state, report);
   } else {
-    judge(
-        the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
-        [&](double now_s, const std::string& what) { console.progress(now_s, what); }, report);
+    judge(the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
+          progressOn(console), report);
   }
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
   writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
   writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
-  if (conclusion.moves_frames)
-    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   if (!conclusion.gcode.empty()) writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
   stopwatch.lap("recording of the pins");
   if (options.pictures) {
@@ -99,6 +96,9 @@ int conclude(const Case& the_case, twin::Twin& twin, const LockstepResult& run, 
   }
   report.timing = stopwatch.stages();
   writeReports(report, folder.staging());
+  // Last, so that whatever fails before leaves them where they are.
+  if (conclusion.moves_frames)
+    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
   folder.commit();
   stopwatch.lap("report");
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace kerfbench::hil {
@@ -26,5 +27,8 @@ class Console {
   bool terminal_;
   bool progress_shown_{false};
 };
+
+/// What tells the console of progress; `console` must outlive it.
+std::function<void(double now_s, const std::string& what)> progressOn(Console& console);
 
 }  // namespace kerfbench::hil

@@ -109,6 +109,7 @@ GpioChoice readGpioChoice(YamlReader& firmware) {
   choice.uart = firmware.text("uart", "");
   choice.uart_place = placeOf(firmware, "uart");
   choice.uart_wait_s = firmware.number("uart_wait_s", {.min = 0, .max = 30, .fallback = 0.0});
+  choice.uart_delay_s = 1e-3 * firmware.number("uart_delay_ms", {.min = 0, .max = 1000, .fallback = 20.0});
   if (choice.outputs.empty()) {
     for (const char* key : {"out_chip", "max_lag_us"}) {
       if (firmware.has(key)) firmware.fault(key, "belongs to firmware.outputs, which are not there");

@@ -37,6 +37,8 @@ struct GpioChoice {
   std::string uart;                 ///< Serial line to the controller; empty: none.
   std::string uart_place;
   double uart_wait_s{};  ///< After it was opened: some boards start anew then.
+  /// A byte is read at most so long after it was on the wire: adapters on USB hold a short packet back.
+  double uart_delay_s{};
 
   /// The model runs while the pins are read.
   [[nodiscard]] bool isLive() const { return !outputs.empty() || !uart.empty(); }

@@ -85,7 +85,7 @@ MeasuredSheet sheetOf(const HeadSetup& setup, const HeadCheckOptions& options, c
     const SheetByHand by_hand(setup, bench, options.results_dir, options.command_line);
     return by_hand({.job = job, .table = readControllerTable(table)});
   }
-  const auto progress = [&](double now_s, const std::string& what) { console.progress(now_s, what); };
+  const auto progress = progressOn(console);
   return sheetOnTwin(setup, bench, {job, kSheet, options.results_dir / job.name, table}, progress).measured;
 }
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hil/app/camera_files.h"
 #include "hil/app/cut_on_twin.h"
 #include "hil/app/model_parting.h"
@@ -60,9 +62,12 @@ std::unique_ptr<TileSource> kerfPictures(const Case& the_case, twin::Twin& twin,
                                          const CameraCalibration& calibration, int jobs, RunReport& report) {
   const CameraChoice& cameras = the_case.scenario.cameras;
   if (!cameras.kerf.tiles.empty()) {
-    report.versions.emplace_back("kerf pictures", "of " + cameras.kerf.tiles.string());
-    return std::make_unique<TileFolder>(cameras.kerf.tiles,
-                                        PictureSize{calibration.width_px, calibration.height_px});
+    auto tiles = std::make_unique<TileFolder>(cameras.kerf.tiles,
+                                              PictureSize{calibration.width_px, calibration.height_px});
+    report.versions.emplace_back("kerf pictures",
+                                 fmt::format("{} of {}, sha256 of their sums {}", tiles->size(),
+                                             cameras.kerf.tiles.string(), tiles->sha256OfSums()));
+    return tiles;
   }
   if (cameras.spot.is_real)
     report.versions.emplace_back("kerf pictures", "of the model: no real sheet was looked at for the kerf");

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/app/gpio_choice.h"
+#include "hil/app/hear_controller.h"
 #include "hil/app/live_model.h"
 #include "hil/app/lockstep.h"
 #include "hil/app/pin_capture.h"
@@ -17,8 +18,6 @@
 
 namespace kerfbench::hil {
 namespace {
-
-constexpr double kQuantum_s = 1e-3;
 
 bool wantsLimits(const Case& the_case) {
   return the_case.machine.kind == twin::MachineDescription::Kind::kGantry &&
@@ -75,7 +74,24 @@ PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t 
   return captured;
 }
 
+/// A replay has no dialog: what it leaves unproven is the recording's to say.
+void tellUnproven(const Case& the_case, LockstepResult& run, PinRecording& recording) {
+  run.problems = recording.problems;
+  const std::string unproven = unprovenDialog(the_case, recording, run);
+  if (!unproven.empty()) recording.problems.push_back(unproven);
+}
+
 }  // namespace
+
+std::string drivenWords(const LivePins& live) {
+  std::string words =
+      fmt::format("{} edges driven, at worst {:.1f} us behind their plan, {:.1f} us rms", live.lag.edges(),
+                  1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns());
+  if (live.switch_lag.edges() > 0)
+    words += fmt::format("; {} of limit switches, which answer to pins, at worst {:.1f} ms behind",
+                         live.switch_lag.edges(), 1e-6 * static_cast<double>(live.switch_lag.worst_ns()));
+  return words;
+}
 
 LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
                  const PreparedJob& job, Console& console) {
@@ -92,7 +108,6 @@ LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const Re
     GpioLiveSource source(options, the_case.machine.signals, pins.gpio, std::move(uart));
     announce(options, scenario.firmware, console);
     LockstepOptions lockstep;
-    lockstep.quantum_s = kQuantum_s;
     lockstep.time_limit_s = scenario.time_limit_s;
     // Without progress on the terminal: writing there can take longer than a quantum.
     LockstepResult run = runLockstep(source, model, the_case.machine.signals, job.dialog.get(), lockstep, {});
@@ -100,15 +115,12 @@ LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const Re
     GpioLiveRecord record = source.finish(run.recording.end);
     LivePins live;
     live.lag = record.lag;
-    live.dialog_failure = run.dialog_failure;
-    live.dialog_failed_s = run.dialog_failed_s;
+    live.switch_lag = record.switch_lag;
     live.captured = captureOf(run, record, source.info().stamp_err_ticks);
+    tellUnproven(the_case, run, live.captured.recording);
     for (const std::string& note : live.captured.notes) console.say("  " + note);
-    console.say(fmt::format(
-        "  {} edges read in {:.3f} s, {} driven: at worst {:.1f} us behind their plan, {:.1f} "
-        "us rms",
-        live.captured.edges, GpioLiveSource::kRate.seconds(live.captured.recording.end), live.lag.edges(),
-        1e-3 * static_cast<double>(live.lag.worst_ns()), 1e-3 * live.lag.rms_ns()));
+    console.say(fmt::format("  {} edges read in {:.3f} s; {}", live.captured.edges,
+                            GpioLiveSource::kRate.seconds(live.captured.recording.end), drivenWords(live)));
     return live;
   } catch (const GpioError& e) {
     throw InputFault(e.what());

@@ -8,18 +8,20 @@
 #include "hil/app/dialogs.h"
 #include "hil/app/real_pins.h"
 #include "hil/source/gpio/capture.h"
-#include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/lag_meter.h"
 #include "twin/cutter/imperfections.h"
 
 namespace kerfbench::hil {
 
 /// What a live run leaves.
 struct LivePins {
-  PinCapture captured;         ///< Sensors as they were driven, and the UART, included.
-  LagMeter lag;                ///< Of the driven edges against their plan.
-  std::string dialog_failure;  ///< As LockstepResult's.
-  double dialog_failed_s{};
+  /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
+  PinCapture captured;
+  LagMeter lag, switch_lag;  ///< Of the driven edges against their plan; see GpioLiveRecord.
 };
+
+/// How many edges were driven and how late, for people.
+std::string drivenWords(const LivePins& live);
 
 /// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the
 /// controller if there is a serial line. @throws InputFault if pins or line cannot be had.

@@ -27,9 +27,11 @@ void LiveSpot::finish(Conclusion& conclusion, Console& console) {
   const std::string ended = recorder_->finish();
   console.say(
       fmt::format("  {} frames{}", recorder_->frames(), ended.empty() ? "" : "; the camera ended: " + ended));
-  conclusion.spot_frames = scratch_->staging() / kSpotFrames;
+  conclusion.spot_frames = frames();
   conclusion.moves_frames = true;
 }
+
+fs::path LiveSpot::frames() const { return scratch_ ? scratch_->staging() / kSpotFrames : fs::path(); }
 
 fs::path framesOfReplay(const Case& the_case, const fs::path& pins, const fs::path& frames) {
   const SpotCameraChoice& spot = the_case.scenario.cameras.spot;
@@ -51,6 +53,17 @@ void refuseRealCamera(const Case& the_case) {
         fmt::format("{}: the pins are emulated, so a real camera sees nothing of them; run on real pins "
                     "(firmware.source: gpio, analyser), or replay with --frames",
                     spot.place));
+}
+
+void refuseKerfPictures(const Case& the_case) {
+  const KerfCameraChoice& kerf = the_case.scenario.cameras.kerf;
+  if (kerf.tiles.empty()) return;
+  throw InputFault(fmt::format(
+      "{}: pictures that are there before a sheet is cut are not of it. First cut and record with kerf: "
+      "{{source: twin}} (`run`; or `capture`, and `record-frames` for a real spot camera), then photograph "
+      "that "
+      "sheet, then judge it with {{source: tiles}}: ./bench replay PINS.vcd --scenario {}",
+      kerf.place, the_case.scenario.path.string()));
 }
 
 }  // namespace kerfbench::hil

@@ -16,11 +16,13 @@ namespace kerfbench::hil {
 /// the results.
 class LiveSpot {
  public:
-  /// @throws InputFault for a camera that cannot be had, std::system_error.
+  /// @throws as openSpotCamera() for a camera that cannot be had, std::system_error.
   LiveSpot(const Case& the_case, const std::filesystem::path& results_dir, Console& console);
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
   void finish(Conclusion& conclusion, Console& console);
+  /// Where the frames are while nobody has taken them; empty for a case without such a camera.
+  [[nodiscard]] std::filesystem::path frames() const;
 
  private:
   std::optional<ResultsFolder> scratch_;
@@ -35,5 +37,9 @@ std::filesystem::path framesOfReplay(const Case& the_case, const std::filesystem
 
 /// @throws InputFault for a case whose pins are emulated: a real camera sees nothing of them.
 void refuseRealCamera(const Case& the_case);
+
+/// Before a sheet is cut. @throws InputFault for a case whose kerf pictures are there already: they are of an
+/// earlier sheet, and would pass this one.
+void refuseKerfPictures(const Case& the_case);
 
 }  // namespace kerfbench::hil

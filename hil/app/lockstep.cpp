@@ -118,7 +118,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
       break;
     }
     const double now_s = info.rate.seconds(now);
-    if (!batch.uart.empty()) result.recording.uart.push_back({now, batch.uart});
+    if (!batch.uart.empty()) result.recording.uart.push_back({batch.uart_heard, batch.uart});
     if (dialog != nullptr && !finishing) {
       auto answer = dialog->step(batch.uart, now_s);
       if (options.provocation != nullptr) answer = options.provocation->toController(answer, now_s);
@@ -126,7 +126,7 @@ LockstepResult runLockstep(SignalSource& source, LockstepModel& model, const Sig
       finishing = dialog->state() != Dialog::State::kBusy;
       if (dialog->state() == Dialog::State::kFailed) {
         result.dialog_failure = fmt::format("at {:.3f} s: {}", now_s, dialog->message());
-        result.dialog_failed_s = now_s;
+        result.dialog_failed_s = info.rate.seconds(batch.uart_heard);
       }
       // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
       if (finishing)

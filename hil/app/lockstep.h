@@ -26,7 +26,8 @@ struct LockstepOptions {
 struct LockstepResult {
   PinRecording recording;
   std::string dialog_failure;  ///< Empty unless the dialog failed: "at 1.234 s: …". Left to the caller.
-  double dialog_failed_s{};
+  double dialog_failed_s{};  ///< What the recording's UART says up to here the dialog had heard by then, and
+                             ///< no more.
   std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
 };
 

@@ -12,7 +12,8 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // On the wire a KB_STATE follows its ACK, and perhaps an EVENT. The belt in it is that of the last border of
-// a period (0.8 ms), the main loop may be a period behind, and the bench looks every 0.5 ms.
+// a period (0.8 ms), the main loop may be a period behind, and the bench looks every 0.5 ms. What a real line
+// adds is the scenario's to say.
 constexpr double kStateBits = 34 * 10;
 constexpr double kBitsBefore = 16 * 10;
 constexpr double kControllerBehind_s = 3e-3;
@@ -57,9 +58,10 @@ long long PinSums::beltCountsAt(double time_s) const {
   return next == belt_.begin() ? 0 : (next - 1)->counts;
 }
 
-std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word, double baud) const {
-  const double to_s = word.time_s - kStateBits / baud;
-  const double from_s = to_s - kBitsBefore / baud - kControllerBehind_s;
+std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word,
+                                                    const UartTiming& uart) const {
+  const double to_s = word.time_s - kStateBits / uart.baud;
+  const double from_s = to_s - kBitsBefore / uart.baud - kControllerBehind_s - uart.read_delay_s;
   long long low = beltCountsAt(from_s);
   long long high = low;
   auto edge = std::ranges::upper_bound(belt_, from_s, {}, &EncoderEdge::time_s);
@@ -95,7 +97,7 @@ double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
 }
 
 ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Account>& told,
-                                         double baud) const {
+                                         const UartTiming& uart) const {
   ControllerAccount account;
   account.told = told.has_value();
   if (!told) return account;
@@ -106,8 +108,8 @@ ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Acco
     account.axes.push_back({name, told->steps[index], axis.net});
   }
   if (belt_wired_ && told->first_belt.time_s < told->belt.time_s) {
-    const auto [first_min, first_max] = beltAround(told->first_belt, baud);
-    const auto [last_min, last_max] = beltAround(told->belt, baud);
+    const auto [first_min, first_max] = beltAround(told->first_belt, uart);
+    const auto [last_min, last_max] = beltAround(told->belt, uart);
     account.belt = {told->belt.counts - told->first_belt.counts, last_min - first_max, last_max - first_min};
   }
   return account;

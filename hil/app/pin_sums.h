@@ -12,6 +12,12 @@
 
 namespace kerfbench::hil {
 
+/// How the controller's UART was heard.
+struct UartTiming {
+  double baud{};
+  double read_delay_s{};  ///< A byte has the time at which it was read: at most so long after it came. >= 0.
+};
+
 /// What the pins of a run add up to, from the recording alone: not what the twin made of them.
 class PinSums {
  public:
@@ -27,9 +33,9 @@ class PinSums {
   [[nodiscard]] double leaves_s(Signal pul, long long low, long long high) const;
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
   [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
-  /// Beside what the controller told last, at this baud rate; axes that are not wired are left out.
+  /// Beside what the controller told last; axes that are not wired are left out.
   [[nodiscard]] ControllerAccount accountBeside(const std::optional<ControllerEar::Account>& told,
-                                                double baud) const;
+                                                const UartTiming& uart) const;
 
  private:
   struct Axis {
@@ -41,7 +47,7 @@ class PinSums {
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts while the controller can have looked for what it then told.
   [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word,
-                                                           double baud) const;
+                                                           const UartTiming& uart) const;
   void addOutputs(const PinRecording& recording, const SignalMap& map);
 
   std::vector<Axis> axes_;

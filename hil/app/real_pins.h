@@ -9,7 +9,6 @@
 #include "hil/app/case.h"
 #include "hil/app/commands.h"
 #include "hil/app/console.h"
-#include "hil/app/stopwatch.h"
 #include "hil/source/analyser/analyser.h"
 #include "hil/source/gpio/capture.h"
 #include "hil/source/gpio/chips.h"
@@ -32,13 +31,6 @@ std::string pinsName(const FirmwareChoice& firmware);
 
 /// Records the pins that a case on real pins names, and drives none. @throws InputFault as captureCase().
 PinCapture hearPins(const Case& the_case, const RealPins& pins, Console& console);
-
-/// Runs a case on real pins and judges it. Whether the model runs along to drive the controller's inputs or
-/// not, what is judged is the recording, with the model behind it: nothing that is slow there makes anything
-/// late, and a replay of the recording is the same evidence. Returns the exit code of the verdict.
-/// @throws InputFault if the pins cannot be had: who, where, and what to do.
-int runOnPins(const Case& the_case, const RealPins& pins, const CommonOptions& options, Stopwatch& stopwatch,
-              Console& console);
 
 /// captureCommand() on these pins. @throws ConfigError; InputFault, also for a case whose controller's inputs
 /// are to be driven.

@@ -67,7 +67,7 @@ Seen onTwin(const HeadSetup& setup, const ReversalCommandOptions& options, Conso
   const MarkJob planned = planSheet(setup, plan, "reversal", gridPlaces(setup.field_W_mm, options.grid), 0);
   const SheetRequest request{planned, kSheet, options.results_dir / planned.name, setup.table_file};
   const Case the_case = sheetCase(setup, bench, request);
-  const auto progress = [&](double now_s, const std::string& what) { console.progress(now_s, what); };
+  const auto progress = progressOn(console);
   CutSheet cut = cutSheet(the_case, bench, planned.name, progress);
   // The job as its file rounds it: so that the pictures alone tell the same later.
   Seen seen{readMarkJob(request.folder / kSheetJob), {}};

@@ -43,7 +43,7 @@ FirmwareChoice readFirmwareOnAnalyser(YamlReader& firmware) {
   result.dialog = FirmwareChoice::Dialog::kNone;
   result.analyser = readAnalyserChoice(firmware);
   skipKeys(firmware, {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us",
-                      "out_chip", "max_lag_us", "uart_wait_s"});
+                      "out_chip", "max_lag_us", "uart_wait_s", "uart_delay_ms"});
   for (const char* key : {"outputs", "uart"}) {
     if (firmware.has(key))
       firmware.fault(key, "is for source: gpio; an analyser drives nothing and talks to no controller");

@@ -81,13 +81,13 @@ struct Strays {
 using StraysOf = std::map<Signal, Strays>;
 
 double limitOf_s(Signal signal, double limit_s) {
-  const bool answers_to_pins = signal == Signal::kLimitX || signal == Signal::kLimitY;
-  return answers_to_pins ? limit_s + kLimitSwitch_s + 1e-9 * static_cast<double>(GpioLiveSource::kHoldBack_ns)
-                         : limit_s;
+  return answersToPins(signal)
+             ? limit_s + kLimitSwitch_s + 1e-9 * static_cast<double>(GpioLiveSource::kHoldBack_ns)
+             : limit_s;
 }
 
 StraysOf straysOf(const std::vector<TimedEdge>& edges, const EdgeIndex& others, double end_s, double limit_s,
-                  LagMeter* lag) {
+                  SensorLag* lag) {
   StraysOf strays;
   for (const TimedEdge& edge : edges) {
     const Signal signal = std::get<Signal>(edge.kind);
@@ -97,7 +97,8 @@ StraysOf straysOf(const std::vector<TimedEdge>& edges, const EdgeIndex& others, 
     ++of_signal.edges;
     const double off_s = others.toNearest_s(edge);
     if (std::isfinite(off_s) && lag != nullptr)
-      lag->add(std::llround(1e9 * off_s), static_cast<std::uint64_t>(std::llround(1e9 * edge.time_s)));
+      (answersToPins(signal) ? lag->switch_lag : lag->lag)
+          .add(std::llround(1e9 * off_s), static_cast<std::uint64_t>(std::llround(1e9 * edge.time_s)));
     if (std::abs(off_s) <= allowed_s) continue;
     if (of_signal.astray++ == 0) of_signal.first_s = edge.time_s;
     if (std::isfinite(off_s)) of_signal.worst_s = std::max(of_signal.worst_s, std::abs(off_s));
@@ -126,7 +127,7 @@ SensorLag sensorLag(std::span<const SensorEdge> due, std::span<const SensorEdge>
   const std::vector<TimedEdge> put = timedEdges(driven, rate, signals);
   const double end_s = rate.seconds(end);
   SensorLag result;
-  tell(straysOf(wanted, EdgeIndex(put), end_s, limit_s, &result.lag),
+  tell(straysOf(wanted, EdgeIndex(put), end_s, limit_s, &result),
        "of the machine's sensor were not driven within", limit_s, result.problems);
   tell(straysOf(put, EdgeIndex(wanted), end_s, limit_s, nullptr),
        "that were driven are not the machine's within", limit_s, result.problems);

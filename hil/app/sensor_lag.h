@@ -7,7 +7,7 @@
 
 #include "hil/app/lockstep.h"
 #include "hil/app/scenario.h"
-#include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/lag_meter.h"
 #include "hil/source/vcd.h"
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
@@ -17,7 +17,8 @@ namespace kerfbench::hil {
 /// How far the controller's inputs, as they were driven on real pins, are from those of the machine that is
 /// judged. It is all that live driving adds: timers, calls, a model that ran ahead without the pins.
 struct SensorLag {
-  LagMeter lag;  ///< Driven less due, of the edges that have found each other.
+  LagMeter lag;         ///< Driven less due, of the edges that have found each other; without limit switches.
+  LagMeter switch_lag;  ///< Of these, which are as late as pins are known.
   std::vector<std::string>
       problems;  ///< Edges that were not driven in time, or that the machine did not make.
 };

@@ -92,8 +92,7 @@ MachineFilm filmed(const Case& the_case, const twin::MachineDescription& machine
         std::min(lockstep.time_limit_s, std::ranges::max(options.at_s) + lockstep.quantum_s);
   }
   const LockstepResult run =
-      runLockstep(filmed_source, twin, machine.signals, job.dialog.get(), lockstep,
-                  [&](double now_s, const std::string& what) { console.progress(now_s, what); });
+      runLockstep(filmed_source, twin, machine.signals, job.dialog.get(), lockstep, progressOn(console));
   film.add(twin);
   // Where the last time asked for ends the run, the job is not done, and that is no fault.
   const bool cut_short = !to_the_end && film.end_s() + 1e-9 >= std::ranges::max(options.at_s);

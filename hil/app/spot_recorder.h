@@ -21,8 +21,8 @@ struct OpenSpotCamera {
   std::unique_ptr<V4l2Stream> stream;
   RecordedCamera camera;
 };
-/// @throws InputFault with everything that is wrong, each with file and line: no such camera, no permission,
-/// a format or a setting that it has not or makes another of.
+/// @throws ConfigError for no such camera, or several; InputFault with everything that is wrong with it: no
+/// permission, a format or a setting that it has not or makes another of. Each with file and line.
 OpenSpotCamera openSpotCamera(const Case& the_case, VideoCalls& calls);
 
 /// Below a results folder: the recording of the spot camera's frames.
@@ -39,7 +39,7 @@ int recordFramesOf(VideoCalls& calls, const RecordFramesOptions& options);
 /// Records the spot camera of a case in the background while something else is going on (pins are captured).
 class SpotRecorder {
  public:
-  /// Begins. `folder`: see FrameRecordingWriter. @throws InputFault, std::system_error.
+  /// Begins. `folder`: see FrameRecordingWriter. @throws as openSpotCamera(), std::system_error.
   SpotRecorder(const Case& the_case, VideoCalls& calls, const std::filesystem::path& folder);
   ~SpotRecorder();
   SpotRecorder(const SpotRecorder&) = delete;

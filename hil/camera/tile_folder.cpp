@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
 
@@ -33,7 +34,8 @@ GrayImage readPicture(const std::filesystem::path& path) {
 
 }  // namespace
 
-TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<PictureSize> size) : size_(size) {
+TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<PictureSize> size)
+    : folder_(folder), size_(size) {
   auto file = YamlReader::openFile(folder / kList);
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
@@ -48,7 +50,7 @@ TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<Pictur
     if (!std::filesystem::is_regular_file(folder / name, ignored))
       tile.fault("file", fmt::format("there is no {}", (folder / name).string()));
     if (!names.insert(name).second) tile.fault("file", fmt::format("{} is listed twice", name));
-    entries_.push_back({folder / name, static_cast<int>(unit), {place[0], place[1]}});
+    entries_.push_back({name, static_cast<int>(unit), {place[0], place[1]}});
   }
   file.finish();
 }
@@ -67,13 +69,21 @@ std::vector<KerfTile> TileFolder::nextBatch(std::size_t max) {
 }
 
 KerfTile TileFolder::read(const Entry& entry) const {
-  GrayImage image = readPicture(entry.file);
+  const std::filesystem::path file = folder_ / entry.name;
+  GrayImage image = readPicture(file);
   if (size_ && (image.width != size_->width_px || image.height != size_->height_px)) {
     throw ConfigError(fmt::format("{}: has {} x {} pixels, the camera is calibrated for {} x {}",
-                                  entry.file.string(), image.width, image.height, size_->width_px,
+                                  file.string(), image.width, image.height, size_->width_px,
                                   size_->height_px));
   }
   return {std::move(image), entry.p_TV_mm, entry.unit};
+}
+
+std::string TileFolder::sha256OfSums() const {
+  std::string sums = fmt::format("{}  {}\n", sha256File(folder_ / kList), kList);
+  for (const Entry& entry : entries_)
+    sums += fmt::format("{}  {}\n", sha256File(folder_ / entry.name), entry.name);
+  return sha256(sums);
 }
 
 std::string TileFolder::faultsFrom(std::size_t first) const {

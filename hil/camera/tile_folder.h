@@ -31,16 +31,21 @@ class TileFolder final : public TileSource {
   /// cannot be read or has another size.
   std::vector<KerfTile> nextBatch(std::size_t max) override;
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  /// SHA-256 that stands for the list and all its pictures: of the lines that `sha256sum` prints for
+  /// tiles.yaml and then for each picture, by the names and in the order of the list. @throws
+  /// std::system_error.
+  [[nodiscard]] std::string sha256OfSums() const;
 
  private:
   struct Entry {
-    std::filesystem::path file;
+    std::string name;  ///< Of the file, in the folder.
     int unit{};
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };
   [[nodiscard]] KerfTile read(const Entry& entry) const;
   [[nodiscard]] std::string faultsFrom(std::size_t first) const;
 
+  std::filesystem::path folder_;
   std::optional<PictureSize> size_;
   std::vector<Entry> entries_;
   std::size_t next_{0};

@@ -75,8 +75,9 @@ struct Evidence {
   std::optional<CameraCalibration> spot_calibration;
   double pin_u_s{
       0.0};  ///< Standard uncertainty of the time of one pin edge; 0 for an emulator, which counts cycles.
-  /// Bound of the error of the frames' times on the clock of the pins, one and the same for all of them; 0
-  /// where the camera is stamped by the pins' own clock.
+  /// How far the frames' times can be off on the clock of the pins, one and the same for all of them: of a
+  /// real camera 99.7 % by a jackknife over its frames, plus the declared error of the light, so no strict
+  /// bound; 0 where the camera is stamped by the pins' own clock.
   double clock_bound_s{0.0};
   std::vector<std::string>
       problems;  ///< Gaps, time limit, crash, protocol errors: each makes the verdict INVALID.

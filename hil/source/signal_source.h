@@ -33,6 +33,9 @@ struct Batch {
   std::vector<PinEvent> events;
   std::vector<std::uint8_t> uart;  ///< Bytes that the controller sent.
   Tick watermark{};                ///< Nothing at or before this tick can follow.
+  /// All bytes so far were heard at or before this tick, as the recording has it, and none that follow will
+  /// be. An emulator knows it of its watermark; what is read on a real line is of later than that.
+  Tick uart_heard{};
 };
 
 /// Where pins come from: an emulated or native release, a recording, real pins. One interface for all.
@@ -42,7 +45,8 @@ class SignalSource {
   [[nodiscard]] virtual SourceInfo info() const = 0;
   /// Runs to `until` (> the last watermark) and replaces `batch` by what happened in (last watermark, until].
   virtual Stop advance(Tick until, Batch& batch) = 0;
-  /// Puts a level on an input pin at a tick after the last watermark; calls come in order of tick.
+  /// Puts a level on an input pin at a tick after the last watermark; calls come in order of tick. (Live pins
+  /// take more: see GpioLiveSource.)
   virtual void drive(PinId pin, bool level, Tick at) = 0;
   /// Queues bytes to the controller's UART; they go out at its baud rate, honouring its flow control.
   virtual void uartWrite(std::span<const std::uint8_t> bytes) = 0;

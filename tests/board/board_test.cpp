@@ -58,7 +58,7 @@ class ScriptedRelease : public hil::SignalSource {
   [[nodiscard]] hil::SourceInfo info() const override { return {kRate, 0, true, true, "script"}; }
   hil::Stop advance(Tick until, hil::Batch& batch) override {
     EXPECT_GT(until, watermark_);
-    batch = {{}, std::exchange(heard_, {}), until};
+    batch = {{}, std::exchange(heard_, {}), until, until};
     for (const PinEvent& event : events) {
       if (event.tick > watermark_ && event.tick <= until) batch.events.push_back(event);
     }

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "hil/app/camera_files.h"
+#include "hil/app/kept_evidence.h"
 #include "hil/app/real_spot.h"
 #include "hil/app/release.h"
 #include "hil/app/spot_recorder.h"
@@ -22,10 +23,12 @@
 namespace kerfbench::test {
 namespace {
 
+namespace fs = std::filesystem;
 using hil::FakeVideo;
 using hil::Verdict;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Cut once for all tests.
 const FilmedCut& goodCut() {
@@ -267,6 +270,33 @@ TEST(RealCamera, IsRecordedInTheBackgroundUntilItIsAskedToStop) {
   EXPECT_EQ(recording.frames(), recorder.frames());
   EXPECT_EQ(recording.camera().card, "Fake camera");
   EXPECT_EQ(recording.setup().exposure_s, 200e-6);
+}
+
+// Where a real run cannot be concluded.
+TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
+  const ScratchFolder scratch;
+  const auto camera = goodCut().camera();
+  (void)goodCut().record(*camera, scratch.path() / "whole");
+  fs::copy(scratch.path() / "whole", scratch.path() / "torn");
+  fs::remove(scratch.path() / "torn" / "camera.yaml");
+  hil::Console console(true);
+  const auto keep = [&](const fs::path& frames) {
+    testing::internal::CaptureStdout();
+    hil::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(), console);
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(keep(scratch.path() / "whole"), Not(HasSubstr("lost")));
+  const hil::FrameRecording kept(scratch.path() / "label-camera-capture" / "spot");
+  EXPECT_GT(kept.frames(), 0U);
+  EXPECT_FALSE(fs::exists(scratch.path() / "whole"));
+  EXPECT_THAT(keep(scratch.path() / "torn"), HasSubstr("the frames are not whole, and are lost"));
+  EXPECT_TRUE(fs::exists(scratch.path() / "label-camera-capture-2" / "pins.vcd"));
+  EXPECT_FALSE(fs::exists(scratch.path() / "label-camera-capture-2" / "spot"));
+  std::ofstream(scratch.path() / "no-folder") << "a file";
+  testing::internal::CaptureStdout();
+  hil::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
+                    console);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("could not be kept"));
 }
 
 TEST(RealCamera, IsRefusedWithEveryReasonWhereItIsNotAsAskedFor) {

@@ -8,9 +8,14 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <memory>
+#include <stdexcept>
 
+#include "hil/app/cut_on_twin.h"
 #include "hil/app/release.h"
+#include "hil/app/run_on_pins.h"
+#include "hil/camera/tile_folder.h"
 #include "hil/source/analyser/sr_file.h"
 #include "tests/hil/source/analyser/scripted_analyser.h"
 #include "tests/scenarios/released_pins.h"
@@ -99,6 +104,25 @@ class PinsToVerdict : public testing::Test {
   static bool same(const fs::path& a, const fs::path& b) {
     return !textOf(a).empty() && textOf(a) == textOf(b);
   }
+  /// A release's scenario with its kerf pictures in a folder, for `firmware`.
+  fs::path photographed(const ReleasedPins& release, const char* firmware) const {
+    fs::create_directories(photographs());
+    const fs::path scenario = release.scenario(firmware);
+    std::ofstream(scenario, std::ios::app)
+        << fmt::format("cameras: {{kerf: {{source: tiles, folder: '{}'}}}}\n", photographs().string());
+    return scenario;
+  }
+  fs::path photographs() const { return results_.path() / "photographs"; }
+  /// Those of the sheet that this release cuts.
+  void photograph(const ReleasedPins& release) const {
+    hil::Case the_case = hil::readCase(release.scenario("{source: native, image: controller-native}"),
+                                       fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    the_case.scenario.fidelity = twin::Fidelity::kFast;
+    hil::CutSheet cut = hil::cutOnTwin(the_case, options().bin_dir, [](double, const std::string&) {});
+    hil::TwinTileSource tiles = hil::kerfTiles(the_case, *cut.twin, {.threads = 2});
+    fs::remove_all(photographs());
+    hil::writeTiles(tiles, photographs());
+  }
   nlohmann::json verdict(const std::string& name) const { return verdictOf(results_.path() / name); }
 
   static inline std::unique_ptr<ScratchFolder> scratch_;
@@ -119,6 +143,77 @@ TEST_F(PinsToVerdict, AGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
 TEST_F(PinsToVerdict, ABadReleaseFails) {
   EXPECT_EQ(run(*bad_, bad_->kernel()), 1);
   EXPECT_THAT(checksThat(verdict("bad-pins"), "FAIL"), Contains("path"));
+}
+
+// They are of an earlier sheet, which may have been a good one.
+TEST_F(PinsToVerdict, KerfPicturesFromBeforeTheCutAreRefusedBeforeAnythingIsOpened) {
+  const auto kernel = good_->kernel();
+  const auto scenario = photographed(*good_, kFirmware);
+  try {
+    (void)runOn(pins(kernel), scenario);
+    FAIL() << "it cut";
+  } catch (const hil::InputFault& fault) {
+    EXPECT_THAT(fault.what(),
+                AllOf(HasSubstr("good.yaml:6: cameras.kerf.folder: pictures that are there before"),
+                      HasSubstr("replay PINS.vcd --scenario " + scenario.string())));
+  }
+  EXPECT_EQ(kernel->request.num_lines, 0U);
+  const auto emulated =
+      kerfbench(fmt::format("run '{}' -q --results-dir '{}'",
+                            photographed(*good_, "{source: native}").string(), results_.path().string()));
+  EXPECT_EQ(emulated.exit_code, 65);
+  EXPECT_THAT(emulated.output, HasSubstr("good.yaml:6: cameras.kerf.folder: pictures that are there before"));
+  EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
+}
+
+TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatTellsWhichTheyWere) {
+  EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
+  const auto judged = [&] {
+    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", photographed(*good_, kFirmware), {},
+                              options());
+  };
+  photograph(*good_);
+  EXPECT_EQ(judged(), 0) << verdict("good-pins-replay").at("problems");
+  const std::string versions = verdict("good-pins-replay").at("versions").dump();
+  const fs::path sums = results_.path() / "sums";
+  ASSERT_EQ(std::system(fmt::format("cd '{}' && sha256sum tiles.yaml tile-*.png | sha256sum >'{}'",
+                                    photographs().string(), sums.string())
+                            .c_str()),
+            0);
+  EXPECT_THAT(versions, HasSubstr("sha256 of their sums " + textOf(sums).substr(0, 64)));
+  // The pins are good, and the sheet is not theirs.
+  photograph(*bad_);
+  EXPECT_EQ(judged(), 1);
+  EXPECT_NE(verdict("good-pins-replay").at("versions").dump(), versions);
+}
+
+// The sheet is cut, whatever becomes of the judge.
+TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
+  const auto brokenRun = [&] {
+    hil::Stopwatch stopwatch;
+    hil::Console console(true);
+    hil::Case the_case = hil::readCase(good_->scenario(kFirmware), {});
+    the_case.scenario.fidelity = twin::Fidelity::kFast;
+    // It breaks while the pins are heard: the judge comes later.
+    const auto kernel = good_->kernel();
+    kernel->before_poll = [&the_case, levels = kernel->before_poll](std::uint64_t now) {
+      levels(now);
+      the_case.machine.glow_gray_per_w = std::numeric_limits<double>::quiet_NaN();
+    };
+    testing::internal::CaptureStdout();
+    EXPECT_THROW((void)runOnPins(the_case, pins(kernel), options(), stopwatch, console),
+                 std::invalid_argument);
+    return testing::internal::GetCapturedStdout();
+  };
+  const fs::path kept = results_.path() / "good-pins-capture";
+  EXPECT_THAT(brokenRun(), AllOf(HasSubstr("what was recorded is kept in " + kept.string()),
+                                 HasSubstr("./bench replay " + (kept / "pins.vcd").string())));
+  EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
+  EXPECT_EQ(textOf(kept / "scenario.yaml"), textOf(good_->scenario(kFirmware)));
+  EXPECT_EQ(hil::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
+  // Evidence does not take the place of evidence.
+  EXPECT_THAT(brokenRun(), HasSubstr(kept.string() + "-2"));
+  EXPECT_TRUE(same(kept / "pins.vcd", results_.path() / "good-pins-capture-2" / "pins.vcd"));
 }
 
 // What was spoiled when it was heard cannot be made clean by way of a file.

@@ -2,8 +2,6 @@
 #include "hil/source/gpio/edge_player.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <utility>
 
 namespace kerfbench::hil {
@@ -33,18 +31,6 @@ void EdgePlayer::play(std::vector<PlayedEdge>& played) {
       played.push_back({edge->line, edge->level, edge->wished_ns, last_put_ns_});
     planned_.erase(planned_.begin(), end);
   }
-}
-
-void LagMeter::add(std::int64_t lag_ns, std::uint64_t at_ns) {
-  ++edges_;
-  squares_ += static_cast<double>(lag_ns) * static_cast<double>(lag_ns);
-  if (std::abs(lag_ns) <= std::abs(worst_ns_)) return;
-  worst_ns_ = lag_ns;
-  worst_at_ns_ = at_ns;
-}
-
-double LagMeter::rms_ns() const {
-  return edges_ == 0 ? 0.0 : std::sqrt(squares_ / static_cast<double>(edges_));
 }
 
 }  // namespace kerfbench::hil

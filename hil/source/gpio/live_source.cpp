@@ -56,6 +56,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   batch.events.clear();
   batch.uart.clear();
   batch.watermark = watermark_;
+  batch.uart_heard = uartHeard();
   if (stop_ != Stop::kReached) return stop_;
   if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
   try {
@@ -79,6 +80,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
     const std::vector<std::uint8_t>& bytes = heard_[handed_bytes_].bytes;
     batch.uart.insert(batch.uart.end(), bytes.begin(), bytes.end());
   }
+  batch.uart_heard = uartHeard();
   batch.watermark = watermark_ = until;
   const bool quiet = options_.ends_when_quiet && came_ > 0 &&
                      system_->now_ns() - last_edge_ns_ >= nanosecondsUp(options_.in.quiet_s);
@@ -177,8 +179,10 @@ GpioLiveRecord GpioLiveSource::finish(Tick end) {
   for (const PlayedEdge& edge : played_) {
     const Tick tick = edge.put_ns - origin_ns_;
     if (tick > end) break;
-    record.sensors.push_back({tick, options_.out[edge.line].signal, edge.level});
-    record.lag.add(static_cast<std::int64_t>(edge.put_ns) - static_cast<std::int64_t>(edge.planned_ns), tick);
+    const Signal signal = options_.out[edge.line].signal;
+    record.sensors.push_back({tick, signal, edge.level});
+    LagMeter& lag = answersToPins(signal) ? record.switch_lag : record.lag;
+    lag.add(static_cast<std::int64_t>(edge.put_ns) - static_cast<std::int64_t>(edge.planned_ns), tick);
   }
   for (const HeardBytes& heard : heard_) {
     if (heard.tick <= end) record.uart.push_back(heard);

@@ -11,6 +11,7 @@
 #include "hil/source/gpio/capture.h"
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/lag_meter.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/nanoseconds.h"
 #include "hil/source/gpio/port_events.h"
@@ -20,6 +21,9 @@
 #include "hil/source/vcd.h"
 
 namespace kerfbench::hil {
+
+/// Sensors that depend on the controller's pins, and not on the clock alone.
+constexpr bool answersToPins(Signal signal) { return signal == Signal::kLimitX || signal == Signal::kLimitY; }
 
 struct GpioLiveOptions {
   GpioCaptureOptions in;  ///< The controller's outputs. Its time limit is the caller's affair.
@@ -39,8 +43,9 @@ struct GpioLiveRecord {
   std::vector<std::string> problems;
   std::vector<std::string> notes;  ///< As PinCapture's.
   PinEvent gap;                    ///< Goes to the end of a recording that has problems.
-  LagMeter lag;                    ///< Of the output edges, against their plan.
-  std::uint64_t edges{};           ///< That came in.
+  LagMeter lag;           ///< Of the output edges, against their plan; without those that answer to pins.
+  LagMeter switch_lag;    ///< Of these, which come kHoldBack_ns late by design.
+  std::uint64_t edges{};  ///< That came in.
 };
 
 /// A controller's real pins while a model runs along: its outputs are read, its inputs are driven, its UART
@@ -78,7 +83,8 @@ class GpioLiveSource final : public SignalSource {
   /// kEnded when the pins are quiet (ends_when_quiet); kLost when chip or serial line fail, more edges came
   /// than a recording holds, or the caller is hopelessly late.
   Stop advance(Tick until, Batch& batch) override;
-  /// Calls for one pin come in order of tick, which may be past; pins without a line are passed over.
+  /// Unlike other sources: calls come in order of tick for each pin alone, and a tick that is past is put out
+  /// at once. Pins without a line are passed over.
   void drive(PinId pin, bool level, Tick at) override;
   void uartWrite(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] std::string message() const override { return message_; }
@@ -93,6 +99,8 @@ class GpioLiveSource final : public SignalSource {
   bool readEdges(std::uint64_t timeout_ns);
   void drain(std::uint64_t until_ns);
   void pumpUart();
+  /// Of the last bytes that the caller has.
+  [[nodiscard]] Tick uartHeard() const { return handed_bytes_ == 0 ? 0 : heard_[handed_bytes_ - 1].tick; }
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
   [[nodiscard]] std::uint64_t nsOf(Tick tick) const { return origin_ns_ + tick; }

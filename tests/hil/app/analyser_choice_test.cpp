@@ -67,19 +67,20 @@ TEST_F(AnalyserChoiceTest, AScenarioOnAGpiochipIsExtended) {
 }
 
 TEST_F(AnalyserChoiceTest, AScenarioWhoseInputsAreDrivenIsRefusedInWords) {
-  (void)temp_.write("gpio.yaml",
-                    "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
-                        "\nfirmware: {source: gpio, chip: gpiochip0, stamp_err_us: 30, uart: "
-                        "/dev/ttyUSB0, uart_wait_s: 2, outputs: {interlock: 16}, max_lag_us: 9}\n");
+  (void)temp_.write(
+      "gpio.yaml",
+      "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
+          "\nfirmware: {source: gpio, chip: gpiochip0, stamp_err_us: 30, uart: "
+          "/dev/ttyUSB0, uart_wait_s: 2, uart_delay_ms: 9, outputs: {interlock: 16}, max_lag_us: 9}\n");
   const auto path = temp_.write("s.yaml", std::string("extends: gpio.yaml\nname: on-pins\n") + kWires);
   try {
     (void)readCase(path, temp_.path());
     FAIL() << "nothing was wrong";
   } catch (const ConfigError& e) {
-    EXPECT_THAT(e.what(),
-                AllOf(HasSubstr("gpio.yaml:2: firmware.outputs: is for source: gpio"),
-                      HasSubstr("gpio.yaml:2: firmware.uart: is for source: gpio"), Not(HasSubstr("unknown")),
-                      Not(HasSubstr("uart_wait_s")), Not(HasSubstr("max_lag_us"))));
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("gpio.yaml:2: firmware.outputs: is for source: gpio"),
+                                HasSubstr("gpio.yaml:2: firmware.uart: is for source: gpio"),
+                                Not(HasSubstr("unknown")), Not(HasSubstr("uart_wait_s")),
+                                Not(HasSubstr("uart_delay_ms")), Not(HasSubstr("max_lag_us"))));
   }
 }
 

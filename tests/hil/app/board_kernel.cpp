@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint64_t kStep_ns = 200'000;
 constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+constexpr std::size_t kPacket = 62;  // Of an FTDI's 64 two are its status.
 __extension__ using Wide = unsigned __int128;
 
 }  // namespace
@@ -79,9 +80,17 @@ void BoardKernel::runTo(std::uint64_t goal_ns) {
   if (const Tick until = tickAt(goal_ns); until > batch_.watermark) {
     EXPECT_EQ(release_->advance(until, batch_), Stop::kReached) << release_->message();
     for (const PinEvent& event : batch_.events) takeEvent(event);
-    serial_->to_bench.insert(serial_->to_bench.end(), batch_.uart.begin(), batch_.uart.end());
+    held_.insert(held_.end(), batch_.uart.begin(), batch_.uart.end());
   }
+  handOver(goal_ns);
   passTime(goal_ns - now_ns());
+}
+
+void BoardKernel::handOver(std::uint64_t now) {
+  if (now - last_packet_ns_ < serial_latency_ns && held_.size() < kPacket) return;
+  serial_->to_bench.insert(serial_->to_bench.end(), held_.begin(), held_.end());
+  held_.clear();
+  last_packet_ns_ = now;
 }
 
 void BoardKernel::takeEvent(const PinEvent& event) {

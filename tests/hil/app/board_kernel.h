@@ -25,6 +25,10 @@ class BoardKernel final : public ScriptedKernel {
   /// `release` at tick 0 when the kernel's clock is at its start.
   BoardKernel(std::unique_ptr<SignalSource> release, const SignalMap& pins, Wiring wiring);
 
+  /// As an adapter on USB: what the controller says is handed over when this has passed since the last
+  /// packet, or when a packet is full. 0: at once.
+  std::uint64_t serial_latency_ns{};
+
   /// Its serial line.
   [[nodiscard]] const std::shared_ptr<ScriptedSerial>& serial() const { return serial_; }
 
@@ -34,6 +38,7 @@ class BoardKernel final : public ScriptedKernel {
  private:
   void runTo(std::uint64_t goal_ns);
   void takeEvent(const PinEvent& event);
+  void handOver(std::uint64_t now);
   void driveLines(const gpio_v2_line_request& lines, std::uint64_t mask, std::uint64_t bits);
   [[nodiscard]] Tick tickAt(std::uint64_t now_ns) const;
   [[nodiscard]] std::uint64_t stampOf(Tick tick) const;
@@ -44,7 +49,9 @@ class BoardKernel final : public ScriptedKernel {
   Wiring wiring_;
   std::map<PinId, std::uint32_t> line_of_;  ///< Of the release's outputs.
   std::shared_ptr<ScriptedSerial> serial_{std::make_shared<ScriptedSerial>()};
-  std::size_t sent_{};  ///< Bytes of the bench that the release has.
+  std::size_t sent_{};              ///< Bytes of the bench that the release has.
+  std::vector<std::uint8_t> held_;  ///< By the adapter.
+  std::uint64_t last_packet_ns_{};
   Batch batch_;
   Tick last_drive_{};
 };

@@ -104,6 +104,7 @@ TEST_F(GpioChoiceTest, WhatIsDrivenIsReadWithItsChipItsLimitAndTheSerialLine) {
                               "  max_lag_us: 250\n"
                               "  uart: /dev/ttyUSB0\n"
                               "  uart_wait_s: 2\n"
+                              "  uart_delay_ms: 5\n"
                               "  baud: 115200\n");
   const FirmwareChoice& firmware = the_case.scenario.firmware;
   EXPECT_TRUE(firmware.gpio.isLive());
@@ -111,6 +112,8 @@ TEST_F(GpioChoiceTest, WhatIsDrivenIsReadWithItsChipItsLimitAndTheSerialLine) {
   EXPECT_EQ(firmware.baud, 115'200U);
   EXPECT_EQ(firmware.gpio.uart, "/dev/ttyUSB0");
   EXPECT_DOUBLE_EQ(firmware.gpio.uart_wait_s, 2.0);
+  EXPECT_DOUBLE_EQ(firmware.gpio.uart_delay_s, 5e-3);
+  EXPECT_DOUBLE_EQ(quiet.uart_delay_s, 20e-3);
   EXPECT_DOUBLE_EQ(firmware.gpio.max_lag_s.value(), 250e-6);
   GpioChipList list = chips();
   list.chips.push_back({"/dev/gpiochip4", "gpiochip4", "other", list.chips[0].lines});

@@ -12,6 +12,7 @@
 #include "hil/app/exit_codes.h"
 #include "hil/app/real_pins.h"
 #include "hil/app/release.h"
+#include "hil/app/run_on_pins.h"
 #include "hil/source/open.h"
 #include "tests/hil/app/board_kernel.h"
 #include "tests/hil/app/temp_folder.h"
@@ -102,6 +103,29 @@ TEST_F(LivePinsTest, AReleaseThatMisreadsTheDrivenEncoderFails) {
   EXPECT_EQ(run(), 1) << verdict()["problems"];
   expectReplayAgrees(1);
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
+}
+
+// The line hears of it 21 ms after the pins are known: no host that gave up before.
+TEST_F(LivePinsTest, AReleaseThatStopsByItselfFailsAndSoDoesItsReplayWithTheSameDigest) {
+  plugIn("controller-native");
+  write("belt: {profile: [{at_s: 3, speed_mm_s: 250}]}\n");
+  EXPECT_EQ(run(), 1) << verdict()["problems"];
+  EXPECT_THAT(verdict()["summary"].get<std::string>(), HasSubstr("the belt is too fast for this job"));
+  expectReplayAgrees(1);
+  EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
+}
+
+// An FTDI's latency timer: at 60 mm/s the belt goes on by 96 counts meanwhile.
+TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
+  plugIn("controller-native");
+  board->serial_latency_ns = 16'000'000;
+  write();
+  EXPECT_EQ(run(), 0) << verdict()["problems"];
+  expectReplayAgrees(0);
+  EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
+  // Who declares a line that is quicker is believed.
+  write("  uart_delay_ms: 0\n");
+  EXPECT_EQ(replayCommand(options.results_dir / "on-pins" / "pins.vcd", scenario, {}, options), 1);
 }
 
 /// Runs that cannot end well: the evidence is INVALID and says why, and a replay of it is INVALID as well.

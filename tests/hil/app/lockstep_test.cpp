@@ -27,6 +27,7 @@ class ScriptedSource : public SignalSource {
   Tick stop_at{~Tick{0}};
   Stop stop{Stop::kReached};
   bool accepts_input{true};
+  Tick heard_behind{};  // The watermark.
 
   std::vector<Tick> advanced;                        // Watermarks.
   std::vector<std::pair<Tick, std::size_t>> driven;  // Tick of the edge, quanta run before.
@@ -37,6 +38,7 @@ class ScriptedSource : public SignalSource {
     batch = {};
     const Tick from = advanced.empty() ? 0 : advanced.back();
     batch.watermark = std::min(until, stop_at);
+    batch.uart_heard = batch.watermark + heard_behind;
     for (const PinEvent& e : events) {
       if (e.tick > from && e.tick <= batch.watermark) batch.events.push_back(e);
     }
@@ -139,8 +141,8 @@ TEST_F(Lockstep, LostEventsAreAProblem) {
 TEST_F(Lockstep, EventsLostAgainAndAgainAreOneProblem) {
   for (Tick tick = 100'000; tick <= 300'000; tick += 100'000)
     source.events.push_back({tick, 0, 1, static_cast<std::uint16_t>(tick / 100'000 % 2), PinEvent::kGap});
-  EXPECT_THAT(run(&dialog).problems,
-              ElementsAre(AllOf(HasSubstr("lost before 0.0065"), HasSubstr("2 times more, the last before 0.0190"))));
+  EXPECT_THAT(run(&dialog).problems, ElementsAre(AllOf(HasSubstr("lost before 0.0065"),
+                                                       HasSubstr("2 times more, the last before 0.0190"))));
 }
 
 TEST_F(Lockstep, AnEndThatTheDialogDidNotWantIsAProblem) {
@@ -182,6 +184,15 @@ TEST_F(Lockstep, AFailedDialogIsToldAndLeftToTheCaller) {
   EXPECT_EQ(result.dialog_failure, "at 0.020 s: talking");
   EXPECT_NEAR(result.dialog_failed_s, 0.02, 1e-9);
   EXPECT_THAT(result.problems, IsEmpty());
+}
+
+// What a real line says is read later than the watermark.
+TEST_F(Lockstep, ADialogFailsAtTheTickOfWhatItHeard) {
+  source.heard_behind = 42 * kQuantum;
+  ScriptedDialog failing(0.02, Dialog::State::kFailed);
+  const auto result = run(&failing);
+  EXPECT_EQ(result.dialog_failure, "at 0.020 s: talking");
+  EXPECT_NEAR(result.dialog_failed_s, 0.041, 1e-9);
 }
 
 TEST_F(Lockstep, ARecordingIsReplayedToItsEndAndDrivesNothing) {

@@ -103,6 +103,9 @@ TEST_F(SensorLagTest, ALimitSwitchMayBeLateByTheHoldBack) {
   due.push_back({50 * kMs, Signal::kLimitX, true});
   driven.push_back({72 * kMs, Signal::kLimitX, true});
   EXPECT_THAT(found().problems, IsEmpty());
+  EXPECT_EQ(found().lag.worst_ns(), 0) << "what timers and calls cost";
+  EXPECT_EQ(found().lag.edges(), 102U);
+  EXPECT_EQ(found().switch_lag.worst_ns(), 22'000'000);
   driven.back().tick += 6 * kMs;
   EXPECT_EQ(found().problems.size(), 2U);
 }

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 
+#include "hil/source/gpio/lag_meter.h"
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
 namespace kerfbench::hil {

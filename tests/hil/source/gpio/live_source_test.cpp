@@ -125,13 +125,20 @@ TEST_F(GpioLiveSourceTest, WhatTheCallAndTheCallerTakeIsMeasuredAsLag) {
   EXPECT_EQ(record.sensors[2].tick, 60 * kMs + 4'000);
 }
 
-TEST_F(GpioLiveSourceTest, ASensorThatAnswersToPinsIsLateByTheHoldBack) {
+TEST_F(GpioLiveSourceTest, ASensorThatAnswersToPinsIsLateByTheHoldBackAndIsMeasuredApart) {
+  constexpr PinId kLimitX{5, 1};
+  map.assign(Signal::kLimitX, kLimitX);
+  options.out.push_back({Signal::kLimitX, 11});
   open();
   runTo(5 * kMs);
-  source->drive(kEncoderA, true, 4 * kMs + 1);
-  runTo(6 * kMs);
+  source->drive(kEncoderA, true, 30 * kMs);
+  source->drive(kLimitX, true, 4 * kMs + 1);
+  runTo(12 * kMs);
   const GpioLiveRecord record = source->finish(50 * kMs);
-  EXPECT_EQ(record.lag.worst_ns(), static_cast<std::int64_t>(kMs + GpioLiveSource::kHoldBack_ns) - 1);
+  EXPECT_EQ(record.lag.edges(), 1U);
+  EXPECT_EQ(record.lag.worst_ns(), 0);
+  EXPECT_EQ(record.switch_lag.edges(), 1U);
+  EXPECT_EQ(record.switch_lag.worst_ns(), static_cast<std::int64_t>(kMs + GpioLiveSource::kHoldBack_ns) - 1);
 }
 
 TEST_F(GpioLiveSourceTest, EdgesComeInTheQuantumOfTheirStampsWheneverTheyAreRead) {
@@ -325,12 +332,15 @@ TEST_F(GpioLiveSourceTest, TheUartIsTheSerialLine) {
   serial->to_bench = {5, 6};
   runTo(2 * kMs);
   EXPECT_THAT(batch.uart, ElementsAre(5, 6));
+  const Tick heard = batch.uart_heard;
   runTo(3 * kMs);
   EXPECT_THAT(batch.uart, IsEmpty());
   // The answer is handed on at once, and recorded with the time at which it came.
   const GpioLiveRecord record = source->finish(100 * kMs);
   ASSERT_THAT(record.uart, SizeIs(1));
   EXPECT_GT(record.uart[0].tick, GpioLiveSource::kHoldBack_ns);
+  EXPECT_EQ(heard, record.uart[0].tick);
+  EXPECT_EQ(batch.uart_heard, heard) << "there was nothing new";
   EXPECT_THAT(source->finish(10 * kMs).uart, IsEmpty());
 }
 

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "hil/app/case.h"
+#include "hil/app/console.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::hil {
+
+/// A real sheet is cut once: where its run cannot be concluded, what was recorded of it is put into a folder
+/// as `capture` makes one, for a replay. NAME-capture below `results_dir`; -2 and so on behind it where there
+/// is one, which may be evidence as well. Says where it is, or why it could not be kept.
+/// @param frames recording of a real spot camera, which is moved there if it is whole; empty: none.
+void keepEvidence(const Case& the_case, const PinRecording& recording, const std::filesystem::path& frames,
+                  const std::filesystem::path& results_dir, Console& console) noexcept;
+
+}  // namespace kerfbench::hil
