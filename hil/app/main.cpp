@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hil/app/commands.h"
+#include "hil/app/doctor_bench_cli.h"
 #include "hil/app/head_tools_cli.h"
 #include "hil/app/scenario.h"
 #include "hil/base/freed_memory.h"
@@ -342,9 +343,13 @@ CLI::App* addDoctor(CLI::App& app, DoctorOptions& options) {
       "What hardware this computer has for real pins (chips, lines, logic analysers, clock, real-time "
       "limits), what is wrong "
       "with "
-      "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
+      "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.\n"
+      "--bench measures instead: how many edges a second are read without loss, and what stamps are worth; "
+      "exit "
+      "code 1 if that\nfails.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
   doctor->add_flag("--json", options.json, "As JSON");
+  addBenchOptions(*doctor, options.bench);
   return doctor;
 }
 
