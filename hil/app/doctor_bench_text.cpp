@@ -32,17 +32,19 @@ std::string headText(const BenchReport& report) {
 
 std::string rateTable(const BenchReport& report) {
   std::string text =
-      "\nHow many are read: by one thread, as in a run; its share is of one processor, the kernel's threads "
-      "not "
-      "counted\n"
+      "\nHow many are read: by one thread, as in a run; its share is of one processor, without the kernel's "
+      "threads\n"
       "| edges/s asked for | driven, edges/s | edges | read | worst from stamp to read, us | worst from plan "
       "to "
       "line, us | reader's share, % |\n"
       "|---|---|---|---|---|---|---|\n";
   for (const LoopBackStep& step : report.steps) {
-    text += fmt::format("| {:.0f} | {:.0f} | {} | {} | {:.1f} | {:.1f} | {:.1f} |\n", step.asked_hz,
-                        step.driven_hz, step.driven, step.read, microseconds(step.worst_read_ns),
-                        microseconds(static_cast<double>(step.worst_put_ns)), 100.0 * step.cpu_share);
+    // An output that falls behind all the time has no worst.
+    const std::string late =
+        step.wasDriven() ? fmt::format("{:.1f}", microseconds(static_cast<double>(step.worst_put_ns))) : "-";
+    text +=
+        fmt::format("| {:.0f} | {:.0f} | {} | {} | {:.1f} | {} | {:.1f} |\n", step.asked_hz, step.driven_hz,
+                    step.driven, step.read, microseconds(step.worst_read_ns), late, 100.0 * step.cpu_share);
   }
   return text;
 }
