@@ -2,6 +2,7 @@
 #include "hil/app/doctor_bench.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,10 @@ namespace {
 const GpioChipInfo& chipOf(const std::string& which, const GpioChipList& chips) {
   if (!which.empty()) return findChip(chips, which);
   if (chips.chips.size() == 1) return chips.chips.front();
-  if (chips.chips.empty()) return findChip(chips, "--chip");
+  if (chips.chips.empty()) {
+    throw GpioError(fmt::format("this computer has no gpiochip that can be read{}{}",
+                                chips.faults.empty() ? "" : "\n", fmt::join(chips.faults, "\n")));
+  }
   throw GpioError(
       fmt::format("there are {} gpiochips: say by --chip which one has the input", chips.chips.size()));
 }

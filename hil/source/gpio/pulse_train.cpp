@@ -46,7 +46,7 @@ DrivenTrain playTrain(GpioSystem& system, OutputLines& line, const TrainPlan& pl
     const std::uint64_t after_ns = system.now_ns();
     driven.edges.push_back({before_ns, after_ns});
     driven.lag.add(static_cast<std::int64_t>(after_ns - planned_ns), after_ns);
-    earliest_ns = after_ns + plan.period_ns / 2;
+    earliest_ns = before_ns + plan.period_ns / 2;
   }
   return driven;
 }

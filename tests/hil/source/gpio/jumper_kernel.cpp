@@ -14,6 +14,7 @@ KernelAnswer JumperKernel::control(int fd, unsigned long request_code, void* arg
   if (request_code == GPIO_V2_GET_LINE_IOCTL) {
     const auto* wanted = static_cast<const gpio_v2_line_request*>(argument);
     if ((wanted->config.flags & GPIO_V2_LINE_FLAG_INPUT) != 0) {
+      forgetEdges();
       edges_ = 0;
       seqno_ = 0;
       line_seqno_ = {};

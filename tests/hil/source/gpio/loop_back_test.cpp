@@ -150,7 +150,7 @@ TEST_F(LoopBackTest, AnOutputThatIsTooSlowIsSeen) {
   kernel->set_takes_ns = 200'000;
   const LoopBackStep step = measure({.edges = 10, .period_ns = 100'000});
   EXPECT_TRUE(step.held());
-  EXPECT_DOUBLE_EQ(step.driven_hz, 4'000.0);
+  EXPECT_DOUBLE_EQ(step.driven_hz, 5'000.0);
   EXPECT_FALSE(step.wasDriven());
 }
 

@@ -48,7 +48,7 @@ TEST_F(PulseTrainTest, ATrainThatWasHeldUpCatchesUpWithoutABurst) {
   const DrivenTrain train = play({.edges = 20, .period_ns = 100'000});
   ASSERT_EQ(train.edges.size(), 20U);
   for (std::size_t i = 1; i < 20; ++i)
-    EXPECT_GE(train.edges[i].before_ns, train.edges[i - 1].after_ns + 50'000) << i;
+    EXPECT_GE(train.edges[i].before_ns, train.edges[i - 1].before_ns + 50'000) << i;
   EXPECT_EQ(train.edges.back().before_ns, kStart_ns + 20 * 100'000U) << "it has caught up";
   EXPECT_EQ(train.lag.worst_ns(), 400'000);
 }

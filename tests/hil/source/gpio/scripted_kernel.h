@@ -81,6 +81,7 @@ class ScriptedKernel : public GpioSystem {
   }
 
  protected:
+  void forgetEdges() { buffer_.clear(); }
   std::uint64_t now_{kStart_ns};
   std::uint64_t thread_time_{};
 
