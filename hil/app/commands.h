@@ -112,10 +112,22 @@ struct GaugeCommandOptions {
   bool quiet{};
 };
 
+/// What doctor is to measure on lines that are wired to each other.
+struct BenchOptions {
+  bool wanted{};
+  std::string loop_back;  ///< "OUT=IN": numbers or names of lines.
+  std::string chip;       ///< IN's, by path, name or label; empty: the only one.
+  std::string out_chip;   ///< OUT's; empty: `chip`.
+  std::string beside;     ///< A free line of `chip`, read besides; empty: the first free input.
+  std::vector<double> rates_hz{200, 1'000, 2'000, 5'000, 10'000, 20'000, 40'000, 80'000, 160'000};
+  double seconds{1.0};  ///< For each rate.
+};
+
 /// See doctorCommand().
 struct DoctorOptions {
   std::filesystem::path scenario;  ///< Empty: what this computer has, and no more.
   bool json{};
+  BenchOptions bench;
   std::filesystem::path bin_dir;
 };
 
@@ -150,7 +162,8 @@ int captureCommand(const CaptureCommandOptions& options);
 /// Checks a scenario, a machine or a dieline. Returns 0, or kExitInput when something is wrong with a file.
 int lintCommand(const std::vector<std::filesystem::path>& files, const CommonOptions& options);
 /// What hardware this computer has and what is wrong with it, on standard output. Returns 0; with a scenario
-/// 1 if something that it needs is missing, or kExitInput.
+/// 1 if something that it needs is missing, or kExitInput. With `bench` it measures instead: 1 if the
+/// loop-back cannot be measured, or loses edges at its lowest rate.
 int doctorCommand(const DoctorOptions& options);
 /// Draws a machine at rest, or as a run of the scenario has it at given times (by the fast twin). Several
 /// times make several files, with the time in the name. Returns 0, kExitUsage, kExitInput, or kExitBroken

@@ -23,18 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using Grade = DoctorFinding::Grade;
 
-std::string kernelName() {
-  utsname name{};
-  return ::uname(&name) == 0 ? fmt::format("{} {}", name.sysname, name.release) : "";
-}
-
-std::string clockSource() {
-  std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
-  std::string name;
-  file >> name;
-  return name;
-}
-
 void lookAtLines(const GpioChipInfo& chip, const std::vector<GpioWire>& wires, const ComputerState& state,
                  std::vector<DoctorFinding>& findings) {
   for (const GpioWire& wire : wires) {
@@ -90,6 +78,18 @@ void lookAtRelease(const FirmwareChoice& firmware, const fs::path& bin_dir,
 }
 
 }  // namespace
+
+std::string kernelName() {
+  utsname name{};
+  return ::uname(&name) == 0 ? fmt::format("{} {}", name.sysname, name.release) : "";
+}
+
+std::string clockSource() {
+  std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+  std::string name;
+  file >> name;
+  return name;
+}
 
 ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system, VideoCalls& video) {
   ComputerState state;

@@ -26,6 +26,9 @@ struct ComputerState {
   std::uint64_t clock_resolution_ns{};       ///< Of CLOCK_MONOTONIC.
   std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
 };
+/// Of this computer: ComputerState's.
+std::string kernelName();
+std::string clockSource();
 /// Looks; changes nothing but the priority of the thread, for a moment.
 ComputerState lookAtComputer(const std::shared_ptr<GpioSystem>& system, VideoCalls& video);
 

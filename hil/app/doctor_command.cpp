@@ -4,6 +4,7 @@
 
 #include "hil/app/commands.h"
 #include "hil/app/doctor.h"
+#include "hil/app/doctor_bench.h"
 #include "hil/app/exit_codes.h"
 
 namespace kerfbench::hil {
@@ -31,6 +32,7 @@ int examine(const DoctorOptions& options) {
 }  // namespace
 
 int doctorCommand(const DoctorOptions& options) {
+  if (options.bench.wanted) return loopBackCommand(options);
   return guarded(options.scenario, [&] { return examine(options); });
 }
 

@@ -3,6 +3,7 @@
 
 #include "hil/app/cli.h"
 #include "hil/app/commands.h"
+#include "hil/app/doctor_bench_cli.h"
 
 namespace kerfbench::hil {
 void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actions) {
@@ -51,14 +52,17 @@ void addDoctor(CLI::App& app, const CliProgram& program, CliActions& actions) {
   auto holder = std::make_shared<DoctorOptions>();
   DoctorOptions& options = *holder;
   options.bin_dir = program.bin_dir;
-  CLI::App* doctor = app.add_subcommand(
-      "doctor",
-      "What hardware this computer has for real pins (chips, lines, logic analysers, clock, real-time "
-      "limits), what is wrong "
-      "with "
-      "it\nand what to do. Exit code 0; with a scenario 1 if something that it needs is missing.");
+  CLI::App* doctor = app.add_subcommand("doctor",
+                                        "What hardware this computer has for real pins and cameras (chips, "
+                                        "lines, logic analysers, cameras, clock,\n"
+                                        "real-time limits), what is wrong with it and what to do. Exit code "
+                                        "0; with a scenario 1 if something that\n"
+                                        "it needs is missing. --bench measures instead: how many edges a "
+                                        "second are read without loss, and what\n"
+                                        "stamps are worth; exit code 1 if that fails.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
   doctor->add_flag("--json", options.json, "As JSON");
+  addBenchOptions(*doctor, options.bench);
   actions.add(doctor, std::move(holder), doctorCommand);
 }
 

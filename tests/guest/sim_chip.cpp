@@ -73,7 +73,11 @@ void SimChip::make() {
   device_ = fs::path("/dev") / chip;
   sysfs_ = fs::path("/sys/devices/platform") / read(config_ / "dev_name") / chip;
   for (std::size_t i = 0; i < line_names_.size(); ++i)
-    pulls_.push_back(openForWriting(sysfs_ / ("sim_gpio" + std::to_string(i)) / "pull"));
+    pulls_.push_back(openForWriting(pullFile(static_cast<std::uint32_t>(i))));
+}
+
+fs::path SimChip::pullFile(std::uint32_t line) const {
+  return sysfs_ / ("sim_gpio" + std::to_string(line)) / "pull";
 }
 
 void SimChip::remove() noexcept {

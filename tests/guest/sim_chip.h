@@ -23,6 +23,8 @@ class SimChip {
   [[nodiscard]] const std::string& label() const { return label_; }
   [[nodiscard]] const std::vector<std::string>& lineNames() const { return line_names_; }
 
+  /// The kernel's file that pull() writes.
+  [[nodiscard]] std::filesystem::path pullFile(std::uint32_t line) const;
   /// The level that comes in on a line. @throws std::system_error when the chip has vanished.
   void pull(std::uint32_t line, bool high);
   /// What a line that is driven as an output has.

@@ -28,6 +28,7 @@ class WatchedSystem final : public hil::GpioSystem {
   hil::KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
   void close(int fd) override { real_->close(fd); }
   std::uint64_t now_ns() override { return real_->now_ns(); }
+  std::uint64_t threadTime_ns() override { return real_->threadTime_ns(); }
   hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
   hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
   void leaveRealTime() override { real_->leaveRealTime(); }

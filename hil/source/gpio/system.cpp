@@ -18,6 +18,12 @@ KernelAnswer answer(long result) {
   return result < 0 ? KernelAnswer{-1, errno} : KernelAnswer{static_cast<int>(result), 0};
 }
 
+std::uint64_t read_ns(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(now.tv_nsec);
+}
+
 class LinuxGpioSystem final : public GpioSystem {
  public:
   KernelAnswer open(const std::string& path) override {
@@ -38,11 +44,8 @@ class LinuxGpioSystem final : public GpioSystem {
     return ready;
   }
   void close(int fd) override { ::close(fd); }
-  std::uint64_t now_ns() override {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(now.tv_nsec);
-  }
+  std::uint64_t now_ns() override { return read_ns(CLOCK_MONOTONIC); }
+  std::uint64_t threadTime_ns() override { return read_ns(CLOCK_THREAD_CPUTIME_ID); }
   KernelAnswer setRealTime(int priority) override {
     sched_param parameters{};
     parameters.sched_priority = priority;

@@ -35,6 +35,8 @@ class GpioSystem {
   virtual void close(int fd) = 0;
   /// CLOCK_MONOTONIC, which the kernel stamps edges with.
   virtual std::uint64_t now_ns() = 0;
+  /// Processor time that the calling thread has used (CLOCK_THREAD_CPUTIME_ID).
+  virtual std::uint64_t threadTime_ns() = 0;
   /// SCHED_FIFO at this priority for the calling thread.
   virtual KernelAnswer setRealTime(int priority) = 0;
   /// All pages that the process has now. Not those to come: where the limit is near, malloc() would fail.

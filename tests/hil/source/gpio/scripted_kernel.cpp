@@ -87,8 +87,13 @@ KernelAnswer ScriptedKernel::giveLines(gpio_v2_line_request& wanted) {
   return give(wanted.fd);
 }
 
-KernelAnswer ScriptedKernel::poll(int /*fd*/, std::uint64_t timeout_ns, short& revents) {
+KernelAnswer ScriptedKernel::poll(int fd, std::uint64_t timeout_ns, short& revents) {
   if (before_poll) before_poll(now_);
+  if (fd < 0) {
+    now_ += timeout_ns;
+    revents = 0;
+    return {};
+  }
   if (poll_error != 0) return no(std::exchange(poll_error, 0));
   revents = poll_revents;
   if (revents != 0) return {1, 0};
@@ -100,6 +105,7 @@ KernelAnswer ScriptedKernel::poll(int /*fd*/, std::uint64_t timeout_ns, short& r
 }
 
 KernelAnswer ScriptedKernel::read(int /*fd*/, std::span<std::byte> into) {
+  thread_time_ += read_takes_ns;
   if (read_error != 0) return no(std::exchange(read_error, 0));
   if (!read_bytes.empty()) {
     const int bytes = read_bytes.front();

@@ -36,7 +36,8 @@ class ScriptedKernel : public GpioSystem {
   std::vector<int> read_bytes{};  ///< Sizes of the next reads instead of all that there is.
   int output_error{};             ///< To a request for outputs.
   int set_error{};
-  std::uint64_t set_takes_ns{};  ///< What the clock goes on by when lines are driven.
+  std::uint64_t read_takes_ns{};  ///< Of processor time.
+  std::uint64_t set_takes_ns{};   ///< What the clock goes on by when lines are driven.
   int priority_error{};
   int lock_error{};
   std::map<std::uint32_t, std::string> taken;  ///< Lines with their consumers.
@@ -69,6 +70,8 @@ class ScriptedKernel : public GpioSystem {
   KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
   void close(int fd) override;
   std::uint64_t now_ns() override { return now_; }
+  /// Each read of edges takes `read_takes_ns` of it; the clock does not care.
+  std::uint64_t threadTime_ns() override { return thread_time_; }
   /// Somebody computes meanwhile.
   void passTime(std::uint64_t by_ns) { now_ += by_ns; }
   KernelAnswer setRealTime(int priority) override;
@@ -81,7 +84,9 @@ class ScriptedKernel : public GpioSystem {
   }
 
  protected:
+  void forgetEdges() { buffer_.clear(); }
   std::uint64_t now_{kStart_ns};
+  std::uint64_t thread_time_{};
 
  private:
   struct Buffered {
