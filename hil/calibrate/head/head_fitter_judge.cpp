@@ -39,7 +39,7 @@ void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes
   residuals =
       rows_.col(kCount) - columns.transpose() * joint_.unknowns - reach.transpose() * slopes.rightCols<1>();
   modes.resize(columns.rows() + reach.rows(), columns.cols());
-  modes.topRows(columns.rows()) = joint_.covariance_root.transpose().triangularView<Eigen::Lower>() * columns;
+  modes.topRows(columns.rows()) = joint_.covariance_root.transpose() * columns;
   modes.bottomRows(reach.rows()) = reach;
 }
 
