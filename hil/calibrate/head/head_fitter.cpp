@@ -19,11 +19,11 @@ constexpr double kUsualDecay = 0.7;
 constexpr int kWholeSteps = 20;
 constexpr int kDampedSteps = 200;
 constexpr double kFirstDamping = 1.0;  // As much as the tolerances: it holds back what the marks hold badly.
-constexpr double kDampingFactor = 10.0;
-constexpr double kGoodShare = 0.75;     // Of what a step promised: a longer one may be as good.
-constexpr double kSettled = 1e-3;       // Of a tolerance,
-constexpr double kLastStep = 3.0;       // Of what is enough.
-constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
+constexpr double kLeastDamping = 0.01, kDampingFactor = 10.0;
+constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Of what a step promised.
+constexpr double kSettled = 1e-3;                       // Of a tolerance,
+constexpr double kLastStep = 3.0;                       // Of what is enough.
+constexpr double kNearlySettled = 0.1;                  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
@@ -82,6 +82,7 @@ void HeadFitter::linearise() {
 }
 
 void HeadFitter::gather() {
+  if (gathered_ && gathered_->functions() == (prior_ ? basis_->size() : 0)) return;
   const auto n = static_cast<Eigen::Index>(usedCount());
   std::vector<Eigen::Matrix2d> whitenings;
   RowMatrix values(n, prior_ ? basis_->size() : 0);
@@ -94,7 +95,6 @@ void HeadFitter::gather() {
     whitenings.push_back(marks_[i].whitening_1_mm);
   }
   gathered_.emplace(std::move(whitenings), std::move(values), usedOf(shared_));
-  solver_.emplace(*gathered_, prior_ ? sigmasOf(*prior_, *basis_) : Eigen::VectorXd());
 }
 
 template <typename Rows>
@@ -120,6 +120,7 @@ void HeadFitter::relinearise() {
 bool HeadFitter::solve(double settled) {
   const HeadVector start = scaled_;
   gather();
+  solver_.emplace(*gathered_, prior_ ? sigmasOf(*prior_, *basis_) : Eigen::VectorXd());
   double last = 0.0;
   for (int pass = 0; pass < kWholeSteps; ++pass) {
     relinearise();
@@ -157,14 +158,15 @@ void HeadFitter::solveDamped(double settled) {
     relinearise();
     const ModelInformation there = solver_->model();
     const double gained = usedLand() ? misfit - there.misfit(HeadVector::Zero()) : -INFINITY;
+    const double promised = misfit - here.misfit(step);
+    if (gained > kGoodShare * promised) damping = std::max(kLeastDamping, damping / kDampingFactor);
+    if (gained < kPoorShare * promised) damping *= kDampingFactor;
     if (gained > 0.0) {
-      if (gained > kGoodShare * (misfit - here.misfit(step))) damping /= kDampingFactor;
       here = there;
-    } else {
-      scaled_ = before;
-      relinearise();
-      damping *= kDampingFactor;
+      continue;
     }
+    scaled_ = before;
+    relinearise();
   }
   throw HeadCalibrationError(kNoConvergence);
 }
@@ -213,10 +215,11 @@ void HeadFitter::scaleTolerances() {
 void HeadFitter::setBasis(int degree) {
   const Eigen::AlignedBox2d area = areaOfAims();
   if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
+  gathered_.reset();
   basis_ = SmoothBasis(area, degree);
   basis_values_.resize(static_cast<Eigen::Index>(observations_.size()), basis_->size());
   for (std::size_t i = 0; i < observations_.size(); ++i) {
-    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->at(observations_[i].aim_W_mm).at.transpose();
+    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->valuesAt(observations_[i].aim_W_mm).transpose();
   }
 }
 

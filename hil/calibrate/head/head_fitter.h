@@ -60,6 +60,13 @@ class HeadFitter {
   [[nodiscard]] Rows usedOf(const Rows& rows) const;
   /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
   void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
+  /// The surface's part in both.
+  void addSurface(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
+  /// How far the modes move the surface along x and along y, mm, a column for each mark.
+  struct SurfaceModes {
+    Eigen::MatrixXd x, y;
+  };
+  [[nodiscard]] SurfaceModes surfaceModes() const;
   [[nodiscard]] std::size_t usedCount() const;
   [[nodiscard]] bool usedLand() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;

@@ -49,7 +49,10 @@ void JointMarks::linearise(const WhitenedRows& rows, const HeadVector& home) {
   square_.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
   if (functions() > 0) crossed_ = byFunctions(rows);
   if (shared_.cols() == 0) return;
-  shared_rows_ = shared_normal_.matrixL().solve(shared_.transpose() * rows);
+  shared_rows_.resize(shared_.cols(), rows.cols());
+  for (Eigen::Index k = 0; k < shared_.cols(); ++k)  // They are few: quicker than as matrices.
+    shared_rows_.row(k).noalias() = shared_.col(k).transpose() * rows;
+  shared_normal_.matrixL().solveInPlace(shared_rows_);
   square_.selfadjointView<Eigen::Lower>().rankUpdate(shared_rows_.transpose(), -1.0);
   if (functions() > 0) crossed_.noalias() -= shared_basis_.transpose() * shared_rows_;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/head/surface_evidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -15,6 +16,7 @@ const double kLeastEvidence = std::log(20.0);
 constexpr double kLeastScore =
     3.0;  // Its square over four is about the evidence: below, no surface is tried.
 
+constexpr int kQuickDegree = 6;
 constexpr double kFirstAmplitude_mm = 0.001, kLeastAmplitude_mm = 1e-4, kMostAmplitude_mm = 10.0;
 
 Eigen::MatrixXd squareOf(const Eigen::MatrixXd& rows) {
@@ -54,12 +56,16 @@ class SurfaceInformation {
       if (sigmas[k] * sigmas[k] * information_(k, k) > kMoved) moved.push_back(k);
     }
     const Eigen::VectorXd scale = sigmas(moved);
-    Eigen::MatrixXd scaled = scale.asDiagonal() * information_(moved, moved) * scale.asDiagonal();
-    scaled.diagonal().array() += 1.0;
-    const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
+    Eigen::MatrixXd normal(scale.size(), scale.size());  // Its lower part.
+    for (Eigen::Index j = 0; j < scale.size(); ++j) {
+      const auto below = Eigen::seq(j, Eigen::last);
+      normal(below, j) = scale[j] * scale(below).cwiseProduct(
+                                        information_(moved, moved[static_cast<std::size_t>(j)])(below));
+    }
+    normal.diagonal().array() += 1.0;
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(normal);
     const Eigen::VectorXd half = factor.matrixL().solve(scale.cwiseProduct(gradient_(moved)));
-    const Eigen::VectorXd diagonal = factor.matrixLLT().diagonal();
-    return 0.5 * half.squaredNorm() - diagonal.array().log().sum();
+    return 0.5 * half.squaredNorm() - normal.diagonal().array().log().sum();
   }
 
  private:
@@ -67,6 +73,31 @@ class SurfaceInformation {
   Eigen::MatrixXd crossed_, information_;  ///< Of the latter the lower part.
   Eigen::VectorXd gradient_;
 };
+
+/// Up the slope by factors of two of the amplitude: there is one top. Only functions up to this degree.
+SurfacePrior topOf(const SurfaceInformation& information, const SmoothBasis& basis, int degree,
+                   const SurfacePrior& start) {
+  const Eigen::Index beyond = basis.size() - (degree + 1) * (degree + 2) / 2;
+  const auto at = [&](double amplitude_mm) {
+    SurfacePrior prior{amplitude_mm, start.decay, 0.0};
+    Eigen::VectorXd sigmas = sigmasOf(prior, basis);
+    sigmas.head(basis.size()).tail(beyond).setZero();
+    sigmas.tail(beyond).setZero();
+    prior.evidence = information.evidence(sigmas);
+    return prior;
+  };
+  const SurfacePrior first = at(start.amplitude_mm);
+  for (const double factor : {2.0, 0.5}) {
+    SurfacePrior top = first;
+    for (SurfacePrior next = at(factor * top.amplitude_mm);
+         next.evidence > top.evidence && next.amplitude_mm > kLeastAmplitude_mm &&
+         next.amplitude_mm < kMostAmplitude_mm;
+         next = at(factor * top.amplitude_mm))
+      top = next;
+    if (top.evidence > first.evidence) return top;
+  }
+  return first;
+}
 
 }  // namespace
 
@@ -83,22 +114,12 @@ std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBas
                                         std::span<const double> decays) {
   SurfaceInformation information(marks);
   information.complete();
-  const auto at = [&](double decay, double amplitude_mm) {
-    SurfacePrior prior{amplitude_mm, decay, 0.0};
-    prior.evidence = information.evidence(sigmasOf(prior, basis));
-    return prior;
-  };
   SurfacePrior best{kFirstAmplitude_mm, 0.0, -INFINITY};
   for (const double decay : decays) {
-    // Up the slope by factors of two, from where the last decay had its best: there is one top.
-    SurfacePrior here = at(decay, best.amplitude_mm);
-    for (const double factor : {2.0, 0.5}) {
-      for (SurfacePrior next = at(decay, factor * here.amplitude_mm);
-           next.evidence > here.evidence && next.amplitude_mm > kLeastAmplitude_mm &&
-           next.amplitude_mm < kMostAmplitude_mm;
-           next = at(decay, factor * here.amplitude_mm))
-        here = next;
-    }
+    // From where the last decay had its best, by the lower degrees first: that is quick, and near the top.
+    const SurfacePrior near =
+        topOf(information, basis, std::min(basis.degree(), kQuickDegree), {best.amplitude_mm, decay, 0.0});
+    const SurfacePrior here = topOf(information, basis, basis.degree(), near);
     if (here.evidence > best.evidence) best = here;
   }
   if (best.evidence < kLeastEvidence) return std::nullopt;
