@@ -8,6 +8,16 @@ namespace {
 
 constexpr Eigen::Index kCount = static_cast<Eigen::Index>(kHeadParameterCount);
 
+/// Of all others nothing is to be worked out: lenses of a head that has none.
+std::vector<Eigen::Index> movingColumns(const WhitenedRows& rows) {
+  const Eigen::Array<bool, 1, kCount + 1> moves = (rows.array() != 0.0).colwise().any();
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index k = 0; k < moves.size(); ++k) {
+    if (moves[k]) columns.push_back(k);
+  }
+  return columns;
+}
+
 }  // namespace
 
 JointMarks::JointMarks(std::vector<Eigen::Matrix2d> whitenings_1_mm, RowMatrix basis, Eigen::MatrixXd shared)
@@ -45,9 +55,16 @@ Eigen::MatrixXd JointMarks::byFunctions(const Rows& rows) const {
 
 void JointMarks::linearise(const WhitenedRows& rows, const HeadVector& home) {
   home_ = home;
+  const std::vector<Eigen::Index> moving = movingColumns(rows);
+  const RowMatrix moved = rows(Eigen::all, moving);
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(moved.cols(), moved.cols());
+  square.selfadjointView<Eigen::Lower>().rankUpdate(moved.transpose());
   square_ = Eigen::MatrixXd::Zero(kCount + 1, kCount + 1);
-  square_.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-  if (functions() > 0) crossed_ = byFunctions(rows);
+  square_(moving, moving) = square;
+  if (functions() > 0) {
+    crossed_ = Eigen::MatrixXd::Zero(2 * functions(), kCount + 1);
+    crossed_(Eigen::all, moving) = byFunctions(moved);
+  }
   if (shared_.cols() == 0) return;
   shared_rows_.resize(shared_.cols(), rows.cols());
   for (Eigen::Index k = 0; k < shared_.cols(); ++k)  // They are few: quicker than as matrices.
