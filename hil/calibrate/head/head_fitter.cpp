@@ -215,7 +215,7 @@ void HeadFitter::scaleTolerances() {
 void HeadFitter::setBasis(int degree) {
   const Eigen::AlignedBox2d area = areaOfAims();
   if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
-  gathered_.reset();
+  forgetGathered();
   basis_ = SmoothBasis(area, degree);
   basis_values_.resize(static_cast<Eigen::Index>(observations_.size()), basis_->size());
   for (std::size_t i = 0; i < observations_.size(); ++i) {

@@ -39,8 +39,12 @@ class HeadFitter {
   void solveDamped(double settled);
   void setBasis(int degree);
   void linearise();
-  /// Marks that are used, with the basis's functions if there is a prior.
+  /// Marks that are used, with the basis's functions if there is a prior, unless they are gathered already.
   void gather();
+  void forgetGathered() {
+    solver_.reset();
+    gathered_.reset();
+  }
   void relinearise();
   /// Tolerances as far from the drawing as the marks show this head to be.
   void scaleTolerances();
@@ -90,7 +94,7 @@ class HeadFitter {
   HeadVector linearised_at_{HeadVector::Zero()};  ///< at these scaled departures.
   std::vector<bool> lands_;
   std::optional<JointMarks> gathered_;
-  std::optional<JointSolver> solver_;  ///< Of them.
+  std::optional<JointSolver> solver_;  ///< Of them, from solve() until they change.
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
   double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.

@@ -102,7 +102,7 @@ bool HeadFitter::judge(bool may_return) {
     changed = changed || use != used_[i];
     used_[i] = use;
   }
-  if (changed) gathered_.reset();
+  if (changed) forgetGathered();
   return changed;
 }
 

@@ -75,7 +75,8 @@ TEST(HeadFit, NineMarksStateWhatTheyAreWorth) {
     options.tolerances.unmodelled_share = head.unmodelledShare();
     const HeadFit fit = fitOf(head, marksOf(head, 3), options);
     for (int i = 0; i < 16; ++i) {
-      const Vector2d aim(-135.0 + 90.0 * (i % 4), -135.0 + 90.0 * (i / 4));
+      const int column = i % 4, row = i / 4;
+      const Vector2d aim(-135.0 + 90.0 * column, -135.0 + 90.0 * row);
       const Vector2d off = head.spotFor(aim, false) - fit.spotOf(aim)->p_W_mm;
       covered += off.dot(fit.covarianceAt_mm2(aim)->inverse() * off) <= kEllipse95 ? 1 : 0;
       ++places;
