@@ -61,7 +61,7 @@ std::optional<HeadFit::Spot> HeadFit::spotOf(const Eigen::Vector2d& aim_W_mm) co
 std::optional<Eigen::Matrix2Xd> HeadFit::modesAt(const Eigen::Vector2d& aim_W_mm) const {
   const auto traced = model_.departureSlopesAt(axes_.matrix() * nominal_.angles_rad(aim_W_mm), departures_);
   if (!traced) return std::nullopt;
-  const Eigen::VectorXd basis = surface_ ? surface_->basis.at(aim_W_mm).at : Eigen::VectorXd();
+  const Eigen::VectorXd basis = surface_ ? surface_->basis.valuesAt(aim_W_mm) : Eigen::VectorXd();
   return rowsOf(traced->by_departures, basis) * covariance_root_;
 }
 

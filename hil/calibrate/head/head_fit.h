@@ -123,7 +123,8 @@ class HeadFit {
 ///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
 ///    the scale of the median mark, narrowed until it settles, then none.
 /// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
-///    share) as its prior. What the marks of a sheet share (SharedError) is estimated with them: three errors
+///    share) as its prior. Where that does not settle, 4 at the start, then damped steps (Levenberg and
+///    Marquardt). What the marks of a sheet share (SharedError) is estimated with them: three errors
 ///    a sheet, integrated out, so that the more marks a sheet has the less they hide it.
 /// 4. False marks: each is held against what all others and the priors predict there. distance2 above the
 ///    quantile of chi-square that a good one of n passes with chance 1 - rejection_chance / n is rejected,

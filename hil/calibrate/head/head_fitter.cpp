@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/calibrate/head/surface_evidence.h"
+
 namespace kerfbench::hil {
 namespace {
 
@@ -14,11 +16,14 @@ constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from 
 constexpr int kUsualDegree = 4;
 constexpr int kTellingDegree = 8;
 constexpr double kUsualDecay = 0.7;
-constexpr int kMostSteps = 150;
 constexpr int kWholeSteps = 20;
-constexpr double kSettled = 1e-3;       // Of a tolerance,
-constexpr double kLastStep = 3.0;       // Of what is enough.
-constexpr double kNearlySettled = 0.1;  // and where it is only about false marks.
+constexpr int kDampedSteps = 200;
+constexpr double kFirstDamping = 1.0;  // As much as the tolerances: it holds back what the marks hold badly.
+constexpr double kLeastDamping = 0.01, kDampingFactor = 10.0;
+constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Of what a step promised.
+constexpr double kSettled = 1e-3;                       // Of a tolerance,
+constexpr double kLastStep = 3.0;                       // Of what is enough.
+constexpr double kNearlySettled = 0.1;                  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
@@ -63,6 +68,7 @@ std::size_t HeadFitter::usedCount() const {
 
 void HeadFitter::linearise() {
   const auto here = modelled(design_, tolerances_, scaled_, marks_);
+  linearised_at_ = scaled_;
   rows_.resize(2 * static_cast<Eigen::Index>(marks_.size()), Eigen::NoChange);
   lands_.assign(marks_.size(), false);
   for (std::size_t i = 0; i < marks_.size(); ++i) {
@@ -70,13 +76,13 @@ void HeadFitter::linearise() {
     rows.setZero();
     lands_[i] = here[i].lands;
     if (!lands_[i]) continue;
-    const Eigen::Vector2d reading_mm = marks_[i].measured_W_mm - here[i].p_W_mm + here[i].by_scaled * scaled_;
     rows.leftCols<kCount>() = marks_[i].whitening_1_mm * here[i].by_scaled;
-    rows.col(kCount) = marks_[i].whitening_1_mm * reading_mm;
+    rows.col(kCount) = marks_[i].whitening_1_mm * (marks_[i].measured_W_mm - here[i].p_W_mm);
   }
 }
 
 void HeadFitter::gather() {
+  if (gathered_ && gathered_->functions() == (prior_ ? basis_->size() : 0)) return;
   const auto n = static_cast<Eigen::Index>(usedCount());
   std::vector<Eigen::Matrix2d> whitenings;
   RowMatrix values(n, prior_ ? basis_->size() : 0);
@@ -105,37 +111,85 @@ Rows HeadFitter::usedOf(const Rows& rows) const {
 
 void HeadFitter::relinearise() {
   linearise();
-  gathered_->linearise(usedCount() == used_.size() ? rows_ : usedOf(rows_));
+  gathered_->linearise(usedCount() == used_.size() ? rows_ : usedOf(rows_), -linearised_at_);
 }
 
 /// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
 /// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
 /// own place alone.
-void HeadFitter::solve(double settled) {
+bool HeadFitter::solve(double settled) {
+  const HeadVector start = scaled_;
   gather();
+  solver_.emplace(*gathered_, prior_ ? sigmasOf(*prior_, *basis_) : Eigen::VectorXd());
   double last = 0.0;
-  for (int pass = 0; pass < kMostSteps; ++pass) {
+  for (int pass = 0; pass < kWholeSteps; ++pass) {
     relinearise();
-    joint_ = solveJoint(*gathered_, *basis_, prior_, false);
-    const HeadVector step = joint_.unknowns.head<kCount>() - scaled_;
-    // What the marks hold badly may swing to and fro; half steps stop that.
-    scaled_ += pass < kWholeSteps ? step : HeadVector(0.5 * step);
+    const HeadVector step = solver_->model().step();
     const double size = step.cwiseAbs().maxCoeff();
     const double next = size * std::min(1.0, size / last);  // If it goes on as it came.
     last = size;
-    const double enough = pass + 1 < kMostSteps ? settled : std::max(settled, kNearlySettled);
+    scaled_ += step;
     // The covariance is that of the place before the last step.
-    if (next > enough || size > kLastStep * enough) continue;
-    joint_ = solveJoint(*gathered_, *basis_, prior_, true);
-    return;
+    if (next > settled || size > kLastStep * settled) continue;
+    joint_ = solver_->solve();
+    return true;
+  }
+  scaled_ = start;
+  relinearise();
+  joint_ = solver_->solve();
+  return false;
+}
+
+/// Levenberg and Marquardt: each step makes it better, and is as short as that takes.
+void HeadFitter::solveDamped(double settled) {
+  ModelInformation here = solver_->model();
+  double damping = kFirstDamping;
+  for (int pass = 0; pass < kDampedSteps; ++pass) {
+    const HeadVector before = scaled_;
+    const HeadVector step = here.step(damping);
+    // A whole step is at most so much longer.
+    if ((1.0 + damping) * step.norm() <= settled) {
+      joint_ = solver_->solve();
+      scaled_ += joint_.unknowns.head<kCount>();
+      return;
+    }
+    const double misfit = here.misfit(HeadVector::Zero());
+    scaled_ += step;
+    relinearise();
+    const ModelInformation there = solver_->model();
+    const double gained = usedLand() ? misfit - there.misfit(HeadVector::Zero()) : -INFINITY;
+    const double promised = misfit - here.misfit(step);
+    if (gained > kGoodShare * promised) damping = std::max(kLeastDamping, damping / kDampingFactor);
+    if (gained < kPoorShare * promised) damping *= kDampingFactor;
+    if (gained > 0.0) {
+      here = there;
+      continue;
+    }
+    scaled_ = before;
+    relinearise();
   }
   throw HeadCalibrationError(kNoConvergence);
+}
+
+bool HeadFitter::usedLand() const {
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (used_[i] && !lands_[i]) return false;
+  }
+  return true;
 }
 
 void HeadFitter::settle(int degree, double settled) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     setBasis(degree);
-    solve(settled);
+    // A false mark that is still in may bend the model by tolerances, beyond what steps follow: it must go
+    // first, by what the marks tell where they started. Only if none does is it the head that bends.
+    if (!solve(settled)) {
+      if (judge(false)) {
+        refuseTooMany();
+        continue;
+      }
+      solveDamped(settled);
+    }
     if (!judge(pass < kPassesToReturn)) return;
     refuseTooMany();
   }
@@ -143,7 +197,7 @@ void HeadFitter::settle(int degree, double settled) {
 }
 
 void HeadFitter::scaleTolerances() {
-  const double factor = toleranceFactor(*gathered_, *basis_, prior_);
+  const double factor = toleranceFactor(solver_->model());
   if (usedCount() < kMarksThatTell && factor > kMostTolerances) {
     throw HeadCalibrationError(
         fmt::format("by these {} marks the head would be {:.0f} times as far from its drawing as it may be: "
@@ -154,16 +208,18 @@ void HeadFitter::scaleTolerances() {
   tolerance_factor_ *= factor;
   tolerances_ *= factor;
   scaled_ /= factor;
+  linearised_at_ /= factor;
   rows_.leftCols<kCount>() *= factor;
 }
 
 void HeadFitter::setBasis(int degree) {
   const Eigen::AlignedBox2d area = areaOfAims();
   if (basis_ && basis_->degree() == degree && basis_->area_mm().isApprox(area)) return;
+  forgetGathered();
   basis_ = SmoothBasis(area, degree);
   basis_values_.resize(static_cast<Eigen::Index>(observations_.size()), basis_->size());
   for (std::size_t i = 0; i < observations_.size(); ++i) {
-    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->at(observations_[i].aim_W_mm).at.transpose();
+    basis_values_.row(static_cast<Eigen::Index>(i)) = basis_->valuesAt(observations_[i].aim_W_mm).transpose();
   }
 }
 
@@ -179,12 +235,12 @@ std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   // Rows as for the last step: it has settled nearly. Whether there is a surface shows in its lower degrees.
   setBasis(std::min(degree, kTellingDegree));
   gather();
-  gathered_->linearise(usedOf(rows_));
+  gathered_->linearise(usedOf(rows_), -linearised_at_);
   const std::vector<double> decays = promisingDecays(*gathered_, *basis_);
   if (decays.empty()) return std::nullopt;
   setBasis(degree);
   gather();
-  gathered_->linearise(usedOf(rows_));
+  gathered_->linearise(usedOf(rows_), -linearised_at_);
   return bestSurface(*gathered_, *basis_, decays);
 }
 

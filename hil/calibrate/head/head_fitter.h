@@ -33,11 +33,18 @@ class HeadFitter {
   /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
   /// tolerances.
   void settle(int degree, double settled);
-  void solve(double settled);
+  /// Least squares by whole steps; false if they do not settle: then all is as the marks tell at the start.
+  bool solve(double settled);
+  /// From there by steps that each make it better.
+  void solveDamped(double settled);
   void setBasis(int degree);
   void linearise();
-  /// Marks that are used, with the basis's functions if there is a prior.
+  /// Marks that are used, with the basis's functions if there is a prior, unless they are gathered already.
   void gather();
+  void forgetGathered() {
+    solver_.reset();
+    gathered_.reset();
+  }
   void relinearise();
   /// Tolerances as far from the drawing as the marks show this head to be.
   void scaleTolerances();
@@ -57,7 +64,15 @@ class HeadFitter {
   [[nodiscard]] Rows usedOf(const Rows& rows) const;
   /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
   void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
+  /// The surface's part in both.
+  void addSurface(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
+  /// How far the modes move the surface along x and along y, mm, a column for each mark.
+  struct SurfaceModes {
+    Eigen::MatrixXd x, y;
+  };
+  [[nodiscard]] SurfaceModes surfaceModes() const;
   [[nodiscard]] std::size_t usedCount() const;
+  [[nodiscard]] bool usedLand() const;
   [[nodiscard]] Eigen::AlignedBox2d areaOfAims() const;
 
   std::span<const HeadObservation> observations_;
@@ -75,9 +90,11 @@ class HeadFitter {
   Eigen::MatrixXd shared_;  ///< How what sheets share moves all marks, whitened: three columns a sheet.
   RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
-  WhitenedRows rows_;  ///< Of all marks, at scaled_.
+  WhitenedRows rows_;                             ///< Of all marks,
+  HeadVector linearised_at_{HeadVector::Zero()};  ///< at these scaled departures.
   std::vector<bool> lands_;
   std::optional<JointMarks> gathered_;
+  std::optional<JointSolver> solver_;  ///< Of them, from solve() until they change.
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
   double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.

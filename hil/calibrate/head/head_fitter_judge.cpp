@@ -19,28 +19,51 @@ constexpr double kWorstShare = 0.25;  // Of the worst distance²: those are reje
 
 }  // namespace
 
+HeadFitter::SurfaceModes HeadFitter::surfaceModes() const {
+  const Eigen::Index m = basis_values_.cols();
+  const auto values = basis_values_.transpose();
+  const auto x = joint_.covariance_root.middleRows(kCount, m).transpose();
+  const auto y = joint_.covariance_root.bottomRows(m).transpose();
+  SurfaceModes modes{Eigen::MatrixXd(x.rows(), values.cols()), Eigen::MatrixXd(y.rows(), values.cols())};
+  modes.x.topRows<kCount>().noalias() = x.topRows<kCount>() * values;
+  modes.x.middleRows(kCount, m) = x.middleRows(kCount, m).triangularView<Eigen::Lower>() * values;
+  modes.x.bottomRows(m).noalias() = x.bottomRows(m) * values;
+  modes.y.topRows<kCount>().noalias() = y.topRows<kCount>() * values;
+  modes.y.middleRows(kCount, m).setZero();  // Those of x alone.
+  modes.y.bottomRows(m) = y.bottomRows(m).triangularView<Eigen::Lower>() * values;
+  return modes;
+}
+
 void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const {
-  const Eigen::Index m = prior_ ? basis_values_.cols() : 0;
-  Eigen::MatrixXd columns(kCount + 2 * m, rows_.rows());
-  columns.topRows<kCount>() = rows_.leftCols<kCount>().transpose();
-  for (std::size_t i = 0; prior_ && i < marks_.size(); ++i) {
-    const auto mark = static_cast<Eigen::Index>(i);
-    const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
-    for (Eigen::Index k = 0; k < 2; ++k) {
-      auto surface = columns.col(2 * mark + k).tail(2 * m);
-      surface.head(m) = w(k, 0) * basis_values_.row(mark).transpose();
-      surface.tail(m) = w(k, 1) * basis_values_.row(mark).transpose();
-    }
-  }
+  const Eigen::Index unknowns = joint_.unknowns.size();
   // What a sheet's marks share is known from them too, the better the more there are.
   const Eigen::MatrixXd reach = gathered_->sharedReach(shared_);
   const Eigen::MatrixXd slopes = gathered_->sharedSlopes();
-  columns.noalias() -= slopes.leftCols(columns.rows()).transpose() * reach;
-  residuals =
-      rows_.col(kCount) - columns.transpose() * joint_.unknowns - reach.transpose() * slopes.rightCols<1>();
-  modes.resize(columns.rows() + reach.rows(), columns.cols());
-  modes.topRows(columns.rows()) = joint_.covariance_root.transpose().triangularView<Eigen::Lower>() * columns;
+  const Eigen::VectorXd shared = slopes.rightCols<1>() - slopes.leftCols(unknowns) * joint_.unknowns;
+  residuals = rows_.col(kCount) - rows_.leftCols<kCount>() * joint_.unknowns.head<kCount>() -
+              reach.transpose() * shared;
+  modes = Eigen::MatrixXd::Zero(unknowns + reach.rows(), rows_.rows());
+  const auto model_root = joint_.covariance_root.topLeftCorner<kCount, kCount>().transpose();
+  modes.topRows<kCount>() = model_root.triangularView<Eigen::Lower>() * rows_.leftCols<kCount>().transpose();
+  if (prior_) addSurface(residuals, modes);
+  modes.topRows(unknowns).noalias() -=
+      (slopes.leftCols(unknowns) * joint_.covariance_root).transpose() * reach;
   modes.bottomRows(reach.rows()) = reach;
+}
+
+void HeadFitter::addSurface(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const {
+  const Eigen::Index m = basis_values_.cols();
+  const SurfaceModes surface = surfaceModes();
+  const Eigen::MatrixXd fitted_mm = basis_values_ * joint_.unknowns.tail(2 * m).reshaped(m, 2);
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    const auto mark = static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d& w = marks_[i].whitening_1_mm;
+    residuals.segment<2>(2 * mark) -= w * fitted_mm.row(mark).transpose();
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      modes.col(2 * mark + k).head(surface.x.rows()) +=
+          w(k, 0) * surface.x.col(mark) + w(k, 1) * surface.y.col(mark);
+    }
+  }
 }
 
 bool HeadFitter::judge(bool may_return) {
@@ -79,6 +102,7 @@ bool HeadFitter::judge(bool may_return) {
     changed = changed || use != used_[i];
     used_[i] = use;
   }
+  if (changed) forgetGathered();
   return changed;
 }
 

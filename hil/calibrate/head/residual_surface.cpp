@@ -11,7 +11,7 @@ constexpr int kMostDegree = 30;
 
 /// Legendre polynomials 0 … degree and their derivatives at u, by Bonnet's recursion.
 struct Legendre {
-  Eigen::VectorXd value, slope;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostDegree + 1, 1> value, slope;
   Legendre(int degree, double u) : value(degree + 1), slope(degree + 1) {
     value[0] = 1.0;
     slope[0] = 0.0;
@@ -37,18 +37,30 @@ SmoothBasis::SmoothBasis(const Eigen::AlignedBox2d& area_mm, int degree)
   }
 }
 
+Eigen::Vector2d SmoothBasis::onUnitSquare(const Eigen::Vector2d& p_mm) const {
+  return (p_mm - area_mm_.center()).cwiseQuotient(0.5 * area_mm_.sizes());
+}
+
+Eigen::VectorXd SmoothBasis::valuesAt(const Eigen::Vector2d& p_mm) const {
+  const Eigen::Vector2d inside = onUnitSquare(p_mm).cwiseMax(-1.0).cwiseMin(1.0);
+  const Legendre u(degree_, inside.x());
+  const Legendre v(degree_, inside.y());
+  Eigen::VectorXd values(size());
+  for (Eigen::Index k = 0; k < size(); ++k) values[k] = u.value[order(k).x()] * v.value[order(k).y()];
+  return values;
+}
+
 SmoothBasis::Values SmoothBasis::at(const Eigen::Vector2d& p_mm) const {
   const Eigen::Vector2d half_mm = 0.5 * area_mm_.sizes();
-  const Eigen::Vector2d wanted = (p_mm - area_mm_.center()).cwiseQuotient(half_mm);
+  const Eigen::Vector2d wanted = onUnitSquare(p_mm);
   const Eigen::Vector2d inside = wanted.cwiseMax(-1.0).cwiseMin(1.0);
   const Legendre u(degree_, inside.x());
   const Legendre v(degree_, inside.y());
   const double u_per_mm = inside.x() == wanted.x() ? 1.0 / half_mm.x() : 0.0;
   const double v_per_mm = inside.y() == wanted.y() ? 1.0 / half_mm.y() : 0.0;
-  Values values{Eigen::VectorXd(size()), Eigen::MatrixX2d(size(), 2)};
+  Values values{valuesAt(p_mm), Eigen::MatrixX2d(size(), 2)};
   for (Eigen::Index k = 0; k < size(); ++k) {
     const Eigen::Vector2i& o = order(k);
-    values.at[k] = u.value[o.x()] * v.value[o.y()];
     values.by_p(k, 0) = u_per_mm * u.slope[o.x()] * v.value[o.y()];
     values.by_p(k, 1) = v_per_mm * u.value[o.x()] * v.slope[o.y()];
   }

@@ -28,8 +28,11 @@ class SmoothBasis {
     Eigen::MatrixX2d by_p;  ///< And its slopes, 1/mm.
   };
   [[nodiscard]] Values at(const Eigen::Vector2d& p_mm) const;
+  [[nodiscard]] Eigen::VectorXd valuesAt(const Eigen::Vector2d& p_mm) const;
 
  private:
+  [[nodiscard]] Eigen::Vector2d onUnitSquare(const Eigen::Vector2d& p_mm) const;
+
   Eigen::AlignedBox2d area_mm_;
   int degree_;
   std::vector<Eigen::Vector2i> orders_;

@@ -55,22 +55,27 @@ class ThreeSheets : public testing::Test {
     MatrixXd normal = written_out_.transpose() * written_out_;
     normal.diagonal() += weights;
     covariance_ = normal.inverse();
-    mean_ = covariance_ * (written_out_.transpose() * rows_.col(kCount));
+    VectorXd gradient = written_out_.transpose() * rows_.col(kCount);
+    gradient.head<kCount>() += home_;
+    mean_ = covariance_ * gradient;
+    least_ = rows_.col(kCount).squaredNorm() + home_.squaredNorm() - gradient.dot(mean_);
   }
 
   SmoothBasis basis_{Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(90, 40)), 2};
   SurfacePrior prior_{0.3, 0.7, 0.0};
   WhitenedRows rows_;
+  HeadVector home_ = HeadVector::LinSpaced(-0.7, 0.4);
   RowMatrix values_;
   std::vector<Eigen::Matrix2d> whitenings_;
   MatrixXd shared_, written_out_, covariance_;
   VectorXd mean_;
+  double least_{};
 };
 
 TEST_F(ThreeSheets, WhatTheyShareIntegratedOutIsWhatItIsWrittenOut) {
   JointMarks marks(whitenings_, values_, shared_);
-  marks.linearise(rows_);
-  const JointSolution joint = solveJoint(marks, basis_, prior_, true);
+  marks.linearise(rows_, home_);
+  const JointSolution joint = JointSolver(marks, sigmasOf(prior_, basis_)).solve();
   solveWrittenOut();
   const Eigen::Index x = joint.unknowns.size();
   ASSERT_EQ(x + kShared, unknowns());
@@ -83,8 +88,8 @@ TEST_F(ThreeSheets, WhatTheyShareIntegratedOutIsWhatItIsWrittenOut) {
 
 TEST_F(ThreeSheets, TellsWhatTheyShare) {
   JointMarks marks(whitenings_, values_, shared_);
-  marks.linearise(rows_);
-  const JointSolution joint = solveJoint(marks, basis_, prior_, true);
+  marks.linearise(rows_, home_);
+  const JointSolution joint = JointSolver(marks, sigmasOf(prior_, basis_)).solve();
   solveWrittenOut();
   const Eigen::Index x = joint.unknowns.size();
   const MatrixXd slopes = marks.sharedSlopes(), reach = marks.sharedReach(shared_);
@@ -95,6 +100,34 @@ TEST_F(ThreeSheets, TellsWhatTheyShare) {
   const MatrixXd covariance = moved.transpose() * moved + reach.transpose() * reach;
   EXPECT_LT((covariance - written_out_ * covariance_ * written_out_.transpose()).norm(),
             1e-9 * covariance.norm());
+}
+
+TEST_F(ThreeSheets, TellsWhatAStepLeavesWhenAllElseFitsBest) {
+  JointMarks marks(whitenings_, values_, shared_);
+  marks.linearise(rows_, home_);
+  const ModelInformation model = JointSolver(marks, sigmasOf(prior_, basis_)).model();
+  solveWrittenOut();
+  const HeadVector best = mean_.head<kCount>(), off = HeadVector::LinSpaced(-1.0, 2.0);
+  const MatrixXd precision = covariance_.topLeftCorner<kCount, kCount>().inverse();
+  EXPECT_NEAR(model.misfit(best), least_, 1e-9 * least_);
+  EXPECT_NEAR(model.misfit(best + off), least_ + off.dot(precision * off), 1e-9 * model.misfit(best + off));
+
+  constexpr double kDamping = 3.0;
+  EXPECT_LT((model.step() - best).norm(), 1e-9 * best.norm());
+  const MatrixXd damped = precision + kDamping * MatrixXd::Identity(kCount, kCount);
+  EXPECT_LT((model.step(kDamping) - damped.inverse() * precision * best).norm(), 1e-9 * best.norm());
+}
+
+TEST_F(ThreeSheets, TheFactorOfAllTolerancesIsThatOfTheDepartures) {
+  JointMarks marks(whitenings_, values_, shared_);
+  const auto factorAt = [&](const HeadVector& step) {
+    WhitenedRows there = rows_;
+    there.col(kCount) -= rows_.leftCols<kCount>() * step;
+    marks.linearise(there, home_ - step);
+    return toleranceFactor(JointSolver(marks, sigmasOf(prior_, basis_)).model());
+  };
+  // Wherever it was linearised.
+  EXPECT_NEAR(factorAt(HeadVector::LinSpaced(0.3, -2.0)), factorAt(HeadVector::Zero()), 1e-9);
 }
 
 }  // namespace
