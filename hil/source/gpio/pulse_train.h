@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "hil/source/gpio/edge_player.h"
+#include "hil/source/gpio/lag_meter.h"
 #include "hil/source/gpio/output_lines.h"
 #include "hil/source/gpio/system.h"
 
