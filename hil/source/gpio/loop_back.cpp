@@ -27,9 +27,9 @@ LineRequest listenTo(const std::shared_ptr<GpioSystem>& system, const LoopBackLi
 }
 
 /// Reads what a train makes.
-class Listener {
+class LoopReader {
  public:
-  Listener(std::shared_ptr<GpioSystem> system, LineRequest& request, std::size_t room)
+  LoopReader(std::shared_ptr<GpioSystem> system, LineRequest& request, std::size_t room)
       : system_(std::move(system)),
         request_(request),
         order_(orderFrom(*system_, request_, begin_ns_)),
@@ -168,16 +168,16 @@ std::string wireTrouble(const std::shared_ptr<GpioSystem>& system, const LoopBac
 LoopBackStep measureLoopBack(const std::shared_ptr<GpioSystem>& system, const LoopBackLines& lines,
                              EdgeTrain& train, const TrainPlan& plan) {
   LineRequest request = listenTo(system, lines);  // Its numbers begin anew.
-  Listener listener(system, request, plan.edges);
+  LoopReader reader(system, request, plan.edges);
   train.begin(plan);
-  listener.listen(train);
+  reader.listen(train);
   const DrivenTrain driven = train.end();
   LoopBackStep step;
   step.asked_hz = 1e9 / static_cast<double>(plan.period_ns);
   step.driven_hz = driven.rate_hz();
   step.driven = driven.edges.size();
   step.worst_put_ns = driven.lag.worst_ns();
-  listener.report(driven, step);
+  reader.report(driven, step);
   return step;
 }
 
