@@ -142,7 +142,7 @@ class SpoiltLivePinsTest : public LivePinsTest {
   }
   /// After this real time of the run.
   void at(std::uint64_t ms, const std::function<void()>& work) {
-    board->before_poll = [this, ms, work, done = false](std::uint64_t now) mutable {
+    board->before_poll = [ms, work, done = false](std::uint64_t now) mutable {
       if (done || now < ScriptedKernel::kStart_ns + ms * 1'000'000U) return;
       done = true;
       work();
