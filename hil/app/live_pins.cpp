@@ -58,7 +58,8 @@ void announce(const GpioLiveOptions& live, const FirmwareChoice& firmware, Conso
 }
 
 /// Pins, sensors and words of the run in one recording.
-PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t stamp_err_ticks) {
+PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t stamp_err_ticks,
+                     std::uint16_t heard_port) {
   PinCapture captured;
   captured.recording = std::move(run.recording);
   PinRecording& recording = captured.recording;
@@ -69,8 +70,7 @@ PinCapture captureOf(LockstepResult& run, GpioLiveRecord& record, std::uint32_t 
   captured.edges = record.edges;
   recording.problems.insert(recording.problems.end(), std::make_move_iterator(record.problems.begin()),
                             std::make_move_iterator(record.problems.end()));
-  // A replay has to know as well.
-  if (!recording.problems.empty()) recording.outputs.push_back(record.gap);
+  spoilEnd(recording, heard_port);
   return captured;
 }
 
@@ -116,7 +116,8 @@ LivePins runLive(const Case& the_case, const twin::DrawnMachine& drawn, const Re
     LivePins live;
     live.lag = record.lag;
     live.switch_lag = record.switch_lag;
-    live.captured = captureOf(run, record, source.info().stamp_err_ticks);
+    live.captured = captureOf(run, record, source.info().stamp_err_ticks,
+                              pinsOf(options.in.wires, the_case.machine.signals).front().port);
     tellUnproven(the_case, run, live.captured.recording);
     for (const std::string& note : live.captured.notes) console.say("  " + note);
     console.say(fmt::format("  {} edges read in {:.3f} s; {}", live.captured.edges,

@@ -16,6 +16,9 @@ struct PinCapture {
   std::uint64_t edges{};
 };
 
+/// A recording that has problems ends with a gap, on a port that was heard: a replay has to know as well.
+void spoilEnd(PinRecording& recording, std::uint16_t port);
+
 /// What can be wrong with pins by whatever they are heard, in words.
 std::string highAtStartWords(const std::string& signal);
 /// The time limit was reached, after some edge or none.

@@ -88,14 +88,7 @@ PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMa
   captured.edges = heard.edges();
   captured.notes = end.notes;
   captured.recording.problems = problemsOf(options, wish, heard, end, too_many);
-  if (!captured.recording.problems.empty() && !options.signals.empty()) {
-    PinRecording& recording = captured.recording;
-    const std::uint16_t port = map.pin(options.signals.front())->port;
-    const auto last = std::find_if(recording.outputs.rbegin(), recording.outputs.rend(),
-                                   [&](const PinEvent& event) { return event.port == port; });
-    const std::uint16_t level = last == recording.outputs.rend() ? std::uint16_t{0} : last->level;
-    recording.outputs.push_back({recording.end, port, 0, level, PinEvent::kGap});
-  }
+  if (!options.signals.empty()) spoilEnd(captured.recording, map.pin(options.signals.front())->port);
   return captured;
 }
 

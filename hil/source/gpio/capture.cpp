@@ -82,8 +82,7 @@ class Capture {
     ports.start(levels_, 1, recording.outputs);
     for (const LineEdge& edge : edges_) ports.add(edge, edge.stamp_ns - origin_ns, recording.outputs);
     recording.end = edges_.empty() ? kTail : edges_.back().stamp_ns - origin_ns + kTail;
-    // A replay has to know as well.
-    if (!recording.problems.empty()) recording.outputs.push_back(ports.gap(recording.end));
+    spoilEnd(recording, pinsOf(options_.wires, map_).front().port);
   }
 
   void problems(const std::vector<std::string>& words) {

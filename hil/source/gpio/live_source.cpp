@@ -162,7 +162,6 @@ Stop GpioLiveSource::stop(Stop why, std::string message) {
 GpioLiveRecord GpioLiveSource::finish(Tick end) {
   GpioLiveRecord record;
   record.notes = real_time_.notes();
-  record.gap = ports_.gap(end);
   if (!begun_) return record;
   record.problems = start_problems_;
   if (stop_ == Stop::kReached || stop_ == Stop::kEnded) lookAgain(record.problems);

@@ -42,7 +42,6 @@ struct GpioLiveRecord {
   std::vector<HeardBytes> uart;     ///< When they were read.
   std::vector<std::string> problems;
   std::vector<std::string> notes;  ///< As PinCapture's.
-  PinEvent gap;                    ///< Goes to the end of a recording that has problems.
   LagMeter lag;           ///< Of the output edges, against their plan; without those that answer to pins.
   LagMeter switch_lag;    ///< Of these, which come kHoldBack_ns late by design.
   std::uint64_t edges{};  ///< That came in.

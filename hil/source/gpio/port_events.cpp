@@ -25,10 +25,4 @@ void PortEvents::add(const LineEdge& edge, Tick tick, std::vector<PinEvent>& eve
   if (edge.gap) event->flags |= PinEvent::kGap;
 }
 
-PinEvent PortEvents::gap(Tick tick) const {
-  const std::uint16_t port = pins_.front().port;
-  const auto level = levels_.find(port);
-  return {tick, port, 0, level == levels_.end() ? std::uint16_t{0} : level->second, PinEvent::kGap};
-}
-
 }  // namespace kerfbench::hil

@@ -20,8 +20,6 @@ class PortEvents {
   void start(const std::vector<bool>& levels, Tick tick, std::vector<PinEvent>& events);
   /// Appends an edge, or merges it into the event of its tick and port; ticks ascend.
   void add(const LineEdge& edge, Tick tick, std::vector<PinEvent>& events);
-  /// An event that changes nothing but says that some were lost.
-  [[nodiscard]] PinEvent gap(Tick tick) const;
 
  private:
   [[nodiscard]] std::uint16_t maskOf(std::size_t line) const {
