@@ -32,6 +32,8 @@ constexpr double kMostPlaces = 50'000.0;
 constexpr double kApart = 2.0;
 /// Any other place must leave so much more, else it might be that.
 constexpr double kClearly = 1.05;
+/// A neighbour that leaves up to so much more may be the true one: noise decides.
+constexpr double kRival = 1.15;
 /// Of how light varies what is asked for leaves no more than this: a strobe that shows single pulses shows
 /// nothing of how many there are.
 constexpr double kUnexplained = 0.15;
@@ -119,9 +121,10 @@ class LightRegression {
       swing_variance += std::pow(without.swing_s - fit.swing_s, 2);
     }
     constexpr double kJackknife = (kBlocks - 1.0) / kBlocks;
-    // Blurred light may mislead all frames alike, by less than it is blurred.
-    const double late_bound_s =
-        kCoverage * std::sqrt(kJackknife * late_variance) + options_.edge_error_s + kSpreads_s.at(scale_);
+    // Blurred light may mislead all frames alike, by less than it is blurred; and where pulses are about as
+    // long as an exposure, it may be a neighbouring minimum, which leaving out a tenth does not show.
+    const double late_bound_s = kCoverage * std::sqrt(kJackknife * late_variance) + options_.edge_error_s +
+                                kSpreads_s.at(scale_) + found->rivals_s;
     const double swing_bound_s = kCoverage * std::sqrt(kJackknife * swing_variance);
     if (!(late_bound_s + swing_bound_s < reach_s_)) return std::nullopt;
     if (std::abs(fit.late_s) > reach_s_ + late_bound_s) return std::nullopt;
@@ -139,6 +142,7 @@ class LightRegression {
     double late_s{}, swing_s{};
     Gains gains{Gains::Zero()};
     double left{};
+    double rivals_s{};  ///< Of best(): how far away another place fits nearly as well.
   };
 
   static double reachOf(const CameraClock& rough, const std::vector<FrameLight>& lit) {
@@ -213,11 +217,15 @@ class LightRegression {
       }
       of_lates.push_back(best);
     }
-    const Place& first = *std::ranges::min_element(of_lates, {}, &Place::left);
-    const bool is_ambiguous = std::ranges::any_of(of_lates, [&](const Place& other) {
-      return std::abs(other.late_s - first.late_s) > kApart * window_s_ && other.left < kClearly * first.left;
-    });
-    if (is_ambiguous) return std::nullopt;
+    Place first = *std::ranges::min_element(of_lates, {}, &Place::left);
+    for (const Place& other : of_lates) {
+      const double away_s = std::abs(other.late_s - first.late_s);
+      const bool is_apart = away_s > kApart * window_s_;
+      if (is_apart && other.left < kClearly * first.left) return std::nullopt;
+      // Blurred light has no neighbours.
+      if (scale_ == 0 && !is_apart && other.left < kRival * first.left)
+        first.rivals_s = std::max(first.rivals_s, away_s);
+    }
     return first;
   }
 
