@@ -43,7 +43,9 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
   command.add_option("--seed", options.seed,
                      "Seed of all noise and of what the imperfections draw, instead of the scenario's");
-  command.add_option("--time-limit", options.time_limit_s, "Seconds after which a run is INVALID: virtual ones, on real pins real ones")
+  command
+      .add_option("--time-limit", options.time_limit_s,
+                  "Seconds after which a run is INVALID: virtual ones, on real pins real ones")
       ->check(CLI::PositiveNumber);
   command
       .add_option("--imperfections", options.imperfections,
