@@ -78,7 +78,9 @@ TEST_F(Gauge, QuickShowsWhatTheInstrumentIsWorth) {
 }
 
 TEST_F(Gauge, GivesTheSameBytesAtAnyNumberOfJobs) {
-  const std::string few = "--quiet --bad 8 --good 8 --cases 6 --imperfections dynamic --seed 5 --jobs ";
+  const std::string few =
+      "--quiet --studies verdicts,coverage,stillness --bad 8 --good 8 --cases 6 --imperfections dynamic "
+      "--seed 5 --jobs ";
   std::string before;
   for (const char* jobs : {"1", "3"}) {
     (void)gauge(few + jobs);

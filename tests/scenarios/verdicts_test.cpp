@@ -50,7 +50,6 @@ INSTANTIATE_TEST_SUITE_P(
                     GoodCase{"strip_avr", "scenarios/strip-crosscut.yaml"},
                     GoodCase{"strip_native", "scenarios/native/strip-crosscut.yaml"},
                     GoodCase{"strip_stop_and_go_avr", "scenarios/strip-stop-and-go.yaml"},
-                    GoodCase{"strip_stop_and_go_native", "scenarios/native/strip-stop-and-go.yaml"},
                     GoodCase{"strip_speed_varies_avr", "scenarios/strip-speed-varies.yaml"}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
