@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -129,13 +131,19 @@ TEST_F(PinsTest, StampsAreThoseOfTheWire) {
   const std::vector<Stroke> strokes = pulses(500, 200'000);
   Player player(chip, strokes);
   const hil::PinCapture captured = capture();
-  player.join();
+  const Played played = player.join();
   const auto& events = captured.recording.outputs;
   ASSERT_EQ(events.size(), strokes.size());
+  std::vector<double> off_us;
   for (std::size_t i = 0; i < strokes.size(); ++i) {
-    const auto after_first_ns = static_cast<double>(events[i].tick - events.front().tick);
-    EXPECT_NEAR(after_first_ns, static_cast<double>(strokes[i].at_ns), 1e9 * options.stamp_err_s) << i;
+    const auto stamped_ns = static_cast<double>(events[i].tick - events.front().tick);
+    const auto pulled_ns = static_cast<double>(played.pulled_ns[i] - played.pulled_ns.front());
+    off_us.push_back(1e-3 * std::abs(stamped_ns - pulled_ns));
   }
+  std::ranges::sort(off_us);
+  // A tick of the kernel's clock may come in between, and lasts some 12 us here.
+  EXPECT_LT(off_us[off_us.size() * 95 / 100], 5.0);
+  EXPECT_LT(off_us.back(), 30.0);
 }
 
 TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {

@@ -61,13 +61,15 @@ void Player::play() {
   waitForListener(chip_);
   if (options_.before) options_.before();
   if (options_.real_time_priority > 0) setRealTime(0, options_.real_time_priority);
+  played_.pulled_ns.reserve(strokes_.size());
   played_.begin_ns = now_ns();
   for (const Stroke& stroke : strokes_) {
     const std::uint64_t due_ns = played_.begin_ns + stroke.at_ns;
     if (due_ns > now_ns() + kShortest_ns) sleepUntil_ns(due_ns);
     while (now_ns() < due_ns) {
     }
-    played_.worst_late_ns = std::max(played_.worst_late_ns, now_ns() - due_ns);
+    played_.pulled_ns.push_back(now_ns());
+    played_.worst_late_ns = std::max(played_.worst_late_ns, played_.pulled_ns.back() - due_ns);
     chip_.pull(stroke.line, stroke.level);
   }
   played_.end_ns = now_ns();

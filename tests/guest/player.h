@@ -22,7 +22,8 @@ struct Stroke {
 struct Played {
   std::uint64_t begin_ns{};  ///< CLOCK_MONOTONIC.
   std::uint64_t end_ns{};
-  std::uint64_t worst_late_ns{};  ///< A stroke after its time.
+  std::uint64_t worst_late_ns{};         ///< A stroke after its time.
+  std::vector<std::uint64_t> pulled_ns;  ///< When each stroke went out, just before the call.
   /// Strokes in a second, as they came.
   [[nodiscard]] double rate_hz(std::size_t strokes) const {
     return 1e9 * static_cast<double>(strokes) / static_cast<double>(end_ns - begin_ns);

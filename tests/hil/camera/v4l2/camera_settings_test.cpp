@@ -88,8 +88,9 @@ TEST(CameraSettings, ListsEverythingThatACameraHasNot) {
   settings.gain = 12;
   settings.controls = {{"trigger_mode", 1}};
   const std::string why = whyNot(video, settings);
-  for (const char* part : {"/dev/video7: ", "frame_rate_hz: the driver cannot set it",
-                           "exposure_s: the camera has no", "gain: the camera has no", "trigger_mode: the camera has no"})
+  for (const char* part :
+       {"/dev/video7: ", "frame_rate_hz: the driver cannot set it", "exposure_s: the camera has no",
+        "gain: the camera has no", "trigger_mode: the camera has no"})
     EXPECT_THAT(why, HasSubstr(part));
 }
 
