@@ -2,16 +2,15 @@
 // The product's own measurement of how many edges it reads and what their stamps are worth, on a loop-back of
 // two lines of the kernel's simulated chip. Its figures are those of the guest's time: instructions.
 #include <gmock/gmock.h>
-#include <gpiod.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <memory>
 #include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/guest/held_line.h"
 #include "tests/guest/sim_chip.h"
 #include "tests/scenarios/scenario_runs.h"
 
@@ -81,10 +80,7 @@ TEST_F(BenchTest, AJumperThatIsMissingOrElsewhereIsSaid) {
 
 TEST_F(BenchTest, ALineThatAnotherProgramHasIsNamedWithItsUser) {
   plugJumper(kIn);
-  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
-      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
-  ASSERT_NE(opened, nullptr);
-  ASSERT_EQ(gpiod_line_request_input(gpiod_chip_get_line(opened.get(), kOut), "spi0 CS1"), 0);
+  const HeldLine held(chip.device(), kOut, "spi0 CS1");
   const test::ProgramRun done = bench("");
   EXPECT_EQ(done.exit_code, 1);
   EXPECT_THAT(done.output, HasSubstr("line 0 for OUT is taken by 'spi0 CS1'"));

@@ -2,7 +2,6 @@
 // The bench's reader of pins on the kernel's real GPIO, with the kernel's simulated chip. Time is the
 // guest's: a count of instructions, so waiting and rates are the same in every run.
 #include <gmock/gmock.h>
-#include <gpiod.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include "hil/source/gpio/edge_order.h"
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/real_time.h"
+#include "tests/guest/held_line.h"
 #include "tests/guest/player.h"
 #include "tests/guest/sim_chip.h"
 #include "tests/guest/watched_system.h"
@@ -228,11 +228,7 @@ TEST_F(PinsTest, RatesThatOneProcessorHolds) {
 }
 
 TEST_F(PinsTest, ALineThatAnotherProgramHasIsNamedWithItsUser) {
-  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
-      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
-  ASSERT_NE(opened, nullptr);
-  gpiod_line* const line = gpiod_chip_get_line(opened.get(), kDir);
-  ASSERT_EQ(gpiod_line_request_input(line, "spi0 CS1"), 0);
+  const HeldLine held(chip.device(), kDir, "spi0 CS1");
   EXPECT_EQ(hil::readChip(chip.device()).lines.at(kDir).consumer, "spi0 CS1");
   try {
     capture();

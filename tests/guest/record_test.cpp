@@ -3,12 +3,10 @@
 // on its lines, are recorded as a live run would. end_to_end_test.cpp made the recordings, and judges what
 // comes out.
 #include <gmock/gmock.h>
-#include <gpiod.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -16,6 +14,7 @@
 #include "hil/app/pin_capture.h"
 #include "hil/source/gpio/chips.h"
 #include "hil/source/vcd.h"
+#include "tests/guest/held_line.h"
 #include "tests/guest/player.h"
 #include "tests/guest/sim_chip.h"
 #include "tests/scenarios/scenario_runs.h"
@@ -101,10 +100,7 @@ TEST_F(RecordTest, DoctorListsTheChipAsItIs) {
 }
 
 TEST_F(RecordTest, ALineThatSomebodyElseHasIsToldByDoctorAndByRun) {
-  const std::unique_ptr<gpiod_chip, decltype(&gpiod_chip_close)> opened(
-      gpiod_chip_open(chip.device().c_str()), gpiod_chip_close);
-  ASSERT_NE(opened, nullptr);
-  ASSERT_EQ(gpiod_line_request_input(gpiod_chip_get_line(opened.get(), 4), "status LED"), 0);
+  const HeldLine held(chip.device(), 4, "status LED");
   const test::ProgramRun doctor = test::kerfbench(fmt::format("doctor '{}'", kScenario.string()));
   EXPECT_EQ(doctor.exit_code, 1);
   EXPECT_THAT(doctor.output, HasSubstr("line 4 for laser_gate is taken by 'status LED'"));

@@ -72,6 +72,8 @@ TEST_F(ChipsTest, AChipThatCannotBeReadIsAFaultInWordsAndTheOthersAreListed) {
 TEST_F(ChipsTest, AChipThatVanishesWhileItIsReadIsAFault) {
   fake_libgpiod.line_error = ENODEV;
   EXPECT_THAT(wordsOf<GpioError>([&] { readChip(dev / "gpiochip2"); }), HasSubstr("has gone"));
+  fake_libgpiod.info_error = ENODEV;
+  EXPECT_THAT(wordsOf<GpioError>([&] { readChip(dev / "gpiochip2"); }), HasSubstr("has gone"));
 }
 
 TEST_F(ChipsTest, AMissingFolderIsAFault) {

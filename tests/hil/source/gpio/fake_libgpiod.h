@@ -16,10 +16,11 @@ struct FakeLine {
 };
 struct FakeLibgpiod {
   int open_error{};
+  int info_error{};          ///< Of what a chip says of itself; 1.6 asks when it is opened.
   int line_error{};          ///< For the last line.
   std::string label{"sim"};  ///< Of each chip; its name is that of the file.
   std::vector<FakeLine> lines;
-  int open_chips{};
+  int open_chips{};  ///< And whatever else is to be given back.
 };
 extern FakeLibgpiod fake_libgpiod;
 

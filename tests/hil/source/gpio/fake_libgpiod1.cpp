@@ -35,6 +35,10 @@ gpiod_chip* gpiod_chip_open(const char* path) {
     errno = fake_libgpiod.open_error;
     return nullptr;
   }
+  if (fake_libgpiod.info_error != 0) {
+    errno = fake_libgpiod.info_error;
+    return nullptr;
+  }
   auto* chip = new gpiod_chip{std::filesystem::path(path).filename().string(), {}};
   for (unsigned i = 0; i < fake_libgpiod.lines.size(); ++i) chip->lines.push_back({i});
   ++fake_libgpiod.open_chips;
