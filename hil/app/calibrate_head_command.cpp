@@ -52,7 +52,8 @@ void tell(const HeadIteration& iteration, Console& console) {
       fmt::format("    with the new table, at {} other places on {} sheet{}: {:.4f} mm at most, {:.4f} mm "
                   "RMS; {} within the 95 % stated",
                   iteration.after.marks, iteration.verified.size(), iteration.verified.size() == 1 ? "" : "s",
-                  iteration.after.max_mm, iteration.after.rms_mm, iteration.covered));
+                  iteration.after.max_mm, iteration.after.rms_mm, iteration.spread.covered));
+  if (!iteration.spread.holds()) console.say("    " + iteration.spread.words());
   for (const MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
 }
 

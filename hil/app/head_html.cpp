@@ -120,9 +120,12 @@ std::string residuals(const HeadCalibration& result, const HeadPlan& plan) {
       "said to hold "
       "95 % of them, by the covariance of the fit, of each mark and of its sheet's place. The places of a "
       "sheet "
-      "share the error of its place: they lie aside together.</p>",
-      errorHistogram(errors, plan.limit_mm), errorScatter(errors, plan.limit_mm), best.covered, errors.size(),
-      100.0 * static_cast<double>(best.covered) / static_cast<double>(errors.size()));
+      "share the error of its place: they lie aside together. RMS the places are off {:.2f} times as far as "
+      "stated; chance reaches {:.2f}{}.</p>",
+      errorHistogram(errors, plan.limit_mm), errorScatter(errors, plan.limit_mm), best.spread.covered,
+      errors.size(), 100.0 * static_cast<double>(best.spread.covered) / static_cast<double>(errors.size()),
+      best.spread.ratio, best.spread.most_ratio,
+      best.spread.holds() ? "" : ": <b>what is stated is too small</b>");
 }
 
 std::string iterationRow(const HeadIteration& iteration, std::size_t number, bool best, double limit_mm) {
@@ -139,11 +142,12 @@ std::string iterationRow(const HeadIteration& iteration, std::size_t number, boo
       micrometres(iteration.before.rms_mm), table.grid.x_mm().size(), table.grid.y_mm().size(),
       micrometres(2.0 * table.largest_sigma_mm));
   if (iteration.verified.empty()) return html + "<td class=num>–<td class=num>–<td class=num>–</tr>";
-  return html + fmt::format("<td class=num>{}, {}<td class='num{}'>{} / {}<td class=num>{:.1f} %</tr>",
+  return html + fmt::format("<td class=num>{}, {}<td class='num{}'>{} / {}<td class='num{}'>{:.1f} %</tr>",
                             iteration.after.marks, iteration.verified.size(),
                             iteration.after.max_mm > limit_mm ? " hit" : "",
                             micrometres(iteration.after.max_mm), micrometres(iteration.after.rms_mm),
-                            100.0 * static_cast<double>(iteration.covered) /
+                            iteration.spread.holds() ? "" : " hit",
+                            100.0 * static_cast<double>(iteration.spread.covered) /
                                 static_cast<double>(std::max<std::size_t>(iteration.after.marks, 1)));
 }
 

@@ -46,7 +46,9 @@ Json jsonOf(const HeadIteration& iteration) {
             {"largest_sigma_mm", number(table.largest_sigma_mm)}}},
           {"verified", verified},
           {"after", jsonOf(iteration.after)},
-          {"within_stated_95", iteration.covered}};
+          {"within_stated_95", iteration.spread.covered},
+          {"over_stated", number(iteration.spread.ratio)},
+          {"over_stated_by_chance", number(iteration.spread.most_ratio)}};
 }
 
 Json jsonOf(const HeadParameterFinding& finding) {

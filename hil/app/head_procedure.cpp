@@ -5,9 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/head/spread.h"
 #include "hil/calibrate/marks/mark_code.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/verify_places.h"
@@ -18,7 +18,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNoBetter = 0.9;
-constexpr double kCovered = 0.05;     // beyond the ellipse of 95 %
 constexpr double kSheetX_mm = -67.0;  // S is not W: whoever takes one for the other is off by this
 constexpr double kPrintDiameter_mm = 3.0;
 
@@ -50,15 +49,13 @@ class Numbers {
   int next_{0};
 };
 
-std::size_t coveredOf(const FittedHead& head, const MeasuredSheet& sheet) {
-  const double most = chiSquare2Above(kCovered);
-  const std::vector<HeadObservation> seen = observationsOf(sheet, head.table.grid, 0);
-  return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const HeadObservation& o) {
-    const auto spot = head.fit.spotOf(o.aim_W_mm);
-    const auto covariance = head.fit.covarianceAt_mm2(o.aim_W_mm);
-    return spot && covariance &&
-           distance2(o.measured_W_mm - spot->p_W_mm, *covariance + o.wholeCovariance_mm2()) <= most;
-  }));
+StatedSpread spreadOf(const FittedHead& head, const std::vector<MeasuredSheet>& sheets) {
+  std::vector<HeadObservation> seen;
+  int number = 0;
+  for (const MeasuredSheet& sheet : sheets) {
+    for (const HeadObservation& o : observationsOf(sheet, head.table.grid, number++)) seen.push_back(o);
+  }
+  return statedSpread(head.fit, seen);
 }
 
 std::vector<Vector2d> middlesOf(const AimGrid& table) {
@@ -70,6 +67,12 @@ std::vector<Vector2d> middlesOf(const AimGrid& table) {
     }
   }
   return middles;
+}
+
+/// A table whose statement holds before one that is nearer.
+bool isBetter(const HeadIteration& now, const HeadIteration& best, double limit_mm) {
+  if (now.holds(limit_mm) != best.holds(limit_mm)) return now.holds(limit_mm);
+  return now.after.max_mm < best.after.max_mm;
 }
 
 /// What the rounds share.
@@ -88,15 +91,16 @@ class Rounds {
                             .before = errorsOf({&marks, 1}),
                             .head = fitted(observations_, setup_),
                             .verified = {},
-                            .after = {}};
+                            .after = {},
+                            .spread = {}};
     table_ = iteration.head.table.grid;
     ++round_;
     int part = 0;
     for (const std::vector<Vector2d>& some : placesToVerify()) {
       iteration.verified.push_back(measured(some, fmt::format("{}-verify-{}", round_, ++part)));
-      iteration.covered += coveredOf(iteration.head, iteration.verified.back());
     }
     iteration.after = errorsOf(iteration.verified);
+    iteration.spread = spreadOf(iteration.head, iteration.verified);
     return iteration;
   }
 
@@ -164,22 +168,21 @@ HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, cons
   HeadCalibration result;
   result.end = HeadEnd::kGridsUsed;
   Rounds rounds(setup, plan, cut);
+  double least_mm = INFINITY;
   for (const int grid : plan.grids) {
     result.iterations.push_back(rounds.next(grid));
-    const std::size_t last = result.iterations.size() - 1;
-    const double error_mm = result.iterations[last].after.max_mm;
-    told(result.iterations[last]);
-    const double least_mm = result.iterations[result.best].after.max_mm;
-    if (error_mm < least_mm) result.best = last;
-    if (error_mm <= plan.limit_mm) {
-      result.end = HeadEnd::kGood;
-      break;
-    }
-    if (last > 0 && error_mm > kNoBetter * least_mm) {
+    const HeadIteration& now = result.iterations.back();
+    told(now);
+    if (isBetter(now, result.iterations[result.best], plan.limit_mm))
+      result.best = result.iterations.size() - 1;
+    if (now.holds(plan.limit_mm)) break;
+    if (now.after.max_mm > kNoBetter * least_mm) {
       result.end = HeadEnd::kNoBetter;
       break;
     }
+    least_mm = std::min(least_mm, now.after.max_mm);
   }
+  if (result.iterations.at(result.best).within(plan.limit_mm)) result.end = HeadEnd::kGood;
   return result;
 }
 
@@ -190,7 +193,8 @@ HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& s
                                .before = errorsOf({&sheet, 1}),
                                .head = fitted(observationsOf(sheet, setup.table, 0), setup),
                                .verified = {},
-                               .after = {}});
+                               .after = {},
+                               .spread = {}});
   result.end = HeadEnd::kNotVerified;
   return result;
 }
@@ -207,12 +211,13 @@ std::string HeadCalibration::endWords(const HeadPlan& plan) const {
                                : "");
   }
   const SheetErrors& after = iterations.at(best).after;
+  const bool holds = iterations.at(best).spread.holds();
   const std::string errors = fmt::format(
       "at {} other places the beam is off by {:.4f} mm at most, {:.4f} mm RMS; the limit is {:g} mm",
       after.marks, after.max_mm, after.rms_mm, plan.limit_mm);
   switch (end) {
     case HeadEnd::kGood:
-      return "good: " + errors;
+      return "good: " + errors + (holds ? "" : "; " + iterations.at(best).spread.words());
     case HeadEnd::kNoBetter:
       return "no longer improves: " + errors;
     case HeadEnd::kGridsUsed:

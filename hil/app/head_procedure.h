@@ -9,6 +9,7 @@
 #include "hil/app/measured_sheet.h"
 #include "hil/calibrate/head/correction_table.h"
 #include "hil/calibrate/head/head_fit.h"
+#include "hil/calibrate/head/stated_spread.h"
 
 namespace kerfbench::hil {
 
@@ -45,10 +46,11 @@ struct HeadIteration {
   FittedHead head;                      ///< By all marks so far but those that verify.
   std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
   SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
-  /// Of the marks that verify, how many lie within the ellipse that holds 95 % by what is stated of the fit,
-  /// of the mark and of the place of its sheet. Those of a sheet share the last, so that the share of one
-  /// calibration scatters far more than that of independent places.
-  std::size_t covered{};
+  StatedSpread spread;                  ///< Of the marks that verify, over what is stated of them.
+
+  /// The marks that verify are within the limit, and do not speak against what is stated of the table.
+  [[nodiscard]] bool within(double limit_mm) const { return after.max_mm <= limit_mm; }
+  [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
 };
 
 /// Why it was the last iteration.
@@ -65,8 +67,9 @@ struct HeadCalibration {
 
 /// Rounds of: cut a grid of marks with the table so far, fit the head by all grids, make a table, verify it
 /// at random places that were not marked for the fit, on as many sheets as they need. Ends when the largest
-/// error there is within the limit, when it is no longer smaller than 0.9 of the one before, or after the
-/// last grid. `told` hears of each iteration.
+/// error there is within the limit and the errors are as what is stated of the table lets expect, when the
+/// largest is no longer smaller than 0.9 of the least before, or after the last grid. `told` hears of each
+/// iteration.
 /// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);

@@ -64,7 +64,7 @@ CalibratedHead calibrated(const HeadKindProof& kind, std::uint64_t seed, const O
     head.max_mm = best.after.max_mm;
     head.rms_mm = best.after.rms_mm;
     head.places = best.after.marks;
-    head.covered = best.covered;
+    head.covered = best.spread.covered;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (!before) head.wall_s = took.count();
   } catch (const std::exception& error) {

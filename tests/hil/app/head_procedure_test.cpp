@@ -45,7 +45,8 @@ class HeadProcedure : public testing::Test {
     for (const WantedMark& mark : order.job.marks) {
       const Vector2d& p = mark.p_W_mm;
       const Vector2d d = order.table ? order.table->at_mm(p).value() : Vector2d(0.0, 0.0);
-      sheet.marks.push_back({mark, head_.spotFor(p + d, false), 1e-8 * Eigen::Matrix2d::Identity()});
+      const Vector2d aside(order.job.name.starts_with("1-verify") ? first_aside_mm_ : 0.0, 0.0);
+      sheet.marks.push_back({mark, head_.spotFor(p + d, false) + aside, 1e-8 * Eigen::Matrix2d::Identity()});
     }
     if (order.sheet == 0) {
       sheet.marks.pop_back();
@@ -74,6 +75,7 @@ class HeadProcedure : public testing::Test {
   test::SimulatedHead head_{test::HeadKind::kTwoMirror300, test::Beyond::kNothing, 3};
   HeadSetup setup_;
   HeadPlan plan_;
+  double first_aside_mm_{};  ///< Of the sheets that verify the first table.
   std::vector<std::string> names_;
   std::vector<int> rounds_;
 };
@@ -121,6 +123,37 @@ TEST_F(HeadProcedure, EndsAfterTheLastGridWhenItIsNotGoodEnough) {
   EXPECT_EQ(result.end, HeadEnd::kGridsUsed);
   EXPECT_FALSE(result.good());
   EXPECT_THAT(names_, ElementsAre("1-grid", "1-verify-1"));
+}
+
+/// The sheets that verify the first table lie farther aside than is stated of them.
+class HeadNotAsStated : public HeadProcedure {
+ protected:
+  HeadNotAsStated() {
+    first_aside_mm_ = 0.05;
+    setup_.unmodelled_share = 1e-6;
+    plan_.verify = 40;
+    plan_.limit_mm = 0.5;
+  }
+};
+
+TEST_F(HeadNotAsStated, IsMarkedOnceMoreThoughItsTableIsWithinTheLimit) {
+  const HeadCalibration result = calibrated();
+  EXPECT_EQ(result.end, HeadEnd::kGood);
+  ASSERT_EQ(result.iterations.size(), 2U);
+  EXPECT_LT(result.iterations[0].after.max_mm, plan_.limit_mm);
+  EXPECT_FALSE(result.iterations[0].spread.holds());
+  EXPECT_TRUE(result.iterations[1].spread.holds());
+  EXPECT_EQ(result.best, 1U);
+  EXPECT_EQ(result.endWords(plan_).find("as stated"), std::string::npos);
+}
+
+TEST_F(HeadNotAsStated, IsGoodAndToldIfThereIsNoOtherGrid) {
+  plan_.grids = {3};
+  const HeadCalibration result = calibrated();
+  EXPECT_TRUE(result.good());
+  EXPECT_THAT(result.endWords(plan_), HasSubstr("; they are off "));
+  EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("<b>what is stated is too small</b>"));
+  EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("<td class='num hit'>"));
 }
 
 TEST_F(HeadProcedure, HasAPageThatNeedsNothingElseAndEscapesWhatOthersWrote) {
