@@ -30,15 +30,37 @@ ResultsFolder::~ResultsFolder() {
 }
 
 void ResultsFolder::commit() {
-  if (::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place_.c_str(), RENAME_NOREPLACE) == 0) {
+  if (renamed(RENAME_NOREPLACE)) {
     staging_.clear();
     return;
   }
   // Something is there: exchange the two in one step, then the destructor removes the old one.
-  if (errno != EEXIST ||
-      ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place_.c_str(), RENAME_EXCHANGE) != 0) {
+  if (errno == EEXIST && renamed(RENAME_EXCHANGE)) return;
+  if (errno != EINVAL)
     throw std::system_error(errno, std::generic_category(), "cannot put the results to " + place_.string());
+  commitInSteps();
+}
+
+bool ResultsFolder::renamed(unsigned flags) const {
+  return ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, place_.c_str(), flags) == 0;
+}
+
+/// Many drives of a network can neither exchange two names nor leave one that is taken alone. For a moment
+/// there is nothing in the place, never a half.
+void ResultsFolder::commitInSteps() {
+  const fs::path old = staging_.string() + ".old";
+  std::error_code error;
+  fs::rename(place_, old, error);
+  const bool there = !error;
+  if (error && error != std::errc::no_such_file_or_directory)
+    throw std::system_error(error, "cannot put the results to " + place_.string());
+  fs::rename(staging_, place_, error);
+  if (error) {
+    std::error_code ignored;
+    if (there) fs::rename(old, place_, ignored);
+    throw std::system_error(error, "cannot put the results to " + place_.string());
   }
+  staging_ = there ? old : fs::path();  // The destructor removes it.
 }
 
 }  // namespace kerfbench::hil

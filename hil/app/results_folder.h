@@ -20,10 +20,14 @@ class ResultsFolder {
   [[nodiscard]] const std::filesystem::path& staging() const { return staging_; }
   /// Where it will be.
   [[nodiscard]] const std::filesystem::path& place() const { return place_; }
-  /// Puts the folder in its place; an older one there is replaced in one step.
+  /// Puts the folder in its place; an older one there is replaced in one step, or on drives that cannot
+  /// exchange two names (many of a network) in two. @throws std::system_error; the older one stays then.
   void commit();
 
  private:
+  [[nodiscard]] bool renamed(unsigned flags) const;
+  void commitInSteps();
+
   std::filesystem::path place_;
   std::filesystem::path staging_;
 };

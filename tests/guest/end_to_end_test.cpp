@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pins of real runs through the kernel's GPIO to a verdict. The releases run here and leave their pins; in
 // the guest those are played on a simulated chip and recorded from it (record_test.cpp); twin and verdict run
-// here again, on what was recorded: in the guest's emulated processor they would take minutes.
+// here again, on what was recorded, and once in the guest, where it takes minutes: both must have one digest.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/atomic_file.h"
 #include "tests/guest/host.h"
 #include "tests/scenarios/scenario_runs.h"
 
@@ -21,6 +22,7 @@ using testing::Contains;
 using testing::HasSubstr;
 
 const fs::path kRuns = KERFBENCH_GUEST_RUNS;
+const fs::path kFixtures = test::fixture("scenarios/pins");
 const fs::path kShared = kRuns.parent_path() / "record";
 
 class EndToEnd : public testing::Test {
@@ -28,22 +30,31 @@ class EndToEnd : public testing::Test {
   static void SetUpTestSuite() {
     skipWithoutQemu();
     fs::remove_all(kRuns);
-    run("plate", 0);
-    run("plate-gate-late", 1);
+    fs::create_directories(kRuns);
+    run(kFixtures / "plate.yaml", 0);
+    run(kFixtures / "plate-gate-late.yaml", 1);
+    run(part("plate"), 0);
+    part("plate-on-pins");
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_RECORD));
   }
   /// A release whose pins the guest plays.
-  static void run(const std::string& scenario, int exit_code) {
-    const test::ProgramRun done = test::kerfbench(
-        fmt::format("run '{}' --twin fast --no-pictures --results-dir '{}'",
-                    test::fixture("scenarios/pins/" + scenario + ".yaml").string(), kRuns.string()));
+  static void run(const fs::path& scenario, int exit_code) {
+    const test::ProgramRun done = test::kerfbench(fmt::format(
+        "run '{}' --twin fast --no-pictures --results-dir '{}'", scenario.string(), kRuns.string()));
     ASSERT_EQ(done.exit_code, exit_code) << done.output;
   }
-  static test::ProgramRun replay(const std::string& recording, const std::string& results) {
+  /// The triangle alone, of a scenario: what the guest's processor cuts on the twin and judges in a minute.
+  static fs::path part(const std::string& scenario) {
+    fs::path file = kRuns / (scenario + ".yaml");
+    hil::writeFileAtomically(file, fmt::format("extends: {}\nname: {}-part\nselect: {{entities: 4-6}}\n",
+                                               (kFixtures / (scenario + ".yaml")).string(), scenario));
+    return file;
+  }
+  static test::ProgramRun replay(const std::string& recording, const std::string& results,
+                                 const fs::path& scenario = kFixtures / "plate-on-pins.yaml") {
     return test::kerfbench(
         fmt::format("replay '{}' --scenario '{}' --twin fast --no-pictures --results-dir '{}'",
-                    (kShared / recording).string(),
-                    test::fixture("scenarios/pins/plate-on-pins.yaml").string(), (kRuns / results).string()));
+                    (kShared / recording).string(), scenario.string(), (kRuns / results).string()));
   }
 };
 
@@ -59,6 +70,14 @@ TEST_F(EndToEnd, AKnownBadReleaseOnTheKernelsPinsFailsForItsFault) {
   EXPECT_EQ(done.exit_code, 1) << done.output;
   EXPECT_THAT(test::checksThat(test::verdictOf(kRuns / "bad" / "plate-on-pins-replay"), "FAIL"),
               Contains("gate_lag"));
+}
+
+TEST_F(EndToEnd, AReplayOfARunInTheGuestHasItsDigest) {
+  const nlohmann::json live = test::verdictOf(kShared / "plate-on-pins-part");
+  EXPECT_EQ(live.at("verdict"), "PASS");
+  const test::ProgramRun done = replay("plate-on-pins-part/pins.vcd", "live", kRuns / "plate-on-pins.yaml");
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_EQ(test::verdictOf(kRuns / "live" / "plate-on-pins-part-replay").at("digest"), live.at("digest"));
 }
 
 }  // namespace

@@ -12,6 +12,8 @@
 
 #include "hil/app/case.h"
 #include "hil/app/pin_capture.h"
+#include "hil/app/results_folder.h"
+#include "hil/base/atomic_file.h"
 #include "hil/source/gpio/chips.h"
 #include "hil/source/vcd.h"
 #include "tests/guest/held_line.h"
@@ -46,18 +48,18 @@ std::vector<Stroke> strokesOf(const hil::PinRecording& recording, const std::vec
 
 class RecordTest : public testing::Test {
  protected:
+  [[nodiscard]] std::vector<Stroke> strokesOfRun(const std::string& run) const {
+    return strokesOf(hil::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
+                     hil::captureOptions(the_case.scenario.firmware.gpio, hil::listChips()).wires, map);
+  }
   /// Plays the pins of a run on the host and records them from the chip, to a file of this name for the host.
   void record(const std::string& run, const std::string& name) {
-    const hil::Case the_case = hil::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
-    const SignalMap& map = the_case.machine.signals;
-    const hil::GpioChipList chips = hil::listChips();
-    const std::vector<Stroke> strokes =
-        strokesOf(hil::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
-                  hil::captureOptions(the_case.scenario.firmware.gpio, chips).wires, map);
+    const std::vector<Stroke> strokes = strokesOfRun(run);
     ASSERT_FALSE(strokes.empty());
     Player player(chip, strokes);
     hil::Console console(false);
-    const hil::PinCapture captured = hil::captureCase(the_case, hil::linuxGpioSystem(), chips, console);
+    const hil::PinCapture captured =
+        hil::captureCase(the_case, hil::linuxGpioSystem(), hil::listChips(), console);
     const Played played = player.join();
     fmt::print("{}: {} edges in {:.3f} s, at worst {:.0f} µs late\n", name, strokes.size(),
                1e-9 * static_cast<double>(played.end_ns - played.begin_ns),
@@ -73,6 +75,8 @@ class RecordTest : public testing::Test {
     EXPECT_EQ(read.end, captured.recording.end);
     EXPECT_EQ(read.outputs, captured.recording.outputs);
   }
+  const hil::Case the_case = hil::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+  const SignalMap& map = the_case.machine.signals;
   SimChip chip{"kerfbench-pins", {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", ""}};
 };
 
@@ -115,6 +119,30 @@ TEST_F(RecordTest, ALineThatSomebodyElseHasIsToldByDoctorAndByRun) {
 TEST_F(RecordTest, ThePinsOfAGoodReleaseAreRecorded) { record("pins-plate", "good.vcd"); }
 
 TEST_F(RecordTest, ThePinsOfAKnownBadReleaseAreRecorded) { record("pins-plate-gate-late", "bad.vcd"); }
+
+// As many drives of a network, /run/shared cannot exchange two names.
+TEST_F(RecordTest, ResultsReplaceOlderOnesOnADriveThatCannotExchangeNames) {
+  for (const std::string round : {"first", "second"}) {
+    hil::ResultsFolder folder("/run/shared/results", "label");
+    hil::writeFileAtomically(folder.staging() / round, round);
+    folder.commit();
+  }
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator("/run/shared/results"))
+    files.push_back(fs::relative(entry.path(), "/run/shared/results").string());
+  EXPECT_THAT(files, testing::UnorderedElementsAre("label", "label/second"));
+}
+
+// Reader, twin, cameras and verdict in one process before the kernel, as a user has them; the host replays
+// it.
+TEST_F(RecordTest, ARunGoesToItsVerdictHere) {
+  Player player(chip, strokesOfRun("plate-part"));
+  const test::ProgramRun run =
+      test::kerfbench(fmt::format("run '{}' --twin fast --no-pictures --results-dir /run/shared",
+                                  (fs::path(KERFBENCH_GUEST_RUNS) / "plate-on-pins.yaml").string()));
+  player.join();
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
 
 }  // namespace
 }  // namespace kerfbench::guest
