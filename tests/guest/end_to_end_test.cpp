@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
+#include "tests/guest/filmed_pins.h"
 #include "tests/guest/host.h"
 #include "tests/scenarios/scenario_runs.h"
 
@@ -34,7 +35,7 @@ class EndToEnd : public testing::Test {
     run(kFixtures / "plate.yaml", 0);
     run(kFixtures / "plate-gate-late.yaml", 1);
     run(part("plate"), 0);
-    part("plate-on-pins");
+    writeFilm(kRuns / "film", filmOf(part("plate-camera"), kRuns / "plate-part" / "pins.vcd"));
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_RECORD));
   }
   /// A release whose pins the guest plays.
@@ -73,11 +74,11 @@ TEST_F(EndToEnd, AKnownBadReleaseOnTheKernelsPinsFailsForItsFault) {
 }
 
 TEST_F(EndToEnd, AReplayOfARunInTheGuestHasItsDigest) {
-  const nlohmann::json live = test::verdictOf(kShared / "plate-on-pins-part");
+  const nlohmann::json live = test::verdictOf(kShared / "plate-camera-part");
   EXPECT_EQ(live.at("verdict"), "PASS");
-  const test::ProgramRun done = replay("plate-on-pins-part/pins.vcd", "live", kRuns / "plate-on-pins.yaml");
+  const test::ProgramRun done = replay("plate-camera-part/pins.vcd", "live", kRuns / "plate-camera.yaml");
   EXPECT_EQ(done.exit_code, 0) << done.output;
-  EXPECT_EQ(test::verdictOf(kRuns / "live" / "plate-on-pins-part-replay").at("digest"), live.at("digest"));
+  EXPECT_EQ(test::verdictOf(kRuns / "live" / "plate-camera-part-replay").at("digest"), live.at("digest"));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 
 #include "tests/guest/film.h"
+#include "tests/guest/filmed_pins.h"
 #include "tests/guest/host.h"
-#include "tests/scenarios/filmed_cut.h"
 #include "tests/scenarios/scenario_runs.h"
 
 namespace kerfbench::guest {
@@ -33,27 +33,14 @@ fs::path scenario(const char* name) { return test::fixture(std::string("scenario
 
 fs::path pinsOf(const std::string& release) { return kShared / "live" / (release + ".vcd"); }
 
-Film filmOf(const std::string& release) {
-  const test::FilmedCut cut(scenario("label-live-camera"), pinsOf(release));
-  Film film;
-  for (const Frame& frame : cut.frames()) {
-    film.width_px = frame.image.width;
-    film.height_px = frame.image.height;
-    film.at_ns.push_back(static_cast<std::uint64_t>(1e9 * frame.start_s));
-    film.pixels.insert(film.pixels.end(), frame.image.pixels.begin(), frame.image.pixels.end());
-  }
-  const std::uint64_t begin_ns = film.at_ns.front();
-  for (std::uint64_t& at_ns : film.at_ns) at_ns -= begin_ns;
-  return film;
-}
-
 class LiveToVerdict : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     skipWithoutQemu();
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_LIVE));
     fs::remove_all(kFilms);
-    for (const char* release : {"good", "bad"}) writeFilm(kFilms / release, filmOf(release));
+    for (const char* release : {"good", "bad"})
+      writeFilm(kFilms / release, filmOf(scenario("label-live-camera"), pinsOf(release)));
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_FILMED));
   }
   static void TearDownTestSuite() {

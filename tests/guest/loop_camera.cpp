@@ -83,7 +83,7 @@ void LoopWriter::run(const std::vector<Exposure>& exposures) {
 }
 
 void LoopWriter::play(const Film& film) {
-  const std::uint64_t begin_ns = now_ns();
+  const std::uint64_t begin_ns = now_ns() - film.at_ns.front();
   for (std::size_t i = 0; i < film.at_ns.size(); ++i) {
     sleepUntil_ns(begin_ns + film.at_ns[i]);
     write(film.picture(i));

@@ -37,6 +37,7 @@ class LoopWriter {
   void write(std::span<const std::uint8_t> pixels);
   /// Writes these in time.
   void run(const std::vector<Exposure>& exposures);
+  /// The first picture now.
   void play(const Film& film);
 
  private:

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -16,7 +18,9 @@
 #include "hil/base/atomic_file.h"
 #include "hil/source/gpio/chips.h"
 #include "hil/source/vcd.h"
+#include "tests/guest/film.h"
 #include "tests/guest/held_line.h"
+#include "tests/guest/loop_camera.h"
 #include "tests/guest/player.h"
 #include "tests/guest/sim_chip.h"
 #include "tests/scenarios/scenario_runs.h"
@@ -133,13 +137,44 @@ TEST_F(RecordTest, ResultsReplaceOlderOnesOnADriveThatCannotExchangeNames) {
   EXPECT_THAT(files, testing::UnorderedElementsAre("label", "label/second"));
 }
 
-// Reader, twin, cameras and verdict in one process before the kernel, as a user has them; the host replays
-// it.
-TEST_F(RecordTest, ARunGoesToItsVerdictHere) {
-  Player player(chip, strokesOfRun("plate-part"));
-  const test::ProgramRun run =
-      test::kerfbench(fmt::format("run '{}' --twin fast --no-pictures --results-dir /run/shared",
-                                  (fs::path(KERFBENCH_GUEST_RUNS) / "plate-on-pins.yaml").string()));
+/// A camera in a thread of its own: the film's first picture until it begins, its last when it is over.
+class Projector {
+ public:
+  Projector(LoopWriter& camera, const Film& film)
+      : camera_(camera), film_(film), thread_([this](const std::stop_token& stop) { project(stop); }) {}
+  void begin(std::uint64_t at_ns) { begin_ns_ = at_ns; }
+
+ private:
+  void project(const std::stop_token& stop) {
+    setRealTime(0, 40);
+    const std::uint64_t period_ns = film_.at_ns[1] - film_.at_ns[0];
+    std::size_t next = 0;
+    for (std::uint64_t at_ns = now_ns(); !stop.stop_requested(); at_ns += period_ns) {
+      if (begin_ns_ != 0 && next + 1 < film_.at_ns.size()) at_ns = begin_ns_ + film_.at_ns[++next];
+      sleepUntil_ns(at_ns);
+      camera_.write(film_.picture(next));
+    }
+  }
+
+  LoopWriter& camera_;
+  const Film& film_;
+  std::atomic<std::uint64_t> begin_ns_{};
+  std::jthread thread_;
+};
+
+// Readers of pins and frames, twin and verdict in one process before the kernel, as a user has them; the host
+// replays it.
+TEST_F(RecordTest, ARunBeforePinsAndACameraGoesToItsVerdictHere) {
+  const fs::path scenario = fs::path(KERFBENCH_GUEST_RUNS) / "plate-camera.yaml";
+  const Film film = readFilm(fs::path(KERFBENCH_GUEST_RUNS) / "film");
+  LoopWriter camera("/dev/video20", film.width_px, film.height_px, 260);
+  Projector projector(camera, film);
+  PlayerOptions options;
+  options.real_time_priority = 45;  // A pulse waits for no picture.
+  options.before = [&] { projector.begin(now_ns()); };
+  Player player(chip, strokesOfRun("plate-part"), options);
+  const test::ProgramRun run = test::kerfbench(
+      fmt::format("run '{}' --twin fast --no-pictures --results-dir /run/shared", scenario.string()));
   player.join();
   EXPECT_EQ(run.exit_code, 0) << run.output;
 }
