@@ -166,7 +166,9 @@ std::string iterations(const HeadCalibration& result, const HeadPlan& plan) {
       "none or "
       "the one that was at work. U: how far off the table says the beam may be, in the worst direction of "
       "the worst "
-      "node, k = 2. In bold: the iteration whose table is the best.</p>";
+      "node, k = 2. In bold: the iteration whose table is the best. Red in the last column: the places are "
+      "farther off than "
+      "what is stated lets expect, so a denser grid follows if there is one.</p>";
   std::string remarks;
   for (const HeadIteration& iteration : result.iterations) {
     for (const std::string& remark : iteration.marks.remarks) remarks += "<li>" + escapeHtml(remark);
