@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The house's targets: one static library per folder, one test program per folder of tests.
+# The house's targets: one static library for each room (folder), one test program for each folder of tests.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -9,7 +9,9 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 add_library(kerfbench_options INTERFACE)
 target_compile_options(kerfbench_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  # Only where the compiler is known: a visitor's may warn of something new.
+  $<$<BOOL:${KERFBENCH_WERROR}>:-Werror>
   # GCC 12 sees overlaps and overflows in std::string operator+ that are not there (GCC bugs 105329, 105651), with
   # precompiled headers more of them; the sanitizers' build has clang++ and sees those that are.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
@@ -19,6 +21,21 @@ target_compile_options(kerfbench_options INTERFACE
   # Fused multiply-adds and re-association would make the bytes depend on the compiler's mood.
   -ffp-contract=off)
 target_include_directories(kerfbench_options INTERFACE ${PROJECT_SOURCE_DIR})
+
+# Where they are installed: ccache takes what was compiled before, and lld links in a sixth of the time.
+find_program(KERFBENCH_CCACHE ccache)
+if(KERFBENCH_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # A precompiled header is taken for what it was made of; paths below the project count from there.
+  set(launcher ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+    CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} ${KERFBENCH_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${launcher})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
+  target_compile_options(kerfbench_options INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
+endif()
+find_program(KERFBENCH_LLD ld.lld)
+if(KERFBENCH_LLD)
+  add_link_options(-fuse-ld=lld)
+endif()
 if(KERFBENCH_SANITIZE)
   target_compile_options(kerfbench_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   # With sanitizers GCC 12 takes the std::function in std::regex for uninitialized, and members of a moved std::variant.
@@ -53,13 +70,47 @@ function(kerfbench_precompile_headers)
   target_precompile_headers(kerfbench_test_headers PRIVATE ${common} <gmock/gmock.h> <gtest/gtest.h>)
 endfunction()
 
-# kerfbench_library(twin_optics SOURCES a.cpp PUBLIC kerfbench::twin_base PRIVATE opencv_core)
+# kerfbench_library(sigrok_child SOURCES a.cpp PUBLIC kerfbench::hil_source PRIVATE opencv_core)
 function(kerfbench_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   add_library(kerfbench::${name} ALIAS ${name})
-  target_link_libraries(${name} PUBLIC kerfbench_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} fmt::fmt)
+  target_link_libraries(${name} PUBLIC kerfbench_options Eigen3::Eigen ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} fmt::fmt)
   target_precompile_headers(${name} REUSE_FROM kerfbench_common_headers)
+  # Most of a source's time goes into what it includes: several are compiled as one.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+endfunction()
+
+# A room of the house: the library of a folder. Its links are the rooms that it includes, no more and no fewer:
+# tests/structure compares this list with the sources.
+function(kerfbench_room name)
+  kerfbench_library(${name} ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set_property(GLOBAL APPEND PROPERTY KERFBENCH_ROOMS ${name})
+  set_property(GLOBAL PROPERTY KERFBENCH_ROOM_${name} ${folder})
+  list(FILTER ARG_PUBLIC INCLUDE REGEX "^kerfbench::")
+  list(FILTER ARG_PRIVATE INCLUDE REGEX "^kerfbench::")
+  set_property(GLOBAL PROPERTY KERFBENCH_LINKS_${name} ${ARG_PUBLIC} ${ARG_PRIVATE})
+endfunction()
+
+# build/…/rooms.txt: a line for each room, "hil/vision/spot: hil/base hil/camera …", in the order in which they are built.
+function(kerfbench_write_rooms)
+  get_property(rooms GLOBAL PROPERTY KERFBENCH_ROOMS)
+  set(text "")
+  foreach(room IN LISTS rooms)
+    get_property(folder GLOBAL PROPERTY KERFBENCH_ROOM_${room})
+    get_property(links GLOBAL PROPERTY KERFBENCH_LINKS_${room})
+    set(line "${folder}:")
+    list(SORT links)
+    foreach(link IN LISTS links)
+      string(REPLACE "kerfbench::" "" link ${link})
+      get_property(target GLOBAL PROPERTY KERFBENCH_ROOM_${link})
+      string(APPEND line " ${target}")
+    endforeach()
+    string(APPEND text "${line}\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/rooms.txt CONTENT "${text}" @ONLY)
 endfunction()
 
 # What ctest -L unit runs.

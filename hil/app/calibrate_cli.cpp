@@ -4,11 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "hil/app/calibrate_command.h"
+#include "hil/app/calibrate_head_command.h"
 #include "hil/app/cli.h"
-#include "hil/app/commands.h"
-#include "hil/app/scenario.h"
+#include "hil/scenario/scenario.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required) {
@@ -65,10 +66,12 @@ void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions
       ->capture_default_str();
   head->add_option("--imperfections", options.imperfections,
                    "How far the machine is from its description: ideal, static, dynamic")
-      ->check(CLI::IsMember(std::vector<std::string>(kPresetNames.begin(), kPresetNames.end())))
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kPresetNames.begin(), scenario::kPresetNames.end())))
       ->capture_default_str();
   head->add_option("--twin", options.twin, "How the equations of motion are solved: reference or fast")
-      ->check(CLI::IsMember(std::vector<std::string>(kFidelityNames.begin(), kFidelityNames.end())))
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kFidelityNames.begin(), scenario::kFidelityNames.end())))
       ->capture_default_str();
   head->add_option("--date", options.date,
                    "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
@@ -173,4 +176,4 @@ void addCalibrate(CLI::App& app, const CliProgram& program, CliActions& actions)
   addHeadTools(*calibrate, program, actions);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

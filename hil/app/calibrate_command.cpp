@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/calibrate_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,32 +11,33 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/camera_files.h"
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/machine_file.h"
-#include "hil/app/twin_views.h"
+#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/calibration_file.h"
-#include "hil/calibrate/residual_map.h"
-#include "hil/calibrate/target_files.h"
+#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/camera/residual_map.h"
+#include "hil/calibrate/camera/target_files.h"
 #include "hil/camera/png.h"
+#include "hil/camera/twin/twin_views.h"
+#include "hil/machine_file/machine_file.h"
+#include "hil/scenario/camera_files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// The camera that is meant, and what the machine file says of it.
 struct Chosen {
-  MachineFile machine;
+  machine_file::MachineFile machine;
   const twin::CameraDescription* camera{};
-  const CameraFile* file{};
+  const machine_file::CameraFile* file{};
 };
 
 Chosen choose(const CalibrateOptions& options) {
-  Chosen chosen{readMachineFile(options.machine)};
+  Chosen chosen{machine_file::readMachineFile(options.machine)};
   const bool spot = options.camera == "spot";
   chosen.camera = spot ? &chosen.machine.machine.spot_camera : &chosen.machine.machine.kerf_camera;
   chosen.file = spot ? &chosen.machine.spot_camera : &chosen.machine.kerf_camera;
@@ -63,17 +66,18 @@ GrayImage readPicture(const fs::path& path) {
   if (!file) throw std::invalid_argument("cannot be read");
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
   try {
-    return decodeImage(bytes);
+    return camera::decodeImage(bytes);
   } catch (const std::invalid_argument&) {
     throw std::invalid_argument("is no picture that can be read");
   }
 }
 
-void setViews(const CalibrateOptions& options, const Chosen& chosen, CalibrationJob& job) {
-  const CalibrationTarget target =
-      options.target.empty() ? targetOf(*chosen.camera) : readTarget(options.target);
+void setViews(const CalibrateOptions& options, const Chosen& chosen, calibrate::CalibrationJob& job) {
+  const calibrate::CalibrationTarget target =
+      options.target.empty() ? camera::targetOf(*chosen.camera) : calibrate::readTarget(options.target);
   if (options.views.empty()) {
-    setTwinViews(*chosen.camera, twinViews(*chosen.camera, target, options.tilted), options.seed, job);
+    camera::setTwinViews(*chosen.camera, camera::twinViews(*chosen.camera, target, options.tilted),
+                         options.seed, job);
     return;
   }
   job.target = target;
@@ -101,17 +105,17 @@ std::string madeBy(const CalibrateOptions& options) {
   return text;
 }
 
-void saveViews(const CalibrationJob& job, const CalibrateOptions& options) {
+void saveViews(const calibrate::CalibrationJob& job, const CalibrateOptions& options) {
   fs::create_directories(options.save_views);
   for (std::size_t v = 0; v < job.views.size(); ++v) {
-    const std::vector<std::uint8_t> png = encodePng(job.picture(v));
-    writeFileAtomically(options.save_views / fmt::format("view-{:02}.png", v),
-                        {reinterpret_cast<const char*>(png.data()), png.size()});
+    const std::vector<std::uint8_t> png = camera::encodePng(job.picture(v));
+    base::writeFileAtomically(options.save_views / fmt::format("view-{:02}.png", v),
+                              {reinterpret_cast<const char*>(png.data()), png.size()});
   }
-  writeFileAtomically(options.save_views / "target.yaml", targetText(job.target));
+  base::writeFileAtomically(options.save_views / "target.yaml", calibrate::targetText(job.target));
 }
 
-fs::path placeOf(const CalibrateOptions& options, const CameraFile& named) {
+fs::path placeOf(const CalibrateOptions& options, const machine_file::CameraFile& named) {
   if (!options.out.empty()) return options.out;
   if (named.named_here) return named.calibration;
   // Inherited from another machine file, which needs its own.
@@ -119,9 +123,9 @@ fs::path placeOf(const CalibrateOptions& options, const CameraFile& named) {
          fmt::format("{}.{}.camera.yaml", options.machine.stem().string(), options.camera);
 }
 
-void tell(const CameraCalibrationResult& result, Console& console) {
-  const CameraCalibration& c = result.calibration;
-  for (const CalibratedView& view : result.views) {
+void tell(const calibrate::CameraCalibrationResult& result, base::Console& console) {
+  const vision::CameraCalibration& c = result.calibration;
+  for (const calibrate::CalibratedView& view : result.views) {
     console.say(fmt::format("  {}: {} corners, {:.4f} px per axis, tilt {:.1f}°, blur {:.2f} px", view.name,
                             view.corners.size(), view.sigma_px, 180.0 / std::numbers::pi * view.tilt_rad,
                             view.blur_px));
@@ -139,13 +143,13 @@ void tell(const CameraCalibrationResult& result, Console& console) {
 
 int refused(const std::string& why) {
   std::fputs((why + "\n").c_str(), stderr);
-  return kExitInput;
+  return base::kExitInput;
 }
 
 int calibrate(const CalibrateOptions& options) {
-  Console console(options.quiet);
+  base::Console console(options.quiet);
   const Chosen chosen = choose(options);
-  CalibrationJob job;
+  calibrate::CalibrationJob job;
   job.camera_id = chosen.file->id;
   job.date = options.date;
   job.max_rms_px = options.max_rms_px;
@@ -162,17 +166,17 @@ int calibrate(const CalibrateOptions& options) {
   job.done = [&](std::size_t) {
     console.progress(-1, fmt::format("measuring the views: {} of {}", ++done, job.views.size()));
   };
-  const CameraCalibrationResult result = calibrateCamera(job);
+  const calibrate::CameraCalibrationResult result = calibrate::calibrateCamera(job);
 
-  const CalibrationFile file{result.calibration, cameraFingerprint(*chosen.camera), result.views.size(),
-                             result.corners};
+  const calibrate::CalibrationFile file{result.calibration, scenario::cameraFingerprint(*chosen.camera),
+                                        result.views.size(), result.corners};
   const fs::path out = placeOf(options, *chosen.file);
   const fs::path picture =
       options.picture.empty()
           ? fs::path(fmt::format("{}.{}.residuals.svg", options.machine.stem().string(), options.camera))
           : options.picture;
-  writeFileAtomically(picture, residualMapSvg(result));
-  writeFileAtomically(out, calibrationText(file, madeBy(options)));
+  base::writeFileAtomically(picture, calibrate::residualMapSvg(result));
+  base::writeFileAtomically(out, calibrate::calibrationText(file, madeBy(options)));
   tell(result, console);
   console.say(fmt::format("residual map: {}", picture.string()));
   console.say(fmt::format("calibration: {}", out.string()));
@@ -190,17 +194,17 @@ int calibrate(const CalibrateOptions& options) {
 int calibrateCameraCommand(const CalibrateOptions& options) {
   try {
     return calibrate(options);
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     return refused(e.what());
-  } catch (const CalibrationError& e) {
+  } catch (const calibrate::CalibrationError& e) {
     return refused(fmt::format("{}\nno calibration is written", e.what()));
   }
 }
 
 int calibrateTargetCommand(const CalibrateOptions& options) {
   try {
-    CalibrationTarget target;
-    if (!options.machine.empty()) target = targetOf(*choose(options).camera);
+    calibrate::CalibrationTarget target;
+    if (!options.machine.empty()) target = camera::targetOf(*choose(options).camera);
     if (options.columns > 0) target.columns = options.columns;
     if (options.rows > 0) target.rows = options.rows;
     if (options.square_mm > 0.0) {
@@ -210,17 +214,17 @@ int calibrateTargetCommand(const CalibrateOptions& options) {
     if (const std::string faults = target.faults(); !faults.empty()) return refused("target: " + faults);
     fs::path description = options.out;
     description.replace_extension(".yaml");
-    writeFileAtomically(options.out, targetSvg(target));
-    writeFileAtomically(description, targetText(target));
-    Console(options.quiet)
+    base::writeFileAtomically(options.out, calibrate::targetSvg(target));
+    base::writeFileAtomically(description, calibrate::targetText(target));
+    base::Console(options.quiet)
         .say(fmt::format(
             "{}: {} x {} squares of {:g} mm, {:g} x {:g} mm in all; print at 100 %, measure it, correct {}",
             options.out.string(), target.columns, target.rows, target.square_mm, target.size_mm().x(),
             target.size_mm().y(), description.string()));
     return 0;
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     return refused(e.what());
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

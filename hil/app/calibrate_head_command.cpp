@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/calibrate_head_command.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
 #include "hil/app/head_exit.h"
-#include "hil/app/head_on_twin.h"
-#include "hil/app/head_procedure.h"
-#include "hil/app/head_report.h"
-#include "hil/app/scenario.h"
-#include "hil/app/sheet_by_hand.h"
+#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/version.h"
 #include "hil/calibrate/tables/csv_table.h"
+#include "hil/head_service/head_on_twin.h"
+#include "hil/head_service/head_procedure.h"
+#include "hil/head_service/head_report.h"
+#include "hil/head_service/sheet_by_hand.h"
+#include "hil/scenario/scenario.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,21 +29,21 @@ constexpr std::size_t kManyMarks = 40;
 // Of the field that the job's marks span, along x and along y.
 constexpr double kLeastReach = 0.9;
 
-TwinBench benchOf(const HeadCalibrateOptions& options) {
+head_service::TwinBench benchOf(const HeadCalibrateOptions& options) {
   return {.seed = options.seed,
-          .imperfections = presetFromName(options.imperfections),
-          .fidelity = fidelityFromName(options.twin),
+          .imperfections = scenario::presetFromName(options.imperfections),
+          .fidelity = scenario::fidelityFromName(options.twin),
           .bin_dir = options.bin_dir,
-          .firmware = firmwareOf(options.image),
+          .firmware = head_service::firmwareOf(options.image),
           .keep_pictures = options.keep_pictures,
           .threads = options.jobs};
 }
 
-void tell(const MeasuredSheet& sheet, Console& console) {
+void tell(const head_service::MeasuredSheet& sheet, base::Console& console) {
   for (const std::string& remark : sheet.remarks) console.say("    " + remark);
 }
 
-void tell(const HeadIteration& iteration, Console& console) {
+void tell(const head_service::HeadIteration& iteration, base::Console& console) {
   const auto wanted = static_cast<int>(iteration.before.marks) + iteration.marks.missing;
   console.say(
       fmt::format("  {0} x {0}: {1} of {2} marks found, {3} false, {4} rejected; off by {5:.4f} mm at most, "
@@ -54,14 +57,14 @@ void tell(const HeadIteration& iteration, Console& console) {
                   iteration.after.marks, iteration.verified.size(), iteration.verified.size() == 1 ? "" : "s",
                   iteration.after.max_mm, iteration.after.rms_mm, iteration.spread.covered));
   if (!iteration.spread.holds()) console.say("    " + iteration.spread.words());
-  for (const MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
+  for (const head_service::MeasuredSheet& sheet : iteration.verified) tell(sheet, console);
 }
 
-void tellParameters(const HeadFit& fit, Console& console) {
+void tellParameters(const calibrate::HeadFit& fit, base::Console& console) {
   console.say("  what the marks tell of the head:");
-  for (const HeadParameterFinding& finding : fit.parameters())
-    if (finding.held) console.say("    " + parameterWords(finding));
-  const auto held = std::ranges::count_if(fit.parameters(), &HeadParameterFinding::held);
+  for (const calibrate::HeadParameterFinding& finding : fit.parameters())
+    if (finding.held) console.say("    " + head_service::parameterWords(finding));
+  const auto held = std::ranges::count_if(fit.parameters(), &calibrate::HeadParameterFinding::held);
   console.say(
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
@@ -71,8 +74,9 @@ fs::path tableFile(const HeadCalibrateOptions& options, int iteration) {
   return options.results_dir / fmt::format("correction-{}.csv", iteration);
 }
 
-HeadOnTwin onTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
-  HeadOnTwin cut(setup, benchOf(options), options.results_dir);
+head_service::HeadOnTwin onTwin(const head_service::HeadSetup& setup, const HeadCalibrateOptions& options,
+                                base::Console& console) {
+  head_service::HeadOnTwin cut(setup, benchOf(options), options.results_dir);
   cut.progress = [&](const std::string& sheet, double now_s, const std::string& what) {
     console.progress(now_s, fmt::format("{}: {}", sheet, what));
   };
@@ -80,7 +84,7 @@ HeadOnTwin onTwin(const HeadSetup& setup, const HeadCalibrateOptions& options, C
   return cut;
 }
 
-HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
+head_service::HeadPlan planOf(const HeadCalibrateOptions& options, const head_service::HeadSetup& setup) {
   return {.grids = options.grids,
           .verify = options.verify,
           .limit_mm = options.limit_mm,
@@ -89,7 +93,7 @@ HeadPlan planOf(const HeadCalibrateOptions& options, const HeadSetup& setup) {
 }
 
 /// By their numbers: false, by all others. The fit is of this sheet alone.
-std::vector<int> rejectedOf(const MeasuredSheet& sheet, const HeadFit& fit) {
+std::vector<int> rejectedOf(const head_service::MeasuredSheet& sheet, const calibrate::HeadFit& fit) {
   std::vector<int> numbers;
   for (std::size_t i = 0; i < sheet.marks.size(); ++i)
     if (!fit.marks()[i].used) numbers.push_back(sheet.marks[i].wanted.number);
@@ -97,19 +101,20 @@ std::vector<int> rejectedOf(const MeasuredSheet& sheet, const HeadFit& fit) {
 }
 
 /// Says where, and what else was noticed on the sheet.
-[[noreturn]] void refuse(const fs::path& pictures, const MarkJob& job, const MeasuredSheet& sheet,
-                         const std::string& text) {
+[[noreturn]] void refuse(const fs::path& pictures, const calibrate::MarkJob& job,
+                         const head_service::MeasuredSheet& sheet, const std::string& text) {
   std::string all = fmt::format("{}: job {}: {}", pictures.string(), job.name, text);
   for (const std::string& remark : sheet.remarks) all += "\n  " + remark;
-  throw HeadEvidenceError(all);
+  throw head_service::HeadEvidenceError(all);
 }
 
 /// Nothing verifies a table of pictures alone: it must not reach far beyond the marks.
-void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSheet& sheet) {
+void requireReach(const fs::path& pictures, const calibrate::MarkJob& job,
+                  const head_service::MeasuredSheet& sheet) {
   Eigen::AlignedBox2d wanted;
   Eigen::AlignedBox2d found;
-  for (const WantedMark& mark : job.marks) wanted.extend(mark.p_W_mm);
-  for (const MeasuredMark& mark : sheet.marks) found.extend(mark.wanted.p_W_mm);
+  for (const calibrate::WantedMark& mark : job.marks) wanted.extend(mark.p_W_mm);
+  for (const head_service::MeasuredMark& mark : sheet.marks) found.extend(mark.wanted.p_W_mm);
   std::string faults;
   for (const int axis : {0, 1}) {
     if (found.sizes()[axis] >= kLeastReach * wanted.sizes()[axis]) continue;
@@ -123,8 +128,8 @@ void requireReach(const fs::path& pictures, const MarkJob& job, const MeasuredSh
 
 /// Of few marks a table is as good as they allow. Many hold any head of this kind; where they leave a doubt
 /// beyond the limit they lie as none would put them, and it is the pictures, or where they were taken.
-void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, const MeasuredSheet& sheet,
-                      const FittedHead& head) {
+void requireAgreement(const HeadCalibrateOptions& options, const calibrate::MarkJob& job,
+                      const head_service::MeasuredSheet& sheet, const head_service::FittedHead& head) {
   const double off_mm = 2.0 * head.table.largest_sigma_mm;
   if (sheet.marks.size() < kManyMarks || off_mm <= options.limit_mm) return;
   refuse(
@@ -134,24 +139,27 @@ void requireAgreement(const HeadCalibrateOptions& options, const MarkJob& job, c
                   sheet.marks.size(), off_mm, options.limit_mm));
 }
 
-HeadCalibration fitted(const HeadSetup& setup, const fs::path& pictures, const MarkJob& job,
-                       const MeasuredSheet& sheet) {
+head_service::HeadCalibration fitted(const head_service::HeadSetup& setup, const fs::path& pictures,
+                                     const calibrate::MarkJob& job,
+                                     const head_service::MeasuredSheet& sheet) {
   try {
-    return calibrateHeadOnce(setup, sheet);
-  } catch (const HeadCalibrationError& error) {
+    return head_service::calibrateHeadOnce(setup, sheet);
+  } catch (const calibrate::HeadCalibrationError& error) {
     refuse(pictures, job, sheet, error.what());
   }
 }
 
 /// A sheet that was cut and photographed before.
-HeadCalibration fromPictures(const HeadSetup& setup, const HeadCalibrateOptions& options, Console& console) {
-  const MarkJob job = readJobOf(setup, options.job);
+head_service::HeadCalibration fromPictures(const head_service::HeadSetup& setup,
+                                           const HeadCalibrateOptions& options, base::Console& console) {
+  const calibrate::MarkJob job = head_service::readJobOf(setup, options.job);
   console.say(fmt::format("  job {}, pictures of {}", job.name, options.pictures.string()));
-  const MeasuredSheet sheet = measurePictures(options.pictures, job, setup, options.jobs);
+  const head_service::MeasuredSheet sheet =
+      head_service::measurePictures(options.pictures, job, setup, options.jobs);
   tell(sheet, console);
   console.say(fmt::format("  {} of {} marks found", sheet.marks.size(), job.marks.size()));
   requireReach(options.pictures, job, sheet);
-  HeadCalibration result = fitted(setup, options.pictures, job, sheet);
+  head_service::HeadCalibration result = fitted(setup, options.pictures, job, sheet);
   requireAgreement(options, job, sheet, result.iterations.front().head);
   const std::vector<int> left_out = rejectedOf(sheet, result.iterations.front().head.fit);
   if (!left_out.empty()) {
@@ -171,9 +179,9 @@ std::string besideReport(const fs::path& file, const fs::path& results) {
   return (beside ? from_results : fs::absolute(file).lexically_normal()).string();
 }
 
-std::vector<HeadFile> filesOf(const HeadCalibration& result, const HeadCalibrateOptions& options,
-                              const fs::path& table) {
-  std::vector<HeadFile> files;
+std::vector<head_service::HeadFile> filesOf(const head_service::HeadCalibration& result,
+                                            const HeadCalibrateOptions& options, const fs::path& table) {
+  std::vector<head_service::HeadFile> files;
   if (result.good()) files.push_back({besideReport(table, options.results_dir), "the controller's table"});
   if (options.job.empty()) {
     for (std::size_t i = 1; i <= result.iterations.size(); ++i) {
@@ -187,11 +195,12 @@ std::vector<HeadFile> filesOf(const HeadCalibration& result, const HeadCalibrate
   return files;
 }
 
-HeadFacts factsOf(const HeadCalibration& result, const HeadSetup& setup, const HeadCalibrateOptions& options,
-                  const fs::path& table) {
+head_service::HeadFacts factsOf(const head_service::HeadCalibration& result,
+                                const head_service::HeadSetup& setup, const HeadCalibrateOptions& options,
+                                const fs::path& table) {
   return {.machine = setup.name,
           .command = options.command_line,
-          .version = KERFBENCH_VERSION,
+          .version = base::version(),
           .camera = setup.camera.camera_id,
           .source = options.job.empty() ? fmt::format("twin {}, imperfections {}, seed {}", options.twin,
                                                       options.imperfections, options.seed)
@@ -203,15 +212,16 @@ HeadFacts factsOf(const HeadCalibration& result, const HeadSetup& setup, const H
           .files = filesOf(result, options, table)};
 }
 
-int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetup& setup,
-             const HeadCalibrateOptions& options, Console& console) {
-  const FittedHead& best = result.iterations.at(result.best).head;
+int conclude(const head_service::HeadCalibration& result, const head_service::HeadPlan& plan,
+             const head_service::HeadSetup& setup, const HeadCalibrateOptions& options,
+             base::Console& console) {
+  const head_service::FittedHead& best = result.iterations.at(result.best).head;
   tellParameters(best.fit, console);
   const fs::path table = options.out.empty() ? options.results_dir / "correction.csv" : options.out;
-  const HeadFacts facts = factsOf(result, setup, options, table);
-  if (result.good()) writeFileAtomically(table, csvTable(best.table.grid));
-  writeFileAtomically(options.results_dir / "head.json", headJson(result, plan, facts));
-  writeFileAtomically(options.results_dir / "report.html", headHtml(result, plan, facts));
+  const head_service::HeadFacts facts = factsOf(result, setup, options, table);
+  if (result.good()) base::writeFileAtomically(table, calibrate::csvTable(best.table.grid));
+  base::writeFileAtomically(options.results_dir / "head.json", head_service::headJson(result, plan, facts));
+  base::writeFileAtomically(options.results_dir / "report.html", head_service::headHtml(result, plan, facts));
   console.result(fmt::format("{}: {}", setup.name, result.endWords(plan)));
   console.say(fmt::format("report: {}", (options.results_dir / "report.html").string()));
   if (!result.good()) {
@@ -226,26 +236,29 @@ int conclude(const HeadCalibration& result, const HeadPlan& plan, const HeadSetu
 }
 
 int calibrate(const HeadCalibrateOptions& options) {
-  Console console(options.quiet);
+  base::Console console(options.quiet);
   const bool cut = !options.job.empty();
-  HeadSetup setup = readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
+  head_service::HeadSetup setup =
+      head_service::readHeadSetup(options.machine, std::ranges::max(options.grids), options.table);
   setup.unmodelled_share = options.unmodelled_share;
-  const HeadPlan plan = planOf(options, setup);
+  const head_service::HeadPlan plan = planOf(options, setup);
   fs::create_directories(options.results_dir);
   console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));
   if (cut) return conclude(fromPictures(setup, options, console), plan, setup, options, console);
   console.say(fmt::format("  marks of {:g} mm over {:g} x {:g} mm", setup.mark_size_mm,
                           setup.field_W_mm.sizes().x(), setup.field_W_mm.sizes().y()));
-  const CutAndMeasure sheets =
-      options.by_hand
-          ? CutAndMeasure(SheetByHand(setup, benchOf(options), options.results_dir, options.command_line))
-          : CutAndMeasure(onTwin(setup, options, console));
+  const head_service::CutAndMeasure sheets =
+      options.by_hand ? head_service::CutAndMeasure(head_service::SheetByHand(
+                            setup, benchOf(options), options.results_dir, options.command_line))
+                      : head_service::CutAndMeasure(onTwin(setup, options, console));
   int iterations = 0;
-  const HeadCalibration result = calibrateHead(setup, plan, sheets, [&](const HeadIteration& iteration) {
-    tell(iteration, console);
-    if (options.by_hand)
-      writeFileAtomically(tableFile(options, ++iterations), csvTable(iteration.head.table.grid));
-  });
+  const head_service::HeadCalibration result =
+      head_service::calibrateHead(setup, plan, sheets, [&](const head_service::HeadIteration& iteration) {
+        tell(iteration, console);
+        if (options.by_hand)
+          base::writeFileAtomically(tableFile(options, ++iterations),
+                                    calibrate::csvTable(iteration.head.table.grid));
+      });
   return conclude(result, plan, setup, options, console);
 }
 
@@ -255,4 +268,4 @@ int calibrateHeadCommand(const HeadCalibrateOptions& options) {
   return guardedHead(options.machine, "no table is written", [&] { return calibrate(options); });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 
 /// What the program knows of itself.
 struct CliProgram {
@@ -54,4 +54,4 @@ void addCalibrate(CLI::App& app, const CliProgram& program, CliActions& actions)
 /// Below `calibrate`, beside `calibrate head`: check, reversal, table.
 void addHeadTools(CLI::App& calibrate, const CliProgram& program, CliActions& actions);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

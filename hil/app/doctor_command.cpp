@@ -1,30 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/doctor_command.h"
+
 #include <algorithm>
 #include <cstdio>
 
-#include "hil/app/commands.h"
-#include "hil/app/doctor.h"
-#include "hil/app/doctor_bench.h"
-#include "hil/app/exit_codes.h"
+#include "hil/app/run_guarded.h"
+#include "hil/doctor/doctor.h"
+#include "hil/doctor/loopback.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 int examine(const DoctorOptions& options) {
-  std::vector<DoctorFinding> findings;
+  std::vector<doctor::DoctorFinding> findings;
   std::string name;
-  ComputerState state = lookAtComputer(linuxGpioSystem(), kernelVideoCalls());
-  lookAtAnalysers(*sigrokAnalysers(options.bin_dir), state);
-  findings = findingsOf(state);
+  doctor::ComputerState state = doctor::lookAtComputer(source::linuxGpioSystem(), camera::kernelVideoCalls());
+  doctor::lookAtAnalysers(*source::sigrokAnalysers(options.bin_dir), state);
+  findings = doctor::findingsOf(state);
   if (!options.scenario.empty()) {
-    const Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+    const scenario::Case the_case =
+        scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
     name = the_case.scenario.name;
-    const std::vector<DoctorFinding> needs = needsOf(the_case, state, options.bin_dir);
+    const std::vector<doctor::DoctorFinding> needs = doctor::needsOf(the_case, state, options.bin_dir);
     findings.insert(findings.end(), needs.begin(), needs.end());
   }
-  std::fputs((options.json ? doctorJson(state, findings, name) : doctorText(state, findings)).c_str(),
+  std::fputs((options.json ? doctor::doctorJson(state, findings, name) : doctor::doctorText(state, findings))
+                 .c_str(),
              stdout);
-  return std::ranges::find(findings, DoctorFinding::Grade::kMissing, &DoctorFinding::grade) == findings.end()
+  return std::ranges::find(findings, doctor::DoctorFinding::Grade::kMissing, &doctor::DoctorFinding::grade) ==
+                 findings.end()
              ? 0
              : 1;
 }
@@ -32,8 +36,8 @@ int examine(const DoctorOptions& options) {
 }  // namespace
 
 int doctorCommand(const DoctorOptions& options) {
-  if (options.bench.wanted) return loopBackCommand(options);
-  return guarded(options.scenario, [&] { return examine(options); });
+  if (options.bench.wanted) return doctor::measureLoopback(options.bench, options.json);
+  return runGuarded(options.scenario, [&] { return examine(options); });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "hil/app/cli.h"
-#include "hil/app/commands.h"
-#include "hil/app/scenario.h"
+#include "hil/app/gauge_command.h"
+#include "hil/scenario/scenario.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 
 void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
   auto holder = std::make_shared<GaugeCommandOptions>();
@@ -25,7 +25,7 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
       "does not hold.");
   gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
       ->capture_default_str();
-  GaugeOptions& g = options.gauge;
+  gauge::GaugeOptions& g = options.gauge;
   const auto count = CLI::Range(0, 1000000);
   CLI::Option* cases = gauge
                            ->add_option_function<std::size_t>(
@@ -55,7 +55,7 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
       ->add_option_function<std::string>(
           "--imperfections",
           [&g](const std::string& which) {
-            if (which != "both") g.presets = {presetFromName(which)};
+            if (which != "both") g.presets = {scenario::presetFromName(which)};
           },
           "Machines to draw: ideal, static, dynamic or both (static and dynamic, the default)")
       ->check(CLI::IsMember({"ideal", "static", "dynamic", "both"}));
@@ -72,4 +72,4 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(gauge, std::move(holder), gaugeCommand);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/gauge_command.h"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,39 +10,40 @@
 #include <cstdio>
 #include <string>
 
-#include "hil/app/camera_files.h"
-#include "hil/app/case.h"
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
-#include "hil/app/results_folder.h"
+#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
+#include "hil/base/version.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
 #include "hil/gauge/gauge.h"
 #include "hil/gauge/gauge_report.h"
+#include "hil/judge/results_folder.h"
+#include "hil/scenario/camera_files.h"
+#include "hil/scenario/case.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-GaugeSetup readSetup(const fs::path& machine, GaugeFacts& facts) {
-  const MachineFile file = readMachineFile(machine);
-  Case the_case;
+gauge::GaugeSetup readSetup(const fs::path& machine, gauge::GaugeFacts& facts) {
+  const machine_file::MachineFile file = machine_file::readMachineFile(machine);
+  scenario::Case the_case;
   the_case.scenario.machine = machine;
   the_case.machine = file.machine;
   the_case.spot_camera = file.spot_camera;
   the_case.kerf_camera = file.kerf_camera;
-  const BenchCameras cameras = readCalibrations(the_case);
+  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
   std::string problems;
   for (const std::string& problem : cameras.problems) problems += (problems.empty() ? "" : "\n") + problem;
-  if (!problems.empty()) throw ConfigError(problems);
+  if (!problems.empty()) throw base::ConfigError(problems);
   facts.machine = file.machine.name;
   for (const auto& [which, fact] : cameras.facts)
     (which == "kerf camera" ? facts.kerf_camera : facts.spot_camera) = fact;
-  facts.version = KERFBENCH_VERSION;
-  GaugeSetup setup;
+  facts.version = base::version();
+  gauge::GaugeSetup setup;
   setup.machine = file.machine;
   setup.spread = file.spread;
   setup.kerf_calibration = cameras.kerf.value();
@@ -51,7 +54,7 @@ GaugeSetup readSetup(const fs::path& machine, GaugeFacts& facts) {
 /// Done, of how many, and for how long still; told at most ten times a second.
 class Eta {
  public:
-  explicit Eta(Console& console) : console_(console), start_(Clock::now()), last_(start_) {}
+  explicit Eta(base::Console& console) : console_(console), start_(Clock::now()), last_(start_) {}
   void operator()(std::size_t done, std::size_t all) {
     const auto now = Clock::now();
     if (done < all && now - last_ < std::chrono::milliseconds(100)) return;
@@ -63,13 +66,13 @@ class Eta {
 
  private:
   using Clock = std::chrono::steady_clock;
-  Console& console_;
+  base::Console& console_;
   Clock::time_point start_, last_;
 };
 
 /// Leaves out what nobody asked for.
-GaugeOptions chosen(const GaugeCommandOptions& options) {
-  GaugeOptions gauge = options.gauge;
+gauge::GaugeOptions chosen(const GaugeCommandOptions& options) {
+  gauge::GaugeOptions gauge = options.gauge;
   const auto asked = [&](std::string_view study) {
     return options.studies.empty() || std::ranges::find(options.studies, study) != options.studies.end();
   };
@@ -81,14 +84,16 @@ GaugeOptions chosen(const GaugeCommandOptions& options) {
   return gauge;
 }
 
-const char* stateName(Claim::State state) {
-  return state == Claim::State::kHolds ? "holds" : state == Claim::State::kFails ? "FAILS" : "open";
+const char* stateName(gauge::Claim::State state) {
+  return state == gauge::Claim::State::kHolds   ? "holds"
+         : state == gauge::Claim::State::kFails ? "FAILS"
+                                                : "open";
 }
 
-void tellReadings(const std::vector<Reading>& readings, Console& console) {
+void tellReadings(const std::vector<gauge::Reading>& readings, base::Console& console) {
   console.result(fmt::format("  {:<38} {:>10} {:>9} {:>10} {:>9} {:>8}", "quantity, µm", "measured", "U",
                              "true", "error", "error/U"));
-  for (const Reading& r : readings) {
+  for (const gauge::Reading& r : readings) {
     console.result(fmt::format("  {:<38} {:>10.3f} {:>8.3f} {:>10.3f} {:>+9.3f} {:>8.2f}{}", r.quantity,
                                1e3 * r.value, 1e3 * r.U, 1e3 * r.truth, 1e3 * (r.value - r.truth),
                                (r.value - r.truth) / r.U,
@@ -96,11 +101,11 @@ void tellReadings(const std::vector<Reading>& readings, Console& console) {
   }
 }
 
-void tellQuantities(const GaugeSection& section, Console& console) {
+void tellQuantities(const gauge::GaugeSection& section, base::Console& console) {
   console.say(fmt::format("  {:<8} {:<36} {:>6} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}", section.preset,
                           "quantity, µm", "cases", "within", "mean err", "σ err", "U median", "mean z",
                           "RMS z"));
-  for (const Coverage& c : section.coverage) {
+  for (const gauge::Coverage& c : section.coverage) {
     console.say(
         fmt::format("           {:<36} {:>6} {:>6.1f}% {:>+9.3f} {:>7.3f} {:>8.3f} {:>+8.2f} {:>8.2f}{}",
                     c.quantity, c.cases, 100.0 * static_cast<double>(c.hits) / static_cast<double>(c.cases),
@@ -109,8 +114,8 @@ void tellQuantities(const GaugeSection& section, Console& console) {
   }
 }
 
-int repeatCase(const GaugeSetup& setup, const GaugeCommandOptions& options, Console& console) {
-  const auto id = caseFromName(options.the_case);
+int repeatCase(const gauge::GaugeSetup& setup, const GaugeCommandOptions& options, base::Console& console) {
+  const auto id = gauge::caseFromName(options.the_case);
   if (!id) {
     std::fputs(
         fmt::format("--case: '{}' is no case; like static-bad-17, presets static, dynamic, ideal, studies "
@@ -118,80 +123,80 @@ int repeatCase(const GaugeSetup& setup, const GaugeCommandOptions& options, Cons
                     options.the_case)
             .c_str(),
         stderr);
-    return kExitUsage;
+    return base::kExitUsage;
   }
-  if (watchesSpot(id->study)) {
-    const StillOutcome o = StillStudy(setup).run(stillCase(*id, options.gauge.seed));
-    console.result(fmt::format("{}: stillness {}", o.name, verdictName(o.verdict)));
+  if (gauge::watchesSpot(id->study)) {
+    const gauge::StillOutcome o = gauge::StillStudy(setup).run(gauge::stillCase(*id, options.gauge.seed));
+    console.result(fmt::format("{}: stillness {}", o.name, inspect::verdictName(o.verdict)));
     for (const std::string& problem : o.problems) console.result("  " + problem);
     tellReadings(o.readings, console);
     return 0;
   }
-  const KerfStudy study(setup);
-  const KerfCase c = kerfCase(*id, options.gauge.seed, study);
-  const KerfStudy::Whole whole = study.runWhole(c);
-  console.result(fmt::format("{}: {}, true deviation {:.2f} µm", c.name, verdictName(whole.outcome.verdict),
-                             1e3 * whole.outcome.truth_mm));
-  for (const Fault& f : c.faults) {
+  const gauge::KerfStudy study(setup);
+  const gauge::KerfCase c = gauge::kerfCase(*id, options.gauge.seed, study);
+  const gauge::KerfStudy::Whole whole = study.runWhole(c);
+  console.result(fmt::format("{}: {}, true deviation {:.2f} µm", c.name,
+                             inspect::verdictName(whole.outcome.verdict), 1e3 * whole.outcome.truth_mm));
+  for (const gauge::Fault& f : c.faults) {
     console.result(
         fmt::format("  fault {:<9} {:+.2f} µm, E{}, place {:.2f}, length {:.2f} mm, direction {:.0f}°, {}",
-                    faultName(f.kind), 1e3 * f.size_mm, f.entity, f.place, f.length_mm,
+                    gauge::faultName(f.kind), 1e3 * f.size_mm, f.entity, f.place, f.length_mm,
                     57.29578 * f.direction_rad, f.at_start ? "at start" : "at end"));
   }
   for (const std::string& problem : whole.outcome.problems) console.result("  " + problem);
-  for (const Check& check : whole.measurement.result.checks) {
+  for (const inspect::Check& check : whole.measurement.result.checks) {
     console.result(fmt::format("  {:<10} {:<14} {:.5g} ± {:.3g} {}, limit {:g}, {}",
-                               verdictName(check.verdict), check.name, check.value, check.u, check.unit,
-                               check.limit, check.subject));
+                               inspect::verdictName(check.verdict), check.name, check.value, check.u,
+                               check.unit, check.limit, check.subject));
   }
   tellReadings(whole.outcome.readings, console);
   console.result("  lines: worst measured, U, true; width measured, U, true; µm");
   for (std::size_t k = 0; k < whole.truth.entities.size(); ++k) {
-    const EntityResult& e = whole.measurement.result.entities[k];
-    const EntityTruth& t = whole.truth.entities[k];
+    const inspect::EntityResult& e = whole.measurement.result.entities[k];
+    const gauge::EntityTruth& t = whole.truth.entities[k];
     console.result(fmt::format("    E{} {:8.3f} {:6.3f} {:8.3f}   {:8.3f} {:6.3f} {:8.3f}", t.entity,
                                1e3 * std::abs(e.worst_mm), 1e3 * e.worst_U_mm, 1e3 * t.worst_mm,
                                1e3 * e.width_mm, 1e3 * e.width_U_mm, 1e3 * t.width_mm));
   }
   const fs::path picture = options.results_dir / (c.name + ".png");
   fs::create_directories(options.results_dir);
-  const auto png = encodePng(whole.picture);
-  writeFileAtomically(picture, std::string(png.begin(), png.end()));
+  const auto png = camera::encodePng(whole.picture);
+  base::writeFileAtomically(picture, std::string(png.begin(), png.end()));
   console.say("picture: " + picture.string());
   return 0;
 }
 
 int gauge(const GaugeCommandOptions& options) {
-  Console console(options.quiet);
-  GaugeFacts facts;
-  const GaugeSetup setup = readSetup(options.machine, facts);
+  base::Console console(options.quiet);
+  gauge::GaugeFacts facts;
+  const gauge::GaugeSetup setup = readSetup(options.machine, facts);
   facts.command = options.command_line;
   if (!options.the_case.empty()) return repeatCase(setup, options, console);
   console.say(fmt::format("gauge: {}, cameras {} and {}", setup.machine.name,
                           setup.kerf_calibration.camera_id, setup.spot_calibration.camera_id));
-  const GaugeOptions asked = chosen(options);
+  const gauge::GaugeOptions asked = chosen(options);
   Eta eta(console);
-  const GaugeResult result =
-      runGauge(setup, asked, [&](std::size_t done, std::size_t all) { eta(done, all); });
-  for (const GaugeSection& s : result.sections) {
+  const gauge::GaugeResult result =
+      gauge::runGauge(setup, asked, [&](std::size_t done, std::size_t all) { eta(done, all); });
+  for (const gauge::GaugeSection& s : result.sections) {
     for (const std::string& wrong : s.wrong) console.say("  " + wrong);
   }
-  for (const GaugeSection& s : result.sections) tellQuantities(s, console);
-  for (const Claim& claim : result.claims) {
+  for (const gauge::GaugeSection& s : result.sections) tellQuantities(s, console);
+  for (const gauge::Claim& claim : result.claims) {
     const std::string line = fmt::format("  {:<6} {:<8} {:<60} {} (limit {})", stateName(claim.state),
                                          claim.preset, claim.what, claim.measured, claim.limit);
-    if (claim.state == Claim::State::kFails) {
+    if (claim.state == gauge::Claim::State::kFails) {
       console.result(line);
     } else {
       console.say(line);
     }
   }
-  const auto failed =
-      std::ranges::count_if(result.claims, [](const Claim& c) { return c.state == Claim::State::kFails; });
+  const auto failed = std::ranges::count_if(
+      result.claims, [](const gauge::Claim& c) { return c.state == gauge::Claim::State::kFails; });
   console.result(fmt::format("gauge: {} claims, {} do not hold", result.claims.size(), failed));
-  ResultsFolder folder(options.results_dir, "gauge");
-  writeFileAtomically(folder.staging() / "gauge.json", gaugeJson(result, asked, facts));
-  writeFileAtomically(folder.staging() / "gauge.html", gaugeHtml(result, asked, facts));
+  judge::ResultsFolder folder(options.results_dir, "gauge");
+  base::writeFileAtomically(folder.staging() / "gauge.json", gauge::gaugeJson(result, asked, facts));
+  base::writeFileAtomically(folder.staging() / "gauge.html", gauge::gaugeHtml(result, asked, facts));
   folder.commit();
   console.say(fmt::format("report: {}", (folder.place() / "gauge.html").string()));
   return result.holds() ? 0 : 1;
@@ -200,7 +205,7 @@ int gauge(const GaugeCommandOptions& options) {
 }  // namespace
 
 int gaugeCommand(const GaugeCommandOptions& options) {
-  return guarded(options.machine, [&] { return gauge(options); });
+  return runGuarded(options.machine, [&] { return gauge(options); });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

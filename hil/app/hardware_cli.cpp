@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 
+#include "hil/app/capture_command.h"
 #include "hil/app/cli.h"
-#include "hil/app/commands.h"
-#include "hil/app/doctor_bench_cli.h"
+#include "hil/app/doctor_command.h"
+#include "hil/app/loopback_cli.h"
+#include "hil/app/record_frames_command.h"
+#include "hil/live/capture_on_pins.h"
+#include "hil/live/real_pins.h"
+#include "hil/live/record_frames.h"
+#include "hil/live/spot_recorder.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  auto holder = std::make_shared<RecordFramesOptions>();
-  RecordFramesOptions& options = *holder;
+  auto holder = std::make_shared<live::RecordFramesOptions>();
+  live::RecordFramesOptions& options = *holder;
   options.bin_dir = program.bin_dir;
   CLI::App* record = app.add_subcommand(
       "record-frames",
@@ -30,8 +36,8 @@ void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actio
 }
 
 void addCapture(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  auto holder = std::make_shared<CaptureCommandOptions>();
-  CaptureCommandOptions& options = *holder;
+  auto holder = std::make_shared<live::CaptureOptions>();
+  live::CaptureOptions& options = *holder;
   options.bin_dir = program.bin_dir;
   CLI::App* capture = app.add_subcommand(
       "capture",
@@ -66,4 +72,4 @@ void addDoctor(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(doctor, std::move(holder), doctorCommand);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

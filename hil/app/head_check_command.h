@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <string>
 
-namespace kerfbench::hil {
+#include "hil/base/exit_codes.h"
+
+namespace kerfbench::app {
 
 /// See checkHeadCommand().
 struct HeadCheckOptions {
@@ -30,8 +32,8 @@ struct HeadCheckOptions {
 
 /// Nine marks with the table, against the head as it was when it was calibrated: does the correction still
 /// hold, and if not, which of zeros, gains, turn and height of the sheet changed? Writes check.json. Returns
-/// 0 if it holds, 1 if not; 3 for marks or pictures that cannot be trusted; kExitInput; by hand kExitWaiting
-/// until there are pictures.
+/// 0 if it holds, 1 if not; 3 for marks or pictures that cannot be trusted; base::kExitInput; by hand
+/// base::kExitWaiting until there are pictures.
 int checkHeadCommand(const HeadCheckOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -5,12 +5,12 @@
 
 #include <cstdio>
 
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
-#include "hil/app/sheet_by_hand.h"
+#include "hil/app/run_guarded.h"
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
+#include "hil/head_service/sheet_by_hand.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 
 int guardedHead(const std::filesystem::path& machine, const std::string& so,
                 const std::function<int()>& work) {
@@ -20,15 +20,15 @@ int guardedHead(const std::filesystem::path& machine, const std::string& so,
     return kExitInvalid;
   };
   try {
-    return guarded(machine, work);
-  } catch (const HeadEvidenceError& error) {
+    return runGuarded(machine, work);
+  } catch (const head_service::HeadEvidenceError& error) {
     return invalid(error.what());
-  } catch (const HeadCalibrationError& error) {
+  } catch (const calibrate::HeadCalibrationError& error) {
     return invalid(error.what());
-  } catch (const SheetWanted& wanted) {
-    Console(true).result(wanted.what());
-    return kExitWaiting;
+  } catch (const head_service::SheetWanted& wanted) {
+    base::Console(true).result(wanted.what());
+    return base::kExitWaiting;
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

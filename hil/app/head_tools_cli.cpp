@@ -6,10 +6,10 @@
 #include "hil/app/cli.h"
 #include "hil/app/head_check_command.h"
 #include "hil/app/reversal_command.h"
-#include "hil/app/scenario.h"
 #include "hil/app/table_command.h"
+#include "hil/scenario/scenario.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 const std::vector<std::string> kTableFormats{"csv", "c-header", "cor1", "cor2", "grid-text", "nine-points"};
@@ -54,10 +54,12 @@ void addTwin(CLI::App& command, Options& o) {
   command
       .add_option("--imperfections", o.imperfections,
                   "How far the machine is from its description: ideal, static, dynamic")
-      ->check(CLI::IsMember(std::vector<std::string>(kPresetNames.begin(), kPresetNames.end())))
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kPresetNames.begin(), scenario::kPresetNames.end())))
       ->capture_default_str();
   command.add_option("--twin", o.twin, "How the equations of motion are solved: reference or fast")
-      ->check(CLI::IsMember(std::vector<std::string>(kFidelityNames.begin(), kFidelityNames.end())))
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kFidelityNames.begin(), scenario::kFidelityNames.end())))
       ->capture_default_str();
   command.add_option("--jobs,-j", o.jobs, "Threads; the result is the same at any number")
       ->check(CLI::Range(1, 256))
@@ -185,4 +187,4 @@ void addHeadTools(CLI::App& calibrate, const CliProgram& program, CliActions& ac
   addTable(calibrate, actions);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/lint_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <string>
 
-#include "hil/app/camera_files.h"
-#include "hil/app/case.h"
-#include "hil/app/commands.h"
-#include "hil/app/machine_check.h"
+#include "hil/app/run_guarded.h"
+#include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/calibration_file.h"
-#include "hil/calibrate/target_files.h"
+#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/camera/target_files.h"
 #include "hil/dieline/read.h"
+#include "hil/judge/run_options.h"
+#include "hil/machine_file/machine_check.h"
+#include "hil/scenario/camera_files.h"
+#include "hil/scenario/case.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,15 +34,15 @@ bool isDrawing(const fs::path& path) {
 
 // A scenario names a dieline; a machine does not. What it extends counts as well.
 bool isScenario(const fs::path& path) {
-  const auto file = YamlReader::openFile(path);
+  const auto file = base::YamlReader::openFile(path);
   return file.has("dieline") || file.has("firmware");
 }
 
 // Returns the number of errors.
-int lintDrawing(const fs::path& path, const LayerProfile& layers, bool quiet) {
-  const Dieline dieline = readDieline(path, layers);
+int lintDrawing(const fs::path& path, const dieline::LayerProfile& layers, bool quiet) {
+  const dieline::Dieline dieline = dieline::readDieline(path, layers);
   int errors = 0;
-  for (const LintFinding& finding : lintDieline(dieline)) {
+  for (const dieline::LintFinding& finding : dieline::lintDieline(dieline)) {
     errors += finding.is_error ? 1 : 0;
     if (quiet && !finding.is_error) continue;
     say(fmt::format("{}: {} at ({:.3f}, {:.3f}) mm, layer {}: {}", path.string(),
@@ -56,60 +60,61 @@ int lintDrawing(const fs::path& path, const LayerProfile& layers, bool quiet) {
 }
 
 // A machine can be described before its cameras are calibrated; a run of it would be INVALID.
-void warnOfCameras(const fs::path& path, Case& the_case, const MachineFile& file, bool quiet) {
+void warnOfCameras(const fs::path& path, scenario::Case& the_case, const machine_file::MachineFile& file,
+                   bool quiet) {
   the_case.machine = file.machine;
   the_case.spot_camera = file.spot_camera;
   the_case.kerf_camera = file.kerf_camera;
   if (quiet) return;
-  for (const std::string& problem : readCalibrations(the_case).problems)
+  for (const std::string& problem : scenario::readCalibrations(the_case).problems)
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
-int lintFile(const fs::path& path, const CommonOptions& options) {
-  if (isDrawing(path)) return lintDrawing(path, defaultLayerProfile(), options.quiet);
-  const auto file_keys = YamlReader::openFile(path);
+int lintFile(const fs::path& path, const judge::RunOptions& options) {
+  if (isDrawing(path)) return lintDrawing(path, dieline::defaultLayerProfile(), options.quiet);
+  const auto file_keys = base::YamlReader::openFile(path);
   if (file_keys.has("camera_id")) {
-    (void)readCalibrationFile(path);
+    (void)calibrate::readCalibrationFile(path);
     return 0;
   }
   if (file_keys.has("square_mm")) {
-    (void)readTarget(path);
+    (void)calibrate::readTarget(path);
     return 0;
   }
-  Case the_case;
+  scenario::Case the_case;
   if (isScenario(path)) {
-    the_case.scenario = readScenario(path, {options.bin_dir.parent_path() / "firmware"});
-    const MachineFile file = readMachineFile(the_case.scenario.machine);
+    the_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware"});
+    const machine_file::MachineFile file = machine_file::readMachineFile(the_case.scenario.machine);
     warnOfCameras(path, the_case, file, options.quiet);
-    refuseUnwired(the_case);
-    refuseUnfit(file, webOf(the_case));
+    scenario::refuseUnwired(the_case);
+    machine_file::refuseUnfit(file, scenario::webOf(the_case));
     return lintDrawing(the_case.scenario.dieline, the_case.scenario.layers, options.quiet);
   }
-  const MachineFile file = readMachineFile(path);
+  const machine_file::MachineFile file = machine_file::readMachineFile(path);
   the_case.scenario.machine = path;
   warnOfCameras(path, the_case, file, options.quiet);
-  refuseUnfit(file);
+  machine_file::refuseUnfit(file);
   return 0;
 }
 
 }  // namespace
 
-int lintCommand(const std::vector<fs::path>& files, const CommonOptions& options) {
+int lintCommand(const std::vector<fs::path>& files, const judge::RunOptions& options) {
   int errors = 0;
   for (const fs::path& path : files) {
     try {
       const int found = lintFile(path, options);
       if (found == 0 && !options.quiet) say(fmt::format("{}: good", path.string()));
       errors += found;
-    } catch (const ConfigError& e) {
+    } catch (const base::ConfigError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       ++errors;
-    } catch (const DielineError& e) {
+    } catch (const dieline::DielineError& e) {
       std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
       ++errors;
     }
   }
-  return errors == 0 ? 0 : kExitInput;
+  return errors == 0 ? 0 : base::kExitInput;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -12,14 +12,20 @@
 #include <vector>
 
 #include "hil/app/cli.h"
-#include "hil/app/commands.h"
-#include "hil/app/scenario.h"
+#include "hil/app/lint_command.h"
+#include "hil/app/run_command.h"
+#include "hil/app/run_guarded.h"
+#include "hil/base/exit_codes.h"
 #include "hil/base/freed_memory.h"
+#include "hil/base/version.h"
+#include "hil/judge/run_options.h"
+#include "hil/scenario/scenario.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace kerfbench::hil;
+using namespace kerfbench;
+using namespace kerfbench::app;
 
 std::string commandLine(int argc, char** argv) {
   std::string line = "./bench";
@@ -31,15 +37,15 @@ std::string commandLine(int argc, char** argv) {
   return line;
 }
 
-std::shared_ptr<CommonOptions> commonOptions(const CliProgram& program) {
-  auto options = std::make_shared<CommonOptions>();
+std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
+  auto options = std::make_shared<judge::RunOptions>();
   options->bin_dir = program.bin_dir;
   options->command_line = program.command_line;
   options->jobs = program.jobs;
   return options;
 }
 
-void addCommonOptions(CLI::App& command, CommonOptions& options) {
+void addCommonOptions(CLI::App& command, judge::RunOptions& options) {
   command.add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
   command.add_option("--seed", options.seed,
                      "Seed of all noise and of what the imperfections draw, instead of the scenario's");
@@ -51,12 +57,14 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
       .add_option("--imperfections", options.imperfections,
                   "How far the machine is from its description: ideal, static (set-up),\n"
                   "dynamic (static, and lag, play, slip, flutter, noise); instead of the scenario's")
-      ->check(CLI::IsMember(std::vector<std::string>(kPresetNames.begin(), kPresetNames.end())));
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kPresetNames.begin(), scenario::kPresetNames.end())));
   command
       .add_option("--twin", options.twin,
                   "How the equations of motion are solved: reference (Bullet, step by step)\nor fast; "
                   "instead of the scenario's")
-      ->check(CLI::IsMember(std::vector<std::string>(kFidelityNames.begin(), kFidelityNames.end())));
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kFidelityNames.begin(), scenario::kFidelityNames.end())));
   command.add_option("--jobs,-j", options.jobs, "Threads; the results are the same at any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
@@ -119,7 +127,7 @@ int dispatch(int argc, char** argv) {
       "camera\n"
       "and says whether the release is good.",
       "kerfbench"};
-  app.set_version_flag("--version", KERFBENCH_VERSION);
+  app.set_version_flag("--version", kerfbench::base::version());
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
@@ -141,19 +149,19 @@ int dispatch(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     const int code = app.exit(e);  // Prints help, version or the fault.
-    return code == 0 ? 0 : kExitUsage;
+    return code == 0 ? 0 : base::kExitUsage;
   }
-  return actions.run().value_or(kExitUsage);
+  return actions.run().value_or(base::kExitUsage);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  keepFreedMemory();
+  kerfbench::base::keepFreedMemory();
   try {
     return dispatch(argc, argv);
   } catch (const std::exception& e) {
     std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
-    return kExitBroken;
+    return base::kExitBroken;
   }
 }

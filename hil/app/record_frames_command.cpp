@@ -1,60 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <filesystem>
-#include <optional>
+#include "hil/app/record_frames_command.h"
 
-#include <fmt/format.h>
+#include "hil/app/run_guarded.h"
+#include "hil/camera/v4l2/video_calls.h"
 
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
-#include "hil/app/release.h"
-#include "hil/app/spot_recorder.h"
-#include "hil/inspect/verdict.h"
+namespace kerfbench::app {
 
-namespace kerfbench::hil {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// Before the camera streams: see FrameRecordingWriter.
-void requireOwnFolder(const fs::path& out) {
-  if (!fs::exists(out)) return;
-  if (!fs::is_directory(out))
-    throw InputFault(fmt::format("{}: is no folder, and the recording needs one", out.string()));
-  if (!fs::is_empty(out))
-    throw InputFault(fmt::format("{}: is not empty; a recording needs a folder of its own", out.string()));
+int recordFramesCommand(const live::RecordFramesOptions& options) {
+  return runGuarded(options.scenario,
+                    [&] { return live::recordFramesOf(camera::kernelVideoCalls(), options); });
 }
 
-}  // namespace
-
-int recordFramesOf(VideoCalls& calls, const RecordFramesOptions& options) {
-  Console console(options.quiet);
-  const Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
-  if (!the_case.scenario.cameras.spot.is_real)
-    throw InputFault(fmt::format("{}: names no real spot camera (cameras.spot: {{source: v4l2, ...}})",
-                                 options.scenario.string()));
-  requireOwnFolder(options.out);
-  const OpenSpotCamera open = openSpotCamera(the_case, calls);
-  FrameRecordingWriter writer(options.out, open.camera);
-  RecordOptions how = recordOptions(open);
-  how.most_frames = options.frames;
-  how.first_timeout_ms = static_cast<int>(std::lround(1e3 * options.wait_s));
-  console.say(fmt::format("recording {} ({})", open.camera.device, open.camera.card));
-  std::optional<std::int64_t> end_ns;
-  const std::string ended = recordFrames(*open.stream, writer, how, [&] {
-    if (!end_ns && writer.frames() > 0)
-      end_ns = calls.monotonicNs() + static_cast<std::int64_t>(1e9 * options.time_limit_s);
-    return end_ns && calls.monotonicNs() >= *end_ns;
-  });
-  console.result(fmt::format("{} frames in {}{}", writer.frames(), options.out.string(),
-                             ended.empty() ? "" : "; the camera ended: " + ended));
-  const bool all_came = writer.frames() > 0 && (options.frames == 0 || writer.frames() == options.frames);
-  return all_came ? 0 : exitCode(Verdict::kInvalid);
-}
-
-int recordFramesCommand(const RecordFramesOptions& options) {
-  return guarded(options.scenario, [&] { return recordFramesOf(kernelVideoCalls(), options); });
-}
-
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -13,36 +13,36 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "hil/app/console.h"
 #include "hil/app/head_exit.h"
-#include "hil/app/head_procedure.h"
-#include "hil/app/scenario.h"
-#include "hil/app/sheet_on_twin.h"
-#include "hil/app/turned_view.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/version.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/head/rigid.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/camera/tile_folder.h"
+#include "hil/head_service/head_procedure.h"
+#include "hil/head_service/sheet_on_twin.h"
+#include "hil/head_service/turned_view.h"
+#include "hil/scenario/scenario.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Json = nlohmann::ordered_json;
 
-constexpr int kDensest = 17;           // As `calibrate head` has it: the same size of marks.
-constexpr int kSheet = 2000;           // Its pictures have a noise of their own.
+constexpr int kReversalSheet = 2000;   // Its pictures have a noise of their own.
 constexpr double kFieldBorder_mm = 1;  // Around the marks.
 constexpr double kToldSigmas = 4.0;    // Of 16 terms one is beyond by chance once in a thousand.
 constexpr double kRough =
     2.0;  // Scatter over what pictures say from which on the camera's error is not smooth.
 
-TwinBench benchOf(const ReversalCommandOptions& options) {
+head_service::TwinBench benchOf(const ReversalCommandOptions& options) {
   return {.seed = options.seed,
-          .imperfections = presetFromName(options.imperfections),
-          .fidelity = fidelityFromName(options.twin),
+          .imperfections = scenario::presetFromName(options.imperfections),
+          .fidelity = scenario::fidelityFromName(options.twin),
           .bin_dir = options.bin_dir,
           .keep_pictures = options.keep_pictures,
           .threads = options.jobs};
@@ -56,65 +56,69 @@ std::vector<double> turnsOf(const ReversalCommandOptions& options) {
 
 /// A sheet, and how it was seen.
 struct Seen {
-  MarkJob job;
-  std::vector<TurnedView> views;
+  calibrate::MarkJob job;
+  std::vector<head_service::TurnedView> views;
 };
 
-Seen onTwin(const HeadSetup& setup, const ReversalCommandOptions& options, Console& console) {
-  const TwinBench bench = benchOf(options);
-  HeadPlan plan;
+Seen onTwin(const head_service::HeadSetup& setup, const ReversalCommandOptions& options,
+            base::Console& console) {
+  const head_service::TwinBench bench = benchOf(options);
+  head_service::HeadPlan plan;
   plan.date = setup.camera.date;
-  const MarkJob planned = planSheet(setup, plan, "reversal", gridPlaces(setup.field_W_mm, options.grid), 0);
-  const SheetRequest request{planned, kSheet, options.results_dir / planned.name, setup.table_file};
-  const Case the_case = sheetCase(setup, bench, request);
-  const auto progress = progressOn(console);
-  CutSheet cut = cutSheet(the_case, bench, planned.name, progress);
+  const calibrate::MarkJob planned = head_service::planSheet(
+      setup, plan, "reversal", calibrate::gridPlaces(setup.field_W_mm, options.grid), 0);
+  const head_service::SheetRequest request{planned, kReversalSheet, options.results_dir / planned.name,
+                                           setup.table_file};
+  const scenario::Case the_case = head_service::sheetCase(setup, bench, request);
+  const auto progress = base::progressOn(console);
+  run::CutSheet cut = head_service::cutSheet(the_case, bench, planned.name, progress);
   // The job as its file rounds it: so that the pictures alone tell the same later.
-  Seen seen{readMarkJob(request.folder / kSheetJob), {}};
-  int sheet = kSheet;
+  Seen seen{calibrate::readMarkJob(request.folder / head_service::kSheetJob), {}};
+  int sheet = kReversalSheet;
   for (const double turn_deg : turnsOf(options)) {
     progress(-1.0, fmt::format("photographing the sheet, turned by {:g}°", turn_deg));
     const auto tiles = [&] {
-      return sheetPictures(setup, bench, the_case, cut, sheet, turn_deg * std::numbers::pi / 180.0);
+      return head_service::sheetPictures(setup, bench, the_case, cut, sheet,
+                                         turn_deg * std::numbers::pi / 180.0);
     };
     if (options.keep_pictures) {
       auto source = tiles();
-      writeTiles(source, request.folder / fmt::format("pictures-{:g}", turn_deg));
+      camera::writeTiles(source, request.folder / fmt::format("pictures-{:g}", turn_deg));
     }
     auto source = tiles();
     const std::size_t count = source.size();
-    seen.views.push_back(lookAt(source, count, seen.job, turn_deg, setup, options.jobs));
+    seen.views.push_back(head_service::lookAt(source, count, seen.job, turn_deg, setup, options.jobs));
     ++sheet;
   }
   return seen;
 }
 
-Seen fromPictures(const HeadSetup& setup, const ReversalCommandOptions& options) {
+Seen fromPictures(const head_service::HeadSetup& setup, const ReversalCommandOptions& options) {
   const std::vector<double> turns = turnsOf(options);
   if (options.pictures.size() != turns.size()) {
-    throw ConfigError(
+    throw base::ConfigError(
         fmt::format("{} folders of pictures for {} views: --pictures takes the first as the sheet lies, "
                     "then one for each of --turns",
                     options.pictures.size(), turns.size()));
   }
-  Seen seen{readJobOf(setup, options.job), {}};
+  Seen seen{head_service::readJobOf(setup, options.job), {}};
   for (std::size_t i = 0; i < turns.size(); ++i) {
-    TileFolder tiles = openPictures(setup, options.pictures[i]);
-    seen.views.push_back(lookAt(tiles, tiles.size(), seen.job, turns[i], setup, options.jobs));
+    camera::TileFolder tiles = head_service::openPictures(setup, options.pictures[i]);
+    seen.views.push_back(head_service::lookAt(tiles, tiles.size(), seen.job, turns[i], setup, options.jobs));
   }
   return seen;
 }
 
-ReversalResult separated(const Seen& seen) {
-  std::vector<SheetView> views;
-  ReversalOptions options;
-  for (const TurnedView& view : seen.views) {
+calibrate::ReversalResult separated(const Seen& seen) {
+  std::vector<calibrate::SheetView> views;
+  calibrate::ReversalOptions options;
+  for (const head_service::TurnedView& view : seen.views) {
     views.push_back(view.marks);
-    for (const SeenMark& mark : view.marks.marks) options.camera_field_mm.extend(mark.p_mm);
+    for (const calibrate::SeenMark& mark : view.marks.marks) options.camera_field_mm.extend(mark.p_mm);
   }
   const Vector2d border = Vector2d::Constant(kFieldBorder_mm);
   options.camera_field_mm = {options.camera_field_mm.min() - border, options.camera_field_mm.max() + border};
-  return separateCamera(views, options);
+  return calibrate::separateCamera(views, options);
 }
 
 /// What is whose, over the marks of the first view.
@@ -125,12 +129,13 @@ struct Shares {
   std::vector<std::pair<int, Vector2d>> head;  ///< By number.
 };
 
-Shares sharesOf(const Seen& seen, const ReversalResult& result) {
-  const TurnedView& first = seen.views.front();
+Shares sharesOf(const Seen& seen, const calibrate::ReversalResult& result) {
+  const head_service::TurnedView& first = seen.views.front();
   Shares shares;
   std::map<int, Vector2d> wanted_S;
-  for (const WantedMark& mark : seen.job.marks) wanted_S.emplace(mark.number, seen.job.wanted_S_mm(mark));
-  for (const SeenMark& mark : first.marks.marks) {
+  for (const calibrate::WantedMark& mark : seen.job.marks)
+    wanted_S.emplace(mark.number, seen.job.wanted_S_mm(mark));
+  for (const calibrate::SeenMark& mark : first.marks.marks) {
     const Vector2d camera_mm = result.camera.at_mm(mark.p_mm);
     if (camera_mm.norm() >= shares.camera_mm) {
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(result.camera.covarianceAt_mm2(mark.p_mm));
@@ -141,13 +146,13 @@ Shares sharesOf(const Seen& seen, const ReversalResult& result) {
         std::max(shares.both_mm, (first.X_TS.inverse() * mark.p_mm - wanted_S.at(mark.id)).norm());
   }
   // The printed marks were seen by the same camera.
-  std::vector<PlacePair> print;
+  std::vector<calibrate::PlacePair> print;
   for (const RegistrationMark& mark : seen.job.print) {
     const Vector2d p_T = first.X_TS * mark.p_SM_mm;
     print.emplace_back(mark.p_SM_mm, p_T - result.camera.at_mm(p_T));
   }
-  const Eigen::Isometry2d X_ST = rigidMotion(print).X.inverse();
-  for (const SeenMark& mark : result.marks) {
+  const Eigen::Isometry2d X_ST = calibrate::rigidMotion(print).X.inverse();
+  for (const calibrate::SeenMark& mark : result.marks) {
     const Vector2d error_mm = X_ST * mark.p_mm - wanted_S.at(mark.id);
     shares.head.emplace_back(mark.id, error_mm);
     shares.head_mm = std::max(shares.head_mm, error_mm.norm());
@@ -155,10 +160,10 @@ Shares sharesOf(const Seen& seen, const ReversalResult& result) {
   return shares;
 }
 
-std::string reversalJson(const Seen& seen, const ReversalResult& result, const Shares& shares,
-                         const HeadSetup& setup, const std::string& command) {
+std::string reversalJson(const Seen& seen, const calibrate::ReversalResult& result, const Shares& shares,
+                         const head_service::HeadSetup& setup, const std::string& command) {
   Json json{{"version", 1},
-            {"kerfbench", KERFBENCH_VERSION},
+            {"kerfbench", base::version()},
             {"machine", setup.name},
             {"camera", setup.camera.camera_id},
             {"camera_mm", shares.camera_mm},
@@ -167,10 +172,10 @@ std::string reversalJson(const Seen& seen, const ReversalResult& result, const S
             {"first_view_mm", shares.both_mm},
             {"rejected", result.rejected},
             {"noise_ratio", result.noise_ratio}};
-  for (const TurnedView& view : seen.views)
+  for (const head_service::TurnedView& view : seen.views)
     json["views"].push_back(
         {{"name", view.marks.name}, {"pictures", view.pictures}, {"marks", view.marks.marks.size()}});
-  for (const CameraError::Term& term : result.camera.terms()) {
+  for (const calibrate::CameraError::Term& term : result.camera.terms()) {
     json["terms"].push_back({{"name", term.name},
                              {"degree", term.degree},
                              {"value_mm", term.value_mm},
@@ -183,15 +188,15 @@ std::string reversalJson(const Seen& seen, const ReversalResult& result, const S
   return json.dump(2) + "\n";
 }
 
-void tell(const Seen& seen, const ReversalResult& result, Console& console) {
-  for (const TurnedView& view : seen.views) {
+void tell(const Seen& seen, const calibrate::ReversalResult& result, base::Console& console) {
+  for (const head_service::TurnedView& view : seen.views) {
     console.say(fmt::format("  {}: {} marks in {} picture{}", view.marks.name, view.marks.marks.size(),
                             view.pictures, view.pictures == 1 ? "" : "s"));
     for (const std::string& remark : view.remarks) console.say("    " + remark);
   }
   console.say("  the camera's error at the rim of what it sees:");
   std::vector<std::string> open;
-  for (const CameraError::Term& term : result.camera.terms()) {
+  for (const calibrate::CameraError::Term& term : result.camera.terms()) {
     if (term.held)
       console.say(fmt::format("    {:<12} {:+.5f} ± {:.5f} mm", term.name, term.value_mm, term.sigma_mm));
     else
@@ -200,7 +205,7 @@ void tell(const Seen& seen, const ReversalResult& result, Console& console) {
   if (!open.empty()) console.say(fmt::format("    not told by these views: {}", fmt::join(open, "; ")));
   console.say("    a common scale no turning shows: that is the calibration target's matter");
   const bool tiles =
-      std::ranges::any_of(seen.views, [](const TurnedView& view) { return view.pictures > 1; });
+      std::ranges::any_of(seen.views, [](const head_service::TurnedView& view) { return view.pictures > 1; });
   if (tiles)
     console.say(
         "    a view is of several pictures: what is told is of the table that carries the camera, smooth "
@@ -214,29 +219,29 @@ void tell(const Seen& seen, const ReversalResult& result, Console& console) {
 }
 
 /// Those beyond doubt, the largest first. The common scale is never among them.
-std::string toldTerms(const CameraError& camera) {
-  std::vector<CameraError::Term> told;
-  for (const CameraError::Term& term : camera.terms()) {
+std::string toldTerms(const calibrate::CameraError& camera) {
+  std::vector<calibrate::CameraError::Term> told;
+  for (const calibrate::CameraError::Term& term : camera.terms()) {
     if (term.held && std::abs(term.value_mm) > kToldSigmas * term.sigma_mm) told.push_back(term);
   }
   std::ranges::sort(told, std::greater{},
-                    [](const CameraError::Term& term) { return std::abs(term.value_mm); });
+                    [](const calibrate::CameraError::Term& term) { return std::abs(term.value_mm); });
   std::vector<std::string> words;
-  for (const CameraError::Term& term : told) words.push_back(term.name);
+  for (const calibrate::CameraError::Term& term : told) words.push_back(term.name);
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
 int reversal(const ReversalCommandOptions& options) {
-  Console console(options.quiet);
-  const HeadSetup setup = readHeadSetup(options.machine, kDensest, options.table);
+  base::Console console(options.quiet);
+  const head_service::HeadSetup setup = head_service::readHeadSetup(options.machine, kDensest, options.table);
   fs::create_directories(options.results_dir);
   console.say(fmt::format("head of {}, kerf camera {}", setup.name, setup.camera.camera_id));
   const Seen seen = options.job.empty() ? onTwin(setup, options, console) : fromPictures(setup, options);
-  const ReversalResult result = separated(seen);
+  const calibrate::ReversalResult result = separated(seen);
   const Shares shares = sharesOf(seen, result);
   tell(seen, result, console);
-  writeFileAtomically(options.results_dir / "reversal.json",
-                      reversalJson(seen, result, shares, setup, options.command_line));
+  base::writeFileAtomically(options.results_dir / "reversal.json",
+                            reversalJson(seen, result, shares, setup, options.command_line));
   const std::string terms = toldTerms(result.camera);
   console.result(terms.empty()
                      ? fmt::format("{}: no error of the camera that these views could tell; the head is off "
@@ -256,4 +261,4 @@ int reversalCommand(const ReversalCommandOptions& options) {
                      [&] { return reversal(options); });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

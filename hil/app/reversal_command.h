@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+#include "hil/base/exit_codes.h"
+
+namespace kerfbench::app {
 
 /// See reversalCommand().
 struct ReversalCommandOptions {
@@ -29,7 +31,7 @@ struct ReversalCommandOptions {
 
 /// Tells the camera's own errors from the head's: a sheet is cut once, photographed, turned on the camera's
 /// table and photographed again; what turns with it is the head's, what stays is the camera's. Writes
-/// reversal.json. Returns 0; 3 for pictures that cannot be trusted; kExitInput.
+/// reversal.json. Returns 0; 3 for pictures that cannot be trusted; base::kExitInput.
 int reversalCommand(const ReversalCommandOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "hil/app/cli.h"
-#include "hil/app/commands.h"
+#include "hil/app/show_command.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 // "1280x800"
@@ -55,4 +55,4 @@ void addShow(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(show, std::move(holder), showCommand);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

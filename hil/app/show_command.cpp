@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hil/app/show_command.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,40 +9,41 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/case.h"
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/dialogs.h"
-#include "hil/app/lockstep.h"
-#include "hil/app/machine_check.h"
-#include "hil/app/machine_film.h"
-#include "hil/app/machine_pictures.h"
-#include "hil/app/release.h"
+#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
+#include "hil/base/console.h"
+#include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/judge/machine_pictures.h"
+#include "hil/machine_file/machine_check.h"
+#include "hil/run/dialogs.h"
+#include "hil/run/lockstep.h"
+#include "hil/run/machine_film.h"
+#include "hil/run/release.h"
+#include "hil/scenario/case.h"
 #include "hil/scene/picture.h"
 #include "twin/machine/divergence.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 void complain(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 
-PictureOptions pictureOptions(const ShowOptions& options) {
-  PictureOptions picture;
+scene::PictureOptions pictureOptions(const ShowOptions& options) {
+  scene::PictureOptions picture;
   picture.width_px = options.width_px;
   picture.height_px = options.height_px;
-  picture.view = options.view == "head"    ? SceneView::kHead
-                 : options.view == "sheet" ? SceneView::kSheet
-                                           : SceneView::kOverall;
+  picture.view = options.view == "head"    ? scene::SceneView::kHead
+                 : options.view == "sheet" ? scene::SceneView::kSheet
+                                           : scene::SceneView::kOverall;
   return picture;
 }
 
-void save(const twin::Scene& scene, const PictureOptions& picture, const fs::path& path) {
-  const auto png = renderPng(scene, picture);
-  writeFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+void save(const twin::Scene& scene, const scene::PictureOptions& picture, const fs::path& path) {
+  const auto png = scene::renderPng(scene, picture);
+  base::writeFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
   std::fputs((path.string() + "\n").c_str(), stdout);
 }
 
@@ -54,10 +57,10 @@ twin::Scene atRest(const twin::MachineDescription& machine) {
 }
 
 int showAtRest(const ShowOptions& options) {
-  const MachineFile file = readMachineFile(options.machine);
-  refuseUnfit(file);
+  const machine_file::MachineFile file = machine_file::readMachineFile(options.machine);
+  machine_file::refuseUnfit(file);
   const twin::MachineDescription& machine = file.machine;
-  PictureOptions picture = pictureOptions(options);
+  scene::PictureOptions picture = pictureOptions(options);
   picture.caption = machine.name + "  at rest";
   save(atRest(machine), picture, options.out.empty() ? fs::path(machine.name + ".png") : options.out);
   return 0;
@@ -70,29 +73,29 @@ fs::path nameAt(const fs::path& out, double time_s, bool several) {
          fmt::format("{}-{:.4f}s{}", out.stem().string(), time_s, out.extension().string());
 }
 
-MachineFilm filmed(const Case& the_case, const twin::MachineDescription& machine,
-                   const ShowOptions& options) {
-  const Scenario& scenario = the_case.scenario;
-  Console console(options.quiet);
-  PreparedJob job = prepareJob(the_case);
+run::MachineFilm filmed(const scenario::Case& the_case, const twin::MachineDescription& machine,
+                        const ShowOptions& options) {
+  const scenario::Scenario& scenario = the_case.scenario;
+  base::Console console(options.quiet);
+  run::PreparedJob job = run::prepareJob(the_case);
   console.say(fmt::format("{}: {}", scenario.name, job.summary));
-  const auto source = openRelease(scenario.firmware, options.bin_dir);
+  const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   twin::TwinOptions twin_options;
   twin_options.fidelity = twin::Fidelity::kFast;
   twin_options.seed = scenario.seed;
   twin_options.record_exposures = false;
-  twin::Twin twin(machine, webOf(the_case), source->info().rate, twin_options);
-  MachineFilm film(machine.laser.full_power_w);
-  FilmedSource filmed_source(*source, twin, film);
-  LockstepOptions lockstep;
+  twin::Twin twin(machine, scenario::webOf(the_case), source->info().rate, twin_options);
+  run::MachineFilm film(machine.laser.full_power_w);
+  run::FilmedSource filmed_source(*source, twin, film);
+  run::LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
   const bool to_the_end = options.at_s.empty();
   if (!to_the_end) {
     lockstep.time_limit_s =
         std::min(lockstep.time_limit_s, std::ranges::max(options.at_s) + lockstep.quantum_s);
   }
-  const LockstepResult run =
-      runLockstep(filmed_source, twin, machine.signals, job.dialog.get(), lockstep, progressOn(console));
+  const run::LockstepResult run = run::runLockstep(filmed_source, twin, machine.signals, job.dialog.get(),
+                                                   lockstep, base::progressOn(console));
   film.add(twin);
   // Where the last time asked for ends the run, the job is not done, and that is no fault.
   const bool cut_short = !to_the_end && film.end_s() + 1e-9 >= std::ranges::max(options.at_s);
@@ -103,15 +106,15 @@ MachineFilm filmed(const Case& the_case, const twin::MachineDescription& machine
 }
 
 int showScenario(const ShowOptions& options) {
-  Case the_case = readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+  scenario::Case the_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
   if (!options.machine.empty() &&
       fs::weakly_canonical(options.machine) != fs::weakly_canonical(the_case.scenario.machine)) {
     complain(fmt::format("show: {} runs on {}, not on {}", options.scenario.string(),
                          the_case.scenario.machine.string(), options.machine.string()));
-    return kExitUsage;
+    return base::kExitUsage;
   }
-  const twin::DrawnMachine drawn = drawnMachine(the_case);
-  const MachineFilm film = filmed(the_case, drawn.machine, options);
+  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
+  const run::MachineFilm film = filmed(the_case, drawn.machine, options);
   std::vector<double> times_s = options.at_s;
   if (times_s.empty()) times_s.push_back(film.middleOfLongestCut_s());
   const fs::path out = options.out.empty() ? fs::path(the_case.scenario.name + ".png") : options.out;
@@ -120,7 +123,7 @@ int showScenario(const ShowOptions& options) {
       complain(fmt::format("show: the run ended at {:.4f} s; shown is its end instead of {:g} s",
                            film.end_s(), time_s));
     }
-    save(film.sceneAt(time_s, drawn.machine, webOf(the_case), unitOf(the_case.dieline)),
+    save(film.sceneAt(time_s, drawn.machine, scenario::webOf(the_case), judge::unitOf(the_case.dieline)),
          pictureOptions(options), nameAt(out, time_s, times_s.size() > 1));
   }
   return 0;
@@ -131,34 +134,34 @@ int showScenario(const ShowOptions& options) {
 int showCommand(const ShowOptions& options) {
   if (options.machine.empty() && options.scenario.empty()) {
     complain("show: name a machine, or --scenario (show --help)");
-    return kExitUsage;
+    return base::kExitUsage;
   }
   if (!std::ranges::all_of(options.at_s, [](double time_s) { return std::isfinite(time_s); })) {
     complain("show: --at takes seconds");
-    return kExitUsage;
+    return base::kExitUsage;
   }
-  if (!povrayFound()) {
+  if (!scene::povrayFound()) {
     complain("show: pictures need POV-Ray: install it (apt-get install povray)");
-    return kExitBroken;
+    return base::kExitBroken;
   }
   try {
     return options.scenario.empty() ? showAtRest(options) : showScenario(options);
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     complain(e.what());
-  } catch (const DielineError& e) {
+  } catch (const dieline::DielineError& e) {
     complain(e.what());
   } catch (const planner::PlanError& e) {
     complain(fmt::format("the job cannot be planned: {}", e.what()));
-  } catch (const InputFault& e) {
+  } catch (const base::InputError& e) {
     complain(e.what());
-  } catch (const PictureError& e) {
+  } catch (const scene::PictureError& e) {
     complain(fmt::format("show: {}", e.what()));
-    return kExitBroken;
+    return base::kExitBroken;
   } catch (const twin::DivergenceError& e) {
     complain(fmt::format("show: {}", e.what()));
-    return kExitBroken;
+    return base::kExitBroken;
   }
-  return kExitInput;
+  return base::kExitInput;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -7,14 +7,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "hil/app/commands.h"
-#include "hil/app/console.h"
-#include "hil/app/exit_codes.h"
+#include "hil/app/run_guarded.h"
+#include "hil/base/console.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/tables/recognise.h"
 #include "hil/calibrate/tables/table_files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::app {
 namespace {
 
 using Eigen::Vector2d;
@@ -26,59 +25,61 @@ constexpr double kOffTheGrid =
     0.07;  // no three of them in line with (0, 0), so that no mirror maps them on themselves
 constexpr double kCorHalfCells = 32.0;  // 65 x 65 nodes
 
-CorConvention corConvention(const TableCommandOptions& options) {
-  CorConvention convention;
-  if (options.cor == "glase") convention = CorConvention::glase();
-  if (options.cor == "meerk40t") convention = CorConvention::meerk40t();
-  if (options.cor == "added") convention = CorConvention::added();
+calibrate::CorConvention corConvention(const TableCommandOptions& options) {
+  calibrate::CorConvention convention;
+  if (options.cor == "glase") convention = calibrate::CorConvention::glase();
+  if (options.cor == "meerk40t") convention = calibrate::CorConvention::meerk40t();
+  if (options.cor == "added") convention = calibrate::CorConvention::added();
   if (options.units_per_mm) convention.units_per_mm = options.units_per_mm;
   return convention;
 }
 
-TableOptions tableOptions(const TableCommandOptions& options) {
-  TableOptions table;
+calibrate::TableOptions tableOptions(const TableCommandOptions& options) {
+  calibrate::TableOptions table;
   table.cor = corConvention(options);
   table.nine_points.mm_per_index = options.mm_per_index;
   table.c_header.prefix = options.prefix;
-  if (options.wide) table.c_header.value = CHeaderOptions::Value::kInt32;
+  if (options.wide) table.c_header.value = calibrate::CHeaderOptions::Value::kInt32;
   return table;
 }
 
-double nearestSide_mm(const AimGrid& grid) {
+double nearestSide_mm(const calibrate::AimGrid& grid) {
   return std::min({-grid.x_mm().front(), grid.x_mm().back(), -grid.y_mm().front(), grid.y_mm().back()});
 }
 
 /// For writing: what the user leaves open follows from the table. A .cor spans its 65 nodes over the largest
 /// square in the table.
-TableOptions toWrite(const TableCommandOptions& options, TableFormat format, const AimGrid& grid) {
-  TableOptions table = tableOptions(options);
-  const bool cor = format == TableFormat::kCor1 || format == TableFormat::kCor2;
+calibrate::TableOptions toWrite(const TableCommandOptions& options, calibrate::TableFormat format,
+                                const calibrate::AimGrid& grid) {
+  calibrate::TableOptions table = tableOptions(options);
+  const bool cor = format == calibrate::TableFormat::kCor1 || format == calibrate::TableFormat::kCor2;
   if (cor && !table.cor.units_per_mm && nearestSide_mm(grid) > 0.0)
     table.cor.units_per_mm = kCorHalfCells * table.cor.units_per_cell / nearestSide_mm(grid);
   return table;
 }
 
 /// What the numbers mean; what lies between nodes and outside is the table's own.
-std::string conventionOf(TableFormat format, const TableOptions& options, const AimGrid& grid) {
+std::string conventionOf(calibrate::TableFormat format, const calibrate::TableOptions& options,
+                         const calibrate::AimGrid& grid) {
   const std::string cor = options.cor.text() + " (said by nothing in the file)";
   const std::string numbers =
-      format == TableFormat::kCHeader    ? "whole nm, and units of nm, in W; added to the aim"
-      : format == TableFormat::kGridText ? "mm in W; desired less measured, added to the aim"
-      : format == TableFormat::kNinePoints
+      format == calibrate::TableFormat::kCHeader    ? "whole nm, and units of nm, in W; added to the aim"
+      : format == calibrate::TableFormat::kGridText ? "mm in W; desired less measured, added to the aim"
+      : format == calibrate::TableFormat::kNinePoints
           ? "mm in W; how wrong the uncorrected point is, subtracted from the aim"
-      : format == TableFormat::kCsv ? "mm in W; added to the aim"
-                                    : cor;
+      : format == calibrate::TableFormat::kCsv ? "mm in W; added to the aim"
+                                               : cor;
   const bool three = grid.x_mm().size() == 3 && grid.y_mm().size() == 3;
-  const char* between = grid.between() == Between::kBilinear ? "bilinear"
-                        : three                              ? "biquadratic"
-                                                             : "bicubic Hermite";
-  const char* outside = grid.outside() == Outside::kRefused   ? "refused"
-                        : grid.outside() == Outside::kClamped ? "as the border"
-                                                              : "linear";
+  const char* between = grid.between() == calibrate::Between::kBilinear ? "bilinear"
+                        : three                                         ? "biquadratic"
+                                                                        : "bicubic Hermite";
+  const char* outside = grid.outside() == calibrate::Outside::kRefused   ? "refused"
+                        : grid.outside() == calibrate::Outside::kClamped ? "as the border"
+                                                                         : "linear";
   return fmt::format("{}; {} between nodes; outside {}", numbers, between, outside);
 }
 
-std::string rangeOf(const AimGrid& grid, int axis) {
+std::string rangeOf(const calibrate::AimGrid& grid, int axis) {
   double low = grid.d_mm().front()[axis];
   double high = low;
   for (const Vector2d& d : grid.d_mm()) {
@@ -89,8 +90,8 @@ std::string rangeOf(const AimGrid& grid, int axis) {
 }
 
 /// Nine spots as this table would have them, no three in line with the middle.
-std::vector<UncorrectedSpot> ownSpots(const AimGrid& grid) {
-  std::vector<UncorrectedSpot> spots;
+std::vector<calibrate::UncorrectedSpot> ownSpots(const calibrate::AimGrid& grid) {
+  std::vector<calibrate::UncorrectedSpot> spots;
   const double half_mm = kCheckAt * nearestSide_mm(grid);
   for (int row = -1; row <= 1; ++row) {
     for (int column = -1; column <= 1; ++column) {
@@ -102,10 +103,10 @@ std::vector<UncorrectedSpot> ownSpots(const AimGrid& grid) {
 }
 
 /// Whether a check by nine marks would find out that this table is read the wrong way round.
-std::string asymmetryOf(const AimGrid& grid, double sigma_mm) {
+std::string asymmetryOf(const calibrate::AimGrid& grid, double sigma_mm) {
   try {
-    const Recognition found = recognise(grid, ownSpots(grid), {.sigma_mm = sigma_mm});
-    if (found.verdict == Recognition::Verdict::kAsRead)
+    const calibrate::Recognition found = calibrate::recognise(grid, ownSpots(grid), {.sigma_mm = sigma_mm});
+    if (found.verdict == calibrate::Recognition::Verdict::kAsRead)
       return fmt::format(
           "nine marks measured to {:g} mm would tell it from all readings that are another table", sigma_mm);
   } catch (const std::invalid_argument& error) {
@@ -116,12 +117,12 @@ std::string asymmetryOf(const AimGrid& grid, double sigma_mm) {
       sigma_mm);
 }
 
-void tell(const TableFile& table, const TableCommandOptions& options, Console& console) {
-  const AimGrid& grid = table.grid;
+void tell(const calibrate::TableFile& table, const TableCommandOptions& options, base::Console& console) {
+  const calibrate::AimGrid& grid = table.grid;
   const auto largest = std::ranges::max_element(grid.d_mm(), {}, [](const Vector2d& d) { return d.norm(); });
   const auto at = static_cast<std::size_t>(largest - grid.d_mm().begin());
   const std::size_t columns = grid.x_mm().size();
-  console.say(fmt::format("{}: {}", options.file.string(), nameOf(table.format)));
+  console.say(fmt::format("{}: {}", options.file.string(), calibrate::nameOf(table.format)));
   console.say("  convention  " + conventionOf(table.format, tableOptions(options), grid));
   console.say(fmt::format("  nodes       {} x {}, x {:.4f} … {:.4f} mm, y {:.4f} … {:.4f} mm", columns,
                           grid.y_mm().size(), grid.x_mm().front(), grid.x_mm().back(), grid.y_mm().front(),
@@ -129,16 +130,18 @@ void tell(const TableFile& table, const TableCommandOptions& options, Console& c
   console.say(fmt::format("  correction  {}, {}; {:.4f} mm at most, at ({:.4f}, {:.4f}) mm", rangeOf(grid, 0),
                           rangeOf(grid, 1), largest->norm(), grid.x_mm()[at % columns],
                           grid.y_mm()[at / columns]));
-  const TableLoss loss = formatLoss(table.format, grid, toWrite(options, table.format, grid));
+  const calibrate::TableLoss loss =
+      calibrate::formatLoss(table.format, grid, toWrite(options, table.format, grid));
   console.say(fmt::format("  self-test   written and read back it differs by {:.6f} µm at most; {}",
                           loss.anywhere.max_um, asymmetryOf(grid, options.sigma_mm)));
 }
 
-std::vector<UncorrectedSpot> spotsOf(const TableCommandOptions& options) {
-  TableOptions table;
+std::vector<calibrate::UncorrectedSpot> spotsOf(const TableCommandOptions& options) {
+  calibrate::TableOptions table;
   table.nine_points.mm_per_index = options.mm_per_index;
-  const AimGrid check = readTable(options.check, table, TableFormat::kNinePoints);
-  std::vector<UncorrectedSpot> spots;
+  const calibrate::AimGrid check =
+      calibrate::readTable(options.check, table, calibrate::TableFormat::kNinePoints);
+  std::vector<calibrate::UncorrectedSpot> spots;
   for (std::size_t row = 0; row < check.y_mm().size(); ++row) {
     for (std::size_t column = 0; column < check.x_mm().size(); ++column) {
       const Vector2d aim(check.x_mm()[column], check.y_mm()[row]);
@@ -150,45 +153,47 @@ std::vector<UncorrectedSpot> spotsOf(const TableCommandOptions& options) {
 
 /// The table as it is to be used, and what to return if it is not to be used at all.
 struct Checked {
-  AimGrid grid;
+  calibrate::AimGrid grid;
   bool righted{};
   int exit_code{};
 };
 
-Checked checked(const AimGrid& grid, const TableCommandOptions& options, Console& console) {
+Checked checked(const calibrate::AimGrid& grid, const TableCommandOptions& options, base::Console& console) {
   if (options.check.empty()) return {grid, false, 0};
-  Recognition found;
+  calibrate::Recognition found;
   try {
-    found = recognise(grid, spotsOf(options), {.sigma_mm = options.sigma_mm});
+    found = calibrate::recognise(grid, spotsOf(options), {.sigma_mm = options.sigma_mm});
   } catch (const std::invalid_argument& error) {
-    throw ConfigError(fmt::format("{}: {}", options.check.string(), error.what()));
+    throw base::ConfigError(fmt::format("{}: {}", options.check.string(), error.what()));
   }
   console.result(fmt::format("{}: {}", options.file.string(), found.text));
   switch (found.verdict) {
-    case Recognition::Verdict::kAsRead:
+    case calibrate::Recognition::Verdict::kAsRead:
       return {grid, false, 0};
-    case Recognition::Verdict::kOtherwise:
-      return {asRead(grid, found.reading), true, options.out.empty() ? kExitOtherwise : 0};
-    case Recognition::Verdict::kCannotBeTold:
+    case calibrate::Recognition::Verdict::kOtherwise:
+      return {calibrate::asRead(grid, found.reading), true, options.out.empty() ? kExitOtherwise : 0};
+    case calibrate::Recognition::Verdict::kCannotBeTold:
       return {grid, false, kExitNotTold};
-    case Recognition::Verdict::kNoneFits:
+    case calibrate::Recognition::Verdict::kNoneFits:
       break;
   }
   return {grid, false, kExitOtherwise};
 }
 
-AimGrid withNodes(const AimGrid& grid, const TableCommandOptions& options) {
+calibrate::AimGrid withNodes(const calibrate::AimGrid& grid, const TableCommandOptions& options) {
   if (options.columns == 0) return grid;
   const auto axis = [](const std::vector<double>& from, int count) {
-    return evenly(from.front(), from.back(), static_cast<std::size_t>(count));
+    return calibrate::evenly(from.front(), from.back(), static_cast<std::size_t>(count));
   };
   // Hermite needs three each way.
-  const bool hermite = grid.between() == Between::kHermite && std::min(options.columns, options.rows) >= 3;
-  return resampled(grid, axis(grid.x_mm(), options.columns), axis(grid.y_mm(), options.rows),
-                   hermite ? Between::kHermite : Between::kBilinear, grid.outside());
+  const bool hermite =
+      grid.between() == calibrate::Between::kHermite && std::min(options.columns, options.rows) >= 3;
+  return calibrate::resampled(grid, axis(grid.x_mm(), options.columns), axis(grid.y_mm(), options.rows),
+                              hermite ? calibrate::Between::kHermite : calibrate::Between::kBilinear,
+                              grid.outside());
 }
 
-void tellSize(const AimGrid& grid, const TableCommandOptions& options, Console& console) {
+void tellSize(const calibrate::AimGrid& grid, const TableCommandOptions& options, base::Console& console) {
   const std::size_t value_bytes = options.wide ? 4 : 2;
   const std::size_t places = 4 * (grid.x_mm().size() + grid.y_mm().size());
   console.say(fmt::format("  {} bytes of flash: places {}, values 2 x {}",
@@ -196,26 +201,26 @@ void tellSize(const AimGrid& grid, const TableCommandOptions& options, Console& 
                           value_bytes * grid.d_mm().size()));
 }
 
-void write(const Checked& table, const TableCommandOptions& options, Console& console) {
-  const TableFormat format = tableFormat(options.to).value();
-  const AimGrid grid = withNodes(table.grid, options);
-  const TableOptions how = toWrite(options, format, grid);
-  writeTable(options.out, format, grid, how);
-  const AimGrid written = readTable(options.out, how, format);
+void write(const Checked& table, const TableCommandOptions& options, base::Console& console) {
+  const calibrate::TableFormat format = calibrate::tableFormat(options.to).value();
+  const calibrate::AimGrid grid = withNodes(table.grid, options);
+  const calibrate::TableOptions how = toWrite(options, format, grid);
+  calibrate::writeTable(options.out, format, grid, how);
+  const calibrate::AimGrid written = calibrate::readTable(options.out, how, format);
   // Against the table as it was, coarser nodes included.
-  const TableLoss loss = tableLoss(table.grid, written);
+  const calibrate::TableLoss loss = calibrate::tableLoss(table.grid, written);
   console.result(fmt::format("{}: {}{}", options.out.string(), options.to, table.righted ? ", righted" : ""));
   console.say("  convention  " + conventionOf(format, how, written));
-  if (format == TableFormat::kCHeader) tellSize(grid, options, console);
+  if (format == calibrate::TableFormat::kCHeader) tellSize(grid, options, console);
   console.say("  what it costs, where the beam lands beside:");
   std::istringstream lines(loss.text());
   for (std::string line; std::getline(lines, line);) console.say("    " + line);
 }
 
 int table(const TableCommandOptions& options) {
-  Console console(options.quiet);
-  const auto format = options.format.empty() ? std::nullopt : tableFormat(options.format);
-  const TableFile file = readTableFile(options.file, tableOptions(options), format);
+  base::Console console(options.quiet);
+  const auto format = options.format.empty() ? std::nullopt : calibrate::tableFormat(options.format);
+  const calibrate::TableFile file = calibrate::readTableFile(options.file, tableOptions(options), format);
   tell(file, options, console);
   const Checked found = checked(file.grid, options, console);
   if (options.out.empty()) return found.exit_code;
@@ -230,16 +235,16 @@ int table(const TableCommandOptions& options) {
 }  // namespace
 
 int calibrateTableCommand(const TableCommandOptions& options) {
-  return guarded(options.file, [&] {
+  return runGuarded(options.file, [&] {
     try {
       return table(options);
-    } catch (const TableFileError& error) {
-      throw ConfigError(error.what());
+    } catch (const calibrate::TableFileError& error) {
+      throw base::ConfigError(error.what());
     } catch (const std::invalid_argument& error) {  // A format that cannot hold it.
-      throw ConfigError(
+      throw base::ConfigError(
           fmt::format("{}: {}", (options.out.empty() ? options.file : options.out).string(), error.what()));
     }
   });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
-namespace kerfbench::hil {
+#include "hil/base/exit_codes.h"
+
+namespace kerfbench::app {
 
 /// See calibrateTableCommand().
 struct TableCommandOptions {
@@ -29,7 +31,7 @@ inline constexpr const char* kCorConventions[] = {"default", "glase", "meerk40t"
 
 /// Tells what a correction table is; holds it against a check; writes it in another format, righted if the
 /// check says that it is to be. Returns 0; with a check 1 for a table that must not be used as it is (and is
-/// not righted by `out`) and 4 if the check cannot tell, both with nothing written; kExitInput.
+/// not righted by `out`) and 4 if the check cannot tell, both with nothing written; base::kExitInput.
 int calibrateTableCommand(const TableCommandOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::app

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// Appends one more to what is told: on a line of its own, or behind another separator.
 inline void addToList(std::string& list, std::string_view item, std::string_view separator = "\n") {
@@ -12,4 +12,4 @@ inline void addToList(std::string& list, std::string_view item, std::string_view
   list += item;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

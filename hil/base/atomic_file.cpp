@@ -11,7 +11,7 @@
 #include <string>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::filesystem::path& path) {
@@ -62,4 +62,4 @@ void writeFileAtomically(const std::filesystem::path& path, std::string_view con
   syncFolder(folder);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// Writes a file whole or not at all: a temporary beside it, fsync, rename, fsync of the folder.
 /// @throws std::system_error with the path.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view content);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

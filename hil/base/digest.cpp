@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 namespace {
 
@@ -49,4 +49,4 @@ std::string sha256File(const std::filesystem::path& path) {
   return sha256(content);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// SHA-256 as 64 lower-case hex digits.
 std::string sha256(std::string_view bytes);
@@ -16,4 +16,4 @@ std::string checksum(std::span<const std::uint8_t> bytes);
 /// @throws std::system_error if the file cannot be read.
 std::string sha256File(const std::filesystem::path& path);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

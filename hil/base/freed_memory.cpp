@@ -7,7 +7,7 @@
 #include <malloc.h>
 #endif
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 void keepFreedMemory() {
 #ifdef __GLIBC__
@@ -16,4 +16,4 @@ void keepFreedMemory() {
 #endif
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

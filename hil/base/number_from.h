@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// The whole of `text` as a decimal number; nothing for one that T does not hold, for blanks, a '+', or
 /// anything behind it. Independent of the locale. Of a floating T also "inf" and "nan".
@@ -19,4 +19,4 @@ std::optional<T> numberFrom(std::string_view text) {
   return value;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 void forEachIndex(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
@@ -37,4 +37,4 @@ void forEachIndex(std::size_t count, int threads, const std::function<void(std::
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -3,7 +3,7 @@
 
 #include <spawn.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// What posix_spawn shall do in the child, freed at the end of the scope.
 struct SpawnSetup {
@@ -21,4 +21,4 @@ struct SpawnSetup {
   posix_spawnattr_t attributes{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -10,7 +10,7 @@
 #include <set>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 namespace {
 
@@ -360,4 +360,4 @@ void YamlReader::finish() {
   throw ConfigError(message);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 
 /// A configuration file that cannot be used; what() has one line per fault: "file:line: key: what is wrong".
 class ConfigError : public std::runtime_error {
@@ -87,4 +87,4 @@ class YamlReader {
   std::shared_ptr<Node> node_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -6,7 +6,7 @@
 
 #include "twin/base/image.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// Where frames come from: the twin's cameras, files, V4L2.
 class FrameSource {
@@ -17,4 +17,4 @@ class FrameSource {
   virtual std::vector<Frame> nextBatch(std::size_t max) = 0;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 // A PNG is a signature, then chunks: length, name, data, checksum of name and data. IHDR comes first.
@@ -115,4 +115,4 @@ GrayImage decodeImage(std::span<const std::uint8_t> bytes) {
   return image;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

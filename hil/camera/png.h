@@ -7,7 +7,7 @@
 
 #include "twin/base/image.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// The image as the bytes of a PNG file; the caller writes them whole or not at all. Pictures of 10 and 12
 /// bits become PNGs of 16 bits, scaled to the whole range as the PNG specification asks for (the upper bits
@@ -20,4 +20,4 @@ std::vector<std::uint8_t> encodePng(const GrayImage& image);
 /// @throws std::invalid_argument if it cannot be read.
 GrayImage decodeImage(std::span<const std::uint8_t> bytes);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -17,7 +17,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 constexpr const char* kList = "tiles.yaml";
@@ -28,7 +28,7 @@ GrayImage readPicture(const std::filesystem::path& path) {
   try {
     return decodeImage(bytes);
   } catch (const std::invalid_argument&) {
-    throw ConfigError(path.string() + ": is no picture that can be read");
+    throw base::ConfigError(path.string() + ": is no picture that can be read");
   }
 }
 
@@ -36,13 +36,13 @@ GrayImage readPicture(const std::filesystem::path& path) {
 
 TileFolder::TileFolder(const std::filesystem::path& folder, std::optional<PictureSize> size)
     : folder_(folder), size_(size) {
-  auto file = YamlReader::openFile(folder / kList);
+  auto file = base::YamlReader::openFile(folder / kList);
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   auto tiles = file.list("tiles");
   if (tiles.empty()) file.fault("tiles", "there are none");
   std::set<std::string> names;
-  for (YamlReader& tile : tiles) {
+  for (base::YamlReader& tile : tiles) {
     const std::string name = tile.text("file");
     const auto place = tile.numbers("p_TV_mm", 2, {.min = -1e6, .max = 1e6});
     const auto unit = tile.integer("unit", {.min = 0, .max = 1e6, .fallback = 0.0});
@@ -61,8 +61,8 @@ std::vector<KerfTile> TileFolder::nextBatch(std::size_t max) {
   for (; next_ < end; ++next_) {
     try {
       tiles.push_back(read(entries_[next_]));
-    } catch (const ConfigError&) {
-      throw ConfigError(faultsFrom(next_));
+    } catch (const base::ConfigError&) {
+      throw base::ConfigError(faultsFrom(next_));
     }
   }
   return tiles;
@@ -72,18 +72,18 @@ KerfTile TileFolder::read(const Entry& entry) const {
   const std::filesystem::path file = folder_ / entry.name;
   GrayImage image = readPicture(file);
   if (size_ && (image.width != size_->width_px || image.height != size_->height_px)) {
-    throw ConfigError(fmt::format("{}: has {} x {} pixels, the camera is calibrated for {} x {}",
-                                  file.string(), image.width, image.height, size_->width_px,
-                                  size_->height_px));
+    throw base::ConfigError(fmt::format("{}: has {} x {} pixels, the camera is calibrated for {} x {}",
+                                        file.string(), image.width, image.height, size_->width_px,
+                                        size_->height_px));
   }
   return {std::move(image), entry.p_TV_mm, entry.unit};
 }
 
 std::string TileFolder::sha256OfSums() const {
-  std::string sums = fmt::format("{}  {}\n", sha256File(folder_ / kList), kList);
+  std::string sums = fmt::format("{}  {}\n", base::sha256File(folder_ / kList), kList);
   for (const Entry& entry : entries_)
-    sums += fmt::format("{}  {}\n", sha256File(folder_ / entry.name), entry.name);
-  return sha256(sums);
+    sums += fmt::format("{}  {}\n", base::sha256File(folder_ / entry.name), entry.name);
+  return base::sha256(sums);
 }
 
 std::string TileFolder::faultsFrom(std::size_t first) const {
@@ -91,7 +91,7 @@ std::string TileFolder::faultsFrom(std::size_t first) const {
   for (std::size_t at = first; at < entries_.size(); ++at) {
     try {
       static_cast<void>(read(entries_[at]));
-    } catch (const ConfigError& error) {
+    } catch (const base::ConfigError& error) {
       faults += fmt::format("{}{}", faults.empty() ? "" : "\n", error.what());
     }
   }
@@ -107,12 +107,12 @@ void writeTiles(TileSource& source, const std::filesystem::path& folder) {
     for (const KerfTile& tile : tiles) {
       const std::string name = fmt::format("tile-{:04}.png", number++);
       const std::vector<std::uint8_t> png = encodePng(tile.image);
-      writeFileAtomically(folder / name, {reinterpret_cast<const char*>(png.data()), png.size()});
+      base::writeFileAtomically(folder / name, {reinterpret_cast<const char*>(png.data()), png.size()});
       list += fmt::format("  - {{file: {}, unit: {}, p_TV_mm: [{:.17g}, {:.17g}]}}\n", name, tile.unit,
                           tile.p_TV_mm.x(), tile.p_TV_mm.y());
     }
   }
-  writeFileAtomically(folder / kList, list);
+  base::writeFileAtomically(folder / kList, list);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

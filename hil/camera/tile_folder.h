@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/vision/kerf_scan.h"
+#include "hil/camera/tile_source.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 struct PictureSize {
   int width_px{}, height_px{};
@@ -55,4 +55,4 @@ class TileFolder final : public TileSource {
 /// there only with all its pictures. @throws std::system_error.
 void writeTiles(TileSource& source, const std::filesystem::path& folder);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

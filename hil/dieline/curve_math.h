@@ -5,7 +5,7 @@
 
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 template <class... Ts>
 struct Overloaded : Ts... {
@@ -28,4 +28,4 @@ double extentOf(const Curve& curve);
 /// The box of one curve, exact to 1e-8 mm.
 Eigen::AlignedBox2d boundsOf(const Curve& curve);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -8,7 +8,7 @@
 
 #include "hil/dieline/spline.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -259,4 +259,4 @@ std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size
   return Reader(records, index, faults).read();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

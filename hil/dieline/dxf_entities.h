@@ -8,7 +8,7 @@
 #include "hil/dieline/dxf_tags.h"
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// A curve of a DXF entity in drawing units, and where it came from.
 struct DxfCurve {
@@ -30,4 +30,4 @@ std::vector<DxfCurve> dxfCurves(const std::vector<DxfRecord>& records, std::size
 /// @throws DxfUnsupported for a tilted one.
 double extrusionSign(const DxfRecord& record, FaultList& faults);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -10,7 +10,7 @@
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 /// Millimetres per drawing unit. $INSUNITS decides; a file without it (R12) that says $MEASUREMENT = 0 is in
@@ -159,4 +159,4 @@ Dieline readDxf(std::string text, const LayerProfile& profile, FaultList& faults
   return dieline;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -7,7 +7,7 @@
 
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 void cutIntoTags(DxfFile& file, FaultList& faults) {
@@ -148,4 +148,4 @@ void parseDxf(std::string text, DxfFile& file, FaultList& faults) {
   if (!has_entities) faults.fatal(0, "no ENTITIES section");
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

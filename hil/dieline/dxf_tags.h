@@ -10,7 +10,7 @@
 
 #include "hil/dieline/faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 // The lower half of the DXF reader: text to records. Debian's dime was measured first and is not used: its
 // numbers are floats (2.123456789 arrives as 2.1234567165, an error of 3e-5 mm at 400 mm), it has no line
@@ -68,4 +68,4 @@ struct DxfFile {
 /// @throws DielineError where the structure is lost: binary, truncated, no group code.
 void parseDxf(std::string text, DxfFile& file, FaultList& faults);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -9,7 +9,7 @@
 
 #include "hil/dieline/read.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 constexpr std::size_t kMostFaults = 100;  // A broken file has one cause, not a million.
 }
@@ -38,4 +38,4 @@ void FaultList::fatal(int line, const std::string& message) {
   std::abort();  // Not reached: add() has just made the list non-empty.
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

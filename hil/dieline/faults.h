@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// Collects everything wrong with one file, so that a user mends it in one go.
 class FaultList {
@@ -27,4 +27,4 @@ class FaultList {
   std::size_t dropped_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

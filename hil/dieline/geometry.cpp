@@ -9,7 +9,7 @@
 
 #include "hil/dieline/curve_math.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -240,4 +240,4 @@ Eigen::AlignedBox2d Dieline::bounds() const {
   return box;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

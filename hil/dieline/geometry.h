@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// Exact curves of a dieline, in mm in the sheet frame S. Each has a parameter u in [0, 1] from start to end.
 
@@ -89,4 +89,4 @@ struct Dieline {
   [[nodiscard]] Eigen::AlignedBox2d bounds() const;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

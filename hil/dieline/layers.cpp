@@ -4,7 +4,7 @@
 #include "hil/dieline/read.h"
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 const Process* ruleFor(const LayerProfile& profile, std::string_view layer) {
@@ -44,4 +44,4 @@ bool hasRule(const LayerProfile& profile, std::string_view layer) {
   return ruleFor(profile, layer) != nullptr;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -12,7 +12,7 @@
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/read.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -324,4 +324,4 @@ class Checker {
 
 std::vector<LintFinding> lintDieline(const Dieline& dieline) { return Checker(dieline).run(); }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -9,7 +9,7 @@
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -177,4 +177,4 @@ std::vector<double> stations(const Curve& curve, double pitch_mm) {
   return u;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -10,7 +10,7 @@
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 std::string contentsOf(const std::filesystem::path& path, FaultList& faults) {
@@ -58,4 +58,4 @@ Dieline readDieline(const std::filesystem::path& path, const LayerProfile& profi
   return dieline;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -11,7 +11,7 @@
 
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// Layer name or stroke colour (#rrggbb, lower case) -> process. A layer that no rule names is an error, so
 /// that nothing is forgotten in silence; "*" is the rule for all others.
@@ -48,4 +48,4 @@ struct LintFinding {
 };
 std::vector<LintFinding> lintDieline(const Dieline& dieline);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -7,7 +7,7 @@
 #include "hil/dieline/faults.h"
 #include "hil/dieline/read.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 inline constexpr std::size_t kMostEntities =
     1'000'000;                              ///< Also the limit of what nested blocks may unfold to.
@@ -18,4 +18,4 @@ inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Bytes.
 Dieline readDxf(std::string text, const LayerProfile& profile, FaultList& faults);
 Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList& faults);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

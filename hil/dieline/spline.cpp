@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector3d;
@@ -97,4 +97,4 @@ std::vector<Curve> toBeziers(const Nurbs& s) {
   return curves;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -7,7 +7,7 @@
 
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// A B-spline curve, rational where the weights differ.
 struct Nurbs {
@@ -23,4 +23,4 @@ struct Nurbs {
 /// that decrease or break the curve, weights that are not positive.
 std::vector<Curve> toBeziers(const Nurbs& spline);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -8,7 +8,7 @@
 
 #include "hil/dieline/svg_style.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -169,4 +169,4 @@ Curve svgArc(const Vector2d& from, double rx, double ry, double tilt_rad, bool l
   return EllipseCurve{centre, tilt * Vector2d(rx, 0), tilt * Vector2d(0, ry), start, sweep};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -7,7 +7,7 @@
 
 #include "hil/dieline/geometry.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// A curve of a path and the number of its command, counted from 1.
 struct SvgPathCurve {
@@ -29,4 +29,4 @@ SvgPath readSvgPath(std::string_view data, double closing_tolerance);
 Curve svgArc(const Eigen::Vector2d& from, double rx, double ry, double tilt_rad, bool large, bool positive,
              const Eigen::Vector2d& to);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -13,7 +13,7 @@
 #include "hil/dieline/svg_style.h"
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 /// What children inherit.
@@ -313,4 +313,4 @@ Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList&
   return SvgReader(text, profile, faults).read();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

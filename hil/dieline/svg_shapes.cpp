@@ -13,7 +13,7 @@
 #include "hil/dieline/svg_style.h"
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -147,4 +147,4 @@ SvgShape readSvgShape(const pugi::xml_node& node, double closing_tolerance) {
   return ShapeReader(node, closing_tolerance).read();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -11,7 +11,7 @@ namespace pugi {
 class xml_node;
 }  // namespace pugi
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 struct SvgShape {
   std::vector<Curve> curves;       ///< In user units.
@@ -24,4 +24,4 @@ bool isSvgShape(std::string_view element);
 /// The curves of a shape. `closing_tolerance` as for readSvgPath().
 SvgShape readSvgShape(const pugi::xml_node& node, double closing_tolerance);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

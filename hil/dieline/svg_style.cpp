@@ -10,7 +10,7 @@
 
 #include "hil/dieline/text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 struct NamedColour {
@@ -248,4 +248,4 @@ std::optional<Eigen::Affine2d> SvgViewport::fit() const {
   return X;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// Reads SVG numbers from a list with blanks and commas between them.
 class SvgScanner {
@@ -61,4 +61,4 @@ struct SvgViewport {
   [[nodiscard]] std::optional<Eigen::Affine2d> fit() const;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

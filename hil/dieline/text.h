@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n\f\v";
@@ -48,4 +48,4 @@ inline std::string inQuotes(std::string_view text) {
   return out + (text.size() > 40 ? "…'" : "'");
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -8,28 +8,28 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr std::uint64_t kFaultStream = 0x6661756c74ULL;
 
 Artefact makeArtefact() {
   Artefact artefact;
-  const auto add = [&](Curve curve, Process process = Process::kCut) {
+  const auto add = [&](dieline::Curve curve, dieline::Process process = dieline::Process::kCut) {
     const int id = static_cast<int>(artefact.dieline.entities.size());
     artefact.dieline.entities.push_back({id, std::move(curve), process, "", ""});
     return id;
   };
   artefact.dieline.path = "gauge artefact";
-  add(LineCurve{{-9.0, -7.0}, {-1.0, -7.0}});
-  add(LineCurve{{2.0, -8.0}, {2.0, -1.0}});
-  add(LineCurve{{5.0, -8.0}, {10.5, -3.5}});
-  add(LineCurve{{-10.5, -4.5}, {-3.0, -1.0}});
-  add(ArcCurve{{-7.5, 3.5}, 3.0, 0.3, 4.4});
-  artefact.circle = add(ArcCurve{{0.5, 4.5}, 2.2, 0.0, 2.0 * std::numbers::pi});
-  add(LineCurve{{5.0, -1.0}, {10.5, 1.5}}, Process::kCrease);
-  artefact.corner_in = add(LineCurve{{5.0, 7.5}, {10.5, 7.5}});
-  artefact.corner_out = add(LineCurve{{10.5, 7.5}, {10.5, 4.0}});
+  add(dieline::LineCurve{{-9.0, -7.0}, {-1.0, -7.0}});
+  add(dieline::LineCurve{{2.0, -8.0}, {2.0, -1.0}});
+  add(dieline::LineCurve{{5.0, -8.0}, {10.5, -3.5}});
+  add(dieline::LineCurve{{-10.5, -4.5}, {-3.0, -1.0}});
+  add(dieline::ArcCurve{{-7.5, 3.5}, 3.0, 0.3, 4.4});
+  artefact.circle = add(dieline::ArcCurve{{0.5, 4.5}, 2.2, 0.0, 2.0 * std::numbers::pi});
+  add(dieline::LineCurve{{5.0, -1.0}, {10.5, 1.5}}, dieline::Process::kCrease);
+  artefact.corner_in = add(dieline::LineCurve{{5.0, 7.5}, {10.5, 7.5}});
+  artefact.corner_out = add(dieline::LineCurve{{10.5, 7.5}, {10.5, 4.0}});
   artefact.print.units = 1;
   artefact.print.pitch_mm = 80.0;
   // No turn of the sheet maps the marks onto each other.
@@ -76,9 +76,11 @@ Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::u
   fault.phase_rad = 2.0 * std::numbers::pi * random.uniform(4);
   fault.at_start = random.uniform(5) < 0.5;
   std::vector<int> fit;
-  for (const Entity& e : artefact.dieline.entities) {
+  for (const dieline::Entity& e : artefact.dieline.entities) {
     const bool meets = e.id == artefact.corner_in || e.id == artefact.corner_out;
-    if (e.process != Process::kCut || meets || (kind == FaultKind::kEnd && isClosed(e.curve))) continue;
+    if (e.process != dieline::Process::kCut || meets ||
+        (kind == FaultKind::kEnd && dieline::isClosed(e.curve)))
+      continue;
     fit.push_back(e.id);
   }
   fault.entity = fit[static_cast<std::size_t>(random.uniform(1) * static_cast<double>(fit.size()))];
@@ -87,4 +89,4 @@ Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::u
   return fault;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -8,7 +8,7 @@
 #include "hil/dieline/geometry.h"
 #include "twin/base/print_layout.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What a cut can do wrong.
 enum class FaultKind {
@@ -43,7 +43,7 @@ struct Fault {
 /// anywhere in the kerf camera's field. Lines in four directions, an arc, a circle, a corner, free ends, a
 /// crease; nothing is nearer to anything else than 1.5 mm, so what a line is judged by is its own kerf.
 struct Artefact {
-  Dieline dieline;
+  dieline::Dieline dieline;
   PrintLayout print;
   int circle{};                   ///< Entity ids.
   int corner_in{}, corner_out{};  ///< The first ends where the second begins.
@@ -54,4 +54,4 @@ const Artefact& gaugeArtefact();
 /// is one that is cut through and does not meet another.
 Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::uint64_t seed);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -11,7 +11,7 @@
 #include "twin/optics/scan_head.h"
 #include "twin/optics/surface.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
@@ -73,4 +73,4 @@ Vector2d ArtefactBeam::flutterShift_mm(double time_s) const {
   return flutter_mm_ * std::sin(flutter_rad_s_ * time_s + flutter_phase_rad_) * shift_per_height_;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
-#include "twin/cutter/description.h"
+#include "twin/description/description.h"
 #include "twin/laser/power_noise.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What the machine that a preset has drawn does to an artefact which is burnt at a place of its field. The
 /// artefact's path is prescribed, so where the machine aims is not taken from it; how its beam burns is:
@@ -37,4 +37,4 @@ class ArtefactBeam {
   double flutter_mm_{}, flutter_rad_s_{}, flutter_phase_rad_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

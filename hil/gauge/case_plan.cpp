@@ -8,7 +8,7 @@
 #include "hil/base/number_from.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr std::array kStudyNames{"bad", "good", "coverage", "repeat", "relay", "grr", "still", "stillrepeat"};
@@ -55,7 +55,7 @@ std::optional<CaseId> caseFromName(std::string_view name) {
   while (at < kStudyNames.size() && study != kStudyNames.at(at)) ++at;
   if (at == kStudyNames.size()) return std::nullopt;
   id.study = static_cast<Study>(at);
-  const auto index = numberFrom<decltype(id.index)>(name.substr(second + 1));
+  const auto index = base::numberFrom<decltype(id.index)>(name.substr(second + 1));
   if (!index) return std::nullopt;
   id.index = *index;
   return id;
@@ -138,4 +138,4 @@ StillCase stillCase(const CaseId& id, std::uint64_t seed) {
   return c;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

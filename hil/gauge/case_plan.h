@@ -11,7 +11,7 @@
 #include "hil/gauge/kerf_case.h"
 #include "hil/gauge/still_case.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What a case is drawn for.
 enum class Study {
@@ -44,4 +44,4 @@ std::optional<CaseId> caseFromName(std::string_view name);
 KerfCase kerfCase(const CaseId& id, std::uint64_t seed, const KerfStudy& study);
 StillCase stillCase(const CaseId& id, std::uint64_t seed);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -7,7 +7,7 @@
 
 #include "hil/gauge/gauge.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr double kMostU_mm = 0.005;
@@ -45,7 +45,7 @@ class Claims {
   std::vector<Claim> claims_;
 };
 
-std::size_t countOf(const std::map<Verdict, std::size_t>& verdicts, Verdict verdict) {
+std::size_t countOf(const std::map<inspect::Verdict, std::size_t>& verdicts, inspect::Verdict verdict) {
   const auto at = verdicts.find(verdict);
   return at == verdicts.end() ? 0 : at->second;
 }
@@ -86,13 +86,13 @@ void claimVerdicts(const GaugeSection& s, Claims& claims) {
     std::size_t of_kind = 0;
     for (const auto& [verdict, count] : k.bad) of_kind += count;
     if (of_kind == 0) continue;
-    const std::size_t passed = countOf(k.bad, Verdict::kPass);
+    const std::size_t passed = countOf(k.bad, inspect::Verdict::kPass);
     claims.add(fmt::format("bad cuts that PASS: {}", faultName(k.kind)),
                fmt::format("{} of {}", passed, of_kind), "0", passed == 0);
   }
   if (good > 0) {
-    const std::size_t failed = countOf(s.good, Verdict::kFail);
-    const std::size_t open = countOf(s.good, Verdict::kNotProven);
+    const std::size_t failed = countOf(s.good, inspect::Verdict::kFail);
+    const std::size_t open = countOf(s.good, inspect::Verdict::kNotProven);
     claims.add("good cuts that FAIL", fmt::format("{} of {}", failed, good), "0", failed == 0);
     claims.add("good cuts NOT PROVEN", fmt::format("{} of {}", open, good), "≤ 1 %",
                static_cast<double>(open) <= kMostNotProven * static_cast<double>(good));
@@ -130,4 +130,4 @@ std::vector<Claim> claimsOf(const GaugeSection& s) {
   return claims.take();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -9,9 +9,10 @@
 
 #include <Eigen/LU>
 
+#include "twin/base/constants.h"
 #include "twin/laser/power_noise.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
@@ -26,7 +27,6 @@ constexpr double kLeg_mm = 0.6;         // Of a corner, in which its way is look
 constexpr double kFine_mm = 0.001;      // at such steps.
 constexpr int kLightParts = 24;         // Of the beam's light along the path, to each side.
 constexpr double kLightReach = 4.0;     // Standard deviations.
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
 
@@ -46,12 +46,12 @@ ArtefactCut::ArtefactCut(const Artefact& artefact, std::vector<Fault> faults, co
   middle_mm_ = artefact.dieline.bounds().center();
   twin::PowerNoise noise(beam.noise, beam.noise_correlation_s, noise_seed);
   double time_s = 0.0;
-  for (const Entity& entity : artefact.dieline.entities) {
+  for (const dieline::Entity& entity : artefact.dieline.entities) {
     Line line;
     line.entity = &entity;
-    line.length_mm = lengthOf(entity.curve);
-    for (const double u : stations(entity.curve, 0.5))
-      reach_mm_ = std::max(reach_mm_, (pointAt(entity.curve, u) - middle_mm_).norm());
+    line.length_mm = dieline::lengthOf(entity.curve);
+    for (const double u : dieline::stations(entity.curve, 0.5))
+      reach_mm_ = std::max(reach_mm_, (dieline::pointAt(entity.curve, u) - middle_mm_).norm());
     for (const Fault& fault : faults_) {
       if (fault.kind == FaultKind::kEnd && fault.entity == entity.id)
         (fault.at_start ? line.start_gap_mm : line.end_gap_mm) += fault.size_mm;
@@ -84,10 +84,10 @@ double ArtefactCut::relativePower(const Line& line, double s_mm) const {
 }
 
 Vector2d ArtefactCut::shiftAt(const Line& line, double s_mm) const {
-  const Curve& curve = line.entity->curve;
+  const dieline::Curve& curve = line.entity->curve;
   const double u = s_mm / line.length_mm;
-  const Vector2d normal = leftOf(tangentAt(curve, u));
-  const Vector2d from_middle = pointAt(curve, u) - middle_mm_;
+  const Vector2d normal = leftOf(dieline::tangentAt(curve, u));
+  const Vector2d from_middle = dieline::pointAt(curve, u) - middle_mm_;
   Vector2d shift = beam_.flutterShift_mm(line.start_s + s_mm / kSpeed_mm_s);
   for (const Fault& f : faults_) {
     const bool own = f.entity == line.entity->id;
@@ -112,14 +112,15 @@ Vector2d ArtefactCut::shiftAt(const Line& line, double s_mm) const {
         if (line.entity->id == artefact_.corner_in || line.entity->id == artefact_.corner_out) {
           // One swing goes on through the corner, or the beam would have to jump there.
           const double past_mm = line.entity->id == artefact_.corner_in ? s_mm - line.length_mm : s_mm;
-          shift += f.size_mm * std::sin(kTurn * past_mm / f.length_mm + f.phase_rad) * direction;
+          shift += f.size_mm * std::sin(kTurn_rad * past_mm / f.length_mm + f.phase_rad) * direction;
         } else {
-          shift +=
-              f.size_mm * std::sin(kTurn * u * wavesOn(line.length_mm, f.length_mm) + f.phase_rad) * normal;
+          shift += f.size_mm * std::sin(kTurn_rad * u * wavesOn(line.length_mm, f.length_mm) + f.phase_rad) *
+                   normal;
         }
         break;
       case FaultKind::kEntity:
-        if (own) shift += f.size_mm * (std::holds_alternative<LineCurve>(curve) ? normal : direction);
+        if (own)
+          shift += f.size_mm * (std::holds_alternative<dieline::LineCurve>(curve) ? normal : direction);
         break;
       case FaultKind::kCorner:
       case FaultKind::kEnd:
@@ -130,25 +131,25 @@ Vector2d ArtefactCut::shiftAt(const Line& line, double s_mm) const {
 }
 
 Vector2d ArtefactCut::pathAt(const Line& line, double s_mm) const {
-  return pointAt(line.entity->curve, s_mm / line.length_mm) + shiftAt(line, s_mm);
+  return dieline::pointAt(line.entity->curve, s_mm / line.length_mm) + shiftAt(line, s_mm);
 }
 
 double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
-  const Curve& curve = line.entity->curve;
+  const dieline::Curve& curve = line.entity->curve;
   const double u = s_mm / line.length_mm;
-  const Vector2d p = pointAt(curve, u);
-  const Vector2d tangent = tangentAt(curve, u);
+  const Vector2d p = dieline::pointAt(curve, u);
+  const Vector2d tangent = dieline::tangentAt(curve, u);
   const Vector2d normal = leftOf(tangent);
   // Where the path crosses the station's normal, by Newton's method: the slope along it is next to one.
   double at_mm = s_mm;
   for (int i = 0; i < 6; ++i) {
-    const double slope = tangent.dot(tangentAt(curve, at_mm / line.length_mm));
+    const double slope = tangent.dot(dieline::tangentAt(curve, at_mm / line.length_mm));
     at_mm -= (pathAt(line, at_mm) - p).dot(tangent) / slope;
   }
   // The kerf's middle is that of the light which falls there, from before and behind: inside of a bend,
   // within the line at its ends, and between begin and end of a closed one.
   const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
-  const bool closed = isClosed(curve);
+  const bool closed = dieline::isClosed(curve);
   const double first_mm = line.start_gap_mm;
   const double last_mm = line.length_mm - line.end_gap_mm;
   double weights = 0.0;
@@ -169,7 +170,7 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
 }
 
 double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share, double transmission) const {
-  const Vector2d normal = leftOf(tangentAt(line.entity->curve, s_mm / line.length_mm));
+  const Vector2d normal = leftOf(dieline::tangentAt(line.entity->curve, s_mm / line.length_mm));
   const double sigma_mm = std::sqrt(normal.dot(beam_.covariance_mm2() * normal));
   // Light by Beer's law over what is left of the depth; depth in proportion to the fluence.
   const double peak = fluence_share * relativePower(line, s_mm) * 0.5 / sigma_mm;
@@ -188,14 +189,14 @@ bool ArtefactCut::judged(const Line& line, double s_mm) const {
 double ArtefactCut::gapOf(const Line& line, bool at_start) const {
   const double s_mm = at_start ? line.start_gap_mm : line.length_mm - line.end_gap_mm;
   const double end_mm = at_start ? 0.0 : line.length_mm;
-  const Vector2d tangent = tangentAt(line.entity->curve, end_mm / line.length_mm);
+  const Vector2d tangent = dieline::tangentAt(line.entity->curve, end_mm / line.length_mm);
   const Vector2d outward = at_start ? Vector2d(-tangent) : tangent;
-  return (pointAt(line.entity->curve, end_mm / line.length_mm) - pathAt(line, s_mm)).dot(outward);
+  return (dieline::pointAt(line.entity->curve, end_mm / line.length_mm) - pathAt(line, s_mm)).dot(outward);
 }
 
 void ArtefactCut::joints(CutTruth& truth) const {
   for (const Line& line : lines_) {
-    if (isClosed(line.entity->curve)) continue;
+    if (dieline::isClosed(line.entity->curve)) continue;
     for (const bool at_start : {true, false}) {
       if (at_start ? line.entity->id == artefact_.corner_out : line.entity->id == artefact_.corner_in)
         continue;
@@ -211,8 +212,10 @@ double ArtefactCut::beforeCorner() const {
 }
 
 ArtefactCut::Cut ArtefactCut::cutOfCorner() const {
-  const Vector2d t_in = tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_in)].entity->curve, 1.0);
-  const Vector2d t_out = tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_out)].entity->curve, 0.0);
+  const Vector2d t_in =
+      dieline::tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_in)].entity->curve, 1.0);
+  const Vector2d t_out =
+      dieline::tangentAt(lines_[static_cast<std::size_t>(artefact_.corner_out)].entity->curve, 0.0);
   Cut cut;
   cut.tangent_in = t_in;
   cut.side = (t_out - t_out.dot(t_in) * t_in).normalized();
@@ -230,7 +233,7 @@ void ArtefactCut::addArc(std::vector<Vector2d>& way) const {
   // Fine, and one point on the bisector: the way's distance from the corner is told by its points.
   const int pieces =
       2 * std::max(2, static_cast<int>(std::ceil(cut.radius_mm * cut.turn_rad / (0.5 * kStep_mm))));
-  const Vector2d begin = pointAt(in.entity->curve, 1.0) - before_mm * cut.tangent_in;
+  const Vector2d begin = dieline::pointAt(in.entity->curve, 1.0) - before_mm * cut.tangent_in;
   const Vector2d shift_in = shiftAt(in, in.length_mm - before_mm);
   const Vector2d shift_on = shiftAt(on, before_mm);
   for (int i = 1; i <= pieces; ++i) {
@@ -245,9 +248,9 @@ void ArtefactCut::addArc(std::vector<Vector2d>& way) const {
 void ArtefactCut::corner(CutTruth& truth) const {
   const Line& in = lines_[static_cast<std::size_t>(artefact_.corner_in)];
   const Line& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
-  const Vector2d nominal = pointAt(in.entity->curve, 1.0);
-  const Vector2d t_in = tangentAt(in.entity->curve, 1.0);
-  const Vector2d t_out = tangentAt(on.entity->curve, 0.0);
+  const Vector2d nominal = dieline::pointAt(in.entity->curve, 1.0);
+  const Vector2d t_in = dieline::tangentAt(in.entity->curve, 1.0);
+  const Vector2d t_out = dieline::tangentAt(on.entity->curve, 0.0);
   const Vector2d shift_in = shiftAt(in, in.length_mm);
   const Vector2d shift_on = shiftAt(on, 0.0);
   truth.corner_shift_mm = std::max(shift_in.norm(), shift_on.norm());
@@ -292,18 +295,18 @@ double CutTruth::worstJoint_mm() const {
   return worst;
 }
 
-CutTruth ArtefactCut::truth(const std::vector<EntityKerf>& stations, const twin::BoardDescription& board,
-                            double nominal_radius_mm) const {
+CutTruth ArtefactCut::truth(const std::vector<vision::EntityKerf>& stations,
+                            const twin::BoardDescription& board, double nominal_radius_mm) const {
   CutTruth truth;
   double squares = 0.0;
   double count = 0.0;
-  for (const EntityKerf& kerf : stations) {
+  for (const vision::EntityKerf& kerf : stations) {
     const Line& line = lines_.at(static_cast<std::size_t>(kerf.entity));
     EntityTruth e{.entity = kerf.entity, .circularity_mm = std::numeric_limits<double>::quiet_NaN()};
-    const double share = line.entity->process == Process::kCrease ? kCreaseShare : kCutShare;
+    const double share = line.entity->process == dieline::Process::kCrease ? kCreaseShare : kCutShare;
     double own_squares = 0.0;
     double own = 0.0;
-    for (const Caliper& c : kerf.calipers) {
+    for (const vision::Caliper& c : kerf.calipers) {
       const double offset_mm = offsetAt(line, c.station_mm);
       e.offset_mm.push_back(offset_mm);
       if (c.near_joint || !judged(line, c.station_mm)) continue;
@@ -317,11 +320,11 @@ CutTruth ArtefactCut::truth(const std::vector<EntityKerf>& stations, const twin:
     squares += own_squares;
     count += own;
     truth.worst_mm = std::max(truth.worst_mm, e.worst_mm);
-    if (isClosed(line.entity->curve)) {
+    if (dieline::isClosed(line.entity->curve)) {
       // Least-squares circle: mean and first harmonic, over even stations.
       Eigen::MatrixXd basis(static_cast<Eigen::Index>(e.offset_mm.size()), 3);
       for (Eigen::Index i = 0; i < basis.rows(); ++i) {
-        const double angle = kTurn * kerf.calipers[static_cast<std::size_t>(i)].u;
+        const double angle = kTurn_rad * kerf.calipers[static_cast<std::size_t>(i)].u;
         basis.row(i) << 1.0, std::cos(angle), std::sin(angle);
       }
       const Eigen::Map<const Eigen::VectorXd> x(e.offset_mm.data(), basis.rows());
@@ -371,7 +374,7 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
   const Line& second = lines_[static_cast<std::size_t>(artefact_.corner_out)];
   const double before_mm = beforeCorner();
   for (const Line& line : lines_) {
-    const double share = line.entity->process == Process::kCrease ? kCreaseShare : kCutShare;
+    const double share = line.entity->process == dieline::Process::kCrease ? kCreaseShare : kCutShare;
     double from = line.start_gap_mm;
     double to = line.length_mm - line.end_gap_mm;
     if (&line == &first) to -= before_mm;
@@ -385,4 +388,4 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

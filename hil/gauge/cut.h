@@ -7,12 +7,13 @@
 
 #include <Eigen/Core>
 
+#include "hil/dieline/geometry.h"
 #include "hil/gauge/artefact.h"
 #include "hil/gauge/beam.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/vision/kerf/kerf_measurement.h"
 #include "twin/sheet/sheet.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What is really so, by the geometry of the path and the optics of the beam alone; no camera has a part in
 /// it. In mm and in S, the frame of the printed marks, which are where the print says.
@@ -64,14 +65,14 @@ class ArtefactCut {
   /// With 1.6 times what cuts through in the middle of a line at the beam's nominal radius, half of it for a
   /// crease, at 300 mm/s, entity by entity.
   void burn(twin::Sheet& sheet, double nominal_radius_mm) const;
-  [[nodiscard]] CutTruth truth(const std::vector<EntityKerf>& stations, const twin::BoardDescription& board,
-                               double nominal_radius_mm) const;
+  [[nodiscard]] CutTruth truth(const std::vector<vision::EntityKerf>& stations,
+                               const twin::BoardDescription& board, double nominal_radius_mm) const;
   /// The worst deviation of lines, corner and ends without a scan, at stations of this pitch.
   [[nodiscard]] double worst_mm(double pitch_mm) const;
 
  private:
   struct Line {
-    const Entity* entity{};
+    const dieline::Entity* entity{};
     double length_mm{};
     double start_gap_mm{}, end_gap_mm{};  ///< By which it is cut too short.
     double start_s{};                     ///< When the beam is at its nominal start.
@@ -110,4 +111,4 @@ class ArtefactCut {
   std::vector<Line> lines_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

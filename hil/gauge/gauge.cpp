@@ -6,7 +6,7 @@
 
 #include "hil/base/parallel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 std::vector<CaseId> planOf(const GaugeOptions& options) {
@@ -48,7 +48,7 @@ GaugeResult runGauge(const GaugeSetup& setup, const GaugeOptions& options, const
   std::vector<StillOutcome> still(plan.size());
   std::mutex mutex;
   std::size_t done = 0;
-  forEachIndex(plan.size(), options.jobs, [&](std::size_t i) {
+  base::forEachIndex(plan.size(), options.jobs, [&](std::size_t i) {
     if (watchesSpot(plan[i].study)) {
       still[i] = still_study.run(stillCase(plan[i], options.seed));
     } else {
@@ -78,4 +78,4 @@ GaugeResult runGauge(const GaugeSetup& setup, const GaugeOptions& options, const
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

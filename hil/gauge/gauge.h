@@ -14,7 +14,7 @@
 #include "hil/gauge/case_plan.h"
 #include "hil/gauge/statistics.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// Width of the tolerance that the studies are stated against: ±0.05 mm.
 inline constexpr double kTolerance_mm = 0.1;
@@ -46,7 +46,7 @@ struct Coverage {
 /// Of one fault kind.
 struct KindResult {
   FaultKind kind{};
-  std::map<Verdict, std::size_t> bad, good;
+  std::map<inspect::Verdict, std::size_t> bad, good;
   /// Size from which on at least 95 % of the cuts are FAIL, with 95 % confidence (order statistic of how far
   /// the truth lies above the lower end of what is stated); NaN where too few were seen or none was FAIL.
   double detectable_mm{};
@@ -73,7 +73,7 @@ struct BudgetCheck {
 struct GaugePoint {
   std::string name;
   FaultKind kind{};
-  Verdict verdict{};
+  inspect::Verdict verdict{};
   double truth_mm{}, value_mm{}, U_mm{};
 };
 
@@ -87,7 +87,7 @@ struct GaugeSection {
   std::vector<GaugePoint> drift;   ///< Largest drift.
   std::vector<std::string> wrong;  ///< "static-bad-17: PASS with 56.1 um (end)"
   std::size_t invalid{};
-  std::map<Verdict, std::size_t> bad, good;
+  std::map<inspect::Verdict, std::size_t> bad, good;
   std::vector<double> repeat_mm, relay_mm, drift_repeat_mm;  ///< Errors, in order.
   std::optional<TypeOne> repeat, relay, drift_repeat;
   std::optional<Grr> grr;
@@ -127,4 +127,4 @@ std::vector<Claim> claimsOf(const GaugeSection& section);
 Coverage coverageOf(const std::string& quantity,
                     const std::vector<std::pair<std::string, Reading>>& readings);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -7,7 +7,7 @@
 #include "hil/gauge/gauge_report.h"
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr std::string_view kCss = R"css(
@@ -45,8 +45,9 @@ std::string header(const GaugeResult& result, const GaugeOptions& options, const
       "<div class=facts>Machine {}; {} artefacts cut and photographed, {} runs of three cuts watched; seed "
       "{}; Kerfbench {}"
       "<br>Kerf camera {}<br>Spot camera {}</div></header>",
-      escapeHtml(facts.machine), result.kerf_cases, result.still_cases, options.seed,
-      escapeHtml(facts.version), escapeHtml(facts.kerf_camera), escapeHtml(facts.spot_camera));
+      report::escapeHtml(facts.machine), result.kerf_cases, result.still_cases, options.seed,
+      report::escapeHtml(facts.version), report::escapeHtml(facts.kerf_camera),
+      report::escapeHtml(facts.spot_camera));
   return html;
 }
 
@@ -77,14 +78,14 @@ std::vector<ClaimRow> rowsOf(const GaugeResult& result) {
 std::string claimTable(const std::vector<ClaimRow>& rows, const GaugeResult& result, bool failing) {
   std::string html = "<table class=claims><thead><tr><th>Claim<th>Limit";
   for (const GaugeSection& s : result.sections)
-    html += fmt::format("<th>{} machines<th>&nbsp;", escapeHtml(s.preset));
+    html += fmt::format("<th>{} machines<th>&nbsp;", report::escapeHtml(s.preset));
   html += "</tr></thead><tbody>";
   for (const ClaimRow& row : rows) {
     if (row.fails() != failing) continue;
-    html += fmt::format("<tr><td>{}<td>{}", escapeHtml(row.what), escapeHtml(row.limit));
+    html += fmt::format("<tr><td>{}<td>{}", report::escapeHtml(row.what), report::escapeHtml(row.limit));
     for (const Claim* c : row.of_preset) {
       html += c == nullptr ? std::string("<td>–<td>")
-                           : fmt::format("<td>{}<td class='v {}'>{}", escapeHtml(c->measured),
+                           : fmt::format("<td>{}<td class='v {}'>{}", report::escapeHtml(c->measured),
                                          stateClass(c->state), stateText(c->state));
     }
     html += "</tr>";
@@ -109,17 +110,19 @@ std::string kindTable(const GaugeSection& s) {
       "class=num>INVALID"
       "<th class=num>good: PASS<th class=num>NOT PROVEN<th class=num>FAIL<th "
       "class=num>INVALID</tr></thead><tbody>";
-  const auto cell = [](const std::map<Verdict, std::size_t>& counts, Verdict v, bool wrong) {
+  const auto cell = [](const std::map<inspect::Verdict, std::size_t>& counts, inspect::Verdict v,
+                       bool wrong) {
     const auto at = counts.find(v);
     const std::size_t n = at == counts.end() ? 0 : at->second;
     return fmt::format("<td class='num{}'>{}", wrong && n > 0 ? " hit" : "", n);
   };
   for (const KindResult& k : s.kinds) {
     html += fmt::format("<tr><td>{}", faultName(k.kind));
-    html += cell(k.bad, Verdict::kFail, false) + cell(k.bad, Verdict::kNotProven, false) +
-            cell(k.bad, Verdict::kPass, true) + cell(k.bad, Verdict::kInvalid, true);
-    html += cell(k.good, Verdict::kPass, false) + cell(k.good, Verdict::kNotProven, true) +
-            cell(k.good, Verdict::kFail, true) + cell(k.good, Verdict::kInvalid, true) + "</tr>";
+    html += cell(k.bad, inspect::Verdict::kFail, false) + cell(k.bad, inspect::Verdict::kNotProven, false) +
+            cell(k.bad, inspect::Verdict::kPass, true) + cell(k.bad, inspect::Verdict::kInvalid, true);
+    html += cell(k.good, inspect::Verdict::kPass, false) + cell(k.good, inspect::Verdict::kNotProven, true) +
+            cell(k.good, inspect::Verdict::kFail, true) + cell(k.good, inspect::Verdict::kInvalid, true) +
+            "</tr>";
   }
   return html + "</tbody></table>";
 }
@@ -130,7 +133,7 @@ std::string wrongList(const GaugeSection& s) {
       "<details><summary>{} verdicts that are wrong, open on a good cut, or INVALID; repeat "
       "one with <code>kerfbench gauge --case NAME</code></summary><ul>",
       s.wrong.size());
-  for (const std::string& wrong : s.wrong) html += "<li>" + escapeHtml(wrong);
+  for (const std::string& wrong : s.wrong) html += "<li>" + report::escapeHtml(wrong);
   return html + "</ul></details>";
 }
 
@@ -204,14 +207,14 @@ std::string sectionHtml(const GaugeSection& s) {
 }  // namespace
 
 std::string gaugeHtml(const GaugeResult& result, const GaugeOptions& options, const GaugeFacts& facts) {
-  std::string html = htmlPageHead("gauge: " + facts.machine, kCss);
+  std::string html = report::htmlPageHead("gauge: " + facts.machine, kCss);
   html += header(result, options, facts) + claimSection(result);
   for (const GaugeSection& s : result.sections) html += sectionHtml(s);
   html += fmt::format(
       "<h2>Again</h2><p><code>{}</code></p><p class=note>Same input, same bytes. docs/GAUGE.md says how "
       "to read this page.</p>",
-      escapeHtml(facts.command));
-  return html.append(kHtmlPageEnd);
+      report::escapeHtml(facts.command));
+  return html.append(report::kHtmlPageEnd);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -5,7 +5,7 @@
 
 #include "hil/gauge/gauge_report.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -21,11 +21,12 @@ Json numbers(const std::vector<double>& values) {
   return array;
 }
 
-Json jsonOf(const std::map<Verdict, std::size_t>& verdicts) {
+Json jsonOf(const std::map<inspect::Verdict, std::size_t>& verdicts) {
   Json object = Json::object();
-  for (const Verdict v : {Verdict::kPass, Verdict::kNotProven, Verdict::kFail, Verdict::kInvalid}) {
+  for (const inspect::Verdict v : {inspect::Verdict::kPass, inspect::Verdict::kNotProven,
+                                   inspect::Verdict::kFail, inspect::Verdict::kInvalid}) {
     const auto at = verdicts.find(v);
-    object[std::string(verdictName(v))] = at == verdicts.end() ? 0 : at->second;
+    object[std::string(inspect::verdictName(v))] = at == verdicts.end() ? 0 : at->second;
   }
   return object;
 }
@@ -91,7 +92,7 @@ Json jsonOf(const std::vector<GaugePoint>& points, bool kinds) {
   for (const GaugePoint& p : points) {
     Json point{{"case", p.name}};
     if (kinds) point["fault"] = faultName(p.kind);
-    point["verdict"] = verdictName(p.verdict);
+    point["verdict"] = inspect::verdictName(p.verdict);
     point["true_mm"] = number(p.truth_mm);
     point["measured_mm"] = number(p.value_mm);
     point["U_mm"] = number(p.U_mm);
@@ -165,4 +166,4 @@ std::string gaugeJson(const GaugeResult& result, const GaugeOptions& options, co
   return json.dump(1) + "\n";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

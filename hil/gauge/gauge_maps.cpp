@@ -8,7 +8,7 @@
 #include "hil/report/html_text.h"
 #include "hil/report/plot.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 /// µm, or a dash for what was not found.
@@ -57,8 +57,9 @@ std::string fieldPlot(const std::vector<FieldCell>& field) {
 }
 
 std::string detectablePlot(const std::vector<KindResult>& kinds) {
-  Plot plot(45.0, 65.0, 0.0, static_cast<double>(kinds.size()), "Smallest detectable size");
-  plot.xTicks(ticks(45.0, 65.0), "smallest size that is FAIL in 95 % of cases, with 95 % confidence, µm");
+  report::Plot plot(45.0, 65.0, 0.0, static_cast<double>(kinds.size()), "Smallest detectable size");
+  plot.xTicks(report::ticks(45.0, 65.0),
+              "smallest size that is FAIL in 95 % of cases, with 95 % confidence, µm");
   plot.vertical(50.0, "lim");
   double row = static_cast<double>(kinds.size()) - 0.5;
   for (const KindResult& k : kinds) {
@@ -72,7 +73,7 @@ std::string detectablePlot(const std::vector<KindResult>& kinds) {
           y - 6.0, plot.x(1e3 * k.detectable_mm), plot.x(1e3 * k.detectable_mm) + 4.0, y + 3.5,
           1e3 * k.detectable_mm));
     } else {
-      const auto fails = k.bad.find(Verdict::kFail);
+      const auto fails = k.bad.find(inspect::Verdict::kFail);
       const bool none = fails == k.bad.end() || fails->second == 0;
       plot.raw(fmt::format("<text class='tick warn' x=6 y={:.1f} >{}</text>", y + 3.5,
                            none ? "never FAIL up to 120 µm" : "too few cases (59 are needed)"));
@@ -101,7 +102,7 @@ std::string coveragePlot(const std::vector<Coverage>& coverage) {
   for (const Coverage& c : coverage) {
     const double share = c.cases == 0 ? 0.0 : static_cast<double>(c.hits) / static_cast<double>(c.cases);
     svg += fmt::format("<text class=tick x=-6 y={:.1f} text-anchor=end>{}</text>", y + 3.5,
-                       escapeHtml(c.quantity));
+                       report::escapeHtml(c.quantity));
     svg += fmt::format(
         "<line class=ci x1={:.1f} x2={:.1f} y1={:.1f} y2={:.1f} /><circle class={} cx={:.1f} cy={:.1f} r=3.2 "
         "/>",
@@ -114,4 +115,4 @@ std::string coveragePlot(const std::vector<Coverage>& coverage) {
   return svg + "</svg>";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -10,7 +10,7 @@
 #include "hil/report/html_text.h"
 #include "hil/report/plot.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr double kClass_mm = 0.01;  ///< Of sizes.
@@ -32,9 +32,9 @@ std::string biasPlot(const std::vector<GaugePoint>& points, const std::optional<
     widths[classOf(p.truth_mm)].push_back(p.U_mm);
   }
   const double top = 1e3 * std::max(2.0 * quantileOf(magnitude, 0.95), 2e-4);
-  Plot plot(0.0, 1e3 * most_mm, -top, top, "Error over true size");
-  plot.xTicks(ticks(0.0, 1e3 * most_mm), "true deviation, µm");
-  plot.yTicks(ticks(-top, top), "{:+g}");
+  report::Plot plot(0.0, 1e3 * most_mm, -top, top, "Error over true size");
+  plot.xTicks(report::ticks(0.0, 1e3 * most_mm), "true deviation, µm");
+  plot.yTicks(report::ticks(-top, top), "{:+g}");
   for (std::size_t i = 0; i < widths.size(); ++i) {
     if (widths[i].empty()) continue;
     const double U = 1e3 * quantileOf(widths[i], 0.5);
@@ -58,7 +58,7 @@ std::string biasPlot(const std::vector<GaugePoint>& points, const std::optional<
       "Error of each case over its true size; red: U does not cover it; at the rim: beyond. Band: median "
       "U.";
   if (line) {
-    plot.raw(fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", Plot::kW,
+    plot.raw(fmt::format("<line class=fit x1=0 x2={:.0f} y1={:.1f} y2={:.1f} />", report::Plot::kW,
                          plot.y(1e3 * line->offset), plot.y(1e3 * (line->offset + line->slope * most_mm))));
     caption += fmt::format(" Line: {:+.3f} µm {:+.4f} µm/µm (± {:.4f}).", 1e3 * line->offset, line->slope,
                            2.0 * line->slope_sigma);
@@ -83,15 +83,15 @@ std::string zPlot(const std::vector<GaugePoint>& points) {
     return kStep * 2.0 / std::sqrt(2.0 * 3.14159265358979) * std::exp(-2.0 * z * z);
   };
   const double top = 1.15 * std::max(*std::ranges::max_element(bins), density(0.0));
-  Plot plot(-kReach, kReach, 0.0, 100.0 * top, "Histogram of error over U");
+  report::Plot plot(-kReach, kReach, 0.0, 100.0 * top, "Histogram of error over U");
   plot.xTicks({-2.0, -1.0, 0.0, 1.0, 2.0}, "error / U", "{:+g}");
-  plot.yTicks(ticks(0.0, 100.0 * top), "{:g} %");
+  plot.yTicks(report::ticks(0.0, 100.0 * top), "{:g} %");
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const double from = -kReach + kStep * static_cast<double>(i);
     const bool miss = std::abs(from + 0.5 * kStep) > 1.0;
     plot.raw(fmt::format("<rect class={} x={:.1f} y={:.1f} width={:.1f} height={:.1f} />",
                          miss ? "barbad" : "bar", plot.x(from) + 0.5, plot.y(100.0 * bins.at(i)),
-                         Plot::kW / kBins - 1.0, Plot::kH - plot.y(100.0 * bins.at(i))));
+                         report::Plot::kW / kBins - 1.0, report::Plot::kH - plot.y(100.0 * bins.at(i))));
   }
   std::string curve = "M";
   for (int i = 0; i <= 100; ++i) {
@@ -114,9 +114,9 @@ std::string runChart(const std::vector<double>& errors_mm, const std::string& ti
   }
   const double top = 1.3e3 * most;
   const auto n = static_cast<double>(errors_mm.size());
-  Plot plot(0.0, n + 1.0, -top, top, title);
-  plot.xTicks(ticks(1.0, n), "measurement");
-  plot.yTicks(ticks(-top, top), "{:+g}");
+  report::Plot plot(0.0, n + 1.0, -top, top, title);
+  plot.xTicks(report::ticks(1.0, n), "measurement");
+  plot.yTicks(report::ticks(-top, top), "{:+g}");
   std::string way;
   std::string dots;
   for (std::size_t i = 0; i < errors_mm.size(); ++i) {
@@ -131,45 +131,47 @@ std::string runChart(const std::vector<double>& errors_mm, const std::string& ti
   const TypeOne t = typeOne(errors_mm, kTolerance_mm);
   plot.horizontal(1e3 * t.error.mean, "fit");
   return plot.figure(fmt::format("{}: bias {:+.3f} µm, σ {:.3f} µm, Cg {:.1f}, Cgk {:.1f}. Errors in µm.",
-                                 escapeHtml(title), 1e3 * t.error.mean, 1e3 * t.error.sigma, t.cg, t.cgk));
+                                 report::escapeHtml(title), 1e3 * t.error.mean, 1e3 * t.error.sigma, t.cg,
+                                 t.cgk));
 }
 
 std::string verdictPlot(const std::vector<GaugePoint>& points, const std::string& title) {
   if (points.empty()) return {};
   constexpr double kBin_mm = 0.004;
-  constexpr std::array kOrder{Verdict::kPass, Verdict::kNotProven, Verdict::kFail, Verdict::kInvalid};
-  std::map<std::size_t, std::map<Verdict, double>> bins;
+  constexpr std::array kOrder{inspect::Verdict::kPass, inspect::Verdict::kNotProven, inspect::Verdict::kFail,
+                              inspect::Verdict::kInvalid};
+  std::map<std::size_t, std::map<inspect::Verdict, double>> bins;
   double most_mm = 0.06;
   for (const GaugePoint& p : points) {
     ++bins[static_cast<std::size_t>(p.truth_mm / kBin_mm)][p.verdict];
     most_mm = std::max(most_mm, p.truth_mm);
   }
-  Plot plot(0.0, 1e3 * most_mm, 0.0, 100.0, title);
+  report::Plot plot(0.0, 1e3 * most_mm, 0.0, 100.0, title);
   for (auto& [bin, counts] : bins) {
     double all = 0.0;
     for (const auto& [verdict, count] : counts) all += count;
     double below = 0.0;
     const double from = plot.x(1e3 * kBin_mm * static_cast<double>(bin));
     const double to = plot.x(1e3 * kBin_mm * static_cast<double>(bin + 1));
-    for (const Verdict v : kOrder) {
+    for (const inspect::Verdict v : kOrder) {
       const double share = 100.0 * counts[v] / all;
       if (share == 0.0) continue;
       plot.raw(fmt::format(
           "<rect class='oc {}' x={:.1f} y={:.1f} width={:.1f} height={:.1f} ><title>{} {:.0f} % of "
           "{:.0f}, {:.0f} to {:.0f} µm</title></rect>",
-          verdictClass(v), from + 0.3, plot.y(below + share), std::max(to - from - 0.6, 0.5),
-          plot.y(below) - plot.y(below + share), verdictName(v), share, all,
+          report::verdictClass(v), from + 0.3, plot.y(below + share), std::max(to - from - 0.6, 0.5),
+          plot.y(below) - plot.y(below + share), inspect::verdictName(v), share, all,
           1e3 * kBin_mm * static_cast<double>(bin), 1e3 * kBin_mm * static_cast<double>(bin + 1)));
       below += share;
     }
   }
-  plot.xTicks(ticks(0.0, 1e3 * most_mm), "true deviation, µm");
+  plot.xTicks(report::ticks(0.0, 1e3 * most_mm), "true deviation, µm");
   plot.yTicks({0.0, 50.0, 100.0}, "{:g} %");
   plot.vertical(50.0, "lim");
-  return plot.figure(escapeHtml(title) +
+  return plot.figure(report::escapeHtml(title) +
                      ". <span class='pass'>■</span> PASS <span class='notproven'>■</span> NOT PROVEN "
                      "<span class='fail'>■</span> FAIL <span class='invalid'>■</span> INVALID; the "
                      "dashed line is the limit.");
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

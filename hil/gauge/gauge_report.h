@@ -5,7 +5,7 @@
 
 #include "hil/gauge/gauge.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What a result was made with.
 struct GaugeFacts {
@@ -36,4 +36,4 @@ std::string detectablePlot(const std::vector<KindResult>& kinds);
 /// Shares of intervals that hold the truth, each with its own 95 % interval.
 std::string coveragePlot(const std::vector<Coverage>& coverage);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

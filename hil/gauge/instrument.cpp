@@ -8,40 +8,42 @@
 #include <string_view>
 #include <utility>
 
+#include "hil/vision/scan/kerf_scan.h"
 #include "twin/base/random.h"
 #include "twin/camera/camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::uint64_t kPlaceStream = 0x706c616365ULL;
+constexpr std::uint64_t kTilePlaceStream = 0x706c616365ULL;
 constexpr double kBorder_mm = 2.5;        // Around the marks: the lay, and what a caliper reaches.
 constexpr double kStationPitch_mm = 0.1;  // As in a run.
 constexpr double kLayShift_mm = 1.0;
 constexpr double kLayAngle_rad = 0.005;
 
-class OneTile final : public TileSource {
+class OneTile final : public camera::TileSource {
  public:
-  explicit OneTile(KerfTile tile) { tiles_.push_back(std::move(tile)); }
-  std::vector<KerfTile> nextBatch(std::size_t) override { return std::exchange(tiles_, {}); }
+  explicit OneTile(camera::KerfTile tile) { tiles_.push_back(std::move(tile)); }
+  std::vector<camera::KerfTile> nextBatch(std::size_t) override { return std::exchange(tiles_, {}); }
 
  private:
-  std::vector<KerfTile> tiles_;
+  std::vector<camera::KerfTile> tiles_;
 };
 
 /// An artefact is cut without a machine: there is no spot, no gate and no pulse. What rests on the kerf is
 /// judged alone.
-Verdict kerfVerdict(InspectionResult& result) {
+inspect::Verdict kerfVerdict(inspect::InspectionResult& result) {
   std::erase_if(result.problems, [](const std::string& problem) {
     return problem == "The spot camera gave no frame." ||
            problem == "There is no calibration of the spot camera.";
   });
   constexpr std::array<std::string_view, 8> kOwn{"path",  "coverage",   "depth",        "perforation",
                                                  "stray", "kerf_width", "laser_timing", "joints"};
-  std::erase_if(result.checks, [&](const Check& c) { return std::ranges::find(kOwn, c.name) == kOwn.end(); });
-  result.verdict = combine(result.checks, result.problems.empty());
+  std::erase_if(result.checks,
+                [&](const inspect::Check& c) { return std::ranges::find(kOwn, c.name) == kOwn.end(); });
+  result.verdict = inspect::combine(result.checks, result.problems.empty());
   return result.verdict;
 }
 
@@ -56,8 +58,8 @@ twin::CameraDescription windowOf(const twin::CameraDescription& camera, const Se
   return part;
 }
 
-CameraCalibration windowOf(const CameraCalibration& calibration, const SensorWindow& window) {
-  CameraCalibration part = calibration;
+vision::CameraCalibration windowOf(const vision::CameraCalibration& calibration, const SensorWindow& window) {
+  vision::CameraCalibration part = calibration;
   part.width_px = window.width_px;
   part.height_px = window.height_px;
   part.cx_px -= window.x0_px;
@@ -81,12 +83,12 @@ KerfInstrument::KerfInstrument(const GaugeSetup& setup, const Artefact& artefact
 }
 
 Placement KerfInstrument::draw(std::uint64_t seed) const {
-  const CounterRandom random(seed, kPlaceStream);
+  const CounterRandom random(seed, kTilePlaceStream);
   const auto either = [&](std::uint64_t index, double most) {
     return most * (2.0 * random.uniform(index) - 1.0);
   };
   Placement placement;
-  const CameraCalibration& whole = setup_.kerf_calibration;
+  const vision::CameraCalibration& whole = setup_.kerf_calibration;
   placement.window = {static_cast<int>(random.uniform(0) * (whole.width_px - width_px_ + 1)),
                       static_cast<int>(random.uniform(1) * (whole.height_px - height_px_ + 1)), width_px_,
                       height_px_};
@@ -97,8 +99,8 @@ Placement KerfInstrument::draw(std::uint64_t seed) const {
   return placement;
 }
 
-KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const Placement& placement,
-                                 std::uint64_t board_seed, std::uint64_t noise_seed) const {
+camera::KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const Placement& placement,
+                                         std::uint64_t board_seed, std::uint64_t noise_seed) const {
   twin::CameraDescription camera = windowOf(setup_.machine.kerf_camera, placement.window);
   camera.board_seed = board_seed;
   return {twin::KerfCamera(camera, artefact_.print, noise_seed)
@@ -106,22 +108,22 @@ KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const Placement& plac
           placement.p_TV_mm, 0};
 }
 
-KerfMeasurement KerfInstrument::measure(KerfTile tile, const Placement& placement) const {
-  KerfScanOptions options;
+KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& placement) const {
+  vision::KerfScanOptions options;
   options.station_pitch_mm = kStationPitch_mm;
   options.beam_radius_mm = setup_.machine.beam.waist_radius_mm;  // As the data sheet has it.
-  const CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
+  const vision::CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
   OneTile source(std::move(tile));
   KerfMeasurement m;
-  Evidence evidence;
+  inspect::Evidence evidence;
   evidence.dieline = &artefact_.dieline;
   evidence.print = artefact_.print;
   evidence.kerf = scanKerf(source, calibration, artefact_.print, artefact_.dieline, options);
   evidence.kerf_calibration = calibration;
-  m.result = inspect(evidence, setup_.limits);
+  m.result = inspect::inspect(evidence, setup_.limits);
   m.verdict = kerfVerdict(m.result);
   m.scan = std::move(evidence.kerf);
   return m;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

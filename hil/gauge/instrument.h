@@ -6,22 +6,23 @@
 
 #include <Eigen/Geometry>
 
+#include "hil/camera/tile_source.h"
 #include "hil/gauge/artefact.h"
 #include "hil/inspect/inspect.h"
-#include "hil/vision/camera_calibration.h"
-#include "hil/vision/kerf_scan.h"
-#include "twin/cutter/description.h"
-#include "twin/cutter/imperfections.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "twin/description/description.h"
+#include "twin/description/imperfections.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// What is gauged: a machine's two cameras with their calibrations, and the judge behind them.
 struct GaugeSetup {
   twin::MachineDescription machine;  ///< As described.
   twin::ImperfectionSpread spread;
-  CameraCalibration kerf_calibration, spot_calibration;
+  vision::CameraCalibration kerf_calibration, spot_calibration;
   twin::BoardDescription board;
-  Limits limits;
+  inspect::Limits limits;
 };
 
 /// A part of a camera's sensor, read out alone: the same lens and mount, fewer pixels. An artefact is smaller
@@ -30,7 +31,7 @@ struct SensorWindow {
   int x0_px{}, y0_px{}, width_px{}, height_px{};
 };
 twin::CameraDescription windowOf(const twin::CameraDescription& camera, const SensorWindow& window);
-CameraCalibration windowOf(const CameraCalibration& calibration, const SensorWindow& window);
+vision::CameraCalibration windowOf(const vision::CameraCalibration& calibration, const SensorWindow& window);
 
 /// How an artefact lies under the kerf camera.
 struct Placement {
@@ -41,9 +42,9 @@ struct Placement {
 
 /// What the bench makes of one picture of an artefact.
 struct KerfMeasurement {
-  KerfScan scan;
-  InspectionResult result;
-  Verdict verdict{Verdict::kInvalid};  ///< Of the checks that rest on the kerf alone.
+  vision::KerfScan scan;
+  inspect::InspectionResult result;
+  inspect::Verdict verdict{inspect::Verdict::kInvalid};  ///< Of the checks that rest on the kerf alone.
 };
 
 /// The kerf camera and the judge, as in a run: same calibration file, same options, same code.
@@ -55,9 +56,9 @@ class KerfInstrument {
   /// Anywhere in the field, shifted by up to 1 mm and turned by up to 0.3 degrees, as in a run.
   [[nodiscard]] Placement draw(std::uint64_t seed) const;
   /// `board_seed`: which piece of board; `noise_seed`: of the sensor's noise.
-  [[nodiscard]] KerfTile picture(const twin::Sheet& sheet, const Placement& placement,
-                                 std::uint64_t board_seed, std::uint64_t noise_seed) const;
-  [[nodiscard]] KerfMeasurement measure(KerfTile tile, const Placement& placement) const;
+  [[nodiscard]] camera::KerfTile picture(const twin::Sheet& sheet, const Placement& placement,
+                                         std::uint64_t board_seed, std::uint64_t noise_seed) const;
+  [[nodiscard]] KerfMeasurement measure(camera::KerfTile tile, const Placement& placement) const;
 
  private:
   const GaugeSetup& setup_;
@@ -65,4 +66,4 @@ class KerfInstrument {
   int width_px_{}, height_px_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

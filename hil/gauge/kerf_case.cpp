@@ -8,7 +8,7 @@
 #include "hil/gauge/statistics.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
@@ -29,30 +29,30 @@ Vector2d placeInMachine(const twin::MachineDescription& machine, std::uint64_t s
 }
 
 void addField(const KerfMeasurement& m, const CutTruth& truth, const Placement& placement,
-              const Dieline& dieline, std::vector<FieldError>& field) {
+              const dieline::Dieline& dieline, std::vector<FieldError>& field) {
   for (std::size_t k = 0; k < m.scan.entities.size(); ++k) {
-    const EntityKerf& kerf = m.scan.entities[k];
-    const Curve& curve = dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
-    const double length_mm = lengthOf(curve);
+    const vision::EntityKerf& kerf = m.scan.entities[k];
+    const dieline::Curve& curve = dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
+    const double length_mm = dieline::lengthOf(curve);
     for (std::size_t i = 0; i < kerf.calipers.size(); i += kFieldStride) {
-      const Caliper& c = kerf.calipers[i];
-      const bool at_end = !isClosed(curve) && std::min(c.station_mm, length_mm - c.station_mm) < 0.3;
+      const vision::Caliper& c = kerf.calipers[i];
+      const bool at_end = !dieline::isClosed(curve) && std::min(c.station_mm, length_mm - c.station_mm) < 0.3;
       if (!c.found || c.near_joint || at_end) continue;
-      const Vector2d t = tangentAt(curve, c.u);
+      const Vector2d t = dieline::tangentAt(curve, c.u);
       const Vector2d normal = placement.X_TS.linear() * Vector2d(-t.y(), t.x());
       field.push_back({c.p_V_mm, normal, c.offset_mm - truth.entities[k].offset_mm[i]});
     }
   }
 }
 
-void addLines(const KerfMeasurement& m, const CutTruth& truth, const Dieline& dieline, std::uint64_t pick,
-              std::vector<Reading>& readings) {
-  for (const UncertaintyBudget& b : m.result.budgets)
+void addLines(const KerfMeasurement& m, const CutTruth& truth, const dieline::Dieline& dieline,
+              std::uint64_t pick, std::vector<Reading>& readings) {
+  for (const inspect::UncertaintyBudget& b : m.result.budgets)
     readings.push_back({"worst of all lines", b.monte_carlo_value, b.monte_carlo_U, truth.worst_mm});
   readings.push_back({"RMS of all lines", m.result.rms_mm.value, m.result.rms_mm.U, truth.rms_mm});
   // One entity of each case, so that cases are independent.
   const std::size_t one = pick % m.result.entities.size();
-  const EntityResult& e = m.result.entities[one];
+  const inspect::EntityResult& e = m.result.entities[one];
   const EntityTruth& t = truth.entities[one];
   readings.push_back({"worst of an entity", std::abs(e.worst_mm), e.worst_U_mm, t.worst_mm});
   readings.push_back({"RMS of an entity", e.rms_mm, e.rms_U_mm, t.rms_mm});
@@ -61,11 +61,11 @@ void addLines(const KerfMeasurement& m, const CutTruth& truth, const Dieline& di
   std::vector<double> widths;
   std::vector<double> true_widths;
   for (std::size_t k = 0; k < truth.entities.size(); ++k) {
-    if (dieline.entities[k].process != Process::kCut) continue;
+    if (dieline.entities[k].process != dieline::Process::kCut) continue;
     widths.push_back(m.result.entities[k].width_mm);
     true_widths.push_back(truth.entities[k].width_mm);
   }
-  if (dieline.entities[one].process == Process::kCut) {
+  if (dieline.entities[one].process == dieline::Process::kCut) {
     readings.push_back({"kerf width against the others", e.width_mm - quantileOf(widths, 0.5),
                         e.width_own_U_mm, t.width_mm - quantileOf(true_widths, 0.5)});
   }
@@ -84,14 +84,14 @@ void addJoints(const KerfMeasurement& m, const CutTruth& truth, std::uint64_t pi
   constexpr double kInPlace_mm = 0.005;
   const std::string where = truth.corner_shift_mm > kInPlace_mm ? ", cut displaced" : "";
   std::vector<Reading> ends;
-  for (const JointResult& j : m.result.joints) {
-    if (j.kind == JointResult::Kind::kCorner && truth.corner_mm > kThere_mm)
+  for (const inspect::JointResult& j : m.result.joints) {
+    if (j.kind == inspect::JointResult::Kind::kCorner && truth.corner_mm > kThere_mm)
       readings.push_back({"corner off the dieline" + where, j.mm.value, j.mm.U, truth.corner_mm});
-    if (j.kind == JointResult::Kind::kRounding && truth.rounding_mm > kThere_mm)
+    if (j.kind == inspect::JointResult::Kind::kRounding && truth.rounding_mm > kThere_mm)
       readings.push_back({"corner rounding" + where, j.mm.value, j.mm.U, truth.rounding_mm});
-    if (j.kind == JointResult::Kind::kOvershoot && truth.overshoot_mm > kThere_mm)
+    if (j.kind == inspect::JointResult::Kind::kOvershoot && truth.overshoot_mm > kThere_mm)
       readings.push_back({"corner overshoot" + where, j.mm.value, j.mm.U, truth.overshoot_mm});
-    if (j.kind != JointResult::Kind::kEndGap) continue;
+    if (j.kind != inspect::JointResult::Kind::kEndGap) continue;
     for (const CutTruth::End& end : truth.ends) {
       if (end.entity == j.entity && end.at_start == j.at_start)
         ends.push_back({"end gap or overlap", j.mm.value, j.mm.U, end.gap_mm});
@@ -130,7 +130,7 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
   const double radius_mm = setup_.machine.beam.waist_radius_mm;
   cut.burn(sheet, radius_mm);
   const Placement placement = instrument_.draw(the_case.place_seed);
-  KerfTile tile = instrument_.picture(sheet, placement, the_case.board_seed, the_case.noise_seed);
+  camera::KerfTile tile = instrument_.picture(sheet, placement, the_case.board_seed, the_case.noise_seed);
   Whole whole;
   whole.picture = tile.image;
   whole.measurement = instrument_.measure(std::move(tile), placement);
@@ -144,7 +144,7 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
   }
   out.truth_mm = std::max(whole.truth.worst_mm, whole.truth.worstJoint_mm());
   out.verdict = m.verdict;
-  for (const Check& check : m.result.checks) {
+  for (const inspect::Check& check : m.result.checks) {
     if (check.name == "path") out.path_verdict = check.verdict;
   }
   out.problems = m.result.problems;
@@ -152,7 +152,7 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
   const std::uint64_t pick = CounterRandom(the_case.machine_seed, 1).bits(0) % 100000;
   addLines(m, whole.truth, artefact_.dieline, pick, out.readings);
   addJoints(m, whole.truth, pick, out.readings);
-  for (const UncertaintyBudget& b : m.result.budgets) {
+  for (const inspect::UncertaintyBudget& b : m.result.budgets) {
     out.worst_as_read_mm = b.as_read;
     out.analytic_U_mm = b.analytic_U;
     out.monte_carlo_U_mm = b.monte_carlo_U;
@@ -163,4 +163,4 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
 
 KerfOutcome KerfStudy::run(const KerfCase& the_case) const { return std::move(runWhole(the_case).outcome); }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -12,7 +12,7 @@
 #include "hil/gauge/instrument.h"
 #include "hil/gauge/quantity.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// An artefact to be cut, all drawn from seeds.
 struct KerfCase {
@@ -37,8 +37,8 @@ struct KerfOutcome {
   FaultKind kind{};   ///< Of the first fault.
   double size_mm{};   ///< Of the first fault.
   double truth_mm{};  ///< Worst deviation of lines, corner and ends.
-  Verdict verdict{Verdict::kInvalid};
-  Verdict path_verdict{Verdict::kInvalid};  ///< Of the path check alone.
+  inspect::Verdict verdict{inspect::Verdict::kInvalid};
+  inspect::Verdict path_verdict{inspect::Verdict::kInvalid};  ///< Of the path check alone.
   std::vector<Reading> readings;
   double worst_as_read_mm{};
   double analytic_U_mm{}, monte_carlo_U_mm{};  ///< Of the worst of all lines.
@@ -72,4 +72,4 @@ class KerfStudy {
   KerfInstrument instrument_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

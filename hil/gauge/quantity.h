@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// One verdict quantity of one case: as measured, with U (k = 2), and as it truly is; mm.
 struct Reading {
@@ -13,4 +13,4 @@ struct Reading {
   double truth{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

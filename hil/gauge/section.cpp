@@ -8,14 +8,14 @@
 #include <Eigen/Eigenvalues>
 
 #include "hil/gauge/gauge.h"
+#include "twin/base/constants.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
 using Named = std::pair<std::string, Reading>;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kWorstOfAll = "worst of all lines";
 constexpr const char* kLargestDrift = "largest drift of all cuts";
 constexpr double kFieldCell_mm = 5.0;
@@ -108,7 +108,7 @@ KindResult kindOf(FaultKind kind, const std::vector<std::pair<CaseId, KerfOutcom
     const bool bad = id.study == Study::kBad;
     if ((!bad && id.study != Study::kGood) || o.kind != kind) continue;
     ++(bad ? k.bad : k.good)[o.verdict];
-    if (bad && o.verdict == Verdict::kFail) ++fails;
+    if (bad && o.verdict == inspect::Verdict::kFail) ++fails;
     const Reading* r = readingOf(o, kWorstOfAll);
     if (r != nullptr && std::isfinite(r->U)) margin.push_back(r->truth - (r->value - r->U));
   }
@@ -122,11 +122,11 @@ void addVerdicts(const CaseId& id, const KerfOutcome& o, GaugeSection& s) {
   if (id.study != Study::kBad && id.study != Study::kGood) return;
   const bool bad = id.study == Study::kBad;
   ++(bad ? s.bad : s.good)[o.verdict];
-  if (o.verdict == Verdict::kInvalid) ++s.invalid;
-  if (o.verdict == (bad ? Verdict::kPass : Verdict::kFail) || o.verdict == Verdict::kInvalid ||
-      (!bad && o.verdict == Verdict::kNotProven)) {
+  if (o.verdict == inspect::Verdict::kInvalid) ++s.invalid;
+  if (o.verdict == (bad ? inspect::Verdict::kPass : inspect::Verdict::kFail) ||
+      o.verdict == inspect::Verdict::kInvalid || (!bad && o.verdict == inspect::Verdict::kNotProven)) {
     s.wrong.push_back(fmt::format("{}: {} with a true deviation of {:.1f} µm ({}){}", o.name,
-                                  verdictName(o.verdict), 1e3 * o.truth_mm, faultName(o.kind),
+                                  inspect::verdictName(o.verdict), 1e3 * o.truth_mm, faultName(o.kind),
                                   o.problems.empty() ? "" : "; " + o.problems.front()));
   }
   if (isJoint(o.kind)) s.joints.push_back({o.name, o.kind, o.verdict, o.truth_mm, kNan, kNan});
@@ -252,4 +252,4 @@ GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<Ca
   return s;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

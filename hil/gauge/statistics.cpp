@@ -6,10 +6,10 @@
 #include <limits>
 #include <stdexcept>
 
-namespace kerfbench::hil {
-namespace {
+#include "twin/base/constants.h"
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+namespace kerfbench::gauge {
+namespace {
 
 /// P(X <= k) of a binomial variable.
 double binomialCdf(std::size_t k, std::size_t n, double p) {
@@ -149,4 +149,4 @@ Linearity linearityOf(const std::vector<double>& truth, const std::vector<double
   return l;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 // Studies of a measuring instrument as pure functions of numbers. Lengths in any one unit.
 
@@ -73,4 +73,4 @@ struct Linearity {
 };
 Linearity linearityOf(const std::vector<double>& truth, const std::vector<double>& error);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -8,17 +8,18 @@
 #include <numbers>
 #include <utility>
 
-#include "hil/camera/twin_frames.h"
+#include "hil/camera/twin/twin_frames.h"
 #include "hil/gauge/beam.h"
-#include "hil/vision/spot_track.h"
+#include "hil/vision/spot/spot_track.h"
+#include "twin/base/constants.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::uint64_t kPlaceStream = 0x7374696c6cULL;
+constexpr std::uint64_t kSheetPlaceStream = 0x7374696c6cULL;
 constexpr double kCutSpeed_mm_s = 300.0;
 constexpr double kCut_s = 0.04;
 constexpr double kPause_s = 0.008;
@@ -28,11 +29,10 @@ constexpr double kCutEnergy_j_mm = 0.105;
 constexpr int kParts = 8;  // Of an exposure.
 constexpr double kWindowX_mm = 62.0;
 constexpr double kWindowY_mm = 44.0;
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 double beginOf(std::size_t cut) { return kLead_s + static_cast<double>(cut) * (kCut_s + kPause_s); }
 
-SensorWindow drawWindow(const CameraCalibration& whole, const CounterRandom& random) {
+SensorWindow drawWindow(const vision::CameraCalibration& whole, const CounterRandom& random) {
   SensorWindow window;
   window.width_px = std::min(whole.width_px, static_cast<int>(kWindowX_mm / whole.pitchMm()));
   window.height_px = std::min(whole.height_px, static_cast<int>(kWindowY_mm / whole.pitchMm()));
@@ -70,11 +70,12 @@ Line lineThrough(const std::vector<double>& t, const std::vector<double>& x) {
 /// The web and the beam in time.
 class StillStudy::Web {
  public:
-  Web(const GaugeSetup& setup, const StillCase& c, const Dieline& dieline, const SensorWindow& window)
+  Web(const GaugeSetup& setup, const StillCase& c, const dieline::Dieline& dieline,
+      const SensorWindow& window)
       : case_(c), dieline_(dieline) {
     const twin::DrawnMachine drawn =
         twin::drawImperfections(setup.machine, setup.spread, c.preset, c.machine_seed);
-    const CounterRandom random(c.place_seed, kPlaceStream);
+    const CounterRandom random(c.place_seed, kSheetPlaceStream);
     const Vector2d centre_W_mm = setup.spot_calibration.planeFromPixel(
         Vector2d(window.x0_px + 0.5 * window.width_px, window.y0_px + 0.5 * window.height_px));
     beam_ = std::make_unique<ArtefactBeam>(drawn.machine, centre_W_mm);
@@ -105,19 +106,19 @@ class StillStudy::Web {
     const double share = (t_s - beginOf(cut)) / kCut_s - 0.5;
     const double travel_mm = case_.speed_mm_s * (t_s - beginOf(cut));
     const double turn = case_.speed_mm_s * t_s / roller_mm_;
-    return c.offset_mm + c.drift_mm * share + c.sway_mm * std::sin(kTurn * waves_ * share) +
+    return c.offset_mm + c.drift_mm * share + c.sway_mm * std::sin(kTurn_rad * waves_ * share) +
            outrun_ * travel_mm + runout_mm_ * std::sin(turn + runout_phase_rad_) +
            beam_->flutterShift_mm(t_s).x();
   }
   [[nodiscard]] Vector2d spot_mm(std::size_t cut, double t_s) const {
     const double u = (t_s - beginOf(cut)) / kCut_s;
-    const Vector2d p_S_mm = pointAt(dieline_.entities[cut].curve, u);
+    const Vector2d p_S_mm = dieline::pointAt(dieline_.entities[cut].curve, u);
     return p_WS_mm(t_s) + Eigen::Rotation2Dd(skew_rad_) * p_S_mm + Vector2d(residual_mm(cut, t_s), 0.0);
   }
 
  private:
   const StillCase& case_;
-  const Dieline& dieline_;
+  const dieline::Dieline& dieline_;
   std::unique_ptr<ArtefactBeam> beam_;
   double radius_mm_{}, power_w_{}, skew_rad_{}, outrun_{}, runout_mm_{}, runout_phase_rad_{}, roller_mm_{1.0};
   double waves_{1.0};
@@ -127,9 +128,9 @@ class StillStudy::Web {
 StillStudy::StillStudy(const GaugeSetup& setup) : setup_(setup) {
   dieline_.path = "gauge cross-cuts";
   const auto add = [&](const Vector2d& from, const Vector2d& to) {
-    Entity& entity = dieline_.entities.emplace_back();
+    dieline::Entity& entity = dieline_.entities.emplace_back();
     entity.id = static_cast<int>(dieline_.entities.size()) - 1;
-    entity.curve = LineCurve{from, to};
+    entity.curve = dieline::LineCurve{from, to};
   };
   add({5.0, -6.0}, {5.0, 6.0});
   add({1.5, 5.8}, {-1.5, -5.8});
@@ -164,32 +165,32 @@ std::vector<twin::Exposure> StillStudy::watch(const StillCase& the_case, const W
 }
 
 StillOutcome StillStudy::run(const StillCase& the_case) const {
-  const CounterRandom random(the_case.place_seed, kPlaceStream);
+  const CounterRandom random(the_case.place_seed, kSheetPlaceStream);
   const SensorWindow window = drawWindow(setup_.spot_calibration, random);
   const Web web(setup_, the_case, dieline_, window);
   twin::CameraDescription camera = windowOf(setup_.machine.spot_camera, window);
   camera.board_seed = the_case.board_seed;
-  const CameraCalibration calibration = windowOf(setup_.spot_calibration, window);
-  TwinFrameSource frames(
+  const vision::CameraCalibration calibration = windowOf(setup_.spot_calibration, window);
+  camera::TwinFrameSource frames(
       twin::SpotCamera(camera, print_, setup_.machine.glow_gray_per_w, the_case.noise_seed),
       watch(the_case, web), 1);
-  Evidence evidence;
+  inspect::Evidence evidence;
   evidence.dieline = &dieline_;
   evidence.print = print_;
-  evidence.spot = trackSpot(frames, calibration, print_, {1, the_case.speed_mm_s});
+  evidence.spot = vision::trackSpot(frames, calibration, print_, {1, the_case.speed_mm_s});
   evidence.spot_calibration = calibration;
   // Nobody looks at the kerf here; inspection wants to hear of every entity.
-  for (const Entity& e : dieline_.entities) evidence.kerf.entities.push_back({0, e.id, {}});
-  const InspectionResult result = inspect(evidence, setup_.limits);
+  for (const dieline::Entity& e : dieline_.entities) evidence.kerf.entities.push_back({0, e.id, {}});
+  const inspect::InspectionResult result = inspect::inspect(evidence, setup_.limits);
 
   StillOutcome out;
   out.name = the_case.name;
   out.problems = evidence.spot.problems;
-  for (const Check& check : result.checks) {
+  for (const inspect::Check& check : result.checks) {
     if (check.name == "stillness_x") out.verdict = check.verdict;
   }
   const std::size_t pick = CounterRandom(the_case.machine_seed, 2).bits(0) % the_case.cuts.size();
-  for (const CutResult& cut : result.cuts) {
+  for (const inspect::CutResult& cut : result.cuts) {
     if (cut.entity < 0 || cut.time_s.size() < 2 || !std::isfinite(cut.drift_mm)) continue;
     const auto which = static_cast<std::size_t>(cut.entity);
     std::vector<double> x;
@@ -215,7 +216,7 @@ StillOutcome StillStudy::run(const StillCase& the_case) const {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     out.readings.push_back({"drift of a cut", kNan, kNan, the_case.cuts[pick].drift_mm});
   }
-  for (const UncertaintyBudget& b : result.budgets) {
+  for (const inspect::UncertaintyBudget& b : result.budgets) {
     if (b.quantity.find("drift") == std::string::npos) continue;
     out.readings.push_back({"largest drift of all cuts", b.monte_carlo_value, b.monte_carlo_U, out.truth_mm});
     out.analytic_U_mm = b.analytic_U;
@@ -224,4 +225,4 @@ StillOutcome StillStudy::run(const StillCase& the_case) const {
   return out;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

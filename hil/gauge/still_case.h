@@ -10,7 +10,7 @@
 #include "hil/gauge/quantity.h"
 #include "twin/camera/camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 
 /// Three cuts of 12 mm across a running web, watched by the spot camera, the beam at rest on the web along x
 /// but for what is told here. All drawn from seeds.
@@ -36,8 +36,8 @@ struct StillCase {
 
 struct StillOutcome {
   std::string name;
-  double truth_mm{};                   ///< Largest drift of the three.
-  Verdict verdict{Verdict::kInvalid};  ///< Of the stillness check.
+  double truth_mm{};                                     ///< Largest drift of the three.
+  inspect::Verdict verdict{inspect::Verdict::kInvalid};  ///< Of the stillness check.
   std::vector<Reading> readings;
   double analytic_U_mm{}, monte_carlo_U_mm{};  ///< Of the largest drift.
   std::vector<std::string> problems;
@@ -56,8 +56,8 @@ class StillStudy {
   [[nodiscard]] std::vector<twin::Exposure> watch(const StillCase& the_case, const Web& web) const;
 
   const GaugeSetup& setup_;
-  Dieline dieline_;
+  dieline::Dieline dieline_;
   PrintLayout print_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

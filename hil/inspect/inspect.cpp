@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "hil/inspect/checks.h"
-#include "hil/inspect/edges.h"
-#include "hil/inspect/spot_association.h"
-#include "hil/inspect/spot_checks.h"
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/edges/edges.h"
+#include "hil/inspect/evidence/spot_association.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 /// What makes every further look pointless, because the parts of the evidence do not fit together.
@@ -24,11 +24,11 @@ std::vector<std::string> structuralProblems(const Evidence& evidence) {
       problems.push_back(fmt::format("Entity {} has the id {}.", i, entities[i].id));
   }
   if (std::all_of(entities.begin(), entities.end(),
-                  [](const Entity& e) { return e.process == Process::kIgnore; })) {
+                  [](const dieline::Entity& e) { return e.process == dieline::Process::kIgnore; })) {
     problems.emplace_back("The dieline has nothing to cut.");
   }
   if (evidence.kerf.entities.empty()) problems.emplace_back("No entity was measured by the kerf camera.");
-  for (const EntityKerf& kerf : evidence.kerf.entities) {
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
     if (kerf.entity < 0 || kerf.entity >= static_cast<int>(entities.size())) {
       problems.push_back(
           fmt::format("The kerf scan names E{}, which the dieline does not have.", kerf.entity));
@@ -150,4 +150,4 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/inspect/checks.h"
+#include "hil/inspect/checks/checks.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 std::vector<std::string> problemsOf(const SafeStateEvidence& evidence) {
@@ -73,7 +73,7 @@ Check reportCheck(const SafeStateEvidence& evidence) {
   check.limit = 1e3 * (demand.window_s + kLaserOff_s + demand.stop_s + demand.report_s);
   // Where both infer the cause the controller may be a little before the bench.
   const double early_s = demand.window_s > 0.0 ? kInferredEarly_s : 0.0;
-  const auto first = std::ranges::find_if(evidence.reports, [&](const ControllerReport& report) {
+  const auto first = std::ranges::find_if(evidence.reports, [&](const ControllerState& report) {
     return report.stopped && report.time_s >= demand.cause_s - early_s;
   });
   const bool told = first != evidence.reports.end();
@@ -91,7 +91,7 @@ Check reportCheck(const SafeStateEvidence& evidence) {
       fmt::format("{:.4g} ms after the cause it reported '{}'{}.", check.value, first->fault,
                   right ? "" : fmt::format(" where '{}' is asked for", fmt::join(demand.faults, "' or '")));
   const bool again = std::any_of(first, evidence.reports.end(),
-                                 [](const ControllerReport& report) { return !report.stopped; });
+                                 [](const ControllerState& report) { return !report.stopped; });
   if (again) {
     check.verdict = Verdict::kFail;
     check.explanation += " Later it went on by itself.";
@@ -118,4 +118,4 @@ InspectionResult inspectSafeState(const SafeStateEvidence& evidence) {
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "hil/inspect/controller_account.h"
 #include "hil/inspect/inspect.h"
+#include "hil/inspect/verdict/controller_account.h"
+#include "hil/inspect/verdict/controller_state.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 
 /// What a provoked run must show. All times in s on the clock of the pins.
 struct SafeStateDemand {
@@ -20,20 +21,13 @@ struct SafeStateDemand {
   std::vector<std::string> faults;  ///< Names of the reasons, any of which is right.
 };
 
-/// What the controller said of its state.
-struct ControllerReport {
-  double time_s{};
-  bool stopped{};
-  std::string fault;  ///< Name; "ok": none.
-};
-
 /// Pins and UART, never the model.
 struct SafeStateEvidence {
   SafeStateDemand demand;
   std::vector<GateInterval> gates;  ///< In order of time.
   double last_pulse_s{};            ///< Of any axis; < 0: none.
   double end_s{};                   ///< Of the recording.
-  std::vector<ControllerReport> reports;
+  std::vector<ControllerState> reports;
   std::vector<PulseTiming> pulses;
   /// None: the controller could not be asked, because the line to it is dead.
   std::optional<ControllerAccount> account;
@@ -53,4 +47,4 @@ inline constexpr double kInferredEarly_s = 0.02;
 /// the laser was dark anyway.
 InspectionResult inspectSafeState(const SafeStateEvidence& evidence);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

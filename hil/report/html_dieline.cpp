@@ -12,21 +12,21 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 constexpr double kExaggeration = 100.0;
 constexpr std::size_t kMaxPoints = 8000;  ///< Over all panels; keeps the page small.
 constexpr std::size_t kMaxPanels = 3;
 
-bool isUsed(const Process process) { return process != Process::kIgnore; }
+bool isUsed(const dieline::Process process) { return process != dieline::Process::kIgnore; }
 
-bool isShown(const Caliper& c) { return c.found && !c.near_joint && std::isfinite(c.offset_mm); }
+bool isShown(const vision::Caliper& c) { return c.found && !c.near_joint && std::isfinite(c.offset_mm); }
 
 /// The units to show: those with the worst offsets or least coverage.
 std::vector<int> unitsToShow(const RunReport& report) {
   std::map<int, double> badness;
-  for (const EntityResult& e : report.result.entities) {
+  for (const inspect::EntityResult& e : report.result.entities) {
     const double offset = std::isfinite(e.worst_mm) ? std::abs(e.worst_mm) / report.limits.path_mm : 0.0;
     badness[e.unit] = std::max({badness[e.unit], offset, 10.0 * (1.0 - e.coverage)});
   }
@@ -50,20 +50,20 @@ void lineTo(std::string& path, const Eigen::Vector2d& p, bool move) {
   fmt::format_to(std::back_inserter(path), "{}{:.2f} {:.2f}", move ? 'M' : 'L', p.x(), p.y());
 }
 
-void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm, std::size_t stride,
-                  Drawing& drawing) {
+void drawMeasured(const vision::EntityKerf& kerf, const dieline::Entity& entity, double limit_mm,
+                  std::size_t stride, Drawing& drawing) {
   // Of each group of `stride` stations the worst one is kept: decimation must not hide it.
   std::optional<Eigen::Vector2d> last;
   std::size_t last_bin = kLimitBins;
   bool missing_open = false;
   for (std::size_t begin = 0; begin < kerf.calipers.size(); begin += stride) {
     const std::size_t end = std::min(begin + stride, kerf.calipers.size());
-    const Caliper* worst = nullptr;
-    const Caliper* lost = nullptr;
+    const vision::Caliper* worst = nullptr;
+    const vision::Caliper* lost = nullptr;
     for (std::size_t i = begin; i < end; ++i) {
-      const Caliper& c = kerf.calipers[i];
+      const vision::Caliper& c = kerf.calipers[i];
       // The bridges of a perforation are meant to be dark.
-      if (!c.found && !c.near_joint && entity.process != Process::kPerforation) lost = &c;
+      if (!c.found && !c.near_joint && entity.process != dieline::Process::kPerforation) lost = &c;
       if (isShown(c) && (worst == nullptr || std::abs(c.offset_mm) > std::abs(worst->offset_mm))) worst = &c;
     }
     if (lost != nullptr) {
@@ -76,7 +76,7 @@ void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm,
       last_bin = kLimitBins;
       continue;
     }
-    const Eigen::Vector2d t = tangentAt(entity.curve, worst->u);
+    const Eigen::Vector2d t = dieline::tangentAt(entity.curve, worst->u);
     const Eigen::Vector2d p =
         worst->p_S_mm + kExaggeration * worst->offset_mm * Eigen::Vector2d(-t.y(), t.x());
     const std::size_t bin = limitBin(worst->offset_mm, limit_mm);
@@ -94,12 +94,12 @@ void drawMeasured(const EntityKerf& kerf, const Entity& entity, double limit_mm,
 
 std::string nominalPath(const RunReport& report, double size_mm) {
   std::string path;
-  for (const Entity& entity : report.dieline.entities) {
+  for (const dieline::Entity& entity : report.dieline.entities) {
     if (!isUsed(entity.process)) continue;
     bool first = true;
-    const bool straight = std::holds_alternative<LineCurve>(entity.curve);
-    for (const double u : stations(entity.curve, straight ? 1e6 : size_mm / 300.0)) {
-      lineTo(path, pointAt(entity.curve, u), first);
+    const bool straight = std::holds_alternative<dieline::LineCurve>(entity.curve);
+    for (const double u : dieline::stations(entity.curve, straight ? 1e6 : size_mm / 300.0)) {
+      lineTo(path, dieline::pointAt(entity.curve, u), first);
       first = false;
     }
   }
@@ -108,7 +108,7 @@ std::string nominalPath(const RunReport& report, double size_mm) {
 
 std::string panel(const RunReport& report, int unit, std::size_t stride, const std::string& nominal) {
   Drawing drawing;
-  for (const EntityKerf& kerf : report.kerf.entities) {
+  for (const vision::EntityKerf& kerf : report.kerf.entities) {
     const auto index = static_cast<std::size_t>(kerf.entity);
     if (kerf.unit != unit || index >= report.dieline.entities.size()) continue;
     drawMeasured(kerf, report.dieline.entities[index], report.limits.path_mm, stride, drawing);
@@ -131,13 +131,13 @@ std::string panel(const RunReport& report, int unit, std::size_t stride, const s
       svg += fmt::format("<path class=b{} d='{}'/>", bin, drawing.measured[bin]);
   }
   std::string labels;
-  for (const StrayCut& stray : report.kerf.strays) {
+  for (const vision::StrayCut& stray : report.kerf.strays) {
     if (stray.unit != unit) continue;
     svg += fmt::format("<circle class=stray cx={:.2f} cy={:.2f} r={:.2f} />", stray.p_S_mm.x(),
                        stray.p_S_mm.y(), std::max(0.5 * dot, 0.5 * stray.extent_mm));
   }
   for (std::size_t i = 0; i < report.kerf.patches.size(); ++i) {
-    const KerfPatch& patch = report.kerf.patches[i];
+    const vision::KerfPatch& patch = report.kerf.patches[i];
     if (patch.unit != unit) continue;
     svg += fmt::format("<circle class=place cx={:.2f} cy={:.2f} r={:.2f} />", patch.p_S_mm.x(),
                        patch.p_S_mm.y(), dot);
@@ -149,14 +149,15 @@ std::string panel(const RunReport& report, int unit, std::size_t stride, const s
 }
 
 /// Polyline of an entity shifted along its left normal, clipped to the patch, in its pixels.
-std::string patchLine(const KerfPatch& patch, const Curve& curve, double shift_mm, double reach_mm) {
+std::string patchLine(const vision::KerfPatch& patch, const dieline::Curve& curve, double shift_mm,
+                      double reach_mm) {
   std::string path;
   bool inside_before = false;
-  for (const double u : stations(curve, 0.05)) {
-    const Eigen::Vector2d p = pointAt(curve, u);
+  for (const double u : dieline::stations(curve, 0.05)) {
+    const Eigen::Vector2d p = dieline::pointAt(curve, u);
     const bool inside = (p - patch.p_S_mm).norm() < reach_mm;
     if (inside) {
-      const Eigen::Vector2d t = tangentAt(curve, u);
+      const Eigen::Vector2d t = dieline::tangentAt(curve, u);
       lineTo(path, patch.pixel_from_S * Eigen::Vector2d(p + shift_mm * Eigen::Vector2d(-t.y(), t.x())),
              !inside_before);
     }
@@ -171,7 +172,7 @@ std::string dielineFigures(const RunReport& report) {
   const std::vector<int> units = unitsToShow(report);
   if (units.empty() || report.dieline.bounds().isEmpty()) return {};
   std::size_t points = 0;
-  for (const EntityKerf& kerf : report.kerf.entities) {
+  for (const vision::EntityKerf& kerf : report.kerf.entities) {
     if (std::find(units.begin(), units.end(), kerf.unit) != units.end()) points += kerf.calipers.size();
   }
   const std::size_t stride = std::max<std::size_t>(1, (points + kMaxPoints - 1) / kMaxPoints);
@@ -197,14 +198,15 @@ std::string dielineFigures(const RunReport& report) {
 std::string worstPlaces(const RunReport& report) {
   std::string html;
   for (std::size_t i = 0; i < report.kerf.patches.size(); ++i) {
-    const KerfPatch& patch = report.kerf.patches[i];
+    const vision::KerfPatch& patch = report.kerf.patches[i];
     if (patch.image.width <= 0 || patch.image.height <= 0) continue;
     const double scale_px_mm = std::sqrt(std::abs(patch.pixel_from_S.linear().determinant()));
     if (!(scale_px_mm > 0.0)) continue;
     const double reach_mm = 0.75 * std::max(patch.image.width, patch.image.height) / scale_px_mm;
     std::string lines;
-    for (const Entity& entity : report.dieline.entities) {
-      if (!isUsed(entity.process) || nearestOn(entity.curve, patch.p_S_mm).distance_mm > reach_mm) continue;
+    for (const dieline::Entity& entity : report.dieline.entities) {
+      if (!isUsed(entity.process) || dieline::nearestOn(entity.curve, patch.p_S_mm).distance_mm > reach_mm)
+        continue;
       lines += fmt::format("<path class=pn d='{}'/>", patchLine(patch, entity.curve, 0.0, reach_mm));
       if (entity.id != patch.entity) continue;
       for (const double side : {-1.0, 1.0}) {
@@ -237,4 +239,4 @@ std::string worstPlaces(const RunReport& report) {
              report.limits.path_mm);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -6,10 +6,8 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
-
-constexpr std::size_t kMostRows = 100;
 
 std::string drawnTable(const ModelFacts& model) {
   if (model.drawn.empty()) return {};
@@ -74,4 +72,4 @@ std::string modelSection(const RunReport& report) {
          lostStepsTable(model) + partingSection(report) + drawnTable(model);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

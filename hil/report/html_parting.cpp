@@ -9,10 +9,9 @@
 #include "hil/report/html_text.h"
 #include "hil/report/plot.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
-constexpr std::size_t kMostRows = 100;
 constexpr std::size_t kMostPoints = 600;
 
 double largestOf(const std::vector<SpotParting>& partings) {
@@ -75,4 +74,4 @@ std::string partingSection(const RunReport& report) {
   return html;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

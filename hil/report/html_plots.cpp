@@ -8,7 +8,7 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 std::string histogram(const PulseTiming& timing) {
@@ -88,4 +88,4 @@ std::string pulseFigures(const RunReport& report) {
   return html;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

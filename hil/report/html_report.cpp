@@ -7,7 +7,7 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 
 const std::string_view kReportCss = R"css(
 :root{--bg:#fff;--fg:#1c2430;--mute:#5d6878;--line:#d9dee6;--card:#f6f8fa;--pass:#137a3e;--fail:#b3122b;--np:#9a5b00;
@@ -94,13 +94,14 @@ std::string checkTable(const RunReport& report) {
       "<table class=checks><thead><tr><th>Check<th>Verdict<th class=num>Value<th class=num>Limit<th "
       "class=num>U "
       "(k = 2)<th class=num>Guard w<th>Against limit</tr></thead><tbody>";
-  for (const Check& c : report.result.checks) {
+  for (const inspect::Check& c : report.result.checks) {
     html += fmt::format(
         "<tr><td><b>{}</b> <small>{}</small><span class=why>{}</span><td class='v {}'>{}<td class=num>{}"
         "<td class=num>{} {}<td class=num>{}<td class=num>{}<td>{}</tr>",
         escapeHtml(c.title), escapeHtml(c.name), escapeHtml(c.explanation), verdictClass(c.verdict),
-        verdictName(c.verdict), checkNumber(c, c.value), c.upper ? "≤" : "≥", checkNumber(c, c.limit),
-        c.u > 0.0 ? checkNumber(c, c.u) : "–", c.guard > 0.0 ? checkNumber(c, c.guard) : "–", gaugeSvg(c));
+        inspect::verdictName(c.verdict), checkNumber(c, c.value), c.upper ? "≤" : "≥",
+        checkNumber(c, c.limit), c.u > 0.0 ? checkNumber(c, c.u) : "–",
+        c.guard > 0.0 ? checkNumber(c, c.guard) : "–", gaugeSvg(c));
   }
   return html +
          "</tbody></table><p class=note>Rule (JCGM 106): PASS if the value is inside limit − w, FAIL if it "
@@ -111,9 +112,9 @@ std::string checkTable(const RunReport& report) {
 }
 
 std::string entityTable(const RunReport& report) {
-  std::vector<const EntityResult*> rows;
-  for (const EntityResult& e : report.result.entities) rows.push_back(&e);
-  const auto badness = [&](const EntityResult* e) {
+  std::vector<const inspect::EntityResult*> rows;
+  for (const inspect::EntityResult& e : report.result.entities) rows.push_back(&e);
+  const auto badness = [&](const inspect::EntityResult* e) {
     const double offset = std::isfinite(e->worst_mm) ? std::abs(e->worst_mm) / report.limits.path_mm : 0.0;
     return std::max(offset, 10.0 * (1.0 - e->coverage));
   };
@@ -129,18 +130,18 @@ std::string entityTable(const RunReport& report) {
       "class=num>Coverage, %<th class=num>Width, µm<th class=num>Circularity, µm<th "
       "class=num>Passes</tr></thead><tbody>";
   for (std::size_t i = 0; i < std::min(rows.size(), kMaxEntityRows); ++i) {
-    const EntityResult& e = *rows[i];
+    const inspect::EntityResult& e = *rows[i];
     const auto index = static_cast<std::size_t>(e.entity);
     const bool known = index < report.dieline.entities.size();
     html += fmt::format(
         "<tr><td>unit {}, E{}<td>{}<td>{} <small>{}</small><td class='num{}'>{}<td class=num>{}<td "
         "class='num{}'>{}<td class=num>{}<td class=num>{}<td class='num{}'>{}</tr>",
-        e.unit, e.entity, known ? processName(report.dieline.entities[index].process) : "",
+        e.unit, e.entity, known ? dieline::processName(report.dieline.entities[index].process) : "",
         known ? escapeHtml(report.dieline.entities[index].origin) : std::string(),
         known ? escapeHtml(report.dieline.entities[index].layer) : std::string(),
         std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", withU(e.worst_mm, e.worst_U_mm),
         withU(e.rms_mm, e.rms_U_mm),
-        known && report.dieline.entities[index].process != Process::kPerforation &&
+        known && report.dieline.entities[index].process != dieline::Process::kPerforation &&
                 e.coverage < report.limits.min_coverage
             ? " hit"
             : "",
@@ -183,10 +184,10 @@ std::string environment(const RunReport& report) {
 std::string timing(const RunReport& report) {
   if (report.timing.empty()) return {};
   double total_s = 0.0;
-  for (const StageTime& t : report.timing) total_s += t.wall_s;
+  for (const base::StageTime& t : report.timing) total_s += t.wall_s;
   std::string html =
       "<table><thead><tr><th>Stage<th class=num>Wall time, s<th class=num>Share</tr></thead><tbody>";
-  for (const StageTime& t : report.timing) {
+  for (const base::StageTime& t : report.timing) {
     html += fmt::format("<tr><td>{}<td class=num>{:.2f}<td class=num>{:.0f} %</tr>", escapeHtml(t.stage),
                         t.wall_s, total_s > 0.0 ? 100.0 * t.wall_s / total_s : 0.0);
   }
@@ -210,8 +211,9 @@ std::string shownPictures(const RunReport& report) {
 }  // namespace
 
 std::string htmlReport(const RunReport& report) {
-  const InspectionResult& result = report.result;
-  std::string page = htmlPageHead(fmt::format("{} – {}", verdictName(result.verdict), report.scenario));
+  const inspect::InspectionResult& result = report.result;
+  std::string page =
+      htmlPageHead(fmt::format("{} – {}", inspect::verdictName(result.verdict), report.scenario));
   const std::string facts = htmlFacts({{"Scenario", report.scenario},
                                        {"Firmware", report.firmware},
                                        {"Machine", report.machine},
@@ -220,7 +222,7 @@ std::string htmlReport(const RunReport& report) {
                                        {"Model", report.model.twin},
                                        {"Finished", report.finished}});
   page += fmt::format("<header class={}><div class=big>{}</div><p>{}</p><div class=facts>{}</div></header>\n",
-                      verdictClass(result.verdict), verdictName(result.verdict),
+                      verdictClass(result.verdict), inspect::verdictName(result.verdict),
                       escapeHtml(verdictSentence(report)), facts);
   page += lostStepsBanner(report);
   if (!result.problems.empty()) {
@@ -248,4 +250,4 @@ std::string htmlReport(const RunReport& report) {
   return page.append(kHtmlPageEnd);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

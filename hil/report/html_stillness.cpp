@@ -11,7 +11,7 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 constexpr std::size_t kMaxPlots = 9;
@@ -100,7 +100,7 @@ std::string levels(const Panel& panel, double most_mm, double limit_mm) {
 
 /// Above: sheet and spot, less the sheet's mean speed from the first frame to the last. Below: their
 /// difference.
-std::string cutPlot(const CutResult& cut, double limit_mm) {
+std::string cutPlot(const inspect::CutResult& cut, double limit_mm) {
   const double span_s = cut.time_s.back() - cut.time_s.front();
   const double speed_mm_s = (cut.sheet_x_mm.back() - cut.sheet_x_mm.front()) / std::max(span_s, 1e-9);
   std::vector<double> sheet_mm = cut.sheet_x_mm;
@@ -135,18 +135,19 @@ std::string cutPlot(const CutResult& cut, double limit_mm) {
   return svg;
 }
 
-double worstOf(const CutResult& cut) { return std::max(std::abs(cut.drift_mm), cut.excursion_mm); }
+double worstOf(const inspect::CutResult& cut) { return std::max(std::abs(cut.drift_mm), cut.excursion_mm); }
 
 }  // namespace
 
 std::string stillnessFigures(const RunReport& report) {
-  std::vector<const CutResult*> cuts;
-  for (const CutResult& cut : report.result.cuts) {
+  std::vector<const inspect::CutResult*> cuts;
+  for (const inspect::CutResult& cut : report.result.cuts) {
     if (std::isfinite(cut.drift_mm)) cuts.push_back(&cut);
   }
   if (cuts.empty()) return {};
-  std::stable_sort(cuts.begin(), cuts.end(),
-                   [](const CutResult* a, const CutResult* b) { return worstOf(*a) > worstOf(*b); });
+  std::stable_sort(cuts.begin(), cuts.end(), [](const inspect::CutResult* a, const inspect::CutResult* b) {
+    return worstOf(*a) > worstOf(*b);
+  });
   std::string html = "<div class=plots>";
   for (std::size_t i = 0; i < std::min(cuts.size(), kMaxPlots); ++i)
     html += cutPlot(*cuts[i], report.limits.stillness_mm);
@@ -165,7 +166,7 @@ std::string stillnessFigures(const RunReport& report) {
       "µm<th "
       "class=num>RMS, µm<th class=num>Top speed, mm/s</tr></thead><tbody>";
   for (std::size_t i = 0; i < std::min(cuts.size(), kMaxRows); ++i) {
-    const CutResult& c = *cuts[i];
+    const inspect::CutResult& c = *cuts[i];
     html += fmt::format(
         "<tr><td>unit {}, E{}<td class=num>{:.4f}<td class=num>{:.1f}<td class=num>{}<td class=num>{:+.1f} ± "
         "{:.1f}<td class=num>{:+.1f} ± {:.1f}<td class=num>{:.1f} ± {:.1f}<td class=num>{:.1f}<td "
@@ -182,4 +183,4 @@ std::string stillnessFigures(const RunReport& report) {
   return html;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

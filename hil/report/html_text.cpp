@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 
 std::string escapeHtml(std::string_view text) {
   std::string out;
@@ -54,7 +54,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-std::string checkNumber(const Check& check, double value) {
+std::string checkNumber(const inspect::Check& check, double value) {
   if (std::isnan(value)) return "no number";
   if (check.unit == "mm") return fmt::format("{:.4f} mm", value);
   if (check.unit == "us") return fmt::format("{:.2f} µs", value);
@@ -100,35 +100,35 @@ std::string htmlFacts(const std::vector<std::pair<std::string_view, std::string>
   return html;
 }
 
-std::string_view verdictClass(Verdict verdict) {
+std::string_view verdictClass(inspect::Verdict verdict) {
   switch (verdict) {
-    case Verdict::kPass:
+    case inspect::Verdict::kPass:
       return "pass";
-    case Verdict::kFail:
+    case inspect::Verdict::kFail:
       return "fail";
-    case Verdict::kNotProven:
+    case inspect::Verdict::kNotProven:
       return "notproven";
-    case Verdict::kInvalid:
+    case inspect::Verdict::kInvalid:
       break;
   }
   return "invalid";
 }
 
-std::string stopSentence(const InspectionResult& result) {
-  for (const Check& check : result.checks)
-    if (check.name == "finish" && check.verdict == Verdict::kFail) return check.explanation;
+std::string stopSentence(const inspect::InspectionResult& result) {
+  for (const inspect::Check& check : result.checks)
+    if (check.name == "finish" && check.verdict == inspect::Verdict::kFail) return check.explanation;
   return {};
 }
 
 std::string verdictSentence(const RunReport& report) {
-  const InspectionResult& result = report.result;
+  const inspect::InspectionResult& result = report.result;
   const std::string stop = stopSentence(result);
   std::string names;
-  for (const Check& c : result.checks) {
+  for (const inspect::Check& c : result.checks) {
     if (c.verdict == result.verdict) names += (names.empty() ? "" : ", ") + c.name;
   }
   switch (result.verdict) {
-    case Verdict::kPass:
+    case inspect::Verdict::kPass:
       if (report.provoked)
         return fmt::format(
             "The release came to rest safely: all {} checks are proven good. The job was to be stopped, so "
@@ -138,14 +138,14 @@ std::string verdictSentence(const RunReport& report) {
       return fmt::format(
           "The release is good: all {} checks are proven good, measurement uncertainty included.",
           result.checks.size());
-    case Verdict::kFail:
+    case inspect::Verdict::kFail:
       return fmt::format("The release is bad: proven by {}.{}", names, stop.empty() ? "" : " " + stop);
-    case Verdict::kNotProven:
+    case inspect::Verdict::kNotProven:
       return fmt::format(
           "Neither good nor bad is proven: inside the guard band of {}. A finer measurement or a better "
           "release is needed.",
           names);
-    case Verdict::kInvalid:
+    case inspect::Verdict::kInvalid:
       break;
   }
   if (!result.problems.empty()) {
@@ -156,7 +156,7 @@ std::string verdictSentence(const RunReport& report) {
   return names.empty() ? "Nothing was checked." : fmt::format("Could not be measured: {}.", names);
 }
 
-std::string gaugeSvg(const Check& check) {
+std::string gaugeSvg(const inspect::Check& check) {
   if (!std::isfinite(check.value) || check.limit == 0.0 || !std::isfinite(check.u)) return {};
   // Everything as a share of what is allowed: 0 is ideal, 1 is the limit. A lower limit is one on a share
   // of 1.
@@ -177,4 +177,4 @@ std::string gaugeSvg(const Check& check) {
       kWidth - x(1.0 + half_w), x(1.0), x(1.0), x(share - half_u), x(share + half_u), x(share));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

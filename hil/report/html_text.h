@@ -12,7 +12,10 @@
 #include "hil/report/run_report.h"
 #include "twin/base/image.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
+
+/// A table of a report ends after so many rows.
+inline constexpr std::size_t kMostRows = 100;
 
 /// Escapes text for HTML and attribute values; bytes that are not UTF-8 text are the caller's matter.
 std::string escapeHtml(std::string_view text);
@@ -23,7 +26,7 @@ std::string pngDataUri(const GrayImage& image);
 /// The verdict in one plain sentence, and why the controller stopped by itself, if it did.
 std::string verdictSentence(const RunReport& report);
 /// CSS class of a verdict: "pass", "fail", "invalid", "notproven".
-std::string_view verdictClass(Verdict verdict);
+std::string_view verdictClass(inspect::Verdict verdict);
 
 /// The page's style sheet.
 extern const std::string_view kReportCss;
@@ -46,7 +49,7 @@ std::size_t limitBin(double offset_mm, double limit_mm);
 std::string limitLegend(double limit_mm);
 
 // Figures; empty where there is nothing to show.
-std::string gaugeSvg(const Check& check);
+std::string gaugeSvg(const inspect::Check& check);
 std::string dielineFigures(const RunReport& report);
 std::string worstPlaces(const RunReport& report);
 std::string stillnessFigures(const RunReport& report);
@@ -60,4 +63,4 @@ std::string modelSection(const RunReport& report);
 /// Measured spot against the model's; empty without a real camera.
 std::string partingSection(const RunReport& report);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -11,7 +11,7 @@
 #include "hil/report/html_text.h"
 #include "hil/report/run_report.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 using Json = nlohmann::json;                 // Keys sorted: canonical.
@@ -39,10 +39,10 @@ std::vector<const T*> sortedBy(const std::vector<T>& items, Key key) {
 }
 
 template <typename J>
-J checkJson(const Check& c) {
+J checkJson(const inspect::Check& c) {
   J j;
   j["name"] = c.name;
-  j["verdict"] = verdictName(c.verdict);
+  j["verdict"] = inspect::verdictName(c.verdict);
   j["value"] = rounded(c.value);
   j["unit"] = c.unit;
   j["limit"] = rounded(c.limit);
@@ -55,7 +55,7 @@ J checkJson(const Check& c) {
 }
 
 template <typename J>
-J entityJson(const EntityResult& e) {
+J entityJson(const inspect::EntityResult& e) {
   J j;
   j["unit"] = e.unit;
   j["entity"] = e.entity;
@@ -74,7 +74,7 @@ J entityJson(const EntityResult& e) {
 }
 
 template <typename J>
-J cutJson(const CutResult& c) {
+J cutJson(const inspect::CutResult& c) {
   J j;
   j["unit"] = c.unit;
   j["entity"] = c.entity;
@@ -99,7 +99,7 @@ J cutJson(const CutResult& c) {
 }
 
 template <typename J>
-J quantityJson(const Quantity& q) {
+J quantityJson(const inspect::Quantity& q) {
   J j;
   j["value"] = rounded(q.value);
   j["U"] = rounded(q.U);
@@ -107,9 +107,9 @@ J quantityJson(const Quantity& q) {
 }
 
 template <typename J>
-J jointJson(const JointResult& r) {
+J jointJson(const inspect::JointResult& r) {
   J j = quantityJson<J>(r.mm);
-  j["kind"] = jointName(r.kind);
+  j["kind"] = inspect::jointName(r.kind);
   j["unit"] = r.unit;
   j["entity"] = r.entity;
   j["entity_out"] = r.entity_out;
@@ -119,13 +119,13 @@ J jointJson(const JointResult& r) {
   return j;
 }
 
-OrderedJson budgetJson(const UncertaintyBudget& b) {
+OrderedJson budgetJson(const inspect::UncertaintyBudget& b) {
   OrderedJson j;
   j["quantity"] = b.quantity;
   j["unit"] = b.unit;
   j["as_read"] = rounded(b.as_read);
   j["sources"] = OrderedJson::array();
-  for (const BudgetEntry& e : b.entries) {
+  for (const inspect::BudgetEntry& e : b.entries) {
     j["sources"].push_back({{"source", e.source},
                             {"standard_uncertainty", rounded(e.u)},
                             {"correction", rounded(-e.correction)}});
@@ -191,9 +191,9 @@ OrderedJson modelJson(const ModelFacts& model) {
   return j;
 }
 
-Json kerfJson(const EntityKerf& kerf) {
+Json kerfJson(const vision::EntityKerf& kerf) {
   Json calipers = Json::array();
-  for (const Caliper& c : kerf.calipers) {
+  for (const vision::Caliper& c : kerf.calipers) {
     calipers.push_back({rounded(c.station_mm), c.found, rounded(c.offset_mm), rounded(c.width_mm),
                         rounded(c.brightness), c.near_joint});
   }
@@ -203,30 +203,31 @@ Json kerfJson(const EntityKerf& kerf) {
 }  // namespace
 
 std::string digestOf(const RunReport& report) {
-  const InspectionResult& result = report.result;
+  const inspect::InspectionResult& result = report.result;
   Json root;
-  root["verdict"] = verdictName(result.verdict);
+  root["verdict"] = inspect::verdictName(result.verdict);
   // Problems may name files, so only their number counts.
   root["problems"] = result.problems.size();
-  for (const Check* c : sortedBy(result.checks, [](const Check& x) { return x.name; })) {
+  for (const inspect::Check* c : sortedBy(result.checks, [](const inspect::Check& x) { return x.name; })) {
     root["checks"].push_back(checkJson<Json>(*c));
   }
-  for (const EntityResult* e :
-       sortedBy(result.entities, [](const EntityResult& x) { return std::pair(x.unit, x.entity); })) {
+  for (const inspect::EntityResult* e : sortedBy(
+           result.entities, [](const inspect::EntityResult& x) { return std::pair(x.unit, x.entity); })) {
     root["entities"].push_back(entityJson<Json>(*e));
   }
-  for (const CutResult* c :
-       sortedBy(result.cuts, [](const CutResult& x) { return std::tuple(x.start_s, x.unit, x.entity); })) {
+  for (const inspect::CutResult* c : sortedBy(result.cuts, [](const inspect::CutResult& x) {
+         return std::tuple(x.start_s, x.unit, x.entity);
+       })) {
     Json cut = cutJson<Json>(*c);
     cut["time_s"] = roundedAll(c->time_s);
     cut["residual_mm"] = roundedAll(c->residual_mm);
     root["cuts"].push_back(std::move(cut));
   }
-  for (const EntityKerf* k :
-       sortedBy(report.kerf.entities, [](const EntityKerf& x) { return std::pair(x.unit, x.entity); })) {
+  for (const vision::EntityKerf* k : sortedBy(
+           report.kerf.entities, [](const vision::EntityKerf& x) { return std::pair(x.unit, x.entity); })) {
     root["kerf"].push_back(kerfJson(*k));
   }
-  for (const StrayCut* s : sortedBy(report.kerf.strays, [](const StrayCut& x) {
+  for (const vision::StrayCut* s : sortedBy(report.kerf.strays, [](const vision::StrayCut& x) {
          return std::tuple(x.unit, x.p_S_mm.x(), x.p_S_mm.y(), x.extent_mm);
        })) {
     root["strays"].push_back(
@@ -237,15 +238,15 @@ std::string digestOf(const RunReport& report) {
     pulse["setup_histogram"] = t->setup_histogram;
     root["pulses"].push_back(std::move(pulse));
   }
-  return sha256(root.dump());
+  return base::sha256(root.dump());
 }
 
 std::string verdictJson(const RunReport& report) {
-  const InspectionResult& result = report.result;
+  const inspect::InspectionResult& result = report.result;
   OrderedJson root;
   root["schema_version"] = 1;
-  root["verdict"] = verdictName(result.verdict);
-  root["exit_code"] = exitCode(result.verdict);
+  root["verdict"] = inspect::verdictName(result.verdict);
+  root["exit_code"] = inspect::exitCode(result.verdict);
   root["summary"] = verdictSentence(report);
   root["digest"] = digestOf(report);
   root["scenario"] = report.scenario;
@@ -257,38 +258,39 @@ std::string verdictJson(const RunReport& report) {
   root["virtual_s"] = rounded(report.virtual_s);
   root["problems"] = result.problems;
   root["checks"] = OrderedJson::array();
-  for (const Check& c : result.checks) {
+  for (const inspect::Check& c : result.checks) {
     auto j = checkJson<OrderedJson>(c);
     j["title"] = c.title;
     j["explanation"] = c.explanation;
     root["checks"].push_back(std::move(j));
   }
   root["entities"] = OrderedJson::array();
-  for (const EntityResult& e : result.entities) {
+  for (const inspect::EntityResult& e : result.entities) {
     auto j = entityJson<OrderedJson>(e);
     const auto index = static_cast<std::size_t>(e.entity);
     if (index < report.dieline.entities.size()) {
-      j["process"] = processName(report.dieline.entities[index].process);
+      j["process"] = dieline::processName(report.dieline.entities[index].process);
       j["layer"] = report.dieline.entities[index].layer;
       j["origin"] = report.dieline.entities[index].origin;
     }
     root["entities"].push_back(std::move(j));
   }
   root["layers"] = OrderedJson::array();
-  for (const LayerResult& l : result.layers) {
+  for (const inspect::LayerResult& l : result.layers) {
     root["layers"].push_back({{"layer", l.layer},
                               {"worst_mm", quantityJson<OrderedJson>(l.worst_mm)},
                               {"rms_mm", quantityJson<OrderedJson>(l.rms_mm)}});
   }
   root["rms_mm"] = quantityJson<OrderedJson>(result.rms_mm);
   root["joints"] = OrderedJson::array();
-  for (const JointResult& j : result.joints) root["joints"].push_back(jointJson<OrderedJson>(j));
+  for (const inspect::JointResult& j : result.joints) root["joints"].push_back(jointJson<OrderedJson>(j));
   root["uncertainty_budgets"] = OrderedJson::array();
-  for (const UncertaintyBudget& b : result.budgets) root["uncertainty_budgets"].push_back(budgetJson(b));
+  for (const inspect::UncertaintyBudget& b : result.budgets)
+    root["uncertainty_budgets"].push_back(budgetJson(b));
   const auto judged = std::count_if(result.cuts.begin(), result.cuts.end(),
-                                    [](const CutResult& c) { return std::isfinite(c.drift_mm); });
+                                    [](const inspect::CutResult& c) { return std::isfinite(c.drift_mm); });
   root["cuts"] = {{"count", result.cuts.size()}, {"judged", judged}, {"list", OrderedJson::array()}};
-  for (const CutResult& c : result.cuts) root["cuts"]["list"].push_back(cutJson<OrderedJson>(c));
+  for (const inspect::CutResult& c : result.cuts) root["cuts"]["list"].push_back(cutJson<OrderedJson>(c));
   root["pulses"] = OrderedJson::array();
   for (const PulseTiming& t : report.pulses) root["pulses"].push_back(pulseJson<OrderedJson>(t));
   root["frames"] = {{"count", report.spot.frames.size()}, {"lost", report.spot.frames_lost}};
@@ -299,4 +301,4 @@ std::string verdictJson(const RunReport& report) {
   return root.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

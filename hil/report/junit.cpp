@@ -8,16 +8,16 @@
 #include "hil/report/html_text.h"
 #include "hil/report/run_report.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
-void addOutcome(pugi::xml_node test_case, Verdict verdict, const std::string& message,
+void addOutcome(pugi::xml_node test_case, inspect::Verdict verdict, const std::string& message,
                 const std::string& text) {
-  if (verdict == Verdict::kPass) return;
-  pugi::xml_node node = test_case.append_child(verdict == Verdict::kInvalid ? "error" : "failure");
-  node.append_attribute("type") = verdict == Verdict::kInvalid     ? "Invalid"
-                                  : verdict == Verdict::kNotProven ? "NotProven"
-                                                                   : "Failure";
+  if (verdict == inspect::Verdict::kPass) return;
+  pugi::xml_node node = test_case.append_child(verdict == inspect::Verdict::kInvalid ? "error" : "failure");
+  node.append_attribute("type") = verdict == inspect::Verdict::kInvalid     ? "Invalid"
+                                  : verdict == inspect::Verdict::kNotProven ? "NotProven"
+                                                                            : "Failure";
   node.append_attribute("message") = message.c_str();
   node.text() = text.c_str();
 }
@@ -25,16 +25,16 @@ void addOutcome(pugi::xml_node test_case, Verdict verdict, const std::string& me
 }  // namespace
 
 std::string junitXml(const RunReport& report) {
-  const InspectionResult& result = report.result;
+  const inspect::InspectionResult& result = report.result;
   const auto count = [&](auto... verdicts) {
     return std::count_if(result.checks.begin(), result.checks.end(),
-                         [&](const Check& c) { return ((c.verdict == verdicts) || ...); });
+                         [&](const inspect::Check& c) { return ((c.verdict == verdicts) || ...); });
   };
   // Broken evidence has its own test case: no check alone shows it.
   const auto tests = static_cast<long long>(result.checks.size()) + 1;
   const bool sound = result.problems.empty() && !result.checks.empty();
-  const auto failures = static_cast<long long>(count(Verdict::kFail, Verdict::kNotProven));
-  const auto errors = static_cast<long long>(count(Verdict::kInvalid)) + (sound ? 0 : 1);
+  const auto failures = static_cast<long long>(count(inspect::Verdict::kFail, inspect::Verdict::kNotProven));
+  const auto errors = static_cast<long long>(count(inspect::Verdict::kInvalid)) + (sound ? 0 : 1);
 
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
@@ -56,7 +56,7 @@ std::string junitXml(const RunReport& report) {
     node.append_attribute("name") = key;
     node.append_attribute("value") = value.c_str();
   };
-  property("verdict", std::string(verdictName(result.verdict)));
+  property("verdict", std::string(inspect::verdictName(result.verdict)));
   property("digest", digestOf(report));
   property("firmware", report.firmware);
   property("machine", report.machine);
@@ -75,11 +75,11 @@ std::string junitXml(const RunReport& report) {
   std::string problems;
   for (const std::string& problem : result.problems) problems += problem + "\n";
   if (result.problems.empty() && result.checks.empty()) problems = "No check was made.\n";
-  addOutcome(testCase("evidence"), sound ? Verdict::kPass : Verdict::kInvalid,
+  addOutcome(testCase("evidence"), sound ? inspect::Verdict::kPass : inspect::Verdict::kInvalid,
              problems.substr(0, problems.find('\n')), problems);
-  for (const Check& check : result.checks) {
+  for (const inspect::Check& check : result.checks) {
     const std::string message =
-        fmt::format("{}: {} {} (limit {}, U {}, guard {})", verdictName(check.verdict),
+        fmt::format("{}: {} {} (limit {}, U {}, guard {})", inspect::verdictName(check.verdict),
                     checkNumber(check, check.value), check.subject, checkNumber(check, check.limit),
                     checkNumber(check, check.u), checkNumber(check, check.guard));
     addOutcome(testCase(check.name), check.verdict, message, check.explanation);
@@ -89,4 +89,4 @@ std::string junitXml(const RunReport& report) {
   return out.str();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -8,7 +8,7 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 /// 1, 2 or 5 times a power of ten, so that `range` has four to ten of them.
@@ -72,4 +72,4 @@ std::vector<double> ticks(double from, double to) {
   return at;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 
 /// SVG of kW x kH with linear scales; values beyond them lie at the rim.
 class Plot {
@@ -36,4 +36,4 @@ class Plot {
 /// Round numbers within [from, to], four to ten of them; from < to.
 std::vector<double> ticks(double from, double to);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -7,7 +7,7 @@
 
 #include "hil/report/html_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 
 std::string pngDataUri(const GrayImage& image) {
   if (image.width <= 0 || image.height <= 0) return {};
@@ -19,4 +19,4 @@ std::string pngDataUri(const GrayImage& image) {
   return "data:image/png;base64," + base64({reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

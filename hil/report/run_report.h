@@ -7,19 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/stopwatch.h"
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/inspect.h"
-#include "hil/vision/kerf_scan.h"
-#include "hil/vision/spot_track.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "hil/vision/spot/spot_track.h"
+#include "twin/base/print_layout.h"
 #include "twin/base/pulse_timing.h"
 
-namespace kerfbench::hil {
-
-/// Time that one stage of a run took on the wall clock. Never part of the digest.
-struct StageTime {
-  std::string stage;
-  double wall_s{};
-};
+namespace kerfbench::report {
 
 /// A picture in the results folder. Never part of the digest.
 struct ReportPicture {
@@ -68,7 +64,7 @@ struct ModelFacts {
 std::string lostStepsSentence(const ModelFacts& model);
 
 /// Why the controller stopped by itself, as the check `finish` tells it; empty unless that is proven.
-std::string stopSentence(const InspectionResult& result);
+std::string stopSentence(const inspect::InspectionResult& result);
 
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
@@ -88,17 +84,17 @@ struct RunReport {
   std::vector<std::pair<std::string, std::string>>
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
   // What was measured.
-  Limits limits;
-  Dieline dieline;
+  inspect::Limits limits;
+  dieline::Dieline dieline;
   PrintLayout print;
-  KerfScan kerf;
-  SpotTrack spot;
+  vision::KerfScan kerf;
+  vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
-  InspectionResult result;
+  inspect::InspectionResult result;
   // What the wall clock and the host say.
   std::string host;
   std::string finished;  ///< Date and time of the end, for people.
-  std::vector<StageTime> timing;
+  std::vector<base::StageTime> timing;
   std::vector<ReportPicture> pictures;
 };
 
@@ -119,6 +115,6 @@ std::string htmlReport(const RunReport& report);
 void writeReports(const RunReport& report, const std::filesystem::path& folder);
 
 /// A number of a check with its unit, e.g. "0.0312 mm", "98.20 %"; "no number" for NaN.
-std::string checkNumber(const Check& check, double value);
+std::string checkNumber(const inspect::Check& check, double value);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -10,7 +10,7 @@
 
 #include "hil/scene/povray.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
@@ -85,4 +85,4 @@ std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
   return bytes;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

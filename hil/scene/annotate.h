@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "hil/scene/view.h"
-#include "twin/cutter/scene.h"
+#include "twin/scene/scene.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 /// A small picture in the upper right corner of the large one.
 struct Inset {
@@ -25,4 +25,4 @@ std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
                                    const std::vector<twin::SceneLabel>& labels, const Viewpoint& view,
                                    const std::string& caption, const Inset& inset);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

@@ -9,7 +9,7 @@
 #include "hil/scene/annotate.h"
 #include "hil/scene/pov_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 constexpr double kInsetShare = 0.26;  // Of the picture's width.
@@ -112,4 +112,4 @@ std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptio
   return annotate(picture, labels, view, caption, inset);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

@@ -7,9 +7,9 @@
 
 #include "hil/scene/povray.h"
 #include "hil/scene/view.h"
-#include "twin/cutter/scene.h"
+#include "twin/scene/scene.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 /// Which part of the machine a picture shows.
 enum class SceneView {
@@ -36,4 +36,4 @@ Viewpoint viewpointOf(const twin::Scene& scene, SceneView view, int width_px, in
 /// @throws PictureError without POV-Ray, when it fails, or for a size out of range.
 std::vector<std::uint8_t> renderPng(const twin::Scene& scene, const PictureOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

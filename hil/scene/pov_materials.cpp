@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/scene/pov_materials.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 // Glass has no refraction: it would only blur what stands behind it. Beam and glass
 // throw no shadow; they stand in light groups without lamps (pov_text.cpp), since asking every lamp about
@@ -96,4 +96,4 @@ const char* materialName(twin::Material material) {
   return "pigment { rgb 0.92 } finish { ambient 0.1 diffuse 0.8 }";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

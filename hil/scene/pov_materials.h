@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "twin/cutter/scene.h"
+#include "twin/scene/scene.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 /// Settings, materials and the rounded box, in POV-Ray's language.
 extern const char* const kPovMaterials;
@@ -11,4 +11,4 @@ extern const char* const kPovMaterials;
 /// What a material is called there.
 const char* materialName(twin::Material material);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

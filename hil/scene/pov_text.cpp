@@ -10,7 +10,7 @@
 
 #include "hil/scene/pov_materials.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 using Eigen::Vector3d;
@@ -208,4 +208,4 @@ std::string povText(const Scene& scene, const Viewpoint& view) {
   return text;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

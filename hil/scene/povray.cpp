@@ -22,7 +22,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/spawn_setup.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,7 +100,7 @@ std::string faultIn(const std::string& log) {
 }
 
 pid_t spawnIn(const fs::path& folder, const fs::path& program) {
-  SpawnSetup setup;
+  base::SpawnSetup setup;
   const std::string log = (folder / "log").string();
   ::posix_spawn_file_actions_addopen(&setup.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&setup.actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
@@ -163,8 +163,8 @@ std::vector<std::uint8_t> runPovray(const std::string& scene, const PovrayOption
                     options.program.string()));
   }
   const TemporaryFolder folder;
-  writeFileAtomically(folder.path() / "scene.pov", scene);
-  writeFileAtomically(folder.path() / "picture.ini", iniText(options));
+  base::writeFileAtomically(folder.path() / "scene.pov", scene);
+  base::writeFileAtomically(folder.path() / "picture.ini", iniText(options));
   const auto status = waitFor(spawnIn(folder.path(), *program), options.patience_s);
   if (!status) {
     throw PictureError(fmt::format("{} was stopped after {:g} s", program->string(), options.patience_s));
@@ -182,4 +182,4 @@ std::vector<std::uint8_t> runPovray(const std::string& scene, const PovrayOption
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 /// No picture could be made: the ray tracer is missing, refuses the scene or does not come to an end.
 class PictureError : public std::runtime_error {
@@ -32,4 +32,4 @@ std::vector<std::uint8_t> runPovray(const std::string& scene, const PovrayOption
 /// Whether the program is there to be run.
 bool povrayFound(const std::filesystem::path& program = "povray");
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 // Of the wider side: a portrait lens, near enough for depth, far enough for straight proportions.
@@ -66,4 +66,4 @@ double Viewpoint::pixel_mm(const Eigen::Vector3d& p_W_mm) const {
   return 2.0 * half_width_tan_ * (p_W_mm - place_mm_).dot(forward_) / width_px_;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

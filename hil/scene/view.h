@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 
 /// A pinhole that looks at a scene. Image coordinates: pixel centres at integers, x to the right, y down.
 class Viewpoint {
@@ -40,4 +40,4 @@ class Viewpoint {
   int width_px_{}, height_px_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

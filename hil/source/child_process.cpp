@@ -20,7 +20,7 @@
 
 extern char** environ;
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kKeptStderrBytes = 2000;
@@ -85,7 +85,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program) {
   auto [our_requests, child_stdin] = makeSocketPair(name);
   auto [our_replies, child_stdout] = makePipe(name);
   auto [our_stderr, child_stderr] = makePipe(name);
-  SpawnSetup setup;
+  base::SpawnSetup setup;
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdin.get(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stdout.get(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&setup.actions, child_stderr.get(), STDERR_FILENO);
@@ -223,4 +223,4 @@ std::string ChildProcess::lastWords() {
   return words.size() > kShown ? "… " + words.substr(words.size() - kShown) : words;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A move-only file descriptor.
 class UniqueFd {
@@ -64,4 +64,4 @@ class ChildProcess {
   std::string stderr_tail_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 #include "hil/source/open.h"
 #include "hil/source/pin_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kHeadBytes = 5;
@@ -202,7 +202,7 @@ class ChildSource final : public SignalSource {
       info_.rate.num = reply.take<std::uint64_t>();
       info_.rate.den = reply.take<std::uint64_t>();
       info_.stamp_err_ticks = reply.take<std::uint32_t>();
-      info_.config_id = reply.text() + "; image sha256 " + sha256File(options_.image);
+      info_.config_id = reply.text() + "; image sha256 " + base::sha256File(options_.image);
       reply.finish();
       if (info_.rate.num == 0 || info_.rate.den == 0) throw Malformed("declares a tick rate of zero");
     } catch (const Malformed& fault) {
@@ -313,4 +313,4 @@ std::unique_ptr<SignalSource> openChild(const ChildSourceOptions& options) {
   return std::make_unique<ChildSource>(options);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

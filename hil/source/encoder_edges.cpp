@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/source/encoder_edges.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 std::vector<EncoderEdge> encoderEdges(std::span<const SensorEdge> sensors, TickRate rate) {
   std::vector<EncoderEdge> edges;
@@ -21,4 +21,4 @@ std::vector<EncoderEdge> encoderEdges(std::span<const SensorEdge> sensors, TickR
   return edges;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

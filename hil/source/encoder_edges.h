@@ -7,7 +7,7 @@
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An edge of the belt's encoder and what it makes of the count.
 struct EncoderEdge {
@@ -19,4 +19,4 @@ struct EncoderEdge {
 /// by tick; other signals among them are passed over.
 std::vector<EncoderEdge> encoderEdges(std::span<const SensorEdge> sensors, TickRate rate);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kMaxReplyChars = 512;
@@ -183,4 +183,4 @@ std::string LineOkSender::message() const {
   return failure_;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

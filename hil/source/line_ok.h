@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// How LineOkSender talks; times are virtual seconds.
 struct LineOkOptions {
@@ -69,4 +69,4 @@ class LineOkSender {
   bool report_seen_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A release image in a child process that speaks the pin-stream protocol (see pin_stream.h).
 struct ChildSourceOptions {
@@ -33,4 +33,4 @@ std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const S
 /// Replays a recording that is in memory; `config_id` says where it comes from.
 std::unique_ptr<SignalSource> openRecording(PinRecording recording, std::string config_id);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

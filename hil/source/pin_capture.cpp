@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 void spoilEnd(PinRecording& recording, std::uint16_t port) {
   if (recording.problems.empty()) return;
@@ -28,4 +28,4 @@ std::string timeLimitWords(double time_limit_s, bool any_edge) {
                            time_limit_s);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 
 #include "hil/source/vcd.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What came in on real pins.
 struct PinCapture {
@@ -30,4 +30,4 @@ inline constexpr std::size_t kMostCapturedEdges = 50'000'000;
 inline constexpr double kLeadBeforeEdges_s = 0.1;  ///< The machine is at rest.
 inline constexpr double kTailAfterEdges_s = 0.2;   ///< Mirrors swing out.
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

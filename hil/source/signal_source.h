@@ -8,7 +8,7 @@
 
 #include "twin/base/pin_event.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 struct SourceInfo {
   TickRate rate;
@@ -54,4 +54,4 @@ class SignalSource {
   [[nodiscard]] virtual std::string message() const = 0;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

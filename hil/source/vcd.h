@@ -10,7 +10,7 @@
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Bytes that the controller said on its UART, all heard at this tick.
 struct HeardBytes {
@@ -51,4 +51,4 @@ void writeVcd(const std::filesystem::path& path, const PinRecording& recording, 
 /// path.
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -19,7 +19,7 @@
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30U;
@@ -151,10 +151,10 @@ class Reader {
     if (words.size() < 3 || words[0] != "kerfbench") return;
     if (words[1] == "tick") {
       const auto slash = words[2].find('/');
-      const auto num = numberFrom<std::uint64_t>(words[2].substr(0, slash));
+      const auto num = base::numberFrom<std::uint64_t>(words[2].substr(0, slash));
       const auto den = slash == std::string_view::npos
                            ? std::nullopt
-                           : numberFrom<std::uint64_t>(words[2].substr(slash + 1));
+                           : base::numberFrom<std::uint64_t>(words[2].substr(slash + 1));
       constexpr std::uint64_t kMax = std::uint64_t{1} << 40U;
       if (!num || !den || *num == 0 || *den == 0 || *num > kMax || *den > kMax) {
         fault("a tick of " + shown(words[2]) + " seconds makes no sense");
@@ -164,17 +164,17 @@ class Reader {
         own_rate_ = TickRate{*num, *den};
       }
     } else if (words[1] == "end") {
-      own_end_ = numberFrom<Tick>(words[2]);
+      own_end_ = base::numberFrom<Tick>(words[2]);
       if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
     } else if (words[1] == "stamp_err") {
-      own_stamp_err_ = numberFrom<std::uint32_t>(words[2]);
+      own_stamp_err_ = base::numberFrom<std::uint32_t>(words[2]);
       if (!own_stamp_err_) fault("an error of " + shown(words[2]) + " ticks makes no sense");
     } else if (words[1] == "words") {
-      own_words_ = numberFrom<std::size_t>(words[2]);
+      own_words_ = base::numberFrom<std::size_t>(words[2]);
       if (!own_words_) fault("a number of words of " + shown(words[2]) + " makes no sense");
     } else if (words[1] == "gap") {
-      const auto tick = numberFrom<Tick>(words[2]);
-      const auto port = words.size() > 3 ? numberFrom<std::uint16_t>(words[3]) : std::nullopt;
+      const auto tick = base::numberFrom<Tick>(words[2]);
+      const auto port = words.size() > 3 ? base::numberFrom<std::uint16_t>(words[3]) : std::nullopt;
       if (tick && port) {
         gaps_.push_back({*tick, *port});
       } else {
@@ -192,7 +192,7 @@ class Reader {
   }
 
   void heard(const std::vector<std::string_view>& words) {
-    const auto tick = numberFrom<Tick>(words[2]);
+    const auto tick = base::numberFrom<Tick>(words[2]);
     const std::string_view hex = words.size() > 3 ? words[3] : "";
     HeardBytes said{tick.value_or(0), {}};
     bool good = tick && !hex.empty() && hex.size() % 2 == 0 &&
@@ -211,7 +211,7 @@ class Reader {
   }
 
   void variable(const std::vector<std::string_view>& words) {
-    const auto width = words.size() >= 4 ? numberFrom<std::uint64_t>(words[1]) : std::nullopt;
+    const auto width = words.size() >= 4 ? base::numberFrom<std::uint64_t>(words[1]) : std::nullopt;
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
@@ -269,7 +269,7 @@ class Reader {
   }
 
   void stamp(std::string_view digits) {
-    const auto value = numberFrom<std::uint64_t>(digits);
+    const auto value = base::numberFrom<std::uint64_t>(digits);
     if (!value) return fault("a stamp of " + shown(digits) + " makes no sense");
     if (stamped_ && *value < stamp_) return fault("time goes back to " + std::to_string(*value));
     stamp_ = *value;
@@ -398,4 +398,4 @@ PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map) {
   return Reader(path.string(), text, map).read();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 
 #include "twin/base/pin_event.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// The time scale of a VCD file and how ticks map to its stamps. One unit is 10^-exponent s.
 ///
@@ -70,4 +70,4 @@ class VcdScale {
   std::uint64_t units_per_second_{1};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include "hil/source/open.h"
 #include "hil/source/vcd.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 class RecordingSource final : public SignalSource {
@@ -48,11 +48,11 @@ class RecordingSource final : public SignalSource {
 }  // namespace
 
 std::unique_ptr<SignalSource> openVcd(const std::filesystem::path& path, const SignalMap& map) {
-  return openRecording(readVcd(path, map), "recording sha256 " + sha256File(path));
+  return openRecording(readVcd(path, map), "recording sha256 " + base::sha256File(path));
 }
 
 std::unique_ptr<SignalSource> openRecording(PinRecording recording, std::string config_id) {
   return std::make_unique<RecordingSource>(std::move(recording), std::move(config_id));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

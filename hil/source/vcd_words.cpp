@@ -5,7 +5,7 @@
 
 #include <charconv>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 std::string vcdWords(std::string_view text) {
   std::string words;
@@ -36,4 +36,4 @@ std::optional<std::string> fromVcdWords(std::string_view words) {
   return text;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A sentence as a comment of a VCD file carries it: readable, and without what would end the comment or get
 /// lost in it (%XX for '$', '%', control characters, and blanks beside another or at an end).
@@ -14,4 +14,4 @@ std::string vcdWords(std::string_view text);
 /// Back; nullopt: no such words.
 std::optional<std::string> fromVcdWords(std::string_view words);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

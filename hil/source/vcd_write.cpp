@@ -13,7 +13,7 @@
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 char identifier(Signal signal) { return static_cast<char>('!' + static_cast<int>(signal)); }
@@ -138,7 +138,7 @@ class Writer {
 }  // namespace
 
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map) {
-  writeFileAtomically(path, Writer(recording, map).write());
+  base::writeFileAtomically(path, Writer(recording, map).write());
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -17,7 +17,7 @@
 namespace kerfbench::benchmarks {
 namespace {
 
-using namespace hil::test;
+using namespace calibrate::test;
 
 constexpr int kViews = 9;  // docs/CALIBRATION.md: what a camera is calibrated with.
 
@@ -31,16 +31,16 @@ Eigen::Matrix<double, 2, 3> poseModesAt(const Eigen::Vector2d& p_mm) {
 /// `side` x `side` marks on one sheet, made with the correction of a sheet of 3 x 3 as the procedure does.
 void fitHead(benchmark::State& state, HeadKind kind, Beyond beyond) {
   const SimulatedHead head(kind, beyond, 1);
-  hil::HeadFitOptions options;
+  calibrate::HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
   const MarkedSheet nine = mark(head, 3, 0, nullptr, {}, 1);
-  const hil::HeadFit first = hil::fitHead(hil::pairMarks(nine.aimed, nine.seen).observations, head.nominal(),
-                                          head.design(), options);
+  const calibrate::HeadFit first = calibrate::fitHead(
+      calibrate::pairMarks(nine.aimed, nine.seen).observations, head.nominal(), head.design(), options);
   const MarkedSheet sheet = mark(head, static_cast<int>(state.range(0)), 9, &first, {}, 1);
-  auto marks = hil::pairMarks(sheet.aimed, sheet.seen).observations;
-  for (hil::HeadObservation& o : marks) o.shared = hil::SharedError{0, poseModesAt(o.aim_W_mm)};
+  auto marks = calibrate::pairMarks(sheet.aimed, sheet.seen).observations;
+  for (calibrate::HeadObservation& o : marks) o.shared = calibrate::SharedError{0, poseModesAt(o.aim_W_mm)};
   for (auto _ : state) {
-    const hil::HeadFit fit = hil::fitHead(marks, head.nominal(), head.design(), options);
+    const calibrate::HeadFit fit = calibrate::fitHead(marks, head.nominal(), head.design(), options);
     benchmark::DoNotOptimize(fit.covarianceAt_mm2({10.0, 20.0}));
   }
   state.counters["points"] = static_cast<double>(marks.size());
@@ -112,7 +112,7 @@ BENCHMARK(calibrateCamera)->Arg(6)->Arg(9)->Arg(18)->Arg(24)->Unit(benchmark::kM
 }  // namespace kerfbench::benchmarks
 
 int main(int argc, char** argv) {
-  kerfbench::hil::keepFreedMemory();  // As `kerfbench` does; both sides gain.
+  kerfbench::base::keepFreedMemory();  // As `kerfbench` does; both sides gain.
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

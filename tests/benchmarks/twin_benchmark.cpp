@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "twin/cutter/imperfections.h"
+#include "twin/description/imperfections.h"
 
 namespace kerfbench::benchmarks {
 namespace {

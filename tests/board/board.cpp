@@ -11,7 +11,7 @@ __extension__ using Wide = unsigned __int128;
 
 }  // namespace
 
-Board::Board(hil::SignalSource& release, const SignalMap& pins, const std::vector<Signal>& wired,
+Board::Board(source::SignalSource& release, const SignalMap& pins, const std::vector<Signal>& wired,
              BoardPorts& ports, const BoardOptions& options)
     : release_(release), rate_(release.info().rate), pins_(pins), ports_(ports), options_(options) {
   for (const Signal signal : wired) {
@@ -47,7 +47,7 @@ void Board::step(std::uint64_t now_ns) {
   if (now <= batch_.watermark) return;
   lookAtInputs(now);
   if (const std::vector<std::uint8_t> bytes = ports_.receive(); !bytes.empty()) release_.uartWrite(bytes);
-  pace_.halted = release_.advance(now, batch_) != hil::Stop::kReached;
+  pace_.halted = release_.advance(now, batch_) != source::Stop::kReached;
   for (const PinEvent& event : batch_.events) take(event);
   ports_.send(batch_.uart);
 }

@@ -49,7 +49,7 @@ struct BoardPace {
 class Board {
  public:
   /// Pins of the release by signal: outputs and inputs that are wired.
-  Board(hil::SignalSource& release, const SignalMap& pins, const std::vector<Signal>& wired,
+  Board(source::SignalSource& release, const SignalMap& pins, const std::vector<Signal>& wired,
         BoardPorts& ports, const BoardOptions& options);
   /// From now on, for options.run_ns.
   BoardPace run();
@@ -65,14 +65,14 @@ class Board {
   void putDue();
   void take(const PinEvent& event);
 
-  hil::SignalSource& release_;
+  source::SignalSource& release_;
   TickRate rate_;
   SignalMap pins_;
   BoardPorts& ports_;
   BoardOptions options_;
   std::map<PinId, Signal> outputs_;
   std::map<Signal, bool> inputs_;  ///< With their levels.
-  hil::Batch batch_;
+  source::Batch batch_;
   std::deque<Stroke> strokes_;
   std::uint64_t begin_ns_{};
   std::uint64_t looked_ns_{};

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "hil/source/open.h"
 #include "tests/board/sim_board.h"
 
@@ -60,12 +60,12 @@ void takePriority(int priority) {
 
 void runBoard(const BoardArguments& arguments) {
   takePriority(arguments.priority);
-  hil::ChildSourceOptions child;
+  source::ChildSourceOptions child;
   child.image = arguments.image;
   // A native release is itself the child.
   child.child = arguments.child.empty() ? arguments.image : arguments.child;
   child.mcu = arguments.mcu;
-  const auto release = hil::openChild(child);
+  const auto release = source::openChild(child);
   const std::map<Signal, unsigned> lines = linesFrom(arguments.lines);
   std::vector<Signal> wired;
   for (const auto& [signal, line] : lines) wired.push_back(signal);
@@ -73,8 +73,8 @@ void runBoard(const BoardArguments& arguments) {
   const board::BoardOptions options{.step_ns = nanoseconds(arguments.step_us),
                                     .delay_ns = nanoseconds(arguments.delay_us),
                                     .run_ns = nanoseconds(1e6 * arguments.seconds)};
-  board::Board the_board(*release, hil::readMachineFile(arguments.machine).machine.signals, wired, ports,
-                         options);
+  board::Board the_board(*release, machine_file::readMachineFile(arguments.machine).machine.signals, wired,
+                         ports, options);
   fmt::print("ready\n");
   std::fflush(stdout);
   const board::BoardPace pace = the_board.run();

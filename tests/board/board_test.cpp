@@ -49,21 +49,21 @@ class ScriptedPorts : public BoardPorts {
 };
 
 /// A release by script, which answers what it hears.
-class ScriptedRelease : public hil::SignalSource {
+class ScriptedRelease : public source::SignalSource {
  public:
   std::vector<PinEvent> events;
   std::vector<std::tuple<Tick, PinId, bool>> driven;
   Tick halts_at{~Tick{0}};
 
-  [[nodiscard]] hil::SourceInfo info() const override { return {kRate, 0, true, true, "script"}; }
-  hil::Stop advance(Tick until, hil::Batch& batch) override {
+  [[nodiscard]] source::SourceInfo info() const override { return {kRate, 0, true, true, "script"}; }
+  source::Stop advance(Tick until, source::Batch& batch) override {
     EXPECT_GT(until, watermark_);
     batch = {{}, std::exchange(heard_, {}), until, until};
     for (const PinEvent& event : events) {
       if (event.tick > watermark_ && event.tick <= until) batch.events.push_back(event);
     }
     watermark_ = until;
-    return until >= halts_at ? hil::Stop::kEnded : hil::Stop::kReached;
+    return until >= halts_at ? source::Stop::kEnded : source::Stop::kReached;
   }
   void drive(PinId pin, bool level, Tick at) override {
     EXPECT_GT(at, watermark_);

@@ -30,7 +30,7 @@ SimBoard::SimBoard(const std::filesystem::path& chip, const std::map<Signal, uns
     : tty_(std::move(tty)) {
   for (const auto& [signal, line] : lines) {
     const auto file = chip / fmt::format("sim_gpio{}", line) / (isSensor(signal) ? "value" : "pull");
-    hil::UniqueFd fd(::open(file.c_str(), (isSensor(signal) ? O_RDONLY : O_WRONLY) | O_CLOEXEC));
+    source::UniqueFd fd(::open(file.c_str(), (isSensor(signal) ? O_RDONLY : O_WRONLY) | O_CLOEXEC));
     if (!fd.valid()) fail(file.string());
     files_.emplace(signal, std::move(fd));
   }
@@ -40,8 +40,8 @@ SimBoard::SimBoard(const std::filesystem::path& chip, const std::map<Signal, uns
   termios raw{};
   ::cfmakeraw(&raw);
   if (::openpty(&board, &bench, name.data(), &raw, nullptr) != 0) fail("a terminal for the UART");
-  uart_ = hil::UniqueFd(board);
-  bench_end_ = hil::UniqueFd(bench);
+  uart_ = source::UniqueFd(board);
+  bench_end_ = source::UniqueFd(bench);
   ::fcntl(board, F_SETFL, O_NONBLOCK);
   std::error_code none;
   std::filesystem::remove(tty_, none);

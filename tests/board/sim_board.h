@@ -32,9 +32,9 @@ class SimBoard final : public BoardPorts {
   void send(std::span<const std::uint8_t> bytes) override;
 
  private:
-  std::map<Signal, hil::UniqueFd> files_;
-  hil::UniqueFd uart_;
-  hil::UniqueFd bench_end_;  ///< Kept open, so that the terminal does not hang up before the bench comes.
+  std::map<Signal, source::UniqueFd> files_;
+  source::UniqueFd uart_;
+  source::UniqueFd bench_end_;  ///< Kept open, so that the terminal does not hang up before the bench comes.
   std::filesystem::path tty_;
   std::vector<std::uint8_t> unsent_;
 };

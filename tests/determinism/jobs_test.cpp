@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/app/case.h"
-#include "hil/app/dialogs.h"
-#include "hil/app/judge.h"
-#include "hil/app/lockstep.h"
-#include "hil/app/release.h"
+#include "hil/judge/judge.h"
 #include "hil/report/run_report.h"
+#include "hil/run/dialogs.h"
+#include "hil/run/lockstep.h"
+#include "hil/run/release.h"
+#include "hil/scenario/case.h"
 
 namespace kerfbench::determinism {
 namespace {
@@ -21,55 +21,55 @@ namespace fs = std::filesystem;
 /// A label on the fast twin with all its imperfections, run once and played again for each judgement.
 class LabelRun {
  public:
-  LabelRun() : case_(readLabel()), machine_(hil::drawnMachine(case_).machine) {
-    hil::PreparedJob job = hil::prepareJob(case_);
-    const auto source = hil::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
+  LabelRun() : case_(readLabel()), machine_(scenario::drawnMachine(case_).machine) {
+    run::PreparedJob job = run::prepareJob(case_);
+    const auto source = run::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
     rate_ = source->info().rate;
     twin::Twin twin = newTwin();
-    run_ = hil::runLockstep(*source, twin, machine_.signals, job.dialog.get(), {}, {});
+    run_ = run::runLockstep(*source, twin, machine_.signals, job.dialog.get(), {}, {});
   }
 
   [[nodiscard]] const std::vector<std::string>& problems() const { return run_.problems; }
-  [[nodiscard]] hil::RunReport judged(int jobs) const {
+  [[nodiscard]] report::RunReport judged(int jobs) const {
     twin::Twin twin = newTwin();
     twin.advance(run_.recording.end, run_.recording.outputs);
-    hil::Stopwatch stopwatch;
-    hil::RunReport report;
-    hil::judge(
+    base::Stopwatch stopwatch;
+    report::RunReport report;
+    judge::judge(
         case_, twin, {}, {}, {}, jobs, stopwatch, [](double, const std::string&) {}, report);
     return report;
   }
 
  private:
-  static hil::Case readLabel() {
-    hil::Case label =
-        hil::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/label-on-belt.yaml",
-                      fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+  static scenario::Case readLabel() {
+    scenario::Case label =
+        scenario::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/label-on-belt.yaml",
+                           fs::path(KERFBENCH_BINARY_DIR) / "firmware");
     label.scenario.fidelity = twin::Fidelity::kFast;
     label.scenario.imperfections = twin::Preset::kDynamic;
     return label;
   }
   [[nodiscard]] twin::Twin newTwin() const {
     return {machine_,
-            hil::webOf(case_),
+            scenario::webOf(case_),
             rate_,
             {.fidelity = case_.scenario.fidelity, .seed = case_.scenario.seed}};
   }
 
-  hil::Case case_;
+  scenario::Case case_;
   twin::MachineDescription machine_;
   TickRate rate_;
-  hil::LockstepResult run_;
+  run::LockstepResult run_;
 };
 
 TEST(Jobs, OneTwoAndSevenThreadsMeasureAndJudgeTheSame) {
   const LabelRun label;
   ASSERT_TRUE(label.problems().empty()) << label.problems().front();
-  const hil::RunReport one = label.judged(1);
+  const report::RunReport one = label.judged(1);
   ASSERT_FALSE(one.result.checks.empty());
   for (const int jobs : {2, 7}) {
-    const hil::RunReport many = label.judged(jobs);
-    EXPECT_EQ(hil::digestOf(many), hil::digestOf(one)) << jobs << " threads";
+    const report::RunReport many = label.judged(jobs);
+    EXPECT_EQ(report::digestOf(many), report::digestOf(one)) << jobs << " threads";
   }
 }
 

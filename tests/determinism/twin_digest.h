@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "twin/cutter/fidelity.h"
-#include "twin/cutter/imperfections.h"
+#include "twin/description/fidelity.h"
+#include "twin/description/imperfections.h"
 
 namespace kerfbench::determinism {
 

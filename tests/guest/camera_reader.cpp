@@ -5,16 +5,16 @@
 
 namespace kerfbench::guest {
 
-hil::CameraSettings grey(int width_px, int height_px) {
-  hil::CameraSettings settings;
-  settings.format = hil::findPixelFormat("GREY");
+camera::CameraSettings grey(int width_px, int height_px) {
+  camera::CameraSettings settings;
+  settings.format = camera::findPixelFormat("GREY");
   settings.width_px = width_px;
   settings.height_px = height_px;
   return settings;
 }
 
-hil::V4l2FrameOptions optionsFor(std::uint64_t frames) {
-  hil::V4l2FrameOptions options;
+camera::V4l2FrameOptions optionsFor(std::uint64_t frames) {
+  camera::V4l2FrameOptions options;
   options.exposure_s = 1e-3;
   options.frames = frames;
   options.timeout_ms = 500;
@@ -23,14 +23,14 @@ hil::V4l2FrameOptions optionsFor(std::uint64_t frames) {
 
 std::vector<std::string> Taken::incidents() const {
   std::vector<std::string> words;
-  for (const hil::CaptureIncident& incident : report.first_incidents) words.push_back(incident.words);
+  for (const camera::CaptureIncident& incident : report.first_incidents) words.push_back(incident.words);
   return words;
 }
 
-CameraReader::CameraReader(const std::string& path, const hil::CameraSettings& settings,
-                           const hil::V4l2FrameOptions& options)
-    : stream_(hil::kernelVideoCalls(), path, settings),
-      source_(stream_, hil::CameraClock(0.0, {{0.0, 0.0}}), options) {}
+CameraReader::CameraReader(const std::string& path, const camera::CameraSettings& settings,
+                           const camera::V4l2FrameOptions& options)
+    : stream_(camera::kernelVideoCalls(), path, settings),
+      source_(stream_, camera::CameraClock(0.0, {{0.0, 0.0}}), options) {}
 
 Taken CameraReader::takeAll() {
   std::vector<Frame> frames = source_.nextBatch(SIZE_MAX);

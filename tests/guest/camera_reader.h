@@ -10,14 +10,14 @@
 
 namespace kerfbench::guest {
 
-hil::CameraSettings grey(int width_px, int height_px);
+camera::CameraSettings grey(int width_px, int height_px);
 /// So many frames; after half a second without one the camera has stopped.
-hil::V4l2FrameOptions optionsFor(std::uint64_t frames);
+camera::V4l2FrameOptions optionsFor(std::uint64_t frames);
 
 /// What a source gave out, and what it told, until it ended.
 struct Taken {
   std::vector<Frame> frames;
-  hil::CaptureReport report;
+  camera::CaptureReport report;
   [[nodiscard]] std::vector<std::string> incidents() const;
 };
 
@@ -25,16 +25,16 @@ struct Taken {
 class CameraReader {
  public:
   /// Streams from here on. @throws as V4l2Stream.
-  CameraReader(const std::string& path, const hil::CameraSettings& settings,
-               const hil::V4l2FrameOptions& options);
+  CameraReader(const std::string& path, const camera::CameraSettings& settings,
+               const camera::V4l2FrameOptions& options);
   /// So many good frames, or fewer at the end.
   std::vector<Frame> take(std::size_t count) { return source_.nextBatch(count); }
   /// To the end.
   Taken takeAll();
 
  private:
-  hil::V4l2Stream stream_;
-  hil::V4l2FrameSource source_;
+  camera::V4l2Stream stream_;
+  camera::V4l2FrameSource source_;
 };
 
 }  // namespace kerfbench::guest

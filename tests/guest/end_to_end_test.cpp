@@ -47,8 +47,8 @@ class EndToEnd : public testing::Test {
   /// The triangle alone, of a scenario: what the guest's processor cuts on the twin and judges in a minute.
   static fs::path part(const std::string& scenario) {
     fs::path file = kRuns / (scenario + ".yaml");
-    hil::writeFileAtomically(file, fmt::format("extends: {}\nname: {}-part\nselect: {{entities: 4-6}}\n",
-                                               (kFixtures / (scenario + ".yaml")).string(), scenario));
+    base::writeFileAtomically(file, fmt::format("extends: {}\nname: {}-part\nselect: {{entities: 4-6}}\n",
+                                                (kFixtures / (scenario + ".yaml")).string(), scenario));
     return file;
   }
   static test::ProgramRun replay(const std::string& recording, const std::string& results,

@@ -15,8 +15,8 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/dialogs.h"
-#include "hil/app/live_pins.h"
+#include "hil/live/live_pins.h"
+#include "hil/run/dialogs.h"
 #include "hil/source/vcd.h"
 #include "tests/guest/sim_chip.h"
 #include "tests/scenarios/scenario_runs.h"
@@ -68,7 +68,7 @@ class BoardProcess {
 };
 
 /// Edges in the busiest second.
-int busiestSecond(const hil::PinRecording& recording) {
+int busiestSecond(const source::PinRecording& recording) {
   std::deque<const PinEvent*> second;
   int edges = 0;
   int most = 0;
@@ -86,20 +86,20 @@ int busiestSecond(const hil::PinRecording& recording) {
 void runLiveBefore(const std::string& image, const std::string& name) {
   SimChip chip("kerfbench-live",
                {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", "ENC_A", "ENC_B", "MARK", "DOOR"});
-  const hil::Case the_case =
-      hil::readCase(test::fixture("scenarios/pins/label-live.yaml"), kBinaries / "firmware");
-  const twin::DrawnMachine drawn = hil::drawnMachine(the_case);
-  const hil::PreparedJob job = hil::prepareJob(the_case);
+  const scenario::Case the_case =
+      scenario::readCase(test::fixture("scenarios/pins/label-live.yaml"), kBinaries / "firmware");
+  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
+  const run::PreparedJob job = run::prepareJob(the_case);
   BoardProcess board(kBinaries / "firmware" / image, chip.sysfs(), the_case.scenario.firmware.gpio.uart);
-  hil::Console console(false);
-  const hil::LivePins live = hil::runLive(the_case, drawn, hil::realPins(kBinaries / "bin"), job, console);
+  base::Console console(false);
+  const live::LivePins live = live::runLive(the_case, drawn, live::realPins(kBinaries / "bin"), job, console);
   const std::string pace = board.finish();
   const int busiest = busiestSecond(live.captured.recording);
   fmt::print("{}: {} edges in the busiest second; the board: {}", name, busiest, pace);
   EXPECT_THAT(live.captured.recording.problems, IsEmpty());
   EXPECT_GE(busiest, 10'000);
   EXPECT_THAT(pace, HasSubstr(fmt::format("{} strokes", live.captured.edges)));
-  hil::writeVcd(fs::path("/run/shared") / name, live.captured.recording, the_case.machine.signals);
+  source::writeVcd(fs::path("/run/shared") / name, live.captured.recording, the_case.machine.signals);
 }
 
 TEST(Live, AGoodReleaseIsHeardAndDrivenToItsEnd) { runLiveBefore("controller-native", "good.vcd"); }

@@ -49,8 +49,8 @@ class LoopTest : public testing::Test {
 
 TEST_F(LoopTest, IsListedWithWhatItsWriterSet) {
   writer.write(1);
-  const std::vector<hil::CameraListing> cameras = hil::listCameras(hil::kernelVideoCalls());
-  const auto found = std::ranges::find(cameras, kLoop, &hil::CameraListing::path);
+  const std::vector<camera::CameraListing> cameras = camera::listCameras(camera::kernelVideoCalls());
+  const auto found = std::ranges::find(cameras, kLoop, &camera::CameraListing::path);
   ASSERT_NE(found, cameras.end());
   EXPECT_EQ(found->driver, "v4l2 loopback");
   EXPECT_TRUE(found->captures);
@@ -126,7 +126,7 @@ TEST_F(LoopTest, FramesOfAnotherSizeAreLeftOut) {
 
 TEST(LoopWithoutWriter, IsToldInWords) {
   try {
-    hil::V4l2Stream(hil::kernelVideoCalls(), "/dev/video21", grey(kWidth_px, kHeight_px));
+    camera::V4l2Stream(camera::kernelVideoCalls(), "/dev/video21", grey(kWidth_px, kHeight_px));
     ADD_FAILURE() << "a loop without a writer streams";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("/dev/video21: format: Device or resource busy"),
@@ -135,7 +135,8 @@ TEST(LoopWithoutWriter, IsToldInWords) {
 }
 
 TEST(NoCamera, IsSaidInWords) {
-  EXPECT_THROW(hil::V4l2Stream(hil::kernelVideoCalls(), "/dev/video99", grey(160, 120)), std::system_error);
+  EXPECT_THROW(camera::V4l2Stream(camera::kernelVideoCalls(), "/dev/video99", grey(160, 120)),
+               std::system_error);
 }
 
 }  // namespace

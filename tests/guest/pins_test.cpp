@@ -63,11 +63,11 @@ class PinsTest : public testing::Test {
     options.quiet_s = 0.2;
     options.time_limit_s = 30.0;
   }
-  hil::PinCapture capture(const std::shared_ptr<hil::GpioSystem>& system = hil::linuxGpioSystem()) {
-    return hil::capturePins(options, map, system);
+  source::PinCapture capture(const std::shared_ptr<source::GpioSystem>& system = source::linuxGpioSystem()) {
+    return source::capturePins(options, map, system);
   }
   /// Line and level of each edge of a recording, in its order.
-  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const hil::PinCapture& captured) {
+  static std::vector<std::pair<std::uint32_t, bool>> edgesOf(const source::PinCapture& captured) {
     std::vector<std::pair<std::uint32_t, bool>> edges;
     for (const PinEvent& event : captured.recording.outputs) {
       for (std::uint32_t line = 0; line < 3; ++line) {
@@ -81,43 +81,43 @@ class PinsTest : public testing::Test {
     for (const Stroke& stroke : strokes) edges.emplace_back(stroke.line, stroke.level);
     return edges;
   }
-  static bool hasGap(const hil::PinCapture& captured) {
+  static bool hasGap(const source::PinCapture& captured) {
     return std::ranges::any_of(captured.recording.outputs,
                                [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
   }
   /// A problem of these words, and a gap that a replay of the recording finds.
-  static void expectInvalid(const hil::PinCapture& captured, const std::string& words) {
+  static void expectInvalid(const source::PinCapture& captured, const std::string& words) {
     EXPECT_THAT(captured.recording.problems, Contains(HasSubstr(words)));
     EXPECT_TRUE(hasGap(captured));
   }
 
   SimChip chip{"kerfbench-test", {"PUL", "DIR", "GATE", "", "spare"}};
   SignalMap map;
-  hil::GpioCaptureOptions options;
+  source::GpioCaptureOptions options;
 };
 
 TEST_F(PinsTest, ListsWhatConfigfsMade) {
   const SimChip other("second-chip", {"", "A"});
-  const hil::GpioChipList list = hil::listChips();
+  const source::GpioChipList list = source::listChips();
   EXPECT_THAT(list.faults, IsEmpty());
   for (const SimChip* made : std::initializer_list<const SimChip*>{&chip, &other}) {
-    const hil::GpioChipInfo& found = hil::findChip(list, made->label());
+    const source::GpioChipInfo& found = source::findChip(list, made->label());
     EXPECT_EQ(found.path, made->device());
     std::vector<std::string> names;
-    for (const hil::GpioLineInfo& line : found.lines) {
+    for (const source::GpioLineInfo& line : found.lines) {
       names.push_back(line.name);
       EXPECT_FALSE(line.used);
       EXPECT_FALSE(line.output);
     }
     EXPECT_EQ(names, made->lineNames());
-    EXPECT_EQ(hil::edgeTrouble(*hil::linuxGpioSystem(), made->device()), "");
+    EXPECT_EQ(source::edgeTrouble(*source::linuxGpioSystem(), made->device()), "");
   }
 }
 
 TEST_F(PinsTest, TenThousandEdgesASecondAreReadOneByOneAndInOrder) {
   const std::vector<Stroke> strokes = pulses(10'000, 90'000);
   Player player(chip, strokes);
-  const hil::PinCapture captured = capture();
+  const source::PinCapture captured = capture();
   const Played played = player.join();
   EXPECT_GE(played.rate_hz(strokes.size()), 10'000.0);
   EXPECT_THAT(captured.recording.problems, IsEmpty());
@@ -130,7 +130,7 @@ TEST_F(PinsTest, TenThousandEdgesASecondAreReadOneByOneAndInOrder) {
 TEST_F(PinsTest, StampsAreThoseOfTheWire) {
   const std::vector<Stroke> strokes = pulses(500, 200'000);
   Player player(chip, strokes);
-  const hil::PinCapture captured = capture();
+  const source::PinCapture captured = capture();
   const Played played = player.join();
   const auto& events = captured.recording.outputs;
   ASSERT_EQ(events.size(), strokes.size());
@@ -148,9 +148,9 @@ TEST_F(PinsTest, StampsAreThoseOfTheWire) {
 
 TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {
   const std::vector<Stroke> strokes = pulses(450, 100'000);
-  ASSERT_LT(strokes.size(), hil::kEventBuffer);
+  ASSERT_LT(strokes.size(), source::kEventBuffer);
   Player player(chip, strokes);
-  const hil::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
+  const source::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
   EXPECT_EQ(captured.edges, strokes.size());
   EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
 }
@@ -158,10 +158,10 @@ TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {
 TEST_F(PinsTest, AReaderThatStallsTooLongIsNoticed) {
   const std::vector<Stroke> strokes = pulses(1'000, 100'000);
   Player player(chip, strokes);
-  const hil::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
-  EXPECT_EQ(captured.edges, hil::kEventBuffer);
+  const source::PinCapture captured = capture(std::make_shared<WatchedSystem>([&] { player.join(); }));
+  EXPECT_EQ(captured.edges, source::kEventBuffer);
   expectInvalid(captured, fmt::format("{} edges lost because the kernel's buffer was full",
-                                      strokes.size() - hil::kEventBuffer));
+                                      strokes.size() - source::kEventBuffer));
 }
 
 TEST_F(PinsTest, EdgesThatTheKernelMergesAreNoticed) {
@@ -171,7 +171,7 @@ TEST_F(PinsTest, EdgesThatTheKernelMergesAreNoticed) {
   for (const bool level : {true, false, true}) strokes.push_back({after_ns, kPul, level});
   strokes.push_back({after_ns + 1'000'000, kPul, false});
   Player player(chip, strokes, {.real_time_priority = 60});
-  const hil::PinCapture captured = capture();
+  const source::PinCapture captured = capture();
   player.join();
   EXPECT_LT(captured.edges, strokes.size());
   expectInvalid(captured, "came faster than its interrupt thread takes them");
@@ -182,7 +182,7 @@ TEST_F(PinsTest, TwoEdgesThatBecomeOneAreNoticed) {
   const std::uint64_t after_ns = strokes.back().at_ns + 1'000'000;
   for (const bool level : {true, false}) strokes.push_back({after_ns, kPul, level});
   Player player(chip, strokes, {.real_time_priority = 60});
-  const hil::PinCapture captured = capture();
+  const source::PinCapture captured = capture();
   player.join();
   EXPECT_EQ(captured.edges, strokes.size() - 1);
   expectInvalid(captured, "1 edge to a level that the line had already");
@@ -201,7 +201,7 @@ TEST_F(PinsTest, EdgesOfTwoLinesThatTheKernelTellsInTheWrongOrderArePutRight) {
   const auto preferPul = [] { setRealTime(interruptThreads().at(kPul), 55); };
   Player player(chip, strokes, {.real_time_priority = 60, .before = preferPul});
   const auto system = std::make_shared<WatchedSystem>();
-  const hil::PinCapture captured = capture(system);
+  const source::PinCapture captured = capture(system);
   player.join();
   EXPECT_FALSE(std::ranges::is_sorted(system->numbers())) << "the kernel was to tell PUL before DIR";
   EXPECT_THAT(captured.recording.problems, IsEmpty());
@@ -217,7 +217,7 @@ TEST_F(PinsTest, RatesThatOneProcessorHolds) {
     const std::vector<Stroke> strokes = pulses(3'000, half_ns);
     Player player(chip, strokes);
     const auto system = std::make_shared<WatchedSystem>();
-    const hil::PinCapture captured = capture(system);
+    const source::PinCapture captured = capture(system);
     const Played played = player.join();
     EXPECT_THAT(captured.recording.problems, IsEmpty());
     fmt::print("| {} | {:.0f} | {} | {} | {:.0f} |\n",
@@ -229,11 +229,11 @@ TEST_F(PinsTest, RatesThatOneProcessorHolds) {
 
 TEST_F(PinsTest, ALineThatAnotherProgramHasIsNamedWithItsUser) {
   const HeldLine held(chip.device(), kDir, "spi0 CS1");
-  EXPECT_EQ(hil::readChip(chip.device()).lines.at(kDir).consumer, "spi0 CS1");
+  EXPECT_EQ(source::readChip(chip.device()).lines.at(kDir).consumer, "spi0 CS1");
   try {
     capture();
     ADD_FAILURE() << "a line was shared";
-  } catch (const hil::GpioError& error) {
+  } catch (const source::GpioError& error) {
     EXPECT_THAT(error.what(), HasSubstr("line 1 for galvo_x_dir is taken by 'spi0 CS1'"));
   }
 }
@@ -246,8 +246,8 @@ TEST_F(PinsTest, AControllerThatSaysNothingIsNoticed) {
 TEST_F(PinsTest, AUserWithoutPermissionIsToldWhatToDo) {
   constexpr uid_t kNobody = 65534;
   ASSERT_EQ(::seteuid(kNobody), 0);
-  const std::string opened = hil::edgeTrouble(*hil::linuxGpioSystem(), chip.device());
-  const std::vector<std::string> notes = hil::RealTime(hil::linuxGpioSystem()).notes();
+  const std::string opened = source::edgeTrouble(*source::linuxGpioSystem(), chip.device());
+  const std::vector<std::string> notes = source::RealTime(source::linuxGpioSystem()).notes();
   ASSERT_EQ(::seteuid(0), 0);
   EXPECT_THAT(opened, HasSubstr("not allowed; as a rule in /etc/udev/rules.d/60-gpio.rules put"));
   EXPECT_THAT(notes, Contains(HasSubstr("no real-time priority")));
@@ -261,7 +261,7 @@ TEST_F(PinsTest, AChipThatVanishesWhileItsLinesAreReadIsNoticed) {
     player.join();
     chip.vanish();
   });
-  const hil::PinCapture captured = capture();
+  const source::PinCapture captured = capture();
   EXPECT_EQ(edgesOf(captured), edgesOf(strokes));
   expectInvalid(captured, "the chip has gone while its lines were read");
 }

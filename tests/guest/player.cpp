@@ -20,8 +20,8 @@ constexpr std::uint64_t kSettle_ns = 5'000'000;  // A reader takes levels and cl
 constexpr std::uint64_t kShortest_ns = 20'000;   // What is worth going to sleep for.
 
 void waitForListener(const SimChip& chip) {
-  const auto is_heard = [](const hil::GpioLineInfo& line) { return line.consumer == "kerfbench"; };
-  while (std::ranges::none_of(hil::readChip(chip.device()).lines, is_heard))
+  const auto is_heard = [](const source::GpioLineInfo& line) { return line.consumer == "kerfbench"; };
+  while (std::ranges::none_of(source::readChip(chip.device()).lines, is_heard))
     sleepUntil_ns(now_ns() + kLook_ns);
   sleepUntil_ns(now_ns() + kSettle_ns);
 }

@@ -12,10 +12,10 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/case.h"
-#include "hil/app/pin_capture.h"
-#include "hil/app/results_folder.h"
 #include "hil/base/atomic_file.h"
+#include "hil/judge/results_folder.h"
+#include "hil/live/pin_capture.h"
+#include "hil/scenario/case.h"
 #include "hil/source/gpio/chips.h"
 #include "hil/source/vcd.h"
 #include "tests/guest/film.h"
@@ -35,11 +35,11 @@ using testing::IsEmpty;
 const fs::path kScenario = test::fixture("scenarios/pins/plate-on-pins.yaml");
 
 /// What a controller did on the lines of `wires`.
-std::vector<Stroke> strokesOf(const hil::PinRecording& recording, const std::vector<hil::GpioWire>& wires,
-                              const SignalMap& map) {
+std::vector<Stroke> strokesOf(const source::PinRecording& recording,
+                              const std::vector<source::GpioWire>& wires, const SignalMap& map) {
   std::vector<Stroke> strokes;
   for (const PinEvent& event : recording.outputs) {
-    for (const hil::GpioWire& wire : wires) {
+    for (const source::GpioWire& wire : wires) {
       const PinId pin = *map.pin(wire.signal);
       if (pin.port != event.port || (event.changed >> pin.bit & 1U) == 0) continue;
       const double at_s = recording.rate.seconds(event.tick);
@@ -53,17 +53,18 @@ std::vector<Stroke> strokesOf(const hil::PinRecording& recording, const std::vec
 class RecordTest : public testing::Test {
  protected:
   [[nodiscard]] std::vector<Stroke> strokesOfRun(const std::string& run) const {
-    return strokesOf(hil::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
-                     hil::captureOptions(the_case.scenario.firmware.gpio, hil::listChips()).wires, map);
+    return strokesOf(source::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
+                     scenario::captureOptions(the_case.scenario.firmware.gpio, source::listChips()).wires,
+                     map);
   }
   /// Plays the pins of a run on the host and records them from the chip, to a file of this name for the host.
   void record(const std::string& run, const std::string& name) {
     const std::vector<Stroke> strokes = strokesOfRun(run);
     ASSERT_FALSE(strokes.empty());
     Player player(chip, strokes);
-    hil::Console console(false);
-    const hil::PinCapture captured =
-        hil::captureCase(the_case, hil::linuxGpioSystem(), hil::listChips(), console);
+    base::Console console(false);
+    const source::PinCapture captured =
+        live::captureCase(the_case, source::linuxGpioSystem(), source::listChips(), console);
     const Played played = player.join();
     fmt::print("{}: {} edges in {:.3f} s, at worst {:.0f} µs late\n", name, strokes.size(),
                1e-9 * static_cast<double>(played.end_ns - played.begin_ns),
@@ -71,15 +72,15 @@ class RecordTest : public testing::Test {
     EXPECT_THAT(captured.recording.problems, IsEmpty());
     EXPECT_EQ(captured.edges, strokes.size());
     const fs::path file = fs::path("/run/shared") / name;
-    hil::writeVcd(file, captured.recording, map);
+    source::writeVcd(file, captured.recording, map);
     // To the tick what the live run's model would get: a replay cannot have another digest.
-    const hil::PinRecording read = hil::readVcd(file, map);
+    const source::PinRecording read = source::readVcd(file, map);
     EXPECT_EQ(read.rate, captured.recording.rate);
     EXPECT_EQ(read.stamp_err_ticks, captured.recording.stamp_err_ticks);
     EXPECT_EQ(read.end, captured.recording.end);
     EXPECT_EQ(read.outputs, captured.recording.outputs);
   }
-  const hil::Case the_case = hil::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+  const scenario::Case the_case = scenario::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
   const SignalMap& map = the_case.machine.signals;
   SimChip chip{"kerfbench-pins", {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", ""}};
 };
@@ -127,8 +128,8 @@ TEST_F(RecordTest, ThePinsOfAKnownBadReleaseAreRecorded) { record("pins-plate-ga
 // As many drives of a network, /run/shared cannot exchange two names.
 TEST_F(RecordTest, ResultsReplaceOlderOnesOnADriveThatCannotExchangeNames) {
   for (const std::string round : {"first", "second"}) {
-    hil::ResultsFolder folder("/run/shared/results", "label");
-    hil::writeFileAtomically(folder.staging() / round, round);
+    judge::ResultsFolder folder("/run/shared/results", "label");
+    base::writeFileAtomically(folder.staging() / round, round);
     folder.commit();
   }
   std::vector<std::string> files;

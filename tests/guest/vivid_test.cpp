@@ -26,32 +26,32 @@ const std::string kVivid = "/dev/video30";  // As init.sh numbers it.
 class VividTest : public testing::Test {
  protected:
   /// Of a test pattern, which repeats.
-  static hil::V4l2FrameOptions noiseless(std::uint64_t frames) {
-    hil::V4l2FrameOptions options = optionsFor(frames);
+  static camera::V4l2FrameOptions noiseless(std::uint64_t frames) {
+    camera::V4l2FrameOptions options = optionsFor(frames);
     options.watch.sensor_has_noise = false;
     return options;
   }
   /// Sets a control while another reads, as anybody may.
   static void control(const std::string& key, std::int32_t value = 1) {
-    const std::vector<hil::CameraListing> cameras = hil::listCameras(hil::kernelVideoCalls());
-    const auto camera = std::ranges::find(cameras, kVivid, &hil::CameraListing::path);
+    const std::vector<camera::CameraListing> cameras = camera::listCameras(camera::kernelVideoCalls());
+    const auto camera = std::ranges::find(cameras, kVivid, &camera::CameraListing::path);
     ASSERT_NE(camera, cameras.end());
-    const auto found = std::ranges::find(camera->controls, key, &hil::ControlListing::key);
-    ASSERT_NE(found, camera->controls.end()) << key << " is none of\n" << hil::describe(*camera);
-    hil::VideoDevice device(hil::kernelVideoCalls(), kVivid);
+    const auto found = std::ranges::find(camera->controls, key, &camera::ControlListing::key);
+    ASSERT_NE(found, camera->controls.end()) << key << " is none of\n" << camera::describe(*camera);
+    camera::VideoDevice device(camera::kernelVideoCalls(), kVivid);
     v4l2_control wanted{found->id, value};
     device.require(VIDIOC_S_CTRL, &wanted, key.c_str());
   }
-  static hil::CameraSettings webcam() {
-    hil::CameraSettings settings = grey(320, 180);
+  static camera::CameraSettings webcam() {
+    camera::CameraSettings settings = grey(320, 180);
     settings.frame_rate_hz = 25.0;
     return settings;
   }
   /// 0: a webcam, 1: HDMI (init.sh).
   static void selectInput(int input) {
-    hil::VideoDevice(hil::kernelVideoCalls(), kVivid).require(VIDIOC_S_INPUT, &input, "VIDIOC_S_INPUT");
+    camera::VideoDevice(camera::kernelVideoCalls(), kVivid).require(VIDIOC_S_INPUT, &input, "VIDIOC_S_INPUT");
   }
-  hil::CameraSettings settings = webcam();
+  camera::CameraSettings settings = webcam();
 };
 
 TEST_F(VividTest, StreamsWithoutAnIncident) {
@@ -60,7 +60,7 @@ TEST_F(VividTest, StreamsWithoutAnIncident) {
   EXPECT_THAT(taken.incidents(), IsEmpty());
   EXPECT_EQ(taken.report.ended_early, "");
   EXPECT_EQ(taken.report.good, 25U);
-  EXPECT_EQ(taken.report.clock, hil::StampClock::kMonotonic);
+  EXPECT_EQ(taken.report.clock, camera::StampClock::kMonotonic);
 }
 
 TEST_F(VividTest, AFrameThatTheDriverMarksIsLeftOut) {
@@ -96,7 +96,7 @@ TEST_F(VividTest, ADriverThatRefusesBuffersOrStreamingIsToldByCall) {
                                   std::pair{"inject_vidioc_streamon_error", "VIDIOC_STREAMON"}}) {
     control(key);
     try {
-      hil::V4l2Stream(hil::kernelVideoCalls(), kVivid, settings);
+      camera::V4l2Stream(camera::kernelVideoCalls(), kVivid, settings);
       ADD_FAILURE() << key;
     } catch (const std::system_error& error) {
       EXPECT_THAT(error.what(), HasSubstr(kVivid + ": " + call));
@@ -119,7 +119,7 @@ TEST_F(VividTest, NumbersThatWrapAreNoGap) {
 TEST_F(VividTest, ASourceThatChangesEndsTheCapture) {
   selectInput(1);
   {
-    hil::VideoDevice device(hil::kernelVideoCalls(), kVivid);
+    camera::VideoDevice device(camera::kernelVideoCalls(), kVivid);
     v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
     device.require(VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
     CameraReader reader(kVivid, grey(640, 480), noiseless(20));
@@ -135,7 +135,7 @@ TEST_F(VividTest, ASourceThatChangesEndsTheCapture) {
 
 TEST_F(VividTest, ASizeThatItHasNotIsRefusedWithWhatItWouldGive) {
   try {
-    hil::V4l2Stream(hil::kernelVideoCalls(), kVivid, grey(321, 181));
+    camera::V4l2Stream(camera::kernelVideoCalls(), kVivid, grey(321, 181));
     ADD_FAILURE() << "a size became another without a word";
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("size: 321 x 181 became 320 x 180"));

@@ -12,8 +12,8 @@
 
 namespace kerfbench::guest {
 
-hil::KernelAnswer WatchedSystem::read(int fd, std::span<std::byte> into) {
-  const hil::KernelAnswer got = real_->read(fd, into);
+source::KernelAnswer WatchedSystem::read(int fd, std::span<std::byte> into) {
+  const source::KernelAnswer got = real_->read(fd, into);
   const std::uint64_t now_ns = real_->now_ns();
   std::array<gpio_v2_line_event, 64> events{};
   if (got.failed() || into.size() > sizeof events) return got;
@@ -26,7 +26,7 @@ hil::KernelAnswer WatchedSystem::read(int fd, std::span<std::byte> into) {
   return got;
 }
 
-hil::KernelAnswer WatchedSystem::poll(int fd, std::uint64_t timeout_ns, short& revents) {
+source::KernelAnswer WatchedSystem::poll(int fd, std::uint64_t timeout_ns, short& revents) {
   if (before_first_wait_) std::exchange(before_first_wait_, nullptr)();
   return real_->poll(fd, timeout_ns, revents);
 }

@@ -15,22 +15,22 @@ namespace kerfbench::guest {
 
 /// The real system, with a look at what passes, and a first wait for edges that lasts as long as the test
 /// wants: a reader that something else keeps from running.
-class WatchedSystem final : public hil::GpioSystem {
+class WatchedSystem final : public source::GpioSystem {
  public:
   explicit WatchedSystem(std::function<void()> before_first_wait = {})
       : before_first_wait_(std::move(before_first_wait)) {}
 
-  hil::KernelAnswer open(const std::string& path) override { return real_->open(path); }
-  hil::KernelAnswer control(int fd, unsigned long request, void* argument) override {
+  source::KernelAnswer open(const std::string& path) override { return real_->open(path); }
+  source::KernelAnswer control(int fd, unsigned long request, void* argument) override {
     return real_->control(fd, request, argument);
   }
-  hil::KernelAnswer read(int fd, std::span<std::byte> into) override;
-  hil::KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
+  source::KernelAnswer read(int fd, std::span<std::byte> into) override;
+  source::KernelAnswer poll(int fd, std::uint64_t timeout_ns, short& revents) override;
   void close(int fd) override { real_->close(fd); }
   std::uint64_t now_ns() override { return real_->now_ns(); }
   std::uint64_t threadTime_ns() override { return real_->threadTime_ns(); }
-  hil::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
-  hil::KernelAnswer lockMemory() override { return real_->lockMemory(); }
+  source::KernelAnswer setRealTime(int priority) override { return real_->setRealTime(priority); }
+  source::KernelAnswer lockMemory() override { return real_->lockMemory(); }
   void leaveRealTime() override { real_->leaveRealTime(); }
 
   /// Of the edges as they came from the kernel.
@@ -39,7 +39,7 @@ class WatchedSystem final : public hil::GpioSystem {
   [[nodiscard]] std::uint64_t worstDelay_ns() const { return worst_delay_ns_; }
 
  private:
-  std::shared_ptr<hil::GpioSystem> real_ = hil::linuxGpioSystem();
+  std::shared_ptr<source::GpioSystem> real_ = source::linuxGpioSystem();
   std::function<void()> before_first_wait_;
   std::vector<std::uint32_t> numbers_;
   std::uint64_t worst_delay_ns_{};

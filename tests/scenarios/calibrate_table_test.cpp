@@ -15,8 +15,8 @@
 namespace kerfbench::test {
 namespace {
 
-using hil::AimGrid;
-using hil::TableFormat;
+using calibrate::AimGrid;
+using calibrate::TableFormat;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -32,13 +32,13 @@ class CalibrateTable : public testing::Test {
   }
   std::string written(const AimGrid& grid, const std::string& name,
                       TableFormat format = TableFormat::kCsv) const {
-    hil::writeTable(path(name), format, grid, {});
+    calibrate::writeTable(path(name), format, grid, {});
     return path(name);
   }
   /// Nine marks without correction, as somebody measured them to 10 µm.
-  [[nodiscard]] std::string nineMarks(const hil::SeededHead& head) const {
+  [[nodiscard]] std::string nineMarks(const calibrate::SeededHead& head) const {
     std::string text = fmt::format("# mm_per_index: {}\n", kMmPerIndex);
-    for (const hil::UncorrectedSpot& spot : head.nineSpots(0.01, 5)) {
+    for (const calibrate::UncorrectedSpot& spot : head.nineSpots(0.01, 5)) {
       const Eigen::Vector2d wrong = spot.spot_W_mm - spot.aim_W_mm;
       text += fmt::format("{:.0f} {:.0f} {:.3f} {:.3f}\n", spot.aim_W_mm.x() / kMmPerIndex,
                           spot.aim_W_mm.y() / kMmPerIndex, wrong.x(), wrong.y());
@@ -50,12 +50,13 @@ class CalibrateTable : public testing::Test {
     return path(name);
   }
   [[nodiscard]] double apart_um(const std::string& name) const {
-    return hil::tableLoss(grid_, hil::readTable(path(name))).anywhere.max_um;
+    return calibrate::tableLoss(grid_, calibrate::readTable(path(name))).anywhere.max_um;
   }
 
   ScratchFolder scratch_;
-  hil::SeededHead head_{8, kHalf_mm};
-  AimGrid grid_{head_.table(hil::evenly(-kHalf_mm, kHalf_mm, 33), hil::evenly(-kHalf_mm, kHalf_mm, 33))};
+  calibrate::SeededHead head_{8, kHalf_mm};
+  AimGrid grid_{
+      head_.table(calibrate::evenly(-kHalf_mm, kHalf_mm, 33), calibrate::evenly(-kHalf_mm, kHalf_mm, 33))};
 };
 
 TEST_F(CalibrateTable, TellsWhatAFileIs) {
@@ -67,8 +68,8 @@ TEST_F(CalibrateTable, TellsWhatAFileIs) {
   EXPECT_THAT(run.output, HasSubstr("would tell it from all readings that are another table"));
 
   // Of a few µm, nobody can tell.
-  const AimGrid small =
-      hil::SeededHead(8, kHalf_mm, 0.03).table(hil::evenly(-50, 50, 9), hil::evenly(-50, 50, 9));
+  const AimGrid small = calibrate::SeededHead(8, kHalf_mm, 0.03)
+                            .table(calibrate::evenly(-50, 50, 9), calibrate::evenly(-50, 50, 9));
   EXPECT_THAT(table(written(small, "small.csv")).output, HasSubstr("too symmetrical, or too small"));
 }
 
@@ -106,7 +107,7 @@ TEST_F(CalibrateTable, AForeignTableReadTheWrongWayRoundIsRecognisedAndRighted) 
   const std::string nine = nineMarks(head_);
   // As the program reads it, it lies otherwise than it was meant.
   const auto foreign = [&](const Eigen::Matrix2i& map, int sign, const std::string& name) {
-    return written(hil::asRead(grid_, {map, sign * map}), name + ".csv");
+    return written(calibrate::asRead(grid_, {map, sign * map}), name + ".csv");
   };
   Eigen::Matrix2i transposed, mirrored;
   transposed << 0, 1, 1, 0;
@@ -136,10 +137,10 @@ TEST_F(CalibrateTable, AForeignTableReadTheWrongWayRoundIsRecognisedAndRighted) 
 }
 
 TEST_F(CalibrateTable, AForeignConventionOfCorFilesIsRecognised) {
-  hil::TableOptions meerk40t;
-  meerk40t.cor = hil::CorConvention::meerk40t();
+  calibrate::TableOptions meerk40t;
+  meerk40t.cor = calibrate::CorConvention::meerk40t();
   meerk40t.cor.units_per_mm = 655.36;
-  hil::writeTable(path("t.cor"), TableFormat::kCor2, grid_, meerk40t);
+  calibrate::writeTable(path("t.cor"), TableFormat::kCor2, grid_, meerk40t);
   const std::string nine = nineMarks(head_);
   const ProgramRun as_glase = table(fmt::format("{} --check {}", path("t.cor"), nine));
   EXPECT_EQ(as_glase.exit_code, 1) << as_glase.output;
@@ -151,7 +152,7 @@ TEST_F(CalibrateTable, AForeignConventionOfCorFilesIsRecognised) {
 TEST_F(CalibrateTable, WhatTheMarksDoNotBearOutIsNotWritten) {
   const std::string out = file("out.csv", "old");
   const ProgramRun other = table(fmt::format("{} --check {} --out {}", written(grid_, "t.csv"),
-                                             nineMarks(hil::SeededHead(9, kHalf_mm)), out));
+                                             nineMarks(calibrate::SeededHead(9, kHalf_mm)), out));
   EXPECT_EQ(other.exit_code, 1) << other.output;
   EXPECT_THAT(other.output, HasSubstr("no reading fits"));
   EXPECT_EQ(textOf(out), "old");

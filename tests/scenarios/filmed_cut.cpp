@@ -5,11 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "hil/app/judge.h"
-#include "hil/app/lockstep.h"
-#include "hil/app/spot_recorder.h"
-#include "hil/app/stopwatch.h"
-#include "hil/camera/twin_frames.h"
+#include "hil/base/stopwatch.h"
+#include "hil/camera/twin/twin_frames.h"
+#include "hil/judge/judge.h"
+#include "hil/live/spot_recorder.h"
+#include "hil/run/lockstep.h"
 #include "hil/source/open.h"
 
 namespace kerfbench::test {
@@ -19,23 +19,23 @@ constexpr double kMargin_s = 0.3;
 
 std::int64_t nanoseconds(double time_s) { return std::llround(1e9 * time_s); }
 
-hil::Case caseOf(const std::filesystem::path& scenario) {
-  return hil::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware");
+scenario::Case caseOf(const std::filesystem::path& scenario) {
+  return scenario::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware");
 }
 
-hil::CutSheet cutByRelease(const hil::Case& the_case) {
-  return hil::cutOnTwin(the_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
+run::CutSheet cutByRelease(const scenario::Case& the_case) {
+  return run::cutOnTwin(the_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
 }
 
-hil::CutSheet cutByPins(const hil::Case& the_case, const std::filesystem::path& pins) {
-  hil::CutSheet cut;
-  cut.drawn = hil::drawnMachine(the_case);
-  const auto source = hil::openVcd(pins, the_case.machine.signals);
-  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, hil::webOf(the_case), source->info().rate,
-                                          hil::twinOptions(the_case));
-  hil::LockstepOptions lockstep;
+run::CutSheet cutByPins(const scenario::Case& the_case, const std::filesystem::path& pins) {
+  run::CutSheet cut;
+  cut.drawn = scenario::drawnMachine(the_case);
+  const auto source = source::openVcd(pins, the_case.machine.signals);
+  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(the_case), source->info().rate,
+                                          run::twinOptions(the_case));
+  run::LockstepOptions lockstep;
   lockstep.time_limit_s = the_case.scenario.time_limit_s;
-  cut.run = hil::runLockstep(*source, *cut.twin, the_case.machine.signals, nullptr, lockstep, {});
+  cut.run = run::runLockstep(*source, *cut.twin, the_case.machine.signals, nullptr, lockstep, {});
   return cut;
 }
 
@@ -47,7 +47,7 @@ FilmedCut::FilmedCut(const std::filesystem::path& scenario)
 FilmedCut::FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins)
     : FilmedCut(caseOf(scenario), cutByPins(caseOf(scenario), pins)) {}
 
-FilmedCut::FilmedCut(hil::Case the_case, hil::CutSheet cut)
+FilmedCut::FilmedCut(scenario::Case the_case, run::CutSheet cut)
     : case_(std::move(the_case)), cut_(std::move(cut)) {
   const auto gates = cut_.twin->gateIntervals();
   // judge() takes the exposures of its own twin; a real camera's are its own.
@@ -59,19 +59,19 @@ FilmedCut::FilmedCut(hil::Case the_case, hil::CutSheet cut)
 }
 
 std::vector<kerfbench::Frame> FilmedCut::frames() const {
-  hil::TwinFrameSource source(
+  camera::TwinFrameSource source(
       twin::SpotCamera(case_.machine.spot_camera, case_.scenario.print, case_.machine.glow_gray_per_w, 99),
       exposures_, 2);
   return source.nextBatch(exposures_.size());
 }
 
-std::unique_ptr<hil::FakeVideo> FilmedCut::camera(double drift) const {
-  auto video = std::make_unique<hil::FakeVideo>(case_.scenario.cameras.spot.device);
+std::unique_ptr<camera::FakeVideo> FilmedCut::camera(double drift) const {
+  auto video = std::make_unique<camera::FakeVideo>(case_.scenario.cameras.spot.device);
   video->addControl(V4L2_CID_EXPOSURE_AUTO, "Auto Exposure", 0, 3, V4L2_EXPOSURE_MANUAL);
   video->addControl(V4L2_CID_EXPOSURE_ABSOLUTE, "Exposure Time, Absolute", 1, 10'000, 50);
   constexpr std::int64_t kTransfer_ns = 3'000'000;
   for (kerfbench::Frame& frame : frames()) {
-    hil::FakeFrame buffer;
+    camera::FakeFrame buffer;
     buffer.bytes = std::move(frame.image.pixels);
     buffer.sequence = static_cast<std::uint32_t>(frame.sequence);
     buffer.stamp_ns = nanoseconds((1.0 + drift) * frame.start_s + kOffset_s);
@@ -82,9 +82,9 @@ std::unique_ptr<hil::FakeVideo> FilmedCut::camera(double drift) const {
   return video;
 }
 
-std::size_t FilmedCut::frameAt(const hil::FakeVideo& camera, double pins_s) const {
-  const auto after =
-      std::ranges::upper_bound(camera.frames, nanoseconds(pins_s + kOffset_s), {}, &hil::FakeFrame::stamp_ns);
+std::size_t FilmedCut::frameAt(const camera::FakeVideo& camera, double pins_s) const {
+  const auto after = std::ranges::upper_bound(camera.frames, nanoseconds(pins_s + kOffset_s), {},
+                                              &camera::FakeFrame::stamp_ns);
   return static_cast<std::size_t>(after - camera.frames.begin());
 }
 
@@ -100,16 +100,16 @@ double FilmedCut::middleOfACut_s() const {
   return 0.5 * (longest->first + longest->second);
 }
 
-std::string FilmedCut::record(hil::FakeVideo& camera, const std::filesystem::path& folder) const {
-  const hil::OpenSpotCamera open = hil::openSpotCamera(case_, camera);
-  hil::FrameRecordingWriter writer(folder, open.camera);
-  return hil::recordFrames(*open.stream, writer, hil::recordOptions(open), [] { return false; });
+std::string FilmedCut::record(camera::FakeVideo& camera, const std::filesystem::path& folder) const {
+  const live::OpenSpotCamera open = live::openSpotCamera(case_, camera);
+  camera::FrameRecordingWriter writer(folder, open.camera);
+  return camera::recordFrames(*open.stream, writer, live::recordOptions(open), [] { return false; });
 }
 
-hil::RunReport FilmedCut::judged(const std::filesystem::path& recording, int jobs) const {
-  hil::RunReport report;
-  hil::Stopwatch stopwatch;
-  hil::judge(
+report::RunReport FilmedCut::judged(const std::filesystem::path& recording, int jobs) const {
+  report::RunReport report;
+  base::Stopwatch stopwatch;
+  judge::judge(
       case_, *cut_.twin, cut_.run, {}, {recording}, jobs, stopwatch, [](double, const std::string&) {},
       report);
   return report;

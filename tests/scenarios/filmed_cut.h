@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/case.h"
-#include "hil/app/cut_on_twin.h"
 #include "hil/report/run_report.h"
+#include "hil/run/cut_on_twin.h"
+#include "hil/scenario/case.h"
 #include "tests/hil/camera/v4l2/fake_video.h"
 
 namespace kerfbench::test {
@@ -29,27 +29,27 @@ class FilmedCut {
   [[nodiscard]] std::vector<kerfbench::Frame> frames() const;
 
   /// The device with all frames(), each there 3 ms after its stamp.
-  [[nodiscard]] std::unique_ptr<hil::FakeVideo> camera(double drift = 0.0) const;
+  [[nodiscard]] std::unique_ptr<camera::FakeVideo> camera(double drift = 0.0) const;
   /// Index in FakeVideo::frames of the frame that is on its way at a time of the pins.
-  [[nodiscard]] std::size_t frameAt(const hil::FakeVideo& camera, double pins_s) const;
+  [[nodiscard]] std::size_t frameAt(const camera::FakeVideo& camera, double pins_s) const;
   /// When exposures began, on the clock of the pins.
   [[nodiscard]] std::vector<double> begins_s() const;
   /// Middle of the longest cut.
   [[nodiscard]] double middleOfACut_s() const;
 
   /// Records the device as the case asks for, until it falls silent. Returns why it ended.
-  std::string record(hil::FakeVideo& camera, const std::filesystem::path& folder) const;
+  std::string record(camera::FakeVideo& camera, const std::filesystem::path& folder) const;
   /// What a replay makes of a recording.
-  [[nodiscard]] hil::RunReport judged(const std::filesystem::path& recording, int jobs = 2) const;
+  [[nodiscard]] report::RunReport judged(const std::filesystem::path& recording, int jobs = 2) const;
 
-  [[nodiscard]] const hil::Case& theCase() const { return case_; }
-  [[nodiscard]] const hil::CutSheet& cut() const { return cut_; }
+  [[nodiscard]] const scenario::Case& theCase() const { return case_; }
+  [[nodiscard]] const run::CutSheet& cut() const { return cut_; }
 
  private:
-  FilmedCut(hil::Case the_case, hil::CutSheet cut);
+  FilmedCut(scenario::Case the_case, run::CutSheet cut);
 
-  hil::Case case_;
-  hil::CutSheet cut_;
+  scenario::Case case_;
+  run::CutSheet cut_;
   std::vector<twin::Exposure> exposures_;
 };
 

@@ -34,7 +34,7 @@ TEST_F(HeadPictures, EveryPictureThatCannotBeReadIsNamed) {
 
 TEST_F(HeadPictures, PicturesOfAnotherSizeAreNamed) {
   const fs::path folder = copy("pictures");
-  const std::vector<std::uint8_t> small = hil::encodePng(GrayImage(640, 480, 90));
+  const std::vector<std::uint8_t> small = camera::encodePng(GrayImage(640, 480, 90));
   writeText(folder / "tile-0002.png", {small.begin(), small.end()});
   refused(folder, kBadInput,
           {"pictures/tile-0002.png: has 640 x 480 pixels, the camera is calibrated for 2048 x 1536"});

@@ -13,7 +13,7 @@ using testing::Not;
 namespace fs = std::filesystem;
 
 std::unique_ptr<ScratchFolder> HeadPictures::shared_;
-std::unique_ptr<hil::HeadSetup> HeadPictures::setup_;
+std::unique_ptr<head_service::HeadSetup> HeadPictures::setup_;
 std::unique_ptr<SpoiledSheet> HeadPictures::clean_;
 
 void writeText(const fs::path& path, const std::string& text) {
@@ -30,8 +30,8 @@ void HeadPictures::SetUpTestSuite() {
   const ProgramRun run = kerfbench(
       fmt::format("calibrate head {} --keep-pictures --results-dir '{}'", options(), live().string()));
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  setup_ =
-      std::make_unique<hil::HeadSetup>(hil::readHeadSetup(fixture("machines/two-mirror-100.yaml"), kGrid));
+  setup_ = std::make_unique<head_service::HeadSetup>(
+      head_service::readHeadSetup(fixture("machines/two-mirror-100.yaml"), kGrid));
   clean_ = std::make_unique<SpoiledSheet>(live() / "1-grid", *setup_);
   ASSERT_EQ(clean_->numbers().size(), static_cast<std::size_t>(kGrid * kGrid));
 }

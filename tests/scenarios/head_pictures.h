@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/head_setup.h"
+#include "hil/head_service/head_setup.h"
 #include "tests/scenarios/scenario_runs.h"
 #include "tests/scenarios/spoiled_sheet.h"
 
@@ -48,7 +48,7 @@ class HeadPictures : public testing::Test {
 
  private:
   static std::unique_ptr<ScratchFolder> shared_;
-  static std::unique_ptr<hil::HeadSetup> setup_;
+  static std::unique_ptr<head_service::HeadSetup> setup_;
   static std::unique_ptr<SpoiledSheet> clean_;
   ScratchFolder scratch_;
 };

@@ -36,8 +36,8 @@ TEST_F(HeadPictures, ThreeMarksMissingAndOneFalseLeaveTheTableWithinItsLimit) {
   // As far from the table of all marks as both may be from the truth.
   const auto live_json = nlohmann::json::parse(textOf(live() / "head.json"));
   const double clean_mm = live_json.at("iterations").back().at("after").at("max_mm");
-  const hil::AimGrid table = hil::readControllerTable(path("table.csv"));
-  const hil::AimGrid whole = hil::readControllerTable(live() / "correction.csv");
+  const calibrate::AimGrid table = head_service::readControllerTable(path("table.csv"));
+  const calibrate::AimGrid whole = head_service::readControllerTable(live() / "correction.csv");
   double apart_mm = 0.0;
   for (const double x : table.x_mm()) {
     for (const double y : table.y_mm())

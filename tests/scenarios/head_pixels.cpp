@@ -13,13 +13,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "hil/app/head_on_twin.h"
 #include "hil/base/atomic_file.h"
+#include "hil/head_service/head_on_twin.h"
 #include "tests/scenarios/head_claims.h"
 
 namespace {
 
-using namespace kerfbench::hil;
 using namespace kerfbench::test;
 namespace fs = std::filesystem;
 
@@ -28,7 +27,7 @@ constexpr int kDensest = 17;  // Marks as large as `calibrate head` cuts them, w
 struct Options {
   std::uint64_t first_seed{1}, seeds{10};
   std::string only;
-  std::vector<int> grids{HeadPlan{}.grids};
+  std::vector<int> grids{head_service::HeadPlan{}.grids};
   int verify{400};
   double unmodelled_share{1e-6};  // The twin's encoders and board are exact.
   int jobs{1};
@@ -41,24 +40,26 @@ CalibratedHead calibrated(const HeadKindProof& kind, std::uint64_t seed, const O
   head.seed = seed;
   const auto start = std::chrono::steady_clock::now();
   try {
-    HeadPlan plan;
+    head_service::HeadPlan plan;
     plan.grids = options.grids;
     plan.verify = options.verify;
     plan.limit_mm = kind.limit_mm;
     plan.seed = seed;
-    HeadSetup setup = readHeadSetup(
+    head_service::HeadSetup setup = head_service::readHeadSetup(
         fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/machines" / (kind.machine + ".yaml"), kDensest);
     setup.unmodelled_share = options.unmodelled_share;
     plan.date = setup.camera.date;
-    TwinBench bench;
+    head_service::TwinBench bench;
     bench.seed = seed;
     bench.bin_dir = options.bin_dir;
     bench.threads = options.jobs;
     bool before = false;
-    HeadOnTwin cut(setup, bench, options.results_dir / fmt::format("{}-{}", kind.machine, seed));
+    head_service::HeadOnTwin cut(setup, bench,
+                                 options.results_dir / fmt::format("{}-{}", kind.machine, seed));
     cut.was_there = [&](const std::string& /*sheet*/) { before = true; };
-    const HeadCalibration result = calibrateHead(setup, plan, cut, [](const HeadIteration&) {});
-    const HeadIteration& best = result.iterations.at(result.best);
+    const head_service::HeadCalibration result =
+        head_service::calibrateHead(setup, plan, cut, [](const head_service::HeadIteration&) {});
+    const head_service::HeadIteration& best = result.iterations.at(result.best);
     head.raw_mm = result.iterations.front().before.max_mm;
     head.iterations = static_cast<int>(result.iterations.size());
     head.max_mm = best.after.max_mm;
@@ -100,7 +101,7 @@ int prove(const Options& options) {
     proof.push_back(std::move(kind));
   }
   fs::create_directories(options.results_dir);
-  writeFileAtomically(options.results_dir / "heads.csv", csvOf(proof));
+  base::writeFileAtomically(options.results_dir / "heads.csv", csvOf(proof));
   std::printf("\n%s", tableOf(proof).c_str());
   const std::vector<std::string> broken = brokenClaims(proof);
   for (const std::string& claim : broken) std::printf("DOES NOT HOLD: %s\n", claim.c_str());

@@ -11,11 +11,11 @@
 #include <future>
 #include <string>
 
-#include "hil/app/camera_files.h"
-#include "hil/app/kept_evidence.h"
-#include "hil/app/real_spot.h"
-#include "hil/app/release.h"
-#include "hil/app/spot_recorder.h"
+#include "hil/judge/real_spot.h"
+#include "hil/live/salvage_evidence.h"
+#include "hil/live/spot_recorder.h"
+#include "hil/run/release.h"
+#include "hil/scenario/camera_files.h"
 #include "hil/source/vcd.h"
 #include "tests/scenarios/filmed_cut.h"
 #include "tests/scenarios/scenario_runs.h"
@@ -24,8 +24,8 @@ namespace kerfbench::test {
 namespace {
 
 namespace fs = std::filesystem;
-using hil::FakeVideo;
-using hil::Verdict;
+using camera::FakeVideo;
+using inspect::Verdict;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -36,14 +36,14 @@ const FilmedCut& goodCut() {
   return cut;
 }
 
-std::string problemsOf(const hil::RunReport& report) {
+std::string problemsOf(const report::RunReport& report) {
   std::string text;
   for (const std::string& problem : report.result.problems) text += problem + "\n";
   return text;
 }
 
 /// The good run, but for what `spoil` does to the camera.
-hil::RunReport filmedWith(const std::function<void(FakeVideo&, std::size_t)>& spoil) {
+report::RunReport filmedWith(const std::function<void(FakeVideo&, std::size_t)>& spoil) {
   const ScratchFolder scratch;
   const auto camera = goodCut().camera();
   spoil(*camera, goodCut().frameAt(*camera, goodCut().middleOfACut_s()));
@@ -56,21 +56,21 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
   const auto folder = scratch.path() / "spot";
   const auto camera = goodCut().camera();
   EXPECT_THAT(goodCut().record(*camera, folder), HasSubstr("no frame within"));
-  const hil::RunReport live = goodCut().judged(folder, 1);
+  const report::RunReport live = goodCut().judged(folder, 1);
   EXPECT_EQ(live.result.verdict, Verdict::kPass) << problemsOf(live);
-  EXPECT_EQ(hil::digestOf(live), hil::digestOf(goodCut().judged(folder, 2)));
+  EXPECT_EQ(report::digestOf(live), report::digestOf(goodCut().judged(folder, 2)));
 
   // The program makes the same of pins and frames, up to what the controller said.
   const auto pins = scratch.path() / "pins.vcd";
-  hil::PinRecording recording = goodCut().cut().run.recording;
+  source::PinRecording recording = goodCut().cut().run.recording;
   recording.uart.clear();
-  hil::writeVcd(pins, recording, goodCut().theCase().machine.signals);
+  source::writeVcd(pins, recording, goodCut().theCase().machine.signals);
   const auto replay =
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'", pins.string(),
                             fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
   const auto verdict = verdictOf(scratch.path() / "label-camera-replay");
-  EXPECT_EQ(verdict.at("digest"), hil::digestOf(live));
+  EXPECT_EQ(verdict.at("digest"), report::digestOf(live));
   // The model that ran along with the same pins is the same machine.
   ASSERT_FALSE(verdict.at("model").at("partings").empty());
   for (const auto& parting : verdict.at("model").at("partings")) {
@@ -89,9 +89,9 @@ TEST(RealCamera, GivesABadReleaseAFail) {
   const FilmedCut bad(scenario);
   const auto camera = bad.camera();
   (void)bad.record(*camera, scratch.path() / "spot");
-  const hil::RunReport report = bad.judged(scratch.path() / "spot");
+  const report::RunReport report = bad.judged(scratch.path() / "spot");
   EXPECT_EQ(report.result.verdict, Verdict::kFail) << problemsOf(report);
-  const auto stillness = std::ranges::find(report.result.checks, "stillness_x", &hil::Check::name);
+  const auto stillness = std::ranges::find(report.result.checks, "stillness_x", &inspect::Check::name);
   ASSERT_NE(stillness, report.result.checks.end());
   EXPECT_EQ(stillness->verdict, Verdict::kFail);
 }
@@ -108,9 +108,9 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
   const FilmedCut askew(scratch.path() / "askew.yaml");
   const auto camera = askew.camera();
   (void)askew.record(*camera, scratch.path() / "spot");
-  hil::PinRecording recording = askew.cut().run.recording;
+  source::PinRecording recording = askew.cut().run.recording;
   recording.uart.clear();
-  hil::writeVcd(scratch.path() / "pins.vcd", recording, askew.theCase().machine.signals);
+  source::writeVcd(scratch.path() / "pins.vcd", recording, askew.theCase().machine.signals);
   const auto replay =
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'",
                             (scratch.path() / "pins.vcd").string(),
@@ -130,8 +130,8 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
   EXPECT_THAT(textOf(results / "report.html"), HasSubstr("Where machine and model part"));
 }
 
-std::vector<hil::GateInterval> gatesOf(const FilmedCut& cut) {
-  std::vector<hil::GateInterval> gates;
+std::vector<inspect::GateInterval> gatesOf(const FilmedCut& cut) {
+  std::vector<inspect::GateInterval> gates;
   for (const auto& [on_s, off_s] : cut.cut().twin->gateIntervals()) gates.push_back({on_s, off_s});
   return gates;
 }
@@ -140,17 +140,17 @@ std::vector<hil::GateInterval> gatesOf(const FilmedCut& cut) {
 TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
   const ScratchFolder scratch;
   const std::vector<double> begins_s = goodCut().begins_s();
-  const auto calibration = hil::readCalibrations(goodCut().theCase()).spot;
+  const auto calibration = scenario::readCalibrations(goodCut().theCase()).spot;
   for (const double drift : {0.0, 100e-6}) {
     const auto folder = scratch.path() / fmt::format("drift-{}", drift);
     const auto camera = goodCut().camera(drift);
     (void)goodCut().record(*camera, folder);
-    const hil::RealSpot spot = hil::lookAtRealSpot(goodCut().theCase(), folder, calibration.value(),
-                                                   goodCut().cut().run.recording, gatesOf(goodCut()), 2);
+    const judge::RealSpot spot = judge::lookAtRealSpot(goodCut().theCase(), folder, calibration.value(),
+                                                       goodCut().cut().run.recording, gatesOf(goodCut()), 2);
     ASSERT_GT(spot.track.frames.size(), 300U);
     EXPECT_LT(spot.clock_bound_s, 1e-3);
     double worst_s = 0.0;
-    for (const hil::FrameMeasurement& frame : spot.track.frames) {
+    for (const vision::FrameMeasurement& frame : spot.track.frames) {
       const double begin_s = frame.mid_s - 100e-6;
       const auto after = std::ranges::lower_bound(begins_s, begin_s - 1e-3);
       ASSERT_NE(after, begins_s.end());
@@ -163,10 +163,10 @@ TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
 }
 
 TEST(RealCamera, SeesOnlyDarknessWhereNothingIsCut) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t) {
     const std::vector<std::uint8_t> dark = camera.frames.front().bytes;
     std::uint8_t noise = 0;
-    for (hil::FakeFrame& frame : camera.frames) {
+    for (camera::FakeFrame& frame : camera.frames) {
       frame.bytes = dark;
       frame.bytes[0] = noise++;
     }
@@ -176,7 +176,7 @@ TEST(RealCamera, SeesOnlyDarknessWhereNothingIsCut) {
 }
 
 TEST(RealCamera, ThatLosesAFrameDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
     camera.frames.erase(camera.frames.begin() + static_cast<std::ptrdiff_t>(at));
   });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
@@ -185,20 +185,20 @@ TEST(RealCamera, ThatLosesAFrameDuringACutIsInvalid) {
 }
 
 TEST(RealCamera, ThatLosesAFrameBeforeTheFirstCutIsAsGood) {
-  const hil::RunReport report =
+  const report::RunReport report =
       filmedWith([](FakeVideo& camera, std::size_t) { camera.frames.erase(camera.frames.begin() + 3); });
   EXPECT_EQ(report.result.verdict, Verdict::kPass) << problemsOf(report);
 }
 
 TEST(RealCamera, ThatRepeatsAPictureDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith(
+  const report::RunReport report = filmedWith(
       [](FakeVideo& camera, std::size_t at) { camera.frames[at].bytes = camera.frames[at - 1].bytes; });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
   EXPECT_THAT(problemsOf(report), HasSubstr("its picture is the one before, to the byte"));
 }
 
 TEST(RealCamera, ThatGivesANumberTwiceDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
     for (std::size_t i = at; i < camera.frames.size(); ++i) --camera.frames[i].sequence;
   });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
@@ -206,21 +206,21 @@ TEST(RealCamera, ThatGivesANumberTwiceDuringACutIsInvalid) {
 }
 
 TEST(RealCamera, ThatFlagsAFrameDuringACutIsInvalid) {
-  const hil::RunReport report =
+  const report::RunReport report =
       filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].flags |= V4L2_BUF_FLAG_ERROR; });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
   EXPECT_THAT(problemsOf(report), HasSubstr("the driver marks it as damaged"));
 }
 
 TEST(RealCamera, ThatCutsAFrameOffDuringACutIsInvalid) {
-  const hil::RunReport report =
+  const report::RunReport report =
       filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].bytesused = 1000; });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
   EXPECT_THAT(problemsOf(report), HasSubstr("too few or too many bytes"));
 }
 
 TEST(RealCamera, ThatStopsDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
     camera.frames.erase(camera.frames.begin() + static_cast<std::ptrdiff_t>(at), camera.frames.end());
   });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
@@ -228,7 +228,7 @@ TEST(RealCamera, ThatStopsDuringACutIsInvalid) {
 }
 
 TEST(RealCamera, ThatVanishesDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
     camera.frames[at].before = [&camera] { camera.is_gone = true; };
   });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
@@ -236,7 +236,7 @@ TEST(RealCamera, ThatVanishesDuringACutIsInvalid) {
 }
 
 TEST(RealCamera, ThatChangesItsSizeDuringACutIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
+  const report::RunReport report = filmedWith([](FakeVideo& camera, std::size_t at) {
     camera.frames[at].before = [&camera] { camera.format.width = 640; };
   });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
@@ -244,14 +244,15 @@ TEST(RealCamera, ThatChangesItsSizeDuringACutIsInvalid) {
 }
 
 TEST(RealCamera, WhoseStampsRunWildIsInvalid) {
-  const hil::RunReport report =
+  const report::RunReport report =
       filmedWith([](FakeVideo& camera, std::size_t at) { camera.frames[at].stamp_ns -= 50'000'000; });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
   EXPECT_THAT(problemsOf(report), HasSubstr("its stamp is not later than that of the frame before"));
 }
 
 TEST(RealCamera, ThatSeesBarelyAnythingOfTheJobIsInvalid) {
-  const hil::RunReport report = filmedWith([](FakeVideo& camera, std::size_t) { camera.frames.resize(1); });
+  const report::RunReport report =
+      filmedWith([](FakeVideo& camera, std::size_t) { camera.frames.resize(1); });
   EXPECT_EQ(report.result.verdict, Verdict::kInvalid);
   EXPECT_THAT(problemsOf(report), HasSubstr("the spot camera gave no frame: no frame within"));
 }
@@ -262,11 +263,11 @@ TEST(RealCamera, IsRecordedInTheBackgroundUntilItIsAskedToStop) {
   std::promise<void> reached;
   std::future<void> is_reached = reached.get_future();
   camera->frames[20].before = [&reached] { reached.set_value(); };
-  hil::SpotRecorder recorder(goodCut().theCase(), *camera, scratch.path() / "spot");
+  live::SpotRecorder recorder(goodCut().theCase(), *camera, scratch.path() / "spot");
   is_reached.get();
   (void)recorder.finish();
   EXPECT_GE(recorder.frames(), 18U);
-  const hil::FrameRecording recording(scratch.path() / "spot");
+  const camera::FrameRecording recording(scratch.path() / "spot");
   EXPECT_EQ(recording.frames(), recorder.frames());
   EXPECT_EQ(recording.camera().card, "Fake camera");
   EXPECT_EQ(recording.setup().exposure_s, 200e-6);
@@ -279,14 +280,14 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   (void)goodCut().record(*camera, scratch.path() / "whole");
   fs::copy(scratch.path() / "whole", scratch.path() / "torn");
   fs::remove(scratch.path() / "torn" / "camera.yaml");
-  hil::Console console(true);
+  base::Console console(true);
   const auto keep = [&](const fs::path& frames) {
     testing::internal::CaptureStdout();
-    hil::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(), console);
+    live::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(), console);
     return testing::internal::GetCapturedStdout();
   };
   EXPECT_THAT(keep(scratch.path() / "whole"), Not(HasSubstr("lost")));
-  const hil::FrameRecording kept(scratch.path() / "label-camera-capture" / "spot");
+  const camera::FrameRecording kept(scratch.path() / "label-camera-capture" / "spot");
   EXPECT_GT(kept.frames(), 0U);
   EXPECT_FALSE(fs::exists(scratch.path() / "whole"));
   EXPECT_THAT(keep(scratch.path() / "torn"), HasSubstr("the frames are not whole, and are lost"));
@@ -294,8 +295,8 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   EXPECT_FALSE(fs::exists(scratch.path() / "label-camera-capture-2" / "spot"));
   std::ofstream(scratch.path() / "no-folder") << "a file";
   testing::internal::CaptureStdout();
-  hil::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
-                    console);
+  live::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
+                     console);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("could not be kept"));
 }
 
@@ -307,9 +308,9 @@ TEST(RealCamera, IsRefusedWithEveryReasonWhereItIsNotAsAskedFor) {
   camera->fourccs = {V4L2_PIX_FMT_YUYV};
   camera->is_stubborn_format = true;
   try {
-    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    (void)live::openSpotCamera(goodCut().theCase(), *camera);
     FAIL();
-  } catch (const hil::InputFault& fault) {
+  } catch (const base::InputError& fault) {
     EXPECT_THAT(fault.what(),
                 AllOf(HasSubstr("label-camera.yaml:14: cameras.spot.device: size"),
                       HasSubstr("label-camera.yaml:16: cameras.spot.exposure_us: the camera has no such"),
@@ -322,9 +323,9 @@ TEST(RealCamera, IsRefusedWhereItMakesAnotherSettingOfIt) {
   camera->value_step = 3;
   camera->controls.erase(camera->controls.begin());  // No automatic.
   try {
-    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    (void)live::openSpotCamera(goodCut().theCase(), *camera);
     FAIL();
-  } catch (const hil::InputFault& fault) {
+  } catch (const base::InputError& fault) {
     EXPECT_THAT(fault.what(),
                 HasSubstr("label-camera.yaml:16: cameras.spot.exposure_us: exposure_s = 0.0002 was asked "
                           "for, and the camera made 0 of it"));
@@ -335,9 +336,9 @@ TEST(RealCamera, WithoutPermissionSaysWhatToDo) {
   const auto camera = goodCut().camera();
   camera->open_error = EACCES;
   try {
-    (void)hil::openSpotCamera(goodCut().theCase(), *camera);
+    (void)live::openSpotCamera(goodCut().theCase(), *camera);
     FAIL();
-  } catch (const hil::InputFault& fault) {
+  } catch (const base::InputError& fault) {
     EXPECT_THAT(fault.what(), AllOf(HasSubstr("label-camera.yaml:14: cameras.spot.device: /dev/video7"),
                                     HasSubstr("group \"video\"")));
   }
@@ -356,7 +357,7 @@ TEST(RealCamera, SeesNothingOfEmulatedPins) {
 TEST(RealCamera, WithoutARecordingOfItsFramesIsNotReplayed) {
   const ScratchFolder scratch;
   const auto pins = scratch.path() / "pins.vcd";
-  hil::writeVcd(pins, goodCut().cut().run.recording, goodCut().theCase().machine.signals);
+  source::writeVcd(pins, goodCut().cut().run.recording, goodCut().theCase().machine.signals);
   const std::string scenario = fixture("scenarios/native/label-camera.yaml").string();
   const auto run = kerfbench(fmt::format("replay '{}' --scenario '{}' -q --results-dir '{}'", pins.string(),
                                          scenario, scratch.path().string()));

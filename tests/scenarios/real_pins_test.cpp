@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
-#include "hil/app/real_pins.h"
+#include "hil/live/real_pins.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,10 +12,10 @@
 #include <memory>
 #include <stdexcept>
 
-#include "hil/app/cut_on_twin.h"
-#include "hil/app/release.h"
-#include "hil/app/run_on_pins.h"
 #include "hil/camera/tile_folder.h"
+#include "hil/live/run_on_pins.h"
+#include "hil/run/cut_on_twin.h"
+#include "hil/run/release.h"
 #include "hil/source/analyser/sr_file.h"
 #include "tests/hil/source/analyser/scripted_analyser.h"
 #include "tests/scenarios/released_pins.h"
@@ -25,7 +25,7 @@ namespace kerfbench::test {
 namespace {
 
 namespace fs = std::filesystem;
-using hil::CaptureCommandOptions;
+using live::CaptureOptions;
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
@@ -52,14 +52,14 @@ class PinsToVerdict : public testing::Test {
     bad_.reset();
     scratch_.reset();
   }
-  static hil::RealPins pins(std::shared_ptr<hil::GpioSystem> kernel) {
+  static live::RealPins pins(std::shared_ptr<source::GpioSystem> kernel) {
     return {.gpio = std::move(kernel),
-            .chips = &hil::ScriptedKernel::listed,
+            .chips = &source::ScriptedKernel::listed,
             .serial = nullptr,
             .analysers = nullptr};
   }
-  static hil::RealPins analyser(const ReleasedPins& release) {
-    auto script = std::make_shared<hil::ScriptedAnalyser>();
+  static live::RealPins analyser(const ReleasedPins& release) {
+    auto script = std::make_shared<source::ScriptedAnalyser>();
     script->runs = release.sampled(24'000'000);
     return {.gpio = nullptr, .chips = {}, .serial = nullptr, .analysers = std::move(script)};
   }
@@ -68,8 +68,8 @@ class PinsToVerdict : public testing::Test {
     EXPECT_NE(at, std::string::npos) << from;
     return at == std::string::npos ? text : text.replace(at, from.size(), to);
   }
-  hil::CommonOptions options() const {
-    hil::CommonOptions options;
+  judge::RunOptions options() const {
+    judge::RunOptions options;
     options.results_dir = results_.path();
     options.bin_dir = fs::path(KERFBENCH_BINARY_DIR) / "bin";
     options.quiet = true;
@@ -77,17 +77,17 @@ class PinsToVerdict : public testing::Test {
     options.twin = "fast";
     return options;
   }
-  int runOn(const hil::RealPins& real, const fs::path& scenario) const {
-    hil::Stopwatch stopwatch;
-    hil::Console console(true);
-    hil::Case the_case = hil::readCase(scenario, {});
+  int runOn(const live::RealPins& real, const fs::path& scenario) const {
+    base::Stopwatch stopwatch;
+    base::Console console(true);
+    scenario::Case the_case = scenario::readCase(scenario, {});
     the_case.scenario.fidelity = twin::Fidelity::kFast;
     return runOnPins(the_case, real, options(), stopwatch, console);
   }
-  int run(const ReleasedPins& release, const std::shared_ptr<hil::GpioSystem>& kernel) const {
+  int run(const ReleasedPins& release, const std::shared_ptr<source::GpioSystem>& kernel) const {
     return runOn(pins(kernel), release.scenario(kFirmware));
   }
-  CaptureCommandOptions captureOptions(const ReleasedPins& release, const char* firmware = kFirmware) const {
+  CaptureOptions captureOptions(const ReleasedPins& release, const char* firmware = kFirmware) const {
     return {.scenario = release.scenario(firmware),
             .out = results_.path() / "heard",
             .time_limit_s = {},
@@ -97,7 +97,7 @@ class PinsToVerdict : public testing::Test {
   }
   /// What capture recorded, judged. The exit code.
   int replay(const ReleasedPins& release, const char* firmware = kFirmware) const {
-    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {},
+    return app::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {},
                               options());
   }
   /// Not by EXPECT_EQ: to tell how long texts differ takes all memory.
@@ -115,13 +115,14 @@ class PinsToVerdict : public testing::Test {
   fs::path photographs() const { return results_.path() / "photographs"; }
   /// Those of the sheet that this release cuts.
   void photograph(const ReleasedPins& release) const {
-    hil::Case the_case = hil::readCase(release.scenario("{source: native, image: controller-native}"),
-                                       fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    scenario::Case the_case =
+        scenario::readCase(release.scenario("{source: native, image: controller-native}"),
+                           fs::path(KERFBENCH_BINARY_DIR) / "firmware");
     the_case.scenario.fidelity = twin::Fidelity::kFast;
-    hil::CutSheet cut = hil::cutOnTwin(the_case, options().bin_dir, [](double, const std::string&) {});
-    hil::TwinTileSource tiles = hil::kerfTiles(the_case, *cut.twin, {.threads = 2});
+    run::CutSheet cut = run::cutOnTwin(the_case, options().bin_dir, [](double, const std::string&) {});
+    camera::TwinTileSource tiles = run::kerfTiles(the_case, *cut.twin, {.threads = 2});
     fs::remove_all(photographs());
-    hil::writeTiles(tiles, photographs());
+    camera::writeTiles(tiles, photographs());
   }
   nlohmann::json verdict(const std::string& name) const { return verdictOf(results_.path() / name); }
 
@@ -152,7 +153,7 @@ TEST_F(PinsToVerdict, KerfPicturesFromBeforeTheCutAreRefusedBeforeAnythingIsOpen
   try {
     (void)runOn(pins(kernel), scenario);
     FAIL() << "it cut";
-  } catch (const hil::InputFault& fault) {
+  } catch (const base::InputError& fault) {
     EXPECT_THAT(fault.what(),
                 AllOf(HasSubstr("good.yaml:6: cameras.kerf.folder: pictures that are there before"),
                       HasSubstr("replay PINS.vcd --scenario " + scenario.string())));
@@ -169,7 +170,7 @@ TEST_F(PinsToVerdict, KerfPicturesFromBeforeTheCutAreRefusedBeforeAnythingIsOpen
 TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatTellsWhichTheyWere) {
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), captureOptions(*good_)), 0);
   const auto judged = [&] {
-    return hil::replayCommand(results_.path() / "heard" / "pins.vcd", photographed(*good_, kFirmware), {},
+    return app::replayCommand(results_.path() / "heard" / "pins.vcd", photographed(*good_, kFirmware), {},
                               options());
   };
   photograph(*good_);
@@ -190,9 +191,9 @@ TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatT
 // The sheet is cut, whatever becomes of the judge.
 TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
   const auto brokenRun = [&] {
-    hil::Stopwatch stopwatch;
-    hil::Console console(true);
-    hil::Case the_case = hil::readCase(good_->scenario(kFirmware), {});
+    base::Stopwatch stopwatch;
+    base::Console console(true);
+    scenario::Case the_case = scenario::readCase(good_->scenario(kFirmware), {});
     the_case.scenario.fidelity = twin::Fidelity::kFast;
     // It breaks while the pins are heard: the judge comes later.
     const auto kernel = good_->kernel();
@@ -210,7 +211,7 @@ TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
                                  HasSubstr("./bench replay " + (kept / "pins.vcd").string())));
   EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
   EXPECT_EQ(textOf(kept / "scenario.yaml"), textOf(good_->scenario(kFirmware)));
-  EXPECT_EQ(hil::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
+  EXPECT_EQ(app::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
   // Evidence does not take the place of evidence.
   EXPECT_THAT(brokenRun(), HasSubstr(kept.string() + "-2"));
   EXPECT_TRUE(same(kept / "pins.vcd", results_.path() / "good-pins-capture-2" / "pins.vcd"));
@@ -235,7 +236,7 @@ TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
 }
 
 TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
-  const CaptureCommandOptions options = captureOptions(*good_);
+  const CaptureOptions options = captureOptions(*good_);
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
   EXPECT_EQ(textOf(options.out / "scenario.yaml"), textOf(options.scenario));
   EXPECT_EQ(std::distance(fs::directory_iterator(options.out), {}), 2);
@@ -244,19 +245,19 @@ TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
 }
 
 TEST_F(PinsToVerdict, ACaptureNeverReplacesAFolderThatIsNoneOfIts) {
-  CaptureCommandOptions options = captureOptions(*good_);
+  CaptureOptions options = captureOptions(*good_);
   fs::create_directories(options.out);
   std::ofstream(options.out / "thesis.tex") << "years";
   const auto kernel = good_->kernel();
-  EXPECT_THROW(captureOnPins(pins(kernel), options), hil::InputFault);
+  EXPECT_THROW(captureOnPins(pins(kernel), options), base::InputError);
   EXPECT_EQ(textOf(options.out / "thesis.tex"), "years");
   EXPECT_EQ(kernel->request.num_lines, 0U) << "refused before anybody starts a job";
   options.out /= "thesis.tex";
-  EXPECT_THROW(captureOnPins(pins(kernel), options), hil::InputFault);
+  EXPECT_THROW(captureOnPins(pins(kernel), options), base::InputError);
 }
 
 TEST_F(PinsToVerdict, ByAnAnalyserAGoodReleasePassesAndItsCaptureReplayedHasTheSameDigest) {
-  const hil::RealPins real = analyser(*good_);
+  const live::RealPins real = analyser(*good_);
   EXPECT_EQ(runOn(real, good_->scenario(kAnalyser)), 0);
   const auto live = verdict("good-pins");
   EXPECT_EQ(live.at("verdict"), "PASS");
@@ -270,9 +271,9 @@ TEST_F(PinsToVerdict, ByAnAnalyserABadReleaseFails) {
 }
 
 TEST_F(PinsToVerdict, AnAnalyserThatStopsByItselfMakesRunAndCaptureAndReplayInvalid) {
-  hil::RealPins real = analyser(*good_);
+  live::RealPins real = analyser(*good_);
   // All edges are there, but who knows that.
-  std::dynamic_pointer_cast<hil::ScriptedAnalyser>(real.analysers)->runs.pop_back();
+  std::dynamic_pointer_cast<source::ScriptedAnalyser>(real.analysers)->runs.pop_back();
   EXPECT_EQ(runOn(real, good_->scenario(kAnalyser)), 3);
   const auto live = verdict("good-pins");
   EXPECT_THAT(live.at("problems").get<std::vector<std::string>>(),
@@ -339,8 +340,8 @@ TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
         fmt::format("sigrok-cli -I vcd:downsample={} -i '{}' -O srzip -o '{}' >/dev/null 2>&1", every,
                     vcd.string(), session.string());
     EXPECT_EQ(std::system(convert.c_str()), 0);
-    const int code = hil::replayCommand(session, release.scenario("{source: native}"), {}, options());
-    EXPECT_EQ(hil::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
+    const int code = app::replayCommand(session, release.scenario("{source: native}"), {}, options());
+    EXPECT_EQ(source::readSr(session, release.map(), {}).outputs.size(), release.recording().outputs.size());
     return code;
   };
   EXPECT_EQ(judged(*good_, "good", 625), 0);
@@ -349,13 +350,13 @@ TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
 }
 
 TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
-  hil::PinRecording coarse;
+  source::PinRecording coarse;
   coarse.rate = {1, 100'000};
   coarse.outputs = {{1000, 0, 1, 1, 0}, {1001, 0, 1, 0, 0}};
   coarse.end = 20'000;
-  hil::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
+  source::writeSr(results_.path() / "coarse.sr", coarse, good_->map());
   EXPECT_EQ(
-      hil::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), {}, options()),
+      app::replayCommand(results_.path() / "coarse.sr", good_->scenario("{source: native}"), {}, options()),
       3);
   EXPECT_THAT(verdict("good-pins-replay").at("problems").get<std::vector<std::string>>(),
               Contains(HasSubstr("100000 Hz is too low for galvo_x_pul: its drive (galvo-pul-dir) takes "
@@ -364,16 +365,16 @@ TEST_F(PinsToVerdict, ASessionThatIsTooCoarseForThePulsesIsInvalid) {
 }
 
 TEST_F(PinsToVerdict, AnAnalysersCaptureIsASessionTooThatIsJudgedAlike) {
-  const hil::RealPins real = analyser(*good_);
-  CaptureCommandOptions capture = captureOptions(*good_, kAnalyser);
+  const live::RealPins real = analyser(*good_);
+  CaptureOptions capture = captureOptions(*good_, kAnalyser);
   capture.session = true;
   EXPECT_EQ(captureOnPins(real, capture), 0);
   EXPECT_EQ(replay(*good_, kAnalyser), 0);
   const auto by_vcd = verdict("good-pins-replay");
-  EXPECT_EQ(hil::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), {}, options()), 0);
+  EXPECT_EQ(app::replayCommand(capture.out / "pins.sr", good_->scenario(kAnalyser), {}, options()), 0);
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), by_vcd.at("digest"));
   capture.scenario = good_->scenario(kFirmware);
-  EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), hil::InputFault);
+  EXPECT_THROW(captureOnPins(pins(good_->kernel()), capture), base::InputError);
 }
 
 TEST_F(PinsToVerdict, ASessionThatCannotBeReadIsAnErrorInWords) {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "tests/scenarios/scenario_runs.h"
 
 namespace kerfbench::test {
@@ -20,13 +20,13 @@ ReleasedPins::ReleasedPins(const fs::path& folder, const std::string& name, cons
     : folder_(folder),
       name_(name),
       planner_(planner),
-      map_(hil::readMachine(fixture("machines/two-mirror-slow.yaml")).signals) {
+      map_(machine_file::readMachine(fixture("machines/two-mirror-slow.yaml")).signals) {
   fs::create_directories(folder);
   const ProgramRun run = kerfbench(fmt::format("run '{}' --twin fast -q --no-pictures --results-dir '{}'",
                                                scenario("{source: native}").string(), folder.string()));
   const fs::path vcd = folder / (name + "-pins") / "pins.vcd";
   if (!fs::exists(vcd)) throw std::runtime_error(run.output);
-  recording_ = hil::readVcd(vcd, map_);
+  recording_ = source::readVcd(vcd, map_);
 }
 
 const std::vector<Signal>& ReleasedPins::wired() {
@@ -43,10 +43,10 @@ fs::path ReleasedPins::scenario(const std::string& firmware) const {
   return path;
 }
 
-std::shared_ptr<hil::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merged) const {
+std::shared_ptr<source::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merged) const {
   // Long after the lines are asked for.
-  constexpr std::uint64_t kFirst_ns = hil::ScriptedKernel::kStart_ns + 500'000'000;
-  auto kernel = std::make_shared<hil::ScriptedKernel>();
+  constexpr std::uint64_t kFirst_ns = source::ScriptedKernel::kStart_ns + 500'000'000;
+  auto kernel = std::make_shared<source::ScriptedKernel>();
   std::array<std::uint32_t, 8> line_seqno{};
   std::uint32_t seqno = 0;
   std::uint64_t levels = 0;
@@ -70,8 +70,8 @@ std::shared_ptr<hil::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merged) 
   return kernel;
 }
 
-std::vector<hil::LevelRun> ReleasedPins::sampled(std::uint64_t samplerate_hz) const {
-  std::vector<hil::LevelRun> runs;
+std::vector<source::LevelRun> ReleasedPins::sampled(std::uint64_t samplerate_hz) const {
+  std::vector<source::LevelRun> runs;
   const Tick first = recording_.outputs.front().tick;
   std::uint64_t done = 0;
   std::uint32_t levels = 0;

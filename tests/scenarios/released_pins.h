@@ -20,7 +20,7 @@ class ReleasedPins {
   /// `planner`: of the scenario, as "{faults: {no_pincushion: true}}". Files go to `folder`.
   ReleasedPins(const std::filesystem::path& folder, const std::string& name, const std::string& planner);
 
-  [[nodiscard]] const hil::PinRecording& recording() const { return recording_; }
+  [[nodiscard]] const source::PinRecording& recording() const { return recording_; }
   [[nodiscard]] const SignalMap& map() const { return map_; }
   /// Outputs that the job uses; a gpiochip's line or an analyser's channel has the index of its signal here.
   [[nodiscard]] static const std::vector<Signal>& wired();
@@ -28,17 +28,17 @@ class ReleasedPins {
   [[nodiscard]] std::filesystem::path scenario(const std::string& firmware) const;
 
   /// A kernel whose lines do what the pins did; edge number `merged` (from 1) never comes, 0: all do.
-  [[nodiscard]] std::shared_ptr<hil::ScriptedKernel> kernel(std::uint32_t merged = 0) const;
+  [[nodiscard]] std::shared_ptr<source::ScriptedKernel> kernel(std::uint32_t merged = 0) const;
 
   /// The levels of wired() as an analyser of this rate takes them: half a second before the first edge and
   /// five behind the last, which is a run of its own.
-  [[nodiscard]] std::vector<hil::LevelRun> sampled(std::uint64_t samplerate_hz) const;
+  [[nodiscard]] std::vector<source::LevelRun> sampled(std::uint64_t samplerate_hz) const;
 
  private:
   std::filesystem::path folder_;
   std::string name_;
   std::string planner_;
-  hil::PinRecording recording_;
+  source::PinRecording recording_;
   SignalMap map_;
 };
 

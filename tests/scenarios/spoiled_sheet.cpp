@@ -5,10 +5,10 @@
 
 #include <Eigen/Geometry>
 
-#include "hil/app/measured_sheet.h"
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/camera/tile_folder.h"
+#include "hil/head_service/measured_sheet.h"
 
 namespace kerfbench::test {
 namespace {
@@ -25,33 +25,33 @@ cv::Rect shownIn(const cv::Mat& picture, const cv::Rect& box) {
 }
 
 /// Tiles that are handed out as they are.
-class Tiles final : public hil::TileSource {
+class Tiles final : public camera::TileSource {
  public:
-  explicit Tiles(const std::vector<hil::KerfTile>& tiles) : tiles_(tiles) {}
-  std::vector<hil::KerfTile> nextBatch(std::size_t max) override {
-    std::vector<hil::KerfTile> batch;
+  explicit Tiles(const std::vector<camera::KerfTile>& tiles) : tiles_(tiles) {}
+  std::vector<camera::KerfTile> nextBatch(std::size_t max) override {
+    std::vector<camera::KerfTile> batch;
     for (; next_ < tiles_.size() && batch.size() < max; ++next_) batch.push_back(tiles_[next_]);
     return batch;
   }
 
  private:
-  const std::vector<hil::KerfTile>& tiles_;
+  const std::vector<camera::KerfTile>& tiles_;
   std::size_t next_{0};
 };
 
 }  // namespace
 
-SpoiledSheet::SpoiledSheet(const fs::path& sheet, const hil::HeadSetup& setup)
-    : setup_(setup), job_(hil::readJobOf(setup, sheet / "marks.yaml")) {
-  hil::TileFolder folder = hil::openPictures(setup, sheet / "pictures");
+SpoiledSheet::SpoiledSheet(const fs::path& sheet, const head_service::HeadSetup& setup)
+    : setup_(setup), job_(head_service::readJobOf(setup, sheet / "marks.yaml")) {
+  camera::TileFolder folder = head_service::openPictures(setup, sheet / "pictures");
   tiles_ = folder.nextBatch(folder.size());
   Tiles source(tiles_);
-  hil::FieldSearchOptions search;
+  calibrate::FieldSearchOptions search;
   search.size_mm = job_.size_mm;
   search.beam_radius_mm = setup.beam_radius_mm;
-  const hil::FieldPictures found = hil::findFieldMarks(source, setup.camera, job_.print, search);
+  const calibrate::FieldPictures found = calibrate::findFieldMarks(source, setup.camera, job_.print, search);
   pose_ = found.pose;
-  for (const hil::FieldMark& mark : found.marks) marks_S_mm_.emplace(mark.number, mark.p_S_mm);
+  for (const calibrate::FieldMark& mark : found.marks) marks_S_mm_.emplace(mark.number, mark.p_S_mm);
 }
 
 std::vector<int> SpoiledSheet::numbers() const {
@@ -66,7 +66,7 @@ Vector2d SpoiledSheet::p_T_mm(const Vector2d& p_S_mm) const {
 
 void SpoiledSheet::edit(const Vector2d& p_S_mm, double half_mm, const Edit& how) {
   const int half_px = static_cast<int>(std::ceil(half_mm / setup_.camera.pitchMm()));
-  for (hil::KerfTile& tile : tiles_) {
+  for (camera::KerfTile& tile : tiles_) {
     const Vector2d pixel = setup_.camera.pixelFromPlane(p_T_mm(p_S_mm) - tile.p_TV_mm);
     const cv::Point middle(static_cast<int>(std::lround(pixel.x())),
                            static_cast<int>(std::lround(pixel.y())));
@@ -92,14 +92,14 @@ void SpoiledSheet::erase(const Vector2d& p_S_mm, double half_mm) {
 }
 
 void SpoiledSheet::erase(int number) {
-  erase(marks_S_mm_.at(number), 0.5 * hil::kMarkReach * job_.size_mm + 0.5);
+  erase(marks_S_mm_.at(number), 0.5 * calibrate::kMarkReach * job_.size_mm + 0.5);
 }
 
-void SpoiledSheet::paste(int number, const Vector2d& by_mm, const std::vector<hil::KerfTile>& from) {
-  const int half_px =
-      static_cast<int>(std::ceil((0.5 * hil::kMarkReach * job_.size_mm + 0.3) / setup_.camera.pitchMm()));
+void SpoiledSheet::paste(int number, const Vector2d& by_mm, const std::vector<camera::KerfTile>& from) {
+  const int half_px = static_cast<int>(
+      std::ceil((0.5 * calibrate::kMarkReach * job_.size_mm + 0.3) / setup_.camera.pitchMm()));
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    hil::KerfTile source = from.at(t);
+    camera::KerfTile source = from.at(t);
     const cv::Mat before = matOf(source.image);
     cv::Mat picture = matOf(tiles_[t].image);
     const Vector2d p_V_mm = p_T_mm(marks_S_mm_.at(number)) - source.p_TV_mm;
@@ -119,7 +119,7 @@ void SpoiledSheet::paste(int number, const Vector2d& by_mm, const std::vector<hi
 void SpoiledSheet::again(int number, const Vector2d& by_mm) { paste(number, by_mm, tiles_); }
 
 void SpoiledSheet::move(int number, const Vector2d& by_mm) {
-  const std::vector<hil::KerfTile> before = tiles_;
+  const std::vector<camera::KerfTile> before = tiles_;
   erase(number);
   paste(number, by_mm, before);
 }
@@ -139,7 +139,7 @@ void SpoiledSheet::changeAll(const std::function<void(cv::Mat&)>& how) {
 
 void SpoiledSheet::write(const fs::path& folder) const {
   Tiles source(tiles_);
-  hil::writeTiles(source, folder);
+  camera::writeTiles(source, folder);
 }
 
 }  // namespace kerfbench::test

@@ -10,9 +10,10 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "hil/app/head_setup.h"
 #include "hil/calibrate/marks/field_marks.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/camera/tile_source.h"
+#include "hil/head_service/head_setup.h"
+#include "hil/vision/kerf/kerf_measurement.h"
 
 namespace kerfbench::test {
 
@@ -21,7 +22,7 @@ namespace kerfbench::test {
 class SpoiledSheet {
  public:
   /// @param sheet with marks.yaml and pictures/.
-  SpoiledSheet(const std::filesystem::path& sheet, const hil::HeadSetup& setup);
+  SpoiledSheet(const std::filesystem::path& sheet, const head_service::HeadSetup& setup);
 
   [[nodiscard]] std::size_t size() const { return tiles_.size(); }
   [[nodiscard]] std::vector<int> numbers() const;
@@ -46,14 +47,14 @@ class SpoiledSheet {
   using Edit = std::function<void(cv::Mat& picture, const cv::Mat& before, const cv::Rect& box)>;
   void edit(const Eigen::Vector2d& p_S_mm, double half_mm, const Edit& how);
   void erase(const Eigen::Vector2d& p_S_mm, double half_mm);
-  void paste(int number, const Eigen::Vector2d& by_mm, const std::vector<hil::KerfTile>& from);
+  void paste(int number, const Eigen::Vector2d& by_mm, const std::vector<camera::KerfTile>& from);
   [[nodiscard]] Eigen::Vector2d p_T_mm(const Eigen::Vector2d& p_S_mm) const;
 
-  const hil::HeadSetup& setup_;
-  hil::MarkJob job_;
-  hil::UnitPose pose_;
+  const head_service::HeadSetup& setup_;
+  calibrate::MarkJob job_;
+  vision::UnitPose pose_;
   std::map<int, Eigen::Vector2d> marks_S_mm_;
-  std::vector<hil::KerfTile> tiles_;
+  std::vector<camera::KerfTile> tiles_;
 };
 
 }  // namespace kerfbench::test

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "tests/validation/studies.h"
 #include "tests/validation/support/machine_run.h"
 #include "tests/validation/support/rk4.h"
@@ -166,7 +166,7 @@ Section beltFriction(const Context& context) {
   section.markdown += markdownTable(
       {"solver", "a / (mu g)", "time, s", "slip", "closed form", "difference (below 1: creep)"}, rows);
 
-  const auto machine = hil::readMachine(context.source_dir / "fixtures/machines/two-mirror.yaml");
+  const auto machine = machine_file::readMachine(context.source_dir / "fixtures/machines/two-mirror.yaml");
   section.markdown += fmt::format(
       "Then the machine of `two-mirror.yaml`: its line speeds up from rest within 0.1 s, mu = {:g}. By hand: "
       "Coulomb's law on\nthe motion that its belt really made, drive and stretch included. Ideal: a belt "

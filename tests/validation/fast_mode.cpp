@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "tests/validation/studies.h"
 #include "tests/validation/support/machine_run.h"
 #include "tests/validation/support/svg.h"
-#include "twin/cutter/imperfections.h"
+#include "twin/description/imperfections.h"
 
 namespace kerfbench::validation {
 namespace {
@@ -105,7 +105,7 @@ Section fastMode(const Context& context) {
   int runs = 0, same_lost = 0, with_loss = 0;
   for (const Tried& tried : machines) {
     const auto file = context.source_dir / "fixtures/machines" / (std::string(tried.file) + ".yaml");
-    const auto drawing = hil::readMachine(file);
+    const auto drawing = machine_file::readMachine(file);
     for (const auto& [preset, preset_name] :
          {std::pair(twin::Preset::kIdeal, "ideal"), std::pair(twin::Preset::kStatic, "static"),
           std::pair(twin::Preset::kDynamic, "dynamic")}) {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "tests/validation/studies.h"
 #include "tests/validation/support/machine_run.h"
 #include "tests/validation/support/svg.h"
@@ -96,7 +96,7 @@ Figure pathFigure(const Hook& straight, const Hook& arcs, double jump_mm) {
 }  // namespace
 
 Section jumpHook(const Context& context) {
-  const auto machine = hil::readMachine(context.source_dir / "fixtures/machines/two-mirror.yaml");
+  const auto machine = machine_file::readMachine(context.source_dir / "fixtures/machines/two-mirror.yaml");
   const double step_mm =
       2.0 * machine.galvo_x.step * (machine.head.throw_mm + machine.head.mirror_spacing_mm);
   const auto& profile = machine.galvo_x.profile;

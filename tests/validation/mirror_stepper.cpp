@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 #include "tests/validation/studies.h"
 #include "tests/validation/support/machine_run.h"
 #include "tests/validation/support/svg.h"
@@ -180,7 +180,8 @@ std::string verdict(const std::vector<Map>& maps) {
 
 Section mirrorStepper(const Context& context) {
   const bool quick = context.effort == Effort::kQuick;
-  const auto as_shipped = hil::readMachine(context.source_dir / "fixtures/machines/two-mirror-stepper.yaml");
+  const auto as_shipped =
+      machine_file::readMachine(context.source_dir / "fixtures/machines/two-mirror-stepper.yaml");
   const std::vector<int> subdivisions = quick ? std::vector{16, 512} : std::vector{16, 32, 64, 128, 256, 512};
   const std::vector<double> speeds_mm_s =
       quick ? std::vector{50.0} : std::vector{10.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0};

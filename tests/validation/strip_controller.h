@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/validation/strip_track.h"
-#include "twin/cutter/description.h"
+#include "twin/description/description.h"
 
 namespace kerfbench::validation {
 

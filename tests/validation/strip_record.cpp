@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/app/machine_file.h"
+#include "hil/machine_file/machine_file.h"
 
 namespace kerfbench::validation {
 namespace {
@@ -33,7 +33,7 @@ const char* nameOf(StripJob::Regime regime) {
 
 twin::MachineDescription stripMachine(const std::filesystem::path& source_dir) {
   twin::MachineDescription machine =
-      hil::readMachine(source_dir / "fixtures" / "machines" / "strip-gantry.yaml");
+      machine_file::readMachine(source_dir / "fixtures" / "machines" / "strip-gantry.yaml");
   twin::AxisDescription& feed = machine.belt.feed;
   feed = {};
   feed.profile = machine.gantry_x.profile;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/validation/strip_controller.h"
-#include "twin/cutter/fidelity.h"
+#include "twin/description/fidelity.h"
 
 namespace kerfbench::validation {
 

@@ -5,6 +5,9 @@
 
 namespace kerfbench::twin {
 
+/// Blur by the area of a pixel: standard deviation, 1/sqrt(12) px.
+inline constexpr double kPixelSigma = 0.2887;
+
 /// A small Gaussian blur of a picture that is flat nearly everywhere. The sampled kernel has exactly the
 /// variance asked for; a variance of zero or less blurs nothing.
 class GaussianBlur {

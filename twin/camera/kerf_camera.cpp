@@ -18,11 +18,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kBlockPx = 16;
+constexpr int kKerfBlockPx = 16;
 constexpr double kSampleMm = 0.0145;  // Supersampling pitch: finer than the spline's cells.
 constexpr double kMaxPsfPx = 2.0;     // The blur must not reach beyond the next block.
 constexpr double kFarMm = 1e6;
-constexpr std::uint64_t kGrainStream = 1;
+constexpr std::uint64_t kKerfGrainStream = 1;
 constexpr std::uint64_t kTileSeed = 0x3a8f05c5d2b17e49ULL;
 
 /// Copies the window's nodes; those whose `effect_nodes` further on lies off the piece are zero. False if
@@ -81,12 +81,12 @@ KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
       // The average over a pixel's area is part of the blur; the supersampling does it.
       blur(camera_.psf_sigma_px * camera_.psf_sigma_px - 1.0 / 12.0),
       field(fieldOf(projection, camera_.width_px, camera_.height_px)),
-      grid(projection, camera_.width_px, camera_.height_px, kBlockPx),
+      grid(projection, camera_.width_px, camera_.height_px, kKerfBlockPx),
       shading(camera_) {
   mm_per_px = 1.0 / std::sqrt(std::abs(projection.jacobianAt(field.inscribed.center()).determinant()));
   samples_per_px = std::clamp(static_cast<int>(std::ceil(mm_per_px / kSampleMm)), 3, 8);
   if (camera.texture.grain_gray > 0.0)
-    grain.emplace(camera.board_seed, kGrainStream, camera.texture.grain_length_mm);
+    grain.emplace(camera.board_seed, kKerfGrainStream, camera.texture.grain_length_mm);
 }
 
 void KerfCamera::Model::findPrint(TileJob& job, const Eigen::AlignedBox2d& box, double sample_nodes) const {

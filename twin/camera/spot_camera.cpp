@@ -22,7 +22,7 @@ constexpr std::size_t kStripPixels = std::size_t{1} << 18U;
 constexpr std::uint64_t kStripStream = ~std::uint64_t{0} - 3;  // Above every sequence number.
 constexpr std::uint64_t kRowSeed = 0x5f3c1d2e9b8a7061ULL;
 constexpr std::uint64_t kLinkSeed = 0xb05a7e1946c3d82fULL;
-constexpr std::uint64_t kGrainStream = 1;
+constexpr std::uint64_t kSpotGrainStream = 1;
 constexpr std::uint64_t kGlowStream = 2;
 constexpr int kPiecePx = 32;
 
@@ -117,7 +117,7 @@ SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
       shading(camera_) {
   const BoardTexture& texture = camera.texture;
   if (texture.grain_gray > 0.0) {
-    grain.emplace(camera.board_seed, kGrainStream, texture.grain_length_mm);
+    grain.emplace(camera.board_seed, kSpotGrainStream, texture.grain_length_mm);
     if (drawsAll()) grid.emplace(stage.projection(), camera.width_px, camera.height_px, kPiecePx);
   }
   if (texture.glow_share > 0.0) glow_texture.emplace(camera.board_seed, kGlowStream, texture.glow_length_mm);

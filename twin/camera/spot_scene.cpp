@@ -8,13 +8,13 @@
 #include <Eigen/LU>
 
 #include "twin/base/random.h"
+#include "twin/camera/gaussian_blur.h"
 
 namespace kerfbench::twin {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPixelSigma = 0.2887;  // Of the pixel's own area, 1/sqrt(12).
 constexpr double kEdgeSigmas = 4.0;
 constexpr double kPrintPad_px = 10.0;
 constexpr double kSpotPad_px = 12.0;

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "twin/base/random.h"
+#include "twin/camera/gaussian_blur.h"
 #include "twin/camera/projection.h"
 
 namespace kerfbench::twin {
@@ -17,8 +18,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kBlockPx = 16;
-constexpr double kPixelSigma = 0.2887;  // Of the pixel's own area, 1/sqrt(12).
+constexpr int kTargetBlockPx = 16;
 constexpr std::uint64_t kTargetSeed = 0x94b1c36e0d75fa28ULL;
 
 /// Pixels [x0, x1) x [y0, y1).
@@ -107,10 +107,11 @@ GrayImage TargetCamera::render(const Eigen::Isometry3d& X_CB, std::uint64_t view
   const auto area = static_cast<std::size_t>(camera_.width_px) * static_cast<std::size_t>(camera_.height_px);
   std::vector<float> light(area, static_cast<float>(pattern_.around()));
   View drawing(posed, pattern_);
-  for (int y = 0; y < camera_.height_px; y += kBlockPx) {
-    for (int x = 0; x < camera_.width_px; x += kBlockPx) {
-      drawing.draw(
-          {x, std::min(x + kBlockPx, camera_.width_px), y, std::min(y + kBlockPx, camera_.height_px)}, light);
+  for (int y = 0; y < camera_.height_px; y += kTargetBlockPx) {
+    for (int x = 0; x < camera_.width_px; x += kTargetBlockPx) {
+      drawing.draw({x, std::min(x + kTargetBlockPx, camera_.width_px), y,
+                    std::min(y + kTargetBlockPx, camera_.height_px)},
+                   light);
     }
   }
   shading_.shadeByLamp(light);

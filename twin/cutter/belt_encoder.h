@@ -7,8 +7,8 @@
 #include "twin/base/pin_event.h"
 #include "twin/base/random.h"
 #include "twin/base/signal_map.h"
-#include "twin/cutter/description.h"
 #include "twin/cutter/motion_forecast.h"
+#include "twin/description/description.h"
 
 namespace kerfbench::twin {
 

@@ -7,15 +7,14 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "twin/cutter/axis_faults.h"
-#include "twin/cutter/fault_list.h"
 #include "twin/cutter/machine_mechanism.h"
 #include "twin/cutter/machine_model.h"
+#include "twin/description/axis_faults.h"
+#include "twin/description/fault_list.h"
 
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kStep_s = MachineModel::kStep_s;
 constexpr double kFar_mm = 1e6;
 constexpr double kDegree = std::numbers::pi / 180.0;
 // Optical; mirrors of any make stop before. A lens says the same of itself.
@@ -90,11 +89,11 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
   faults.within("belt.sheet_drag along y", belt.sheet_drag_n[1], -1e5, 1e5, "N");
   const double radius_m = belt.roller_radius_mm / 1000.0;
   requireResolved(faults, "belt: roller against belt", belt.stiffness_n_m,
-                  belt.roller_inertia_kg_m2 / (radius_m * radius_m), belt.mass_kg, kStep_s);
+                  belt.roller_inertia_kg_m2 / (radius_m * radius_m), belt.mass_kg, MachineModel::kStep_s);
   if (belt.bed_friction.coulomb > 0.0) {
     requireResolved(faults, "belt: the belt in its bed's presliding",
                     belt.bed_friction.coulomb / belt.bed_friction.presliding, belt.mass_kg,
-                    std::numeric_limits<double>::infinity(), kStep_s);
+                    std::numeric_limits<double>::infinity(), MachineModel::kStep_s);
   }
 
   faults.positive("encoder.count", belt.encoder.count_mm, 1e3, "mm");
@@ -110,7 +109,7 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
 
 // The line's own drive sits on the roller and pulls the belt.
 void findLineFaults(FaultList& faults, const BeltDescription& belt, double speed_mm_s) {
-  findServoFaults(faults, "line", belt.line_servo, kStep_s);
+  findServoFaults(faults, "line", belt.line_servo, MachineModel::kStep_s);
   const double radius_m = belt.roller_radius_mm / 1000.0;
   const double to_roller = radius_m * radius_m;
   requireQuietServo(faults, "line", belt.line_servo,
@@ -128,7 +127,7 @@ void findFrameFaults(FaultList& faults, const FrameDescription& frame) {
     faults.positive(std::string("frame.stiffness along ") + name, frame.stiffness_n_m.at(i), 1e12, "N/m");
     faults.within(std::string("frame.damping along ") + name, frame.damping_n_s_m.at(i), 0.0, 1e9, "N s/m");
     requireResolved(faults, std::string("frame along ") + name, frame.stiffness_n_m.at(i), frame.mass_kg,
-                    std::numeric_limits<double>::infinity(), kStep_s);
+                    std::numeric_limits<double>::infinity(), MachineModel::kStep_s);
   }
 }
 
@@ -217,7 +216,8 @@ void findWebFaults(FaultList& faults, const WebDescription& web) {
 
 void findHeadFaults(FaultList& faults, const MachineDescription& machine) {
   const auto axis = [&](Axis which) {
-    findAxisFaults(faults, nameOf(which), axisOf(machine, which), loadOf(machine, which), kStep_s);
+    findAxisFaults(faults, nameOf(which), axisOf(machine, which), loadOf(machine, which),
+                   MachineModel::kStep_s);
   };
   if (machine.kind == Kind::kTwoMirror) {
     faults.take("", faultsOf(machine.head));
@@ -238,7 +238,7 @@ void findHeadFaults(FaultList& faults, const MachineDescription& machine) {
 // What only the mechanism as a whole shows.
 void findMechanismFaults(FaultList& faults, const MachineDescription& machine, const WebDescription& web) {
   try {
-    Mechanism(mechanismOf(machine, web).description).requireSlowerThan(kStep_s);
+    Mechanism(mechanismOf(machine, web).description).requireSlowerThan(MachineModel::kStep_s);
   } catch (const std::invalid_argument& error) {
     faults.require(false, error.what());
   }
@@ -253,7 +253,8 @@ std::vector<std::string> faultsOf(const MachineDescription& machine, const WebDe
   findHeadFaults(faults, machine);
   findBeltFaults(faults, machine.belt, web.print);
   if (web.fed_by_controller) {
-    findAxisFaults(faults, nameOf(Axis::kFeed), machine.belt.feed, loadOf(machine, Axis::kFeed), kStep_s);
+    findAxisFaults(faults, nameOf(Axis::kFeed), machine.belt.feed, loadOf(machine, Axis::kFeed),
+                   MachineModel::kStep_s);
   } else {
     findLineFaults(faults, machine.belt, web.belt_speed_mm_s);
   }
@@ -261,15 +262,15 @@ std::vector<std::string> faultsOf(const MachineDescription& machine, const WebDe
   faults.take("", faultsOf(machine.surface));
   faults.take("", faultsOf(machine.laser));
   faults.positive("power_monitor.quantum", machine.power_monitor.quantum_j, 1e6, "J");
-  faults.within("power_monitor.delay", machine.power_monitor.delay_s, 2.0 * kStep_s, 10.0, "s");
+  faults.within("power_monitor.delay", machine.power_monitor.delay_s, 2.0 * MachineModel::kStep_s, 10.0, "s");
   faults.positive("power_monitor.scale", machine.power_monitor.scale, 1e3, "");
   findCameraFaults(faults, "spot_camera", machine.spot_camera);
   findCameraFaults(faults, "kerf_camera", machine.kerf_camera);
   const CameraDescription& spot = machine.spot_camera;
-  faults.require(spot.exposure_s >= 0.5 * kStep_s && spot.exposure_s <= spot.frame_period_s &&
+  faults.require(spot.exposure_s >= 0.5 * MachineModel::kStep_s && spot.exposure_s <= spot.frame_period_s &&
                      spot.frame_period_s <= 3600.0,
                  "spot_camera: an exposure of " + FaultList::text(spot.exposure_s) +
-                     " s must be at least a step of " + FaultList::text(kStep_s) +
+                     " s must be at least a step of " + FaultList::text(MachineModel::kStep_s) +
                      " s and no longer than its frame period of " + FaultList::text(spot.frame_period_s) +
                      " s, that no longer than an hour");
   faults.within("glow_gray_per_w", machine.glow_gray_per_w, 0.0, 1e6, "1/W");

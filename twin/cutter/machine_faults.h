@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "twin/cutter/description.h"
+#include "twin/description/description.h"
 
 namespace kerfbench::twin {
 

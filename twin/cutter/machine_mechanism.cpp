@@ -7,12 +7,12 @@
 #include <string>
 #include <utility>
 
+#include "twin/base/constants.h"
 #include "twin/optics/scan_head.h"
 
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kMetre_mm = 1000.0;
 constexpr double kGravity_m_s2 = 9.80665;
 // Inertia of bodies that never turn: without effect, and Bullet wants one.
 constexpr double kUnused_kg_m2 = 0.1;
@@ -21,7 +21,7 @@ constexpr double kMostTurn_rad_s = 1e6;
 constexpr double kMostSlide_m_s = 1e3;
 constexpr double kMostOfLimit = 100.0;
 
-using Kind = JointDescription::Kind;
+using JointKind = JointDescription::Kind;
 using Eigen::Vector3d;
 
 double clampedTo(double value, double limit) { return std::clamp(value, -limit, limit); }
@@ -45,11 +45,12 @@ class Assembly {
  private:
   std::size_t slide(const std::string& name, int parent, const Vector3d& place_m, const Vector3d& axis,
                     double mass_kg) {
-    return add({name, Kind::kPrismatic, parent, place_m, axis, mass_kg, kUnused_kg_m2, 0.0, kMostSlide_m_s});
+    return add(
+        {name, JointKind::kPrismatic, parent, place_m, axis, mass_kg, kUnused_kg_m2, 0.0, kMostSlide_m_s});
   }
   std::size_t rotor(const std::string& name, int parent, const Vector3d& place_m, const Vector3d& axis,
                     double inertia_kg_m2) {
-    return add({name, Kind::kRevolute, parent, place_m, axis, 0.0, inertia_kg_m2, 0.0, kMostTurn_rad_s});
+    return add({name, JointKind::kRevolute, parent, place_m, axis, 0.0, inertia_kg_m2, 0.0, kMostTurn_rad_s});
   }
   std::size_t add(JointDescription joint) {
     result_.description.joints.push_back(std::move(joint));

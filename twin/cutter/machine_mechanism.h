@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "twin/cutter/description.h"
+#include "twin/description/description.h"
 #include "twin/machine/mechanism.h"
 
 namespace kerfbench::twin {

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "twin/base/constants.h"
 #include "twin/machine/fast_solver.h"
 #include "twin/machine/reference_solver.h"
 
 namespace kerfbench::twin {
 namespace {
-
-constexpr double kMetre_mm = 1000.0;
 
 PulseCommand commandOf(const MachineMechanism& machine, Axis axis) {
   for (const MachineMechanism::PulseDrive& drive : machine.pulse_drives) {

@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "twin/cutter/description.h"
-#include "twin/cutter/fidelity.h"
 #include "twin/cutter/machine_mechanism.h"
-#include "twin/cutter/machine_pose.h"
+#include "twin/description/description.h"
+#include "twin/description/fidelity.h"
+#include "twin/description/machine_pose.h"
 #include "twin/drive/pulse_command.h"
 #include "twin/drive/speed_profile.h"
 #include "twin/machine/solver.h"

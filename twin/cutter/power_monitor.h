@@ -6,7 +6,7 @@
 
 #include "twin/base/pin_event.h"
 #include "twin/base/signal_map.h"
-#include "twin/cutter/description.h"
+#include "twin/description/description.h"
 
 namespace kerfbench::twin {
 

@@ -8,8 +8,8 @@
 #include "twin/base/print_layout.h"
 #include "twin/base/random.h"
 #include "twin/base/signal_map.h"
-#include "twin/cutter/description.h"
 #include "twin/cutter/motion_forecast.h"
+#include "twin/description/description.h"
 
 namespace kerfbench::twin {
 

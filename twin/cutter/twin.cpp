@@ -12,7 +12,6 @@
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kStep_s = MachineModel::kStep_s;
 constexpr std::uint64_t kStepsPerSecond = 100'000;
 
 const MachineDescription& checked(const MachineDescription& machine, const WebDescription& web) {
@@ -56,7 +55,7 @@ Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRat
       pins_(machine, web, rate),
       laser_(machine.laser, options.seed),
       burner_(web.board),
-      exposures_(machine.spot_camera, kStep_s),
+      exposures_(machine.spot_camera, MachineModel::kStep_s),
       encoder_(rate, machine.belt.encoder, machine.belt.roller_radius_mm, options.seed),
       mark_sensor_(rate, machine.belt.print_mark_sensor, web.print, firstMarkTravel_mm(machine, web),
                    options.seed),
@@ -66,7 +65,8 @@ Twin::Twin(const MachineDescription& machine, const WebDescription& web, TickRat
 
 double Twin::longestQuantum_s() const {
   // The last step of the machine ends up to a step before now.
-  return monitor_wired_ ? machine_.power_monitor.delay_s - kStep_s : std::numeric_limits<double>::infinity();
+  return monitor_wired_ ? machine_.power_monitor.delay_s - MachineModel::kStep_s
+                        : std::numeric_limits<double>::infinity();
 }
 
 std::vector<SensorEdge> Twin::predictSensors(Tick until) {
@@ -86,7 +86,7 @@ std::vector<SensorEdge> Twin::predictSensors(Tick until) {
                                 model_.sheetAcceleration_mm_s2()),
                        until, edges);
   if (machine_.kind == MachineDescription::Kind::kGantry) {
-    const Eigen::Vector2d speed_mm_s = (pose.gantry_mm - gantry_before_mm_) / kStep_s;
+    const Eigen::Vector2d speed_mm_s = (pose.gantry_mm - gantry_before_mm_) / MachineModel::kStep_s;
     limits_.predict({forecast(pose.gantry_mm.x(), speed_mm_s.x(), 0.0),
                      forecast(pose.gantry_mm.y(), speed_mm_s.y(), 0.0)},
                     until, edges);
@@ -136,7 +136,7 @@ void Twin::stepMachine() {
 void Twin::emit(double begin_s) {
   emissions_.clear();
   const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double end_s = heard_s + kStep_s;
+  const double end_s = heard_s + MachineModel::kStep_s;
   double from_s = heard_s;
   // A step in which the gate moves is cut there, so that its energy falls where the beam was.
   for (EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
@@ -153,11 +153,11 @@ void Twin::emit(double begin_s) {
 void Twin::emitPart(double heard_s, double from_s, double to_s) {
   const double duty = pins_.pwm().meanOver(from_s, to_s);
   const bool begins = from_s == heard_s;
-  const bool ends = to_s == heard_s + kStep_s;
-  const double begin = begins ? 0.0 : (from_s - heard_s) / kStep_s;
-  const double end = ends ? 1.0 : (to_s - heard_s) / kStep_s;
-  const double part_s = begins && ends ? kStep_s : to_s - from_s;
-  const double part_begin_s = time_s() + begin * kStep_s;
+  const bool ends = to_s == heard_s + MachineModel::kStep_s;
+  const double begin = begins ? 0.0 : (from_s - heard_s) / MachineModel::kStep_s;
+  const double end = ends ? 1.0 : (to_s - heard_s) / MachineModel::kStep_s;
+  const double part_s = begins && ends ? MachineModel::kStep_s : to_s - from_s;
+  const double part_begin_s = time_s() + begin * MachineModel::kStep_s;
   const double energy_j = laser_.step(gate_open_ ? 1.0 : 0.0, duty, part_begin_s, part_s);
   if (energy_j <= 0.0) return;
   emitted_j_ += energy_j;
@@ -209,7 +209,7 @@ void Twin::expose(const View& before, const View& after) {
     for (const Emission& part : emissions_) energy_j += part.energy_j;
     sample.p_WQ_mm = 0.5 * (before.spot->p_WQ_mm + after.spot->p_WQ_mm);
     sample.radius_mm = 0.5 * (roundRadius_mm(*before.spot) + roundRadius_mm(*after.spot));
-    sample.power_w = energy_j / kStep_s;
+    sample.power_w = energy_j / MachineModel::kStep_s;
   }
   exposures_.record(sample);
 }

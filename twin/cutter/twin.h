@@ -13,15 +13,15 @@
 #include "twin/base/signal_map.h"
 #include "twin/cutter/belt_encoder.h"
 #include "twin/cutter/burner.h"
-#include "twin/cutter/description.h"
 #include "twin/cutter/exposure_recorder.h"
-#include "twin/cutter/fidelity.h"
 #include "twin/cutter/limit_switches.h"
 #include "twin/cutter/machine_model.h"
-#include "twin/cutter/machine_pose.h"
 #include "twin/cutter/pin_decoder.h"
 #include "twin/cutter/power_monitor.h"
 #include "twin/cutter/print_mark_sensor.h"
+#include "twin/description/description.h"
+#include "twin/description/fidelity.h"
+#include "twin/description/machine_pose.h"
 #include "twin/laser/laser.h"
 
 namespace kerfbench::twin {

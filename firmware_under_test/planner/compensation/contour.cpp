@@ -20,7 +20,6 @@ using Eigen::Vector2d;
 /// Two places of a contour that are nearer than this along it belong to one joint.
 constexpr double kOneJointMm = 0.02;
 constexpr double kNoLengthMm = 1e-9;
-constexpr std::size_t kMostFaults = 20;
 constexpr std::size_t kMostNames = 4;
 
 bool finite(const Segment& s) {

@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "firmware_under_test/planner/segment.h"
+#include "firmware_under_test/planner/geometry/segment.h"
 
 namespace kerfbench::planner {
+
+/// A list of what is wrong with a contour or a path ends after so many.
+inline constexpr std::size_t kMostFaults = 20;
 
 /// Side of a contour as seen along it.
 enum class Side { kLeft, kRight };

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "firmware_under_test/planner/segment.h"
+#include "firmware_under_test/planner/geometry/segment.h"
 
 namespace kerfbench::planner {
 

@@ -9,13 +9,13 @@
 #include "firmware_under_test/planner/compensation/plane_check.h"
 #include "firmware_under_test/planner/compensation/proof.h"
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
+#include "firmware_under_test/planner/geometry/angles.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kPxPerMm = 55.0;
 
 Eigen::AlignedBox2d window(double half_x, double half_y) {

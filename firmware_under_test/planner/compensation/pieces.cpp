@@ -5,12 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "firmware_under_test/planner/geometry/angles.h"
+
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = std::numbers::pi;
 /// A turn by less leaves no gap that matters between the offsets.
 constexpr double kNoTurnMm = 1e-8;
 constexpr double kVanishedMm = 1e-9;

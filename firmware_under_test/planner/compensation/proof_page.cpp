@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include "firmware_under_test/planner/compensation/proof.h"
+#include "firmware_under_test/planner/geometry/angles.h"
 
 namespace kerfbench::planner {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180.0;
 
 /// A value that may be a rounding error either way.
 std::string small(double value) { return value < 5e-13 ? "0" : fmt::format("{:.1e}", value); }

@@ -5,13 +5,13 @@
 
 #include "firmware_under_test/planner/compensation/plane_check.h"
 #include "firmware_under_test/planner/compensation/proof_parts.h"
+#include "firmware_under_test/planner/geometry/angles.h"
 
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kFirstMm = 8.0;
 constexpr double kSecondMm = 6.0;
 

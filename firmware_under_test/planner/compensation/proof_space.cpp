@@ -9,6 +9,7 @@
 
 #include "firmware_under_test/planner/compensation/proof_parts.h"
 #include "firmware_under_test/planner/compensation/space_check.h"
+#include "firmware_under_test/planner/geometry/angles.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 /// Lines long enough for the joints of all corners tried, in radii.
 constexpr double kLength = 400.0;
 

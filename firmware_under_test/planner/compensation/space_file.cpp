@@ -11,13 +11,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "firmware_under_test/planner/compensation/contour.h"
+#include "firmware_under_test/planner/geometry/angles.h"
+
 namespace kerfbench::planner {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kVertical = 1e-9;
 constexpr double kFarthestMm = 1e6;
-constexpr std::size_t kMostFaults = 20;
 
 std::vector<std::string> wordsOf(std::string line) {
   line.resize(std::min(line.find_first_of("#;"), line.size()));

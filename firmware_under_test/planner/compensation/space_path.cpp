@@ -9,19 +9,19 @@
 #include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
+#include "firmware_under_test/planner/compensation/contour.h"
+#include "firmware_under_test/planner/geometry/angles.h"
+
 namespace kerfbench::planner {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDeg = kPi / 180.0;
-constexpr double kNoLengthMm = 1e-6;
-constexpr double kTooNearMm = 1e-6;
+constexpr double kNoFoldLengthMm = 1e-6;
+constexpr double kFoldTooNearMm = 1e-6;
 /// A line nearer to the fold's direction than this runs along it; a turn nearer to 180° turns back.
 constexpr double kAlongRad = 0.1 * kDeg;
-constexpr std::size_t kMostFaults = 20;
 
 struct Line {
   Vector3d a;
@@ -60,7 +60,7 @@ std::vector<Line> linesOf(const SpaceContour& contour, const SpaceLimits& limits
       continue;
     }
     line.length = (line.b - line.a).norm();
-    if (line.length < kNoLengthMm) {
+    if (line.length < kNoFoldLengthMm) {
       fault("a line of no length begins here");
       continue;
     }
@@ -199,7 +199,7 @@ void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, con
     const Line& line = lines[j];
     Eigen::AlignedBox3d box(line.a);
     box.extend(line.b);
-    double nearest = radius_mm - kTooNearMm;
+    double nearest = radius_mm - kFoldTooNearMm;
     Vector3d where = Vector3d::Zero();
     for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
       const Vector3d& p = path.points[i].p_mm;
@@ -212,7 +212,7 @@ void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, con
       nearest = d;
       where = 0.5 * (p + q);
     }
-    if (nearest < radius_mm - kTooNearMm) {
+    if (nearest < radius_mm - kFoldTooNearMm) {
       faults.push_back(
           fmt::format("{}: the path comes as near as {:.4f} mm to the line that begins here, about ({:.3f}, "
                       "{:.3f}, {:.3f})",
@@ -263,7 +263,7 @@ SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const Spa
   throwIfAny(faults);
 
   const std::size_t n = lines.size();
-  const bool closed = n > 2 && (lines.front().a - lines.back().b).norm() < kNoLengthMm;
+  const bool closed = n > 2 && (lines.front().a - lines.back().b).norm() < kNoFoldLengthMm;
   std::vector<Corner> corners;
   for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
     corners.push_back(cornerAt(contour, i + 1, lines[i], lines[(i + 1) % n], radius_mm, limits, faults));
@@ -273,7 +273,7 @@ SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const Spa
   for (std::size_t i = 0; i < n; ++i) {
     const double begin = i > 0 ? corners[i - 1].cut_second_mm : (closed ? corners.back().cut_second_mm : 0.0);
     const double end = i < corners.size() ? corners[i].cut_first_mm : 0.0;
-    if (begin + end > lines[i].length - kNoLengthMm) {
+    if (begin + end > lines[i].length - kNoFoldLengthMm) {
       faults.push_back(fmt::format("{}: the line is {:.4f} mm long, its joints take {:.4f} mm of it",
                                    placeOf(contour, i), lines[i].length, begin + end));
     }

@@ -14,7 +14,7 @@
 namespace kerfbench::planner {
 namespace {
 
-using hil::YamlReader;
+using base::YamlReader;
 
 /// Beyond every material and laser; keeps what is computed from the numbers a number.
 constexpr double kMost = 1e6;
@@ -106,7 +106,7 @@ Material readMaterial(const std::filesystem::path& path) try {
   material.depth = curveOf(read);
   file.finish();
   return material;
-} catch (const hil::ConfigError& error) {
+} catch (const base::ConfigError& error) {
   throw PowerError(error.what());
 }
 
@@ -137,7 +137,7 @@ LaserTube readLaser(const std::filesystem::path& path) try {
                                            laser.power.greatest().x));
   file.finish();
   return laser;
-} catch (const hil::ConfigError& error) {
+} catch (const base::ConfigError& error) {
   throw PowerError(error.what());
 }
 

@@ -11,9 +11,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "firmware_under_test/planner/check.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/program.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/job_issues.h"
+#include "firmware_under_test/planner/program/program.h"
 #include "page_files.h"
 
 namespace kerfbench::planner {
@@ -186,7 +187,7 @@ std::string factsOf(const JobParameters& job, double duration_s, double shown_sp
 std::string previewHtml(const std::string& title, const std::string& gcode, const MachineParameters& machine,
                         const JobParameters& job) {
   const std::vector<Segment> path = unitOf(readGcode(gcode));
-  if (const auto faults = faultsOf(machine, job); !faults.empty()) {
+  if (const auto faults = jobIssues(machine, job); !faults.empty()) {
     throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
   }
   const CheckResult checked = checkJob(gcode, machine, job);

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/job/job.h"
 
 namespace kerfbench::planner {
 

@@ -9,12 +9,12 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr std::size_t kLeastMarks = 5;
 constexpr double kAgreesShare = 0.2;    // Of the marks' spread: a mark this near agrees with a map.
 constexpr double kLeastAgreeing = 0.5;  // Of the marks, for the best map,
 constexpr double kLeastLead = 0.1;      // and by how many more than for the next; two at the least.
@@ -26,7 +26,7 @@ Eigen::Vector2d medianOf(const std::vector<Eigen::Vector2d>& points) {
     x.push_back(p.x());
     y.push_back(p.y());
   }
-  return {hil::medianOf(x), hil::medianOf(y)};
+  return {calibrate::medianOf(x), calibrate::medianOf(y)};
 }
 
 /// Standard deviations of the aims along their longest and shortest axis, mm; the larger first.
@@ -49,7 +49,7 @@ AxisFinding findingOf(const AxisMap& map, std::span<const HeadObservation> obser
   std::vector<double> misses;
   for (const Eigen::Vector2d& d : off) misses.push_back((d - shift).norm());
   const auto agreeing = std::ranges::count_if(misses, [&](double miss) { return miss <= near_mm; });
-  return {map, static_cast<std::size_t>(agreeing), 0, hil::medianOf(misses)};
+  return {map, static_cast<std::size_t>(agreeing), 0, calibrate::medianOf(misses)};
 }
 
 }  // namespace
@@ -111,4 +111,4 @@ AxisFinding identifyAxes(std::span<const HeadObservation> observations) {
   return best;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -9,7 +9,7 @@
 
 #include "hil/calibrate/head/observation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// One of the eight ways in which two axes can be wired: what the head makes of a command (x, y) is (x, y),
 /// or (y, x) if exchanged, and then either of its axes may run backwards.
@@ -42,4 +42,4 @@ struct AxisFinding {
 ///   a wrong board, two fields mixed.
 AxisFinding identifyAxes(std::span<const HeadObservation> observations);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

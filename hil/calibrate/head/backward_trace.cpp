@@ -9,7 +9,7 @@
 
 #include "hil/calibrate/head/head_trace.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -277,4 +277,4 @@ BackwardTrace::BackwardTrace(const HeadDesign& design, const HeadVector& units, 
 
 BackwardTrace::~BackwardTrace() = default;
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

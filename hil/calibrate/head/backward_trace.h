@@ -7,7 +7,7 @@
 
 #include "hil/calibrate/head/model_solver.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The trace with its derivatives by all departures, found backwards: the spot's two coordinates are
 /// differentiated by each ray in turn, from the sheet up to the laser (reverse accumulation), and at each
@@ -28,4 +28,4 @@ class BackwardTrace {
   std::unique_ptr<const Head> head_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

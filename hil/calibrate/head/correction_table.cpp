@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -155,4 +155,4 @@ CorrectionTableResult correctionTable(const HeadFit& fit, const CorrectionTableO
       options.most_nodes, error_mm, options.interpolation_error_mm, differ_mm, options.cubics_differ_mm));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 #include "hil/calibrate/head/head_fit.h"
 #include "hil/calibrate/tables/aim_grid.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 struct CorrectionTableOptions {
   Eigen::AlignedBox2d field_W_mm{};      ///< Where the beam shall land.
@@ -32,4 +32,4 @@ struct CorrectionTableResult {
 ///   places want the same aim.
 CorrectionTableResult correctionTable(const HeadFit& fit, const CorrectionTableOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

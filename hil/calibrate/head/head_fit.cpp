@@ -11,7 +11,7 @@
 #include "hil/calibrate/head/head_fitter.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 std::string faultsOf(std::span<const HeadObservation> observations) {
@@ -96,4 +96,4 @@ HeadFit fitHead(std::span<const HeadObservation> observations, const NominalHead
   return HeadFitter(observations, nominal, design, options).fit();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

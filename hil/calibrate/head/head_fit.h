@@ -16,7 +16,7 @@
 #include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/residual_surface.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 struct HeadFitOptions {
   HeadTolerances tolerances{};
@@ -141,4 +141,4 @@ class HeadFit {
 HeadFit fitHead(std::span<const HeadObservation> observations, const NominalHead& nominal,
                 const HeadDesign& design, const HeadFitOptions& options = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/surface_evidence.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
 constexpr int kUsualDegree = 4;
 constexpr int kTellingDegree = 8;
@@ -76,8 +76,8 @@ void HeadFitter::linearise() {
     rows.setZero();
     lands_[i] = here[i].lands;
     if (!lands_[i]) continue;
-    rows.leftCols<kCount>() = marks_[i].whitening_1_mm * here[i].by_scaled;
-    rows.col(kCount) = marks_[i].whitening_1_mm * (marks_[i].measured_W_mm - here[i].p_W_mm);
+    rows.leftCols<kHeadColumns>() = marks_[i].whitening_1_mm * here[i].by_scaled;
+    rows.col(kHeadColumns) = marks_[i].whitening_1_mm * (marks_[i].measured_W_mm - here[i].p_W_mm);
   }
 }
 
@@ -150,7 +150,7 @@ void HeadFitter::solveDamped(double settled) {
     // A whole step is at most so much longer.
     if ((1.0 + damping) * step.norm() <= settled) {
       joint_ = solver_->solve();
-      scaled_ += joint_.unknowns.head<kCount>();
+      scaled_ += joint_.unknowns.head<kHeadColumns>();
       return;
     }
     const double misfit = here.misfit(HeadVector::Zero());
@@ -209,7 +209,7 @@ void HeadFitter::scaleTolerances() {
   tolerances_ *= factor;
   scaled_ /= factor;
   linearised_at_ /= factor;
-  rows_.leftCols<kCount>() *= factor;
+  rows_.leftCols<kHeadColumns>() *= factor;
 }
 
 void HeadFitter::setBasis(int degree) {
@@ -244,4 +244,4 @@ std::optional<SurfacePrior> HeadFitter::surfaceThatTheMarksWant(int degree) {
   return bestSurface(*gathered_, *basis_, decays);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -12,7 +12,7 @@
 #include "hil/calibrate/head/joint_solver.h"
 #include "hil/calibrate/head/model_solver.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The steps of fitHead().
 class HeadFitter {
@@ -102,4 +102,4 @@ class HeadFitter {
   double noise_chi2_{}, noise_freedom_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

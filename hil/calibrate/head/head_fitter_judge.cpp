@@ -7,13 +7,13 @@
 #include <Eigen/LU>
 
 #include "hil/calibrate/head/head_fitter.h"
+#include "hil/calibrate/head/head_parameters.h"
+#include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
-constexpr std::size_t kLeastMarks = 5;
 constexpr double kFewFalse = 2.0;     // Of any number of marks: two that were taken for each other.
 constexpr double kWorstShare = 0.25;  // Of the worst distance²: those are rejected together.
 
@@ -22,14 +22,14 @@ constexpr double kWorstShare = 0.25;  // Of the worst distance²: those are reje
 HeadFitter::SurfaceModes HeadFitter::surfaceModes() const {
   const Eigen::Index m = basis_values_.cols();
   const auto values = basis_values_.transpose();
-  const auto x = joint_.covariance_root.middleRows(kCount, m).transpose();
+  const auto x = joint_.covariance_root.middleRows(kHeadColumns, m).transpose();
   const auto y = joint_.covariance_root.bottomRows(m).transpose();
   SurfaceModes modes{Eigen::MatrixXd(x.rows(), values.cols()), Eigen::MatrixXd(y.rows(), values.cols())};
-  modes.x.topRows<kCount>().noalias() = x.topRows<kCount>() * values;
-  modes.x.middleRows(kCount, m) = x.middleRows(kCount, m).triangularView<Eigen::Lower>() * values;
+  modes.x.topRows<kHeadColumns>().noalias() = x.topRows<kHeadColumns>() * values;
+  modes.x.middleRows(kHeadColumns, m) = x.middleRows(kHeadColumns, m).triangularView<Eigen::Lower>() * values;
   modes.x.bottomRows(m).noalias() = x.bottomRows(m) * values;
-  modes.y.topRows<kCount>().noalias() = y.topRows<kCount>() * values;
-  modes.y.middleRows(kCount, m).setZero();  // Those of x alone.
+  modes.y.topRows<kHeadColumns>().noalias() = y.topRows<kHeadColumns>() * values;
+  modes.y.middleRows(kHeadColumns, m).setZero();  // Those of x alone.
   modes.y.bottomRows(m) = y.bottomRows(m).triangularView<Eigen::Lower>() * values;
   return modes;
 }
@@ -40,11 +40,13 @@ void HeadFitter::predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes
   const Eigen::MatrixXd reach = gathered_->sharedReach(shared_);
   const Eigen::MatrixXd slopes = gathered_->sharedSlopes();
   const Eigen::VectorXd shared = slopes.rightCols<1>() - slopes.leftCols(unknowns) * joint_.unknowns;
-  residuals = rows_.col(kCount) - rows_.leftCols<kCount>() * joint_.unknowns.head<kCount>() -
+  residuals = rows_.col(kHeadColumns) -
+              rows_.leftCols<kHeadColumns>() * joint_.unknowns.head<kHeadColumns>() -
               reach.transpose() * shared;
   modes = Eigen::MatrixXd::Zero(unknowns + reach.rows(), rows_.rows());
-  const auto model_root = joint_.covariance_root.topLeftCorner<kCount, kCount>().transpose();
-  modes.topRows<kCount>() = model_root.triangularView<Eigen::Lower>() * rows_.leftCols<kCount>().transpose();
+  const auto model_root = joint_.covariance_root.topLeftCorner<kHeadColumns, kHeadColumns>().transpose();
+  modes.topRows<kHeadColumns>() =
+      model_root.triangularView<Eigen::Lower>() * rows_.leftCols<kHeadColumns>().transpose();
   if (prior_) addSurface(residuals, modes);
   modes.topRows(unknowns).noalias() -=
       (slopes.leftCols(unknowns) * joint_.covariance_root).transpose() * reach;
@@ -124,4 +126,4 @@ void HeadFitter::refuseTooMany() const {
   throw HeadCalibrationError(text);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -3,14 +3,14 @@
 #include <cmath>
 
 #include "hil/calibrate/head/head_fitter.h"
+#include "hil/calibrate/head/head_parameters.h"
+#include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
 constexpr double kNoiseScaledAt = 2.326;  // 1 % of a normal variable lie beyond.
-constexpr double kHeldShare = 1.0 / 3.0;
 constexpr double kMixedCorrelation = 0.7;
 
 }  // namespace
@@ -23,13 +23,14 @@ HeadFit HeadFitter::result() const {
     const Eigen::Index m = basis_->size();
     fit.surface_ = HeadSurface{*basis_, prior_->amplitude_mm, prior_->decay, prior_->evidence};
     fit.coefficients_mm_.resize(m, 2);
-    fit.coefficients_mm_ << joint_.unknowns.segment(kCount, m), joint_.unknowns.tail(m);
+    fit.coefficients_mm_ << joint_.unknowns.segment(kHeadColumns, m), joint_.unknowns.tail(m);
   }
   fit.marks_ = findings_;
   for (std::size_t i = 0; i < used_.size(); ++i) fit.marks_[i].used = used_[i];
   setNoiseRatio(fit);
   fit.covariance_root_ = joint_.covariance_root * (fit.noise_scaled_ ? fit.noise_ratio_ : 1.0);
-  fit.covariance_root_.topRows(kCount) = tolerances_.asDiagonal() * fit.covariance_root_.topRows(kCount);
+  fit.covariance_root_.topRows(kHeadColumns) =
+      tolerances_.asDiagonal() * fit.covariance_root_.topRows(kHeadColumns);
   reportParameters(fit);
   return fit;
 }
@@ -61,4 +62,4 @@ void HeadFitter::reportParameters(HeadFit& fit) const {
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 #include "hil/calibrate/head/head_fitter.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::size_t kMarksToBegin = 64;  // From which the others can be judged.
@@ -167,4 +167,4 @@ Eigen::AlignedBox2d HeadFitter::areaOfAims() const {
   return {area.min() - margin, area.max() + margin};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

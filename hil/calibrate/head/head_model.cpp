@@ -4,15 +4,10 @@
 #include <ceres/jet.h>
 
 #include "hil/calibrate/head/backward_trace.h"
+#include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/head_trace.h"
 
-namespace kerfbench::hil {
-namespace {
-
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
-
-}  // namespace
-
+namespace kerfbench::calibrate {
 HeadModel::HeadModel(const HeadDesign& design) : design_(design) { check(design); }
 
 std::optional<Eigen::Vector2d> HeadModel::landing_W_mm(const Eigen::Vector2d& angles_rad,
@@ -26,7 +21,7 @@ std::optional<Eigen::Vector2d> HeadModel::landing_W_mm(const Eigen::Vector2d& an
 std::optional<HeadModel::AngleSlopes> HeadModel::angleSlopesAt(const Eigen::Vector2d& angles_rad,
                                                                const HeadVector& departures) const {
   using Jet = ceres::Jet<double, 2>;
-  const Eigen::Matrix<Jet, kCount, 1> fixed = departures.cast<Jet>();
+  const Eigen::Matrix<Jet, kHeadColumns, 1> fixed = departures.cast<Jet>();
   const auto head = trace::headOf<Jet>(design_, fixed.data());
   trace::Vector2<Jet> p;
   if (!trace::landing<Jet>(head, {Jet(angles_rad.x(), 0), Jet(angles_rad.y(), 1)}, p)) return std::nullopt;
@@ -43,4 +38,4 @@ std::optional<HeadModel::DepartureSlopes> HeadModel::departureSlopesAt(const Eig
   return slopes;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

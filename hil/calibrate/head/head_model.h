@@ -8,7 +8,7 @@
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/nominal_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A scan head above a sheet by vector ray trace, for fitting: where the beam lands for given mirror angles
 /// and departures from the drawing.
@@ -57,4 +57,4 @@ class HeadModel {
   HeadDesign design_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/head/head_parameters.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::array<HeadParameterText, kHeadParameterCount> kTexts{{
@@ -70,4 +70,4 @@ HeadVector HeadTolerances::sigmas(const HeadDesign& design) const {
   return sigmas;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

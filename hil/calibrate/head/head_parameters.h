@@ -9,7 +9,7 @@
 
 #include "hil/calibrate/head/nominal_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// How a head as built departs from its design; all zero: as drawn. mm, rad, or a share of the design's
 /// value. HeadModel says where each acts.
@@ -48,6 +48,8 @@ enum class HeadParameter : std::size_t {
   kLensIncidence,  ///< Of incidence_ratio.
 };
 inline constexpr std::size_t kHeadParameterCount = 32;
+/// The same as an index of matrices.
+inline constexpr int kHeadColumns = static_cast<int>(kHeadParameterCount);
 
 constexpr std::size_t indexOf(HeadParameter parameter) { return static_cast<std::size_t>(parameter); }
 
@@ -93,4 +95,4 @@ struct HeadTolerances {
   [[nodiscard]] HeadVector sigmas(const HeadDesign& design) const;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

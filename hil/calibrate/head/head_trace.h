@@ -13,7 +13,7 @@
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/nominal_head.h"
 
-namespace kerfbench::hil::trace {
+namespace kerfbench::calibrate::trace {
 
 template <typename T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
@@ -266,4 +266,4 @@ bool landing(const Head<T>& head, const Vector2<T>& angles_rad, Vector2<T>& p_W_
   return land<T>(head.plane, ray, p_W_mm);
 }
 
-}  // namespace kerfbench::hil::trace
+}  // namespace kerfbench::calibrate::trace

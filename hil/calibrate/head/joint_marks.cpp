@@ -3,14 +3,14 @@
 
 #include <utility>
 
-namespace kerfbench::hil {
-namespace {
+#include "hil/calibrate/head/head_parameters.h"
 
-constexpr Eigen::Index kCount = static_cast<Eigen::Index>(kHeadParameterCount);
+namespace kerfbench::calibrate {
+namespace {
 
 /// Of all others nothing is to be worked out: lenses of a head that has none.
 std::vector<Eigen::Index> movingColumns(const WhitenedRows& rows) {
-  const Eigen::Array<bool, 1, kCount + 1> moves = (rows.array() != 0.0).colwise().any();
+  const Eigen::Array<bool, 1, kHeadColumns + 1> moves = (rows.array() != 0.0).colwise().any();
   std::vector<Eigen::Index> columns;
   for (Eigen::Index k = 0; k < moves.size(); ++k) {
     if (moves[k]) columns.push_back(k);
@@ -59,10 +59,10 @@ void JointMarks::linearise(const WhitenedRows& rows, const HeadVector& home) {
   const RowMatrix moved = rows(Eigen::all, moving);
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(moved.cols(), moved.cols());
   square.selfadjointView<Eigen::Lower>().rankUpdate(moved.transpose());
-  square_ = Eigen::MatrixXd::Zero(kCount + 1, kCount + 1);
+  square_ = Eigen::MatrixXd::Zero(kHeadColumns + 1, kHeadColumns + 1);
   square_(moving, moving) = square;
   if (functions() > 0) {
-    crossed_ = Eigen::MatrixXd::Zero(2 * functions(), kCount + 1);
+    crossed_ = Eigen::MatrixXd::Zero(2 * functions(), kHeadColumns + 1);
     crossed_(Eigen::all, moving) = byFunctions(moved);
   }
   if (shared_.cols() == 0) return;
@@ -101,8 +101,9 @@ Eigen::VectorXd JointMarks::surfaceDiagonal() const {
 }
 
 Eigen::MatrixXd JointMarks::sharedSlopes() const {
-  Eigen::MatrixXd slopes(shared_.cols(), kCount + 2 * functions() + 1);
-  if (shared_.cols() > 0) slopes << shared_rows_.leftCols<kCount>(), shared_basis_, shared_rows_.col(kCount);
+  Eigen::MatrixXd slopes(shared_.cols(), kHeadColumns + 2 * functions() + 1);
+  if (shared_.cols() > 0)
+    slopes << shared_rows_.leftCols<kHeadColumns>(), shared_basis_, shared_rows_.col(kHeadColumns);
   return slopes;
 }
 
@@ -111,4 +112,4 @@ Eigen::MatrixXd JointMarks::sharedReach(const Eigen::MatrixXd& rows) const {
   return shared_normal_.matrixL().solve(rows.transpose());
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

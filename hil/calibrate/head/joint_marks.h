@@ -8,7 +8,7 @@
 
 #include "hil/calibrate/head/head_parameters.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Two rows for each mark, whitened: J of the scaled departures, and what is read as its last column,
 /// measured
@@ -64,4 +64,4 @@ class JointMarks {
   mutable Eigen::MatrixXd surface_square_;  ///< Empty until it is asked for.
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

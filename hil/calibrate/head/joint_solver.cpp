@@ -8,10 +8,10 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace kerfbench::hil {
-namespace {
+#include "hil/calibrate/head/head_parameters.h"
 
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
+namespace kerfbench::calibrate {
+namespace {
 
 /// Before the marks: a head is its tolerances from the drawing, to this factor (1 sigma).
 const double kToleranceSpread = std::log(2.0);
@@ -34,10 +34,10 @@ Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& lower) {
 
 Eigen::Matrix2Xd rowsOf(const HeadJacobian& by_scaled, const Eigen::VectorXd& basis) {
   const Eigen::Index m = basis.size();
-  Eigen::Matrix2Xd rows = Eigen::Matrix2Xd::Zero(2, kCount + 2 * m);
-  rows.leftCols(kCount) = by_scaled;
-  rows.block(0, kCount, 1, m) = basis.transpose();
-  rows.block(1, kCount + m, 1, m) = basis.transpose();
+  Eigen::Matrix2Xd rows = Eigen::Matrix2Xd::Zero(2, kHeadColumns + 2 * m);
+  rows.leftCols(kHeadColumns) = by_scaled;
+  rows.block(0, kHeadColumns, 1, m) = basis.transpose();
+  rows.block(1, kHeadColumns + m, 1, m) = basis.transpose();
   return rows;
 }
 
@@ -49,17 +49,17 @@ Eigen::VectorXd sigmasOf(const SurfacePrior& prior, const SmoothBasis& basis) {
 }
 
 double ModelInformation::misfit(const HeadVector& step) const {
-  Eigen::Matrix<double, kCount + 1, 1> left;
+  Eigen::Matrix<double, kHeadColumns + 1, 1> left;
   left << -step, 1.0;
   return left.dot(square_.selfadjointView<Eigen::Lower>() * left) + (home_ - step).squaredNorm();
 }
 
 HeadVector ModelInformation::step(double damping) const {
-  return factor(damping).solve(square_.row(kCount).head<kCount>().transpose() + home_);
+  return factor(damping).solve(square_.row(kHeadColumns).head<kHeadColumns>().transpose() + home_);
 }
 
 Eigen::LLT<ModelInformation::Normal> ModelInformation::factor(double damping) const {
-  Normal normal = square_.topLeftCorner<kCount, kCount>();
+  Normal normal = square_.topLeftCorner<kHeadColumns, kHeadColumns>();
   normal.diagonal().array() += 1.0 + damping;
   return normal.llt();
 }
@@ -78,7 +78,7 @@ JointSolver::JointSolver(const JointMarks& marks, Eigen::VectorXd surface_sigmas
 }
 
 Eigen::MatrixXd JointSolver::taken() const {
-  if (sigmas_mm_.size() == 0) return Eigen::MatrixXd(0, kCount + 1);
+  if (sigmas_mm_.size() == 0) return Eigen::MatrixXd(0, kHeadColumns + 1);
   return surface_.matrixL().solve(sigmas_mm_.asDiagonal() * marks_.crossed());
 }
 
@@ -93,28 +93,30 @@ JointSolution JointSolver::solve() const {
   const Eigen::MatrixXd taken = this->taken();
   const ModelInformation information = left(taken);
   JointSolution solution;
-  solution.unknowns.resize(kCount + m);
-  solution.unknowns.head<kCount>() = information.step();
-  solution.covariance_root = Eigen::MatrixXd::Zero(kCount + m, kCount + m);
-  solution.covariance_root.topLeftCorner<kCount, kCount>() = information.covarianceRoot();
+  solution.unknowns.resize(kHeadColumns + m);
+  solution.unknowns.head<kHeadColumns>() = information.step();
+  solution.covariance_root = Eigen::MatrixXd::Zero(kHeadColumns + m, kHeadColumns + m);
+  solution.covariance_root.topLeftCorner<kHeadColumns, kHeadColumns>() = information.covarianceRoot();
   if (m == 0) return solution;
   // What the coefficients are for given departures, and what these make of them.
   const Eigen::MatrixXd surface_root = sigmas_mm_.asDiagonal() * inverseOf(surface_.matrixLLT()).transpose();
   const Eigen::MatrixXd by_model = surface_root.triangularView<Eigen::Upper>() * taken;
   solution.unknowns.tail(m) =
-      by_model.col(kCount) - by_model.leftCols<kCount>() * solution.unknowns.head<kCount>();
-  solution.covariance_root.bottomLeftCorner(m, kCount) =
-      -by_model.leftCols<kCount>() * solution.covariance_root.topLeftCorner<kCount, kCount>();
+      by_model.col(kHeadColumns) - by_model.leftCols<kHeadColumns>() * solution.unknowns.head<kHeadColumns>();
+  solution.covariance_root.bottomLeftCorner(m, kHeadColumns) =
+      -by_model.leftCols<kHeadColumns>() *
+      solution.covariance_root.topLeftCorner<kHeadColumns, kHeadColumns>();
   solution.covariance_root.bottomRightCorner(m, m) = surface_root;
   return solution;
 }
 
 double toleranceFactor(const ModelInformation& model) {
   const ModelInformation::Normal square =
-      model.square().topLeftCorner<kCount, kCount>().selfadjointView<Eigen::Lower>();
+      model.square().topLeftCorner<kHeadColumns, kHeadColumns>().selfadjointView<Eigen::Lower>();
   const Eigen::SelfAdjointEigenSolver<ModelInformation::Normal> held(square);
   // As read from the drawing.
-  const HeadVector gradient = model.square().row(kCount).head<kCount>().transpose() - square * model.home();
+  const HeadVector gradient =
+      model.square().row(kHeadColumns).head<kHeadColumns>().transpose() - square * model.home();
   const Eigen::ArrayXd information = held.eigenvalues().array().max(0.0);
   const Eigen::ArrayXd gradient2 = (held.eigenvectors().transpose() * gradient).array().square();
   constexpr int kSteps = 32;       // Each way.
@@ -138,4 +140,4 @@ double toleranceFactor(const ModelInformation& model) {
   return std::sqrt(sum / weights);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

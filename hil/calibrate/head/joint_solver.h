@@ -10,7 +10,7 @@
 #include "hil/calibrate/head/model_solver.h"
 #include "hil/calibrate/head/residual_surface.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Before it is fitted, a coefficient of degree k of the residual surface is zero ± amplitude · decay^k.
 struct SurfacePrior {
@@ -87,4 +87,4 @@ double toleranceFactor(const ModelInformation& model);
 /// Rows of d(x, y)/d(unknowns) of a mark; only of the departures without a surface.
 Eigen::Matrix2Xd rowsOf(const HeadJacobian& by_scaled, const Eigen::VectorXd& basis);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

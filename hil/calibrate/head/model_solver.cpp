@@ -10,12 +10,11 @@
 #include <ceres/normal_prior.h>
 
 #include "hil/calibrate/head/backward_trace.h"
+#include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/head_trace.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
-
-constexpr int kCount = static_cast<int>(kHeadParameterCount);
 
 trace::Head<double> plainHead(const HeadDesign& design, const HeadVector& tolerances, const double* scaled) {
   const HeadVector departures = tolerances.cwiseProduct(Eigen::Map<const HeadVector>(scaled));
@@ -46,7 +45,7 @@ class SharedHead : public ceres::EvaluationCallback {
   std::optional<BackwardTrace> sloped_;
 };
 
-class MarkCost : public ceres::SizedCostFunction<2, kCount> {
+class MarkCost : public ceres::SizedCostFunction<2, kHeadColumns> {
  public:
   MarkCost(const SharedHead& head, const WeighedMark& mark) : head_(head), mark_(mark) {}
 
@@ -62,7 +61,7 @@ class MarkCost : public ceres::SizedCostFunction<2, kCount> {
     HeadJacobian slopes;
     if (!head_.sloped().landing(mark_.angles_rad, p, slopes)) return false;
     residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
-    Eigen::Map<Eigen::Matrix<double, 2, kCount, Eigen::RowMajor>> by_scaled(jacobians[0]);
+    Eigen::Map<Eigen::Matrix<double, 2, kHeadColumns, Eigen::RowMajor>> by_scaled(jacobians[0]);
     by_scaled = mark_.whitening_1_mm * slopes;
     return true;
   }
@@ -123,7 +122,8 @@ ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances,
   std::deque<MarkCost> costs;  // Ceres keeps their addresses.
   const std::unique_ptr<ceres::LossFunction> loss(loss_scale > 0.0 ? new ceres::CauchyLoss(loss_scale)
                                                                    : nullptr);
-  ceres::NormalPrior tolerance(Eigen::MatrixXd::Identity(kCount, kCount), Eigen::VectorXd::Zero(kCount));
+  ceres::NormalPrior tolerance(Eigen::MatrixXd::Identity(kHeadColumns, kHeadColumns),
+                               Eigen::VectorXd::Zero(kHeadColumns));
 
   ceres::Problem::Options owned_here;
   owned_here.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -141,4 +141,4 @@ ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances,
   return solution;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/nominal_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A mark ready for fitting.
 struct WeighedMark {
@@ -53,4 +53,4 @@ struct ModelSolution {
 ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances, const HeadVector& start,
                          std::span<const WeighedMark> marks, double loss_scale, int most_iterations);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

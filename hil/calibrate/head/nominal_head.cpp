@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
@@ -76,4 +76,4 @@ void check(const HeadDesign& design) {
   throwIfAny(faults);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

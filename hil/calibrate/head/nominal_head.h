@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The controller's formula between what it aims at, in W, and the angles of the X and the Y mirror
 /// (mechanical, rad): what the data sheet told it, whatever the head really is.
@@ -51,4 +51,4 @@ struct HeadDesign {
 void check(const NominalHead& nominal);
 void check(const HeadDesign& design);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -11,7 +11,7 @@
 
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 /// All sightings of one number as one, or nothing if they are not of one place.
@@ -100,4 +100,4 @@ Pairing pairMarks(std::span<const AimedMark> aimed, std::span<const SeenMark> se
   return pairing;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,7 +8,13 @@
 
 #include <Eigen/Core>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
+
+/// Fewer marks than this tell nothing of a map.
+inline constexpr std::size_t kLeastMarks = 5;
+/// A parameter is known by the marks where its standard uncertainty is below this share of what it was before
+/// them.
+inline constexpr double kHeldShare = 1.0 / 3.0;
 
 /// Marks from which no head can be calibrated; the message lists everything that is wrong, a line each.
 class HeadCalibrationError : public std::runtime_error {
@@ -76,4 +82,4 @@ struct Pairing {
 Pairing pairMarks(std::span<const AimedMark> aimed, std::span<const SeenMark> seen,
                   const PairingLimits& limits = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

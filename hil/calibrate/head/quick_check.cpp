@@ -8,15 +8,15 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Six = Eigen::Matrix<double, static_cast<int>(kHeadDriftCount), 1>;
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kHeadDriftCount)>;
 
-constexpr std::size_t kLeastMarks = 5;
 constexpr std::size_t kMostFalse = 1;  // Rejected marks with which a correction may still be said to hold.
 
 /// What few marks say, with all that the fit and they do not know.
@@ -259,4 +259,4 @@ QuickCheckResult quickCheck(const HeadFit& fit, std::span<const HeadObservation>
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

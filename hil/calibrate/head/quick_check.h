@@ -12,7 +12,7 @@
 #include "hil/calibrate/head/head_fit.h"
 #include "hil/calibrate/head/observation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// What may have changed since a head was calibrated.
 enum class HeadDrift { kZeroX, kZeroY, kGainX, kGainY, kTurn, kSheetHeight };
@@ -58,4 +58,4 @@ struct QuickCheckResult {
 QuickCheckResult quickCheck(const HeadFit& fit, std::span<const HeadObservation> observations,
                             const QuickCheckLimits& limits = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr int kMostDegree = 30;
@@ -67,4 +67,4 @@ SmoothBasis::Values SmoothBasis::at(const Eigen::Vector2d& p_mm) const {
   return values;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

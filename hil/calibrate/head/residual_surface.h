@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Smooth functions over a rectangle: products of Legendre polynomials P_i(u) P_j(v), i + j <= degree, with
 /// u, v = -1 … 1 over the rectangle. Beyond it the value of the nearest place on its border.
@@ -38,4 +38,4 @@ class SmoothBasis {
   std::vector<Eigen::Vector2i> orders_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

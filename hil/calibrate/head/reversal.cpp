@@ -11,14 +11,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/rigid.h"
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::size_t kLeastCommon = 5;
-constexpr double kHeldShare = 1.0 / 3.0;
 constexpr double kMostMissPriors = 10.0;  // Of the median mark, as it is between two rigid views.
 constexpr int kShear = 2;
 
@@ -335,4 +335,4 @@ ReversalResult separateCamera(std::span<const SheetView> views, const ReversalOp
   return Reversal(views, options).separate();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 
 #include "hil/calibrate/head/observation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// All marks of one sheet as one set-up of sheet and camera shows them, in the camera's plane C.
 struct SheetView {
@@ -86,4 +86,4 @@ struct ReversalResult {
 /// @throws std::invalid_argument for options out of range.
 ReversalResult separateCamera(std::span<const SheetView> views, const ReversalOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,7 +6,7 @@
 
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 Eigen::Isometry2d leastSquares(std::span<const PlacePair> pairs, const std::vector<bool>& used) {
@@ -51,4 +51,4 @@ RigidMotion rigidMotion(std::span<const PlacePair> pairs) {
   return motion;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Two places of one thing.
 using PlacePair = std::pair<Eigen::Vector2d, Eigen::Vector2d>;
@@ -20,4 +20,4 @@ struct RigidMotion {
 };
 RigidMotion rigidMotion(std::span<const PlacePair> pairs);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

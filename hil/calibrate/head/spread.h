@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Finite, symmetric and positive definite.
 inline bool isCovariance(const Eigen::Matrix2d& c) {
@@ -41,4 +41,4 @@ inline double chiSquareAbove(double freedom, double normal) {
   return freedom * std::pow(1.0 - ninth + normal * std::sqrt(ninth), 3);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -11,7 +11,7 @@
 
 #include "hil/calibrate/head/spread.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr double kBeyondEllipse = 0.05;
@@ -94,4 +94,4 @@ StatedSpread statedSpread(const HeadFit& fit, std::span<const HeadObservation> m
   return spread;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,7 +8,7 @@
 #include "hil/calibrate/head/head_fit.h"
 #include "hil/calibrate/head/observation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Errors of marks against what is stated of them: covariance of the fit, of each mark, and of what the marks
 /// of a sheet share.
@@ -31,4 +31,4 @@ struct StatedSpread {
 /// (Satterthwaite 1946), the variance by all covariances between the marks.
 StatedSpread statedSpread(const HeadFit& fit, std::span<const HeadObservation> marks);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

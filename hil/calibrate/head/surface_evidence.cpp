@@ -7,10 +7,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-namespace kerfbench::hil {
+#include "hil/calibrate/head/head_parameters.h"
+
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr Eigen::Index kCount = static_cast<Eigen::Index>(kHeadParameterCount);
 constexpr double kMoved = 1e-4;  // Of its prior variance: all of them together change the evidence by 0.02.
 const double kLeastEvidence = std::log(20.0);
 constexpr double kLeastScore =
@@ -29,13 +30,13 @@ Eigen::MatrixXd squareOf(const Eigen::MatrixXd& rows) {
 class SurfaceInformation {
  public:
   explicit SurfaceInformation(const JointMarks& marks) : marks_(marks) {
-    Eigen::MatrixXd normal = marks.square().topLeftCorner<kCount, kCount>();
+    Eigen::MatrixXd normal = marks.square().topLeftCorner<kHeadColumns, kHeadColumns>();
     normal.diagonal().array() += 1.0;
     const Eigen::LLT<Eigen::MatrixXd> factor(normal);
     const Eigen::VectorXd step =
-        factor.solve(marks.square().row(kCount).head<kCount>().transpose() + marks.home());
-    gradient_ = marks.crossed().col(kCount) - marks.crossed().leftCols<kCount>() * step;
-    crossed_ = factor.matrixL().solve(marks.crossed().leftCols<kCount>().transpose());
+        factor.solve(marks.square().row(kHeadColumns).head<kHeadColumns>().transpose() + marks.home());
+    gradient_ = marks.crossed().col(kHeadColumns) - marks.crossed().leftCols<kHeadColumns>() * step;
+    crossed_ = factor.matrixL().solve(marks.crossed().leftCols<kHeadColumns>().transpose());
   }
 
   /// Derivative of the evidence by the square of the amplitude at zero, over its own scatter if there is no
@@ -126,4 +127,4 @@ std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBas
   return best;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

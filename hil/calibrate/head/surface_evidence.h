@@ -9,7 +9,7 @@
 #include "hil/calibrate/head/joint_solver.h"
 #include "hil/calibrate/head/residual_surface.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Decays of 0.5 … 1 for which the marks may tell of a surface: of those below, evidence is not worth its
 /// work (score test).
@@ -20,4 +20,4 @@ std::vector<double> promisingDecays(const JointMarks& marks, const SmoothBasis& 
 std::optional<SurfacePrior> bestSurface(const JointMarks& marks, const SmoothBasis& basis,
                                         std::span<const double> decays);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -17,11 +17,11 @@
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/mark_reader.h"
 #include "hil/calibrate/marks/mark_strokes.h"
-#include "hil/vision/kerf_pictures.h"
-#include "hil/vision/kerf_plan.h"
-#include "hil/vision/kerf_unit.h"
+#include "hil/vision/kerf/kerf_pictures.h"
+#include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/scan/kerf_unit.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -54,9 +54,9 @@ void sortByPlace(std::vector<DamagedMark>& damaged) {
 /// The search in one unit whose place is known.
 class FieldSearch {
  public:
-  FieldSearch(const CameraCalibration& calibration, const FieldSearchOptions& options,
-              const KerfScanOptions& scan, const UnitPictures& pictures, const TileIndex& index,
-              const PlaneMotion& X_TS)
+  FieldSearch(const vision::CameraCalibration& calibration, const FieldSearchOptions& options,
+              const vision::KerfScanOptions& scan, const vision::UnitPictures& pictures,
+              const vision::TileIndex& index, const vision::PlaneMotion& X_TS)
       : calibration_(calibration),
         options_(options),
         scan_(scan),
@@ -90,7 +90,7 @@ class FieldSearch {
 
   [[nodiscard]] std::vector<Stroke> strokesOfAll() const {
     std::vector<std::vector<Stroke>> of_tile(pictures_.views.size());
-    forEachIndex(of_tile.size(), options_.threads, [&](std::size_t t) {
+    base::forEachIndex(of_tile.size(), options_.threads, [&](std::size_t t) {
       of_tile[t] = findStrokes(pictures_.views[t], calibration_, options_.open_gray);
     });
     std::vector<Stroke> all;
@@ -121,17 +121,18 @@ class FieldSearch {
   }
 
   void measure(FieldPictures& out) {
-    Dieline arms;
+    dieline::Dieline arms;
     std::vector<std::array<ArmLine, 2>> lines;
     for (const Read& mark : read_) {
       lines.push_back(armLines(mark.cross, X_TS_));
-      for (Curve& curve : armCurves(lines.back()))
+      for (dieline::Curve& curve : armCurves(lines.back()))
         arms.entities.push_back(
-            {static_cast<int>(arms.entities.size()), std::move(curve), Process::kCut, "", ""});
+            {static_cast<int>(arms.entities.size()), std::move(curve), dieline::Process::kCut, "", ""});
     }
-    const KerfPlan plan = planKerf(arms, scan_);
-    KerfScan kerfs;
-    UnitScan(calibration_, plan, scan_, pictures_.views, index_, 0, X_TS_, pictures_.blur).cuts(kerfs);
+    const vision::KerfPlan plan = vision::planKerf(arms, scan_);
+    vision::KerfScan kerfs;
+    vision::UnitScan(calibration_, plan, scan_, pictures_.views, index_, 0, X_TS_, pictures_.blur)
+        .cuts(kerfs);
     for (std::size_t m = 0; m < read_.size(); ++m) {
       const auto arm = [&](std::size_t k) { return &kerfs.entities.at(4 * m + k); };
       const auto answer = centreOf(lines[m], {arm(0), arm(1), arm(2), arm(3)});
@@ -154,17 +155,17 @@ class FieldSearch {
     mark.as_cut = axes_S * matrixOf(read.reading.turn) * R_SM.transpose();
     mark.turn = nearestTurn(mark.as_cut);
     const Vector2d p_T_mm = X_TS_ * centre.p_S_mm;
-    if (const TileView* view = index_.best(p_T_mm, 0.0); view != nullptr)
+    if (const vision::TileView* view = index_.best(p_T_mm, 0.0); view != nullptr)
       mark.p_V_mm = p_T_mm - view->tile.p_TV_mm;
     return mark;
   }
 
-  const CameraCalibration& calibration_;
+  const vision::CameraCalibration& calibration_;
   const FieldSearchOptions& options_;
-  const KerfScanOptions& scan_;
-  const UnitPictures& pictures_;
-  const TileIndex& index_;
-  PlaneMotion X_TS_;
+  const vision::KerfScanOptions& scan_;
+  const vision::UnitPictures& pictures_;
+  const vision::TileIndex& index_;
+  vision::PlaneMotion X_TS_;
   std::vector<Read> read_;
 };
 
@@ -173,9 +174,9 @@ void checkOptions(const FieldSearchOptions& options) {
     throw std::invalid_argument("field marks: size_mm and open_gray must be > 0, beam_radius_mm >= 0");
 }
 
-FieldPictures searchSheet(TileSource& tiles, const CameraCalibration& calibration,
+FieldPictures searchSheet(camera::TileSource& tiles, const vision::CameraCalibration& calibration,
                           const std::vector<RegistrationMark>& print, const FieldSearchOptions& options) {
-  KerfScanOptions scan;
+  vision::KerfScanOptions scan;
   scan.station_pitch_mm = kStationPitch_mm;
   scan.patches = 0;
   scan.beam_radius_mm = options.beam_radius_mm;
@@ -186,18 +187,19 @@ FieldPictures searchSheet(TileSource& tiles, const CameraCalibration& calibratio
   layout.marks = print;
 
   FieldPictures out;
-  UnitTiles source(tiles, calibration);
-  std::vector<KerfTile> sheet = source.next();
+  vision::UnitTiles source(tiles, calibration);
+  std::vector<camera::KerfTile> sheet = source.next();
   if (sheet.empty()) {
     out.problems.emplace_back("there are no pictures");
     return out;
   }
   const int unit = sheet.front().unit;
-  const UnitPictures pictures = viewUnit(std::move(sheet), unit, layout, calibration, scan, out.problems);
+  const vision::UnitPictures pictures =
+      vision::viewUnit(std::move(sheet), unit, layout, calibration, scan, out.problems);
   if (unit != 0 || !source.next().empty())
     out.problems.emplace_back("the pictures are of more than one sheet");
-  const TileIndex index(pictures.views, calibration);
-  const auto place = placeUnit(pictures.views, index, 0, layout, calibration, out.problems);
+  const vision::TileIndex index(pictures.views, calibration);
+  const auto place = vision::placeUnit(pictures.views, index, 0, layout, calibration, out.problems);
   if (!place) return out;
   if (3 * static_cast<std::size_t>(place->marks) < 2 * print.size()) {
     out.problems.push_back(
@@ -230,7 +232,7 @@ Matrix2d FieldPictures::poseCovariance(const Vector2d& p_S_mm) const {
   return poseCovarianceAbout(p_S_mm).topLeftCorner<2, 2>();
 }
 
-FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibration,
+FieldPictures findFieldMarks(camera::TileSource& tiles, const vision::CameraCalibration& calibration,
                              const std::vector<RegistrationMark>& print, const FieldSearchOptions& options) {
   checkOptions(options);
   FieldPictures out = searchSheet(tiles, calibration, print, options);
@@ -238,4 +240,4 @@ FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibra
   return out;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

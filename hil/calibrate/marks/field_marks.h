@@ -8,10 +8,11 @@
 
 #include "hil/calibrate/marks/mark_code.h"
 #include "hil/calibrate/marks/mark_job.h"
-#include "hil/vision/camera_calibration.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/camera/tile_source.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_measurement.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A mark as cut.
 struct FieldMark {
@@ -39,7 +40,7 @@ struct FieldPictures {
   std::vector<FieldMark> marks;       ///< By number, then by place; doubled ones are all there.
   std::vector<DamagedMark> damaged;   ///< By place.
   int strays{};                       ///< Cuts that belong to no mark: scratches, dust, other work.
-  UnitPose pose;                      ///< Of the sheet on the table, by its printed marks.
+  vision::UnitPose pose;              ///< Of the sheet on the table, by its printed marks.
   std::vector<std::string> problems;  ///< Why nothing here may be used: no pose, unfit pictures.
 
   /// Of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S, mm) and
@@ -59,7 +60,7 @@ struct FieldSearchOptions {
 /// Finds every field mark in the pictures of a sheet (unit 0), wherever and however it lies, by its own
 /// shape: no place is expected. Scales within 20 % of the drawing and shears within 10 degrees are seen.
 /// @throws std::invalid_argument for options out of range or tiles of another size than calibrated.
-FieldPictures findFieldMarks(TileSource& tiles, const CameraCalibration& calibration,
+FieldPictures findFieldMarks(camera::TileSource& tiles, const vision::CameraCalibration& calibration,
                              const std::vector<RegistrationMark>& print, const FieldSearchOptions& options);
 
 /// A wanted mark and where it was cut.
@@ -88,4 +89,4 @@ struct MarkedField {
 /// Less than `least_share` of the marks wanted is too few.
 MarkedField matchField(const MarkJob& job, const FieldPictures& pictures, double least_share = 0.5);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -11,7 +11,7 @@
 
 #include "hil/calibrate/marks/field_marks.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr double kMostForeign = 0.1;    // of all that was found: more is another job's sheet
@@ -127,4 +127,4 @@ MarkedField matchField(const MarkJob& job, const FieldPictures& pictures, double
   return field;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -49,10 +49,10 @@ struct Parabola {
 };
 
 /// False where an arm has too few readings.
-bool addReadings(const EntityKerf& kerf, double from_mm, std::vector<Reading>& readings) {
+bool addReadings(const vision::EntityKerf& kerf, double from_mm, std::vector<Reading>& readings) {
   const double length_mm = kerf.calipers.empty() ? 0.0 : kerf.calipers.back().station_mm;
   std::size_t count = 0;
-  for (const Caliper& c : kerf.calipers) {
+  for (const vision::Caliper& c : kerf.calipers) {
     const bool usable = c.found && !c.near_joint && std::isfinite(c.sigma_mm);
     if (!usable || c.station_mm < kEnd_mm || c.station_mm > length_mm - kEnd_mm) continue;
     const double own = c.sigma_mm * c.sigma_mm - c.steady_sigma_mm * c.steady_sigma_mm;
@@ -120,7 +120,7 @@ std::optional<Parabola> fitRobust(std::vector<Reading> readings) {
 
 }  // namespace
 
-std::array<ArmLine, 2> armLines(const Cross& cross, const PlaneMotion& X_TS) {
+std::array<ArmLine, 2> armLines(const Cross& cross, const vision::PlaneMotion& X_TS) {
   const Matrix2d R_ST = X_TS.rotation().transpose();
   std::array<ArmLine, 2> lines;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -139,19 +139,19 @@ std::array<ArmLine, 2> armLines(const Cross& cross, const PlaneMotion& X_TS) {
   return lines;
 }
 
-std::vector<Curve> armCurves(const std::array<ArmLine, 2>& lines) {
-  std::vector<Curve> curves;
+std::vector<dieline::Curve> armCurves(const std::array<ArmLine, 2>& lines) {
+  std::vector<dieline::Curve> curves;
   for (const ArmLine& line : lines) {
     for (const std::size_t arm : {0U, 2U}) {
-      curves.emplace_back(LineCurve{line.p_mm + line.ends_mm.at(arm) * line.along,
-                                    line.p_mm + line.ends_mm.at(arm + 1) * line.along});
+      curves.emplace_back(dieline::LineCurve{line.p_mm + line.ends_mm.at(arm) * line.along,
+                                             line.p_mm + line.ends_mm.at(arm + 1) * line.along});
     }
   }
   return curves;
 }
 
 std::variant<MarkCentre, std::string> centreOf(const std::array<ArmLine, 2>& lines,
-                                               const std::array<const EntityKerf*, 4>& arms) {
+                                               const std::array<const vision::EntityKerf*, 4>& arms) {
   std::array<Parabola, 2> parabolas;
   for (std::size_t k = 0; k < 2; ++k) {
     std::vector<Reading> readings;
@@ -189,4 +189,4 @@ std::variant<MarkCentre, std::string> centreOf(const std::array<ArmLine, 2>& lin
   return centre;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

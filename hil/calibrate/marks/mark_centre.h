@@ -10,10 +10,10 @@
 
 #include "hil/calibrate/marks/mark_strokes.h"
 #include "hil/dieline/geometry.h"
-#include "hil/vision/constellation.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "hil/vision/marks/constellation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The line through two opposite arms as first seen, in S.
 struct ArmLine {
@@ -23,9 +23,9 @@ struct ArmLine {
 };
 
 /// The two lines of a cross.
-std::array<ArmLine, 2> armLines(const Cross& cross, const PlaneMotion& X_TS);
+std::array<ArmLine, 2> armLines(const Cross& cross, const vision::PlaneMotion& X_TS);
 /// Its arms for the calipers, two for each line in turn: behind, ahead.
-std::vector<Curve> armCurves(const std::array<ArmLine, 2>& lines);
+std::vector<dieline::Curve> armCurves(const std::array<ArmLine, 2>& lines);
 
 struct MarkCentre {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
@@ -36,6 +36,6 @@ struct MarkCentre {
 /// Where the two lines cross. Each is a parabola through the calipers of its two arms, weighted by their own
 /// noise; what neighbouring calipers have in common is added whole. Or why there is no centre.
 std::variant<MarkCentre, std::string> centreOf(const std::array<ArmLine, 2>& lines,
-                                               const std::array<const EntityKerf*, 4>& arms);
+                                               const std::array<const vision::EntityKerf*, 4>& arms);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

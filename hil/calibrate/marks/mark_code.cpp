@@ -12,7 +12,7 @@
 
 #include "hil/calibrate/marks/mark_pattern.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr int kColumns = static_cast<int>(kSlot.size());
@@ -133,4 +133,4 @@ const MarkWord& markWord(int number) {
 
 std::optional<MarkReading> readWord(const MarkWord& word) { return book().read(word); }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

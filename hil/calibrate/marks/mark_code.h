@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Ticks of a field mark tell its number. There are 36 slots, nine in each quadrant of the mark (FieldMark in
 /// mark_pattern.h says where), and every mark has five ticks.
@@ -44,4 +44,4 @@ struct MarkReading {
 /// nullopt for whatever is no word.
 std::optional<MarkReading> readWord(const MarkWord& word);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/mark_strokes.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -116,4 +116,4 @@ Crosses assembleCrosses(const std::vector<Stroke>& arms, double size_mm) {
   return crosses;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

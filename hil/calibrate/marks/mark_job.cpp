@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "hil/calibrate/day.h"
+#include "hil/calibrate/camera/day.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -134,13 +134,13 @@ std::vector<MarkJobFault> MarkJob::faults() const {
   return found;
 }
 
-Dieline MarkJob::dieline() const {
-  Dieline drawing;
+dieline::Dieline MarkJob::dieline() const {
+  dieline::Dieline drawing;
   const auto add = [&](const WantedMark& mark, const MarkStroke& stroke) {
     const Vector2d centre_mm = wanted_S_mm(mark);
     drawing.entities.push_back({static_cast<int>(drawing.entities.size()),
-                                LineCurve{centre_mm + stroke.from_mm, centre_mm + stroke.to_mm},
-                                Process::kCut, "CUT", fmt::format("mark {}", mark.number)});
+                                dieline::LineCurve{centre_mm + stroke.from_mm, centre_mm + stroke.to_mm},
+                                dieline::Process::kCut, "CUT", fmt::format("mark {}", mark.number)});
   };
   for (const WantedMark& mark : marks) {
     for (const MarkStroke& arm : markArms(size_mm)) add(mark, arm);
@@ -212,4 +212,4 @@ double markSizeFor(double apart_mm, double kerf_width_mm) {
   return size_mm;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -12,7 +12,7 @@
 #include "hil/dieline/geometry.h"
 #include "twin/base/print_layout.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Where the centre of a mark was asked for.
 struct WantedMark {
@@ -43,7 +43,7 @@ struct MarkJob {
   [[nodiscard]] std::vector<MarkJobFault> faults() const;
   [[nodiscard]] Eigen::Vector2d wanted_S_mm(const WantedMark& mark) const { return mark.p_W_mm + p_SW_mm; }
   /// Its cuts in S, mark by mark in order: arms, then ticks; layer "cut".
-  [[nodiscard]] Dieline dieline() const;
+  [[nodiscard]] dieline::Dieline dieline() const;
 };
 
 /// How far apart two marks lie as far as room is concerned: along x or along y, whichever is more.
@@ -73,4 +73,4 @@ std::vector<WantedMark> numbered(const std::vector<Eigen::Vector2d>& places_mm, 
 /// the kerf's width asks for (24 kerfs, kWidestKerf at least). @throws std::invalid_argument if none does.
 double markSizeFor(double apart_mm, double kerf_width_mm);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 /// 1e-9 mm: far below what any machine resolves, and the same on each.
@@ -40,14 +40,14 @@ std::string body(const MarkJob& job) {
   return text;
 }
 
-Eigen::Vector2d readPlace(YamlReader& section, std::string_view key) {
-  const auto p = section.numbers(key, 2, YamlReader::Range{});
+Eigen::Vector2d readPlace(base::YamlReader& section, std::string_view key) {
+  const auto p = section.numbers(key, 2, base::YamlReader::Range{});
   return {p[0], p[1]};
 }
 
 }  // namespace
 
-std::string markJobDigest(const MarkJob& job) { return sha256(body(job)); }
+std::string markJobDigest(const MarkJob& job) { return base::sha256(body(job)); }
 
 std::string markJobText(const MarkJob& job) {
   return fmt::format(
@@ -65,8 +65,8 @@ std::string markJobDxf(const MarkJob& job) {
       "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$MEASUREMENT\n70\n1\n0\nENDSEC\n"
       "0\nSECTION\n2\nENTITIES\n",
       markJobDigest(job));
-  for (const Entity& entity : job.dieline().entities) {
-    const auto& line = std::get<LineCurve>(entity.curve);
+  for (const dieline::Entity& entity : job.dieline().entities) {
+    const auto& line = std::get<dieline::LineCurve>(entity.curve);
     text += fmt::format("0\nLINE\n8\nCUT\n10\n{:.9f}\n20\n{:.9f}\n11\n{:.9f}\n21\n{:.9f}\n",
                         line.start_mm.x(), line.start_mm.y(), line.end_mm.x(), line.end_mm.y());
   }
@@ -80,12 +80,12 @@ void writeMarkJob(const std::filesystem::path& path, const MarkJob& job) {
   if (!faults.empty())
     throw std::invalid_argument(fmt::format("{}: {}", path.string(), fmt::join(faults, "; ")));
   std::filesystem::path drawing = path;
-  writeFileAtomically(drawing.replace_extension(".dxf"), markJobDxf(job));
-  writeFileAtomically(path, markJobText(job));
+  base::writeFileAtomically(drawing.replace_extension(".dxf"), markJobDxf(job));
+  base::writeFileAtomically(path, markJobText(job));
 }
 
 MarkJob readMarkJob(const std::filesystem::path& path) {
-  auto file = YamlReader::openFile(path);
+  auto file = base::YamlReader::openFile(path);
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   const std::string digest = file.text("digest");
@@ -95,18 +95,18 @@ MarkJob readMarkJob(const std::filesystem::path& path) {
   job.date = file.text("date");
   job.size_mm = file.number("size_mm", {});
   job.p_SW_mm = readPlace(file, "p_SW_mm");
-  for (YamlReader& mark : file.list("print")) {
+  for (base::YamlReader& mark : file.list("print")) {
     const Eigen::Vector2d p_S_mm = readPlace(mark, "p_S_mm");
     job.print.push_back({p_S_mm, mark.number("diameter_mm", {.min = 0.1, .max = 100})});
   }
-  std::vector<YamlReader> marks = file.list("marks");
-  for (YamlReader& mark : marks) {
+  std::vector<base::YamlReader> marks = file.list("marks");
+  for (base::YamlReader& mark : marks) {
     const auto number = mark.integer("number", {.min = -1e6, .max = 1e6});
     job.marks.push_back({static_cast<int>(number), readPlace(mark, "p_W_mm")});
   }
   const std::vector<MarkJobFault> faults = job.faults();
   for (const MarkJobFault& fault : faults) {
-    YamlReader& where = fault.mark < 0 ? file : marks.at(static_cast<std::size_t>(fault.mark));
+    base::YamlReader& where = fault.mark < 0 ? file : marks.at(static_cast<std::size_t>(fault.mark));
     where.fault(fault.key, fault.message);
   }
   if (faults.empty() && digest != markJobDigest(job))
@@ -115,4 +115,4 @@ MarkJob readMarkJob(const std::filesystem::path& path) {
   return job;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

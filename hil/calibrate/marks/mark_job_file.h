@@ -6,7 +6,7 @@
 
 #include "hil/calibrate/marks/mark_job.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The job as YAML, with a digest over all that it says.
 std::string markJobText(const MarkJob& job);
@@ -23,4 +23,4 @@ void writeMarkJob(const std::filesystem::path& path, const MarkJob& job);
 /// that touch; and a digest that does not fit, for a file that was changed.
 MarkJob readMarkJob(const std::filesystem::path& path);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -58,4 +58,4 @@ std::vector<MarkStroke> markTicks(int number, double size_mm) {
   return ticks;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 
 #include "hil/calibrate/marks/mark_code.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A field mark: four arms that point at its centre and do not meet there, and five ticks in the quadrants
 /// between them that tell its number. The measured point is where the centre lines of the two pairs of arms
@@ -45,4 +45,4 @@ std::array<MarkStroke, 4> markArms(double size_mm);
 /// Its ticks, in order of slot.
 std::vector<MarkStroke> markTicks(int number, double size_mm);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

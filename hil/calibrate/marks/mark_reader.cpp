@@ -8,7 +8,7 @@
 
 #include "hil/calibrate/marks/mark_pattern.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -19,10 +19,10 @@ constexpr double kBoardLight = 0.25;
 constexpr double kLook = 0.5 * kTick;  // radius, of half a size
 constexpr double kBorder_px = 4.0;
 
-std::optional<double> lightAt(const Vector2d& p_T_mm, double radius_mm, const TileIndex& tiles,
-                              const CameraCalibration& calibration, double open_gray) {
+std::optional<double> lightAt(const Vector2d& p_T_mm, double radius_mm, const vision::TileIndex& tiles,
+                              const vision::CameraCalibration& calibration, double open_gray) {
   const double radius_px = std::max(1.0, radius_mm / calibration.pitchMm());
-  const TileView* view = tiles.best(p_T_mm, radius_px + kBorder_px);
+  const vision::TileView* view = tiles.best(p_T_mm, radius_px + kBorder_px);
   if (view == nullptr) return std::nullopt;
   const GrayImage& image = view->tile.image;
   const Vector2d pixel = calibration.pixelFromPlane(p_T_mm - view->tile.p_TV_mm);
@@ -41,8 +41,9 @@ std::optional<double> lightAt(const Vector2d& p_T_mm, double radius_mm, const Ti
 
 }  // namespace
 
-std::variant<MarkReading, std::string> readTicks(const Cross& cross, const TileIndex& tiles,
-                                                 const CameraCalibration& calibration, double open_gray) {
+std::variant<MarkReading, std::string> readTicks(const Cross& cross, const vision::TileIndex& tiles,
+                                                 const vision::CameraCalibration& calibration,
+                                                 double open_gray) {
   const double half_mm = std::sqrt(std::abs(cross.axes_mm.determinant()));
   MarkWord word;
   for (int slot = 0; slot < kMarkSlots; ++slot) {
@@ -58,4 +59,4 @@ std::variant<MarkReading, std::string> readTicks(const Cross& cross, const TileI
   return "has ticks that make no number";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -11,9 +11,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "hil/vision/kerf_pictures.h"
+#include "hil/vision/kerf/kerf_pictures.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -50,7 +50,8 @@ Moments momentsOf(const cv::Mat& labels, int label, const cv::Rect& box) {
   return {n, mean + Vector2d(box.x, box.y), covariance};
 }
 
-Stroke strokeOf(const Moments& moments, const TileView& view, const CameraCalibration& calibration) {
+Stroke strokeOf(const Moments& moments, const vision::TileView& view,
+                const vision::CameraCalibration& calibration) {
   const Vector2d p_V_mm = calibration.planeFromPixel(moments.mean_px);
   const Matrix2d mm_per_pixel = calibration.localMap(p_V_mm).pixel_per_mm.inverse();
   const Eigen::SelfAdjointEigenSolver<Matrix2d> axes(mm_per_pixel * moments.covariance_px2 *
@@ -65,9 +66,9 @@ Stroke strokeOf(const Moments& moments, const TileView& view, const CameraCalibr
 
 }  // namespace
 
-std::vector<Stroke> findStrokes(const TileView& view, const CameraCalibration& calibration,
+std::vector<Stroke> findStrokes(const vision::TileView& view, const vision::CameraCalibration& calibration,
                                 double open_gray) {
-  GrayImage places = brightPlaces(view, open_gray, kMarkedShare);
+  GrayImage places = vision::brightPlaces(view, open_gray, kMarkedShare);
   const cv::Mat mask(places.height, places.width, CV_8U, places.pixels.data());
   cv::Mat labels;
   cv::Mat stats;
@@ -111,4 +112,4 @@ std::vector<Stroke> uniqueStrokes(const std::vector<Stroke>& strokes) {
   return unique;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
-#include "hil/vision/camera_calibration.h"
-#include "hil/vision/kerf_tiles.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_tiles.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A bright blob of a picture, as the rod with its second moments.
 struct Stroke {
@@ -22,7 +22,8 @@ struct Stroke {
 };
 
 /// All blobs that lie whole in the picture.
-std::vector<Stroke> findStrokes(const TileView& view, const CameraCalibration& calibration, double open_gray);
+std::vector<Stroke> findStrokes(const vision::TileView& view, const vision::CameraCalibration& calibration,
+                                double open_gray);
 
 /// Strokes of all pictures, each once.
 std::vector<Stroke> uniqueStrokes(const std::vector<Stroke>& strokes);
@@ -49,4 +50,4 @@ struct Crosses {
 };
 Crosses assembleCrosses(const std::vector<Stroke>& arms, double size_mm);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -11,7 +11,7 @@
 #include "hil/calibrate/marks/mark_job.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -56,4 +56,4 @@ std::vector<std::vector<Vector2d>> verifySheets(const AlignedBox2d& field_mm, co
   return places_mm;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

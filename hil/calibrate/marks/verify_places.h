@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Places that tell what a correction is worth.
 struct VerifyPlaces {
@@ -26,4 +26,4 @@ struct VerifyPlaces {
 std::vector<std::vector<Eigen::Vector2d>> verifySheets(const Eigen::AlignedBox2d& field_mm,
                                                        const VerifyPlaces& wish);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

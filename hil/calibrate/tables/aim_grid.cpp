@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -186,4 +186,4 @@ AimGrid resampled(const AimGrid& from, std::vector<double> x_mm, std::vector<dou
   return {std::move(x_mm), std::move(y_mm), std::move(d_mm), between, outside};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

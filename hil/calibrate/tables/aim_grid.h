@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// What a table says between its nodes.
 enum class Between {
@@ -79,4 +79,4 @@ std::vector<double> evenly(double low, double high, std::size_t count);
 AimGrid resampled(const AimGrid& from, std::vector<double> x_mm, std::vector<double> y_mm, Between between,
                   Outside outside);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

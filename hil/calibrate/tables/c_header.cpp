@@ -12,10 +12,9 @@
 #include "hil/base/digest.h"
 #include "hil/calibrate/tables/c_header_numbers.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kNmPerMm = 1e6;
 constexpr std::size_t kPerLine = 12;
 
 using Whole = CHeaderNumbers::Array;
@@ -146,7 +145,7 @@ std::string hashOf(const CHeaderNumbers& numbers) {
   std::string text = fmt::format("{}\n{}\n{}\n", numbers.unit_nm, numbers.hermite, numbers.outside);
   for (const CHeaderNumbers::Array& array : numbers.arrays)
     text += fmt::format("{}\n{}\n", array.size(), listed(array, 1));
-  return sha256(text);
+  return base::sha256(text);
 }
 
 std::string cHeader(const AimGrid& grid, const CHeaderOptions& options) {
@@ -164,4 +163,4 @@ std::string cHeader(const AimGrid& grid, const CHeaderOptions& options) {
   return text + "\n#endif\n";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,7 +8,9 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
+
+inline constexpr double kNmPerMm = 1e6;
 
 struct CHeaderOptions {
   enum class Value { kInt16, kInt32 };
@@ -32,4 +34,4 @@ std::string cHeader(const AimGrid& grid, const CHeaderOptions& options = {});
 /// @throws TableFileError with every fault and its line; the hash must be that of the numbers.
 AimGrid parseCHeader(const std::string& text, const std::string& name);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The numbers of a C header.
 struct CHeaderNumbers {
@@ -24,4 +24,4 @@ std::string listed(const CHeaderNumbers::Array& values, std::size_t per_line);
 /// SHA-256 of all numbers, one a line.
 std::string hashOf(const CHeaderNumbers& numbers);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -13,10 +13,9 @@
 #include "hil/calibrate/tables/c_header_numbers.h"
 #include "hil/calibrate/tables/table_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kNmPerMm = 1e6;
 constexpr std::size_t kMostNumbers = AimGrid::kMostNodes * AimGrid::kMostNodes;
 
 /// Takes a header line by line.
@@ -76,7 +75,7 @@ void Lines::takeNumbers(std::size_t number, std::string_view line) {
   }
   if (line.ends_with(',')) line.remove_suffix(1);
   for (const std::string_view word : wordsOf(line, ',')) {
-    const auto value = numberFrom<std::int64_t>(word);
+    const auto value = base::numberFrom<std::int64_t>(word);
     if (!value || *value > most_ || *value < -most_) {
       faults.atLine(number, fmt::format("a number is none, or beyond ±{}", most_));
     } else if (numbers_.arrays.at(array_).size() < kMostNumbers) {
@@ -87,7 +86,7 @@ void Lines::takeNumbers(std::size_t number, std::string_view line) {
 
 std::int64_t Lines::constant(const char* name, std::int64_t low, std::int64_t high) {
   const auto found = constants_.find(name);
-  const auto value = found == constants_.end() ? std::nullopt : numberFrom<std::int64_t>(found->second);
+  const auto value = found == constants_.end() ? std::nullopt : base::numberFrom<std::int64_t>(found->second);
   if (value && *value >= low && *value <= high) return *value;
   faults.ofFile(fmt::format("…{} must be defined as a whole number of {} to {}", name, low, high));
   return low;
@@ -143,4 +142,4 @@ AimGrid parseCHeader(const std::string& text, const std::string& name) {
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

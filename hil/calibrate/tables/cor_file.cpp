@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -243,4 +243,4 @@ std::string corFile(const AimGrid& grid, CorVersion version, const CorConvention
   return bytes;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,7 +8,7 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// JCZ's files of correction, 65 x 65 pairs, little-endian, label in ASCII or UTF-16LE filled to 22 bytes:
 ///
@@ -62,4 +62,4 @@ CorFile parseCorFile(std::string_view bytes, const std::string& name, const CorC
 ///   a place, or a value is beyond ±32767 units.
 std::string corFile(const AimGrid& grid, CorVersion version, const CorConvention& convention);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

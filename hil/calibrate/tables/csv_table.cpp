@@ -7,7 +7,7 @@
 
 #include "hil/calibrate/tables/table_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr const char* kHeader = "x_mm,y_mm,dx_mm,dy_mm";
@@ -73,4 +73,4 @@ AimGrid parseCsvTable(const std::string& text, const std::string& name) {
   return gridOf(text, nodes, faults, Between::kHermite, Outside::kRefused);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,7 +6,7 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// The reference controller's table. The convention stands in the file: header x_mm,y_mm,dx_mm,dy_mm, y
 /// ascending and for each y all x ascending, W in mm; d is added to the aim; Hermite between nodes, nothing
@@ -17,4 +17,4 @@ std::string csvTable(const AimGrid& grid);
 ///   depends on the machine and the place.
 AimGrid parseCsvTable(const std::string& text, const std::string& name);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

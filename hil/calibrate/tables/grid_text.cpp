@@ -7,7 +7,7 @@
 
 #include "hil/calibrate/tables/table_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 std::string gridText(const AimGrid& grid) {
   std::string text =
@@ -36,4 +36,4 @@ AimGrid parseGridText(const std::string& text, const std::string& name) {
   return gridOf(text, nodes, faults, Between::kBilinear, Outside::kLinear);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,7 +6,7 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A grid as text with the rules of SCANLAB's RTC for theirs (RTC5 manual p. 176, RTC6 p. 240): lines
 /// "x y dx dy" in mm of a complete rectangular grid in any order, spacing free; a correction is desired minus
@@ -18,4 +18,4 @@ std::string gridText(const AimGrid& grid);
 /// @throws TableFileError with every fault and its line.
 AimGrid parseGridText(const std::string& text, const std::string& name);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 
 #include "hil/calibrate/tables/table_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr int kMostIndex = 32;
@@ -111,4 +111,4 @@ AimGrid parseNinePointText(const std::string& text, const std::string& name,
   return gridOf(text, nodes, faults, Between::kHermite, Outside::kRefused);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

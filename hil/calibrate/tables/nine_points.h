@@ -7,7 +7,7 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Nine-point text (".fixup" of glase): nine lines "ix iy x_wrong_mm y_wrong_mm", in any order, '#' begins a
 /// comment. (ix, iy), whole numbers within ±32, are places in steps of 1000 galvo units; x_wrong_mm,
@@ -31,4 +31,4 @@ std::string ninePointText(const AimGrid& grid, const NinePointOptions& options =
 AimGrid parseNinePointText(const std::string& text, const std::string& name,
                            const NinePointOptions& options = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

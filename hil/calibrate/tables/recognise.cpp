@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2i;
@@ -242,4 +242,4 @@ Recognition recognise(const AimGrid& grid, const std::vector<UncorrectedSpot>& s
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -9,7 +9,7 @@
 
 #include "hil/calibrate/tables/aim_grid.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// One spot of a check without any correction: aimed at `aim`, the beam went to `spot`. Both in W, mm.
 struct UncorrectedSpot {
@@ -66,4 +66,4 @@ struct Recognition {
 Recognition recognise(const AimGrid& grid, const std::vector<UncorrectedSpot>& spots,
                       const RecogniseOptions& options = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

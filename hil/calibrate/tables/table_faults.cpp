@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 namespace {
 constexpr std::size_t kMostFaults = 20;
@@ -18,4 +18,4 @@ void TableFaults::raise() const {
   throw TableFileError(text);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Every fault of a table's file, one a line as "name:line: …" (text) or "name: byte N: …" (binary).
 class TableFileError : public std::runtime_error {
@@ -39,4 +39,4 @@ class TableFaults {
   std::size_t count_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

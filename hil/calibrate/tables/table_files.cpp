@@ -10,7 +10,7 @@
 #include "hil/calibrate/tables/csv_table.h"
 #include "hil/calibrate/tables/grid_text.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::streamoff kMostBytes = std::streamoff{128} << 20U;
@@ -128,8 +128,8 @@ TableLoss writeTable(const std::filesystem::path& path, TableFormat format, cons
                      const TableOptions& options) {
   const std::string bytes = written(grid, format, options);
   const TableLoss loss = tableLoss(grid, parsed(bytes, format, path.string(), options));
-  writeFileAtomically(path, bytes);
+  base::writeFileAtomically(path, bytes);
   return loss;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -13,7 +13,7 @@
 #include "hil/calibrate/tables/table_faults.h"
 #include "hil/calibrate/tables/table_loss.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 enum class TableFormat { kCsv, kCHeader, kCor1, kCor2, kGridText, kNinePoints };
 
@@ -53,4 +53,4 @@ TableLoss formatLoss(TableFormat format, const AimGrid& grid, const TableOptions
 TableLoss writeTable(const std::filesystem::path& path, TableFormat format, const AimGrid& grid,
                      const TableOptions& options = {});
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -105,4 +105,4 @@ std::string TableLoss::text() const {
   return all;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

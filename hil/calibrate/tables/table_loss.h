@@ -7,7 +7,7 @@
 
 #include "hil/calibrate/tables/aim_grid.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// Distances between two tables' aims over some places.
 struct AimDifference {
@@ -31,4 +31,4 @@ struct TableLoss {
 
 TableLoss tableLoss(const AimGrid& original, const AimGrid& converted);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

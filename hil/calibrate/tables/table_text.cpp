@@ -8,7 +8,7 @@
 
 #include "hil/base/number_from.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr double kFarthest_mm = 1e5;
@@ -94,7 +94,7 @@ std::vector<std::string_view> wordsOf(std::string_view line, char separator) {
 bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults& faults, double& value) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
-  const auto number = numberFrom<double>(digits);
+  const auto number = base::numberFrom<double>(digits);
   if (!number || !std::isfinite(*number)) {
     faults.atLine(line, fmt::format("'{}' is no number", shown(word)));
     return false;
@@ -150,4 +150,4 @@ AimGrid gridOf(std::string_view text, const std::vector<TextNode>& nodes, TableF
   return {x, y, std::move(d), between, outside};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

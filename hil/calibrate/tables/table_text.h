@@ -12,7 +12,7 @@
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A node as a line of text gives it: x, y, and the two numbers of its correction.
 struct TextNode {
@@ -46,4 +46,4 @@ std::string nodesNote(const AimGrid& grid);
 AimGrid gridOf(std::string_view text, const std::vector<TextNode>& nodes, TableFaults& faults,
                Between between, Outside outside);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

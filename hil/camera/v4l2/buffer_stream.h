@@ -8,7 +8,7 @@
 #include "hil/camera/v4l2/camera_settings.h"
 #include "hil/camera/v4l2/frame_watch.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What came next from a camera.
 struct StreamEvent {
@@ -35,4 +35,4 @@ class BufferStream {
   [[nodiscard]] virtual const CameraSetup& setup() const = 0;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

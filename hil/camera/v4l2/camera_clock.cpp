@@ -12,7 +12,7 @@
 
 #include "hil/base/add_to_list.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using Line = CameraClock::Line;
@@ -93,7 +93,7 @@ bool within(double value, double min, double max) { return value >= min && value
 std::string faultsOf(const CameraClockOptions& options) {
   std::string faults;
   const auto check = [&](bool good, const char* text) {
-    if (!good) addToList(faults, text, "; ");
+    if (!good) base::addToList(faults, text, "; ");
   };
   constexpr double kLong_s = 1e6;
   check(options.exposure_s > 0.0 && options.exposure_s <= kLong_s, "exposure_s must be > 0");
@@ -228,4 +228,4 @@ CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
   return fitted(sightings, options);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// An edge of light on the pins (a strobe, or the laser's gate going on) and the first frame that shows it.
 /// The light stays on until the end of that frame's exposure.
@@ -94,4 +94,4 @@ CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const Cam
 CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
                                       const CameraClockOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

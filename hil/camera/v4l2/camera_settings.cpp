@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 constexpr double kExposureUnit_s = 100e-6;
@@ -231,4 +231,4 @@ CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings) {
   return Setter(device, settings).run();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

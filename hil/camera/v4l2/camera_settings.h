@@ -10,7 +10,7 @@
 #include "hil/camera/v4l2/gray_decode.h"
 #include "hil/camera/v4l2/video_device.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What a camera is asked for. What is not said stays as the driver has it.
 struct CameraSettings {
@@ -69,4 +69,4 @@ CameraSetup setUpCamera(VideoDevice& device, const CameraSettings& settings);
 /// The size and layout that the device has now. @throws std::system_error.
 FrameLayout currentLayout(VideoDevice& device, const CameraSettings& settings);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -14,7 +14,7 @@
 #include "hil/camera/v4l2/pixel_format.h"
 #include "hil/camera/v4l2/video_device.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 // A driver that never says "no more" is broken; it must not hang the bench.
@@ -228,4 +228,4 @@ std::string describe(const CameraListing& camera) {
   return text;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

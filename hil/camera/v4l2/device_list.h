@@ -8,7 +8,7 @@
 
 #include "hil/camera/v4l2/video_calls.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// Frame intervals at one size: one (shortest = longest), or a range.
 struct IntervalListing {
@@ -64,4 +64,4 @@ std::string problemOf(const std::system_error& error);
 /// A listing in lines for people.
 std::string describe(const CameraListing& camera);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 std::string recordFrames(BufferStream& stream, FrameRecordingWriter& writer, const RecordOptions& options,
                          const std::function<bool()>& stop) {
@@ -37,4 +37,4 @@ std::string recordFrames(BufferStream& stream, FrameRecordingWriter& writer, con
   return ended;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

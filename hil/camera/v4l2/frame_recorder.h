@@ -7,7 +7,7 @@
 #include "hil/camera/v4l2/buffer_stream.h"
 #include "hil/camera/v4l2/frame_recording.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 struct RecordOptions {
   int timeout_ms{1000};         ///< Without a frame for so long the camera has stopped; > 0.
@@ -23,4 +23,4 @@ struct RecordOptions {
 std::string recordFrames(BufferStream& stream, FrameRecordingWriter& writer, const RecordOptions& options,
                          const std::function<bool()>& stop);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

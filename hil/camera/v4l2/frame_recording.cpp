@@ -21,7 +21,7 @@
 #include "hil/base/number_from.h"
 #include "hil/base/yaml_reader.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,7 +51,7 @@ std::string yamlText(const std::string& text) {
 
 std::string contentOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw ConfigError(fmt::format("{}: cannot be read", path.string()));
+  if (!file) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -69,7 +69,7 @@ std::string_view cell(std::string_view& line) {
 
 template <typename T>
 bool parse(std::string_view text, T& value) {
-  const std::optional<T> number = numberFrom<T>(text);
+  const std::optional<T> number = base::numberFrom<T>(text);
   value = number.value_or(T{});
   return number.has_value();
 }
@@ -110,7 +110,7 @@ void FrameRecordingWriter::add(const StreamEvent& frame) {
   requireWritten(raw_, folder_ / kRaw);
   index_ << fmt::format("{},{},{},{},{:d},{:d},{:d},{},{}\n", note.sequence, note.stamp_ns, note.arrival_ns,
                         kClocks.at(static_cast<std::size_t>(note.clock)), note.is_start_of_exposure,
-                        note.has_error, note.is_short, frame.bytes.size(), checksum(frame.bytes));
+                        note.has_error, note.is_short, frame.bytes.size(), base::checksum(frame.bytes));
   requireWritten(index_, folder_ / kIndex);
   ++frames_;
 }
@@ -141,18 +141,18 @@ void FrameRecordingWriter::finish(const std::string& ended) {
     text += fmt::format("  - {{setting: {}, wanted: {:.17g}, got: {:.17g}}}\n", yamlText(one.setting),
                         one.wanted, one.got);
   text += fmt::format("ended: {}\nframes: {}\nindex_sha256: {}\n", yamlText(ended), frames_,
-                      sha256(contentOf(folder_ / kIndex)));
-  writeFileAtomically(folder_ / kCamera, text);
+                      base::sha256(contentOf(folder_ / kIndex)));
+  base::writeFileAtomically(folder_ / kCamera, text);
 }
 
 FrameRecording::FrameRecording(fs::path folder) : folder_(std::move(folder)) {
   if (!fs::is_regular_file(folder_ / kCamera)) {
-    throw ConfigError(
+    throw base::ConfigError(
         fs::exists(folder_ / kRaw)
             ? fmt::format("{}: the recording of frames was not finished", folder_.string())
             : fmt::format("{}: there is no recording of frames ({})", folder_.string(), kCamera));
   }
-  digest_ = sha256(contentOf(folder_ / kCamera));
+  digest_ = base::sha256(contentOf(folder_ / kCamera));
   readCamera();
   readIndex(contentOf(folder_ / kIndex));
   raw_.open(folder_ / kRaw, std::ios::binary);
@@ -160,12 +160,12 @@ FrameRecording::FrameRecording(fs::path folder) : folder_(std::move(folder)) {
   const std::uintmax_t size = fs::file_size(folder_ / kRaw, none);
   const std::uint64_t promised = entries_.empty() ? 0 : entries_.back().at + entries_.back().bytes;
   if (!raw_ || none || size != promised)
-    throw ConfigError(fmt::format("{}: has {} bytes, and {} has {}", (folder_ / kRaw).string(),
-                                  none ? 0 : size, kIndex, promised));
+    throw base::ConfigError(fmt::format("{}: has {} bytes, and {} has {}", (folder_ / kRaw).string(),
+                                        none ? 0 : size, kIndex, promised));
 }
 
 void FrameRecording::readCamera() {
-  auto file = YamlReader::openFile(folder_ / kCamera);
+  auto file = base::YamlReader::openFile(folder_ / kCamera);
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   camera_.device = file.text("device");
@@ -192,7 +192,7 @@ void FrameRecording::readCamera() {
     camera_.setup.frame_period_s = file.number("frame_period_s", {.min = kShort_s, .max = kLong_s});
   if (file.has("exposure_s"))
     camera_.setup.exposure_s = file.number("exposure_s", {.min = kShort_s, .max = kLong_s});
-  for (YamlReader& one : file.list("settings"))
+  for (base::YamlReader& one : file.list("settings"))
     camera_.setup.outcomes.push_back({one.text("setting"), one.number("wanted", {}), one.number("got", {})});
   ended_ = file.text("ended", "");
   promised_ = static_cast<std::uint64_t>(file.integer("frames", {.min = 0, .max = 9e15}));
@@ -202,7 +202,8 @@ void FrameRecording::readCamera() {
 
 void FrameRecording::readIndex(const std::string& text) {
   const std::string path = (folder_ / kIndex).string();
-  if (sha256(text) != index_digest_) throw ConfigError(path + ": was changed since it was recorded");
+  if (base::sha256(text) != index_digest_)
+    throw base::ConfigError(path + ": was changed since it was recorded");
   std::string_view rest = text;
   const auto nextLine = [&rest] {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -210,7 +211,8 @@ void FrameRecording::readIndex(const std::string& text) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     return line;
   };
-  if (nextLine() != FrameRecordingWriter::kIndexColumns) throw ConfigError(path + ":1: has other columns");
+  if (nextLine() != FrameRecordingWriter::kIndexColumns)
+    throw base::ConfigError(path + ":1: has other columns");
   std::uint64_t at = 0;
   for (std::size_t number = 2; !rest.empty(); ++number) {
     std::string_view line = nextLine();
@@ -223,13 +225,13 @@ void FrameRecording::readIndex(const std::string& text) {
                          parse(cell(line), entry.bytes);
     entry.digest = line;
     if (!is_good || entry.digest.size() != kChecksumDigits)
-      throw ConfigError(fmt::format("{}:{}: is no line of a buffer", path, number));
+      throw base::ConfigError(fmt::format("{}:{}: is no line of a buffer", path, number));
     entry.at = at;
     at += entry.bytes;
     entries_.push_back(std::move(entry));
   }
   if (entries_.size() != promised_)
-    throw ConfigError(
+    throw base::ConfigError(
         fmt::format("{}: has {} frames, and {} says {}", path, entries_.size(), kCamera, promised_));
 }
 
@@ -245,9 +247,9 @@ StreamEvent FrameRecording::next(int /*timeout_ms*/) {
   raw_.seekg(static_cast<std::streamoff>(entry.at));
   raw_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(entry.bytes));
   if (!raw_) return failed("cannot be read");
-  if (checksum(buffer_) != entry.digest) return failed("was changed since it was recorded");
+  if (base::checksum(buffer_) != entry.digest) return failed("was changed since it was recorded");
   ++next_;
   return {StreamEvent::Kind::kFrame, entry.note, buffer_, {}};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

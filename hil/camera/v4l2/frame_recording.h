@@ -10,7 +10,7 @@
 
 #include "hil/camera/v4l2/buffer_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// Whose pictures a recording has.
 struct RecordedCamera {
@@ -87,4 +87,4 @@ class FrameRecording final : public BufferStream {
   std::size_t next_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

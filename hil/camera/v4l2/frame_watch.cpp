@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using enum FrameFault;
@@ -77,4 +77,4 @@ FrameIntegrity FrameWatch::judge(const BufferNote& note, bool is_same_image, boo
   return frame;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What a driver says its time stamps are.
 enum class StampClock {
@@ -84,4 +84,4 @@ class FrameWatch {
   std::optional<std::int64_t> last_good_ns_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -12,7 +12,7 @@
 
 #include "hil/camera/png.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 /// Depth of the GrayImage that takes so many bits.
@@ -148,4 +148,4 @@ GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> b
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -8,7 +8,7 @@
 #include "hil/camera/v4l2/pixel_format.h"
 #include "twin/base/image.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// How a driver lays out a frame.
 struct FrameLayout {
@@ -33,4 +33,4 @@ struct FrameLayout {
 /// its depth, a JPEG that is cut off, broken or of another size.
 GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> bytes);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

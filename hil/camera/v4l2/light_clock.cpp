@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 /// Begins of light that are tried against each interval: the first may be a reflex, or an interval's second
@@ -24,7 +24,7 @@ constexpr double kSeenFrames = 3.0;
 /// Share of lit frames that may lie outside of all intervals.
 constexpr double kStrayShare = 0.01;
 /// Another answer must leave so much more unexplained, in frames.
-constexpr double kClearly = 3.0;
+constexpr double kClearlyBetter = 3.0;
 /// A first guess is off by no more than this, in frames.
 constexpr double kGuessFrames = 6.0;
 /// Stretches of time from each of which the frames that say most are taken, and how many of either side.
@@ -113,7 +113,8 @@ class LightFit {
     result.unexplained = result.strays;
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
       const double frames = (intervals_[i].off_s - intervals_[i].on_s) / period_s_;
-      if (is_seen[i] == 0 && frames > kSeenFrames) result.unexplained += std::min(frames, 2.0 * kClearly);
+      if (is_seen[i] == 0 && frames > kSeenFrames)
+        result.unexplained += std::min(frames, 2.0 * kClearlyBetter);
     }
     return result;
   }
@@ -140,7 +141,7 @@ class LightFit {
       return std::nullopt;
     }
     for (const Guess& other : guesses) {
-      if (other.unexplained >= best.unexplained + kClearly) break;
+      if (other.unexplained >= best.unexplained + kClearlyBetter) break;
       if (std::abs(other.offset_s - best.offset_s) <= guessError_s()) continue;
       why_not = fmt::format("the frames fit the light {:.3g} s later as well: its times are too much alike",
                             other.offset_s - best.offset_s);
@@ -308,4 +309,4 @@ CameraClockFit fitLightClock(std::span<const FrameLight> frames, std::span<const
   return LightFit(frames, intervals, profile, period_s, options).run();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

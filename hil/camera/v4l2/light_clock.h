@@ -6,7 +6,7 @@
 #include "hil/camera/v4l2/camera_clock.h"
 #include "hil/camera/v4l2/light_profile.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// When the light may have been on, by the pins.
 struct LightInterval {
@@ -32,4 +32,4 @@ struct LightInterval {
 CameraClockFit fitLightClock(std::span<const FrameLight> frames, std::span<const LightInterval> intervals,
                              const LightProfile* profile, double period_s, const CameraClockOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -12,7 +12,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kFewest = 40;
@@ -31,7 +31,7 @@ constexpr double kMostPlaces = 50'000.0;
 /// Two places that are so many windows apart are not the same.
 constexpr double kApart = 2.0;
 /// Any other place must leave so much more, else it might be that.
-constexpr double kClearly = 1.05;
+constexpr double kClearlyBrighter = 1.05;
 /// A neighbour that leaves up to so much more may be the true one: noise decides.
 constexpr double kRival = 1.15;
 /// Of how light varies what is asked for leaves no more than this: a strobe that shows single pulses shows
@@ -221,7 +221,7 @@ class LightRegression {
     for (const Place& other : of_lates) {
       const double away_s = std::abs(other.late_s - first.late_s);
       const bool is_apart = away_s > kApart * window_s_;
-      if (is_apart && other.left < kClearly * first.left) return std::nullopt;
+      if (is_apart && other.left < kClearlyBrighter * first.left) return std::nullopt;
       // Blurred light has no neighbours.
       if (scale_ == 0 && !is_apart && other.left < kRival * first.left)
         first.rivals_s = std::max(first.rivals_s, away_s);
@@ -317,4 +317,4 @@ std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const F
   return sharpenedAtBestScale(rough, lit, profile, options);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -7,7 +7,7 @@
 
 #include "hil/camera/v4l2/camera_clock.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What a frame tells of a light.
 struct FrameLight {
@@ -51,4 +51,4 @@ class LightProfile {
 std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const FrameLight> frames,
                                      const LightProfile& profile, const CameraClockOptions& options);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
-using enum BayerOrder;
+using Bayer = BayerOrder;
 using enum PixelPacking;
 
 constexpr std::string_view kBayerCost =
@@ -22,28 +22,28 @@ constexpr std::string_view kJpegCost =
     "YUYV. To look at, not to measure 5 um by";
 
 constexpr std::array kFormats{
-    PixelFormat{V4L2_PIX_FMT_GREY, "GREY", kGrey8, kNone, 8, {}},
-    PixelFormat{V4L2_PIX_FMT_Y10, "Y10", kGrey16, kNone, 10, {}},
-    PixelFormat{V4L2_PIX_FMT_Y12, "Y12", kGrey16, kNone, 12, {}},
-    PixelFormat{V4L2_PIX_FMT_Y16, "Y16", kGrey16, kNone, 16, {}},
-    PixelFormat{V4L2_PIX_FMT_SBGGR8, "SBGGR8", kGrey8, kBggr, 8, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGBRG8, "SGBRG8", kGrey8, kGbrg, 8, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGRBG8, "SGRBG8", kGrey8, kGrbg, 8, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SRGGB8, "SRGGB8", kGrey8, kRggb, 8, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SBGGR10, "SBGGR10", kGrey16, kBggr, 10, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGBRG10, "SGBRG10", kGrey16, kGbrg, 10, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGRBG10, "SGRBG10", kGrey16, kGrbg, 10, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SRGGB10, "SRGGB10", kGrey16, kRggb, 10, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SBGGR12, "SBGGR12", kGrey16, kBggr, 12, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGBRG12, "SGBRG12", kGrey16, kGbrg, 12, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGRBG12, "SGRBG12", kGrey16, kGrbg, 12, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SRGGB12, "SRGGB12", kGrey16, kRggb, 12, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SBGGR16, "SBGGR16", kGrey16, kBggr, 16, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGBRG16, "SGBRG16", kGrey16, kGbrg, 16, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SGRBG16, "SGRBG16", kGrey16, kGrbg, 16, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_SRGGB16, "SRGGB16", kGrey16, kRggb, 16, kBayerCost},
-    PixelFormat{V4L2_PIX_FMT_YUYV, "YUYV", kYuyv, kNone, 8, kYuyvCost},
-    PixelFormat{V4L2_PIX_FMT_MJPEG, "MJPEG", kJpeg, kNone, 8, kJpegCost},
+    PixelFormat{V4L2_PIX_FMT_GREY, "GREY", kGrey8, Bayer::kNone, 8, {}},
+    PixelFormat{V4L2_PIX_FMT_Y10, "Y10", kGrey16, Bayer::kNone, 10, {}},
+    PixelFormat{V4L2_PIX_FMT_Y12, "Y12", kGrey16, Bayer::kNone, 12, {}},
+    PixelFormat{V4L2_PIX_FMT_Y16, "Y16", kGrey16, Bayer::kNone, 16, {}},
+    PixelFormat{V4L2_PIX_FMT_SBGGR8, "SBGGR8", kGrey8, Bayer::kBggr, 8, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGBRG8, "SGBRG8", kGrey8, Bayer::kGbrg, 8, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGRBG8, "SGRBG8", kGrey8, Bayer::kGrbg, 8, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SRGGB8, "SRGGB8", kGrey8, Bayer::kRggb, 8, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SBGGR10, "SBGGR10", kGrey16, Bayer::kBggr, 10, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGBRG10, "SGBRG10", kGrey16, Bayer::kGbrg, 10, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGRBG10, "SGRBG10", kGrey16, Bayer::kGrbg, 10, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SRGGB10, "SRGGB10", kGrey16, Bayer::kRggb, 10, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SBGGR12, "SBGGR12", kGrey16, Bayer::kBggr, 12, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGBRG12, "SGBRG12", kGrey16, Bayer::kGbrg, 12, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGRBG12, "SGRBG12", kGrey16, Bayer::kGrbg, 12, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SRGGB12, "SRGGB12", kGrey16, Bayer::kRggb, 12, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SBGGR16, "SBGGR16", kGrey16, Bayer::kBggr, 16, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGBRG16, "SGBRG16", kGrey16, Bayer::kGbrg, 16, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SGRBG16, "SGRBG16", kGrey16, Bayer::kGrbg, 16, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_SRGGB16, "SRGGB16", kGrey16, Bayer::kRggb, 16, kBayerCost},
+    PixelFormat{V4L2_PIX_FMT_YUYV, "YUYV", kYuyv, Bayer::kNone, 8, kYuyvCost},
+    PixelFormat{V4L2_PIX_FMT_MJPEG, "MJPEG", kJpeg, Bayer::kNone, 8, kJpegCost},
 };
 
 }  // namespace
@@ -70,4 +70,4 @@ std::string fourccText(std::uint32_t fourcc) {
   return text;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What a frame's bytes are.
 enum class PixelPacking {
@@ -43,4 +43,4 @@ const PixelFormat* findPixelFormat(std::string_view name);
 /// The four letters of a code, for people.
 std::string fourccText(std::uint32_t fourcc);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -9,7 +9,7 @@
 
 #include "hil/camera/v4l2/gray_decode.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kKeptIncidents = 1000;
@@ -95,4 +95,4 @@ std::vector<Frame> V4l2FrameSource::nextBatch(std::size_t max) {
   return frames;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

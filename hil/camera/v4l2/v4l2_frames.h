@@ -11,7 +11,7 @@
 #include "hil/camera/v4l2/camera_clock.h"
 #include "hil/camera/v4l2/frame_watch.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// Something that went wrong, with the time on the clock of the pins in which pictures are missing for it.
 struct CaptureIncident {
@@ -66,4 +66,4 @@ class V4l2FrameSource final : public FrameSource {
   std::uint64_t discarded_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using Kind = StreamEvent::Kind;
@@ -217,4 +217,4 @@ StreamEvent V4l2Stream::next(int timeout_ms) {
   return {Kind::kTimeout, {}, {}, fmt::format("{}: no frame within {} ms", device_.path(), timeout_ms)};
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -11,7 +11,7 @@
 #include "hil/camera/v4l2/camera_settings.h"
 #include "hil/camera/v4l2/video_device.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// A camera that streams into buffers that it shares with us (MMAP). Starts when made, stops when destroyed.
 class V4l2Stream final : public BufferStream {
@@ -51,4 +51,4 @@ class V4l2Stream final : public BufferStream {
   std::optional<StreamEvent> ended_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -16,7 +16,7 @@
 
 #include "hil/base/number_from.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 class KernelVideoCalls final : public VideoCalls {
@@ -28,7 +28,7 @@ class KernelVideoCalls final : public VideoCalls {
     for (const auto& entry : std::filesystem::directory_iterator("/dev", none)) {
       const std::string name = entry.path().filename().string();
       if (!name.starts_with(kPrefix)) continue;
-      if (const auto number = numberFrom<int>(std::string_view(name).substr(kPrefix.size())))
+      if (const auto number = base::numberFrom<int>(std::string_view(name).substr(kPrefix.size())))
         found.emplace_back(*number, entry.path().string());
     }
     std::ranges::sort(found);
@@ -64,4 +64,4 @@ VideoCalls& kernelVideoCalls() {
   return calls;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// The system calls that a video device needs, one to one, so that a test can put a device of its own behind
 /// them and reach every error. Failures are told as the calls tell them: -1 (a null pointer for mmap) and
@@ -32,4 +32,4 @@ class VideoCalls {
 /// The kernel's.
 VideoCalls& kernelVideoCalls();
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

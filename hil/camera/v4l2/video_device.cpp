@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 void throwVideoError(int error, const std::string& path, const char* name) {
   throw std::system_error(error, std::generic_category(), path + ": " + name);
@@ -44,4 +44,4 @@ std::string controlKey(const std::string& name) {
   return key;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -5,7 +5,7 @@
 
 #include "hil/camera/v4l2/video_calls.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// An open video device. Not movable: mappings and requests keep its address.
 class VideoDevice {
@@ -37,4 +37,4 @@ class VideoDevice {
 /// As v4l2-ctl spells a control: "Exposure Time, Absolute" is exposure_time_absolute.
 std::string controlKey(const std::string& name);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

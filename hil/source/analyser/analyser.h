@@ -12,7 +12,7 @@
 #include "hil/source/analyser/analyser_stream.h"
 #include "hil/source/analyser/level_runs.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An analyser that cannot be used as it was asked for; what() says in words why, and what there is.
 class AnalyserError : public std::runtime_error {
@@ -82,4 +82,4 @@ class AnalyserSystem {
 /// driver that crashes leaves the bench whole.
 std::shared_ptr<AnalyserSystem> sigrokAnalysers(const std::filesystem::path& bin_dir);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -25,7 +25,7 @@
 ///     kProblem, kNote      text: an error or warning that the driver told of while it sampled
 ///     kFinished            u8 AnalyserReason; the child ends
 ///     kListed              nothing; the list is complete, the child ends
-namespace kerfbench::hil::analyser_stream {
+namespace kerfbench::source::analyser_stream {
 
 enum class AnalyserFrame : std::uint8_t {
   kLibrary = 'l',
@@ -52,4 +52,4 @@ inline constexpr std::size_t kHeadBytes = 5;
 inline constexpr std::size_t kRunBytes = 12;
 inline constexpr std::size_t kMostFrameBytes = std::size_t{64} << 20U;
 
-}  // namespace kerfbench::hil::analyser_stream
+}  // namespace kerfbench::source::analyser_stream

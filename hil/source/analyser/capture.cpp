@@ -9,7 +9,7 @@
 
 #include "hil/source/analyser/run_recorder.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 std::uint64_t samplesOf(double time_s, std::uint64_t samplerate_hz) {
@@ -92,4 +92,4 @@ PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMa
   return captured;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

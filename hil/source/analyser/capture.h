@@ -7,7 +7,7 @@
 #include "hil/source/pin_capture.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 struct AnalyserCaptureOptions {
   AnalyserWish wish;                 ///< But for `listen`.
@@ -25,4 +25,4 @@ struct AnalyserCaptureOptions {
 PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMap& map,
                            AnalyserSystem& system);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 SamplePacker::SamplePacker(std::vector<unsigned> bits) : bits_(std::move(bits)) {
   if (bits_.size() > kMostChannels) throw std::invalid_argument("too many channels");
@@ -66,4 +66,4 @@ Listener::State Listener::add(std::vector<LevelRun>& runs) {
   return state_;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// So many samples in a row with these levels; bit i is channel i of those that were asked for.
 struct LevelRun {
@@ -61,4 +61,4 @@ class Listener {
   bool any_edge_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

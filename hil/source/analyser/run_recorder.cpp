@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 RunRecorder::RunRecorder(const std::vector<Signal>& signals, const SignalMap& map) : signals_(signals) {
   for (const Signal signal : signals) {
@@ -70,4 +70,4 @@ PinRecording RunRecorder::recording(std::uint64_t samplerate_hz, const Cut& cut)
   return recording;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

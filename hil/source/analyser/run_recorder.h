@@ -10,7 +10,7 @@
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Runs of levels become events of ports. Equal runs in a row are one.
 class RunRecorder {
@@ -55,4 +55,4 @@ class RunRecorder {
   std::vector<SensorEdge> sensors_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -12,7 +12,7 @@
 
 #include "hil/source/analyser/analyser_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using Frame = analyser_stream::AnalyserFrame;
@@ -276,4 +276,4 @@ std::shared_ptr<AnalyserSystem> sigrokAnalysers(const std::filesystem::path& bin
       [program = bin_dir / "kerfbench-sigrok"] { return std::make_unique<ChildLink>(program); });
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 #include "hil/source/analyser/analyser.h"
 #include "hil/source/child_process.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// The bytes to and from a child; tests script them.
 class ByteLink {
@@ -28,4 +28,4 @@ class ByteLink {
 /// std::system_error).
 std::shared_ptr<AnalyserSystem> linkedAnalysers(std::function<std::unique_ptr<ByteLink>()> start);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

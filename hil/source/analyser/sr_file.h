@@ -10,7 +10,7 @@
 #include "hil/source/vcd.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What a channel of a session file is called, where it is not called as its signal.
 using ChannelNames = std::vector<std::pair<Signal, std::string>>;
@@ -35,4 +35,4 @@ inline constexpr std::uint64_t kMostSrSamples = std::uint64_t{1} << 36U;
 /// std::runtime_error with the path.
 void writeSr(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 
 #include "hil/base/number_from.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 /// No analyser is so fast; with more, times of samples would overflow.
@@ -32,7 +32,7 @@ std::optional<std::uint64_t> rateOf(std::string_view text) {
   while (fraction.ends_with('0')) fraction.pop_back();
   if (fraction.size() > zeros->second) return std::nullopt;
   fraction.resize(zeros->second, '0');
-  const auto rate_hz = numberFrom<std::uint64_t>(std::string(number.substr(0, point)) + fraction);
+  const auto rate_hz = base::numberFrom<std::uint64_t>(std::string(number.substr(0, point)) + fraction);
   return rate_hz && *rate_hz <= kMostRate_hz ? rate_hz : std::nullopt;
 }
 
@@ -64,7 +64,7 @@ void readChannels(const Keys& keys, SrMetadata& metadata, std::vector<std::strin
   constexpr std::string_view kProbe = "probe";
   for (const auto& [key, name] : keys) {
     if (!key.starts_with(kProbe)) continue;
-    const auto number = numberFrom<std::uint64_t>(std::string_view(key).substr(kProbe.size()));
+    const auto number = base::numberFrom<std::uint64_t>(std::string_view(key).substr(kProbe.size()));
     if (!number || *number == 0 || *number > 8 * metadata.sample_bytes) {
       faults.push_back(fmt::format("metadata: {}={}: no channel of samples of {} bytes", key, name,
                                    metadata.sample_bytes));
@@ -94,7 +94,7 @@ SrMetadata readSrMetadata(const std::string& text, std::vector<std::string>& fau
           fmt::format("metadata: samplerate={}: no rate in Hz, kHz, MHz or GHz, up to 1000 GHz", rate));
   }
   if (const std::string size = value("unitsize"); !size.empty()) {
-    const std::uint64_t bytes = numberFrom<std::uint64_t>(size).value_or(0);
+    const std::uint64_t bytes = base::numberFrom<std::uint64_t>(size).value_or(0);
     if (bytes < 1 || bytes > 8)
       faults.push_back(fmt::format("metadata: unitsize={}: samples of 1 to 8 bytes can be read", size));
     metadata.sample_bytes = bytes < 1 || bytes > 8 ? 0 : static_cast<std::size_t>(bytes);
@@ -113,4 +113,4 @@ std::string srMetadataText(const SrMetadata& metadata) {
   return text + fmt::format("unitsize={}\n", metadata.sample_bytes);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What a session file says of its samples.
 struct SrMetadata {
@@ -21,4 +21,4 @@ SrMetadata readSrMetadata(const std::string& text, std::vector<std::string>& fau
 
 std::string srMetadataText(const SrMetadata& metadata);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -2,11 +2,11 @@
 #pragma once
 
 /// Parts of the zip that a session file is, besides its samples.
-namespace kerfbench::hil::sr_parts {
+namespace kerfbench::source::sr_parts {
 
 inline constexpr const char* kVersion = "version";
 inline constexpr const char* kMetadata = "metadata";
 /// Ours: a problem a line (see vcd_words.h).
 inline constexpr const char* kProblems = "kerfbench-problems";
 
-}  // namespace kerfbench::hil::sr_parts
+}  // namespace kerfbench::source::sr_parts

@@ -14,7 +14,7 @@
 #include "hil/source/pin_capture.h"
 #include "hil/source/vcd_words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::uint64_t kMostText = std::uint64_t{1} << 20U;
@@ -165,4 +165,4 @@ PinRecording readSr(const std::filesystem::path& path, const SignalMap& map, con
   return SrReader(path, map, names).read();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

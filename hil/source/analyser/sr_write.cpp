@@ -12,7 +12,7 @@
 #include "hil/source/analyser/zip_archive.h"
 #include "hil/source/vcd_words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::uint64_t kPartSamples = std::uint64_t{1} << 21U;  // Some megabytes, as sigrok has them.
@@ -133,4 +133,4 @@ void writeSr(const std::filesystem::path& path, const PinRecording& recording, c
   zip.commit();
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 #include <deque>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 zip_t* openArchive(const std::string& path, int flags) {
@@ -149,4 +149,4 @@ void ZipWriter::commit() {
   handle_->archive = nullptr;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A zip archive that cannot be read or written; what() has the path.
 class ZipError : public std::runtime_error {
@@ -62,4 +62,4 @@ class ZipWriter {
   std::unique_ptr<Handle> handle_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,7 +13,7 @@
 #include "hil/source/gpio/port_events.h"
 #include "hil/source/gpio/real_time.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr Tick kLead = kNanoseconds.ticksAt(kLeadBeforeEdges_s);
@@ -114,4 +114,4 @@ PinCapture capturePins(const GpioCaptureOptions& options, const SignalMap& map,
   return result;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

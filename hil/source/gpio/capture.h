@@ -11,7 +11,7 @@
 #include "hil/source/pin_capture.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 struct GpioCaptureOptions {
   std::filesystem::path chip;   ///< As "/dev/gpiochip0".
@@ -30,4 +30,4 @@ struct GpioCaptureOptions {
 PinCapture capturePins(const GpioCaptureOptions& options, const SignalMap& map,
                        const std::shared_ptr<GpioSystem>& system);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 
 #include "hil/source/gpio/words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 void checkChip(GpioSystem& system, int fd, const std::string& chip, const std::vector<LineWish>& lines) {
@@ -49,4 +49,4 @@ GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::strin
   return fd;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

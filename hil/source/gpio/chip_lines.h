@@ -8,7 +8,7 @@
 
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Whom the kernel tells others that a line belongs to.
 inline constexpr char kGpioConsumer[] = "kerfbench";
@@ -25,4 +25,4 @@ struct LineWish {
 GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::string& chip,
                      const std::vector<LineWish>& lines);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -10,7 +10,7 @@
 
 #include "hil/base/number_from.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ GpioChipList listChips(const fs::path& dev) {
   for (const auto& entry : fs::directory_iterator(dev, error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kPrefix)) continue;
-    if (const auto number = numberFrom<unsigned>(std::string_view(name).substr(kPrefix.size())))
+    if (const auto number = base::numberFrom<unsigned>(std::string_view(name).substr(kPrefix.size())))
       found.emplace_back(*number, entry.path());
   }
   std::ranges::sort(found);
@@ -62,7 +62,7 @@ const GpioChipInfo& findChip(const GpioChipList& list, const std::string& which)
 }
 
 const GpioLineInfo& findLine(const GpioChipInfo& chip, const std::string& which) {
-  if (const auto offset = numberFrom<std::uint32_t>(which)) {
+  if (const auto offset = base::numberFrom<std::uint32_t>(which)) {
     const auto found = std::ranges::find(chip.lines, *offset, &GpioLineInfo::offset);
     if (found != chip.lines.end()) return *found;
     throw GpioError(
@@ -78,4 +78,4 @@ const GpioLineInfo& findLine(const GpioChipInfo& chip, const std::string& which)
   return *found;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

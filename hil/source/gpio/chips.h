@@ -8,7 +8,7 @@
 
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A line of a chip, as the kernel knows it.
 struct GpioLineInfo {
@@ -43,4 +43,4 @@ const GpioChipInfo& findChip(const GpioChipList& list, const std::string& which)
 /// The line of this number or, if it is none, of this name. @throws GpioError: none, or two of this name.
 const GpioLineInfo& findLine(const GpioChipInfo& chip, const std::string& which);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

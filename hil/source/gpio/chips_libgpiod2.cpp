@@ -8,7 +8,7 @@
 #include "hil/source/gpio/chips.h"
 #include "hil/source/gpio/words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 struct Free {
@@ -55,4 +55,4 @@ GpioChipInfo readChip(const std::filesystem::path& path) {
   return info;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 /// Numbers are 32 bits and wrap.
@@ -131,4 +131,4 @@ std::vector<std::string> EdgeOrder::problems() const {
   return words;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

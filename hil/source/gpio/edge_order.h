@@ -7,7 +7,7 @@
 
 #include "hil/source/gpio/line_request.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An edge in its place.
 struct LineEdge {
@@ -89,4 +89,4 @@ class EdgeOrder {
   std::vector<LineEdge> ready_;   ///< In order, not yet handed on.
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 EdgePlayer::EdgePlayer(std::shared_ptr<GpioSystem> system, OutputLines lines)
     : system_(std::move(system)), lines_(std::move(lines)), last_due_(lines_.lines().size()) {}
@@ -33,4 +33,4 @@ void EdgePlayer::play(std::vector<PlayedEdge>& played) {
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

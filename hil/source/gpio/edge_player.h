@@ -10,7 +10,7 @@
 #include "hil/source/gpio/output_lines.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An edge on an output line: when it was to be, and when the kernel had made it. ns of CLOCK_MONOTONIC.
 struct PlayedEdge {
@@ -52,4 +52,4 @@ class EdgePlayer {
   std::uint64_t last_put_ns_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

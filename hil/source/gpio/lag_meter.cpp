@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 void LagMeter::add(std::int64_t lag_ns, std::uint64_t at_ns) {
   ++edges_;
@@ -18,4 +18,4 @@ double LagMeter::rms_ns() const {
   return edges_ == 0 ? 0.0 : std::sqrt(squares_ / static_cast<double>(edges_));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

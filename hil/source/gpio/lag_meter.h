@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// How far edges are from their plan; later is positive.
 class LagMeter {
@@ -23,4 +23,4 @@ class LagMeter {
   double squares_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

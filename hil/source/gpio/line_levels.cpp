@@ -7,7 +7,7 @@
 
 #include "hil/source/pin_capture.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
                                      const std::vector<Signal>& low_at_start) {
@@ -44,4 +44,4 @@ std::vector<std::string> edgeTroubles(const EdgeOrder& order, std::uint64_t begi
   return problems;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

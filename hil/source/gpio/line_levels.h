@@ -8,7 +8,7 @@
 #include "hil/source/gpio/line_request.h"
 #include "hil/source/gpio/wires.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Lines that must not be high before the first edge, and are, in words.
 std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
@@ -21,4 +21,4 @@ std::vector<std::string> levelsAgainstEdges(LineRequest& request, const EdgeOrde
 /// What is wrong with the edges, in words, with the place of the first trouble.
 std::vector<std::string> edgeTroubles(const EdgeOrder& order, std::uint64_t begin_ns);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,7 +13,7 @@
 
 #include "hil/source/gpio/words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 LineRequest::LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
                          std::vector<LineWish> lines)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
@@ -93,4 +93,4 @@ std::string edgeTrouble(GpioSystem& system, const std::filesystem::path& chip) {
   return known.failed() ? lineInfoWords(chip.string(), known.error) : "";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

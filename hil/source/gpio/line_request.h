@@ -11,7 +11,7 @@
 #include "hil/source/gpio/chip_lines.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An edge as the kernel tells it.
 struct KernelEdge {
@@ -60,4 +60,4 @@ class LineRequest {
 /// Why edges of this chip cannot be read by the second interface, in words; empty: they can.
 std::string edgeTrouble(GpioSystem& system, const std::filesystem::path& chip);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "hil/source/gpio/line_levels.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kRoom = std::size_t{1} << 20U;  // Edges.
@@ -202,4 +202,4 @@ void GpioLiveSource::lookAgain(std::vector<std::string>& problems) {
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -20,7 +20,7 @@
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Sensors that depend on the controller's pins, and not on the clock alone.
 constexpr bool answersToPins(Signal signal) { return signal == Signal::kLimitX || signal == Signal::kLimitY; }
@@ -137,4 +137,4 @@ class GpioLiveSource final : public SignalSource {
   std::string message_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,14 +13,15 @@
 #include "hil/source/gpio/line_levels.h"
 #include "hil/source/gpio/line_request.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kIn = 0;
 constexpr std::chrono::milliseconds kLook{10};
-constexpr std::uint64_t kQuiet_ns = 100'000'000;       // With no edge after the train, all have come.
-constexpr std::uint64_t kPatience_ns = 1'000'000'000;  // With edges after the train, more than this is noise.
-constexpr std::uint64_t kSettle_ns = 1'000'000;        // Opto-couplers take microseconds.
+constexpr std::uint64_t kQuiet_ns = 100'000'000;  // With no edge after the train, all have come.
+constexpr std::uint64_t kLoopPatience_ns =
+    1'000'000'000;                               // With edges after the train, more than this is noise.
+constexpr std::uint64_t kSettle_ns = 1'000'000;  // Opto-couplers take microseconds.
 
 LineRequest listenTo(const std::shared_ptr<GpioSystem>& system, const LoopBackLines& lines) {
   return {system, lines.in_chip, {lines.in, lines.beside}};
@@ -47,7 +48,7 @@ class LoopReader {
       if (!over) continue;
       if (!over_ns) over_ns = now_ns;
       if (!came && now_ns - std::max(last_ns_, *over_ns) >= kQuiet_ns) break;
-      if (now_ns - *over_ns >= kPatience_ns) break;
+      if (now_ns - *over_ns >= kLoopPatience_ns) break;
     }
     cpu_ns_ = system_->threadTime_ns() - cpu_begin_ns_;
     order_.takeAll(edges_);
@@ -181,4 +182,4 @@ LoopBackStep measureLoopBack(const std::shared_ptr<GpioSystem>& system, const Lo
   return step;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 #include "hil/source/gpio/pulse_train.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An output line that is wired to an input line (a jumper), to measure how the bench reads edges.
 struct LoopBackLines {
@@ -65,4 +65,4 @@ std::string wireTrouble(const std::shared_ptr<GpioSystem>& system, const LoopBac
 LoopBackStep measureLoopBack(const std::shared_ptr<GpioSystem>& system, const LoopBackLines& lines,
                              EdgeTrain& train, const TrainPlan& plan);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

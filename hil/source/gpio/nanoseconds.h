@@ -6,7 +6,7 @@
 
 #include "twin/base/pin_event.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Ticks of edges that the kernel stamps.
 inline constexpr TickRate kNanoseconds{1, 1'000'000'000};
@@ -16,4 +16,4 @@ inline std::uint64_t nanosecondsUp(double time_s) {
   return static_cast<std::uint64_t>(std::ceil(1e9 * time_s));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

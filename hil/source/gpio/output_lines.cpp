@@ -10,7 +10,7 @@
 
 #include "hil/source/gpio/words.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 OutputLines::OutputLines(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
                          std::vector<LineWish> lines, const std::vector<bool>& levels)
@@ -50,4 +50,4 @@ void OutputLines::set(const std::vector<Change>& changes) {
   if (done.failed()) throw GpioError(writeWords(chip_, done.error));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

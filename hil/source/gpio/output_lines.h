@@ -10,7 +10,7 @@
 #include "hil/source/gpio/chip_lines.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Lines of one chip as outputs, in one request of the kernel's second interface, so that lines which change
 /// together do so in one call. The kernel lets go of them when this is destroyed; what level they keep then
@@ -38,4 +38,4 @@ class OutputLines {
   GpioFd fd_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

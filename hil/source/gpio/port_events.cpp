@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/source/gpio/port_events.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 void PortEvents::start(const std::vector<bool>& levels, Tick tick, std::vector<PinEvent>& events) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -25,4 +25,4 @@ void PortEvents::add(const LineEdge& edge, Tick tick, std::vector<PinEvent>& eve
   if (edge.gap) event->flags |= PinEvent::kGap;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 #include "hil/source/gpio/edge_order.h"
 #include "twin/base/pin_event.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Makes events of the controller's ports of edges of lines: edges of one port at one tick are one event, as
 /// in any recording.
@@ -30,4 +30,4 @@ class PortEvents {
   std::map<std::uint16_t, std::uint16_t> levels_;  ///< Of each port.
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,10 +9,10 @@
 
 #include "hil/source/gpio/real_time.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
-constexpr std::uint64_t kPatience_ns = 100'000'000;
+constexpr std::uint64_t kTrainPatience_ns = 100'000'000;
 
 void waitUntil(GpioSystem& system, std::uint64_t due_ns) {
   for (std::uint64_t now_ns = system.now_ns(); now_ns < due_ns; now_ns = system.now_ns()) {
@@ -34,7 +34,7 @@ DrivenTrain playTrain(GpioSystem& system, OutputLines& line, const TrainPlan& pl
   driven.edges.reserve(plan.edges);  // Memory that grows would be late edges.
   const std::uint64_t begin_ns = system.now_ns();
   const std::uint64_t last_ns = begin_ns + plan.edges * plan.period_ns;
-  const std::uint64_t give_up_ns = last_ns + (last_ns - begin_ns) / 4 + kPatience_ns;
+  const std::uint64_t give_up_ns = last_ns + (last_ns - begin_ns) / 4 + kTrainPatience_ns;
   std::uint64_t earliest_ns = begin_ns;
   for (std::uint64_t i = 0; i < plan.edges; ++i) {
     const bool level = i % 2 == 0;
@@ -67,4 +67,4 @@ bool ThreadTrain::done() const {
   return train_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -10,7 +10,7 @@
 #include "hil/source/gpio/output_lines.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Edges at even distances, high first, so that an even number leaves the line low.
 struct TrainPlan {
@@ -66,4 +66,4 @@ class ThreadTrain final : public EdgeTrain {
   std::future<DrivenTrain> train_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 RealTime::RealTime(std::shared_ptr<GpioSystem> system) : system_(std::move(system)) {
   const KernelAnswer priority = system_->setRealTime(kPriority);
@@ -26,4 +26,4 @@ RealTime::RealTime(std::shared_ptr<GpioSystem> system) : system_(std::move(syste
   }
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Real-time priority and locked memory for the thread that reads pins, as far as they are allowed, until it
 /// is destroyed.
@@ -29,4 +29,4 @@ class RealTime {
   std::vector<std::string> notes_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 #include <cerrno>
 #include <ctime>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 KernelAnswer answer(long result) {
@@ -63,4 +63,4 @@ class LinuxGpioSystem final : public GpioSystem {
 
 std::shared_ptr<GpioSystem> linuxGpioSystem() { return std::make_shared<LinuxGpioSystem>(); }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

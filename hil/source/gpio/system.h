@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Real pins that cannot be used, or no longer; what() says in words what to do.
 class GpioError : public std::runtime_error {
@@ -68,4 +68,4 @@ class GpioFd {
   int fd_{-1};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

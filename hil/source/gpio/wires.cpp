@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 std::vector<LineWish> lineWishes(const std::vector<GpioWire>& wires, const SignalMap& map, bool sensors) {
   std::vector<LineWish> wishes;
@@ -22,4 +22,4 @@ std::vector<PinId> pinsOf(const std::vector<GpioWire>& wires, const SignalMap& m
   return pins;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

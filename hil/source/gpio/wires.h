@@ -7,7 +7,7 @@
 #include "hil/source/gpio/chip_lines.h"
 #include "twin/base/signal_map.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// Which line of a chip carries which signal.
 struct GpioWire {
@@ -21,4 +21,4 @@ std::vector<LineWish> lineWishes(const std::vector<GpioWire>& wires, const Signa
 /// The pins of these wires, as `map` has them.
 std::vector<PinId> pinsOf(const std::vector<GpioWire>& wires, const SignalMap& map);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr char kOldKernel[] =
@@ -114,4 +114,4 @@ std::string writeWords(const std::string& chip, int error) {
                          : chip + ": its lines can no longer be driven: " + system(error);
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

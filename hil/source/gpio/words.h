@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What an errno of each step means to people, and what they can do: in one place for reader and doctor.
 std::string openWords(const std::string& chip, int error);
@@ -17,4 +17,4 @@ std::string outputWords(const std::string& chip, int error);
 std::string readWords(const std::string& chip, int error);
 std::string writeWords(const std::string& chip, int error);
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 std::string openWords(int error) {
@@ -124,4 +124,4 @@ void SerialLine::fail(const std::string& what, int error) const {
   throw SerialError(fmt::format("{}: {}: {}", path_, what, std::generic_category().message(error)));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "hil/source/serial/serial_system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A controller's UART behind a serial line of this computer: 8 data bits, no parity, one stop bit, no flow
 /// control, nothing translated, nobody else on it. Any baud rate (termios2, BOTHER), as 250 000 is none of
@@ -50,4 +50,4 @@ class SerialLine {
   std::vector<std::uint8_t> waiting_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

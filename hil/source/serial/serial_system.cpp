@@ -7,7 +7,7 @@
 
 #include <cerrno>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 SerialAnswer answer(long result) { return result < 0 ? SerialAnswer{-1, errno} : SerialAnswer{result, 0}; }
@@ -33,4 +33,4 @@ class LinuxSerialSystem final : public SerialSystem {
 
 std::shared_ptr<SerialSystem> linuxSerialSystem() { return std::make_shared<LinuxSerialSystem>(); }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

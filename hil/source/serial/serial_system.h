@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A serial line that cannot be used, or no longer; what() says in words what to do.
 class SerialError : public std::runtime_error {
@@ -36,4 +36,4 @@ class SerialSystem {
 /// The real ones.
 std::shared_ptr<SerialSystem> linuxSerialSystem();
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

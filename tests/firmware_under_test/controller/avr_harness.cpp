@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "avr_harness_bench.h"
-#include "firmware_under_test/planner/link.h"
+#include "firmware_under_test/planner/program/link.h"
 
 using namespace kerfbench::avr_bench;
 using kerfbench::planner::Link;

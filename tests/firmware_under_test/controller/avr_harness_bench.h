@@ -12,7 +12,7 @@
 #include <sim_avr.h>
 
 #include "firmware_under_test/controller/protocol.h"
-#include "firmware_under_test/planner/link.h"
+#include "firmware_under_test/planner/program/link.h"
 #include "no_field.h"
 
 namespace kerfbench::avr_bench {

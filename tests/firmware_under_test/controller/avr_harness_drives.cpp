@@ -12,8 +12,8 @@
 #include <string>
 
 #include "avr_harness_bench.h"
-#include "firmware_under_test/planner/link.h"
-#include "firmware_under_test/planner/pulses.h"
+#include "firmware_under_test/planner/job/pulses.h"
+#include "firmware_under_test/planner/program/link.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "avr_harness_bench.h"
-#include "firmware_under_test/planner/link.h"
+#include "firmware_under_test/planner/program/link.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include "fake_machine.h"
 #include "firmware_under_test/controller/protocol.h"
-#include "firmware_under_test/planner/link.h"
+#include "firmware_under_test/planner/program/link.h"
 #include "no_field.h"
 
 namespace kerfbench::controller_test {

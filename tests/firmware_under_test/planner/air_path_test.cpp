@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/air_path.h"
+#include "firmware_under_test/planner/order/air_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/cut_order.h"
-#include "firmware_under_test/planner/order_table.h"
+#include "firmware_under_test/planner/order/cut_order.h"
+#include "firmware_under_test/planner/program/order_table.h"
 #include "hil/dieline/read.h"
 #include "player.h"
 
@@ -118,9 +118,9 @@ TEST(AirPath, NothingIsLostDoubledOrOutOfTheSequenceOfItsRanks) {
 TEST(AirPath, ARankThatTheOrderGivenBreaksMayStayBroken) {
   // Rank 1 comes first and is far from where rank 0 lies: that is how it was given, and how it may stay.
   std::vector<Stop> stops(3);
-  stops[0] = {Chain{hil::Process::kCut, {segment({0, 0}, {1, 0}, 0)}, 0}, 1};
-  stops[1] = {Chain{hil::Process::kCut, {segment({50, 0}, {40, 0}, 1)}, 0}, 0};
-  stops[2] = {Chain{hil::Process::kCut, {segment({60, 0}, {70, 0}, 2)}, 0}, 1};
+  stops[0] = {Chain{dieline::Process::kCut, {segment({0, 0}, {1, 0}, 0)}, 0}, 1};
+  stops[1] = {Chain{dieline::Process::kCut, {segment({50, 0}, {40, 0}, 1)}, 0}, 0};
+  stops[2] = {Chain{dieline::Process::kCut, {segment({60, 0}, {70, 0}, 2)}, 0}, 1};
   EXPECT_NEAR(airPathMm(shortened(stops, {}, 0)), 39.0 + 10.0, 1e-9);
   // In their sequence they keep it, although the other way round would be shorter.
   std::swap(stops[0].rank, stops[1].rank);
@@ -148,7 +148,7 @@ TEST(AirPath, OnlyOrdersThatFitAreTaken) {
 
 TEST(AirPath, AnOutlineWithCornersBeginsAtOne) {
   std::vector<Stop> stops(2);
-  stops[0] = {Chain{hil::Process::kCut, {segment({0, 0}, {1, 0}, 0)}, 0}, 0};
+  stops[0] = {Chain{dieline::Process::kCut, {segment({0, 0}, {1, 0}, 0)}, 0}, 0};
   // A rounded triangle whose nearest joint is tangent.
   Segment arc;
   arc.start_mm = {10, 0};
@@ -156,8 +156,8 @@ TEST(AirPath, AnOutlineWithCornersBeginsAtOne) {
   arc.centre_mm = {10, 1};
   arc.sweep_rad = -3.14159265358979;
   arc.entity = 1;
-  stops[1] = {Chain{hil::Process::kCut, {segment({30, 1}, {10, 0}, 1), arc, segment({10, 2}, {30, 1}, 1)}, 0},
-              0};
+  stops[1] = {
+      Chain{dieline::Process::kCut, {segment({30, 1}, {10, 0}, 1), arc, segment({10, 2}, {30, 1}, 1)}, 0}, 0};
   const auto shorter = shortened(stops, {}, 0);
   const auto& outline = shorter[0].chain.closed() ? shorter[0] : shorter[1];
   EXPECT_EQ(outline.chain.start(), Vector2d(30, 1));
@@ -173,8 +173,8 @@ TEST(AirPath, OfTheFixturesIsShorterThanNearestAndDrawn) {
         Case{"coupon-perforated.dxf", 40.0, 0.67, 0.78}}) {
     JobParameters job = test::mirrorJob();
     job.belt_speed_mm_s = c.belt_mm_s;
-    const hil::Dieline dieline = hil::readDieline(
-        std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/" + c.file, hil::defaultLayerProfile());
+    const dieline::Dieline dieline = dieline::readDieline(
+        std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/" + c.file, dieline::defaultLayerProfile());
     const auto costs = orderCosts(dieline, test::twoMirror(), job);
     ASSERT_TRUE(costs[0].unit_time_s && costs[1].unit_time_s) << c.file;
     EXPECT_LT(costs[0].air_path_mm, c.share_of_nearest * costs[1].air_path_mm) << c.file;
@@ -193,7 +193,7 @@ TEST(Order, AsDrawnIsAsDrawn) {
 }
 
 TEST(Order, OfManyPiecesTakesLittleTime) {
-  std::vector<hil::Entity> entities;
+  std::vector<dieline::Entity> entities;
   std::mt19937 random(5);
   const auto place = [&] { return double(random() % 16000) / 100.0 - 80.0; };
   for (int i = 0; i < 600; ++i) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/program/check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/cut_twice.h"
-#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/order/cut_twice.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -93,7 +93,7 @@ TEST(CutTwice, ArcsThatShareAPart) {
 }
 
 TEST(CutTwice, NoDielineOfOursIs) {
-  for (const hil::Dieline& dieline : {test::label(), test::carton(), test::strip()}) {
+  for (const dieline::Dieline& dieline : {test::label(), test::carton(), test::strip()}) {
     EXPECT_THAT(twiceIn(makeGcode(dieline, test::twoMirror(), test::mirrorJob())), IsEmpty());
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/head/correction.h"
 
 #include <cmath>
 #include <functional>
@@ -11,8 +11,8 @@
 
 #include <Eigen/LU>
 
-#include "firmware_under_test/planner/axes.h"
-#include "firmware_under_test/planner/check.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/program/check.h"
 #include "player.h"
 
 namespace kerfbench::planner {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hu, Hu, Jiang 2014: the example's figures, and that the formulas bound what the planner finds.
-#include "firmware_under_test/planner/cross_cut.h"
+#include "firmware_under_test/planner/program/cross_cut.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -12,12 +12,12 @@ namespace {
 using test::play;
 using test::Played;
 
-hil::Dieline fixture(const std::string& name) {
-  return hil::readDieline(std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/" + name,
-                          hil::defaultLayerProfile());
+dieline::Dieline fixture(const std::string& name) {
+  return dieline::readDieline(std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/" + name,
+                              dieline::defaultLayerProfile());
 }
 
-void expectCut(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job) {
+void expectCut(const dieline::Dieline& dieline, const MachineParameters& machine, const JobParameters& job) {
   const Plan plan = planner::plan(dieline, machine, job);
   const Played played = play(plan.program, machine, job);
   EXPECT_EQ(played.error, "");

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/axes.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/solve.h"
-#include "firmware_under_test/planner/unit.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/motion/solve.h"
+#include "firmware_under_test/planner/motion/unit.h"
 #include "hil/dieline/read.h"
 #include "player.h"
 
@@ -33,18 +33,18 @@ JobParameters smoothJob(double radius_mm) {
   return job;
 }
 
-hil::Dieline button() {
-  return hil::readDieline(std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/button.dxf",
-                          hil::defaultLayerProfile());
+dieline::Dieline button() {
+  return dieline::readDieline(std::string(KERFBENCH_SOURCE_DIR) + "/fixtures/dielines/button.dxf",
+                              dieline::defaultLayerProfile());
 }
 
 /// Strokes of 1 … 6 mm anywhere in 50 x 50 mm.
-hil::Dieline strokes(unsigned seed) {
+dieline::Dieline strokes(unsigned seed) {
   std::mt19937 bits(seed);
   std::uniform_real_distribution<double> place(0.0, 50.0);
   std::uniform_real_distribution<double> length(1.0, 6.0);
   std::uniform_real_distribution<double> angle(0.0, 6.2831853);
-  std::vector<hil::Entity> entities;
+  std::vector<dieline::Entity> entities;
   for (int i = 0; i < 40; ++i) {
     const Vector2d from(-place(bits), place(bits) - 25.0);
     const double l = length(bits);
@@ -57,7 +57,7 @@ hil::Dieline strokes(unsigned seed) {
 
 struct Case {
   const char* name;
-  hil::Dieline dieline;
+  dieline::Dieline dieline;
   double belt_mm_s;
   double radius_mm;
 };
@@ -174,8 +174,8 @@ TEST_P(EveryFlow, MarksAreCoveredExactly) {
     before = sample.p_S_mm;
     if (!on) continue;
     double off_mm = 1e9;
-    for (const hil::Entity& entity : case_.dieline.entities)
-      off_mm = std::min(off_mm, hil::nearestOn(entity.curve, before).distance_mm);
+    for (const dieline::Entity& entity : case_.dieline.entities)
+      off_mm = std::min(off_mm, dieline::nearestOn(entity.curve, before).distance_mm);
     EXPECT_LT(off_mm, 0.0025) << "of the dieline: 2 um of flattening, and the G-code's decimals";
   }
   if (on) switched.push_back(before);
@@ -230,7 +230,7 @@ TEST(Flow, TheButtonGainsAThirdOfItsMeanSpeed) {
 }
 
 TEST(Flow, DashesOnALineAreRunThroughAtFullSpeed) {
-  std::vector<hil::Entity> dashes;
+  std::vector<dieline::Entity> dashes;
   for (int i = 0; i < 12; ++i) dashes.push_back(test::line(-5.0 * i, 0, -5.0 * i - 3.0, 0));
   const MachineParameters machine = slowMirrors();
   JobParameters job = smoothJob(5.0);
@@ -245,9 +245,9 @@ TEST(Flow, DashesOnALineAreRunThroughAtFullSpeed) {
 
 TEST(Flow, WaitsForTheSheetAtRest) {
   // Three fields long: units of which the far end comes into reach long after the near one.
-  std::vector<hil::Entity> rows;
+  std::vector<dieline::Entity> rows;
   for (int i = 0; i < 40; ++i) rows.push_back(test::line(-10.0 * i, -3, -10.0 * i, 3));
-  const hil::Dieline dieline = test::dielineOf(std::move(rows));
+  const dieline::Dieline dieline = test::dielineOf(std::move(rows));
   JobParameters job = smoothJob(5.0);
   job.belt_speed_mm_s = 20.0;
   const Plan plan = planner::plan(dieline, slowMirrors(), job);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
 
 #include <cmath>
 #include <numbers>
@@ -52,7 +52,7 @@ TEST(Gcode, SaysWhatThePaperSays) {
 
 TEST(Gcode, WrittenReadAndWrittenAgainIsTheSame) {
   std::vector<std::string> names(64, "cut");
-  for (const hil::Dieline& dieline : {label(), carton(), test::strip()}) {
+  for (const dieline::Dieline& dieline : {label(), carton(), test::strip()}) {
     const std::vector<Segment> path = readGcode(makeGcode(dieline, twoMirror(), mirrorJob()));
     const std::string once = writeGcode(marksOf(path), names);
     EXPECT_EQ(writeGcode(marksOf(readGcode(once)), names), once);
@@ -60,7 +60,7 @@ TEST(Gcode, WrittenReadAndWrittenAgainIsTheSame) {
 }
 
 TEST(Gcode, AFullCircleEndsWhereItBegins) {
-  hil::Dieline dieline = test::dielineOf({test::arc(-30, 5, 12, 40, -360)});
+  dieline::Dieline dieline = test::dielineOf({test::arc(-30, 5, 12, 40, -360)});
   const std::string text = makeGcode(dieline, twoMirror(), mirrorJob());
   EXPECT_THAT(text, HasSubstr("CIRCLE\n"));
   const std::vector<Segment> path = readGcode(text);

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/protocol.h"
-#include "firmware_under_test/planner/axes.h"
-#include "firmware_under_test/planner/check.h"
-#include "firmware_under_test/planner/correction.h"
-#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/program/check.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -102,7 +102,7 @@ TEST(Hostile, MutatedGcodeIsPlannedOrRefusedWithItsLine) {
   int refused = 0;
   for (int round = 0; round < 1500; ++round) {
     job.belt_speed_mm_s = round % 4 == 0 ? 40.0 : 0.0;
-    const hil::Dieline dieline = round % 3 == 0 ? test::carton() : test::label();
+    const dieline::Dieline dieline = round % 3 == 0 ? test::carton() : test::label();
     static const std::string carton = makeGcode(test::carton(), test::twoMirror(), test::mirrorJob());
     static const std::string label = makeGcode(test::label(), test::twoMirror(), test::mirrorJob());
     const std::string text = mutate(round % 3 == 0 ? carton : label);
@@ -188,7 +188,7 @@ TEST(Hostile, ParametersWithoutMeasureAreRefused) {
     JobParameters job = test::mirrorJob();
     job.belt_speed_mm_s = 10.0;
     change(machine, job);
-    return faultsOf(machine, job).size();
+    return jobIssues(machine, job).size();
   };
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, 1e-308, -1.0}) {
     const auto is = [&](double MachineParameters::*field) {
@@ -209,15 +209,15 @@ TEST(Hostile, ParametersWithoutMeasureAreRefused) {
 }
 
 TEST(Hostile, DrawingsWithoutMeasureAreRefused) {
-  const auto plan = [](const hil::Dieline& dieline) {
+  const auto plan = [](const dieline::Dieline& dieline) {
     return refusal([&] { makeGcode(dieline, test::twoMirror(), test::mirrorJob()); });
   };
-  hil::Dieline dieline = test::dielineOf(
+  dieline::Dieline dieline = test::dielineOf(
       {test::line(0, 0, 1e308, 0), test::line(0, 0, std::nan(""), 1), test::arc(0, 0, 1e7, 0, 10)});
   dieline.entities[0].origin = "line 12: LINE";
   EXPECT_THAT(plan(dieline), AllOf(HasSubstr("E0 (line 12: LINE): reaches 1e+308 mm"),
                                    HasSubstr("E1: reaches no number"), HasSubstr("E2: reaches 1e+07")));
-  EXPECT_THAT(plan(test::dielineOf(std::vector<hil::Entity>(20'001, test::line(0, 0, 1, 1)))),
+  EXPECT_THAT(plan(test::dielineOf(std::vector<dieline::Entity>(20'001, test::line(0, 0, 1, 1)))),
               HasSubstr("20001 entities"));
   EXPECT_THAT(plan(test::dielineOf({test::line(3, 3, 3, 3)})), HasSubstr("nothing to cut"));
 }

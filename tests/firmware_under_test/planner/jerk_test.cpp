@@ -6,11 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/axes.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/jerk_profile.h"
-#include "firmware_under_test/planner/speed.h"
-#include "firmware_under_test/planner/unit.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/motion/jerk_profile.h"
+#include "firmware_under_test/planner/motion/speed.h"
+#include "firmware_under_test/planner/motion/unit.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -104,7 +104,7 @@ TEST(Jerk, TheMirrorsKeepItOverWholeDrawings) {
   const MachineParameters machine = test::twoMirror();
   JobParameters job = test::mirrorJob();
   const Axes axes(machine, {});
-  for (const hil::Dieline& dieline : {test::label(), test::carton()}) {
+  for (const dieline::Dieline& dieline : {test::label(), test::carton()}) {
     const std::vector<Segment> gcode = readGcode(makeGcode(dieline, machine, job));
     job.jerk_mm_s3 = 0.0;
     const auto free = planUnit(gcode, job, axes, 0.0);
@@ -124,7 +124,7 @@ TEST(Jerk, TheMirrorsKeepItOverWholeDrawings) {
 
 /// Short strokes side by side, as the button's, and a corner and an arc in the marks.
 std::vector<Segment> strokes() {
-  std::vector<hil::Entity> entities;
+  std::vector<dieline::Entity> entities;
   for (int i = 0; i < 8; ++i) {
     const double x = -8.0 * i;
     entities.push_back(i % 2 == 0 ? test::line(x, -6.0, x, 6.0) : test::line(x, 6.0, x + 1.0, -6.0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/jump_curve.h"
+#include "firmware_under_test/planner/geometry/jump_curve.h"
 
 #include <algorithm>
 #include <cmath>

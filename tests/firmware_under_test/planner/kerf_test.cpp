@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/kerf.h"
+#include "firmware_under_test/planner/order/kerf.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -24,15 +24,15 @@ JobParameters kerfJob(double radius_mm) {
   return job;
 }
 
-std::vector<hil::Entity> rectangle(double x0, double y0, double x1, double y1) {
+std::vector<dieline::Entity> rectangle(double x0, double y0, double x1, double y1) {
   return {test::line(x0, y0, x1, y0), test::line(x1, y0, x1, y1), test::line(x1, y1, x0, y1),
           test::line(x0, y1, x0, y0)};
 }
 
 /// A label with a round hole, a square hole and an island in that.
-hil::Dieline labelWithHoles() {
-  hil::Dieline dieline = test::label();
-  std::vector<hil::Entity> entities = dieline.entities;
+dieline::Dieline labelWithHoles() {
+  dieline::Dieline dieline = test::label();
+  std::vector<dieline::Entity> entities = dieline.entities;
   entities.push_back(test::arc(-30.0, 12.0, 2.5, 0.0, 360.0));
   for (const auto& part : {rectangle(-50.0, -10.0, -40.0, 0.0), rectangle(-47.0, -7.0, -43.0, -3.0)}) {
     entities.insert(entities.end(), part.begin(), part.end());
@@ -40,7 +40,7 @@ hil::Dieline labelWithHoles() {
   return dielineOf(entities);
 }
 
-std::string refusal(const hil::Dieline& dieline, const JobParameters& job) {
+std::string refusal(const dieline::Dieline& dieline, const JobParameters& job) {
   try {
     makeGcode(dieline, twoMirror(), job);
   } catch (const PlanError& error) {
@@ -71,7 +71,7 @@ TEST(Kerf, TheBeamRunsOutsideOfOutlinesInsideOfHolesAndOutsideOfIslands) {
 }
 
 TEST(Kerf, AsPlayedTheBeamKeepsItsRadiusFromTheDieline) {
-  const hil::Dieline dieline = labelWithHoles();
+  const dieline::Dieline dieline = labelWithHoles();
   for (const double belt : {0.0, 60.0}) {
     JobParameters job = kerfJob(0.15);
     job.belt_speed_mm_s = belt;
@@ -83,8 +83,8 @@ TEST(Kerf, AsPlayedTheBeamKeepsItsRadiusFromTheDieline) {
     for (const test::Period& period : played.periods) {
       if (period.power < 0) continue;
       double distance = INFINITY;
-      for (const hil::Entity& entity : dieline.entities) {
-        distance = std::min(distance, hil::nearestOn(entity.curve, period.to_S_mm).distance_mm);
+      for (const dieline::Entity& entity : dieline.entities) {
+        distance = std::min(distance, dieline::nearestOn(entity.curve, period.to_S_mm).distance_mm);
       }
       nearest = std::min(nearest, distance);
       farthest = std::max(farthest, distance);
@@ -107,11 +107,11 @@ TEST(Kerf, OnlyCutsAreMoved) {
   std::vector<Segment> moved;
   const Compensated done = compensate(carton(), job);
   for (const Chain& chain : done.chains) {
-    if (chain.process == hil::Process::kCut) continue;
+    if (chain.process == dieline::Process::kCut) continue;
     for (const Segment& segment : chain.segments) {
-      for (const hil::Entity& entity : carton().entities) {
+      for (const dieline::Entity& entity : carton().entities) {
         if (entity.id != segment.entity) continue;
-        EXPECT_LT(hil::nearestOn(entity.curve, segment.start_mm).distance_mm, 1e-9);
+        EXPECT_LT(dieline::nearestOn(entity.curve, segment.start_mm).distance_mm, 1e-9);
         moved.push_back(segment);
       }
     }
@@ -121,7 +121,7 @@ TEST(Kerf, OnlyCutsAreMoved) {
 
 TEST(Kerf, OpenCutsStayOnTheLineAndAreNamedUnlessASideIsChosen) {
   JobParameters job = kerfJob(0.5);
-  const hil::Dieline dieline = dielineOf({test::line(0.0, -10.0, 0.0, 10.0)});
+  const dieline::Dieline dieline = dielineOf({test::line(0.0, -10.0, 0.0, 10.0)});
   Compensated done = compensate(dieline, job);
   EXPECT_TRUE(done.offset.paths.empty());
   ASSERT_EQ(done.chains.size(), 1U);
@@ -137,8 +137,8 @@ TEST(Kerf, OpenCutsStayOnTheLineAndAreNamedUnlessASideIsChosen) {
 }
 
 TEST(Kerf, FeaturesSmallerThanTheKerfAreRefusedByNameAndOnDemandOnlyNamed) {
-  hil::Dieline dieline = test::label();
-  std::vector<hil::Entity> entities = dieline.entities;
+  dieline::Dieline dieline = test::label();
+  std::vector<dieline::Entity> entities = dieline.entities;
   const auto hole_id = entities.size();
   entities.push_back(test::arc(-30.0, 12.0, 0.2, 0.0, 360.0));
   const auto slit = rectangle(-50.0, -10.0, -40.0, -9.7);
@@ -165,8 +165,8 @@ TEST(Kerf, DielinesWithoutAnInsideAreRefused) {
                                  test::line(0, 4, 0, 0)}),
                       kerfJob(0.1)),
               HasSubstr("E0 and E2 at (2.000, 2.000)"));
-  std::vector<hil::Entity> entities = rectangle(-20, 0, -10, 10);
-  for (const hil::Entity& entity : rectangle(-15, 5, -5, 15)) entities.push_back(entity);
+  std::vector<dieline::Entity> entities = rectangle(-20, 0, -10, 10);
+  for (const dieline::Entity& entity : rectangle(-15, 5, -5, 15)) entities.push_back(entity);
   EXPECT_THAT(refusal(dielineOf(entities), kerfJob(0.1)), HasSubstr("meets another one"));
   // The same circle drawn twice.
   EXPECT_THAT(refusal(dielineOf({test::arc(0, 0, 5, 0, 360), test::arc(0, 0, 5, 90, 360)}), kerfJob(0.1)),

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/axes.h"
-#include "firmware_under_test/planner/flatten.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/speed.h"
-#include "firmware_under_test/planner/unit.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/geometry/flatten.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/motion/speed.h"
+#include "firmware_under_test/planner/motion/unit.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -16,33 +16,33 @@ namespace {
 
 using Eigen::Vector2d;
 
-double worstMm(const hil::Curve& curve, const std::vector<Segment>& path) {
+double worstMm(const dieline::Curve& curve, const std::vector<Segment>& path) {
   double worst = 0.0;
   for (const Segment& segment : path) {
     for (int i = 0; i <= 40; ++i) {
       const Vector2d p = segment.at(segment.lengthMm() * i / 40);
-      worst = std::max(worst, hil::nearestOn(curve, p).distance_mm);
+      worst = std::max(worst, dieline::nearestOn(curve, p).distance_mm);
     }
   }
   return worst;
 }
 
 TEST(Flatten, CurvesBecomeArcsWithinTwoMicrometres) {
-  const std::vector<hil::Curve> curves{
-      hil::EllipseCurve{{-30, 4}, {25, 5}, {-2, 10}, 0.3, 2.0 * std::numbers::pi},
-      hil::EllipseCurve{{0, 0}, {60, 0}, {0, 1}, 1.0, -3.0},
-      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 40, -40, 0, 0, 30, 30, 0).finished(),
-                       Eigen::Vector4d::Ones()},
-      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 20, -20, 5).finished(),
-                       Eigen::Vector4d(1, 0.4, 3, 1)},
-      hil::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 5, 10, 15).finished(),
-                       Eigen::Vector4d::Ones()},
+  const std::vector<dieline::Curve> curves{
+      dieline::EllipseCurve{{-30, 4}, {25, 5}, {-2, 10}, 0.3, 2.0 * std::numbers::pi},
+      dieline::EllipseCurve{{0, 0}, {60, 0}, {0, 1}, 1.0, -3.0},
+      dieline::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 40, -40, 0, 0, 30, 30, 0).finished(),
+                           Eigen::Vector4d::Ones()},
+      dieline::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 20, -20, 5).finished(),
+                           Eigen::Vector4d(1, 0.4, 3, 1)},
+      dieline::BezierCurve{(Eigen::Matrix<double, 2, 4>() << 0, 10, 20, 30, 0, 5, 10, 15).finished(),
+                           Eigen::Vector4d::Ones()},
   };
-  for (const hil::Curve& curve : curves) {
+  for (const dieline::Curve& curve : curves) {
     const std::vector<Segment> path = flatten(curve, 0.002);
     EXPECT_LT(worstMm(curve, path), 0.002);
-    EXPECT_LT((path.front().start_mm - hil::pointAt(curve, 0)).norm(), 1e-9);
-    EXPECT_LT((path.back().end_mm - hil::pointAt(curve, 1)).norm(), 1e-9);
+    EXPECT_LT((path.front().start_mm - dieline::pointAt(curve, 0)).norm(), 1e-9);
+    EXPECT_LT((path.back().end_mm - dieline::pointAt(curve, 1)).norm(), 1e-9);
     double length = 0.0;
     for (std::size_t i = 0; i < path.size(); ++i) {
       length += path[i].lengthMm();
@@ -50,7 +50,7 @@ TEST(Flatten, CurvesBecomeArcsWithinTwoMicrometres) {
       EXPECT_LT((path[i].start_mm - path[i - 1].end_mm).norm(), 1e-9);
       EXPECT_LT(turnRad(path[i - 1], path[i]), kTangentRad);
     }
-    EXPECT_NEAR(length, hil::lengthOf(curve), 1e-4 * length);
+    EXPECT_NEAR(length, dieline::lengthOf(curve), 1e-4 * length);
     EXPECT_LT(path.size(), 250U);
   }
 }
@@ -95,7 +95,7 @@ TEST(Speed, NoSampleBreaksSpeedOrAcceleration) {
     const MachineParameters machine = gantry ? test::gantry() : test::twoMirror();
     const JobParameters job = gantry ? test::gantryJob() : test::mirrorJob();
     const Axes axes(machine, {});
-    for (const hil::Dieline& dieline : {test::label(), test::carton()}) {
+    for (const dieline::Dieline& dieline : {test::label(), test::carton()}) {
       for (const double belt : {0.0, 150.0}) {
         const auto unit = planUnit(readGcode(makeGcode(dieline, machine, job)), job, axes, belt);
         ASSERT_TRUE(unit);

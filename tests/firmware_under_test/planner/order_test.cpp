@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/cut_order.h"
+#include "firmware_under_test/planner/order/cut_order.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/chains.h"
+#include "firmware_under_test/planner/order/chains.h"
 #include "player.h"
 
 namespace kerfbench::planner {
 namespace {
 
-using hil::Process;
+using dieline::Process;
 using Pieces = std::vector<std::vector<Segment>>;
 
-Pieces order(const hil::Dieline& dieline, double belt, const OrderOptions& options = {},
+Pieces order(const dieline::Dieline& dieline, double belt, const OrderOptions& options = {},
              const PlannerFaults& faults = {}) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = belt;
@@ -48,10 +48,10 @@ TEST(CutOrder, ConnectedEntitiesAreOnePiece) {
 }
 
 TEST(CutOrder, EntitiesDrawnAnyWayRoundAreJoined) {
-  hil::Dieline dieline = test::label();
+  dieline::Dieline dieline = test::label();
   std::swap(dieline.entities[1].curve, dieline.entities[6].curve);
-  dieline.entities[2].curve = hil::reversed(dieline.entities[2].curve);
-  dieline.entities[5].curve = hil::reversed(dieline.entities[5].curve);
+  dieline.entities[2].curve = dieline::reversed(dieline.entities[2].curve);
+  dieline.entities[5].curve = dieline::reversed(dieline.entities[5].curve);
   EXPECT_EQ(order(dieline, 0.0).size(), 1U);
 }
 
@@ -68,8 +68,9 @@ TEST(CutOrder, CreasesThenHolesThenOutline) {
 }
 
 TEST(CutOrder, OnAMovingSheetWhatLeavesFirstIsCutFirst) {
-  const hil::Dieline dieline = test::dielineOf({test::line(-100, 0, -90, 0), test::line(0, 50, -10, 50),
-                                                test::line(-50, 0, -40, 0), test::line(-20, -40, -30, -40)});
+  const dieline::Dieline dieline =
+      test::dielineOf({test::line(-100, 0, -90, 0), test::line(0, 50, -10, 50), test::line(-50, 0, -40, 0),
+                       test::line(-20, -40, -30, -40)});
   const Pieces pieces = order(dieline, 100.0);
   EXPECT_EQ(firstOf(pieces, 1), 0);
   EXPECT_EQ(firstOf(pieces, 3), 1);
@@ -79,7 +80,7 @@ TEST(CutOrder, OnAMovingSheetWhatLeavesFirstIsCutFirst) {
 }
 
 TEST(CutOrder, BreakingLosesAndDoublesNothing) {
-  const hil::Dieline dieline = test::carton();
+  const dieline::Dieline dieline = test::carton();
   const double whole = lengthOf(order(dieline, 50.0));
   for (const bool place : {false, true}) {
     const Pieces broken = order(dieline, 50.0, {true, place, 15.0});
@@ -89,7 +90,7 @@ TEST(CutOrder, BreakingLosesAndDoublesNothing) {
 }
 
 TEST(CutOrder, ASkippedEntityIsMissingAndARepeatedOneComesTwice) {
-  const hil::Dieline dieline = test::carton();
+  const dieline::Dieline dieline = test::carton();
   PlannerFaults faults;
   faults.skip_entity = 4;
   EXPECT_EQ(firstOf(order(dieline, 0.0, {}, faults), 4), -1);
@@ -115,7 +116,7 @@ TEST(Perforation, BeginsAndEndsWithADashAndKeepsTheRatio) {
 }
 
 TEST(Perforation, ClosedOnesEndWithAGap) {
-  hil::Entity circle = test::arc(-30, 0, 10, 0, 360);
+  dieline::Entity circle = test::arc(-30, 0, 10, 0, 360);
   circle.process = Process::kPerforation;
   const Pieces pieces = order(test::dielineOf({circle}), 0.0);
   EXPECT_NEAR((pieces[0].front().start_mm - pieces[0].back().end_mm).norm(), 1.0, 0.05);

@@ -129,38 +129,38 @@ JobParameters gantryJob() {
   return j;
 }
 
-hil::Entity line(double x0, double y0, double x1, double y1, hil::Process process) {
-  hil::Entity entity;
-  entity.curve = hil::LineCurve{{x0, y0}, {x1, y1}};
+dieline::Entity line(double x0, double y0, double x1, double y1, dieline::Process process) {
+  dieline::Entity entity;
+  entity.curve = dieline::LineCurve{{x0, y0}, {x1, y1}};
   entity.process = process;
   return entity;
 }
 
-hil::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg) {
+dieline::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg) {
   const double rad = std::numbers::pi / 180.0;
-  hil::Entity entity;
-  entity.curve = hil::ArcCurve{{cx, cy}, r, start_deg * rad, sweep_deg * rad};
+  dieline::Entity entity;
+  entity.curve = dieline::ArcCurve{{cx, cy}, r, start_deg * rad, sweep_deg * rad};
   return entity;
 }
 
-hil::Dieline dielineOf(std::vector<hil::Entity> entities) {
-  hil::Dieline dieline;
+dieline::Dieline dielineOf(std::vector<dieline::Entity> entities) {
+  dieline::Dieline dieline;
   dieline.entities = std::move(entities);
   for (std::size_t i = 0; i < dieline.entities.size(); ++i) dieline.entities[i].id = static_cast<int>(i);
   return dieline;
 }
 
-hil::Dieline label() {
+dieline::Dieline label() {
   return dielineOf({line(-3, -20, -57, -20), arc(-57, -17, 3, 270, -90), line(-60, -17, -60, 17),
                     arc(-57, 17, 3, 180, -90), line(-57, 20, -3, 20), arc(-3, 17, 3, 90, -90),
                     line(0, 17, 0, -17), arc(-3, -17, 3, 0, -90)});
 }
 
-hil::Dieline carton() {
-  using hil::Process;
-  hil::Entity window = arc(-70, 0, 8, 0, 360);
-  hil::Entity thumb;
-  thumb.curve = hil::BezierCurve{
+dieline::Dieline carton() {
+  using dieline::Process;
+  dieline::Entity window = arc(-70, 0, 8, 0, 360);
+  dieline::Entity thumb;
+  thumb.curve = dieline::BezierCurve{
       (Eigen::Matrix<double, 2, 4>() << 0.0, -12.0, -12.0, 0.0, -10.0, -10.0, 10.0, 10.0).finished(),
       Eigen::Vector4d::Ones()};
   return dielineOf(
@@ -171,7 +171,7 @@ hil::Dieline carton() {
        line(-20, 45, -62, 45, Process::kHalfCut), line(-125, -30, -125, 30, Process::kPerforation)});
 }
 
-hil::Dieline strip() { return dielineOf({line(0, -400, 0, 400)}); }
+dieline::Dieline strip() { return dielineOf({line(0, -400, 0, 400)}); }
 
 namespace {
 Vector2d inUnit(const Vector2d& p, const JobParameters& job, int unit) {
@@ -179,7 +179,7 @@ Vector2d inUnit(const Vector2d& p, const JobParameters& job, int unit) {
 }
 }  // namespace
 
-double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job) {
+double worstDeviationMm(const Played& played, const dieline::Dieline& dieline, const JobParameters& job) {
   double worst = 0.0;
   for (const Period& period : played.periods) {
     if (period.power < 0) continue;
@@ -189,8 +189,8 @@ double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const
       for (int unit = 0; unit < job.units; ++unit) {
         const Vector2d q = inUnit(p, job, unit);
         if (job.units > 1 && std::abs(q.x() + 70.0) > 200.0) continue;
-        for (const hil::Entity& entity : dieline.entities) {
-          best = std::min(best, hil::nearestOn(entity.curve, q).distance_mm);
+        for (const dieline::Entity& entity : dieline.entities) {
+          best = std::min(best, dieline::nearestOn(entity.curve, q).distance_mm);
         }
       }
       worst = std::max(worst, best);
@@ -199,12 +199,12 @@ double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const
   return worst;
 }
 
-double worstGapMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job, int unit) {
+double worstGapMm(const Played& played, const dieline::Dieline& dieline, const JobParameters& job, int unit) {
   double worst = 0.0;
-  for (const hil::Entity& entity : dieline.entities) {
-    if (entity.process == hil::Process::kPerforation) continue;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process == dieline::Process::kPerforation) continue;
     for (int i = 0; i <= 200; ++i) {
-      const Vector2d p = hil::pointAt(entity.curve, i / 200.0);
+      const Vector2d p = dieline::pointAt(entity.curve, i / 200.0);
       double best = std::numeric_limits<double>::infinity();
       for (const Period& period : played.periods) {
         if (period.power < 0) continue;

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "firmware_under_test/planner/plan.h"
+#include "firmware_under_test/planner/program/plan.h"
 
 namespace kerfbench::planner::test {
 
@@ -50,21 +50,22 @@ MachineParameters gantry();
 JobParameters mirrorJob();
 JobParameters gantryJob();
 
-hil::Entity line(double x0, double y0, double x1, double y1, hil::Process process = hil::Process::kCut);
-hil::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg);
+dieline::Entity line(double x0, double y0, double x1, double y1,
+                     dieline::Process process = dieline::Process::kCut);
+dieline::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg);
 /// Numbers the entities.
-hil::Dieline dielineOf(std::vector<hil::Entity> entities);
+dieline::Dieline dielineOf(std::vector<dieline::Entity> entities);
 /// Rounded rectangle, x in [-60, 0], y in [-20, 20], radius 3.
-hil::Dieline label();
+dieline::Dieline label();
 /// A folding box in small: outline with flaps, creases, a slot, a round window, a perforation; x in [-142,
 /// 0].
-hil::Dieline carton();
+dieline::Dieline carton();
 /// S0's cut across the strip.
-hil::Dieline strip();
+dieline::Dieline strip();
 
 /// Worst distance of burnt points from the dieline, over all units.
-double worstDeviationMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job);
+double worstDeviationMm(const Played& played, const dieline::Dieline& dieline, const JobParameters& job);
 /// Worst distance of points of entities (but perforations) from the burnt path of a unit.
-double worstGapMm(const Played& played, const hil::Dieline& dieline, const JobParameters& job, int unit);
+double worstGapMm(const Played& played, const dieline::Dieline& dieline, const JobParameters& job, int unit);
 
 }  // namespace kerfbench::planner::test

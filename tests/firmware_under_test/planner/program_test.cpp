@@ -18,15 +18,15 @@ using ::testing::HasSubstr;
 
 struct Shape {
   const char* name;
-  hil::Dieline dieline;
+  dieline::Dieline dieline;
   double belt_mm_s;
   bool gantry;
 };
 
 std::vector<Shape> shapes() {
-  const hil::Dieline circle = test::dielineOf({test::arc(-30, 10, 15, 90, 360)});
-  hil::Entity ellipse;
-  ellipse.curve = hil::EllipseCurve{{-30, 0}, {25, 5}, {-2, 10}, 0.0, 6.283185307179586};
+  const dieline::Dieline circle = test::dielineOf({test::arc(-30, 10, 15, 90, 360)});
+  dieline::Entity ellipse;
+  ellipse.curve = dieline::EllipseCurve{{-30, 0}, {25, 5}, {-2, 10}, 0.0, 6.283185307179586};
   return {{"label at rest", test::label(), 0.0, false},
           {"label at 100 mm/s", test::label(), 100.0, false},
           {"label at 205 mm/s", test::label(), 205.0, false},
@@ -151,7 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Planner, EveryShape, ::testing::Range(0, static_cast<in
                            return name;
                          });
 
-std::string refusal(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job) {
+std::string refusal(const dieline::Dieline& dieline, const MachineParameters& machine,
+                    const JobParameters& job) {
   try {
     planner::plan(dieline, machine, job);
   } catch (const PlanError& error) {
@@ -220,7 +221,7 @@ TEST(Refusal, AWeakLaserIsNamedWithTheSpeedItCouldDo) {
 }
 
 TEST(Refusal, AnEntityOutsideTheFieldIsNamed) {
-  const hil::Dieline wide = test::dielineOf({test::line(-10, -90, -10, 20), test::line(-20, 0, -20, 85)});
+  const dieline::Dieline wide = test::dielineOf({test::line(-10, -90, -10, 20), test::line(-20, 0, -20, 85)});
   const std::string why = refusal(wide, test::twoMirror(), test::mirrorJob());
   EXPECT_THAT(why, HasSubstr("E0"));
   EXPECT_THAT(why, HasSubstr("E1"));
@@ -240,8 +241,8 @@ TEST(Refusal, AllWrongParametersAtOnce) {
 }
 
 TEST(Refusal, NothingToCut) {
-  hil::Dieline dieline = test::label();
-  for (hil::Entity& entity : dieline.entities) entity.process = hil::Process::kIgnore;
+  dieline::Dieline dieline = test::label();
+  for (dieline::Entity& entity : dieline.entities) entity.process = dieline::Process::kIgnore;
   EXPECT_THAT(refusal(dieline, test::twoMirror(), test::mirrorJob()), HasSubstr("nothing to cut"));
 }
 

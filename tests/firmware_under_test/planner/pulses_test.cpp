@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/protocol.h"
-#include "firmware_under_test/planner/pulses.h"
+#include "firmware_under_test/planner/job/pulses.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -157,7 +157,7 @@ TEST(Pulses, ASlowDriveSlowsTheJobDownAndAJobThatTurnsTooFastIsRefused) {
 
   machine.drives[KB_GALVO_X] = machine.drives[KB_GALVO_Y] = needs(5, 330, 2.5, 2.5);
   job.acceleration_mm_s2 = 200000;
-  const hil::Dieline small =
+  const dieline::Dieline small =
       test::dielineOf({test::arc(-10.0, 0.0, 0.5, 0.0, 360.0)});  // 9 steps a period from one to the next
   EXPECT_THAT(refusal([&] { plan(small, machine, job); }), HasSubstr("DIR must be stable: accelerate less"));
   machine.drives[KB_GALVO_X] = needs(5, 5, 900, 2.5);

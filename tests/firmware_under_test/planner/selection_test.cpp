@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/selection.h"
+#include "firmware_under_test/planner/program/selection.h"
 
 #include <algorithm>
 #include <set>
@@ -8,13 +8,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/gcode.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
 #include "player.h"
 
 namespace kerfbench::planner {
 namespace {
 
-using hil::Process;
+using dieline::Process;
 using test::refusal;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -38,9 +38,9 @@ double markedMm(const std::string& gcode) {
 std::string cartonGcode() { return makeGcode(test::carton(), test::twoMirror(), test::mirrorJob()); }
 
 TEST(Selection, OfADrawingIgnoresTheRest) {
-  hil::Dieline dieline = test::carton();
-  for (hil::Entity& entity : dieline.entities) entity.layer = entity.id < 11 ? "CUT" : "Inner";
-  hil::Dieline chosen = dieline;
+  dieline::Dieline dieline = test::carton();
+  for (dieline::Entity& entity : dieline.entities) entity.layer = entity.id < 11 ? "CUT" : "Inner";
+  dieline::Dieline chosen = dieline;
   select(chosen, selectionFrom("0, E5-e7", "", ""));
   EXPECT_THAT(cutIn(makeGcode(chosen, test::twoMirror(), test::mirrorJob())),
               UnorderedElementsAre(0, 5, 6, 7));
@@ -54,7 +54,7 @@ TEST(Selection, OfGcodeIsThatOfTheDrawing) {
   for (const auto& [entities, processes] :
        {std::pair("0-10", ""), std::pair("11,13-16", ""), std::pair("", "crease"),
         std::pair("12-16", "cut,perforation"), std::pair("", "half-cut")}) {
-    hil::Dieline dieline = test::carton();
+    dieline::Dieline dieline = test::carton();
     const Selection selection = selectionFrom(entities, "", processes);
     const std::string chosen = select(cartonGcode(), selection);
     select(dieline, selection);
@@ -78,7 +78,7 @@ TEST(Selection, WordsThatMakeNoSenseAreListed) {
 }
 
 TEST(Selection, WhatIsNotThereIsRefused) {
-  hil::Dieline dieline = test::carton();
+  dieline::Dieline dieline = test::carton();
   EXPECT_THAT(refusal([&] { select(dieline, selectionFrom("3,40-50", "Lid", "")); }),
               AllOf(HasSubstr("E40-E50: there is no such entity; the ids go from 0 to 16"),
                     HasSubstr("lid: there is no such layer")));

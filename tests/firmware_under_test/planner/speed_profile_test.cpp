@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "firmware_under_test/planner/speed_profile.h"
+#include "firmware_under_test/planner/motion/speed_profile.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/head/axes.h"
 
 namespace kerfbench::planner {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/release.h"
-#include "firmware_under_test/planner/target.h"
+#include "firmware_under_test/planner/job/target.h"
 #include "player.h"
 
 namespace kerfbench::planner {

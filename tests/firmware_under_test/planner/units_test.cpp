@@ -24,7 +24,8 @@ JobParameters stripJob() {
   return job;
 }
 
-std::string refusal(const hil::Dieline& dieline, const MachineParameters& machine, const JobParameters& job) {
+std::string refusal(const dieline::Dieline& dieline, const MachineParameters& machine,
+                    const JobParameters& job) {
   try {
     planner::plan(dieline, machine, job);
   } catch (const PlanError& error) {

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 std::string contentOf(const std::filesystem::path& path) {
@@ -46,4 +46,4 @@ TEST_F(AtomicFileTest, NamesThePathWhenTheFolderIsMissing) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <system_error>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 TEST(Digest, GivesTheStandardsOwnExamples) {  // FIPS 180-4
@@ -25,4 +25,4 @@ TEST(Digest, ChecksumIsXxh3OfThePublishedCases) {
 TEST(Digest, RefusesAFileThatIsNotThere) { EXPECT_THROW(sha256File("/nonexistent/x"), std::system_error); }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 TEST(NumberFrom, TakesAWholeTextAndNothingElse) {
@@ -29,4 +29,4 @@ TEST(NumberFrom, TakesWhatTheTypeHolds) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 TEST(ForEachIndex, CallsEachIndexOnce) {
@@ -33,4 +33,4 @@ TEST(ForEachIndex, PassesOnTheFailureOfTheSmallestIndex) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

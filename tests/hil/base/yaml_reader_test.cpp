@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-namespace kerfbench::hil {
+namespace kerfbench::base {
 namespace {
 
 using testing::HasSubstr;
@@ -152,4 +152,4 @@ TEST_F(YamlReaderTest, AKeyThatIsTakenAwayIsAsIfItWereNotThere) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::base

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/bundle.h"
+#include "hil/calibrate/camera/bundle.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "tests/hil/calibrate/small_camera.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Isometry3d;
@@ -30,7 +30,7 @@ TEST(Bundle, SlopesAreThoseOfFiniteDifferences) {
   const twin::CameraDescription camera = test::smallCamera();
   const BundleLens lens{{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px},
                         {-0.2, 0.1, 2e-3, -3e-3, 0.3}};
-  const Isometry3d X = twinViews(camera, targetOf(camera), 3).X_CB.at(2);
+  const Isometry3d X = camera::twinViews(camera, camera::targetOf(camera), 3).X_CB.at(2);
   const Vector2d p_mm(7.0, 31.0);
   ProjectionSlopes by;
   (void)project(lens, X, p_mm, by);
@@ -52,10 +52,10 @@ TEST(Bundle, SlopesAreThoseOfFiniteDifferences) {
 /// Corners of the small camera's views, each a normal draw beside its place. The first view is the noisier.
 Bundle drawnBundle(std::uint64_t seed) {
   const twin::CameraDescription camera = test::smallCamera();
-  const CalibrationTarget target = targetOf(camera);
+  const CalibrationTarget target = camera::targetOf(camera);
   Bundle bundle;
   bundle.lens = {{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}, camera.distortion};
-  bundle.X_CB = twinViews(camera, target, 5).X_CB;
+  bundle.X_CB = camera::twinViews(camera, target, 5).X_CB;
   for (std::size_t v = 0; v < bundle.X_CB.size(); ++v) {
     const CounterRandom random(seed, v);
     const double sigma_px = v == 0 ? 0.02 : 0.005;
@@ -131,4 +131,4 @@ TEST(Bundle, RefusesWhatCannotBeAdjusted) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

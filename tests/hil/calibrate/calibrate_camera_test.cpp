@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/calibrate_camera.h"
+#include "hil/calibrate/camera/calibrate_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +8,17 @@
 #include <Eigen/QR>
 
 #include "hil/base/parallel.h"
-#include "hil/calibrate/residual_map.h"
+#include "hil/calibrate/camera/residual_map.h"
 #include "tests/hil/calibrate/small_camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
 
 TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
   const CameraCalibrationResult result = calibrateCamera(test::smallJob(1));
-  const CameraCalibration& c = result.calibration;
+  const vision::CameraCalibration& c = result.calibration;
   // 0.1 mm/px: a hundredth of a pixel.
   EXPECT_LT(test::largest(test::mapErrors(c, test::truthOf(test::smallCamera()), 20)), 0.001);
   EXPECT_LT(c.rms_px, 0.006);
@@ -39,9 +39,9 @@ TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
 
 TEST(CalibrateCamera, IsTheSameAtAnyNumberOfThreads) {
   CalibrationJob job = test::smallJob(2, 3);
-  const CameraCalibration one = calibrateCamera(job).calibration;
+  const vision::CameraCalibration one = calibrateCamera(job).calibration;
   job.threads = 3;
-  const CameraCalibration three = calibrateCamera(job).calibration;
+  const vision::CameraCalibration three = calibrateCamera(job).calibration;
   EXPECT_EQ(one.fx_px, three.fx_px);
   EXPECT_EQ(one.distortion, three.distortion);
   EXPECT_EQ(one.X_CP.matrix(), three.X_CP.matrix());
@@ -49,7 +49,7 @@ TEST(CalibrateCamera, IsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST(CalibrateCamera, ItsModesAreItsUncertainty) {
-  const CameraCalibration c = calibrateCamera(test::smallJob(3)).calibration;
+  const vision::CameraCalibration c = calibrateCamera(test::smallJob(3)).calibration;
   double most_mm = 0.0;
   std::vector<Vector2d> places_mm;
   (void)test::mapErrors(c, c, 20, &places_mm);
@@ -67,13 +67,13 @@ TEST(CalibrateCamera, ItsModesAreItsUncertainty) {
 TEST(CalibrateCamera, ItsCovarianceIsHonest) {
   constexpr std::size_t kSeeds = 30;
   constexpr std::size_t kModes = 8;  // The strongest; the others move no point by a fiftieth of the first.
-  const CameraCalibration truth = test::truthOf(test::smallCamera());
+  const vision::CameraCalibration truth = test::truthOf(test::smallCamera());
   struct Sums {
     double misses_mm2{}, stated_mm2{}, chi2{};
   };
   std::vector<Sums> of_seed(kSeeds);
-  forEachIndex(kSeeds, 4, [&](std::size_t seed) {
-    const CameraCalibration c = calibrateCamera(test::smallJob(100 + seed, 4)).calibration;
+  base::forEachIndex(kSeeds, 4, [&](std::size_t seed) {
+    const vision::CameraCalibration c = calibrateCamera(test::smallJob(100 + seed, 4)).calibration;
     std::vector<Vector2d> places_mm;
     const std::vector<Vector2d> misses_mm = test::mapErrors(c, truth, 8, &places_mm);
     Eigen::VectorXd seen(2 * static_cast<Eigen::Index>(misses_mm.size()));
@@ -105,4 +105,4 @@ TEST(CalibrateCamera, ItsCovarianceIsHonest) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

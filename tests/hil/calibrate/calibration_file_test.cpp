@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/calibration_file.h"
+#include "hil/calibrate/camera/calibration_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "hil/base/yaml_reader.h"
-#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/small_camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using testing::HasSubstr;
@@ -24,20 +24,20 @@ class CalibrationFiles : public testing::Test {
   std::string faultsOf(const std::string& text) const {
     try {
       (void)readCalibrationFile(temp_.write("c.yaml", text));
-    } catch (const ConfigError& e) {
+    } catch (const base::ConfigError& e) {
       return e.what();
     }
     return {};
   }
   inline static std::string text_;
-  const TempFolder temp_;
+  const base::TempFolder temp_;
 };
 
 TEST_F(CalibrationFiles, ComeBackAsTheyWere) {
   const CalibrationFile file = sample();
   const CalibrationFile read = readCalibrationFile(temp_.write("c.yaml", calibrationText(file, "a test")));
-  const CameraCalibration& a = file.calibration;
-  const CameraCalibration& b = read.calibration;
+  const vision::CameraCalibration& a = file.calibration;
+  const vision::CameraCalibration& b = read.calibration;
   EXPECT_EQ(b.camera_id, "small");
   EXPECT_EQ(b.date, "2026-11-20");
   EXPECT_EQ(read.described_camera, "0123456789abcdef");
@@ -57,8 +57,8 @@ TEST_F(CalibrationFiles, ComeBackAsTheyWere) {
 
 TEST_F(CalibrationFiles, EveryFaultIsNamed) {
   EXPECT_EQ(faultsOf(text_), "");
-  std::string bad = withValue(withValue(text_, "date", "20.11.2026"), "focal_px", "[2500, .nan]");
-  bad = withValue(withValue(bad, "size_px", "[560.5, 440]"), "rms_px", "-1");
+  std::string bad = base::withValue(base::withValue(text_, "date", "20.11.2026"), "focal_px", "[2500, .nan]");
+  bad = base::withValue(base::withValue(bad, "size_px", "[560.5, 440]"), "rms_px", "-1");
   const std::string faults = faultsOf(bad + "more: 1\n");
   for (const char* key : {"date", "focal_px", "size_px", "rms_px", "more: unknown key"})
     EXPECT_THAT(faults, HasSubstr(key));
@@ -71,25 +71,26 @@ TEST_F(CalibrationFiles, NothingThatIsNotANumberGetsIn) {
     const std::string list = line.substr(line.find('['), line.find(']') - line.find('[') + 1);
     for (const char* value : {".nan", ".inf", "x"}) {
       const std::string spoilt = "[" + std::string(value) + list.substr(list.find(','));
-      EXPECT_THAT(faultsOf(replaced(text_, std::string(key) + ": " + list, std::string(key) + ": " + spoilt)),
-                  HasSubstr(key))
+      EXPECT_THAT(
+          faultsOf(base::replaced(text_, std::string(key) + ": " + list, std::string(key) + ": " + spoilt)),
+          HasSubstr(key))
           << value;
     }
   }
-  EXPECT_THAT(faultsOf(withValue(text_, "map_u_mm", ".nan")), HasSubstr("map_u_mm"));
+  EXPECT_THAT(faultsOf(base::withValue(text_, "map_u_mm", ".nan")), HasSubstr("map_u_mm"));
 }
 
 TEST_F(CalibrationFiles, ACalibrationWithoutUncertaintyIsNone) {
   EXPECT_THAT(faultsOf(text_.substr(0, text_.find("error_modes:")) + "error_modes: []\n"),
               HasSubstr("error_modes"));
-  EXPECT_THAT(faultsOf(withValue(text_, "map_u_mm", "0")), HasSubstr("map_u_mm"));
+  EXPECT_THAT(faultsOf(base::withValue(text_, "map_u_mm", "0")), HasSubstr("map_u_mm"));
 }
 
 TEST_F(CalibrationFiles, HalfAFileOrNoneIsRefused) {
   EXPECT_NE(faultsOf(text_.substr(0, text_.size() / 2)), "");
   EXPECT_NE(faultsOf(""), "");
-  EXPECT_THROW((void)readCalibrationFile(temp_.path() / "none.yaml"), ConfigError);
+  EXPECT_THROW((void)readCalibrationFile(temp_.path() / "none.yaml"), base::ConfigError);
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

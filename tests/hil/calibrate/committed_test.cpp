@@ -2,24 +2,25 @@
 // The calibrations in fixtures/machines: good for a micrometre, and what the command makes.
 #include <gtest/gtest.h>
 
-#include "hil/app/camera_files.h"
-#include "hil/app/commands.h"
-#include "hil/calibrate/calibration_file.h"
-#include "tests/hil/app/temp_folder.h"
+#include "hil/app/calibrate_command.h"
+#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/scenario/camera_files.h"
+#include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/small_camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
   for (const char* name : {"two-mirror", "strip-gantry", "f-theta-300", "two-mirror-stepper",
                            "two-mirror-linecutter", "two-mirror-slow", "two-mirror-fast", "two-mirror-100",
                            "two-mirror-300", "two-mirror-800", "f-theta-300-mounted"}) {
-    const MachineFile file = readMachineFile(fixture("machines/" + std::string(name) + ".yaml"));
+    const machine_file::MachineFile file =
+        machine_file::readMachineFile(base::fixture("machines/" + std::string(name) + ".yaml"));
     for (const auto& [camera, named] : {std::pair(file.machine.spot_camera, file.spot_camera),
                                         std::pair(file.machine.kerf_camera, file.kerf_camera)}) {
       const CalibrationFile kept = readCalibrationFile(named.calibration);
-      EXPECT_EQ(kept.described_camera, cameraFingerprint(camera)) << name;
+      EXPECT_EQ(kept.described_camera, scenario::cameraFingerprint(camera)) << name;
       EXPECT_EQ(kept.calibration.camera_id, named.id) << name;
       const double most_mm = test::largest(test::mapErrors(kept.calibration, test::truthOf(camera), 60));
       RecordProperty(std::string(name) + "_" + named.id + "_um", std::to_string(1e3 * most_mm));
@@ -32,18 +33,19 @@ TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
 }
 
 TEST(CommittedCalibrations, AreWhatTheCommandMakes) {
-  const TempFolder temp;
-  CalibrateOptions options;
-  options.machine = fixture("machines/two-mirror.yaml");
+  const base::TempFolder temp;
+  app::CalibrateOptions options;
+  options.machine = base::fixture("machines/two-mirror.yaml");
   options.camera = "kerf";
   options.date = "2026-11-20";
   options.jobs = 2;
   options.quiet = true;
   options.out = temp.path() / "kerf.yaml";
   options.picture = temp.path() / "kerf.svg";
-  ASSERT_EQ(calibrateCameraCommand(options), 0);
-  EXPECT_EQ(contentOf(options.out), contentOf(fixture("machines/two-mirror.kerf.camera.yaml")));
+  ASSERT_EQ(app::calibrateCameraCommand(options), 0);
+  EXPECT_EQ(base::contentOf(options.out),
+            base::contentOf(base::fixture("machines/two-mirror.kerf.camera.yaml")));
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/corner_fit.h"
+#include "hil/calibrate/camera/corner_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "hil/calibrate/target_finder.h"
+#include "hil/calibrate/camera/target_finder.h"
 #include "tests/hil/calibrate/small_camera.h"
 #include "twin/camera/target_camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -20,12 +20,12 @@ struct Misses {
 };
 
 Misses missesOf(const twin::CameraDescription& camera, std::uint64_t seed) {
-  const TwinViews views = twinViews(camera, targetOf(camera), 4);
-  const twin::TargetCamera eye(camera, boardOf(views.target), seed);
+  const camera::TwinViews views = camera::twinViews(camera, camera::targetOf(camera), 4);
+  const twin::TargetCamera eye(camera, camera::boardOf(views.target), seed);
   Misses misses;
   Vector2d mean = Vector2d::Zero();
   for (std::size_t v = 0; v < views.X_CB.size(); ++v) {
-    CameraCalibration truth = test::truthOf(camera);
+    vision::CameraCalibration truth = test::truthOf(camera);
     truth.X_CP = views.X_CB[v];
     for (const TargetCorner& corner : findTarget(eye.render(views.X_CB[v], v), views.target).corners) {
       const Vector2d miss_px =
@@ -80,4 +80,4 @@ TEST(CornerFit, FindsNoCornerWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/day.h"
+#include "hil/calibrate/camera/day.h"
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 TEST(DayNumber, CountsDaysOverLeapYears) {
@@ -20,4 +20,4 @@ TEST(DayNumber, TakesNothingButADay) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,11 +8,11 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "hil/calibrate/calibrate_camera.h"
+#include "hil/calibrate/camera/calibrate_camera.h"
 #include "tests/hil/calibrate/small_camera.h"
 #include "twin/camera/target_camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using testing::HasSubstr;
@@ -60,11 +60,11 @@ TEST_F(Refusals, NoViews) {
 
 TEST_F(Refusals, AFirstViewThatDoesNotCoverThePictureAndWhere) {
   const twin::CameraDescription camera = test::smallCamera();
-  TwinViews views = twinViews(camera, targetOf(camera), 3);
+  camera::TwinViews views = camera::twinViews(camera, camera::targetOf(camera), 3);
   // To the picture's right: its left is bare.
   views.X_CB[0].translation().x() += 22.0;
   CalibrationJob job = test::smallJob(1, 3);
-  setTwinViews(camera, views, 1, job);
+  camera::setTwinViews(camera, views, 1, job);
   const std::string faults = faultsOf(job);
   EXPECT_THAT(faults, HasSubstr("view 0: the target does not cover the picture"));
   EXPECT_THAT(faults, HasSubstr("left"));
@@ -73,13 +73,13 @@ TEST_F(Refusals, AFirstViewThatDoesNotCoverThePictureAndWhere) {
 
 TEST_F(Refusals, ViewsThatAreAllParallel) {
   const twin::CameraDescription camera = test::smallCamera();
-  TwinViews views = twinViews(camera, targetOf(camera), 4);
+  camera::TwinViews views = camera::twinViews(camera, camera::targetOf(camera), 4);
   for (std::size_t v = 1; v < views.X_CB.size(); ++v) {
     views.X_CB[v] = views.X_CB[0];
     views.X_CB[v].translation() += Eigen::Vector3d(1.0, 2.0, 10.0) * static_cast<double>(v);
   }
   CalibrationJob job = test::smallJob(1, 3);
-  setTwinViews(camera, views, 1, job);
+  camera::setTwinViews(camera, views, 1, job);
   EXPECT_THAT(faultsOf(job), HasSubstr("tilt"));
 }
 
@@ -168,4 +168,4 @@ TEST_F(Refusals, EverythingWrongIsListedAtOnce) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/app/twin_views.h"
-#include "hil/calibrate/calibrate_camera.h"
+#include "hil/calibrate/camera/calibrate_camera.h"
+#include "hil/camera/twin/twin_views.h"
 #include "twin/camera/camera.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 
 /// A camera of few pixels, with a noticeable lens, that looks askew at its plane.
 inline twin::CameraDescription smallCamera() {
@@ -27,8 +27,8 @@ inline twin::CameraDescription smallCamera() {
 }
 
 /// What a perfect calibration would be.
-inline CameraCalibration truthOf(const twin::CameraDescription& camera) {
-  CameraCalibration truth;
+inline vision::CameraCalibration truthOf(const twin::CameraDescription& camera) {
+  vision::CameraCalibration truth;
   truth.width_px = camera.width_px;
   truth.height_px = camera.height_px;
   truth.fx_px = camera.fx_px;
@@ -41,8 +41,8 @@ inline CameraCalibration truthOf(const twin::CameraDescription& camera) {
 }
 
 /// By how much a calibration misplaces points of its area, x and y of each; only what the camera sees.
-inline std::vector<Eigen::Vector2d> mapErrors(const CameraCalibration& calibration,
-                                              const CameraCalibration& truth, int grid,
+inline std::vector<Eigen::Vector2d> mapErrors(const vision::CameraCalibration& calibration,
+                                              const vision::CameraCalibration& truth, int grid,
                                               std::vector<Eigen::Vector2d>* places_mm = nullptr) {
   std::vector<Eigen::Vector2d> errors_mm;
   for (int i = 0; i <= grid; ++i) {
@@ -69,10 +69,10 @@ inline double largest(const std::vector<Eigen::Vector2d>& vectors) {
 inline CalibrationJob smallJob(std::uint64_t seed, int tilted = 5) {
   const twin::CameraDescription camera = smallCamera();
   CalibrationJob job;
-  setTwinViews(camera, twinViews(camera, targetOf(camera), tilted), seed, job);
+  camera::setTwinViews(camera, camera::twinViews(camera, camera::targetOf(camera), tilted), seed, job);
   job.camera_id = "small";
   job.date = "2026-11-20";
   return job;
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/target.h"
+#include "hil/calibrate/camera/target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,12 +8,12 @@
 #include <regex>
 #include <set>
 
-#include "hil/app/twin_views.h"
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/target_files.h"
-#include "tests/hil/app/temp_folder.h"
+#include "hil/calibrate/camera/target_files.h"
+#include "hil/camera/twin/twin_views.h"
+#include "tests/hil/base/temp_folder.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using testing::HasSubstr;
@@ -60,7 +60,7 @@ TEST(CalibrationTarget, FitsAField) {
 }
 
 TEST(TargetFiles, ADescriptionComesBackAsItWas) {
-  const TempFolder temp;
+  const base::TempFolder temp;
   const CalibrationTarget target{12, 9, 4.0371, 2.4113};
   const CalibrationTarget read = readTarget(temp.write("t.yaml", targetText(target)));
   EXPECT_EQ(read.columns, target.columns);
@@ -70,11 +70,11 @@ TEST(TargetFiles, ADescriptionComesBackAsItWas) {
   EXPECT_THROW((void)readTarget(temp.write("u.yaml",
                                            "version: 1\ncolumns: 12\nrows: 9\nsquare_mm: .nan\n"
                                            "marker_mm: 2\n")),
-               ConfigError);
+               base::ConfigError);
   EXPECT_THROW((void)readTarget(temp.write("v.yaml",
                                            "version: 1\ncolumns: 60\nrows: 60\nsquare_mm: 5\n"
                                            "marker_mm: 3\n")),
-               ConfigError);
+               base::ConfigError);
 }
 
 TEST(TargetFiles, ThePrintIsWhatTheTwinShowsAndTheBenchLooksFor) {
@@ -88,7 +88,7 @@ TEST(TargetFiles, ThePrintIsWhatTheTwinShowsAndTheBenchLooksFor) {
   const std::regex rectangle(R"(M(\S+) (\S+)h(\S+)v(\S+)h(\S+)z)");
   for (auto it = std::sregex_iterator(svg.begin(), svg.end(), rectangle); it != std::sregex_iterator(); ++it)
     boxes.push_back({std::stod((*it)[1]), std::stod((*it)[2]), std::stod((*it)[3]), std::stod((*it)[4])});
-  const twin::TargetPattern pattern(boardOf(target));
+  const twin::TargetPattern pattern(camera::boardOf(target));
   int black = 0;
   for (double y = 0.0317; y < 25.0; y += 0.1101) {
     for (double x = 0.0317; x < 30.0; x += 0.1101) {
@@ -105,4 +105,4 @@ TEST(TargetFiles, ThePrintIsWhatTheTwinShowsAndTheBenchLooksFor) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 TEST(Png, GivesBackEveryPixel) {
@@ -82,4 +82,4 @@ TEST(Png, RefusesWhatIsNoPicture) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -5,7 +5,7 @@
 
 #include "twin/camera/camera.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// Looks straight down from 300 mm; x along the plane's x, y against it.
 inline twin::CameraDescription smallCamera(int width_px, int height_px, double mm_per_px) {
@@ -21,4 +21,4 @@ inline twin::CameraDescription smallCamera(int width_px, int height_px, double m
   return camera;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/camera/twin_frames.h"
+#include "hil/camera/twin/twin_frames.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -8,7 +8,7 @@
 
 #include "tests/hil/camera/small_cameras.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 std::vector<twin::Exposure> exposures(std::size_t count) {
@@ -110,4 +110,4 @@ TEST(TwinFrameSource, RefusesExposuresOutOfOrder) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

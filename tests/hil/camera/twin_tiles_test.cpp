@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/camera/twin_tiles.h"
+#include "hil/camera/twin/twin_tiles.h"
 
 #include <stdexcept>
 #include <utility>
@@ -8,7 +8,7 @@
 
 #include "tests/hil/camera/small_cameras.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -155,4 +155,4 @@ TEST(TwinTileSource, RefusesToLookAtNothing) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -8,7 +8,7 @@
 #include "hil/dieline/read.h"
 #include "tests/hil/dieline/files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -197,4 +197,4 @@ TEST(Dxf, TheCouponHoldsThreeProcesses) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -11,7 +11,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 
 /// A drawing on disk for the life of a test.
 class TempFile {
@@ -84,4 +84,4 @@ inline double apart(const Curve& a, const Curve& b) {
   return worst;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -9,7 +9,7 @@
 
 #include "tests/hil/dieline/files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -233,4 +233,4 @@ TEST(Geometry, BoundsAreTheBoxOfManySamples) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

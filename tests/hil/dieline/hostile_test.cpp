@@ -11,7 +11,7 @@
 #include "hil/dieline/read.h"
 #include "tests/hil/dieline/files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using testing::HasSubstr;
@@ -177,4 +177,4 @@ TEST(Hostile, MutatedFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -8,7 +8,7 @@
 #include "hil/dieline/read.h"
 #include "tests/hil/dieline/files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -168,4 +168,4 @@ TEST(Lint, ASheetOfManyPartsTakesItsTimeOnly) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

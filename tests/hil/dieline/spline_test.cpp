@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -82,4 +82,4 @@ TEST(Spline, ThatIsBrokenIsRefused) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

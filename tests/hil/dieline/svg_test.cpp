@@ -8,7 +8,7 @@
 #include "hil/dieline/read.h"
 #include "tests/hil/dieline/files.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::dieline {
 namespace {
 
 using Eigen::Vector2d;
@@ -264,4 +264,4 @@ TEST(Svg, OriginNamesTheLineTheElementAndTheCommand) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::dieline

@@ -8,7 +8,7 @@
 #include "hil/gauge/case_plan.h"
 #include "hil/gauge/cut.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 using Eigen::Vector2d;
@@ -22,17 +22,17 @@ ArtefactBeam plainBeam() {
   return {machine, Vector2d::Zero()};
 }
 
-std::vector<EntityKerf> stationsOfAll(double pitch_mm) {
-  std::vector<EntityKerf> kerfs;
-  for (const Entity& e : gaugeArtefact().dieline.entities) {
-    EntityKerf& kerf = kerfs.emplace_back();
+std::vector<vision::EntityKerf> stationsOfAll(double pitch_mm) {
+  std::vector<vision::EntityKerf> kerfs;
+  for (const dieline::Entity& e : gaugeArtefact().dieline.entities) {
+    vision::EntityKerf& kerf = kerfs.emplace_back();
     kerf.entity = e.id;
-    const double length_mm = lengthOf(e.curve);
-    for (const double u : stations(e.curve, pitch_mm)) {
-      Caliper& c = kerf.calipers.emplace_back();
+    const double length_mm = dieline::lengthOf(e.curve);
+    for (const double u : dieline::stations(e.curve, pitch_mm)) {
+      vision::Caliper& c = kerf.calipers.emplace_back();
       c.u = u;
       c.station_mm = u * length_mm;
-      c.p_S_mm = pointAt(e.curve, u);
+      c.p_S_mm = dieline::pointAt(e.curve, u);
     }
   }
   return kerfs;
@@ -44,9 +44,9 @@ CutTruth truthOf(const std::vector<Fault>& faults) {
 }
 
 /// Where the sheet took most energy across a station, along the left normal: the ridge of what was burnt.
-double ridge_mm(const twin::Sheet& sheet, const Curve& curve, double u) {
-  const Vector2d p = pointAt(curve, u);
-  const Vector2d t = tangentAt(curve, u);
+double ridge_mm(const twin::Sheet& sheet, const dieline::Curve& curve, double u) {
+  const Vector2d p = dieline::pointAt(curve, u);
+  const Vector2d t = dieline::tangentAt(curve, u);
   const Vector2d n(-t.y(), t.x());
   // Centre of gravity of the profile above half of its top, refined by a parabola through the logarithm.
   double best = 0.0;
@@ -76,13 +76,13 @@ TEST(GaugeTruth, IsWhereTheEnergyLiesOnTheSheet) {
     const ArtefactCut cut(gaugeArtefact(), {fault}, beam, 1);
     twin::Sheet sheet({});
     cut.burn(sheet, kRadius_mm);
-    const std::vector<EntityKerf> kerfs = stationsOfAll(0.5);
+    const std::vector<vision::EntityKerf> kerfs = stationsOfAll(0.5);
     const CutTruth truth = cut.truth(kerfs, {}, kRadius_mm);
     for (std::size_t k = 0; k < kerfs.size(); ++k) {
-      const Entity& entity = gaugeArtefact().dieline.entities[k];
-      const double length_mm = lengthOf(entity.curve);
+      const dieline::Entity& entity = gaugeArtefact().dieline.entities[k];
+      const double length_mm = dieline::lengthOf(entity.curve);
       for (std::size_t i = 0; i < kerfs[k].calipers.size(); ++i) {
-        const Caliper& c = kerfs[k].calipers[i];
+        const vision::Caliper& c = kerfs[k].calipers[i];
         const bool at_corner =
             (k == static_cast<std::size_t>(gaugeArtefact().corner_in) && length_mm - c.station_mm < 0.4) ||
             (k == static_cast<std::size_t>(gaugeArtefact().corner_out) && c.station_mm < 0.4);
@@ -97,8 +97,8 @@ TEST(GaugeTruth, IsWhereTheEnergyLiesOnTheSheet) {
 TEST(GaugeTruth, OfAPerfectCutIsTheBendOfTheCurveAlone) {
   const CutTruth truth = truthOf({});
   for (const EntityTruth& e : truth.entities) {
-    const Entity& entity = gaugeArtefact().dieline.entities[static_cast<std::size_t>(e.entity)];
-    const auto* arc = std::get_if<ArcCurve>(&entity.curve);
+    const dieline::Entity& entity = gaugeArtefact().dieline.entities[static_cast<std::size_t>(e.entity)];
+    const auto* arc = std::get_if<dieline::ArcCurve>(&entity.curve);
     const double inside_mm = arc == nullptr ? 0.0 : kRadius_mm * kRadius_mm / (8.0 * arc->radius_mm);
     EXPECT_NEAR(e.worst_mm, inside_mm, 1e-5) << e.entity;
   }
@@ -158,13 +158,14 @@ TEST(GaugeTruth, OfAWaveIsTwiceItsAmplitudeInRoundness) {
 
 TEST(GaugeArtefact, NothingIsNearerToAnotherLineThanTheJudgeCanTellApart) {
   const auto& entities = gaugeArtefact().dieline.entities;
-  for (const Entity& a : entities) {
-    for (const Entity& b : entities) {
+  for (const dieline::Entity& a : entities) {
+    for (const dieline::Entity& b : entities) {
       const bool corner = std::min(a.id, b.id) == gaugeArtefact().corner_in &&
                           std::max(a.id, b.id) == gaugeArtefact().corner_out;
       if (a.id == b.id || corner) continue;
-      for (const double u : stations(a.curve, 0.2))
-        EXPECT_GT(nearestOn(b.curve, pointAt(a.curve, u)).distance_mm, 1.5) << a.id << " and " << b.id;
+      for (const double u : dieline::stations(a.curve, 0.2))
+        EXPECT_GT(dieline::nearestOn(b.curve, dieline::pointAt(a.curve, u)).distance_mm, 1.5)
+            << a.id << " and " << b.id;
     }
   }
 }
@@ -181,4 +182,4 @@ TEST(GaugeCase, IsFoundAgainByItsName) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

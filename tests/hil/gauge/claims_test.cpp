@@ -9,7 +9,7 @@
 #include "hil/gauge/gauge.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -72,7 +72,7 @@ TEST(CoverageClaim, OfFewCasesIsOpenUnlessTheyShowTheContrary) {
   EXPECT_EQ(coverageState(200, 1.0, 1.0), Claim::State::kFails);
 }
 
-KerfOutcome outcome(const char* name, FaultKind kind, double truth_mm, Verdict verdict) {
+KerfOutcome outcome(const char* name, FaultKind kind, double truth_mm, inspect::Verdict verdict) {
   KerfOutcome o;
   o.name = name;
   o.kind = kind;
@@ -82,11 +82,12 @@ KerfOutcome outcome(const char* name, FaultKind kind, double truth_mm, Verdict v
 }
 
 TEST(VerdictClaims, OneBadCutThatPassesFails) {
-  const auto section = sectionOf(
-      "static",
-      {{{twin::Preset::kStatic, Study::kBad, 0}, outcome("a", FaultKind::kBump, 0.06, Verdict::kPass)},
-       {{twin::Preset::kStatic, Study::kBad, 1}, outcome("b", FaultKind::kWave, 0.06, Verdict::kNotProven)}},
-      {});
+  const auto section = sectionOf("static",
+                                 {{{twin::Preset::kStatic, Study::kBad, 0},
+                                   outcome("a", FaultKind::kBump, 0.06, inspect::Verdict::kPass)},
+                                  {{twin::Preset::kStatic, Study::kBad, 1},
+                                   outcome("b", FaultKind::kWave, 0.06, inspect::Verdict::kNotProven)}},
+                                 {});
   const auto claims = claimsOf(section);
   EXPECT_EQ(claimOf(claims, "bad cuts that PASS: bump")->state, Claim::State::kFails);
   EXPECT_EQ(claimOf(claims, "bad cuts that PASS: wave")->state, Claim::State::kHolds);
@@ -98,16 +99,17 @@ TEST(VerdictClaims, GoodCutsMayNotFailNorOftenStayOpen) {
   std::vector<std::pair<CaseId, KerfOutcome>> cases;
   for (std::size_t i = 0; i < 100; ++i)
     cases.push_back({{twin::Preset::kStatic, Study::kGood, i},
-                     outcome("g", FaultKind::kOffset, 0.03, i == 0 ? Verdict::kNotProven : Verdict::kPass)});
+                     outcome("g", FaultKind::kOffset, 0.03,
+                             i == 0 ? inspect::Verdict::kNotProven : inspect::Verdict::kPass)});
   EXPECT_EQ(claimOf(claimsOf(sectionOf("static", cases, {})), "good cuts NOT PROVEN")->state,
             Claim::State::kHolds);
-  cases[1].second.verdict = Verdict::kNotProven;
+  cases[1].second.verdict = inspect::Verdict::kNotProven;
   EXPECT_EQ(claimOf(claimsOf(sectionOf("static", cases, {})), "good cuts NOT PROVEN")->state,
             Claim::State::kFails);
-  cases[2].second.verdict = Verdict::kFail;
+  cases[2].second.verdict = inspect::Verdict::kFail;
   EXPECT_EQ(claimOf(claimsOf(sectionOf("static", cases, {})), "good cuts that FAIL")->state,
             Claim::State::kFails);
-  cases[3].second.verdict = Verdict::kInvalid;
+  cases[3].second.verdict = inspect::Verdict::kInvalid;
   EXPECT_EQ(
       claimOf(claimsOf(sectionOf("static", cases, {})), "cuts that could not be measured (INVALID)")->state,
       Claim::State::kFails);
@@ -126,7 +128,7 @@ TEST(Detectability, IsTheLimitAndWhatTheStatementLagsBehind) {
   std::vector<std::pair<CaseId, KerfOutcome>> cases;
   for (std::size_t i = 0; i < 60; ++i) {
     // The lower end of what is stated lies 1 um below the truth, of one case 3 um.
-    KerfOutcome o = outcome("b", FaultKind::kScale, 0.07, Verdict::kFail);
+    KerfOutcome o = outcome("b", FaultKind::kScale, 0.07, inspect::Verdict::kFail);
     o.readings = {{"worst of all lines", 0.07, i == 5 ? 0.003 : 0.001, 0.07}};
     cases.push_back({{twin::Preset::kStatic, Study::kBad, i}, o});
   }
@@ -139,7 +141,7 @@ TEST(Detectability, IsTheLimitAndWhatTheStatementLagsBehind) {
 TEST(FieldMap, FindsAShiftThatReadingsOfAllDirectionsShow) {
   std::vector<std::pair<CaseId, KerfOutcome>> cases;
   const CounterRandom random(5, 5);
-  KerfOutcome o = outcome("c", FaultKind::kOffset, 0.03, Verdict::kPass);
+  KerfOutcome o = outcome("c", FaultKind::kOffset, 0.03, inspect::Verdict::kPass);
   const Eigen::Vector2d shift(0.002, -0.001);
   for (std::size_t i = 0; i < 400; ++i) {
     const double angle = 6.28318 * random.uniform(i);
@@ -155,4 +157,4 @@ TEST(FieldMap, FindsAShiftThatReadingsOfAllDirectionsShow) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

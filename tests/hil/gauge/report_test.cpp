@@ -9,7 +9,7 @@
 #include "hil/gauge/gauge_report.h"
 #include "tests/hil/report/page_checks.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 GaugeResult someResult() {
@@ -19,12 +19,12 @@ GaugeResult someResult() {
   s.preset = "static";
   Reading r{"worst <of> all", 0.0312345678, 0.001, 0.031};
   s.coverage = {coverageOf(r.quantity, {{"static-good-1", r}})};
-  s.worst = {{"static-good-1", FaultKind::kBump, Verdict::kPass, 0.031, 0.0312, 0.001},
-             {"static-bad-2", FaultKind::kWave, Verdict::kFail, 0.07, 0.0702, 0.001}};
-  s.joints = {{"static-bad-3", FaultKind::kEnd, Verdict::kPass, 0.07, std::nan(""), std::nan("")}};
+  s.worst = {{"static-good-1", FaultKind::kBump, inspect::Verdict::kPass, 0.031, 0.0312, 0.001},
+             {"static-bad-2", FaultKind::kWave, inspect::Verdict::kFail, 0.07, 0.0702, 0.001}};
+  s.joints = {{"static-bad-3", FaultKind::kEnd, inspect::Verdict::kPass, 0.07, std::nan(""), std::nan("")}};
   s.repeat_mm = {1e-4, -2e-4, 3e-4};
   s.repeat = typeOne(s.repeat_mm, kTolerance_mm);
-  s.kinds = {{FaultKind::kBump, {{Verdict::kFail, 2}}, {}, 0.0521, 60}};
+  s.kinds = {{FaultKind::kBump, {{inspect::Verdict::kFail, 2}}, {}, 0.0521, 60}};
   s.field = {{{2.5, 2.5}, {1e-4, 0.0}, 1e-5, 20}};
   s.wrong = {"static-bad-3: PASS with a true deviation of 70.0 µm (end)"};
   result.claims = {{"static", "a < b", "3", "≤ 2", Claim::State::kFails}};
@@ -66,4 +66,4 @@ TEST(GaugeHtml, OfNothingIsStillAPage) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -8,7 +8,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::gauge {
 namespace {
 
 std::vector<double> normals(std::size_t count, std::uint64_t stream) {
@@ -133,4 +133,4 @@ TEST(LinearityStudy, FindsOffsetAndSlope) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::gauge

@@ -6,11 +6,11 @@
 #include "tests/hil/inspect/drawn_evidence.h"
 
 int main(int argc, char** argv) {
-  using kerfbench::hil::testing::Coverage;
+  using kerfbench::inspect::testing::Coverage;
   const int cases = argc > 1 ? std::atoi(argv[1]) : 1000;
   const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
   if (cases < 1) return 64;
-  const Coverage c = kerfbench::hil::testing::measureCoverage(first, cases);
+  const Coverage c = kerfbench::inspect::testing::measureCoverage(first, cases);
   const auto print = [](const char* name, const Coverage::Count& count) {
     std::printf("%-28s %5.1f %% of %d\n", name, 100.0 * count.share(), count.cases);
   };

@@ -7,7 +7,7 @@
 
 #include "tests/hil/inspect/drawn_evidence.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using testing::Coverage;
@@ -34,4 +34,4 @@ TEST(DrawnEvidence, IntervalsHoldTheTruthAndVerdictsAreNeverWrong) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <numeric>
 
-#include "hil/inspect/checks.h"
-#include "hil/inspect/error_model.h"
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/deviation/error_model.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil::testing {
+namespace kerfbench::inspect::testing {
 namespace {
 
 using Eigen::Vector2d;
@@ -39,12 +39,12 @@ class TrueShape {
     rest_mm_ = dice.between(0.0, 0.004);
   }
 
-  [[nodiscard]] double at(int unit, int entity, const Entity& line, const Caliper& c) const {
-    const Vector2d tangent = tangentAt(line.curve, c.u);
+  [[nodiscard]] double at(int unit, int entity, const dieline::Entity& line, const vision::Caliper& c) const {
+    const Vector2d tangent = dieline::tangentAt(line.curve, c.u);
     const Vector2d normal(-tangent.y(), tangent.x());
     const Vector2d middle(30.0, 20.0);
     const bool chosen = unit == unit_ && entity == entity_;
-    const double from_mm = c.station_mm - at_ * lengthOf(line.curve);
+    const double from_mm = c.station_mm - at_ * dieline::lengthOf(line.curve);
     // Every cut wanders a little.
     const double rest_mm = rest_mm_ * std::sin(0.4 * c.station_mm + entity);
     switch (kind_) {
@@ -98,14 +98,14 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
   const double correlation_mm = dice.between(0.05, 0.6);
   const double pose_mm = dice.between(0.0001, 0.0006);
 
-  for (Eigen::Matrix<double, CameraCalibration::kParameters, 1>& mode :
+  for (Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>& mode :
        evidence.kerf_calibration->error_modes)
     mode *= 3.0;
   std::vector<double> e_camera;
   for (std::size_t k = 0; k < evidence.kerf_calibration->error_modes.size(); ++k)
     e_camera.push_back(dice.normal());
   std::vector<Eigen::Vector3d> pose_error;
-  for (UnitPose& pose : evidence.kerf.units) {
+  for (vision::UnitPose& pose : evidence.kerf.units) {
     const Eigen::Vector3d sigma(pose_mm, pose_mm, pose_mm / 40.0);
     pose.covariance = sigma.cwiseAbs2().asDiagonal();
     pose_error.emplace_back(sigma.x() * dice.normal(), sigma.y() * dice.normal(), sigma.z() * dice.normal());
@@ -113,8 +113,8 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
 
   double squares = 0.0;
   double readings = 0.0;
-  for (EntityKerf& kerf : evidence.kerf.entities) {
-    const Entity& line = run.dieline.entities[static_cast<std::size_t>(kerf.entity)];
+  for (vision::EntityKerf& kerf : evidence.kerf.entities) {
+    const dieline::Entity& line = run.dieline.entities[static_cast<std::size_t>(kerf.entity)];
     const double pitch_mm = kerf.calipers[1].station_mm;
     Correlated noise(std::exp(-pitch_mm / correlation_mm));
     Correlated width_noise(std::exp(-pitch_mm / correlation_mm));
@@ -125,12 +125,12 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
     std::vector<double> steady_error_mm;
     for (Eigen::Index k = 0; k < ReadingLine::kLine; ++k)
       steady_error_mm.push_back(steady_mm * dice.normal());
-    for (Caliper& c : kerf.calipers) {
+    for (vision::Caliper& c : kerf.calipers) {
       const double z = noise.next(dice);
       const double z_width = width_noise.next(dice);
       if (!c.found) continue;
       const double truth_mm = shape.at(kerf.unit, kerf.entity, line, c);
-      const Vector2d tangent = tangentAt(line.curve, c.u);
+      const Vector2d tangent = dieline::tangentAt(line.curve, c.u);
       const Vector2d normal(-tangent.y(), tangent.x());
       const Eigen::Vector3d& pose = pose_error[static_cast<std::size_t>(kerf.unit)];
       Vector2d shift = pose.head<2>() + pose.z() * Vector2d(-c.p_S_mm.y(), c.p_S_mm.x());
@@ -180,7 +180,7 @@ DrawnEvidence::DrawnEvidence(std::uint64_t seed) {
       frame.n_x = n_x;
       frame.deviation_mm = n_x * truth[i] + frame.sigma_mm * noise.next(dice);
       lit.frames.push_back(frame);
-      FrameMeasurement seen;
+      vision::FrameMeasurement seen;
       seen.spot_W_mm = Vector2d(-20.0 + 40.0 * share, 0.0);
       evidence.spot.frames.push_back(seen);
     }
@@ -228,4 +228,4 @@ Coverage measureCoverage(std::uint64_t first, int cases) {
   return coverage;
 }
 
-}  // namespace kerfbench::hil::testing
+}  // namespace kerfbench::inspect::testing

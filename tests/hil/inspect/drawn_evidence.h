@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "hil/inspect/spot_checks.h"
+#include "hil/inspect/checks/spot_checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil::testing {
+namespace kerfbench::inspect::testing {
 
 /// Evidence drawn from the error model about a truth that is known: every seed another shape and size of
 /// fault, another noise, correlation, pose and calibration error.
@@ -43,4 +43,4 @@ struct Coverage {
 };
 Coverage measureCoverage(std::uint64_t first, int cases);
 
-}  // namespace kerfbench::hil::testing
+}  // namespace kerfbench::inspect::testing

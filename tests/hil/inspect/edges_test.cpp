@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/inspect/edges.h"
+#include "hil/inspect/edges/edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/checks.h"
+#include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -19,28 +19,30 @@ using Edge = Limits::Edge;
 
 constexpr double kHalf_mm = 0.105;  // Of SyntheticRun's kerf.
 
-Dieline drawingOf(const std::vector<Curve>& curves) {
-  Dieline dieline;
-  for (const Curve& curve : curves)
-    dieline.entities.push_back({static_cast<int>(dieline.entities.size()), curve, Process::kCut, "CUT", ""});
+dieline::Dieline drawingOf(const std::vector<dieline::Curve>& curves) {
+  dieline::Dieline dieline;
+  for (const dieline::Curve& curve : curves)
+    dieline.entities.push_back(
+        {static_cast<int>(dieline.entities.size()), curve, dieline::Process::kCut, "CUT", ""});
   return dieline;
 }
 
 /// Whether the kerf's side of an entity is nearer to `p_mm` than the curve itself.
-bool kerfIsTowards(const Dieline& dieline, const checks::EdgeSides& sides, int id,
+bool kerfIsTowards(const dieline::Dieline& dieline, const checks::EdgeSides& sides, int id,
                    const Eigen::Vector2d& p_mm) {
-  const Curve& curve = dieline.entities[static_cast<std::size_t>(id)].curve;
-  const Eigen::Vector2d t = tangentAt(curve, 0.5);
-  const Eigen::Vector2d towards = p_mm - pointAt(curve, 0.5);
+  const dieline::Curve& curve = dieline.entities[static_cast<std::size_t>(id)].curve;
+  const Eigen::Vector2d t = dieline::tangentAt(curve, 0.5);
+  const Eigen::Vector2d towards = p_mm - dieline::pointAt(curve, 0.5);
   return sides.side[static_cast<std::size_t>(id)] * towards.dot(Eigen::Vector2d(-t.y(), t.x())) > 0.0;
 }
 
 TEST(KerfSides, FollowNestingWhateverTheSenseOfTheCurves) {
   // A triangle drawn without any common sense, a hole in it, an island in the hole.
   const double turn = 2.0 * std::numbers::pi;
-  const Dieline dieline =
-      drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{30, 50}, {60, 0}}, LineCurve{{30, 50}, {0, 0}},
-                 ArcCurve{{30, 20}, 8, 0, -turn}, ArcCurve{{30, 20}, 3, 0, turn}});
+  const dieline::Dieline dieline =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{30, 50}, {60, 0}},
+                 dieline::LineCurve{{30, 50}, {0, 0}}, dieline::ArcCurve{{30, 20}, 8, 0, -turn},
+                 dieline::ArcCurve{{30, 20}, 3, 0, turn}});
   const Eigen::Vector2d middle(30, 20);
   const auto nesting = checks::kerfSides(dieline, Edge::kNesting);
   const auto outside = checks::kerfSides(dieline, Edge::kOutside);
@@ -56,20 +58,22 @@ TEST(KerfSides, FollowNestingWhateverTheSenseOfTheCurves) {
 }
 
 TEST(KerfSides, OpenCutsAndOtherProcessesHaveNone) {
-  Dieline dieline = drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{60, 0}, {60, 40}},
-                               ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}});
-  dieline.entities[2].process = Process::kCrease;
+  dieline::Dieline dieline =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{60, 0}, {60, 40}},
+                 dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}});
+  dieline.entities[2].process = dieline::Process::kCrease;
   const auto sides = checks::kerfSides(dieline, Edge::kNesting);
   EXPECT_EQ(sides.side, (std::vector<int>{0, 0, 0}));
   EXPECT_EQ(sides.open, 2);
 }
 
 TEST(KerfSides, CutsThatBranchAreAProblem) {
-  const Dieline dieline = drawingOf({LineCurve{{0, 0}, {60, 0}}, LineCurve{{60, 0}, {30, 40}},
-                                     LineCurve{{30, 40}, {0, 0}}, LineCurve{{60, 0}, {90, 0}}});
+  const dieline::Dieline dieline =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{60, 0}, {30, 40}},
+                 dieline::LineCurve{{30, 40}, {0, 0}}, dieline::LineCurve{{60, 0}, {90, 0}}});
   EXPECT_FALSE(checks::kerfSides(dieline, Edge::kNesting).problems.empty());
   SyntheticRun run;
-  run.dieline.entities[kHole].curve = LineCurve{{0, 0}, {20, 20}};
+  run.dieline.entities[kHole].curve = dieline::LineCurve{{0, 0}, {20, 20}};
   run.limits.edge = Edge::kNesting;
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
@@ -78,16 +82,16 @@ TEST(KerfSides, CutsThatBranchAreAProblem) {
 SyntheticRun displaced(double shift_mm, double width_change_mm = 0.0) {
   SyntheticRun run;
   const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
-  for (EntityKerf& kerf : run.evidence.kerf.entities) {
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
     const int side = sides.side[static_cast<std::size_t>(kerf.entity)];
-    for (Caliper& c : kerf.calipers) {
+    for (vision::Caliper& c : kerf.calipers) {
       c.offset_mm += side * shift_mm;
       c.width_mm += std::abs(side) * width_change_mm;
     }
     if (side == 0) continue;
-    const Curve& curve = run.dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
-    if (std::holds_alternative<LineCurve>(curve)) {
-      const Eigen::Vector2d t = tangentAt(curve, 0.5);
+    const dieline::Curve& curve = run.dieline.entities[static_cast<std::size_t>(kerf.entity)].curve;
+    if (std::holds_alternative<dieline::LineCurve>(curve)) {
+      const Eigen::Vector2d t = dieline::tangentAt(curve, 0.5);
       const Eigen::Vector2d shift = side * shift_mm * Eigen::Vector2d(-t.y(), t.x());
       run.shiftSpot(kerf.unit, kerf.entity, [=](double) { return shift; });
     }
@@ -122,7 +126,7 @@ TEST(Edges, AWiderKerfTakesHalfOfItFromThePiece) {
 TEST(Edges, WhatIsNotKnownOfTheWidthIsPartOfTheUncertainty) {
   SyntheticRun run = displaced(kHalf_mm);
   const double without = checkOf(run.inspected(), "edge").u;
-  for (EntityKerf& kerf : run.evidence.kerf.entities) kerf.widening_sigma_mm = 0.02;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) kerf.widening_sigma_mm = 0.02;
   const Check with = checkOf(run.inspected(), "edge");
   // All edges move alike by half of it; U is for two standard deviations.
   EXPECT_NEAR(with.u, std::hypot(without, 0.02), 1e-9);
@@ -139,7 +143,7 @@ TEST(Edges, AKerfWithoutAWidthIsInvalid) {
 double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double overshoot_mm = 0.0) {
   SyntheticRun run = displaced(edge == Edge::kInside ? -kHalf_mm : kHalf_mm);
   run.limits.edge = edge;
-  CornerKerf corner;
+  vision::CornerKerf corner;
   corner.entity_in = turn_rad > 0.0 ? kBottom : kRight;
   corner.entity_out = turn_rad > 0.0 ? kRight : kBottom;
   corner.p_S_mm = {60, 0};
@@ -170,7 +174,7 @@ TEST(Edges, CornersFollowFromLegsAndRounding) {
 
 TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
   SyntheticRun run = displaced(kHalf_mm);
-  CornerKerf corner{.unit = 0, .entity_in = kBottom, .entity_out = kRight, .p_S_mm = {60, 0}};
+  vision::CornerKerf corner{.unit = 0, .entity_in = kBottom, .entity_out = kRight, .p_S_mm = {60, 0}};
   corner.turn_rad = 0.5 * std::numbers::pi;
   run.evidence.kerf.corners = {corner};
   const auto inside = checks::kerfSides(run.dieline, Edge::kInside);
@@ -187,4 +191,4 @@ TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

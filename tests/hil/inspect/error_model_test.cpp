@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What readings have in common, and what follows for widths, corners, ends and circles.
-#include "hil/inspect/error_model.h"
+#include "hil/inspect/deviation/error_model.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/checks.h"
+#include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -20,14 +20,14 @@ using Eigen::Vector2d;
 
 const ReadingLine& lineOf(const ErrorModel& model, const SyntheticRun& run, int unit, int entity) {
   return *std::find_if(model.lines.begin(), model.lines.end(), [&](const ReadingLine& line) {
-    const EntityKerf& kerf = run.evidence.kerf.entities[line.kerf];
+    const vision::EntityKerf& kerf = run.evidence.kerf.entities[line.kerf];
     return kerf.unit == unit && kerf.entity == entity;
   });
 }
 
 TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
   const SyntheticRun run;
-  const CameraCalibration& camera = *run.evidence.kerf_calibration;
+  const vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
   const ModeField field(camera);
   ASSERT_EQ(field.modes(), 3);
   for (const Vector2d& p_mm : {Vector2d(-31, 12), Vector2d(44, -7), Vector2d(3, 55)}) {
@@ -59,15 +59,15 @@ TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
   run.evidence.kerf.units[1].covariance = Eigen::Vector3d(0.0, 0.0, 1e-8).asDiagonal();
   const ErrorModel model = errorModelOf(run.evidence);
   for (const int entity : {kBottom, kRight, kHole}) {
-    const Curve& curve = run.dieline.entities[static_cast<std::size_t>(entity)].curve;
+    const dieline::Curve& curve = run.dieline.entities[static_cast<std::size_t>(entity)].curve;
     for (const int unit : {0, 1}) {
       const ReadingLine& line = lineOf(model, run, unit, entity);
       for (std::size_t i = 0; i < line.size(); i += 17) {
-        const Caliper& c = run.kerf(unit, entity).calipers[line.caliper[i]];
+        const vision::Caliper& c = run.kerf(unit, entity).calipers[line.caliper[i]];
         // The pose one standard deviation off moves the point, seen across the line.
         const Vector2d moved = unit == 0 ? Vector2d(c.p_S_mm + Vector2d(2e-3, 0.0))
                                          : Vector2d(Eigen::Rotation2Dd(1e-4) * c.p_S_mm);
-        const Vector2d tangent = tangentAt(curve, c.u);
+        const Vector2d tangent = dieline::tangentAt(curve, c.u);
         const double across_mm = tangent.x() * (moved - c.p_S_mm).y() - tangent.y() * (moved - c.p_S_mm).x();
         const Eigen::RowVectorXd shared = line.shared.row(static_cast<Eigen::Index>(i));
         EXPECT_NEAR(shared.segment<ReadingLine::kPose>(ReadingLine::kLine).norm(), std::abs(across_mm), 1e-6);
@@ -120,7 +120,7 @@ TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
   };
   const double independent_mm = ownU();
   // Offsets tell how alike neighbours are: here each is the mean of four draws, twice as large.
-  for (EntityKerf& kerf : run.evidence.kerf.entities) {
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
     for (std::size_t i = 0; i + 3 < kerf.calipers.size(); ++i) {
       double sum_mm = 0.0;
       for (std::size_t k = 0; k < 4; ++k) sum_mm += kerf.calipers[i + k].offset_mm;
@@ -141,7 +141,7 @@ TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   };
   const EntityResult round = circularityOf(run.inspected(), kHole);
   EXPECT_LT(round.circularity_mm - round.circularity_U_mm, 0.001);
-  for (Caliper& c : run.kerf(0, kHole).calipers) {
+  for (vision::Caliper& c : run.kerf(0, kHole).calipers) {
     const double angle_rad = std::atan2(c.p_S_mm.y() - 20.0, c.p_S_mm.x() - 15.0);
     // Off centre, too large and oval: only the last is a matter of form.
     c.offset_mm += 0.01 + 0.02 * std::cos(angle_rad) + kLobe_mm * std::cos(2.0 * angle_rad);
@@ -183,7 +183,7 @@ SyntheticRun withJoints() {
 TEST(Joints, HaveTheirPlaceAndTwiceTheirSigma) {
   SyntheticRun run = withJoints();
   run.evidence.kerf_calibration->map_u_mm = 0.0;
-  for (UnitPose& pose : run.evidence.kerf.units) pose.covariance.setZero();
+  for (vision::UnitPose& pose : run.evidence.kerf.units) pose.covariance.setZero();
   for (const auto kind : {JointResult::Kind::kRounding, JointResult::Kind::kOvershoot})
     EXPECT_NEAR(jointOf(run, kind).mm.U, 0.006, 1e-9);
   const JointResult start = jointOf(run, JointResult::Kind::kEndGap, true);
@@ -195,7 +195,7 @@ TEST(Joints, HaveTheirPlaceAndTwiceTheirSigma) {
 
 TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
   SyntheticRun run = withJoints();
-  for (UnitPose& pose : run.evidence.kerf.units)
+  for (vision::UnitPose& pose : run.evidence.kerf.units)
     pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
   EXPECT_GT(jointOf(run, JointResult::Kind::kCorner).mm.U, 0.02);
   EXPECT_GT(jointOf(run, JointResult::Kind::kEndGap).mm.U, 0.02);
@@ -212,4 +212,4 @@ TEST(Joints, ThatWereNotFoundHaveNoValue) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -7,7 +7,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -51,7 +51,7 @@ TEST(Excursion, AFrameThatWasLitInPartTellsNothing) {
   SyntheticRun run;
   const CutResult even = cutOf(run.inspected(), 0, kCreaseLine);
   run.shiftSpot(0, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s < 5e-4 ? 0.045 : 0.0, 0.0); });
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (std::abs(frame.mid_s - even.start_s) < 1e-6) frame.spot_sigma_mm = 0.03;
   }
   const auto result = run.inspected();
@@ -62,11 +62,11 @@ TEST(Excursion, AFrameThatWasLitInPartTellsNothing) {
 TEST(Excursion, CalibrationOfTheCameraIsPartOfTheMeanPlaceAndNotOfTheStraying) {
   SyntheticRun run;
   const auto cut = [&] { return cutOf(run.inspected(), 0, kCreaseLine); };
-  CameraCalibration& camera = *run.evidence.spot_calibration;
+  vision::CameraCalibration& camera = *run.evidence.spot_calibration;
   camera.error_modes.clear();
   const CutResult known = cut();
   // The principal point along x: all places shift alike.
-  camera.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
+  camera.error_modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
   camera.error_modes.back()[2] = 0.03;
   const double shift_mm = camera.mapError(0, {0.0, 0.0}).norm();
   ASSERT_GT(shift_mm, known.offset_sigma_mm);
@@ -97,4 +97,4 @@ TEST(Excursion, ASpotThatNeverComesBackIsMeasuredToTheEnd) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

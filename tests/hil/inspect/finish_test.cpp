@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A controller that stops before the job is done.
-#include "hil/inspect/controller_end.h"
+#include "hil/inspect/verdict/controller_end.h"
 
 #include <limits>
 
@@ -9,7 +9,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -98,4 +98,4 @@ TEST(Finish, AStopBeforeTheFirstCutNeedsNoCamera) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

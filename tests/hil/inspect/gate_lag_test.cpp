@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/spot_checks.h"
+#include "hil/inspect/checks/spot_checks.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 constexpr double kAcceleration_mm_s2 = 20000.0;
@@ -38,7 +38,8 @@ double jerk(double t_s) { return 1e6 * t_s * t_s * t_s; }
 /// A beam that follows one curve, seen once in a millisecond while the gate is open.
 class Start {
  public:
-  explicit Start(Curve curve, bool backwards = false, Process process = Process::kCut)
+  explicit Start(dieline::Curve curve, bool backwards = false,
+                 dieline::Process process = dieline::Process::kCut)
       : backwards_(backwards) {
     dieline_.entities.push_back({0, std::move(curve), process, "CUT", "line 4: LINE"});
     evidence_.dieline = &dieline_;
@@ -66,8 +67,8 @@ class Start {
  private:
   GateInterval cut(LitFrames& lit, double gate_s, double lag_s, Motion motion, unsigned seed,
                    int frames) const {
-    const Curve& curve = dieline_.entities.front().curve;
-    const double length_mm = lengthOf(curve);
+    const dieline::Curve& curve = dieline_.entities.front().curve;
+    const double length_mm = dieline::lengthOf(curve);
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, seed == 0 ? 0.0 : std::hypot(kSpotU_mm, kRough_mm));
     const std::size_t before = lit.frames.size();
@@ -83,27 +84,27 @@ class Start {
       frame.time_s = off_s = t_s;
       frame.entity = 0;
       frame.sigma_mm = kSpotU_mm;
-      frame.p_S_mm = pointAt(curve, backwards_ ? 1.0 - share : share);
+      frame.p_S_mm = dieline::pointAt(curve, backwards_ ? 1.0 - share : share);
       frame.p_S_mm += Eigen::Vector2d(noise(random), noise(random));
       lit.frames.push_back(frame);
     }
     return {gate_s, off_s + 1e-4};
   }
 
-  Dieline dieline_;
+  dieline::Dieline dieline_;
   Evidence evidence_;
   Limits limits_;
   bool backwards_;
 };
 
-const Curve kLine = LineCurve{{0, 0}, {40, 30}};
-const Curve kCircle = ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
+const dieline::Curve kLine = dieline::LineCurve{{0, 0}, {40, 30}};
+const dieline::Curve kCircle = dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
 
 TEST(GateLag, FindsTheLagOnLinesAndCirclesEitherWay) {
-  for (const Curve& curve : {kLine, kCircle}) {
+  for (const dieline::Curve& curve : {kLine, kCircle}) {
     for (const bool backwards : {false, true}) {
       for (const Motion motion : {ramp, dash}) {
-        SCOPED_TRACE(isClosed(curve) ? "circle" : "line");
+        SCOPED_TRACE(dieline::isClosed(curve) ? "circle" : "line");
         SCOPED_TRACE(backwards ? "backwards" : "forwards");
         SCOPED_TRACE(motion == ramp ? "ramp" : "dash");
         Start start(curve, backwards);
@@ -187,15 +188,15 @@ TEST(GateLag, AStartAtASpeedThatChangesIsNotTakenForALateGate) {
 }
 
 TEST(GateLag, TheTeethOfAPerforationBeginInFullRun) {
-  EXPECT_FALSE(Start(kLine, false, Process::kPerforation).seen(0.003));
+  EXPECT_FALSE(Start(kLine, false, dieline::Process::kPerforation).seen(0.003));
 }
 
 TEST(GateLag, WithoutAGateThereIsNoCheck) {
-  const Dieline dieline;
+  const dieline::Dieline dieline;
   Evidence evidence;
   evidence.dieline = &dieline;
   EXPECT_FALSE(checks::gateLagCheck(evidence, Limits{}, LitFrames{}));
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

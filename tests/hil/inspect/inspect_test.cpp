@@ -7,7 +7,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -82,4 +82,4 @@ TEST(Inspect, IsPure) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -6,7 +6,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -22,7 +22,7 @@ struct JointRun : SyntheticRun {
         evidence.kerf.corners.push_back({.unit = unit,
                                          .entity_in = in,
                                          .entity_out = out,
-                                         .p_S_mm = pointAt(curveOf(in), 1.0),
+                                         .p_S_mm = dieline::pointAt(curveOf(in), 1.0),
                                          .turn_rad = 1.5708,
                                          .found = true,
                                          .rounding_mm = 0.002,
@@ -37,11 +37,11 @@ struct JointRun : SyntheticRun {
       evidence.kerf.ends.push_back({unit, kHole, true, true, 0.0, 0.002});
     }
   }
-  [[nodiscard]] const Curve& curveOf(int id) const {
+  [[nodiscard]] const dieline::Curve& curveOf(int id) const {
     return dieline.entities[static_cast<std::size_t>(id)].curve;
   }
-  [[nodiscard]] CornerKerf& corner(std::size_t i) { return evidence.kerf.corners.at(i); }
-  [[nodiscard]] LineEnd& end(std::size_t i) { return evidence.kerf.ends.at(i); }
+  [[nodiscard]] vision::CornerKerf& corner(std::size_t i) { return evidence.kerf.corners.at(i); }
+  [[nodiscard]] vision::LineEnd& end(std::size_t i) { return evidence.kerf.ends.at(i); }
 };
 
 TEST(JointsCheck, PassesAFlawlessRunAndIsLeftOutWithoutJoints) {
@@ -145,12 +145,12 @@ TEST(JointsCheck, AJointThatWasNotMeasuredIsInvalidAndNumbersThatAreNoneToo) {
 
 TEST(JointsCheck, WhatIsNotCutAtAllIsLeftToCoverage) {
   JointRun run;
-  for (Caliper& c : run.kerf(0, kTop).calipers) {
+  for (vision::Caliper& c : run.kerf(0, kTop).calipers) {
     c.found = false;
     c.offset_mm = c.width_mm = kNan;
     c.brightness = 0.0;
   }
-  for (CornerKerf& c : run.evidence.kerf.corners) {
+  for (vision::CornerKerf& c : run.evidence.kerf.corners) {
     if (c.unit == 0 && (c.entity_in == kTop || c.entity_out == kTop)) c.found = false;
   }
   EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kPass);
@@ -180,4 +180,4 @@ TEST(Joints, DeviationCarriesTheUncertaintyOfThePlaceAndRoundingDoesNot) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

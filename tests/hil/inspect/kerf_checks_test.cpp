@@ -6,14 +6,14 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-void unburn(Caliper& c) {
+void unburn(vision::Caliper& c) {
   c.found = false;
   c.offset_mm = c.width_mm = kNan;
   c.brightness = 0.0;
@@ -59,7 +59,7 @@ TEST(PathCheck, WithoutStatedUncertaintyIsInvalid) {
 
 TEST(CoverageCheck, FindsAMissingEntity) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(1, kHole).calipers) unburn(c);
+  for (vision::Caliper& c : run.kerf(1, kHole).calipers) unburn(c);
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "coverage").subject, "unit 1, E4");
@@ -80,13 +80,13 @@ TEST(CoverageCheck, FindsAHoleAndNamesItsPlace) {
 
 TEST(CoverageCheck, ACutThatIsOnlyScoredIsNotCut) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(0, kLeft).calipers) c.brightness = 0.6;
+  for (vision::Caliper& c : run.kerf(0, kLeft).calipers) c.brightness = 0.6;
   EXPECT_EQ(checkOf(run.inspected(), "coverage").verdict, Verdict::kFail);
 }
 
 TEST(CoverageCheck, CountsStationsNearJointsByTheirLight) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(0, kLeft).calipers) {
+  for (vision::Caliper& c : run.kerf(0, kLeft).calipers) {
     if (c.near_joint) c.found = false;
   }
   EXPECT_EQ(checkOf(run.inspected(), "coverage").verdict, Verdict::kPass);
@@ -94,10 +94,10 @@ TEST(CoverageCheck, CountsStationsNearJointsByTheirLight) {
 
 TEST(CoverageCheck, ABlankSheetIsABadReleaseAndNotBadEvidence) {
   SyntheticRun run;
-  for (EntityKerf& kerf : run.evidence.kerf.entities) {
-    for (Caliper& c : kerf.calipers) unburn(c);
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) unburn(c);
   }
-  for (FrameMeasurement& frame : run.evidence.spot.frames) frame.spot_W_mm.reset();
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) frame.spot_W_mm.reset();
   const auto result = run.inspected();
   EXPECT_EQ(result.verdict, Verdict::kFail);
   EXPECT_FALSE(hasCheck(result, "path"));
@@ -115,13 +115,13 @@ TEST(DepthCheck, ACreaseCutThroughFails) {
 
 TEST(DepthCheck, DoesNotApplyWithoutCreases) {
   SyntheticRun run;
-  run.dieline.entities[kCreaseLine].process = Process::kCut;
+  run.dieline.entities[kCreaseLine].process = dieline::Process::kCut;
   EXPECT_FALSE(hasCheck(run.inspected(), "depth"));
 }
 
 TEST(DepthCheck, AHalfCutCutThroughFails) {
   SyntheticRun run;
-  run.dieline.entities[kCreaseLine].process = Process::kHalfCut;
+  run.dieline.entities[kCreaseLine].process = dieline::Process::kHalfCut;
   EXPECT_EQ(checkOf(run.inspected(), "depth").verdict, Verdict::kPass);
   auto& calipers = run.kerf(1, kCreaseLine).calipers;
   for (std::size_t i = 40; i < 60; ++i) calipers[i].brightness = 1.0;
@@ -140,7 +140,7 @@ TEST(PerforationCheck, ComparesTheOpenShareWithTheOrder) {
 
 TEST(PerforationCheck, WithoutBridgesFailsEvenWithoutAnOrder) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(0, kPerforationLine).calipers) {
+  for (vision::Caliper& c : run.kerf(0, kPerforationLine).calipers) {
     c.found = true;
     c.offset_mm = 0.0;
     c.width_mm = 0.21;
@@ -152,7 +152,7 @@ TEST(PerforationCheck, WithoutBridgesFailsEvenWithoutAnOrder) {
 
 TEST(KerfWidthCheck, FindsTheLineThatIsWider) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.07;
+  for (vision::Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.07;
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "kerf_width").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "kerf_width").subject, "unit 1, E2");
@@ -160,10 +160,10 @@ TEST(KerfWidthCheck, FindsTheLineThatIsWider) {
 
 TEST(KerfWidthCheck, NearTheLimitLooseWidthsProveNothing) {
   SyntheticRun run;
-  for (Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.048;
+  for (vision::Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.048;
   EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kPass);
   // A mean of 240 stations is sixteen times better than one: 3 um. Less is not proven by much.
-  for (Caliper& c : run.kerf(1, kTop).calipers) c.width_sigma_mm = 0.05;
+  for (vision::Caliper& c : run.kerf(1, kTop).calipers) c.width_sigma_mm = 0.05;
   EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kNotProven);
 }
 
@@ -200,7 +200,8 @@ TEST(LaserTimingCheck, AShortGapIsNoMatterOfCoverage) {
   SyntheticRun run;
   run.limits.end_gap_mm = 0.3;
   run.limits.min_coverage = 1.0;
-  for (Caliper* c : {&run.kerf(0, kCreaseLine).calipers.front(), &run.kerf(0, kCreaseLine).calipers.back()})
+  for (vision::Caliper* c :
+       {&run.kerf(0, kCreaseLine).calipers.front(), &run.kerf(0, kCreaseLine).calipers.back()})
     unburn(*c);
   EXPECT_EQ(checkOf(run.inspected(), "coverage").value, 1.0);
 }
@@ -222,4 +223,4 @@ TEST(LaserTimingCheck, AHalfLitEndIsNoGap) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

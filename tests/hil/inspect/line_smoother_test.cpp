@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smoothing along a line, against truths that are known.
-#include "hil/inspect/line_smoother.h"
+#include "hil/inspect/deviation/line_smoother.h"
 
 #include <cmath>
 #include <cstdio>
@@ -12,7 +12,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 constexpr std::size_t kReadings = 240;
@@ -84,4 +84,4 @@ TEST(LineSmoother, EstimatesAreAsGoodAsTheyState) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -6,7 +6,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -25,7 +25,7 @@ SyntheticRun creasedBy(const Depth& depth) {
   run.limits.board_transmission = kTransmission;
   std::uint32_t state = 7;
   for (int unit = 0; unit < run.evidence.print.units; ++unit) {
-    for (Caliper& c : run.kerf(unit, kCreaseLine).calipers) {
+    for (vision::Caliper& c : run.kerf(unit, kCreaseLine).calipers) {
       state = state * 1664525U + 1013904223U;
       const double noise = 0.005 * (2.0 * (state >> 8U) / 16777216.0 - 1.0);
       c.brightness = brightnessAt(depth(c.station_mm) * (1.0 + noise));
@@ -127,4 +127,4 @@ TEST(LineEnergy, WithoutAMeterItIsInvalid) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -31,7 +31,7 @@
 
 #include "tests/hil/inspect/synthetic_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -45,13 +45,13 @@ bool tells(const InspectionResult& result, const std::string& word) {
 }
 
 /// The first frame with a spot in a pose with marks, past its cut's first tenth of a second.
-FrameMeasurement& litFrame(SyntheticRun& run) {
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+vision::FrameMeasurement& litFrame(SyntheticRun& run) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (frame.mid_s > 0.1 && frame.spot_W_mm && !frame.sheet.empty()) return frame;
   }
   throw std::logic_error("no frame is lit");
 }
-Caliper& caliper(SyntheticRun& run) { return run.kerf(0, kTop).calipers[50]; }
+vision::Caliper& caliper(SyntheticRun& run) { return run.kerf(0, kTop).calipers[50]; }
 std::size_t frameAt(const SyntheticRun& run, double time_s) {
   const auto& frames = run.evidence.spot.frames;
   return static_cast<std::size_t>(
@@ -156,7 +156,7 @@ const std::vector<Field>& fields() {
 /// Flawless, with one of everything that evidence may hold.
 SyntheticRun fullRun() {
   SyntheticRun run;
-  CornerKerf corner;
+  vision::CornerKerf corner;
   corner.p_S_mm = {60.0, 0.0};
   corner.entity_in = kBottom;
   corner.entity_out = kRight;
@@ -250,8 +250,8 @@ TEST(Refusals, ALateStampIsFoundByTheSequenceAndAnEarlyOneToo) {
 TEST(Refusals, AStampThatIsLateWithAllThatFollowIsFoundByTheSheet) {
   // Half a frame, and so within what the sequence allows: the sheet is 0.09 mm off, and more with 0.24 m/s.
   SyntheticRun run;
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
-    for (SheetPose& pose : frame.sheet) pose.p_WS_mm.x() *= 3.0;
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
+    for (vision::SheetPose& pose : frame.sheet) pose.p_WS_mm.x() *= 3.0;
     if (frame.spot_W_mm) frame.spot_W_mm->x() += 400.0 * frame.mid_s;
   }
   run.evidence.spot.frames[100].mid_s += 0.00045;
@@ -302,12 +302,12 @@ TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
   auto& frames = run.evidence.spot.frames;
   const std::size_t dark = frameAt(run, run.evidence.gates.front().on_s + 0.1);
   // The same run again and again, until one frame is less than a thousandth.
-  const std::vector<FrameMeasurement> once = frames;
+  const std::vector<vision::FrameMeasurement> once = frames;
   const std::vector<GateInterval> gates = run.evidence.gates;
   const double period_s = once[1].mid_s - once[0].mid_s;
   const double turn_s = once.back().mid_s + period_s - once.front().mid_s;
   for (int turn = 1; turn < 4; ++turn) {
-    for (FrameMeasurement frame : once) {
+    for (vision::FrameMeasurement frame : once) {
       frame.mid_s += turn * turn_s;
       frame.sequence = frames.size();
       frames.push_back(frame);
@@ -336,7 +336,7 @@ Verdict endingDark(double before_end_s, double longer_s) {
       });
   auto& all = run.evidence.spot.frames;
   const std::size_t last = frameAt(run, crease->off_s - before_end_s);
-  std::vector<FrameMeasurement> frames;
+  std::vector<vision::FrameMeasurement> frames;
   for (std::size_t i = last % 31; i < all.size(); i += 31) {
     frames.push_back(all[i]);
     frames.back().sequence = frames.size() - 1;
@@ -359,7 +359,7 @@ TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {
   const double on_s = run.evidence.gates.front().on_s;
   for (std::size_t i = frameAt(run, on_s + 0.05); i < frameAt(run, on_s + 0.15); ++i)
     run.evidence.spot.frames[i].spot_W_mm.reset();
-  for (Caliper& c : run.kerf(0, kBottom).calipers) {
+  for (vision::Caliper& c : run.kerf(0, kBottom).calipers) {
     c.found = false;
     c.brightness = 0.0;
     c.offset_mm = c.width_mm = c.sigma_mm = c.width_sigma_mm = kNan;
@@ -381,9 +381,9 @@ TEST(Refusals, ACrossOfTheFieldsBorderIsInvalid) {
 TEST(Refusals, NoCutAtAllNeverPasses) {
   SyntheticRun run;
   run.evidence.gates.clear();
-  for (FrameMeasurement& frame : run.evidence.spot.frames) frame.spot_W_mm.reset();
-  for (EntityKerf& kerf : run.evidence.kerf.entities) {
-    for (Caliper& c : kerf.calipers) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) frame.spot_W_mm.reset();
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) {
       c.found = false;
       c.brightness = 0.0;
       c.offset_mm = c.width_mm = c.sigma_mm = c.width_sigma_mm = kNan;
@@ -396,4 +396,4 @@ TEST(Refusals, NoCutAtAllNeverPasses) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

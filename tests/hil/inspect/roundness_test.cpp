@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/inspect/roundness.h"
+#include "hil/inspect/deviation/roundness.h"
 
 #include <cmath>
 #include <functional>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/worst_deviation.h"
+#include "hil/inspect/deviation/worst_deviation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -95,4 +95,4 @@ TEST(Roundness, OfHalfACircleNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 PulseTiming goodPulses() {
@@ -151,4 +151,4 @@ TEST(Account, TheBeltMayDifferByWhatNobodyCanKnow) {
 TEST(Account, SilenceIsInvalid) { EXPECT_EQ(checks::accountCheck({}).verdict, Verdict::kInvalid); }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

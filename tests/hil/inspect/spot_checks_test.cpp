@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/spot_association.h"
+#include "hil/inspect/evidence/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
@@ -27,8 +27,9 @@ TEST(FollowDieline, PutsEverySpotOnTheEntityThatItFollows) {
 
 TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   SyntheticRun run;
-  run.dieline.entities[kNote] = {kNote, LineCurve{{20, 10.13}, {40, 10.13}}, Process::kIgnore, "", ""};
-  run.dieline.entities[kNote].process = Process::kCut;
+  run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{20, 10.13}, {40, 10.13}},
+                                 dieline::Process::kIgnore, "", ""};
+  run.dieline.entities[kNote].process = dieline::Process::kCut;
   const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
   for (const LitFrame& frame : lit.frames) EXPECT_NE(frame.entity, kNote) << frame.time_s;
 }
@@ -39,9 +40,9 @@ TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
   SyntheticRun run;
   const LitFrames straight = followDieline(run.evidence.spot, run.dieline);
   const Eigen::Rotation2Dd turn(0.02);
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (frame.spot_W_mm) frame.spot_W_mm = turn * *frame.spot_W_mm;
-    for (SheetPose& pose : frame.sheet) {
+    for (vision::SheetPose& pose : frame.sheet) {
       pose.p_WS_mm = turn * pose.p_WS_mm;
       pose.angle_rad += turn.angle();
     }
@@ -104,7 +105,7 @@ TEST(FollowDieline, EachTimeTheBeamSetsOutItBeginsARun) {
 TEST(FollowDieline, WhereNoMarkWasSeenForLongNobodyKnowsTheSheet) {
   SyntheticRun run;
   const auto& gate = run.evidence.gates[2];
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (std::abs(frame.mid_s - gate.on_s) < 0.15) frame.sheet.clear();
   }
   const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
@@ -158,10 +159,10 @@ TEST(StillnessCheck, WithoutLinesAcrossTheBeltIsInvalid) {
       run.evidence.spot.frames[frame.frame].spot_W_mm.reset();
   }
   for (auto& e : run.dieline.entities) {
-    if (e.id != kBottom && e.id != kTop) e.process = Process::kIgnore;
+    if (e.id != kBottom && e.id != kTop) e.process = dieline::Process::kIgnore;
   }
   std::erase_if(run.evidence.kerf.entities,
-                [](const EntityKerf& k) { return k.entity != kBottom && k.entity != kTop; });
+                [](const vision::EntityKerf& k) { return k.entity != kBottom && k.entity != kTop; });
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "stillness_x").verdict, Verdict::kInvalid);
   EXPECT_EQ(result.verdict, Verdict::kInvalid);
@@ -170,11 +171,11 @@ TEST(StillnessCheck, WithoutLinesAcrossTheBeltIsInvalid) {
 TEST(StillnessCheck, AFirmwareThatIgnoresTheBeltFails) {
   SyntheticRun run;
   // The mirrors stand where a resting sheet would have them: the spot stays behind by v t.
-  for (FrameMeasurement& frame : run.evidence.spot.frames) {
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
     if (frame.spot_W_mm) frame.spot_W_mm->x() -= 200.0 * (frame.mid_s + 0.05);
   }
-  for (EntityKerf& kerf : run.evidence.kerf.entities) {
-    for (Caliper& c : kerf.calipers) {
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) {
       c.found = false;
       c.brightness = 0.0;
       c.offset_mm = c.width_mm = std::numeric_limits<double>::quiet_NaN();
@@ -304,4 +305,4 @@ TEST(PulseTimingCheck, ARealStampErrorOpensAGuardBand) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace kerfbench::hil::testing {
+namespace kerfbench::inspect::testing {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
@@ -17,11 +17,13 @@ constexpr double kCut_mm_s = 300.0;
 constexpr double kPitch_mm = 80.0;
 constexpr double kNoise_mm = 0.001;  // Of one caliper.
 
-Curve line(double x0, double y0, double x1, double y1) { return LineCurve{{x0, y0}, {x1, y1}}; }
+dieline::Curve line(double x0, double y0, double x1, double y1) {
+  return dieline::LineCurve{{x0, y0}, {x1, y1}};
+}
 
 /// A camera that looks straight down on a square around the origin, known to about 0.1 um.
-CameraCalibration smallCamera(double half_mm) {
-  CameraCalibration c;
+vision::CameraCalibration smallCamera(double half_mm) {
+  vision::CameraCalibration c;
   c.width_px = c.height_px = 2000;
   c.fx_px = c.fy_px = 10000.0;
   c.cx_px = c.cy_px = 999.5;
@@ -34,7 +36,7 @@ CameraCalibration smallCamera(double half_mm) {
   c.area_mm = Eigen::AlignedBox2d(Eigen::Vector2d(-half_mm, -half_mm), Eigen::Vector2d(half_mm, half_mm));
   for (const Eigen::Index parameter : {0, 2, 3}) {
     // Focal length, principal point.
-    c.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());
+    c.error_modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
     c.error_modes.back()[parameter] = 1e3 / half_mm * 1e-4;
   }
   return c;
@@ -43,19 +45,19 @@ CameraCalibration smallCamera(double half_mm) {
 }  // namespace
 
 SyntheticRun::SyntheticRun() {
-  const std::vector<std::pair<Curve, Process>> parts = {
-      {line(0, 0, 60, 0), Process::kCut},
-      {line(60, 0, 60, 40), Process::kCut},
-      {line(60, 40, 0, 40), Process::kCut},
-      {line(0, 40, 0, 0), Process::kCut},
-      {ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}, Process::kCut},
-      {line(30, 2, 30, 38), Process::kCrease},
-      {line(45, 2, 45, 38), Process::kPerforation},
-      {line(0, -10, 20, -10), Process::kIgnore},
+  const std::vector<std::pair<dieline::Curve, dieline::Process>> parts = {
+      {line(0, 0, 60, 0), dieline::Process::kCut},
+      {line(60, 0, 60, 40), dieline::Process::kCut},
+      {line(60, 40, 0, 40), dieline::Process::kCut},
+      {line(0, 40, 0, 0), dieline::Process::kCut},
+      {dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}, dieline::Process::kCut},
+      {line(30, 2, 30, 38), dieline::Process::kCrease},
+      {line(45, 2, 45, 38), dieline::Process::kPerforation},
+      {line(0, -10, 20, -10), dieline::Process::kIgnore},
   };
   for (const auto& [curve, process] : parts) {
     const int id = static_cast<int>(dieline.entities.size());
-    dieline.entities.push_back({id, curve, process, process == Process::kCut ? "CUT" : "OTHER",
+    dieline.entities.push_back({id, curve, process, process == dieline::Process::kCut ? "CUT" : "OTHER",
                                 "line " + std::to_string(10 * id + 4) + ": LINE"});
   }
   evidence.dieline = &dieline;
@@ -119,23 +121,24 @@ double SyntheticRun::noise() {
 
 void SyntheticRun::addKerf() {
   for (int unit = 0; unit < evidence.print.units; ++unit) {
-    for (const Entity& entity : dieline.entities) {
-      if (entity.process == Process::kIgnore) continue;
-      EntityKerf kerf{unit, entity.id, {}};
-      const double length_mm = lengthOf(entity.curve);
-      for (const double u : stations(entity.curve, 0.25)) {
-        Caliper c;
+    for (const dieline::Entity& entity : dieline.entities) {
+      if (entity.process == dieline::Process::kIgnore) continue;
+      vision::EntityKerf kerf{unit, entity.id, {}};
+      const double length_mm = dieline::lengthOf(entity.curve);
+      for (const double u : dieline::stations(entity.curve, 0.25)) {
+        vision::Caliper c;
         c.u = u;
         c.station_mm = u * length_mm;
-        c.p_S_mm = pointAt(entity.curve, u);
+        c.p_S_mm = dieline::pointAt(entity.curve, u);
         c.p_V_mm = c.p_S_mm - Eigen::Vector2d(30.0, 20.0);
         const bool outline = entity.id <= kLeft;
         c.near_joint = outline && (c.station_mm < 0.4 || c.station_mm > length_mm - 0.4);
-        c.found = entity.process != Process::kPerforation || std::fmod(c.station_mm, 4.0) <= 3.0;
-        c.brightness = !c.found ? 0.0 : entity.process == Process::kCrease ? 0.4 : 1.0;
+        c.found = entity.process != dieline::Process::kPerforation || std::fmod(c.station_mm, 4.0) <= 3.0;
+        c.brightness = !c.found ? 0.0 : entity.process == dieline::Process::kCrease ? 0.4 : 1.0;
         c.offset_mm = c.found ? kNoise_mm * noise() : std::numeric_limits<double>::quiet_NaN();
-        c.width_mm = c.found ? (entity.process == Process::kCrease ? 0.15 : 0.21) + kNoise_mm * noise()
-                             : std::numeric_limits<double>::quiet_NaN();
+        c.width_mm = c.found
+                         ? (entity.process == dieline::Process::kCrease ? 0.15 : 0.21) + kNoise_mm * noise()
+                         : std::numeric_limits<double>::quiet_NaN();
         c.sigma_mm = c.width_sigma_mm = c.found ? kNoise_mm : std::numeric_limits<double>::quiet_NaN();
         kerf.calipers.push_back(c);
       }
@@ -146,7 +149,7 @@ void SyntheticRun::addKerf() {
 
 void SyntheticRun::addFrame(bool lit, int unit, const Eigen::Vector2d& p_S_mm) {
   auto& frames = evidence.spot.frames;
-  FrameMeasurement frame;
+  vision::FrameMeasurement frame;
   frame.sequence = frames.size();
   frame.mid_s = kPeriod_s * static_cast<double>(frames.size());
   for (int k = 0; k < evidence.print.units; ++k) {
@@ -163,15 +166,15 @@ void SyntheticRun::addFrame(bool lit, int unit, const Eigen::Vector2d& p_S_mm) {
 }
 
 void SyntheticRun::follow(int unit, int entity) {
-  const Entity& e = dieline.entities[static_cast<std::size_t>(entity)];
-  const double length_mm = lengthOf(e.curve);
+  const dieline::Entity& e = dieline.entities[static_cast<std::size_t>(entity)];
+  const double length_mm = dieline::lengthOf(e.curve);
   const std::size_t begin = evidence.spot.frames.size();
   bool was_lit = false;
   for (double s = 0.5 * kCut_mm_s * kPeriod_s; s < length_mm; s += kCut_mm_s * kPeriod_s) {
-    const bool lit = e.process != Process::kPerforation || std::fmod(s, 4.0) <= 3.0;
+    const bool lit = e.process != dieline::Process::kPerforation || std::fmod(s, 4.0) <= 3.0;
     const double now_s = kPeriod_s * static_cast<double>(evidence.spot.frames.size());
     if (lit && !was_lit) evidence.gates.push_back({now_s - 0.5 * kPeriod_s, 0.0});
-    addFrame(lit, unit, pointAt(e.curve, s / length_mm));
+    addFrame(lit, unit, dieline::pointAt(e.curve, s / length_mm));
     if (lit) evidence.gates.back().off_s = now_s + 0.5 * kPeriod_s;
     was_lit = lit;
   }
@@ -181,8 +184,8 @@ void SyntheticRun::follow(int unit, int entity) {
 void SyntheticRun::addFrames() {
   for (int i = 0; i < 5; ++i) addFrame(false, 0, {});
   for (int unit = 0; unit < evidence.print.units; ++unit) {
-    for (const Entity& entity : dieline.entities) {
-      if (entity.process == Process::kIgnore) continue;
+    for (const dieline::Entity& entity : dieline.entities) {
+      if (entity.process == dieline::Process::kIgnore) continue;
       follow(unit, entity.id);
       // The outline is one chain with the beam on; before the rest the beam jumps.
       if (entity.id < kLeft) continue;
@@ -196,17 +199,17 @@ void SyntheticRun::followAgain(int unit, int entity) {
   for (int i = 0; i < 5; ++i) addFrame(false, unit, {});
 }
 
-EntityKerf& SyntheticRun::kerf(int unit, int entity) {
+vision::EntityKerf& SyntheticRun::kerf(int unit, int entity) {
   auto& all = evidence.kerf.entities;
   return *std::find_if(all.begin(), all.end(),
-                       [&](const EntityKerf& k) { return k.unit == unit && k.entity == entity; });
+                       [&](const vision::EntityKerf& k) { return k.unit == unit && k.entity == entity; });
 }
 
 void SyntheticRun::shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm) {
   for (const Stretch& s : stretches_) {
     if (s.unit != unit || s.entity != entity) continue;
     for (std::size_t i = s.begin; i < s.end; ++i) {
-      FrameMeasurement& frame = evidence.spot.frames[i];
+      vision::FrameMeasurement& frame = evidence.spot.frames[i];
       if (frame.spot_W_mm) *frame.spot_W_mm += shift_mm(frame.mid_s - evidence.spot.frames[s.begin].mid_s);
     }
   }
@@ -224,4 +227,4 @@ bool hasCheck(const InspectionResult& result, std::string_view name) {
                      [&](const Check& c) { return c.name == name; });
 }
 
-}  // namespace kerfbench::hil::testing
+}  // namespace kerfbench::inspect::testing

@@ -6,7 +6,7 @@
 
 #include "hil/inspect/inspect.h"
 
-namespace kerfbench::hil::testing {
+namespace kerfbench::inspect::testing {
 
 /// Ids of the entities of the small carton that SyntheticRun cuts.
 enum SmallCarton { kBottom = 0, kRight, kTop, kLeft, kHole, kCreaseLine, kPerforationLine, kNote };
@@ -18,11 +18,11 @@ struct SyntheticRun {
   SyntheticRun(const SyntheticRun& other);
   SyntheticRun& operator=(const SyntheticRun&) = delete;
 
-  Dieline dieline;
+  dieline::Dieline dieline;
   Evidence evidence;  ///< Its dieline is the one above.
   Limits limits;
 
-  EntityKerf& kerf(int unit, int entity);
+  vision::EntityKerf& kerf(int unit, int entity);
   /// Moves each spot while it follows `entity` of `unit`: the shift in mm along W from the time since its
   /// first frame.
   void shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm);
@@ -49,4 +49,4 @@ struct SyntheticRun {
 const Check& checkOf(const InspectionResult& result, std::string_view name);
 bool hasCheck(const InspectionResult& result, std::string_view name);
 
-}  // namespace kerfbench::hil::testing
+}  // namespace kerfbench::inspect::testing

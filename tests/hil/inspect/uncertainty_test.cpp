@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Intervals, chances and what is said of the risk, against values whose distribution is known.
-#include "hil/inspect/uncertainty.h"
+#include "hil/inspect/verdict/uncertainty.h"
 
 #include <cmath>
 #include <numbers>
@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/inspect/verdict.h"
+#include "hil/inspect/verdict/verdict.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 using ::testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(Risk, IsNotToldOfCountsAndOfWhatWasNotMeasured) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/inspect/verdict.h"
+#include "hil/inspect/verdict/verdict.h"
 
 #include <cmath>
 #include <limits>
@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/extreme.h"
+#include "hil/inspect/evidence/extreme.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -125,4 +125,4 @@ TEST(Median, IsTheMiddle) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The largest deviation of many readings, its uncertainty, and the budget of it without simulation.
-#include "hil/inspect/worst_deviation.h"
+#include "hil/inspect/deviation/worst_deviation.h"
 
 #include <cmath>
 #include <cstdio>
@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/inspect/extreme_budget.h"
+#include "hil/inspect/deviation/extreme_budget.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::inspect {
 namespace {
 
 constexpr Eigen::Index kModes = 1;
@@ -112,4 +112,4 @@ TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::inspect

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace kerfbench::hil::test {
+namespace kerfbench::report::test {
 
 /// What a page takes from elsewhere, scripts, and references other than pictures inside it and `beside`, the
 /// files beside it, separated by blanks. Empty for a page that needs nothing else.
@@ -51,4 +51,4 @@ inline std::string unclosedElements(const std::string& html) {
   return found;
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::report::test

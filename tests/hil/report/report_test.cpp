@@ -18,7 +18,7 @@
 #include "tests/hil/inspect/synthetic_run.h"
 #include "tests/hil/report/page_checks.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::report {
 namespace {
 
 using namespace testing;
@@ -26,8 +26,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// A kerf as the camera might show it, bent by `offset_mm` to one side.
-KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, double offset_mm) {
-  KerfPatch patch{unit, entity, p_S_mm, GrayImage(48, 48, 38), Eigen::Affine2d::Identity()};
+vision::KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, double offset_mm) {
+  vision::KerfPatch patch{unit, entity, p_S_mm, GrayImage(48, 48, 38), Eigen::Affine2d::Identity()};
   constexpr double kPixel_mm = 0.04;
   for (int row = 0; row < 48; ++row) {
     for (int column = 0; column < 48; ++column) {
@@ -83,7 +83,7 @@ SyntheticRun badRun() {
     if (top[i].found) top[i].offset_mm -= 0.03 * std::sin(0.1 * static_cast<double>(i));
   }
   for (std::size_t i = 60; i < 90; ++i) {
-    Caliper& c = run.kerf(1, kBottom).calipers[i];
+    vision::Caliper& c = run.kerf(1, kBottom).calipers[i];
     c.found = false;
     c.brightness = 0.0;
     c.offset_mm = c.width_mm = std::nan("");
@@ -100,7 +100,7 @@ SyntheticRun badRun() {
 
 TEST(VerdictSentence, TellsWhyTheControllerStopped) {
   SyntheticRun run;
-  run.evidence.end = {ControllerEnd::Said::kStopped, 100.0, "dry", "its queue ran dry", true, 99.0};
+  run.evidence.end = {inspect::ControllerEnd::Said::kStopped, 100.0, "dry", "its queue ran dry", true, 99.0};
   const RunReport report = reportOf(run);
   const std::string why = "At 100.000 s the controller stopped before the job was done: its queue ran dry.";
   EXPECT_THAT(verdictSentence(report), HasSubstr("The release is bad: proven by finish. " + why));
@@ -178,7 +178,7 @@ TEST(Digest, ChangesWithAnyMeasurement) {
   b.result.cuts[0].residual_mm[0] += 3e-6;
   EXPECT_NE(digest, digestOf(b));
   b = a;
-  b.result.verdict = Verdict::kFail;
+  b.result.verdict = inspect::Verdict::kFail;
   EXPECT_NE(digest, digestOf(b));
   b = a;
   ++b.pulses[0].setup_histogram[30];
@@ -238,8 +238,8 @@ TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
 TEST(JunitXml, CountsWhatItLists) {
   SyntheticRun run = badRun();
   RunReport report = reportOf(run);
-  report.result.checks[0].verdict = Verdict::kNotProven;
-  report.result.checks[1].verdict = Verdict::kInvalid;
+  report.result.checks[0].verdict = inspect::Verdict::kNotProven;
+  report.result.checks[1].verdict = inspect::Verdict::kInvalid;
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(junitXml(report).c_str()));
   const auto suite = document.select_node("/testsuites/testsuite").node();
@@ -248,13 +248,15 @@ TEST(JunitXml, CountsWhatItLists) {
   EXPECT_EQ(suite.attribute("failures").as_uint(), suite.select_nodes("testcase/failure").size());
   EXPECT_EQ(suite.attribute("errors").as_uint(), suite.select_nodes("testcase/error").size());
   const auto& checks = report.result.checks;
-  const auto counted = [&](Verdict verdict) {
-    return static_cast<std::size_t>(
-        std::count_if(checks.begin(), checks.end(), [&](const Check& c) { return c.verdict == verdict; }));
+  const auto counted = [&](inspect::Verdict verdict) {
+    return static_cast<std::size_t>(std::count_if(
+        checks.begin(), checks.end(), [&](const inspect::Check& c) { return c.verdict == verdict; }));
   };
-  EXPECT_GE(counted(Verdict::kNotProven), 1U);
-  EXPECT_EQ(suite.select_nodes("testcase/failure[@type='NotProven']").size(), counted(Verdict::kNotProven));
-  EXPECT_EQ(suite.select_nodes("testcase/error[@type='Invalid']").size(), counted(Verdict::kInvalid));
+  EXPECT_GE(counted(inspect::Verdict::kNotProven), 1U);
+  EXPECT_EQ(suite.select_nodes("testcase/failure[@type='NotProven']").size(),
+            counted(inspect::Verdict::kNotProven));
+  EXPECT_EQ(suite.select_nodes("testcase/error[@type='Invalid']").size(),
+            counted(inspect::Verdict::kInvalid));
   EXPECT_EQ(suite.select_nodes("testcase[@name='pulse_timing']/failure[@type='Failure']").size(), 1U);
 }
 
@@ -286,9 +288,9 @@ TEST(HtmlReport, EscapesWhatOthersWrote) {
 
 TEST(HtmlReport, StaysSmallForALargeCarton) {
   RunReport report = reportOf(badRun());
-  const std::vector<EntityKerf> entities = report.kerf.entities;
+  const std::vector<vision::EntityKerf> entities = report.kerf.entities;
   for (int k = 0; k < 20; ++k) {
-    for (EntityKerf kerf : entities) {
+    for (vision::EntityKerf kerf : entities) {
       kerf.unit += 2 * (k % 2);
       report.kerf.entities.push_back(std::move(kerf));
     }
@@ -327,4 +329,4 @@ TEST(Base64, AgreesWithRfc4648) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::report

@@ -14,9 +14,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "twin/cutter/scene.h"
+#include "twin/scene/scene.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,4 +216,4 @@ TEST(Picture, RefusesSizesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

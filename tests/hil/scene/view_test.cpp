@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::scene {
 namespace {
 
 using Eigen::Vector2d;
@@ -69,4 +69,4 @@ TEST(Viewpoint, RefusesNothingToLookAt) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::scene

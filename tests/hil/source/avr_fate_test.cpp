@@ -6,7 +6,7 @@
 
 #include "tests/hil/source/avr_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::AllOf;
@@ -114,4 +114,4 @@ TEST(AvrImage, SourceSaysWhatARerunNeeds) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 
 #include "tests/hil/source/avr_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr PinId kPD2{3, 2};
@@ -132,4 +132,4 @@ TEST(AvrInput, APinThatTheControllerLacksEndsTheRunInWords) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "hil/source/open.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 inline constexpr Tick kMs = 16'000;  ///< Ticks of a 16 MHz controller.
 inline constexpr PinId kPA0{0, 0};
@@ -62,4 +62,4 @@ inline std::vector<Tick> edgesOf(const std::vector<PinEvent>& events, PinId pin,
   return ticks;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 
 #include "tests/hil/source/avr_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::AllOf;
@@ -135,4 +135,4 @@ TEST(AvrTimer, SettingABitOfPinTogglesOnlyThatBit) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -8,7 +8,7 @@
 
 #include "hil/source/open.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST(ChildSource, UartForAHungChildDoesNotBlockTheBench) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

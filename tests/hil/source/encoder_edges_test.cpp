@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr TickRate kRate{1, 1000};
@@ -44,4 +44,4 @@ TEST(EncoderEdges, OtherSignalsAndLevelsThatDoNotChangeArePassedOver) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -5,7 +5,7 @@
 
 #include "tests/hil/source/avr_run.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::AllOf;
@@ -141,4 +141,4 @@ TEST_F(LineOkAvr, ErrorStopsIt) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -6,7 +6,7 @@
 
 #include "tests/hil/source/vcd_sample.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::HasSubstr;
@@ -147,4 +147,4 @@ TEST_F(VcdTest, RandomDamageNeitherCrashesNorHangs) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -11,7 +11,7 @@
 
 #include "hil/source/vcd.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// The reference controller's pins for the signals used here.
 inline SignalMap sampleMap() {
@@ -80,4 +80,4 @@ class VcdTest : public ::testing::Test {
   }
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

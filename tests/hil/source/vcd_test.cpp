@@ -4,7 +4,7 @@
 #include "hil/source/open.h"
 #include "tests/hil/source/vcd_sample.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using ::testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST_F(VcdTest, MissingFileIsASystemError) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 
 #include "tests/hil/source/vcd_sample.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 bool have(const std::string& program) {
@@ -77,4 +77,4 @@ TEST_F(VcdTools, GtkwaveSeesEveryChange) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

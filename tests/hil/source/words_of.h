@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What the Error says that `work` throws.
 template <typename Error, typename Work>
@@ -16,4 +16,4 @@ std::string wordsOf(const Work& work) {
   return "no error";
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

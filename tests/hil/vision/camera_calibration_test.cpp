@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/vision/camera_calibration.h"
+#include "hil/vision/image/camera_calibration.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 std::vector<Eigen::Vector2d> pixelGrid(const CameraCalibration& c, double step_px) {
@@ -148,4 +148,4 @@ TEST(CameraCalibration, PitchIsTheScaleAtTheCentre) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -12,12 +12,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "hil/camera/twin_tiles.h"
-#include "hil/vision/kerf_unit.h"
+#include "hil/camera/twin/twin_tiles.h"
+#include "hil/vision/scan/kerf_unit.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -43,12 +43,13 @@ test::TwinCut sheetOfCartons() {
     for (int k = 0; k < 4; ++k) {
       const Eigen::Rotation2Dd turn(k * 0.5 * std::numbers::pi);
       const auto at = [&](double x, double y) -> Vector2d { return c + turn * Vector2d(x, y); };
-      cut.add(LineCurve{at(-h + r, -h), at(h - r, -h)});
-      cut.add(ArcCurve{at(h - r, -h + r), r, (k - 1) * 0.5 * std::numbers::pi, 0.5 * std::numbers::pi});
-      cut.share_of[cut.add(LineCurve{at(-h + 8.0, -h + 12.0), at(h - 8.0, -h + 12.0)}, Process::kCrease)] =
-          0.6;
-      cut.add(LineCurve{at(-h, -h + 20.0), at(-h + 10.0, -h + 20.0)});
-      cut.add(ArcCurve{at(15.0, 15.0), 2.5, 0.0, 2.0 * std::numbers::pi});
+      cut.add(dieline::LineCurve{at(-h + r, -h), at(h - r, -h)});
+      cut.add(
+          dieline::ArcCurve{at(h - r, -h + r), r, (k - 1) * 0.5 * std::numbers::pi, 0.5 * std::numbers::pi});
+      cut.share_of[cut.add(dieline::LineCurve{at(-h + 8.0, -h + 12.0), at(h - 8.0, -h + 12.0)},
+                           dieline::Process::kCrease)] = 0.6;
+      cut.add(dieline::LineCurve{at(-h, -h + 20.0), at(-h + 10.0, -h + 20.0)});
+      cut.add(dieline::ArcCurve{at(15.0, 15.0), 2.5, 0.0, 2.0 * std::numbers::pi});
     }
   }
   return cut;
@@ -57,21 +58,21 @@ test::TwinCut sheetOfCartons() {
 struct Prepared {
   test::TwinCut cut = sheetOfCartons();
   CameraCalibration calibration = test::calibrationOf(cut.camera);
-  std::vector<KerfTile> tiles;
+  std::vector<camera::KerfTile> tiles;
   double length_mm{};
 
   Prepared() {
     twin::Sheet sheet(cut.board);
     std::vector<Eigen::AlignedBox2d> boxes{
         Eigen::AlignedBox2d(Vector2d(-200.0, -150.0), Vector2d(200.0, 150.0))};
-    for (const Entity& entity : cut.dieline.entities) {
+    for (const dieline::Entity& entity : cut.dieline.entities) {
       const auto share = cut.share_of.find(entity.id);
       cut.burn(sheet, entity.curve, 0.0, share == cut.share_of.end() ? 1.5 : share->second);
-      length_mm += lengthOf(entity.curve);
+      length_mm += dieline::lengthOf(entity.curve);
     }
-    TwinTileOptions options;
+    camera::TwinTileOptions options;
     options.border_mm = 0.0;
-    TwinTileSource source(twin::KerfCamera(cut.camera, cut.print, 1), sheet, boxes, options);
+    camera::TwinTileSource source(twin::KerfCamera(cut.camera, cut.print, 1), sheet, boxes, options);
     for (auto batch = source.nextBatch(8); !batch.empty(); batch = source.nextBatch(8)) {
       std::move(batch.begin(), batch.end(), std::back_inserter(tiles));
     }
@@ -115,7 +116,7 @@ const Placed& placed() {
   static const Placed once = [] {
     const Prepared& p = prepared();
     Placed out;
-    for (const KerfTile& tile : p.tiles) out.views.push_back(viewTile(tile, p.calibration, {3.0}));
+    for (const camera::KerfTile& tile : p.tiles) out.views.push_back(viewTile(tile, p.calibration, {3.0}));
     shareLight(out.views);
     out.index = std::make_unique<TileIndex>(out.views, p.calibration);
     std::vector<std::string> problems;
@@ -163,11 +164,11 @@ void pathByDistanceTransform(benchmark::State& state) {
   std::vector<cv::Mat> drawn;
   for (const TileView& view : at.views) {
     cv::Mat lines(p.cut.camera.height_px, p.cut.camera.width_px, CV_8U, cv::Scalar(255));
-    for (const Entity& entity : p.cut.dieline.entities) {
+    for (const dieline::Entity& entity : p.cut.dieline.entities) {
       std::vector<cv::Point> points;
-      for (const double u : stations(entity.curve, 0.5)) {
-        const auto pixel =
-            p.calibration.pixelIfSeen(at.X_TS * pointAt(entity.curve, u) - view.tile.p_TV_mm, -200.0);
+      for (const double u : dieline::stations(entity.curve, 0.5)) {
+        const auto pixel = p.calibration.pixelIfSeen(
+            at.X_TS * dieline::pointAt(entity.curve, u) - view.tile.p_TV_mm, -200.0);
         if (pixel)
           points.emplace_back(static_cast<int>(std::lround(pixel->x())),
                               static_cast<int>(std::lround(pixel->y())));
@@ -200,7 +201,7 @@ BENCHMARK(pathByCalipersDense)->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK(pathByDistanceTransform)->Unit(benchmark::kMillisecond)->Iterations(5);
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);

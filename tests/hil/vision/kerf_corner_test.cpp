@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/vision/corner_shape.h"
+#include "hil/vision/corner/corner_shape.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -128,8 +128,10 @@ struct Corners {
       // Every other entity runs against the way.
       const Vector2d from = way.corner - 2.5 * way.in;
       const Vector2d to = way.corner + 2.5 * way.out;
-      cut.share_of[cut.add(i % 2 == 0 ? LineCurve{from, way.corner} : LineCurve{way.corner, from})] = 0.0;
-      cut.share_of[cut.add(i % 3 == 0 ? LineCurve{to, way.corner} : LineCurve{way.corner, to})] = 0.0;
+      cut.share_of[cut.add(i % 2 == 0 ? dieline::LineCurve{from, way.corner}
+                                      : dieline::LineCurve{way.corner, from})] = 0.0;
+      cut.share_of[cut.add(i % 3 == 0 ? dieline::LineCurve{to, way.corner}
+                                      : dieline::LineCurve{way.corner, to})] = 0.0;
     }
     const double radius_mm = asked.rounding_mm / (1.0 / std::cos(0.5 * turn) - 1.0);
     const double arc_mm = radius_mm * std::tan(0.5 * std::abs(turn));
@@ -144,7 +146,7 @@ struct Corners {
         if (radius_mm <= 0.0) continue;
         const Vector2d centre = stop + std::copysign(radius_mm, turn) * Vector2d(-way.in.y(), way.in.x());
         const Vector2d from = stop - centre;
-        cut.burn(sheet, ArcCurve{centre, radius_mm, std::atan2(from.y(), from.x()), turn}, 0.0, 1.5);
+        cut.burn(sheet, dieline::ArcCurve{centre, radius_mm, std::atan2(from.y(), from.x()), turn}, 0.0, 1.5);
       }
     };
   }
@@ -237,15 +239,15 @@ TEST(KerfCorner, WithACurvedLegIsHeldAgainstThatCurve) {
         const Vector2d centre = corner + side * kRadiusMm * Vector2d(-out.y(), out.x());
         const Vector2d from = corner - centre;
         const double start = std::atan2(from.y(), from.x());
-        const ArcCurve arc{centre, kRadiusMm, start, side * 1.2};
-        const ArcCurve backwards{centre, kRadiusMm, start + side * 1.2, -side * 1.2};
-        cut.share_of[cut.add(LineCurve{corner - 2.5 * in, corner})] = 0.0;
+        const dieline::ArcCurve arc{centre, kRadiusMm, start, side * 1.2};
+        const dieline::ArcCurve backwards{centre, kRadiusMm, start + side * 1.2, -side * 1.2};
+        cut.share_of[cut.add(dieline::LineCurve{corner - 2.5 * in, corner})] = 0.0;
         cut.share_of[cut.add(against ? backwards : arc)] = 0.0;
         const auto before = cut.also;
         cut.also = [=, &cut](twin::Sheet& sheet) {
           if (before) before(sheet);
           cut.burn(sheet, corner + shift - 2.5 * in, corner + shift, 1.5);
-          cut.burn(sheet, ArcCurve{centre + shift, kRadiusMm, start, side * 1.2}, 0.0, 1.5);
+          cut.burn(sheet, dieline::ArcCurve{centre + shift, kRadiusMm, start, side * 1.2}, 0.0, 1.5);
         };
       }
       const KerfScan scan = cut.scan();
@@ -269,13 +271,13 @@ TEST(KerfCorner, WithACurvedLegIsHeldAgainstThatCurve) {
 TEST(KerfCorner, IsNotDisturbedByAKerfThatEndsBesideItsLeg) {
   const auto scanWith = [](bool neighbour) {
     Corners corners(0.5 * kPi, {{0.02, 0.03}, 0.05, 0.0}, 61);
-    std::vector<LineCurve> others;
+    std::vector<dieline::LineCurve> others;
     for (const Corners::Way& way : corners.ways) {
       const Vector2d left(-way.out.y(), way.out.x());
       const Vector2d end = way.corner + 0.66 * way.out + 0.27 * left;
       if (neighbour) others.push_back({end, end + 1.5 * left});
     }
-    for (const LineCurve& line : others) corners.cut.add(line);
+    for (const dieline::LineCurve& line : others) corners.cut.add(line);
     return corners.cut.scan();
   };
   const KerfScan alone = scanWith(false);
@@ -319,7 +321,8 @@ TEST(KerfCorner, OfACreaseHasEndsWhereTheBeamStopped) {
     for (int i = 0; i < 14; ++i) {
       const Vector2d t = along(i * 0.47 + 0.1);
       const Vector2d middle(-14.0 + 4.0 * (i % 7), i < 7 ? 4.0 : -4.0);
-      cut.share_of[cut.add(LineCurve{middle - 1.7 * t, middle + 1.7 * t}, Process::kCrease)] = share;
+      cut.share_of[cut.add(dieline::LineCurve{middle - 1.7 * t, middle + 1.7 * t},
+                           dieline::Process::kCrease)] = share;
     }
     const KerfScan scan = cut.scan();
     ASSERT_EQ(scan.ends.size(), 28U);
@@ -340,4 +343,4 @@ TEST(KerfCorner, OfACreaseHasEndsWhereTheBeamStopped) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/vision/kerf_grid.h"
+#include "hil/vision/kerf/kerf_grid.h"
 
 #include <set>
 #include <vector>
@@ -8,7 +8,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -41,4 +41,4 @@ TEST(SampleGrid, FindsAllThatLieWithinACell) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -10,7 +10,7 @@
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -21,12 +21,13 @@ constexpr double kPi = std::numbers::pi;
 Vector2d along(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
 
 double worstError(const TwinCut& cut, const KerfScan& scan, int id, double end_mm) {
-  const Curve& curve = cut.dieline.entities.at(static_cast<std::size_t>(id)).curve;
+  const dieline::Curve& curve = cut.dieline.entities.at(static_cast<std::size_t>(id)).curve;
   const EntityKerf& kerf = test::entityOf(scan, id);
   double worst = 0.0;
   for (const Caliper& c : kerf.calipers) {
     if (c.near_joint || !c.found) continue;
-    if (!isClosed(curve) && std::min(c.station_mm, kerf.calipers.back().station_mm - c.station_mm) < end_mm)
+    if (!dieline::isClosed(curve) &&
+        std::min(c.station_mm, kerf.calipers.back().station_mm - c.station_mm) < end_mm)
       continue;
     const auto told = cut.offset_mm.find(id);
     const double offset = told == cut.offset_mm.end() ? 0.0 : told->second;
@@ -57,7 +58,7 @@ TEST(KerfJoint, FreeEndsAreMeasuredWhereTheBeamStopped) {
       for (int i = 0; i < 14; ++i) {
         const Vector2d t = along(i * 0.47 + (i % 7 == 0 ? 0.0 : 0.1));
         const Vector2d middle(-14.0 + 4.0 * (i % 7), i < 7 ? 4.0 : -4.0);
-        const int id = cut.add(LineCurve{middle - 1.7 * t, middle + 1.7 * t});
+        const int id = cut.add(dieline::LineCurve{middle - 1.7 * t, middle + 1.7 * t});
         cut.share_of[id] = 0.0;
         gaps.push_back(0.05 * (i % 5 - 2));
         lines.emplace_back(middle - 1.7 * t, middle + (1.7 - gaps.back()) * t);
@@ -86,7 +87,7 @@ TEST(KerfJoint, FreeEndsAreMeasuredWhereTheBeamStopped) {
 
 TEST(KerfJoint, AnEndThatIsFarTooShortIsMeasuredFromWhereTheKerfStops) {
   TwinCut cut;
-  const int id = cut.add(LineCurve{{-5.0, 1.0}, {5.0, 1.2}});
+  const int id = cut.add(dieline::LineCurve{{-5.0, 1.0}, {5.0, 1.2}});
   cut.share_of[id] = 0.0;
   cut.also = [&](twin::Sheet& sheet) { cut.burn(sheet, {-5.0, 1.0}, {2.0, 1.14}, 1.5); };
   const KerfScan scan = cut.scan();
@@ -118,8 +119,8 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
         for (int i = 0; i < 8; ++i) {
           const Way way{{-12.0 + 8.0 * (i % 4), i < 4 ? 4.0 : -4.0}, along(0.4 * i), along(0.4 * i + turn)};
           ways.push_back(way);
-          cut.share_of[cut.add(LineCurve{way.corner - 2.5 * way.in, way.corner})] = 0.0;
-          cut.share_of[cut.add(LineCurve{way.corner, way.corner + 2.5 * way.out})] = 0.0;
+          cut.share_of[cut.add(dieline::LineCurve{way.corner - 2.5 * way.in, way.corner})] = 0.0;
+          cut.share_of[cut.add(dieline::LineCurve{way.corner, way.corner + 2.5 * way.out})] = 0.0;
         }
         const double tangent_mm = asked.radius_mm * std::tan(0.5 * std::abs(turn));
         cut.also = [&](twin::Sheet& sheet) {
@@ -133,7 +134,8 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
               const Vector2d left(-way.in.y(), way.in.x());
               const Vector2d centre = stop + side * asked.radius_mm * left;
               const Vector2d from = stop - centre;
-              cut.burn(sheet, ArcCurve{centre, asked.radius_mm, std::atan2(from.y(), from.x()), turn}, 0.0,
+              cut.burn(sheet,
+                       dieline::ArcCurve{centre, asked.radius_mm, std::atan2(from.y(), from.x()), turn}, 0.0,
                        1.5);
             }
           }
@@ -167,8 +169,8 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
 TEST(KerfJoint, CrossingsHideOnlyWhatLiesUnderTheOtherKerf) {
   for (const double angle : {0.5 * kPi, 0.25 * kPi, 0.15 * kPi}) {
     TwinCut cut;
-    const int a = cut.add(LineCurve{{-8.0, 0.1}, {8.0, 0.3}});
-    const int b = cut.add(LineCurve{-6.0 * along(angle), 6.0 * along(angle)});
+    const int a = cut.add(dieline::LineCurve{{-8.0, 0.1}, {8.0, 0.3}});
+    const int b = cut.add(dieline::LineCurve{-6.0 * along(angle), 6.0 * along(angle)});
     cut.offset_mm[a] = 0.02;
     cut.offset_mm[b] = -0.03;
     const KerfScan scan = cut.scan();
@@ -185,16 +187,16 @@ TEST(KerfJoint, CrossingsHideOnlyWhatLiesUnderTheOtherKerf) {
 TEST(KerfJoint, NeighboursAndSmallHolesAreMeasured) {
   TwinCut cut;
   std::vector<int> ids;
-  const auto add = [&](Curve curve, double offset) {
+  const auto add = [&](dieline::Curve curve, double offset) {
     ids.push_back(cut.add(std::move(curve)));
     cut.offset_mm[ids.back()] = offset;
   };
-  add(LineCurve{{-14.0, 4.0}, {-6.0, 4.1}}, 0.02);
-  add(LineCurve{{-14.0, 4.4}, {-6.0, 4.5}}, -0.02);
+  add(dieline::LineCurve{{-14.0, 4.0}, {-6.0, 4.1}}, 0.02);
+  add(dieline::LineCurve{{-14.0, 4.4}, {-6.0, 4.5}}, -0.02);
   double x = -14.0;
   for (const double r : {0.3, 0.35, 0.4, 0.5, 0.8, 1.2}) {
-    add(ArcCurve{{x, -2.0}, r, 0.4, 2.0 * kPi}, 0.0);
-    add(ArcCurve{{x, -6.0}, r, 0.4, -2.0 * kPi}, 0.01);
+    add(dieline::ArcCurve{{x, -2.0}, r, 0.4, 2.0 * kPi}, 0.0);
+    add(dieline::ArcCurve{{x, -6.0}, r, 0.4, -2.0 * kPi}, 0.01);
     x += 4.0;
   }
   const KerfScan scan = cut.scan();
@@ -208,9 +210,9 @@ TEST(KerfJoint, NeighboursAndSmallHolesAreMeasured) {
 
 TEST(KerfJoint, TangentContinuationIsMeasuredAsOrdinary) {
   TwinCut cut;
-  const int a = cut.add(LineCurve{{-8.0, 0.0}, {0.0, 0.0}});
-  const int b = cut.add(ArcCurve{{0.0, 3.0}, 3.0, -0.5 * kPi, 0.5 * kPi});
-  const int c = cut.add(LineCurve{{3.0, 3.0}, {3.0, 8.0}});
+  const int a = cut.add(dieline::LineCurve{{-8.0, 0.0}, {0.0, 0.0}});
+  const int b = cut.add(dieline::ArcCurve{{0.0, 3.0}, 3.0, -0.5 * kPi, 0.5 * kPi});
+  const int c = cut.add(dieline::LineCurve{{3.0, 3.0}, {3.0, 8.0}});
   const KerfScan scan = cut.scan();
   for (const int id : {a, b, c}) {
     EXPECT_EQ(hiddenMm(scan, id), 0.0);
@@ -224,9 +226,10 @@ TEST(KerfJoint, ClosedCurvesTellTheirGap) {
   for (const double gap_mm : {0.0, 0.15, 0.3, 0.6}) {
     TwinCut cut;
     const double r = 3.0;
-    cut.share_of[cut.add(ArcCurve{{0.0, 0.0}, r, 0.3, 2.0 * kPi})] = 0.0;
+    cut.share_of[cut.add(dieline::ArcCurve{{0.0, 0.0}, r, 0.3, 2.0 * kPi})] = 0.0;
     cut.also = [&](twin::Sheet& sheet) {
-      cut.burn(sheet, ArcCurve{{0.0, 0.0}, r, 0.3 + 0.5 * gap_mm / r, 2.0 * kPi - gap_mm / r}, 0.0, 1.5);
+      cut.burn(sheet, dieline::ArcCurve{{0.0, 0.0}, r, 0.3 + 0.5 * gap_mm / r, 2.0 * kPi - gap_mm / r}, 0.0,
+               1.5);
     };
     const KerfScan scan = cut.scan();
     ASSERT_EQ(scan.ends.size(), 1U);
@@ -238,4 +241,4 @@ TEST(KerfJoint, ClosedCurvesTellTheirGap) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A leg of kerf beside a joint, from calipers made by hand.
-#include "hil/vision/kerf_leg.h"
+#include "hil/vision/kerf/kerf_leg.h"
 
 #include <cmath>
 #include <vector>
@@ -9,7 +9,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 constexpr double kPitch_mm = 0.05;
@@ -81,4 +81,4 @@ TEST(KerfLeg, IsFollowedByAPolynomialOfAnyDegree) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "hil/vision/constellation.h"
+#include "hil/vision/marks/constellation.h"
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using test::TwinCut;
@@ -25,7 +25,7 @@ PoseErrors poseErrors(int seeds, const std::function<void(TwinCut&)>& apply) {
   for (int seed = 1; seed <= seeds; ++seed) {
     TwinCut cut;
     cut.seed = cut.camera.board_seed = static_cast<std::uint64_t>(seed);
-    cut.add(LineCurve{{-5.0, 0.0}, {5.0, 0.0}});
+    cut.add(dieline::LineCurve{{-5.0, 0.0}, {5.0, 0.0}});
     apply(cut);
     const KerfScan scan = cut.scan();
     EXPECT_EQ(scan.units.size(), 1U);
@@ -90,4 +90,4 @@ TEST(KerfPose, CovarianceHasTheLeverArmOfTheOrigin) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -8,17 +8,17 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/vision/kerf_faults.h"
+#include "hil/vision/kerf/kerf_faults.h"
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using test::TwinCut;
 
 TwinCut aCut() {
   TwinCut cut;
-  cut.add(LineCurve{{-10.0, 0.0}, {10.0, 0.0}});
+  cut.add(dieline::LineCurve{{-10.0, 0.0}, {10.0, 0.0}});
   return cut;
 }
 
@@ -129,4 +129,4 @@ TEST(KerfRefusal, ABoardBesideTheField) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

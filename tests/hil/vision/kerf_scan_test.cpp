@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/vision/kerf_scan.h"
+#include "hil/camera/tile_source.h"
+#include "hil/vision/kerf/kerf_measurement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@
 
 #include "tests/hil/vision/kerf_workpiece.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -61,7 +62,7 @@ class KerfScanTest : public ::testing::Test {
     }
     work_->extra.push_back(line({23.0, 22.5}, {25.2, 23.0}));
     work_->extra.push_back(line({22.0, 2.0}, {22.1, 2.0}));  // dust
-    tiles_ = new std::vector<KerfTile>(work_->tiles());
+    tiles_ = new std::vector<camera::KerfTile>(work_->tiles());
     scan_ = new KerfScan(work_->scan(*tiles_));
   }
   static void TearDownTestSuite() {
@@ -70,11 +71,11 @@ class KerfScanTest : public ::testing::Test {
     delete scan_;
   }
   static Workpiece* work_;
-  static std::vector<KerfTile>* tiles_;
+  static std::vector<camera::KerfTile>* tiles_;
   static KerfScan* scan_;
 };
 Workpiece* KerfScanTest::work_ = nullptr;
-std::vector<KerfTile>* KerfScanTest::tiles_ = nullptr;
+std::vector<camera::KerfTile>* KerfScanTest::tiles_ = nullptr;
 KerfScan* KerfScanTest::scan_ = nullptr;
 
 TEST_F(KerfScanTest, FindsTheSheetOnTheTable) {
@@ -103,7 +104,7 @@ TEST_F(KerfScanTest, SaysWhereInTheCamerasFieldItLooked) {
       if (!c.found) continue;
       ++judged;
       const Vector2d p_T = work_->tableFromSheet(c.p_S_mm);
-      const bool in_a_tile = std::any_of(tiles_->begin(), tiles_->end(), [&](const KerfTile& tile) {
+      const bool in_a_tile = std::any_of(tiles_->begin(), tiles_->end(), [&](const camera::KerfTile& tile) {
         return (p_T - tile.p_TV_mm - c.p_V_mm).norm() < 0.01;
       });
       EXPECT_TRUE(in_a_tile) << "E" << kerf.entity << " at " << c.station_mm;
@@ -236,7 +237,7 @@ TEST_F(KerfScanTest, ReportsItsSpeed) {
 }
 
 TEST_F(KerfScanTest, MissingTilesAreAProblem) {
-  std::vector<KerfTile> some(tiles_->begin(), tiles_->begin() + 3);
+  std::vector<camera::KerfTile> some(tiles_->begin(), tiles_->begin() + 3);
   const KerfScan scan = work_->scan(some);
   EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("lie outside the tiles")));
   // A caliper that the border of a picture cuts off is outside, too.
@@ -295,8 +296,8 @@ TEST_F(KerfScanTest, TheLastUnitWithoutTilesIsAProblemToo) {
 }
 
 TEST_F(KerfScanTest, TilesOfAUnitThatTheWebDoesNotHaveAreAProblem) {
-  std::vector<KerfTile> tiles = *tiles_;
-  for (const KerfTile& tile : *tiles_) tiles.push_back({tile.image, tile.p_TV_mm, 1});
+  std::vector<camera::KerfTile> tiles = *tiles_;
+  for (const camera::KerfTile& tile : *tiles_) tiles.push_back({tile.image, tile.p_TV_mm, 1});
   const KerfScan scan = work_->scan(tiles);
   EXPECT_THAT(scan.problems, ::testing::ElementsAre(::testing::HasSubstr("belong to no unit")));
   EXPECT_EQ(scan.entities.size(), 13U);
@@ -305,7 +306,7 @@ TEST_F(KerfScanTest, TilesOfAUnitThatTheWebDoesNotHaveAreAProblem) {
 TEST_F(KerfScanTest, UnitsWithoutTilesOrMarksAreAProblem) {
   Workpiece two = *work_;
   two.print.units = 3;
-  std::vector<KerfTile> tiles = *tiles_;
+  std::vector<camera::KerfTile> tiles = *tiles_;
   tiles.push_back({GrayImage(900, 700, 28), {0, 0}, 2});
   const KerfScan scan = two.scan(tiles);
   EXPECT_THAT(scan.problems, ::testing::Contains(::testing::HasSubstr("unit 1: no tile")));
@@ -338,4 +339,4 @@ TEST(KerfScan, RefusesSenselessOptions) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/vision/kerf_stray.h"
+#include "hil/vision/kerf/kerf_stray.h"
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -18,8 +18,8 @@ using test::TwinCut;
 
 TwinCut label() {
   TwinCut cut;
-  for (const double x : {-10.0, 10.0}) cut.add(LineCurve{{x, -8.0}, {x, 8.0}});
-  cut.add(LineCurve{{-6.0, 6.0}, {6.0, 6.0}}, Process::kCrease);
+  for (const double x : {-10.0, 10.0}) cut.add(dieline::LineCurve{{x, -8.0}, {x, 8.0}});
+  cut.add(dieline::LineCurve{{-6.0, 6.0}, {6.0, 6.0}}, dieline::Process::kCrease);
   cut.share_of[2] = 0.6;
   return cut;
 }
@@ -113,13 +113,14 @@ TEST(KerfStray, CutCreaseAndHalfCutAreToldByTheirLightInHardPicturesToo) {
     makeHard(cut, seed);
     // All over the uneven light.
     for (const double x : {-13.0, -5.0, 5.0, 13.0}) {
-      cut.add(LineCurve{{x, -8.0}, {x + 1.0, 8.0}});
-      cut.share_of[cut.add(LineCurve{{x + 2.0, -8.0}, {x + 3.0, 8.0}}, Process::kHalfCut)] = 0.6;
+      cut.add(dieline::LineCurve{{x, -8.0}, {x + 1.0, 8.0}});
+      cut.share_of[cut.add(dieline::LineCurve{{x + 2.0, -8.0}, {x + 3.0, 8.0}}, dieline::Process::kHalfCut)] =
+          0.6;
     }
     const KerfScan scan = cut.scan();
     for (const EntityKerf& kerf : scan.entities) {
       const bool half =
-          cut.dieline.entities[static_cast<std::size_t>(kerf.entity)].process == Process::kHalfCut;
+          cut.dieline.entities[static_cast<std::size_t>(kerf.entity)].process == dieline::Process::kHalfCut;
       double low = 2.0, high = 0.0;
       for (const Caliper& c : kerf.calipers) {
         if (c.station_mm < 0.3 || c.station_mm > kerf.calipers.back().station_mm - 0.3) continue;
@@ -154,4 +155,4 @@ TEST(KerfStray, ACutThroughPrintKeepsItsPlace) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -8,7 +8,7 @@
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 namespace {
 
 using Eigen::Vector2d;
@@ -55,7 +55,7 @@ TwinCut::TwinCut() {
   options.beam_radius_mm = kBeamRadiusMm;
 }
 
-int TwinCut::add(Curve curve, Process process) {
+int TwinCut::add(dieline::Curve curve, dieline::Process process) {
   const int id = static_cast<int>(dieline.entities.size());
   dieline.entities.push_back({id, std::move(curve), process, "", ""});
   return id;
@@ -67,11 +67,11 @@ void TwinCut::burn(twin::Sheet& sheet, const Vector2d& from_mm, const Vector2d& 
   sheet.burn({from_mm, kBeamRadiusMm, kBeamRadiusMm}, {to_mm, kBeamRadiusMm, kBeamRadiusMm}, energy_j);
 }
 
-void TwinCut::burn(twin::Sheet& sheet, const Curve& curve, double offset, double share) const {
-  const bool straight = std::holds_alternative<LineCurve>(curve);
-  const std::vector<double> us = straight ? std::vector{0.0, 1.0} : stations(curve, 0.02);
+void TwinCut::burn(twin::Sheet& sheet, const dieline::Curve& curve, double offset, double share) const {
+  const bool straight = std::holds_alternative<dieline::LineCurve>(curve);
+  const std::vector<double> us = straight ? std::vector{0.0, 1.0} : dieline::stations(curve, 0.02);
   const auto at = [&](double u) -> Vector2d {
-    return pointAt(curve, u) + offset * leftOf(tangentAt(curve, u));
+    return dieline::pointAt(curve, u) + offset * leftOf(dieline::tangentAt(curve, u));
   };
   for (std::size_t i = 0; i + 1 < us.size(); ++i) burn(sheet, at(us[i]), at(us[i + 1]), share);
 }
@@ -82,10 +82,10 @@ Eigen::Isometry2d TwinCut::lay() const {
          Eigen::Rotation2Dd(0.01 * (random.uniform(2) - 0.5));
 }
 
-std::vector<KerfTile> TwinCut::tiles() const {
+std::vector<camera::KerfTile> TwinCut::tiles() const {
   twin::Sheet sheet(board);
-  for (const Entity& entity : dieline.entities) {
-    if (entity.process == Process::kIgnore) continue;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process == dieline::Process::kIgnore) continue;
     const auto offset = offset_mm.find(entity.id);
     const auto share = share_of.find(entity.id);
     if (share != share_of.end() && share->second == 0.0) continue;
@@ -99,23 +99,24 @@ std::vector<KerfTile> TwinCut::tiles() const {
 
 KerfScan TwinCut::scan() const { return scan(tiles()); }
 
-KerfScan TwinCut::scan(std::vector<KerfTile> some) const {
+KerfScan TwinCut::scan(std::vector<camera::KerfTile> some) const {
   ReadyTiles source(std::move(some));
   return scanKerf(source, calibrationOf(camera), print, dieline, options);
 }
 
-double TwinCut::truth(const KerfScan& scan, const Caliper& caliper, const Curve& curve, double offset) const {
+double TwinCut::truth(const KerfScan& scan, const Caliper& caliper, const dieline::Curve& curve,
+                      double offset) const {
   const UnitPose& pose = scan.units.at(0);
-  const Vector2d normal = leftOf(tangentAt(curve, caliper.u));
+  const Vector2d normal = leftOf(dieline::tangentAt(curve, caliper.u));
   const Eigen::Isometry2d X_TS = Eigen::Translation2d(pose.p_TS_mm) * Eigen::Rotation2Dd(pose.angle_rad);
-  const double inside_mm = kBeamRadiusMm * kBeamRadiusMm / 8.0 * curvatureAt(curve, caliper.u);
+  const double inside_mm = kBeamRadiusMm * kBeamRadiusMm / 8.0 * dieline::curvatureAt(curve, caliper.u);
   const Vector2d p_S_mm = X_TS.inverse() * (lay() * Vector2d(caliper.p_S_mm + (offset + inside_mm) * normal));
   return (p_S_mm - caliper.p_S_mm).dot(normal);
 }
 
 void Errors::add(const TwinCut& cut, const KerfScan& scan) {
   for (const EntityKerf& kerf : scan.entities) {
-    const Entity& entity = cut.dieline.entities.at(static_cast<std::size_t>(kerf.entity));
+    const dieline::Entity& entity = cut.dieline.entities.at(static_cast<std::size_t>(kerf.entity));
     const auto told = cut.offset_mm.find(kerf.entity);
     const double offset = told == cut.offset_mm.end() ? 0.0 : told->second;
     std::vector<const Caliper*> good;
@@ -123,7 +124,7 @@ void Errors::add(const TwinCut& cut, const KerfScan& scan) {
     for (const Caliper& c : kerf.calipers) {
       // The outermost half millimetre is end rather than kerf.
       if (!c.found || c.near_joint) continue;
-      const bool open = !isClosed(entity.curve);
+      const bool open = !dieline::isClosed(entity.curve);
       if (open && (c.station_mm < 0.3 || c.station_mm > kerf.calipers.back().station_mm - 0.3)) continue;
       good.push_back(&c);
       width += c.width_mm;
@@ -159,4 +160,4 @@ const EntityKerf& entityOf(const KerfScan& scan, int id, int unit) {
                        [&](const EntityKerf& e) { return e.entity == id && e.unit == unit; });
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

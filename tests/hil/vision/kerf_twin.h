@@ -8,12 +8,15 @@
 
 #include <Eigen/Geometry>
 
+#include "hil/camera/tile_source.h"
 #include "hil/dieline/geometry.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "twin/base/print_layout.h"
 #include "twin/camera/camera.h"
 #include "twin/sheet/sheet.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 constexpr double kBeamRadiusMm = 0.105;
 
@@ -27,7 +30,7 @@ struct TwinCut {
   twin::BoardDescription board;
   twin::CameraDescription camera = kerfCamera();
   PrintLayout print;
-  Dieline dieline;
+  dieline::Dieline dieline;
   std::map<int, double> offset_mm;  ///< Of entities, along the left normal; 0 if not told.
   double fluence_share{1.5};        ///< In the middle of a line, of what cuts through.
   std::map<int, double> share_of;   ///< The same for single entities.
@@ -37,21 +40,21 @@ struct TwinCut {
   std::function<void(twin::Sheet&)> also;
 
   TwinCut();
-  int add(Curve curve, Process process = Process::kCut);
+  int add(dieline::Curve curve, dieline::Process process = dieline::Process::kCut);
   /// Straight, with the tools of the model's beam: energy for the share of the cutting fluence.
   void burn(twin::Sheet& sheet, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm,
             double share) const;
-  void burn(twin::Sheet& sheet, const Curve& curve, double offset, double share) const;
+  void burn(twin::Sheet& sheet, const dieline::Curve& curve, double offset, double share) const;
 
-  [[nodiscard]] std::vector<KerfTile> tiles() const;
+  [[nodiscard]] std::vector<camera::KerfTile> tiles() const;
   [[nodiscard]] KerfScan scan() const;
-  [[nodiscard]] KerfScan scan(std::vector<KerfTile> tiles) const;
+  [[nodiscard]] KerfScan scan(std::vector<camera::KerfTile> tiles) const;
   /// How the unit lies on the table.
   [[nodiscard]] Eigen::Isometry2d lay() const;
   /// True offset of a caliper as the scan's own place of the unit would have it: what remains is the
   /// caliper's error alone. The kerf of an arc lies inside of the beam's way by w² / (8 r): a Gaussian beam
   /// of 1/e² radius w (standard deviation w / 2) along a circle of radius r leaves its ridge there.
-  [[nodiscard]] double truth(const KerfScan& scan, const Caliper& caliper, const Curve& curve,
+  [[nodiscard]] double truth(const KerfScan& scan, const Caliper& caliper, const dieline::Curve& curve,
                              double offset) const;
 };
 
@@ -75,4 +78,4 @@ class Errors {
 
 const EntityKerf& entityOf(const KerfScan& scan, int id, int unit = 0);
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

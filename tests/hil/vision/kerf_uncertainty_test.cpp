@@ -9,7 +9,7 @@
 
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -22,13 +22,13 @@ TwinCut workpiece() {
     const double angle = i * std::numbers::pi / 16.0 + (i % 4 == 0 ? 0.0 : 0.03);
     const Vector2d along(std::cos(angle), std::sin(angle));
     const Vector2d middle(-14.0 + 4.0 * (i % 8), i < 8 ? 4.5 : -4.5);
-    const int id = cut.add(LineCurve{middle - 1.8 * along, middle + 1.8 * along});
+    const int id = cut.add(dieline::LineCurve{middle - 1.8 * along, middle + 1.8 * along});
     cut.offset_mm[id] = 0.007 * ((i * 5) % 9 - 4);
   }
-  cut.add(LineCurve{{-12.0, 0.0}, {12.0, 0.3}});
-  cut.add(LineCurve{{-12.0, -10.0}, {12.0, -10.0}});
-  cut.add(ArcCurve{{0.0, 10.5}, 1.5, 0.3, 2.0 * std::numbers::pi});
-  cut.add(ArcCurve{{6.0, 10.5}, 2.0, 0.3, 4.5});
+  cut.add(dieline::LineCurve{{-12.0, 0.0}, {12.0, 0.3}});
+  cut.add(dieline::LineCurve{{-12.0, -10.0}, {12.0, -10.0}});
+  cut.add(dieline::ArcCurve{{0.0, 10.5}, 1.5, 0.3, 2.0 * std::numbers::pi});
+  cut.add(dieline::ArcCurve{{6.0, 10.5}, 2.0, 0.3, 4.5});
   return cut;
 }
 
@@ -111,8 +111,8 @@ double worstBias(const TwinCut& cut) {
   const KerfScan scan = cut.scan();
   double worst = 0.0;
   for (const EntityKerf& kerf : scan.entities) {
-    const Curve& curve = cut.dieline.entities.at(static_cast<std::size_t>(kerf.entity)).curve;
-    if (!std::holds_alternative<LineCurve>(curve)) continue;
+    const dieline::Curve& curve = cut.dieline.entities.at(static_cast<std::size_t>(kerf.entity)).curve;
+    if (!std::holds_alternative<dieline::LineCurve>(curve)) continue;
     double sum = 0.0, count = 0.0;
     for (const Caliper& c : kerf.calipers) {
       if (!c.found || c.near_joint || c.station_mm < 0.3 ||
@@ -160,4 +160,4 @@ TEST(CaliperBias, IsSmallWhateverTheLightAndTheScorch) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

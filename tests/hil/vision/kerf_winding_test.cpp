@@ -7,7 +7,7 @@
 
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -22,15 +22,15 @@ struct Winding {
   int id{};
 
   explicit Winding(const std::function<double(double)>& deviation_mm) {
-    id = cut.add(LineCurve{{-kHalfMm, -1.0}, {kHalfMm, -0.3}});
+    id = cut.add(dieline::LineCurve{{-kHalfMm, -1.0}, {kHalfMm, -0.3}});
     cut.share_of[id] = 0.0;
     cut.also = [this, deviation_mm](twin::Sheet& sheet) {
-      const Curve& curve = cut.dieline.entities[static_cast<std::size_t>(id)].curve;
-      const double length_mm = lengthOf(curve);
-      const Vector2d along = tangentAt(curve, 0.5);
+      const dieline::Curve& curve = cut.dieline.entities[static_cast<std::size_t>(id)].curve;
+      const double length_mm = dieline::lengthOf(curve);
+      const Vector2d along = dieline::tangentAt(curve, 0.5);
       const Vector2d left(-along.y(), along.x());
       const auto at = [&](double s_mm) -> Vector2d {
-        return pointAt(curve, s_mm / length_mm) + deviation_mm(s_mm) * left;
+        return dieline::pointAt(curve, s_mm / length_mm) + deviation_mm(s_mm) * left;
       };
       for (double s_mm = 0.0; s_mm < length_mm; s_mm += kStepMm)
         cut.burn(sheet, at(s_mm), at(std::min(s_mm + kStepMm, length_mm)), cut.fluence_share);
@@ -93,7 +93,7 @@ TEST(KerfWidth, IsThatOfTheLightAndNotOfItsBlur) {
   for (const double share : {1.2, 1.5, 2.5, 4.0}) {
     TwinCut cut;
     cut.fluence_share = share;
-    const int id = cut.add(LineCurve{{-kHalfMm, -1.0}, {kHalfMm, -0.3}});
+    const int id = cut.add(dieline::LineCurve{{-kHalfMm, -1.0}, {kHalfMm, -0.3}});
     const KerfScan scan = cut.scan();
     double sum_mm = 0.0, count = 0.0;
     for (const Caliper& c : test::entityOf(scan, id).calipers) {
@@ -110,4 +110,4 @@ TEST(KerfWidth, IsThatOfTheLightAndNotOfItsBlur) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

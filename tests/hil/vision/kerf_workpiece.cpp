@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 using Eigen::Vector2d;
 
@@ -75,8 +75,8 @@ void Workpiece::drawKerf(Canvas& canvas, const Vector2d& p_TV, const Curve& curv
   }
 }
 
-std::vector<KerfTile> Workpiece::tiles(int unit) const {
-  std::vector<KerfTile> out;
+std::vector<camera::KerfTile> Workpiece::tiles(int unit) const {
+  std::vector<camera::KerfTile> out;
   for (const double y : {8.0, 20.0}) {
     for (const double x : {11.0, 31.0}) {
       const Vector2d p_TV(x, y);
@@ -100,9 +100,9 @@ std::vector<KerfTile> Workpiece::tiles(int unit) const {
   return out;
 }
 
-KerfScan Workpiece::scan(std::vector<KerfTile> some) const {
+KerfScan Workpiece::scan(std::vector<camera::KerfTile> some) const {
   ReadyTiles source(std::move(some));
   return scanKerf(source, camera, print, dieline, options);
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

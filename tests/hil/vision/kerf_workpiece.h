@@ -6,7 +6,7 @@
 
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 inline constexpr double kPitchMm = 0.03;
 inline constexpr double kBoard = 28.0;
@@ -54,8 +54,8 @@ struct Workpiece {
   }
 
   void drawKerf(Canvas& canvas, const Eigen::Vector2d& p_TV, const Curve& curve, const Truth& t) const;
-  [[nodiscard]] std::vector<KerfTile> tiles(int unit = 0) const;
-  [[nodiscard]] KerfScan scan(std::vector<KerfTile> some) const;
+  [[nodiscard]] std::vector<camera::KerfTile> tiles(int unit = 0) const;
+  [[nodiscard]] KerfScan scan(std::vector<camera::KerfTile> some) const;
 };
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

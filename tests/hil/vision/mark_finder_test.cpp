@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is a mark, and what only looks like one.
-#include "hil/vision/mark_finder.h"
+#include "hil/vision/marks/mark_finder.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -64,4 +64,4 @@ TEST_F(MarkFinder, ADiscThatLiesTooFarOffIsAnother) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

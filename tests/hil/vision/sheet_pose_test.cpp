@@ -10,7 +10,7 @@
 #include "tests/hil/vision/spot_twin.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -119,4 +119,4 @@ TEST(SheetPose, CovarianceIsHonest) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

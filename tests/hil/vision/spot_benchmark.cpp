@@ -8,13 +8,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 
-#include "hil/vision/spot_fit.h"
+#include "hil/vision/spot/spot_fit.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/spot_twin.h"
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -144,7 +144,7 @@ BENCHMARK(simpleBlobDetectorTuned)->Unit(benchmark::kMicrosecond);
 BENCHMARK(simpleBlobDetector)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);

@@ -12,7 +12,7 @@
 #include "tests/hil/vision/spot_twin.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -210,4 +210,4 @@ TEST(SpotBound, BesideADisc) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fit of one spot: what it states of its own error against how it scatters, and what is no spot.
-#include "hil/vision/spot_fit.h"
+#include "hil/vision/spot/spot_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -112,4 +112,4 @@ TEST(SpotFit, AnEdgeOfLightIsNoSpot) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the board's grain does to a spot's centre, against placing the same weights on many pieces of board.
-#include "hil/vision/spot_grain.h"
+#include "hil/vision/spot/spot_grain.h"
 
 #include <cmath>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 constexpr int kSide = 400;
@@ -107,4 +107,4 @@ TEST(BoardGrain, TheSpotsOwnLightIsNoisyToo) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The light of a spot: what its parameters say of it, held against sums and differences of itself.
-#include "hil/vision/spot_model.h"
+#include "hil/vision/spot/spot_model.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Vector = SpotParameters::Vector;
@@ -86,4 +86,4 @@ TEST(SpotModel, AStreakLikeABellHasItsMomentsAndItsLight) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

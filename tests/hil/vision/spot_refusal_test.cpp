@@ -9,7 +9,7 @@
 
 #include "tests/hil/vision/spot_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -170,4 +170,4 @@ TEST(SpotRefusal, MarksThatMoved) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/vision/brightness_scan.h"
+#include "hil/vision/image/brightness_scan.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/spot_twin.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -105,4 +105,4 @@ TEST(SpotSearch, PicturesTooSmallForAnything) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

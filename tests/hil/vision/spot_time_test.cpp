@@ -4,7 +4,7 @@
 
 #include "tests/hil/vision/spot_twin.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 using Eigen::Vector2d;
@@ -31,4 +31,4 @@ TEST(SpotTime, APlaceIsThatOfTheMiddleOfItsExposure) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

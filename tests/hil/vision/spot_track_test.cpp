@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/vision/spot_track.h"
+#include "hil/vision/spot/spot_track.h"
 
 #include <cmath>
 #include <cstdio>
@@ -12,7 +12,7 @@
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::vision {
 namespace {
 
 constexpr double kPitchMm = 0.1;
@@ -387,4 +387,4 @@ TEST(SpotTrack, RefusesFramesOfAnotherCamera) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::vision

@@ -6,7 +6,7 @@
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 twin::CameraDescription spotCamera(int width_px, int height_px) {
   twin::CameraDescription camera;
@@ -50,4 +50,4 @@ SpotTrack trackOf(const twin::CameraDescription& camera, const PrintLayout& prin
   return trackSpot(source, calibrationOf(camera), print, {1, speed_mm_s});
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

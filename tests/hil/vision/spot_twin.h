@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "hil/vision/spot_track.h"
+#include "hil/vision/spot/spot_track.h"
 #include "twin/camera/camera.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 /// A spot camera of 0.1 mm to the pixel, askew and with a lens.
 twin::CameraDescription spotCamera(int width_px = 320, int height_px = 256);
@@ -26,4 +26,4 @@ PrintLayout noPrint();
 SpotTrack trackOf(const twin::CameraDescription& camera, const PrintLayout& print, std::vector<Frame> frames,
                   double speed_mm_s = 0.0);
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

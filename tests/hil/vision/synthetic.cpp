@@ -7,7 +7,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 namespace {
 
 template <typename T>
@@ -153,7 +153,7 @@ GrayImage Canvas::expose(std::uint64_t seed, std::uint64_t sequence) const {
 }
 
 std::vector<Frame> ReadyFrames::nextBatch(std::size_t max) { return take(frames_, next_, max); }
-std::vector<KerfTile> ReadyTiles::nextBatch(std::size_t max) { return take(tiles_, next_, max); }
+std::vector<camera::KerfTile> ReadyTiles::nextBatch(std::size_t max) { return take(tiles_, next_, max); }
 
 Statistics statisticsOf(std::span<const double> values) {
   Statistics s;
@@ -163,4 +163,4 @@ Statistics statisticsOf(std::span<const double> values) {
   return s;
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

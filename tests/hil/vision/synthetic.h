@@ -9,12 +9,12 @@
 #include <Eigen/Geometry>
 
 #include "hil/camera/frame_source.h"
-#include "hil/vision/camera_calibration.h"
-#include "hil/vision/kerf_scan.h"
+#include "hil/camera/tile_source.h"
+#include "hil/vision/image/camera_calibration.h"
 #include "twin/base/image.h"
 #include "twin/base/print_layout.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::vision::test {
 
 /// A camera 500 mm above the plane, tilted and with a barrel lens, of the given scale.
 CameraCalibration tiltedCamera(int width_px, int height_px, double pitch_mm);
@@ -50,7 +50,7 @@ class Canvas {
 };
 
 /// Frames that are kept ready.
-class ReadyFrames : public FrameSource {
+class ReadyFrames : public camera::FrameSource {
  public:
   explicit ReadyFrames(std::vector<Frame> frames) : frames_(std::move(frames)) {}
   std::vector<Frame> nextBatch(std::size_t max) override;
@@ -60,13 +60,13 @@ class ReadyFrames : public FrameSource {
   std::size_t next_{};
 };
 
-class ReadyTiles : public TileSource {
+class ReadyTiles : public camera::TileSource {
  public:
-  explicit ReadyTiles(std::vector<KerfTile> tiles) : tiles_(std::move(tiles)) {}
-  std::vector<KerfTile> nextBatch(std::size_t max) override;
+  explicit ReadyTiles(std::vector<camera::KerfTile> tiles) : tiles_(std::move(tiles)) {}
+  std::vector<camera::KerfTile> nextBatch(std::size_t max) override;
 
  private:
-  std::vector<KerfTile> tiles_;
+  std::vector<camera::KerfTile> tiles_;
   std::size_t next_{};
 };
 
@@ -76,4 +76,4 @@ struct Statistics {
 };
 Statistics statisticsOf(std::span<const double> values);
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::vision::test

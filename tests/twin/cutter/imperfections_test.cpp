@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "twin/cutter/imperfections.h"
+#include "twin/description/imperfections.h"
 
 #include <algorithm>
 #include <cmath>

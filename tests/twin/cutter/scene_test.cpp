@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "twin/cutter/scene.h"
+#include "twin/scene/scene.h"
 
 #include <gtest/gtest.h>
 

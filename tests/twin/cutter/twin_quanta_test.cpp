@@ -11,7 +11,7 @@
 
 #include "tests/twin/cutter/machines.h"
 #include "twin/base/random.h"
-#include "twin/cutter/imperfections.h"
+#include "twin/description/imperfections.h"
 
 namespace kerfbench::twin {
 namespace {

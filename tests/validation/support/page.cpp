@@ -81,7 +81,7 @@ void writePage(const std::filesystem::path& page, const std::vector<Chapter>& ch
     text += chapterText(++number, chapter.section);
     for (const Figure& figure : chapter.section.figures) {
       const auto file = folder / (figure.name + ".svg");
-      hil::writeFileAtomically(file, figure.svg);
+      base::writeFileAtomically(file, figure.svg);
       shown.insert(file);
     }
   }
@@ -89,7 +89,7 @@ void writePage(const std::filesystem::path& page, const std::vector<Chapter>& ch
     if (entry.path().extension() == ".svg" && !shown.contains(entry.path()))
       std::filesystem::remove(entry.path());
   }
-  hil::writeFileAtomically(page, text);
+  base::writeFileAtomically(page, text);
 }
 
 }  // namespace kerfbench::validation

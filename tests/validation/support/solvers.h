@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "twin/cutter/fidelity.h"
+#include "twin/description/fidelity.h"
 #include "twin/machine/solver.h"
 
 namespace kerfbench::validation {

@@ -96,10 +96,10 @@ void setLimit(Library& library, sr_dev_inst* device, std::uint64_t limit) {
                       " samples: " + library.why(code));
 }
 
-std::string runBytes(std::span<const hil::LevelRun> runs) {
+std::string runBytes(std::span<const source::LevelRun> runs) {
   std::string bytes;
-  bytes.reserve(runs.size() * hil::analyser_stream::kRunBytes);
-  for (const hil::LevelRun& run : runs) {
+  bytes.reserve(runs.size() * source::analyser_stream::kRunBytes);
+  for (const source::LevelRun& run : runs) {
     for (unsigned i = 0; i < 8; ++i) bytes += static_cast<char>(run.samples >> (8 * i));
     for (unsigned i = 0; i < 4; ++i) bytes += static_cast<char>(run.levels >> (8 * i));
   }
@@ -110,23 +110,24 @@ std::string runBytes(std::span<const hil::LevelRun> runs) {
 /// returned.
 class Reception {
  public:
-  Reception(sr_session* session, std::vector<unsigned> bits, const hil::ListenFor& listen, const Sink& sink)
+  Reception(sr_session* session, std::vector<unsigned> bits, const source::ListenFor& listen,
+            const Sink& sink)
       : session_(session), packer_(std::move(bits)), listener_(listen), sink_(sink) {}
 
   static void receive(const sr_dev_inst* /*device*/, const sr_datafeed_packet* packet, void* self) {
     static_cast<Reception*>(self)->take(*packet);
   }
-  [[nodiscard]] hil::Listener::State state() const { return state_; }
+  [[nodiscard]] source::Listener::State state() const { return state_; }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
 
  private:
   void take(const sr_datafeed_packet& packet) {
-    if (packet.type != SR_DF_LOGIC || failure_ || state_ != hil::Listener::State::kListening) return;
+    if (packet.type != SR_DF_LOGIC || failure_ || state_ != source::Listener::State::kListening) return;
     try {
       const auto& logic = *static_cast<const sr_datafeed_logic*>(packet.payload);
-      std::vector<hil::LevelRun> runs;
+      std::vector<source::LevelRun> runs;
       packer_.add({static_cast<const std::uint8_t*>(logic.data), static_cast<std::size_t>(logic.length)},
                   logic.unitsize, runs);
       state_ = listener_.add(runs);
@@ -134,14 +135,14 @@ class Reception {
     } catch (...) {
       failure_ = std::current_exception();
     }
-    if (failure_ || state_ != hil::Listener::State::kListening) sr_session_stop(session_);
+    if (failure_ || state_ != source::Listener::State::kListening) sr_session_stop(session_);
   }
 
   sr_session* session_;
-  hil::SamplePacker packer_;
-  hil::Listener listener_;
+  source::SamplePacker packer_;
+  source::Listener listener_;
   const Sink& sink_;
-  hil::Listener::State state_{hil::Listener::State::kListening};
+  source::Listener::State state_{source::Listener::State::kListening};
   std::exception_ptr failure_;
 };
 
@@ -154,14 +155,14 @@ Handle<sr_session> sessionWith(Library& library, sr_dev_inst* device) {
   return session;
 }
 
-char reasonOf(hil::Listener::State state) {
-  using Reason = hil::analyser_stream::AnalyserReason;
+char reasonOf(source::Listener::State state) {
+  using Reason = source::analyser_stream::AnalyserReason;
   switch (state) {
-    case hil::Listener::State::kQuiet:
+    case source::Listener::State::kQuiet:
       return static_cast<char>(Reason::kQuiet);
-    case hil::Listener::State::kLimit:
+    case source::Listener::State::kLimit:
       return static_cast<char>(Reason::kLimit);
-    case hil::Listener::State::kListening:
+    case source::Listener::State::kListening:
       break;
   }
   return static_cast<char>(Reason::kDevice);

@@ -13,7 +13,7 @@
 
 namespace kerfbench::sigrok_child {
 
-using Frame = hil::analyser_stream::AnalyserFrame;
+using Frame = source::analyser_stream::AnalyserFrame;
 
 /// Where frames go; may throw, which ends the work.
 using Sink = std::function<void(Frame, const std::string& payload)>;
@@ -28,7 +28,7 @@ struct AcquireRequest {
   std::uint64_t samplerate_hz{};
   std::vector<std::string> channels;
   std::vector<std::pair<std::string, std::string>> settings;
-  hil::ListenFor listen;
+  source::ListenFor listen;
 };
 
 /// kLibrary, and kDevice or kFault for each logic analyser that a scan finds. @throws SigrokError.

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/check.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/program.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/program.h"
 #include "libraries.h"
 #include "player.h"
 

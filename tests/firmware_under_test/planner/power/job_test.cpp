@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/check.h"
-#include "firmware_under_test/planner/gcode.h"
-#include "firmware_under_test/planner/program.h"
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/program.h"
 #include "libraries.h"
 #include "player.h"
 
@@ -150,12 +150,12 @@ TEST(PowerOfAJob, TheLoopIsHeldAgainstTheControllerThatIsPlannedFor) {
   job.power = test::steelModel(0.2);
   job.power_loop = true;
   machine.power_quantum_j = job.power->laser().power.greatest().y * 0.8e-3 / (2.0 * 60.0);
-  EXPECT_THAT(faultsOf(machine, job), ::testing::IsEmpty());
+  EXPECT_THAT(jobIssues(machine, job), ::testing::IsEmpty());
   machine.target.tick_s = 1e-6;
   machine.target.ticks_per_period = 128;
   machine.target.longest_delay_ticks = 65535;
-  EXPECT_THAT(faultsOf(machine, job), ::testing::ElementsAre(HasSubstr("in 0 … 0.00035 together"),
-                                                             HasSubstr("9.6 edges in a period")));
+  EXPECT_THAT(jobIssues(machine, job), ::testing::ElementsAre(HasSubstr("in 0 … 0.00035 together"),
+                                                              HasSubstr("9.6 edges in a period")));
 }
 
 }  // namespace

@@ -11,12 +11,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/head/correction.h"
 #include "hil/calibrate/head/correction_table.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 namespace {
 
 using Eigen::Vector2d;
@@ -169,4 +169,4 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
   return result;
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

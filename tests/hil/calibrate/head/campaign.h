@@ -11,7 +11,7 @@
 #include "hil/calibrate/head/observation.h"
 #include "tests/hil/calibrate/head/simulated_head.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 
 /// How the marks of a simulated calibration come out.
 struct MarkQuality {
@@ -56,4 +56,4 @@ struct CampaignResult {
 CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, std::uint64_t seed,
                          std::optional<double> unmodelled_share = {});
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

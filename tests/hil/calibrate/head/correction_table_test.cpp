@@ -6,12 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/head/correction.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "tests/hil/calibrate/head/campaign.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -75,4 +75,4 @@ TEST(CorrectionTable, PlacesOutOfReachAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -13,7 +13,7 @@
 #include "hil/calibrate/head/correction_table.h"
 #include "tests/hil/calibrate/head/campaign.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -239,4 +239,4 @@ TEST(HeadFit, OptionsOutOfRangeAreAllNamed) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "firmware_under_test/planner/axes.h"
+#include "firmware_under_test/planner/head/axes.h"
 #include "twin/base/random.h"
 #include "twin/optics/scan_head.h"
 #include "twin/optics/surface.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -192,4 +192,4 @@ TEST(NominalHead, NamesEveryFault) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

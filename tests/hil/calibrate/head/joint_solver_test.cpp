@@ -9,7 +9,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::MatrixXd;
@@ -131,4 +131,4 @@ TEST_F(ThreeSheets, TheFactorOfAllTolerancesIsThatOfTheDepartures) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -8,7 +8,7 @@
 #include "hil/calibrate/head/axis_check.h"
 #include "hil/calibrate/head/observation.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -112,4 +112,4 @@ TEST(Axes, MarksThatFitNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

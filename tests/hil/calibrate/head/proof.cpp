@@ -18,8 +18,8 @@
 
 namespace {
 
-using namespace kerfbench::hil;
-using namespace kerfbench::hil::test;
+using namespace kerfbench::calibrate;
+using namespace kerfbench::calibrate::test;
 
 struct Row {
   HeadKind kind;
@@ -43,7 +43,7 @@ double limitOf(HeadKind kind) { return kind == HeadKind::kTwoMirror800 ? 0.025 :
 std::vector<Seed> run(const Row& row, std::size_t first, std::size_t seeds, int threads,
                       std::optional<double> unmodelled_share) {
   std::vector<Seed> all(seeds);
-  kerfbench::hil::forEachIndex(seeds, threads, [&](std::size_t i) {
+  kerfbench::base::forEachIndex(seeds, threads, [&](std::size_t i) {
     try {
       MarkQuality quality;
       if (row.spoiled) quality.missing_share = 0.05, quality.false_share = 0.01;

@@ -8,7 +8,7 @@
 
 #include "tests/hil/calibrate/head/campaign.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using test::Beyond;
@@ -118,4 +118,4 @@ TEST(QuickCheck, TooFewMarksAreRefused) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

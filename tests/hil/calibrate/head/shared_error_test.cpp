@@ -12,7 +12,7 @@
 #include "tests/hil/calibrate/head/simulated_head.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -131,4 +131,4 @@ TEST(SharedError, ASheetThatLiesAsideIsNoDriftOfTheHead) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

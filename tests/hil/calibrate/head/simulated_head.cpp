@@ -8,7 +8,7 @@
 #include "hil/calibrate/head/head_parameters.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 namespace {
 
 constexpr double kShare = 0.6;  // Of the tolerances.
@@ -134,4 +134,4 @@ Eigen::Vector2d SimulatedHead::spotFor(const Eigen::Vector2d& aim_W_mm, bool rou
   return Eigen::Rotation2Dd(change_.turn_rad) * spot->p_WQ_mm;
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

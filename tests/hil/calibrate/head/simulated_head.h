@@ -12,7 +12,7 @@
 #include "twin/optics/scan_head.h"
 #include "twin/optics/surface.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 
 enum class HeadKind { kTwoMirror100, kTwoMirror300, kTwoMirror800, kFTheta300 };
 std::string nameOf(HeadKind kind);
@@ -66,4 +66,4 @@ class SimulatedHead {
   std::vector<twin::Surface> board_;
 };
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

@@ -9,7 +9,7 @@
 #include "tests/hil/calibrate/head/campaign.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -103,4 +103,4 @@ TEST(StatedSpread, TellsInWordsAndOfNothingNothing) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -13,12 +13,12 @@
 
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/tile_folder.h"
-#include "hil/vision/constellation.h"
-#include "tests/hil/app/temp_folder.h"
+#include "hil/vision/marks/constellation.h"
+#include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/marks/marked_sheet.h"
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -54,10 +54,10 @@ Errors errorsOf(MarkedSheet& sheet, int seeds) {
     const MarkedField field = matchField(sheet.job, pictures);
     EXPECT_EQ(field.points.size(), sheet.job.marks.size());
     EXPECT_THAT(field.problems, IsEmpty());
-    std::vector<MarkPair> pairs;
+    std::vector<vision::MarkPair> pairs;
     for (const MarkPoint& point : field.points)
       pairs.push_back({sheet.head(sheet.job.wanted_S_mm(point.wanted)), point.cut.p_S_mm, 0.0});
-    const PlaneMotion common = fitMotion(pairs, 0.0);
+    const vision::PlaneMotion common = vision::fitMotion(pairs, 0.0);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const Matrix2d covariance = field.points[i].cut.covariance;
       const Vector2d own = pairs[i].q_mm - common * pairs[i].p_mm;
@@ -249,7 +249,7 @@ TEST(FieldMarks, PicturesThatCannotBeUsedSayWhy) {
   EXPECT_THAT(sheet.find({}).problems, ElementsAre("there are no pictures"));
 
   auto dark = tiles;
-  for (KerfTile& tile : dark) std::ranges::fill(tile.image.pixels, std::uint8_t{2});
+  for (camera::KerfTile& tile : dark) std::ranges::fill(tile.image.pixels, std::uint8_t{2});
   EXPECT_FALSE(sheet.find(dark).problems.empty());
 
   auto mixed = tiles;
@@ -282,12 +282,12 @@ TEST(FieldMarks, TheResultIsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST(FieldMarks, AFolderOfPicturesGivesTheSameToTheLastBit) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   MarkedSheet sheet(4, 3);
   const auto tiles = sheet.tiles();
   test::ReadyTiles live(tiles);
-  writeTiles(live, folder.path() / "tiles");
-  TileFolder stored(folder.path() / "tiles");
+  camera::writeTiles(live, folder.path() / "tiles");
+  camera::TileFolder stored(folder.path() / "tiles");
   EXPECT_EQ(stored.size(), tiles.size());
   const FieldPictures here = sheet.find(tiles);
   const FieldPictures there = sheet.find(stored.nextBatch(tiles.size()));
@@ -301,53 +301,53 @@ TEST(FieldMarks, AFolderOfPicturesGivesTheSameToTheLastBit) {
 }
 
 TEST(FieldMarks, AFolderThatIsNotWholeSaysWhatIsWrong) {
-  const TempFolder folder;
-  EXPECT_THROW(TileFolder(folder.path()), ConfigError);
+  const base::TempFolder folder;
+  EXPECT_THROW(camera::TileFolder(folder.path()), base::ConfigError);
   static_cast<void>(folder.write(
       "tiles.yaml",
       "version: 1\ntiles:\n  - {file: a.png, p_TV_mm: [0, 0]}\n  - {file: b.png, p_TV_mm: [0]}\n"));
   try {
-    const TileFolder tiles(folder.path());
+    const camera::TileFolder tiles(folder.path());
     FAIL() << "must not be read";
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     EXPECT_THAT(e.what(), HasSubstr("tiles.yaml:3: tiles[0].file: there is no"));
     EXPECT_THAT(e.what(), HasSubstr("tiles.yaml:4: tiles[1].p_TV_mm"));
   }
   static_cast<void>(folder.write("tiles.yaml", "version: 1\ntiles:\n  - {file: a.png, p_TV_mm: [0, 0]}\n"));
   static_cast<void>(folder.write("a.png", "no picture"));
-  TileFolder tiles(folder.path());
-  EXPECT_THROW(static_cast<void>(tiles.nextBatch(1)), ConfigError);
+  camera::TileFolder tiles(folder.path());
+  EXPECT_THROW(static_cast<void>(tiles.nextBatch(1)), base::ConfigError);
 }
 
 TEST(FieldMarks, EveryPictureOfAFolderThatIsUnfitIsNamed) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   MarkedSheet sheet(4, 3);
   const auto tiles = sheet.tiles();
   test::ReadyTiles live(tiles);
-  writeTiles(live, folder.path());
-  const PictureSize size{tiles[0].image.width, tiles[0].image.height};
-  EXPECT_EQ(TileFolder(folder.path(), size).nextBatch(1).size(), 1U);
-  const auto toldOf = [&](TileFolder stored) {
+  camera::writeTiles(live, folder.path());
+  const camera::PictureSize size{tiles[0].image.width, tiles[0].image.height};
+  EXPECT_EQ(camera::TileFolder(folder.path(), size).nextBatch(1).size(), 1U);
+  const auto toldOf = [&](camera::TileFolder stored) {
     try {
       static_cast<void>(stored.nextBatch(1));
-    } catch (const ConfigError& e) {
+    } catch (const base::ConfigError& e) {
       return std::string(e.what());
     }
     return std::string();
   };
-  EXPECT_THAT(toldOf(TileFolder(folder.path(), PictureSize{size.width_px, 7})),
+  EXPECT_THAT(toldOf(camera::TileFolder(folder.path(), camera::PictureSize{size.width_px, 7})),
               AllOf(HasSubstr("tile-0000.png: has"), HasSubstr("x 7"), HasSubstr("\n"),
                     HasSubstr("tile-0001.png: has")));
   static_cast<void>(folder.write("tiles.yaml",
                                  "version: 1\ntiles:\n  - {file: tile-0000.png, p_TV_mm: [0, 0]}\n"
                                  "  - {file: tile-0000.png, p_TV_mm: [9, 0]}\n"));
   try {
-    const TileFolder listed(folder.path());
+    const camera::TileFolder listed(folder.path());
     FAIL() << "must not be read";
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     EXPECT_THAT(e.what(), HasSubstr("tiles.yaml:4: tiles[1].file: tile-0000.png is listed twice"));
   }
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -9,7 +9,7 @@
 
 #include "hil/calibrate/marks/mark_pattern.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 struct Seen {
@@ -106,4 +106,4 @@ TEST(MarkCode, NoOtherNumbersThanItsOwn) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

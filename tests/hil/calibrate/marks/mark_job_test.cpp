@@ -17,9 +17,9 @@
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/verify_places.h"
 #include "hil/dieline/read.h"
-#include "tests/hil/app/temp_folder.h"
+#include "tests/hil/base/temp_folder.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -47,7 +47,7 @@ double distance(const MarkStroke& a, const MarkStroke& b) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= 20; ++i) {
     const Vector2d p = a.from_mm + i / 20.0 * (a.to_mm - a.from_mm);
-    least = std::min(least, nearestOn(LineCurve{b.from_mm, b.to_mm}, p).distance_mm);
+    least = std::min(least, dieline::nearestOn(dieline::LineCurve{b.from_mm, b.to_mm}, p).distance_mm);
   }
   return least;
 }
@@ -112,29 +112,33 @@ TEST(MarkJob, ADenseGridOf100MillimetresHasRoom) {
 }
 
 TEST(MarkJob, ItsDrawingIsReadAsItIsMeant) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path path = folder.path() / "first.yaml";
   writeMarkJob(path, job());
-  const Dieline read = readDieline(folder.path() / "first.dxf", defaultLayerProfile());
-  const Dieline meant = job().dieline();
+  const dieline::Dieline read =
+      dieline::readDieline(folder.path() / "first.dxf", dieline::defaultLayerProfile());
+  const dieline::Dieline meant = job().dieline();
   ASSERT_EQ(read.entities.size(), meant.entities.size());
   ASSERT_EQ(read.entities.size(), 289U * 9U);
   for (std::size_t i = 0; i < read.entities.size(); ++i) {
-    EXPECT_EQ(read.entities[i].process, Process::kCut);
+    EXPECT_EQ(read.entities[i].process, dieline::Process::kCut);
     for (const double u : {0.0, 1.0})
-      ASSERT_LT((pointAt(read.entities[i].curve, u) - pointAt(meant.entities[i].curve, u)).norm(), 2e-9);
+      ASSERT_LT(
+          (dieline::pointAt(read.entities[i].curve, u) - dieline::pointAt(meant.entities[i].curve, u)).norm(),
+          2e-9);
   }
-  for (const LintFinding& finding : lintDieline(read)) EXPECT_FALSE(finding.is_error) << finding.message;
+  for (const dieline::LintFinding& finding : dieline::lintDieline(read))
+    EXPECT_FALSE(finding.is_error) << finding.message;
 }
 
 TEST(MarkJob, IsReadBackAndWrittenAgainAsTheSameBytes) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path path = folder.path() / "first.yaml";
   writeMarkJob(path, job());
   const MarkJob back = readMarkJob(path);
   EXPECT_EQ(back.name, "first's");
-  EXPECT_EQ(markJobText(back), contentOf(path));
-  EXPECT_EQ(markJobDxf(back), contentOf(folder.path() / "first.dxf"));
+  EXPECT_EQ(markJobText(back), base::contentOf(path));
+  EXPECT_EQ(markJobDxf(back), base::contentOf(folder.path() / "first.dxf"));
   EXPECT_EQ(markJobDigest(back), markJobDigest(job()));
   MarkJob other = job();
   other.marks[7].p_W_mm.x() += 1e-6;
@@ -142,7 +146,7 @@ TEST(MarkJob, IsReadBackAndWrittenAgainAsTheSameBytes) {
 }
 
 TEST(MarkJob, TellsEveryFaultWithItsLine) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path path = folder.path() / "bad.yaml";
   std::ofstream(path) << "version: 1\n"
                          "digest: ''\n"
@@ -160,7 +164,7 @@ TEST(MarkJob, TellsEveryFaultWithItsLine) {
   try {
     static_cast<void>(readMarkJob(path));
     FAIL() << "must not be read";
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     const std::string what = e.what();
     for (const char* fault :
          {":4: machine: is empty", ":5: date: is no day", ":6: size_mm: must be 4.5 … 100",
@@ -172,7 +176,7 @@ TEST(MarkJob, TellsEveryFaultWithItsLine) {
 }
 
 TEST(MarkJob, MarksThatTouchOrLieOnPrintAreRefusedAndNothingIsWritten) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path path = folder.path() / "tight.yaml";
   MarkJob tight = job();
   tight.marks[3].p_W_mm += Vector2d(0.5, 0.0);
@@ -189,7 +193,7 @@ TEST(MarkJob, MarksThatTouchOrLieOnPrintAreRefusedAndNothingIsWritten) {
 }
 
 TEST(MarkJob, AFileThatWasEditedIsRefused) {
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path path = folder.path() / "first.yaml";
   std::string text = markJobText(job(3));
   const auto at = text.find("p_W_mm: [0.000000000, 0.000000000]");
@@ -199,7 +203,7 @@ TEST(MarkJob, AFileThatWasEditedIsRefused) {
   try {
     static_cast<void>(readMarkJob(path));
     FAIL() << "must not be read";
-  } catch (const ConfigError& e) {
+  } catch (const base::ConfigError& e) {
     EXPECT_THAT(e.what(), HasSubstr("digest: does not fit"));
   }
 }
@@ -300,4 +304,4 @@ TEST(MarkPlaces, NumbersRunOnFromJobToJob) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -6,7 +6,7 @@
 
 #include "tests/hil/vision/synthetic.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 
 using Eigen::Vector2d;
 
@@ -52,7 +52,7 @@ void MarkedSheet::burnMarks(twin::Sheet& sheet) const {
   }
 }
 
-std::vector<KerfTile> MarkedSheet::tiles() {
+std::vector<camera::KerfTile> MarkedSheet::tiles() {
   twin::Sheet sheet(board);
   burnMarks(sheet);
   if (also) also(*this, sheet);
@@ -66,11 +66,11 @@ std::vector<KerfTile> MarkedSheet::tiles() {
     const Vector2d reach_mm = Vector2d::Constant(0.5 * kMarkReach * job.size_mm);
     boxes.emplace_back(centre_mm - reach_mm, centre_mm + reach_mm);
   }
-  TwinTileOptions options;
+  camera::TwinTileOptions options;
   options.threads = threads;
   options.seed = seed;
-  TwinTileSource source(twin::KerfCamera(camera, print, seed), sheet, boxes, options);
-  std::vector<KerfTile> all;
+  camera::TwinTileSource source(twin::KerfCamera(camera, print, seed), sheet, boxes, options);
+  std::vector<camera::KerfTile> all;
   for (auto some = source.nextBatch(8); !some.empty(); some = source.nextBatch(8))
     std::ranges::move(some, std::back_inserter(all));
   return all;
@@ -78,7 +78,7 @@ std::vector<KerfTile> MarkedSheet::tiles() {
 
 FieldPictures MarkedSheet::find() { return find(tiles()); }
 
-FieldPictures MarkedSheet::find(std::vector<KerfTile> some) const {
+FieldPictures MarkedSheet::find(std::vector<camera::KerfTile> some) const {
   ReadyTiles source(std::move(some));
   FieldSearchOptions options;
   options.size_mm = job.size_mm;
@@ -87,4 +87,4 @@ FieldPictures MarkedSheet::find(std::vector<KerfTile> some) const {
   return findFieldMarks(source, calibrationOf(camera), job.print, options);
 }
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

@@ -8,10 +8,10 @@
 
 #include "hil/calibrate/marks/field_marks.h"
 #include "hil/calibrate/marks/mark_pattern.h"
-#include "hil/camera/twin_tiles.h"
+#include "hil/camera/twin/twin_tiles.h"
 #include "tests/hil/vision/kerf_twin.h"
 
-namespace kerfbench::hil::test {
+namespace kerfbench::calibrate::test {
 
 /// A sheet with marks that the model's beam burns where a head that is off would, and its pictures.
 struct MarkedSheet {
@@ -32,10 +32,10 @@ struct MarkedSheet {
   void burn(twin::Sheet& sheet, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm) const;
   /// Burns marks of the job, through the head.
   void burnMarks(twin::Sheet& sheet) const;
-  [[nodiscard]] std::vector<KerfTile> tiles();
+  [[nodiscard]] std::vector<camera::KerfTile> tiles();
   [[nodiscard]] FieldPictures find();
-  [[nodiscard]] FieldPictures find(std::vector<KerfTile> some) const;
+  [[nodiscard]] FieldPictures find(std::vector<camera::KerfTile> some) const;
   [[nodiscard]] MarkedField match() { return matchField(job, find()); }
 };
 
-}  // namespace kerfbench::hil::test
+}  // namespace kerfbench::calibrate::test

@@ -10,17 +10,17 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "firmware_under_test/planner/axes.h"
-#include "hil/app/camera_files.h"
-#include "hil/app/cut_on_twin.h"
-#include "hil/app/mark_case.h"
+#include "firmware_under_test/planner/head/axes.h"
 #include "hil/calibrate/marks/field_marks.h"
 #include "hil/calibrate/marks/mark_job_file.h"
-#include "hil/vision/constellation.h"
-#include "tests/hil/app/temp_folder.h"
+#include "hil/run/cut_on_twin.h"
+#include "hil/scenario/camera_files.h"
+#include "hil/scenario/mark_case.h"
+#include "hil/vision/marks/constellation.h"
+#include "tests/hil/base/temp_folder.h"
 #include "twin/optics/scan_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2d;
@@ -56,8 +56,8 @@ MarkJob jobFor(const Field& field) {
 /// Where the head that was drawn sends the beam for which the planner, by what it was told, asks.
 class Truth {
  public:
-  Truth(const Case& the_case, const twin::DrawnMachine& drawn)
-      : axes_(plannerMachine(the_case), {}),
+  Truth(const scenario::Case& the_case, const twin::DrawnMachine& drawn)
+      : axes_(scenario::plannerMachine(the_case), {}),
         step_rad_(the_case.machine.controller.mirror_step_rad),
         head_(drawn.machine.head, drawn.machine.beam),
         surface_(drawn.machine.surface) {}
@@ -84,7 +84,7 @@ struct Errors {
 Errors errorsOf(const Truth& truth, const MarkJob& job, const FieldPictures& pictures,
                 const MarkedField& field) {
   Errors e;
-  std::vector<MarkPair> pairs;
+  std::vector<vision::MarkPair> pairs;
   const auto n = static_cast<double>(field.points.size());
   for (const MarkPoint& point : field.points) {
     const Vector2d p_S_mm = truth.at(point.wanted.p_W_mm) + job.p_SW_mm;
@@ -97,8 +97,8 @@ Errors errorsOf(const Truth& truth, const MarkJob& job, const FieldPictures& pic
     e.mahalanobis += error.dot(covariance.inverse() * error) / n;
     e.stated_um += 1e6 * 0.5 * covariance.trace() / n;
   }
-  const PlaneMotion common = fitMotion(pairs, 0.0);
-  for (const MarkPair& pair : pairs)
+  const vision::PlaneMotion common = vision::fitMotion(pairs, 0.0);
+  for (const vision::MarkPair& pair : pairs)
     e.sigma_um += 1e6 * 0.5 * (pair.q_mm - common * pair.p_mm).squaredNorm() / n;
   e.sigma_um = std::sqrt(e.sigma_um);
   e.stated_um = std::sqrt(e.stated_um);
@@ -109,28 +109,28 @@ class MarksOnTwin : public testing::TestWithParam<Field> {};
 
 TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   const Field& field = GetParam();
-  const TempFolder folder;
+  const base::TempFolder folder;
   const std::filesystem::path binary = KERFBENCH_BINARY_DIR;
   const MarkJob job = jobFor(field);
   writeMarkJob(folder.path() / "marks.yaml", job);
-  MarkCutting cutting;
-  cutting.machine = fixture(std::string("machines/") + field.machine + ".yaml");
+  scenario::MarkCutting cutting;
+  cutting.machine = base::fixture(std::string("machines/") + field.machine + ".yaml");
   cutting.beam_radius_mm = field.beam_radius_mm;
-  Case the_case =
-      readCase(folder.write("run.yaml", markScenario(job, "marks.dxf", cutting)), binary / "firmware");
+  scenario::Case the_case = scenario::readCase(
+      folder.write("run.yaml", scenario::markScenario(job, "marks.dxf", cutting)), binary / "firmware");
   the_case.scenario.fidelity = twin::Fidelity::kFast;
   the_case.scenario.seed = 3;
 
-  const CutSheet cut = cutOnTwin(the_case, binary / "bin", [](double, const std::string&) {});
+  const run::CutSheet cut = run::cutOnTwin(the_case, binary / "bin", [](double, const std::string&) {});
   ASSERT_THAT(cut.run.problems, IsEmpty());
-  const BenchCameras cameras = readCalibrations(the_case);
+  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
   ASSERT_TRUE(cameras.kerf) << cameras.problems.front();
-  TwinTileOptions tile_options;
+  camera::TwinTileOptions tile_options;
   tile_options.threads = 2;
   tile_options.border_mm = 15.0;  // The head may be off by that.
   tile_options.overlap_mm = 0.6 * job.size_mm;
   tile_options.everything = false;
-  TwinTileSource tiles = kerfTiles(the_case, *cut.twin, tile_options);
+  camera::TwinTileSource tiles = run::kerfTiles(the_case, *cut.twin, tile_options);
   FieldSearchOptions search;
   search.size_mm = job.size_mm;
   search.beam_radius_mm = field.beam_radius_mm;
@@ -166,4 +166,4 @@ INSTANTIATE_TEST_SUITE_P(Heads, MarksOnTwin,
                          });
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

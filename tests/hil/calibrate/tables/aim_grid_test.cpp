@@ -5,11 +5,11 @@
 
 #include <stdexcept>
 
-#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/head/correction.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -90,4 +90,4 @@ TEST(AimGrid, ResamplingOutsideNamesTheNode) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -12,7 +12,7 @@
 #include "hil/base/atomic_file.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,7 +59,9 @@ class CompiledHeader : public testing::Test {
     all << std::ifstream(folder_ / name).rdbuf();
     return all.str();
   }
-  void put(const char* name, const std::string& text) const { writeFileAtomically(folder_ / name, text); }
+  void put(const char* name, const std::string& text) const {
+    base::writeFileAtomically(folder_ / name, text);
+  }
 
   fs::path folder_;
 };
@@ -140,4 +142,4 @@ TEST(CHeader, AChangedNumberIsNoticed) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

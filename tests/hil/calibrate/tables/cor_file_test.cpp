@@ -9,7 +9,7 @@
 
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 constexpr double kHalf_mm = 50.0;
@@ -141,4 +141,4 @@ TEST(CorFile, WhatTheBoardCannotHoldIsRefusedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

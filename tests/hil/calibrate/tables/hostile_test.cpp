@@ -11,7 +11,7 @@
 #include "hil/calibrate/tables/table_files.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 struct Sample {
@@ -160,4 +160,4 @@ TEST(HostileFiles, CHeaderFaultsAreListed) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -9,7 +9,7 @@
 #include "hil/calibrate/tables/cor_file.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Matrix2i;
@@ -165,4 +165,4 @@ TEST(Recognise, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -13,7 +13,7 @@
 #include "hil/calibrate/tables/table_faults.h"
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 
 /// A head whose beam, aimed at a, goes elsewhere: full cubic polynomials of both places, no symmetry, a few
 /// mm at the corners of a field of ±half_mm.
@@ -97,4 +97,4 @@ inline double farthest_mm(const AimGrid& a, const AimGrid& b) {
   return most;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

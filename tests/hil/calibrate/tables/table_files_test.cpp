@@ -10,7 +10,7 @@
 
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST_F(TableFiles, ReadingSaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

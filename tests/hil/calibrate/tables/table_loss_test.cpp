@@ -5,7 +5,7 @@
 
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -65,4 +65,4 @@ TEST(TableLoss, CountsWhatTheOriginalDoesNotKnowAndWhatTheNewOneLacks) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -3,13 +3,13 @@
 
 #include <stdexcept>
 
-#include "firmware_under_test/planner/correction.h"
+#include "firmware_under_test/planner/head/correction.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "hil/calibrate/tables/grid_text.h"
 #include "hil/calibrate/tables/nine_points.h"
 #include "tests/hil/calibrate/tables/seeded_head.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::calibrate {
 namespace {
 
 using Eigen::Vector2d;
@@ -83,4 +83,4 @@ TEST(GridText, TakesNodesInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::calibrate

@@ -10,7 +10,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::Contains;
@@ -262,4 +262,4 @@ TEST(CameraClock, ListsAllOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

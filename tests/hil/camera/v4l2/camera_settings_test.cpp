@@ -12,7 +12,7 @@
 
 #include "fake_video.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::HasSubstr;
@@ -234,4 +234,4 @@ TEST(ControlKeys, AreThoseOfV4l2Ctl) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

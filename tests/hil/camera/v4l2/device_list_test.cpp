@@ -9,7 +9,7 @@
 
 #include "fake_video.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::ElementsAre;
@@ -124,4 +124,4 @@ TEST(DeviceList, OfTheKernelThrowsNothingWhateverThisMachineHas) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

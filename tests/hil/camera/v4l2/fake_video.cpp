@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 constexpr int kFd = 42;
@@ -364,4 +364,4 @@ int FakeVideo::poll(int fd, short events_wanted, short* revents, int timeout_ms)
   return *revents == 0 ? 0 : 1;
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -14,7 +14,7 @@
 
 #include "hil/camera/v4l2/video_calls.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 
 /// What the sensor of a FakeVideo delivers next.
 struct FakeFrame {
@@ -124,4 +124,4 @@ class FakeVideo final : public VideoCalls {
   int open_count_{};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

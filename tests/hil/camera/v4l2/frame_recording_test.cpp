@@ -18,7 +18,7 @@
 #include "hil/camera/v4l2/frame_recorder.h"
 #include "hil/camera/v4l2/v4l2_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,7 +62,7 @@ class FrameRecordings : public testing::Test {
   std::string whyNot() const {
     try {
       const FrameRecording recording(folder);
-    } catch (const ConfigError& error) {
+    } catch (const base::ConfigError& error) {
       return error.what();
     }
     return {};
@@ -228,4 +228,4 @@ TEST_F(FrameRecordings, WaitLongerForTheFirstFrameIfTold) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

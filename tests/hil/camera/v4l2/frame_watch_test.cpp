@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::ElementsAre;
@@ -135,4 +135,4 @@ TEST(FrameFaults, HaveEachWordsOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

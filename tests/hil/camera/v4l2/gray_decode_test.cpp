@@ -14,7 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST(GrayDecode, RefusesAJpegThatIsCutOffBrokenOrOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

@@ -10,7 +10,7 @@
 
 #include "twin/base/random.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::HasSubstr;
@@ -329,4 +329,4 @@ TEST(LightProfile, IsTheShareOfTimeOn) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

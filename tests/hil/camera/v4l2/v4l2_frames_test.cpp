@@ -13,7 +13,7 @@
 #include "fake_video.h"
 #include "hil/camera/v4l2/v4l2_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::ElementsAre;
@@ -185,4 +185,4 @@ TEST_F(V4l2Frames, RefuseOptionsOutOfRangeAllAtOnce) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

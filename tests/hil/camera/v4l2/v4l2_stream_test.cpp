@@ -16,7 +16,7 @@
 
 #include "fake_video.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::camera {
 namespace {
 
 using testing::HasSubstr;
@@ -336,4 +336,4 @@ TEST(V4l2Stream, IsNotMadeWithTooFewBuffers) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::camera

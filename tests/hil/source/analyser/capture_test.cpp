@@ -11,7 +11,7 @@
 
 #include "tests/hil/source/analyser/scripted_analyser.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::Contains;
@@ -152,4 +152,4 @@ TEST_F(AnalyserCaptureTest, WishesThatMakeNoSenseAreMistakesOfOurs) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

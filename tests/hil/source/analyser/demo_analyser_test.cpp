@@ -5,7 +5,7 @@
 
 #include "hil/source/analyser/capture.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -128,4 +128,4 @@ TEST_F(DemoAnalyser, IsListed) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

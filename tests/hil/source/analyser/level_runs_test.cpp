@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::ElementsAre;
@@ -83,4 +83,4 @@ TEST(Listener, QuietThatIsOverWithTheLimitIsQuiet) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

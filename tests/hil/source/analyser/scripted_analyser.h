@@ -10,7 +10,7 @@
 
 #include "hil/source/analyser/analyser.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// An analyser by script: these levels, and this end.
 class ScriptedAnalyser final : public AnalyserSystem {
@@ -60,4 +60,4 @@ class ScriptedAnalyser final : public AnalyserSystem {
   };
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "hil/source/analyser/analyser_stream.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using Frame = analyser_stream::AnalyserFrame;
@@ -182,4 +182,4 @@ TEST(SigrokChildProcess, ThatIsNotThereIsAnErrorThatNamesIt) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,7 +13,7 @@
 #include "hil/source/analyser/zip_archive.h"
 #include "tests/hil/source/vcd_sample.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST_F(SrFile, SigrokReadsWhatWeWriteAndWeWhatItWrites) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

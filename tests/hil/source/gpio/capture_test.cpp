@@ -13,7 +13,7 @@
 #include "hil/source/open.h"
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::ElementsAre;
@@ -218,4 +218,4 @@ TEST_F(CaptureTest, AWireForASensorOrAnUnknownSignalIsAMistakeOfOurs) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

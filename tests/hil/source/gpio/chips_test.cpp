@@ -12,7 +12,7 @@
 #include "tests/hil/source/gpio/fake_libgpiod.h"
 #include "tests/hil/source/words_of.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST_F(ChipsTest, ALineIsFoundByNumberOrByAnUnambiguousName) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::ElementsAre;
@@ -257,4 +257,4 @@ TEST(EdgeOrder, TheFirstTroubleIsTold) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

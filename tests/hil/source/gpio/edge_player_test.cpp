@@ -10,7 +10,7 @@
 #include "hil/source/gpio/lag_meter.h"
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::ElementsAre;
@@ -92,4 +92,4 @@ TEST(LagMeterTest, WithoutEdgesThereIsNoLag) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// What the stand-in for libgpiod says: its functions are linked instead of the library's.
 struct FakeLine {
@@ -24,4 +24,4 @@ struct FakeLibgpiod {
 };
 extern FakeLibgpiod fake_libgpiod;
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <vector>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 FakeLibgpiod fake_libgpiod;
 }
 
-using kerfbench::hil::fake_libgpiod;
+using kerfbench::source::fake_libgpiod;
 
 struct gpiod_line {
   unsigned offset;
@@ -23,7 +23,7 @@ struct gpiod_chip {
 
 namespace {
 
-const kerfbench::hil::FakeLine& of(gpiod_line* line) { return fake_libgpiod.lines.at(line->offset); }
+const kerfbench::source::FakeLine& of(gpiod_line* line) { return fake_libgpiod.lines.at(line->offset); }
 const char* textOrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
 }  // namespace

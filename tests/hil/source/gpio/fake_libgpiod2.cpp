@@ -6,11 +6,11 @@
 #include <cerrno>
 #include <filesystem>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 FakeLibgpiod fake_libgpiod;
 }
 
-using kerfbench::hil::fake_libgpiod;
+using kerfbench::source::fake_libgpiod;
 
 struct gpiod_chip {
   std::string name;
@@ -24,7 +24,7 @@ struct gpiod_line_info {
 
 namespace {
 
-const kerfbench::hil::FakeLine& of(gpiod_line_info* line) { return fake_libgpiod.lines.at(line->offset); }
+const kerfbench::source::FakeLine& of(gpiod_line_info* line) { return fake_libgpiod.lines.at(line->offset); }
 const char* textOrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
 /// Whatever has to be freed is counted as an open chip.

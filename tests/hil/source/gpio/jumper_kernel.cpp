@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 KernelAnswer JumperKernel::control(int fd, unsigned long request_code, void* argument) {
   const std::uint64_t called_ns = now_;
@@ -52,4 +52,4 @@ void JumperKernel::tell(std::uint64_t stamp_ns, std::size_t line, bool level) {
   edge(stamp_ns, request.offsets[line], level, ++seqno_, ++line_seqno_.at(line), std::max(stamp_ns, now_));
 }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

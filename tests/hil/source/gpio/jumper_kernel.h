@@ -8,7 +8,7 @@
 #include "hil/source/gpio/pulse_train.h"
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A scripted kernel with a wire from the first line that is driven to the first that is read. All that it is
 /// told is of the edges since the last request for inputs, from 0.
@@ -53,4 +53,4 @@ class PromptTrain final : public EdgeTrain {
   DrivenTrain train_;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

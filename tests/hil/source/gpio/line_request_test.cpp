@@ -10,7 +10,7 @@
 #include "tests/hil/source/gpio/scripted_kernel.h"
 #include "tests/hil/source/words_of.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -194,4 +194,4 @@ TEST_F(LineRequestTest, TheDoctorCanAskWhetherAChipsEdgesCanBeRead) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

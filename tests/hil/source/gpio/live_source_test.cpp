@@ -11,7 +11,7 @@
 #include "tests/hil/source/gpio/scripted_kernel.h"
 #include "tests/hil/source/serial/scripted_serial.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::Contains;
@@ -389,4 +389,4 @@ TEST_F(GpioLiveSourceTest, PriorityIsAskedForAndItsLackIsTold) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "tests/hil/source/gpio/jumper_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -180,4 +180,4 @@ TEST(TimeSpreadTest, WorstShareAndMeanSquare) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

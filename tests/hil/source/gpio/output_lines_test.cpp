@@ -9,7 +9,7 @@
 #include "tests/hil/source/gpio/scripted_kernel.h"
 #include "tests/hil/source/words_of.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -87,4 +87,4 @@ TEST_F(OutputLinesTest, AChipThatVanishesIsTold) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

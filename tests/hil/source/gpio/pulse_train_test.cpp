@@ -8,7 +8,7 @@
 
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 constexpr std::uint64_t kStart_ns = ScriptedKernel::kStart_ns;
@@ -88,4 +88,4 @@ TEST_F(PulseTrainTest, AChipThatVanishesEndsTheThreadInWords) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -8,7 +8,7 @@
 
 #include "tests/hil/source/gpio/scripted_kernel.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -36,4 +36,4 @@ TEST(RealTime, WhatIsNotAllowedIsSaidWithWhatToDo) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 KernelAnswer no(int error) { return {-1, error}; }
@@ -130,4 +130,4 @@ KernelAnswer ScriptedKernel::setRealTime(int /*priority*/) {
 
 KernelAnswer ScriptedKernel::lockMemory() { return lock_error != 0 ? no(lock_error) : KernelAnswer{}; }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,7 +13,7 @@
 #include "hil/source/gpio/chips.h"
 #include "hil/source/gpio/system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A kernel by script: one chip with twelve free lines, and edges at given times. Each answer can be
 /// replaced. Its clock stands still but for poll(), which takes as long as it waits, and where it is told to.
@@ -103,4 +103,4 @@ class ScriptedKernel : public GpioSystem {
   int next_fd_{100};
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 SerialAnswer no(int error) { return {-1, error}; }
@@ -70,4 +70,4 @@ SerialAnswer ScriptedSerial::write(int /*fd*/, std::span<const std::byte> bytes)
 
 void ScriptedSerial::close(int /*fd*/) { --lines_open; }
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -9,7 +9,7 @@
 
 #include "hil/source/serial/serial_system.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 
 /// A serial line by script. Each answer can be replaced; the first that is set wins.
 class ScriptedSerial : public SerialSystem {
@@ -44,4 +44,4 @@ class ScriptedSerial : public SerialSystem {
   void close(int fd) override;
 };
 
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -13,7 +13,7 @@
 #include "tests/hil/source/serial/scripted_serial.h"
 #include "tests/hil/source/words_of.h"
 
-namespace kerfbench::hil {
+namespace kerfbench::source {
 namespace {
 
 using testing::AllOf;
@@ -170,4 +170,4 @@ TEST(SerialLineOnATerminalTest, AFileIsNoSerialLine) {
 }
 
 }  // namespace
-}  // namespace kerfbench::hil
+}  // namespace kerfbench::source

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/geometry/flatten.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <variant>
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Below this sagitta an arc is written as a line: half a unit of the fourth decimal.
+constexpr double kFlatMm = 5e-5;
+/// Shorter chords are lines: the fourth decimal of the G-code would turn their tangents by more than a
+/// corner.
+constexpr double kShortestMm = 0.004;
+constexpr double kWidestArcRad = 2.0;
+constexpr int kDeepest = 30;
+
+/// The arc that leaves p along unit tangent t and ends at q.
+Segment arcFrom(const Vector2d& p, const Vector2d& t, const Vector2d& q) {
+  Segment arc;
+  arc.start_mm = p;
+  arc.end_mm = q;
+  const Vector2d chord = q - p;
+  const double half = std::atan2(cross(t, chord), t.dot(chord));  // tangent-chord angle = half the sweep
+  const double sagitta_mm = 0.5 * chord.norm() * std::abs(std::tan(0.5 * half));
+  if (sagitta_mm < kFlatMm) return arc;
+  arc.sweep_rad = 2.0 * half;
+  arc.centre_mm = p + chord.norm() / (2.0 * std::sin(half)) * Vector2d(-t.y(), t.x());
+  return arc;
+}
+
+double distanceTo(const Segment& segment, const Vector2d& p) {
+  if (segment.isArc()) return std::abs((p - segment.centre_mm).norm() - segment.radiusMm());
+  return std::abs(cross(segment.tangentAt(0.0), p - segment.start_mm));
+}
+
+/// Biarc with equal tangent lengths d: |p1 - p0 - d (t0 + t1)| = 2 d (Bolton 1975).
+std::array<Segment, 2> biarc(const Vector2d& p0, const Vector2d& t0, const Vector2d& p1, const Vector2d& t1) {
+  const Vector2d v = p1 - p0;
+  const double vt = v.dot(t0 + t1);
+  const double a = 2.0 * (1.0 - t0.dot(t1));
+  const double root = std::sqrt(vt * vt + a * v.squaredNorm());
+  // The form without cancellation; the other one where the curve turns back by more than a right angle.
+  const double d = vt > 0.0 ? v.squaredNorm() / (vt + root) : (a > 1e-12 ? (root - vt) / a : 0.0);
+  const Vector2d middle = 0.5 * (p0 + p1 + d * (t0 - t1));
+  return {arcFrom(p0, t0, middle), arcFrom(p1, -t1, middle).reversed()};
+}
+
+void divide(const dieline::Curve& curve, double u0, double u1, double tolerance_mm, int depth,
+            std::vector<Segment>& out) {
+  const Vector2d p0 = dieline::pointAt(curve, u0);
+  const Vector2d p1 = dieline::pointAt(curve, u1);
+  std::array<Segment, 2> pair{};
+  std::size_t used = 2;
+  if ((p1 - p0).norm() < kShortestMm) {
+    pair[0].start_mm = p0;
+    pair[0].end_mm = p1;
+    used = 1;
+  } else {
+    pair = biarc(p0, dieline::tangentAt(curve, u0), p1, dieline::tangentAt(curve, u1));
+  }
+  bool good = true;
+  for (std::size_t i = 0; i < used; ++i) good = good && std::abs(pair[i].sweep_rad) < kWidestArcRad;
+  // The distance to whole circles says nothing of the extent, so the lengths must agree as well.
+  double chords_mm = 0.0;
+  Vector2d previous = p0;
+  constexpr int kProbes = 16;
+  constexpr double kBetweenProbes = 0.9;  // leaves room for what lies between them
+  for (int i = 1; i <= kProbes; ++i) {
+    const Vector2d p = dieline::pointAt(curve, u0 + (u1 - u0) * i / kProbes);
+    double distance_mm = distanceTo(pair[0], p);
+    if (used == 2) distance_mm = std::min(distance_mm, distanceTo(pair[1], p));
+    good = good && distance_mm < kBetweenProbes * tolerance_mm;
+    chords_mm += (p - previous).norm();
+    previous = p;
+  }
+  const double length_mm = pair[0].lengthMm() + (used == 2 ? pair[1].lengthMm() : 0.0);
+  good = good && std::abs(length_mm - chords_mm) < 0.01 * length_mm + tolerance_mm;
+  if (good || depth >= kDeepest) {
+    for (std::size_t i = 0; i < used; ++i) {
+      if (pair[i].lengthMm() > 0.0) out.push_back(pair[i]);
+    }
+    return;
+  }
+  const double um = 0.5 * (u0 + u1);
+  divide(curve, u0, um, tolerance_mm, depth + 1, out);
+  divide(curve, um, u1, tolerance_mm, depth + 1, out);
+}
+
+}  // namespace
+
+std::vector<Segment> flatten(const dieline::Curve& curve, double tolerance_mm) {
+  if (const auto* line = std::get_if<dieline::LineCurve>(&curve)) {
+    Segment segment;
+    segment.start_mm = line->start_mm;
+    segment.end_mm = line->end_mm;
+    return {segment};
+  }
+  if (const auto* arc = std::get_if<dieline::ArcCurve>(&curve)) {
+    Segment segment;
+    const auto on = [&](double angle) {
+      return Vector2d(arc->centre_mm + arc->radius_mm * Vector2d(std::cos(angle), std::sin(angle)));
+    };
+    segment.start_mm = on(arc->start_angle_rad);
+    segment.end_mm = on(arc->start_angle_rad + arc->sweep_rad);
+    segment.centre_mm = arc->centre_mm;
+    segment.sweep_rad = arc->sweep_rad;
+    return {segment};
+  }
+  std::vector<Segment> out;
+  constexpr int kFirstParts = 4;  // so that no piece has more than one inflection
+  for (int i = 0; i < kFirstParts; ++i) {
+    divide(curve, double(i) / kFirstParts, double(i + 1) / kFirstParts, tolerance_mm, 0, out);
+  }
+  return out;
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "firmware_under_test/planner/geometry/segment.h"
+#include "hil/dieline/geometry.h"
+
+namespace kerfbench::planner {
+
+/// Lines and arcs that follow the curve within tolerance_mm: lines and circular arcs unchanged, ellipses and
+/// Béziers as biarcs (two arcs with a common tangent, and the curve's own tangents at the ends), so joints
+/// stay smooth.
+std::vector<Segment> flatten(const dieline::Curve& curve, double tolerance_mm);
+
+}  // namespace kerfbench::planner

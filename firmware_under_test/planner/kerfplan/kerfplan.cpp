@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+// kerfplan: the host half of the reference controller as a program of its own.
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "firmware_under_test/planner/gcode/gcode.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
+#include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
+#include "firmware_under_test/planner/order/kerf.h"
+#include "firmware_under_test/planner/preview/preview.h"
+#include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/cross_cut.h"
+#include "firmware_under_test/planner/program/order_table.h"
+#include "firmware_under_test/planner/program/plan.h"
+#include "firmware_under_test/planner/program/program.h"
+#include "firmware_under_test/planner/program/selection.h"
+#include "hil/dieline/read.h"
+
+namespace {
+
+using namespace kerfbench;
+using planner::JobParameters;
+using planner::MachineParameters;
+
+constexpr int kBadInput = 65;
+constexpr int kBroken = 2;
+
+struct Options {
+  std::string input;
+  std::string output;
+  std::string entities, layers, processes;  ///< As typed; empty: all.
+  std::string correction;                   ///< File of the table.
+  std::string image;                        ///< Of the controller; empty: the AVR release.
+  planner::PowerOptions power;
+  MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
+                            .throw_mm = 500.0,
+                            .mirror_spacing_mm = 15.0,
+                            .mirror_step_rad = 12.5e-6,
+                            .gantry_step_mm = 0.0125,
+                            .field_min_mm = {-80.0, -80.0},
+                            .field_max_mm = {80.0, 80.0},
+                            .tracking_delay_s = 0.19e-3,
+                            .encoder_count_mm = 0.01,
+                            .print_mark_sensor_x_mm = -150.0,
+                            .feed_step_mm = 0.0,
+                            .full_power_w = 200.0};
+  JobParameters job{.cut_energy_j_per_mm = 0.3};
+};
+
+bool isGcode(const std::string& path) {
+  const std::string tail = path.substr(std::min(path.size(), path.find_last_of('.')));
+  return std::set<std::string>{".nc", ".ngc", ".gcode", ".tap", ".txt"}.count(CLI::detail::to_lower(tail)) >
+         0;
+}
+
+std::string readText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw planner::PlanError(path + ": cannot be opened");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+dieline::Dieline readInput(const Options& options) {
+  dieline::Dieline dieline = dieline::readDieline(options.input, dieline::defaultLayerProfile());
+  if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
+  return dieline;
+}
+
+dieline::Dieline chosenOf(const Options& options) {
+  dieline::Dieline dieline = readInput(options);
+  planner::select(dieline, planner::selectionFrom(options.entities, options.layers, options.processes));
+  return dieline;
+}
+
+std::string gcodeOf(const Options& options) {
+  const bool compensates = options.job.kerf_radius_mm > 0.0;
+  if (isGcode(options.input)) {
+    if (compensates)
+      throw planner::PlanError(options.input + ": G-code is the beam's path, --kerf-radius is for drawings");
+    return planner::select(readText(options.input),
+                           planner::selectionFrom(options.entities, options.layers, options.processes));
+  }
+  const dieline::Dieline dieline = chosenOf(options);
+  std::string gcode = planner::makeGcode(dieline, options.machine, options.job);
+  if (compensates) {
+    for (const std::string& note : planner::compensate(dieline, options.job).notes) std::cerr << note << '\n';
+  }
+  return gcode;
+}
+
+void write(const Options& options, const std::string& text) {
+  if (options.output.empty() || options.output == "-") {
+    std::cout << text;
+    return;
+  }
+  std::ofstream file(options.output, std::ios::binary);
+  file << text;
+  if (!file.flush()) throw std::runtime_error(options.output + ": cannot be written");
+}
+
+std::string summaryOf(const Options& options, const planner::CheckResult& checked,
+                      const planner::Plan& plan) {
+  std::size_t bytes = 0;
+  for (const auto& op : plan.program.ops) bytes += op.size();
+  std::string text = fmt::format(
+      "{}: fits\n"
+      "  belt            {:.2f} mm/s, at most {:.2f} mm/s\n"
+      "  unit            {:.4f} s, with the way back {:.4f} s\n"
+      "  marks / jumps   {:.3f} mm / {:.3f} mm\n"
+      "  start           unit 0's origin at x = {:.3f} mm\n"
+      "  program         {} operations, {} bytes\n"
+      "  controller      {}\n",
+      options.input, options.job.belt_speed_mm_s, plan.max_belt_speed_mm_s, plan.unit_time_s,
+      plan.cycle_time_s, plan.cut_length_mm, plan.jump_length_mm, plan.x_ref_mm, plan.program.ops.size(),
+      bytes, planner::describe(options.machine.target));
+  const planner::RoomNeeded room =
+      planner::roomNeeded(*checked.solution, planner::unitOf(planner::readGcode(plan.gcode)), options.machine,
+                          options.job, planner::Axes(options.machine, {}));
+  text += fmt::format("  field along x   {:.3f} … {:.3f} mm of {:g} … {:g} mm\n", room.low_x_mm,
+                      room.high_x_mm, options.machine.field_min_mm[0], options.machine.field_max_mm[0]);
+  if (room.least_pitch_mm > 0.0) {
+    text += fmt::format("  pitch           {:.3f} mm at least at this speed{}\n", room.least_pitch_mm,
+                        options.job.units > 1 ? fmt::format(", {:g} mm given", options.job.pitch_mm) : "");
+  }
+  if (room.closed_form) {
+    text += fmt::format("  without ramps   pitch {:.1f} mm, travel {:.1f} mm (Hu, Hu, Jiang 2014)\n",
+                        room.closed_form->least_pitch_mm, room.closed_form->travel_mm);
+  }
+  return text;
+}
+
+/// Everything wrong on standard error, or what the job takes.
+int check(const Options& options, const std::string& gcode) {
+  const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
+  for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
+  for (const std::string& error : checked.errors) std::cerr << error << '\n';
+  if (!checked.errors.empty()) return kBadInput;
+  std::cout << summaryOf(options, checked, planner::planFromGcode(gcode, options.machine, options.job));
+  return 0;
+}
+
+void addMachine(CLI::App& app, Options& options) {
+  MachineParameters& m = options.machine;
+  const std::map<std::string, MachineParameters::Head> heads{
+      {"two-mirror", MachineParameters::Head::kTwoMirror},
+      {"gantry", MachineParameters::Head::kGantry},
+      {"f-theta", MachineParameters::Head::kFTheta}};
+  const std::string group = "Machine";
+  const auto option = [&](const char* name, double& value, const char* help) {
+    app.add_option(name, value, help)->group(group)->capture_default_str();
+  };
+  app.add_option("--head", m.head,
+                 "What moves the beam: two-mirror, f-theta (two mirrors and a lens) or gantry")
+      ->transform(CLI::CheckedTransformer(heads, CLI::ignore_case))
+      ->default_str("two-mirror")
+      ->group(group);
+  option("--throw", m.throw_mm, "Y mirror to sheet, mm (two-mirror)");
+  option("--mirror-spacing", m.mirror_spacing_mm, "X mirror to Y mirror, mm (two-mirror)");
+  option("--mirror-step", m.mirror_step_rad, "Mechanical angle of one step, rad (two-mirror, f-theta)");
+  option("--focal-length", m.focal_length_mm, "Of the lens, mm (f-theta)");
+  option("--mirror-acceleration", m.mirror_acceleration_rad_s2,
+         "Highest of either mirror, rad/s2 mechanical; 0: never the limit (two-mirror)");
+  option("--gantry-step", m.gantry_step_mm, "Way of one step, mm (gantry)");
+  option("--x-min", m.field_min_mm[0], "Reach of the beam upstream, mm");
+  option("--x-max", m.field_max_mm[0], "Reach of the beam downstream, mm");
+  option("--y-min", m.field_min_mm[1], "Reach of the beam across, mm");
+  option("--y-max", m.field_max_mm[1], "Reach of the beam across, mm");
+  option("--tracking-delay", m.tracking_delay_s, "Lag of mirrors or gantry behind their steps, s");
+  option("--encoder-count", m.encoder_count_mm, "Belt travel of one encoder count, mm");
+  option("--print-mark-sensor", m.print_mark_sensor_x_mm, "Place of the print-mark sensor, x in mm");
+  option("--feed-step", m.feed_step_mm, "Belt travel of one feed step, mm");
+  option("--full-power", m.full_power_w, "Laser power at full duty, W");
+  app.add_option(
+         "--image", options.image,
+         "The controller's release, .hex, .elf or native: tick, period, steps in a period, pulse times "
+         "and delays are planned as it says; not told: those of the AVR release")
+      ->group(group);
+}
+
+void addJob(CLI::App& app, JobParameters& j) {
+  const std::string group = "Job";
+  const auto option = [&](const char* name, auto& value, const char* help) {
+    app.add_option(name, value, help)->group(group)->capture_default_str();
+  };
+  option("--belt-speed", j.belt_speed_mm_s, "Speed of the sheet, mm/s; 0: it rests");
+  option("--mark-speed", j.mark_speed_mm_s, "Highest speed of marks on the sheet, mm/s");
+  option("--jump-speed", j.jump_speed_mm_s, "Highest speed of jumps and of the way back, mm/s");
+  option("--acceleration", j.acceleration_mm_s2, "Highest acceleration, mm/s2");
+  option("--jerk", j.jerk_mm_s3,
+         "Most change of acceleration, mm/s3: S-curves in marks and jumps; 0: no limit");
+  option("--jump-acceleration", j.jump_acceleration_mm_s2,
+         "Of jumps and of the way back, mm/s2; 0: as of marks");
+  option(
+      "--jump-radius", j.jump_radius_mm,
+      "Arcs by which jumps leave and meet marks, mm: the beam does not stop; 0: straight jumps with stops; "
+      "-1: by the drawing's size, 1 mm up to 10 mm, 5 mm from 100 mm on");
+  option("--cut-energy", j.cut_energy_j_per_mm, "Energy per length that cuts through (Z1), J/mm");
+  option("--half-z", j.half_z, "Z of half-cuts and creases, 0 to 1");
+  option("--perforation-cut", j.perforation_cut_mm, "Length of a dash, mm");
+  option("--perforation-gap", j.perforation_gap_mm, "Length between dashes, mm");
+  option("--units", j.units, "Units on the web");
+  option("--pitch", j.pitch_mm, "Distance of units on the web, mm");
+  option("--eye-mark", j.eye_mark_x_mm, "Leading edge of the eye mark in the unit, x in mm");
+  option("--web-start", j.web_start_x_mm,
+         "x of unit 0's origin while the belt rests, mm (belt speed 0, or --feed)");
+  option("--feed-acceleration", j.feed_acceleration_mm_s2, "With --feed: acceleration of the belt, mm/s2");
+  const std::map<std::string, JobParameters::Order> orders{{"shortest", JobParameters::Order::kShortest},
+                                                           {"nearest", JobParameters::Order::kNearest},
+                                                           {"drawn", JobParameters::Order::kDrawn}};
+  app.add_option("--order", j.order,
+                 "Order of a drawing's lines: shortest (air path), nearest (end, greedily) or drawn")
+      ->transform(CLI::CheckedTransformer(orders, CLI::ignore_case))
+      ->default_str("shortest")
+      ->group(group);
+  planner::addKerfOptions(app, j);
+  app.add_flag("--alternate", j.alternate, "Cut every second unit backwards")->group(group);
+  app.add_flag("--stop-and-go", j.stop_and_go,
+               "With --feed: feed a pitch at the belt speed, stop, cut at rest")
+      ->group(group);
+  app.add_flag("--feed", j.feed_by_controller, "The controller drives the belt")->group(group);
+}
+
+planner::CrossCut crossCut(const Options& options, double width_mm) {
+  const MachineParameters& m = options.machine;
+  const JobParameters& j = options.job;
+  return {j.pitch_mm,        width_mm,          m.field_max_mm[0] - m.field_min_mm[0],
+          j.belt_speed_mm_s, j.mark_speed_mm_s, j.jump_speed_mm_s};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app{
+      "Plans the laser die-cutting of a dieline: order, G-code, motion, laser power, controller program.\n"
+      "Exit codes: 0 it fits, 65 it does not or a file is wrong, 64 wrong command line, 2 the program "
+      "broke."};
+  app.require_subcommand(1);
+  Options options;
+  const auto subcommand = [&](const char* name, const char* help, bool writes) {
+    CLI::App* sub = app.add_subcommand(name, help);
+    sub->add_option("DIELINE", options.input,
+                    "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
+        ->required();
+    if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
+    const auto choice = [&](const char* option, std::string& value, const char* meaning) {
+      sub->add_option(option, value, meaning)->group("What is cut (all, if nothing is said)");
+    };
+    choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
+    choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
+    choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
+    addMachine(*sub, options);
+    sub->add_option("--correction", options.correction,
+                    "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
+        ->group("Machine");
+    addJob(*sub, options.job);
+    planner::addPowerOptions(*sub, options.power);
+    return sub;
+  };
+  const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
+  const CLI::App* program = subcommand(
+      "program", "Write the controller's program of all units, an operation per line in hex", true);
+  const CLI::App* preview = subcommand(
+      "preview", "Write a page that plays the job: one HTML file, nothing loaded from elsewhere", true);
+  const CLI::App* order = subcommand(
+      "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
+  subcommand("check", "Say whether and how the job fits the machine", false);
+  double strip_width_mm = 800.0;
+  CLI::App* throughput = app.add_subcommand(
+      "throughput",
+      "Compare, for a strip cut to length, feeding and stopping with cutting on the run: limits of head and "
+      "belt, "
+      "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
+  throughput->add_option("--width", strip_width_mm, "Of the strip, mm")->capture_default_str();
+  addMachine(*throughput, options);
+  addJob(*throughput, options.job);
+  const planner::CompensateCommand compensate(app);
+  const planner::ProveCommand prove(app);
+  const planner::PowerCommand power(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 64;
+  }
+  if (compensate.run() || prove.run() || power.run()) return 0;
+  if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
+  if (throughput->parsed()) {
+    std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
+    return 0;
+  }
+  if (!options.correction.empty()) {
+    options.machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
+  }
+  options.job.power = planner::powerModelOf(options.power);
+  if (order->parsed()) {
+    if (isGcode(options.input))
+      throw planner::PlanError(options.input + ": an order is chosen for a drawing");
+    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
+    return 0;
+  }
+  const std::string text = gcodeOf(options);
+  if (gcode->parsed()) {
+    write(options, text);
+    return 0;
+  }
+  if (preview->parsed()) {
+    const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
+    write(options, planner::previewHtml(name, text, options.machine, options.job));
+    return 0;
+  }
+  if (!program->parsed()) return check(options, text);
+  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
+  return 0;
+} catch (const planner::PlanError& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const planner::PowerError& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const dieline::DielineError& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const std::system_error& error) {
+  std::cerr << error.what() << '\n';
+  return kBadInput;
+} catch (const std::exception& error) {
+  std::cerr << "kerfplan: " << error.what() << '\n';
+  return kBroken;
+}

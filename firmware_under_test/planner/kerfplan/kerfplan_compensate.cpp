@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "firmware_under_test/planner/compensation/proof.h"
+#include "firmware_under_test/planner/compensation/space_file.h"
+#include "firmware_under_test/planner/compensation/svg_sheet.h"
+#include "firmware_under_test/planner/order/kerf.h"
+#include "hil/dieline/read.h"
+
+namespace kerfbench::planner {
+
+struct CompensateCommand::Options {
+  std::string input;
+  std::string output;
+  JobParameters job;
+  Side side{Side::kLeft};
+  SpaceLimits limits;
+};
+
+namespace {
+
+void write(const std::string& path, const std::string& text) {
+  if (path.empty() || path == "-") {
+    std::cout << text;
+    return;
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) throw PlanError(path + ": cannot be written");
+}
+
+std::string readText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw PlanError(path + ": cannot be opened");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string extensionOf(const std::string& path) {
+  return CLI::detail::to_lower(std::filesystem::path(path).extension().string());
+}
+
+constexpr double kDegrees = 57.295779513082323;
+
+std::string jointSentence(const SpaceJointReport& joint, const SpaceContour& contour) {
+  const std::string where = joint.point < contour.file_lines.size()
+                                ? fmt::format("line {}", contour.file_lines[joint.point])
+                                : "joint";
+  if (joint.joint == SpaceJoint::kPlanar) return where + ": planar\n";
+  return fmt::format("{}: {}{}, alpha {:.2f} deg, beta {:.2f} deg, Omega {:.2f} deg{}\n", where,
+                     nameOf(joint.joint), joint.number > 0 ? fmt::format(" (case {})", joint.number) : "",
+                     joint.corner.alpha_rad * kDegrees, joint.corner.beta_rad * kDegrees,
+                     joint.corner.omega_rad * kDegrees, joint.drawn_back ? ", drawn back" : "");
+}
+
+std::string planeSummary(const Compensated& done) {
+  std::array<int, 4> kinds{};
+  for (const Joint& joint : done.offset.joints) ++kinds[static_cast<std::size_t>(joint.kind)];
+  std::string text =
+      fmt::format("{} contour{}, {} path{}; joints: {} tangent, {} shortened, {} extended, {} inserted\n",
+                  done.contours.size(), done.contours.size() == 1 ? "" : "s", done.offset.paths.size(),
+                  done.offset.paths.size() == 1 ? "" : "s", kinds[0], kinds[1], kinds[2], kinds[3]);
+  for (const BeamPath& path : done.offset.paths) {
+    const Contour& contour = done.contours[path.contour];
+    double length = 0.0;
+    for (const Segment& segment : path.segments) length += segment.lengthMm();
+    std::vector<int> entities;
+    for (const Segment& segment : contour.segments) entities.push_back(segment.entity);
+    const char* side = contour.side == Side::kLeft ? "left" : "right";
+    text += fmt::format("  {:.3f} mm {}, {} of {}\n", length, contour.closed ? "closed" : "open", side,
+                        entityNames(entities));
+  }
+  return text;
+}
+
+}  // namespace
+
+void addKerfOptions(CLI::App& app, JobParameters& j) {
+  using OpenCuts = JobParameters::OpenCuts;
+  const std::map<std::string, OpenCuts> sides{
+      {"line", OpenCuts::kOnTheLine}, {"left", OpenCuts::kLeft}, {"right", OpenCuts::kRight}};
+  const std::string group = "Kerf";
+  app.add_option(
+         "--kerf-radius", j.kerf_radius_mm,
+         "Half the width of a cut, mm: the beam runs beside the cuts by it, so that their edges lie on "
+         "the dieline; 0: on the lines. Creases, half-cuts and perforations are not moved")
+      ->group(group)
+      ->capture_default_str();
+  app.add_option("--open-cuts", j.open_cuts,
+                 "Where the beam runs along open cuts: on the line, left or right of it as drawn")
+      ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
+      ->default_str("line")
+      ->group(group);
+  app.add_flag("--allow-lost", j.allow_lost_features,
+               "Cut without features smaller than the kerf rather than refuse; they are named")
+      ->group(group);
+}
+
+CompensateCommand::CompensateCommand(CLI::App& app) : options_(std::make_shared<Options>()) {
+  sub_ = app.add_subcommand("compensate",
+                            "Say how the beam runs beside a drawing at --kerf-radius, and draw it; or write "
+                            "the path in X Y Z A C beside\n"
+                            "a contour in space (.xyz: a point a line, x y z in mm and the axis i j k of the "
+                            "line that begins there)");
+  sub_->add_option("FILE", options_->input, "A .dxf or .svg drawing, or a contour in space (.xyz)")
+      ->required();
+  sub_->add_option(
+      "-o,--output", options_->output,
+      "Of a drawing: an .svg picture of dieline, path and cut. Of a contour in space: G-code instead of "
+      "standard output");
+  addKerfOptions(*sub_, options_->job);
+  const std::map<std::string, Side> sides{{"left", Side::kLeft}, {"right", Side::kRight}};
+  sub_->add_option("--side", options_->side, "Side of the beam, seen from the head (.xyz)")
+      ->transform(CLI::CheckedTransformer(sides, CLI::ignore_case))
+      ->default_str("left")
+      ->group("In space");
+  sub_->add_option(
+          "--pierced", options_->limits.pierced_deg,
+          "Refuse edges within so many degrees of 360, where the beam pierces the second plane (.xyz)")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str()
+      ->group("In space");
+}
+
+bool CompensateCommand::run() const {
+  if (!sub_->parsed()) return false;
+  const Options& o = *options_;
+  if (!(o.job.kerf_radius_mm > 0.0)) throw PlanError("compensate needs a --kerf-radius > 0");
+  if (extensionOf(o.input) == ".xyz") {
+    try {
+      SpaceContour contour = readSpaceContour(readText(o.input), o.input);
+      contour.side = o.side;
+      const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits);
+      for (const SpaceJointReport& joint : path.joints) std::cerr << jointSentence(joint, contour);
+      write(o.output, writePoses(posesOf(path.points)));
+    } catch (const CompensationError& error) {
+      throw PlanError(o.input + ":\n" + error.what());
+    }
+    return true;
+  }
+  const dieline::Dieline dieline = dieline::readDieline(o.input, dieline::defaultLayerProfile());
+  const Compensated done = compensate(dieline, o.job);
+  std::cout << planeSummary(done);
+  for (const std::string& note : done.notes) std::cout << note << '\n';
+  if (o.output.empty()) return true;
+  std::vector<std::vector<Segment>> contours;
+  std::vector<std::vector<Segment>> paths;
+  for (const Contour& contour : done.contours) contours.push_back(contour.segments);
+  for (const BeamPath& path : done.offset.paths) paths.push_back(path.segments);
+  write(o.output, kerfPicture(contours, paths, o.job.kerf_radius_mm));
+  return true;
+}
+
+ProveCommand::ProveCommand(CLI::App& app) : folder_(std::make_shared<std::string>("docs")) {
+  sub_ = app.add_subcommand(
+      "prove-compensation",
+      "Try the compensation on all joints, in the plane and in space, check it by samples, and "
+      "write COMPENSATION.md with its pictures");
+  sub_->add_option("-o,--output", *folder_, "Folder to write to; the pictures go to its compensation/")
+      ->capture_default_str();
+}
+
+bool ProveCommand::run() const {
+  if (!sub_->parsed()) return false;
+  const std::filesystem::path folder(*folder_);
+  std::filesystem::create_directories(folder / "compensation");
+  const Proof proof = prove({});
+  write((folder / "COMPENSATION.md").string(), proofPage(proof, "compensation"));
+  for (const auto& pictures : {planePictures(), spacePictures()}) {
+    for (const Picture& picture : pictures) {
+      write((folder / "compensation" / (picture.name + ".svg")).string(),
+            "<!-- SPDX-License-Identifier: Apache-2.0 -->\n" + picture.svg);
+    }
+  }
+  if (!proof.holds())
+    throw std::runtime_error("the proof does not hold, see " + (folder / "COMPENSATION.md").string());
+  std::cout << "the proof holds: " << (folder / "COMPENSATION.md").string() << '\n';
+  return true;
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
+
+#include <cmath>
+#include <iostream>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace kerfbench::planner {
+
+struct PowerCommand::Options {
+  PowerOptions power;
+  std::vector<double> speeds_mm_s;
+};
+
+namespace {
+
+void addFault(std::string& faults, const std::string& fault) {
+  faults += (faults.empty() ? "" : "\n") + fault;
+}
+
+/// Reads a file, or notes what is wrong with it.
+template <typename Library>
+std::optional<Library> read(Library (*reader)(const std::filesystem::path&), const std::string& file,
+                            std::string& faults) {
+  try {
+    return reader(file);
+  } catch (const PowerError& error) {
+    addFault(faults, error.what());
+    return std::nullopt;
+  }
+}
+
+std::string outOfReach(const PowerModel& model, double speed_mm_s, double depth_mm) {
+  const PowerModel::Setting setting = model.at(speed_mm_s, depth_mm);
+  const PowerModel::Speeds range = model.speedsFor(depth_mm);
+  if (setting.limit == PowerModel::Limit::kNone) return {};
+  return fmt::format(
+      "{:g} mm at {:g} mm/s cannot be had: it takes {:.4g} W, the laser's {} is {:g} W and cuts "
+      "{:.3f} mm; {:.4g} … {:.4g} mm/s will do",
+      depth_mm, speed_mm_s, setting.wanted_w, setting.limit == PowerModel::Limit::kMost ? "most" : "least",
+      setting.power_w, setting.depth_mm, range.lowest_mm_s, range.highest_mm_s);
+}
+
+}  // namespace
+
+void addPowerOptions(CLI::App& app, PowerOptions& o) {
+  const std::string group = "Power by depth";
+  app.add_option(
+         "--material", o.material,
+         "How deep power over speed and spot diameter cuts (YAML, see fixtures/power/mild-steel.yaml); "
+         "with --laser and --depth, instead of --cut-energy and --full-power")
+      ->group(group);
+  app.add_option("--laser", o.laser,
+                 "What the laser makes of its control signal (YAML, see fixtures/power/co2-tube-80w.yaml)")
+      ->group(group);
+  app.add_option("--depth", o.depth_mm, "Of cuts (Z1), mm")->group(group);
+  app.add_option("--half-depth", o.half_depth_mm,
+                 "Of creases and half-cuts (Z of --half-z), mm; not told: Z times --depth")
+      ->group(group);
+  app.add_option("--spot-diameter", o.spot_diameter_mm, "Of the beam on the sheet, mm")
+      ->group(group)
+      ->capture_default_str();
+}
+
+std::shared_ptr<const PowerModel> powerModelOf(const PowerOptions& o) {
+  if (o.material.empty() && o.laser.empty() && o.depth_mm == 0.0 && o.half_depth_mm == 0.0) return nullptr;
+  std::string faults;
+  if (o.material.empty()) addFault(faults, "--material is missing");
+  if (o.laser.empty()) addFault(faults, "--laser is missing");
+  if (o.depth_mm == 0.0) addFault(faults, "--depth is missing");
+  std::optional<Material> material;
+  std::optional<LaserTube> laser;
+  if (!o.material.empty()) material = read(readMaterial, o.material, faults);
+  if (!o.laser.empty()) laser = read(readLaser, o.laser, faults);
+  if (!faults.empty()) throw PowerError(faults);
+  PowerWish wish{o.spot_diameter_mm, o.depth_mm, std::nullopt};
+  if (o.half_depth_mm != 0.0) wish.half_depth_mm = o.half_depth_mm;
+  return std::make_shared<PowerModel>(*std::move(material), *std::move(laser), wish);
+}
+
+PowerCommand::PowerCommand(CLI::App& app) : options_(std::make_shared<Options>()) {
+  sub_ = app.add_subcommand(
+      "power",
+      "Print what a depth takes of a laser at each speed: P_ua, power, control signal, PWM "
+      "byte and the depth that is reached");
+  addPowerOptions(*sub_, options_->power);
+  sub_->add_option(
+          "--speed", options_->speeds_mm_s,
+          "Speeds, mm/s, refused if a depth cannot be had at one; not told: from below the lowest to "
+          "above the highest")
+      ->delimiter(',');
+}
+
+bool PowerCommand::run() const {
+  if (!sub_->parsed()) return false;
+  const std::shared_ptr<const PowerModel> model = powerModelOf(options_->power);
+  if (!model) throw PowerError("power needs --material, --laser and --depth");
+  std::string faults;
+  for (const double speed : options_->speeds_mm_s) {
+    if (!(speed > 0.0 && speed <= 1e6))
+      addFault(faults, fmt::format("--speed must be in 0 … 1e6 mm/s, but is {:g}", speed));
+  }
+  if (!faults.empty()) throw PowerError(faults);
+  std::vector<double> depths{model->wish().depth_mm};
+  if (model->wish().half_depth_mm) depths.push_back(*model->wish().half_depth_mm);
+  for (const double depth : depths) {
+    const bool told = !options_->speeds_mm_s.empty();
+    std::cout << powerTable(*model, depth, told ? options_->speeds_mm_s : tableSpeeds(*model, depth));
+    for (const double speed : options_->speeds_mm_s) {
+      const std::string fault = outOfReach(*model, speed, depth);
+      if (!fault.empty()) addFault(faults, fault);
+    }
+  }
+  if (!faults.empty()) throw PowerError(faults);
+  return true;
+}
+
+}  // namespace kerfbench::planner

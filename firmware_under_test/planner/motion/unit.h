@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/job/job.h"
+
+namespace kerfbench::planner {
+
+/// The end of one period on the sheet.
+struct Sample {
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
+  double marked_mm{};  ///< Path in the period times Z; 0: laser off.
+  int line{};          ///< Of the G-code that is under way at the end of the period; 0 if it has none.
+  double z{};          ///< Of the mark; 0: laser off.
+};
+
+/// A jump and the marks after it, up to the next jump: runs without a break, since the sheet cannot be waited
+/// for with the laser on. Smooth jumps lie within a block: nor can it be waited for at speed.
+struct Block {
+  int entity{-1};
+  int line{};
+  std::vector<Sample> samples;
+  /// Extremes of x_S + v t over the block, t from its start: what the moving field must hold.
+  double low_mm{};
+  double high_mm{};
+};
+
+/// One unit in the sheet frame, period by period, for one belt speed.
+struct UnitPath {
+  Eigen::Vector2d start_S_mm{Eigen::Vector2d::Zero()};
+  std::vector<Block> blocks;
+  double belt_speed_mm_s{};
+  double jump_length_mm{};      ///< Way with the laser off, between the marks.
+  double acceleration_mm_s2{};  ///< Of the beam along x while it catches up with the sheet.
+  double period_s{};            ///< Of the controller.
+  [[nodiscard]] const Eigen::Vector2d& endS() const { return blocks.back().samples.back().p_S_mm; }
+};
+
+/// How a unit lies in time and in the machine: x_W = x_S + x_ref + v (t + tracking delay), t from the start
+/// of the unit (S4, eq. 3; the delay leads the drives' lag).
+struct UnitLayout {
+  double x_ref_mm{};
+  int catch_up_periods{};                              ///< From rest to the speed of the belt.
+  std::vector<int> waits;                              ///< Periods at rest on the sheet before each block.
+  int sheet_periods{};                                 ///< Waits and blocks.
+  Eigen::Vector2d park_W_mm{Eigen::Vector2d::Zero()};  ///< Where the unit starts, at rest.
+  Eigen::Vector2d end_W_mm{Eigen::Vector2d::Zero()};
+};
+
+/// Layout, or the reason why there is none.
+struct LayoutResult {
+  std::optional<UnitLayout> layout;
+  std::string reason;
+};
+
+/// Periods of one unit; nullopt if the belt is too fast for the x axis. `path` begins and ends with marks but
+/// may hold jumps in between. With a jump radius the beam runs through marks and jumps; stops[k] has it rest
+/// before and after the jump k, so that it can wait there for the sheet. Straight jumps are all of that kind.
+std::optional<UnitPath> planUnit(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
+                                 double belt_speed_mm_s, const std::vector<bool>& stops = {});
+
+/// Bounds on the start of a unit other than the field.
+struct StartBounds {
+  std::optional<double> fixed_x_ref_mm;  ///< A resting sheet lies where it lies.
+  double min_x_ref_mm{};                 ///< The belt must have got so far (print mark seen, feed at speed).
+  double play_mm{};  ///< x_ref may come out larger by this, and smaller by one encoder count.
+};
+
+/// Chooses x_ref. As long as no wait is needed, the middle of what the field allows; else the latest start
+/// after which every block still finds its place, with waits before those that are yet upstream of the field.
+LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, const StartBounds& bounds);
+
+/// Speed of the catch-up is v (3 u² - 2 u³): no step of acceleration, 1.5 v / T at most, and v T / 2 of way.
+int catchUpPeriods(double belt_speed_mm_s, double acceleration_mm_s2, double period_s);
+/// x_W relative to the park position at time fraction u of the catch-up.
+double catchUpMm(double u, double belt_speed_mm_s, int periods, double period_s);
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/order/chains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "firmware_under_test/planner/geometry/flatten.h"
+#include "firmware_under_test/planner/order/kerf.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Leaves half of the 2 um that a curve may be off to the four decimals of the G-code.
+constexpr double kFlattenMm = 0.001;
+
+double zOf(dieline::Process process, const JobParameters& job) {
+  return process == dieline::Process::kHalfCut || process == dieline::Process::kCrease ? job.half_z : 1.0;
+}
+
+/// The unused chain that goes on from `last` with the smallest turn, in its right sense.
+std::optional<Chain> takeNext(std::vector<Chain>& pool, const Chain& so_far) {
+  const Segment& last = so_far.segments.back();
+  double best_turn = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  bool best_reversed = false;
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    if (pool[i].process != so_far.process || pool[i].closed()) continue;
+    for (const bool reverse : {false, true}) {
+      const Vector2d& from = reverse ? pool[i].end() : pool[i].start();
+      if ((from - last.end_mm).norm() >= kJoinMm) continue;
+      const Segment first = reverse ? pool[i].segments.back().reversed() : pool[i].segments.front();
+      const double turn = turnRad(last, first);
+      if (turn < best_turn) {
+        best_turn = turn;
+        best = i;
+        best_reversed = reverse;
+      }
+    }
+  }
+  if (!std::isfinite(best_turn)) return std::nullopt;
+  Chain next = pool[best];
+  if (best_reversed) next.segments = reversedPath(next.segments);
+  pool.erase(pool.begin() + static_cast<std::ptrdiff_t>(best));
+  return next;
+}
+
+void extend(Chain& chain, std::vector<Chain>& pool) {
+  while (!chain.closed()) {
+    const std::optional<Chain> next = takeNext(pool, chain);
+    if (!next) return;
+    chain.segments.insert(chain.segments.end(), next->segments.begin(), next->segments.end());
+  }
+}
+
+void rotateToDownstreamCorner(Chain& chain) {
+  auto& segments = chain.segments;
+  if (segments.size() < 2) return;
+  std::size_t best = 0;
+  bool best_corner = false;
+  double best_x = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& before = segments[(i + segments.size() - 1) % segments.size()];
+    const bool corner = turnRad(before, segments[i]) > kTangentRad;
+    const double x = segments[i].start_mm.x();
+    if ((corner && !best_corner) || (corner == best_corner && x > best_x + kJoinMm)) {
+      best = i;
+      best_corner = corner;
+      best_x = x;
+    }
+  }
+  std::rotate(segments.begin(), segments.begin() + static_cast<std::ptrdiff_t>(best), segments.end());
+}
+
+std::vector<Vector2d> polygonOf(const Chain& chain) {
+  std::vector<Vector2d> points;
+  for (const Segment& segment : chain.segments) {
+    const int parts = segment.isArc() ? 4 + static_cast<int>(std::abs(segment.sweep_rad) * 12.0) : 1;
+    for (int i = 0; i < parts; ++i) points.push_back(segment.at(segment.lengthMm() * i / parts));
+  }
+  return points;
+}
+
+/// Even-odd rule.
+bool inside(const std::vector<Vector2d>& polygon, const Vector2d& p) {
+  bool in = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vector2d& a = polygon[i];
+    const Vector2d& b = polygon[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) {
+      in = !in;
+    }
+  }
+  return in;
+}
+
+void setNesting(std::vector<Chain>& chains) {
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    if (chains[i].process != dieline::Process::kCut || !chains[i].closed()) continue;
+    const std::vector<Vector2d> polygon = polygonOf(chains[i]);
+    Eigen::AlignedBox2d box;
+    for (const Vector2d& p : polygon) box.extend(p);
+    for (std::size_t j = 0; j < chains.size(); ++j) {
+      if (j == i) continue;
+      const Segment& probe = chains[j].segments[chains[j].segments.size() / 2];
+      const Vector2d p = probe.at(0.5 * probe.lengthMm());
+      if (box.contains(p) && inside(polygon, p)) ++chains[j].nesting;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParameters& job,
+                              const PlannerFaults& faults) {
+  std::vector<Chain> pool;
+  std::vector<Chain> twice;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process == dieline::Process::kIgnore || entity.id == faults.skip_entity) continue;
+    Chain chain;
+    chain.process = entity.process;
+    for (Segment segment : flatten(entity.curve, kFlattenMm)) {
+      segment.entity = entity.id;
+      segment.z = zOf(entity.process, job);
+      if (segment.lengthMm() > 0.0) chain.segments.push_back(segment);
+    }
+    if (chain.segments.empty()) continue;
+    if (entity.id == faults.repeat_entity) twice.push_back(chain);
+    pool.push_back(std::move(chain));
+  }
+  std::vector<Chain> chains;
+  while (!pool.empty()) {
+    Chain chain = pool.front();
+    pool.erase(pool.begin());
+    extend(chain, pool);
+    if (!chain.closed()) {
+      chain.segments = reversedPath(chain.segments);
+      extend(chain, pool);
+      chain.segments = reversedPath(chain.segments);
+    }
+    chains.push_back(std::move(chain));
+  }
+  if (job.kerf_radius_mm > 0.0) {
+    setNesting(chains);
+    chains = compensate(chains, job, faults).chains;
+  }
+  for (Chain& chain : chains) {
+    chain.nesting = 0;
+    if (chain.closed()) rotateToDownstreamCorner(chain);
+  }
+  chains.insert(chains.end(), twice.begin(), twice.end());
+  setNesting(chains);
+  return chains;
+}
+
+std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm) {
+  double length_mm = 0.0;
+  for (const Segment& segment : chain.segments) length_mm += segment.lengthMm();
+  const bool closed = chain.closed();
+  const double pattern_mm = cut_mm + gap_mm;
+  const double wanted = (closed ? length_mm : length_mm + gap_mm) / pattern_mm;
+  const int dashes = std::max(1, static_cast<int>(std::lround(wanted)));
+  const double scale = length_mm / (closed ? dashes * pattern_mm : dashes * pattern_mm - gap_mm);
+  std::vector<Segment> out;
+  double s0_mm = 0.0;
+  for (const Segment& segment : chain.segments) {
+    const double s1_mm = s0_mm + segment.lengthMm();
+    for (int i = 0; i < dashes; ++i) {
+      const double from_mm = std::max(s0_mm, i * pattern_mm * scale);
+      const double to_mm = std::min(s1_mm, (i * pattern_mm + cut_mm) * scale);
+      // A sliver of a dash beyond a joint is not worth a G-code line.
+      if (to_mm - from_mm > 1e-3) out.push_back(segment.part(from_mm - s0_mm, to_mm - s0_mm));
+    }
+    s0_mm = s1_mm;
+  }
+  return out;
+}
+
+}  // namespace kerfbench::planner

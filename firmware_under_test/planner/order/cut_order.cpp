@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/order/cut_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "firmware_under_test/planner/motion/solve.h"
+#include "firmware_under_test/planner/order/chains.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+
+double downstreamMm(const std::vector<Segment>& path) {
+  double x = -std::numeric_limits<double>::infinity();
+  for (const Segment& segment : path) {
+    const int parts = segment.isArc() ? 16 : 1;
+    for (int i = 0; i <= parts; ++i) x = std::max(x, segment.at(segment.lengthMm() * i / parts).x());
+  }
+  return x;
+}
+
+std::vector<Chain> brokenAtCorners(const Chain& chain) {
+  std::vector<Chain> pieces;
+  for (const Segment& segment : chain.segments) {
+    const bool corner = pieces.empty() || turnRad(pieces.back().segments.back(), segment) > kTangentRad;
+    if (corner) pieces.push_back(Chain{chain.process, {}, chain.nesting});
+    pieces.back().segments.push_back(segment);
+  }
+  return pieces;
+}
+
+/// Rank of a chain: a lower one comes first.
+int rankOf(const Chain& chain, int deepest) {
+  return chain.process == dieline::Process::kCut ? 1 + deepest - chain.nesting : 0;
+}
+
+struct Choice {
+  std::size_t index{};
+  bool reverse{};
+};
+
+/// The next chain: on a moving sheet out of those that leave the field first, then the nearest end. Of lowest
+/// rank, in the whole unit or among those that leave first.
+Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks,
+              const std::vector<double>& downstream, const Vector2d& p, bool moving,
+              const OrderOptions& options) {
+  const double band_mm = options.band_mm;
+  const bool place_first = moving && options.place_before_process;
+  std::vector<bool> allowed(pool.size(), true);
+  const auto keepLowestRank = [&] {
+    int lowest = std::numeric_limits<int>::max();
+    for (std::size_t i = 0; i < pool.size(); ++i) lowest = allowed[i] ? std::min(lowest, ranks[i]) : lowest;
+    for (std::size_t i = 0; i < pool.size(); ++i) allowed[i] = allowed[i] && ranks[i] == lowest;
+  };
+  if (!place_first) keepLowestRank();
+  if (moving) {
+    double first_x = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < pool.size(); ++i)
+      first_x = allowed[i] ? std::max(first_x, downstream[i]) : first_x;
+    for (std::size_t i = 0; i < pool.size(); ++i)
+      allowed[i] = allowed[i] && downstream[i] >= first_x - band_mm;
+  }
+  if (place_first) keepLowestRank();
+  Choice best;
+  double best_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    if (!allowed[i]) continue;
+    // On a moving sheet an open chain is entered at its downstream end, unless both lie within the band.
+    const double lead_mm = pool[i].start().x() - pool[i].end().x();
+    for (const bool reverse : {false, true}) {
+      if (reverse && pool[i].closed()) continue;
+      if (moving && (reverse ? lead_mm > band_mm : lead_mm < -band_mm)) continue;
+      const double distance_mm = ((reverse ? pool[i].end() : pool[i].start()) - p).norm();
+      if (distance_mm < best_mm - 1e-9) {
+        best_mm = distance_mm;
+        best = {i, reverse};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                               const PlannerFaults& faults, const OrderOptions& options) {
+  std::vector<Chain> pool;
+  for (const Chain& chain : joinChains(dieline, job, faults)) {
+    if (!options.break_at_corners) {
+      pool.push_back(chain);
+      continue;
+    }
+    for (Chain& piece : brokenAtCorners(chain)) pool.push_back(std::move(piece));
+  }
+  int deepest = 0;
+  for (const Chain& chain : pool) deepest = std::max(deepest, chain.nesting);
+  std::vector<int> ranks;
+  std::vector<double> downstream;
+  for (const Chain& chain : pool) {
+    ranks.push_back(rankOf(chain, deepest));
+    downstream.push_back(downstreamMm(chain.segments));
+  }
+  std::vector<Stop> order;
+  Vector2d p = Vector2d::Zero();
+  while (!pool.empty()) {
+    const Choice choice = nextOf(pool, ranks, downstream, p, speedWhileCutting(job) > 0.0, options);
+    const auto at = static_cast<std::ptrdiff_t>(choice.index);
+    Stop stop{std::move(pool[choice.index]), ranks[choice.index]};
+    pool.erase(pool.begin() + at);
+    ranks.erase(ranks.begin() + at);
+    downstream.erase(downstream.begin() + at);
+    if (choice.reverse) stop.chain.segments = reversedPath(stop.chain.segments);
+    p = stop.chain.end();
+    order.push_back(std::move(stop));
+  }
+  return order;
+}
+
+std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                             const PlannerFaults& faults) {
+  std::vector<Stop> order;
+  dieline::Dieline one;
+  for (const dieline::Entity& entity : dieline.entities) {
+    one.entities = {entity};
+    for (Chain& chain : joinChains(one, job, faults)) order.push_back({std::move(chain), 0});
+  }
+  return order;
+}
+
+std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job) {
+  std::vector<std::vector<Segment>> pieces;
+  for (const Stop& stop : order) {
+    pieces.push_back(stop.chain.process == dieline::Process::kPerforation
+                         ? dashed(stop.chain, job.perforation_cut_mm, job.perforation_gap_mm)
+                         : stop.chain.segments);
+  }
+  return pieces;
+}
+
+std::vector<std::vector<Segment>> cutOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                                           const PlannerFaults& faults, const OrderOptions& options) {
+  return piecesOf(nearestOrder(dieline, job, faults, options), job);
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/job/job.h"
+#include "firmware_under_test/planner/order/air_path.h"
+#include "hil/dieline/geometry.h"
+
+namespace kerfbench::planner {
+
+/// Freedom in the order of cutting that a moving sheet may need.
+struct OrderOptions {
+  /// Break chains at their corners, so that a long outline is cut from downstream to upstream on both sides
+  /// rather than round and back to a part of the sheet that has left.
+  bool break_at_corners{false};
+  /// Keep creases before cuts and holes before outlines only among equals, rather than over the whole unit: a
+  /// unit about as long as the field has left it before a second pass could begin.
+  bool place_before_process{false};
+  /// Pieces whose downstream ends differ by no more than this count as equal, and the nearest comes first.
+  double band_mm{1.0};
+
+  bool operator==(const OrderOptions&) const = default;
+};
+
+/// Chains in the order of a greedy walk to the nearest end: creases, half-cuts and perforations before cuts,
+/// holes before outlines, and on a moving sheet what leaves the field first.
+std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                               const PlannerFaults& faults, const OrderOptions& options);
+
+/// Entities one after the other as they stand in the drawing, in their own sense.
+std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                             const PlannerFaults& faults);
+
+/// What is cut without switching off; a perforation is one piece with gaps.
+std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job);
+
+/// The pieces of nearestOrder().
+std::vector<std::vector<Segment>> cutOrder(const dieline::Dieline& dieline, const JobParameters& job,
+                                           const PlannerFaults& faults, const OrderOptions& options);
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/order/kerf.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "firmware_under_test/planner/compensation/curves.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using OpenCuts = JobParameters::OpenCuts;
+
+std::vector<int> entitiesOf(const std::vector<Segment>& segments) {
+  std::vector<int> entities;
+  for (const Segment& segment : segments) entities.push_back(segment.entity);
+  return entities;
+}
+
+/// The side of a closed cut that is waste: outside of an outline, inside of a hole.
+Side wasteSide(const std::vector<Segment>& segments, int nesting) {
+  const bool hole = nesting % 2 == 1;
+  const bool counter_clockwise = signedAreaMm2(segments) > 0.0;
+  return counter_clockwise == hole ? Side::kLeft : Side::kRight;
+}
+
+/// Cuts that get a path of their own, and the chains they are.
+struct Work {
+  std::vector<Contour> contours;
+  std::vector<const Chain*> chains;
+};
+
+Work workOf(const std::vector<Chain>& chains, const JobParameters& job, Compensated& result,
+            std::vector<std::string>& faults) {
+  Work work;
+  for (const Chain& chain : chains) {
+    const bool cut = chain.process == dieline::Process::kCut;
+    if (cut && !chain.closed() && job.open_cuts == OpenCuts::kOnTheLine) {
+      result.notes.push_back(placeName(entitiesOf(chain.segments), chain.start()) +
+                             ": an open cut, the beam runs on its line");
+    }
+    if (!cut || (!chain.closed() && job.open_cuts == OpenCuts::kOnTheLine)) {
+      result.chains.push_back(chain);
+      continue;
+    }
+    Contour contour;
+    contour.segments = chain.segments;
+    contour.closed = chain.closed();
+    contour.side = job.open_cuts == OpenCuts::kRight ? Side::kRight : Side::kLeft;
+    try {
+      contour = healed(contour, kJoinMm);
+    } catch (const CompensationError& error) {
+      faults.emplace_back(error.what());
+      continue;
+    }
+    if (contour.closed) {
+      if (std::abs(signedAreaMm2(contour.segments)) < kTouchMm) {
+        std::vector<std::string> why = contactFaults({contour});
+        if (why.empty()) {
+          why.push_back(placeName(entitiesOf(chain.segments), chain.start()) +
+                        ": a closed cut that encloses nothing");
+        }
+        faults.insert(faults.end(), why.begin(), why.end());
+        continue;
+      }
+      contour.side = wasteSide(contour.segments, chain.nesting);
+    }
+    work.contours.push_back(std::move(contour));
+    work.chains.push_back(&chain);
+  }
+  return work;
+}
+
+std::string sentenceOf(const LostStretch& lost, double radius_mm) {
+  const std::string place = placeName(lost.entities, lost.p_mm);
+  if (lost.kind == LostStretch::Kind::kWhole) {
+    return fmt::format("{}: smaller than the kerf of {:g} mm, there is no path for the beam", place,
+                       2.0 * radius_mm);
+  }
+  return fmt::format("{}: narrower than the kerf of {:g} mm, {:.3f} mm stay uncut over {:.3f} mm of contour",
+                     place, 2.0 * radius_mm, lost.depth_mm, lost.length_mm);
+}
+
+/// Notes on what is lost; what must not be without consent goes to `faults`.
+void tell(const std::vector<LostStretch>& all, const JobParameters& job, std::vector<std::string>& notes,
+          std::vector<std::string>& faults) {
+  int rounded = 0;
+  const LostStretch* deepest = nullptr;
+  for (const LostStretch& lost : all) {
+    if (lost.kind == LostStretch::Kind::kRounded) {
+      ++rounded;
+      if (deepest == nullptr || lost.depth_mm > deepest->depth_mm) deepest = &lost;
+      continue;
+    }
+    const bool refused = lost.depth_mm > kLostMm && !job.allow_lost_features;
+    (refused ? faults : notes).push_back(sentenceOf(lost, job.kerf_radius_mm));
+  }
+  if (deepest != nullptr) {
+    notes.push_back(fmt::format("{} inner corner{} rounded by the beam, by {:.3f} mm at most: {}", rounded,
+                                rounded == 1 ? "" : "s", deepest->depth_mm,
+                                placeName(deepest->entities, deepest->p_mm)));
+  }
+}
+
+}  // namespace
+
+Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
+                       const PlannerFaults& planner_faults) {
+  Compensated result;
+  std::vector<std::string> faults;
+  Work work = workOf(chains, job, result, faults);
+  if (planner_faults.kerf_wrong_side) {
+    for (Contour& contour : work.contours)
+      contour.side = contour.side == Side::kLeft ? Side::kRight : Side::kLeft;
+  }
+  try {
+    result.offset = offsetContours(work.contours, job.kerf_radius_mm);
+  } catch (const CompensationError& error) {
+    faults.emplace_back(error.what());
+  }
+  tell(result.offset.lost, job, result.notes, faults);
+  if (!faults.empty()) {
+    throw PlanError(
+        fmt::format("kerf compensation by {:g} mm:\n{}", job.kerf_radius_mm, fmt::join(faults, "\n")));
+  }
+  for (const BeamPath& path : result.offset.paths) {
+    const Chain& source = *work.chains[path.contour];
+    result.chains.push_back({source.process, path.segments, source.nesting});
+  }
+  result.contours = std::move(work.contours);
+  return result;
+}
+
+Compensated compensate(const dieline::Dieline& dieline, const JobParameters& job) {
+  JobParameters as_drawn = job;
+  as_drawn.kerf_radius_mm = 0.0;
+  return compensate(joinChains(dieline, as_drawn, {}), job);
+}
+
+}  // namespace kerfbench::planner

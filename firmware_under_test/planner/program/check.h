@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware_under_test/planner/geometry/segment.h"
+#include "firmware_under_test/planner/job/job.h"
+#include "firmware_under_test/planner/motion/solve.h"
+
+namespace kerfbench::planner {
+
+/// All that is wrong with a job, and what it takes of the machine if nothing is.
+struct CheckResult {
+  std::vector<std::string> errors;    ///< One sentence each, with the line of the G-code where there is one.
+  std::vector<std::string> warnings;  ///< The job can be cut, but hardly as it was meant.
+  std::optional<Solution> solution;   ///< At the job's belt speed.
+  double max_belt_speed_mm_s{};       ///< As Plan's; 0 while the G-code or the parameters are unusable.
+};
+
+/// Parameters, G-code, field, power, belt and pitch, everything at once. What needs the motion is looked at
+/// only if text and parameters are sound.
+CheckResult checkJob(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
+                     const PlannerFaults& faults = {});
+
+/// Room that a solution takes of the field and of the pitch: S0's two constraints, ramps included.
+struct RoomNeeded {
+  double low_x_mm{}, high_x_mm{};  ///< x_W of the beam from park position to the last mark, all units.
+  double least_pitch_mm{};         ///< Moving sheet: what the belt runs in a cycle; else 0.
+  /// S0's closed form for a single straight cut across, without ramps: (v_x/v_y)(v_x/v_0 + 1) y0 and
+  /// v_x y0 / v_y.
+  struct ClosedForm {
+    double least_pitch_mm{}, travel_mm{};
+  };
+  std::optional<ClosedForm> closed_form;
+};
+RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path,
+                      const MachineParameters& machine, const JobParameters& job, const Axes& axes);
+
+/// Marks that lie outside the field across the belt, which no belt speed can mend.
+std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const MachineParameters& machine);
+
+/// Marks for which the laser is too weak at the speed they reach.
+std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParameters& machine,
+                                     const JobParameters& job);
+
+/// Where a job with a power model marks so slowly that the laser's least power is too much: a sentence for
+/// each Z.
+std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters& job);
+
+}  // namespace kerfbench::planner

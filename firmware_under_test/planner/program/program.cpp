@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/program/program.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "firmware_under_test/controller/protocol.h"
+
+namespace kerfbench::planner {
+namespace {
+
+using Eigen::Vector2d;
+using Op = std::vector<std::uint8_t>;
+
+/// The gain is sent anew when it is off by more than this share.
+constexpr double kGainShare = 0.002;
+
+void append(Op& op, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) op.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+/// Writes periods and knows where the axes stand.
+class Writer {
+ public:
+  Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
+      : axes_(axes),
+        machine_(machine),
+        job_(job),
+        v_(belt_speed_mm_s),
+        period_s_(axes.periodS()),
+        p_W_mm_(axes.wakesAt()) {}
+
+  /// One period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
+  void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
+    const Vector2d wanted = axes_.stepsAt(p_W_mm);
+    int count[2];
+    for (int i = 0; i < 2; ++i) {
+      const int to = static_cast<int>(std::lround(wanted[i]));
+      count[i] = to - steps_[i];
+      steps_[i] = to;
+      const auto axis = static_cast<std::size_t>(axes_.firstAxis() + i);
+      const int most = axes_.pulses().most_steps[axis];
+      if (std::abs(count[i]) > most) {
+        throw PlanError(
+            fmt::format("E{}: axis {} would need {} steps in one period of {:g} ms; the limit is {}", entity,
+                        i == 0 ? 'x' : 'y', count[i], period_s_ * 1e3, most));
+      }
+    }
+    for (int i = 0; i < 2; ++i) checkTurn(i, count[i], entity);
+    std::uint8_t mask = 0;
+    Op op(1);  // the operation itself comes last, when its mask is known
+    const auto axis = [&](int number, int steps) {
+      if (steps == 0) return;
+      mask = static_cast<std::uint8_t>(mask | (1U << static_cast<unsigned>(number)));
+      op.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
+    };
+    axis(axes_.firstAxis(), count[0]);
+    axis(axes_.firstAxis() + 1, count[1]);
+    axis(KB_FEED, feedSteps());
+    if (mark != nullptr && mark->marked_mm > 0.0) {
+      mask |= KB_OP_POWER;
+      op.push_back(static_cast<std::uint8_t>(std::lround(std::min(powerByte(*mark, machine_, job_), 255.0))));
+    }
+    if (following_) {
+      const double gain = axes_.xStepsPerMm(p_W_mm) * machine_.encoder_count_mm * 4096.0;
+      if (std::abs(gain - gain_) > kGainShare * gain) {
+        gain_ = gain;
+        mask |= KB_OP_GAIN;
+        append(op, static_cast<std::uint64_t>(std::lround(gain)), 2);
+      }
+    }
+    op[0] = static_cast<std::uint8_t>(KB_OP_MOVE | mask);
+    ops_.push_back(std::move(op));
+    p_W_mm_ = p_W_mm;
+  }
+
+  void hold(int periods) {
+    for (int i = 0; i < periods; ++i) period(p_W_mm_, nullptr, -1);
+  }
+
+  void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
+    const Reposition way(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
+    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), nullptr, -1);
+  }
+
+  void waitMark(std::int32_t offset) {
+    Op op(1, KB_OP_WAIT_MARK);
+    append(op, static_cast<std::uint32_t>(offset), 4);
+    ops_.push_back(std::move(op));
+  }
+
+  void follow(bool on) {
+    following_ = on;
+    Op op(2, KB_OP_FOLLOW);
+    op[1] = static_cast<std::uint8_t>(on ? axes_.firstAxis() + 1 : 0);
+    ops_.push_back(std::move(op));
+  }
+
+  void startFeed() { feed_target_ = v_; }
+  void stopFeed() { feed_target_ = 0.0; }
+  /// Feeds one pitch from rest to rest during the next periods.
+  void feedPitch() { pitch_period_ = 0; }
+  [[nodiscard]] bool feedsPitch() const { return pitch_period_.has_value(); }
+  [[nodiscard]] bool feedAtTarget() const { return feed_speed_ == feed_target_; }
+  [[nodiscard]] double feedMm() const { return feed_mm_; }
+  [[nodiscard]] const Vector2d& at() const { return p_W_mm_; }
+
+  std::vector<Op> finish() {
+    ops_.emplace_back(1, KB_OP_END);
+    return std::move(ops_);
+  }
+
+ private:
+  /// The firmware would put steps off so that DIR is set up and held as long as the drive needs: the beam
+  /// would be late.
+  void checkTurn(int axis, int count, int entity) {
+    const int turn = axes_.pulses().turn_steps[static_cast<std::size_t>(axes_.firstAxis() + axis)];
+    const int before = std::exchange(count_before_[axis], count);
+    if (before * count >= 0 || (std::abs(before) <= turn && std::abs(count) <= turn)) return;
+    throw PlanError(
+        fmt::format("E{}: axis {} turns round from {} to {} steps in a period of {:g} ms; its drive allows "
+                    "{} for the time that "
+                    "DIR must be stable: accelerate less",
+                    entity, "xy"[axis], before, count, period_s_ * 1e3, turn));
+  }
+
+  /// The belt's ramps are straight in speed and take whole periods.
+  int feedSteps() {
+    if (pitch_period_) {
+      ++*pitch_period_;
+      const double to_mm = pitches_ * job_.pitch_mm + feedOfPitch(job_).at(*pitch_period_ * period_s_);
+      if (*pitch_period_ >= feedOfPitchPeriods(job_, period_s_)) {
+        pitch_period_.reset();
+        ++pitches_;
+      }
+      return feedTo(to_mm);
+    }
+    if (feed_speed_ == 0.0 && feed_target_ == 0.0) return 0;
+    const double step = v_ / std::max(1, feedRampPeriods(v_, job_, period_s_));
+    const double before = feed_speed_;
+    feed_speed_ += std::clamp(feed_target_ - feed_speed_, -step, step);
+    if (std::abs(feed_speed_ - feed_target_) < 1e-6 * v_) feed_speed_ = feed_target_;
+    feed_mm_ += 0.5 * (before + feed_speed_) * period_s_;
+    return feedTo(feed_mm_);
+  }
+
+  int feedTo(double belt_mm) {
+    const long to = std::lround(belt_mm / machine_.feed_step_mm);
+    const int count = static_cast<int>(to - feed_steps_);
+    feed_steps_ = to;
+    return count;
+  }
+
+  const Axes& axes_;
+  const MachineParameters& machine_;
+  const JobParameters& job_;
+  double v_;
+  double period_s_;
+  std::vector<Op> ops_;
+  Vector2d p_W_mm_;
+  int steps_[2]{};
+  int count_before_[2]{};
+  bool following_{false};
+  double gain_{};
+  double feed_speed_{}, feed_target_{}, feed_mm_{};
+  std::optional<int> pitch_period_;  // of the feed by one pitch that is under way
+  int pitches_{};
+  long feed_steps_{};
+};
+
+/// A release that ignores the belt keeps the unit where it lay when it would have been half done.
+UnitLayout frozen(const UnitPath& unit, UnitLayout layout, const MachineParameters& machine) {
+  double low = unit.start_S_mm.x();
+  double high = low;
+  for (const Block& block : unit.blocks) {
+    for (const Sample& sample : block.samples) {
+      low = std::min(low, sample.p_S_mm.x());
+      high = std::max(high, sample.p_S_mm.x());
+    }
+  }
+  layout.x_ref_mm = 0.5 * (machine.field_min_mm[0] + machine.field_max_mm[0] - low - high);
+  layout.park_W_mm = unit.start_S_mm + Vector2d(layout.x_ref_mm, 0.0);
+  return layout;
+}
+
+/// The periods from rest at the park position to the last mark.
+void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, double x_ref_mm, double v,
+               double tracking_delay_s) {
+  const Vector2d park = writer.at();
+  for (int k = 1; k <= layout.catch_up_periods; ++k) {
+    const double u = static_cast<double>(k) / layout.catch_up_periods;
+    writer.period(park + Vector2d(catchUpMm(u, v, layout.catch_up_periods, unit.period_s), 0.0), nullptr, -1);
+  }
+  int k = layout.catch_up_periods;
+  const auto inMachine = [&](const Vector2d& p_S_mm) {
+    return Vector2d(p_S_mm.x() + x_ref_mm + v * (k * unit.period_s + tracking_delay_s), p_S_mm.y());
+  };
+  Vector2d p_S = unit.start_S_mm;
+  for (std::size_t i = 0; i < unit.blocks.size(); ++i) {
+    const Block& block = unit.blocks[i];
+    for (int wait = 0; wait < layout.waits[i]; ++wait) {
+      ++k;
+      writer.period(inMachine(p_S), nullptr, block.entity);
+    }
+    for (const Sample& sample : block.samples) {
+      ++k;
+      p_S = sample.p_S_mm;
+      writer.period(inMachine(p_S), &sample, block.entity);
+    }
+  }
+}
+
+/// As if the beam ran at its full speed everywhere, for whoever tells the laser its power.
+UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_s) {
+  for (Block& block : path.blocks) {
+    for (Sample& sample : block.samples) {
+      if (sample.marked_mm > 0.0) sample.marked_mm = sample.z * mark_speed_mm_s * period_s;
+    }
+  }
+  return path;
+}
+
+/// KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): of an integrator
+/// whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))).
+std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
+                                           unsigned gate_delay_ticks) {
+  const Target& target = machine.target;
+  const PowerModel& model = *job.power;
+  const int ticks = static_cast<int>(gate_delay_ticks) + 1 +
+                    static_cast<int>(std::lround(machine.power_delay_s / target.tick_s));
+  // A period is prepared while another runs, by what the one before that has measured.
+  const double late = 2.0 + std::ceil(static_cast<double>(ticks) / target.ticks_per_period);
+  const double gain = 0.8 * std::sin(std::numbers::pi / (2.0 * (2.0 * late + 1.0)));
+  Op payload;
+  append(payload, static_cast<std::uint64_t>(std::lround(256.0 * gain)), 1);
+  append(payload, model.byteFor(0.0), 1);
+  append(payload, model.byteFor(model.laser().full_control), 1);
+  append(payload, static_cast<std::uint64_t>(ticks), 2);
+  for (int i = 0; i < KB_POWER_POINTS; ++i) {
+    const auto byte = static_cast<std::uint8_t>(std::min(16 * i, 255));
+    // Beneath its curve's first point a laser is not known; the loop never goes there.
+    const double edges = model.powerOf(byte) * target.periodS() / (2.0 * machine.power_quantum_j);
+    append(payload, static_cast<std::uint64_t>(std::lround(16.0 * edges)), 2);
+  }
+  return payload;
+}
+
+struct Reach {
+  Vector2d low, high;
+};
+
+/// Steps that hold the whole field. They grow along their own axis, with a table too, so that each is least
+/// and most on the rim; of the formulas in a corner or across the middle.
+Reach reachOf(const Axes& axes, const MachineParameters& machine) {
+  constexpr int kParts = 128;
+  const Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
+  const Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
+  Reach reach{Vector2d::Zero(), Vector2d::Zero()};  // where it wakes
+  const auto hold = [&](const Vector2d& p_W_mm) {
+    const Vector2d steps = axes.stepsAt(p_W_mm);
+    reach.low = reach.low.cwiseMin(steps);
+    reach.high = reach.high.cwiseMax(steps);
+  };
+  for (int i = 0; i <= kParts; ++i) {
+    const Vector2d between = low + (high - low) * i / kParts;
+    for (const Vector2d& end : {low, high}) {
+      hold({end.x(), between.y()});
+      hold({between.x(), end.y()});
+      hold({end.x(), 0.0});
+      hold({0.0, end.y()});
+    }
+  }
+  return reach;
+}
+
+/// Where the beam may be by KB_CONFIG. A line that wavers and an encoder that runs out of true move the axis
+/// that follows beside its plan, which may use the field to its edge.
+void appendField(Op& config, const Axes& axes, const MachineParameters& machine, bool follows) {
+  constexpr double kWaverMm = 0.5;
+  const Reach reach = reachOf(axes, machine);
+  std::array<std::int32_t, KB_AXES> low{}, high{};
+  low.fill(std::numeric_limits<std::int32_t>::min());
+  high.fill(std::numeric_limits<std::int32_t>::max());
+  for (int i = 0; i < 2; ++i) {
+    const auto axis = static_cast<std::size_t>(axes.firstAxis() + i);
+    const double waver = i == 0 && follows ? kWaverMm * axes.xStepsPerMm(Vector2d::Zero()) : 0.0;
+    const auto step = [](double steps) { return static_cast<std::int32_t>(std::clamp(steps, -2e9, 2e9)); };
+    low.at(axis) = step(std::floor(reach.low[i] - waver));
+    high.at(axis) = step(std::ceil(reach.high[i] + waver));
+  }
+  for (const auto& steps : {low, high})
+    for (const std::int32_t step : steps) append(config, static_cast<std::uint32_t>(step), 4);
+}
+
+}  // namespace
+
+PowerModel::Setting powerSetting(const Sample& sample, const MachineParameters& machine,
+                                 const JobParameters& job) {
+  return job.power->at(sample.marked_mm / sample.z / machine.target.periodS(),
+                       job.power->depthOf(sample.z, job.half_z));
+}
+
+double powerByte(const Sample& sample, const MachineParameters& machine, const JobParameters& job) {
+  if (job.power) return job.power->byteFor(powerSetting(sample, machine, job).control);
+  const double power_w = job.cut_energy_j_per_mm * sample.marked_mm / machine.target.periodS();
+  return power_w / machine.full_power_w * 255.0;
+}
+
+Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
+                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s) {
+  const double v = solution.belt_speed_mm_s;
+  const double period_s = axes.periodS();
+  const bool moving = v > 0.0;
+  const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
+  const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
+  Program program;
+  const double counts_per_mm_s = moving ? period_s / machine.encoder_count_mm * 65536.0 : 0.0;
+  append(program.config, static_cast<std::uint64_t>(std::llround(v * counts_per_mm_s)), 4);
+  // The laser waits for the mirrors, less what it lags by itself.
+  const double wait_s = std::max(0.0, machine.tracking_delay_s - machine.laser_lag_s);
+  const auto delay = static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
+  for (const unsigned byte : {delay, delay, 0U})  // idle power 0
+    program.config.push_back(static_cast<std::uint8_t>(byte));
+  const double most = follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
+  append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
+  for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
+  const PulseSettings& pulses = axes.pulses();
+  for (const std::uint8_t byte : {pulses.invert_a, pulses.invert_c, pulses.wide, pulses.wide_ticks})
+    program.config.push_back(byte);
+  program.config.insert(program.config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
+  program.config.insert(program.config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
+  appendField(program.config, axes, machine, follows);
+  program.target = machine.target;
+
+  if (job.power_loop) program.power = powerLoopPayload(machine, job, delay);
+  Writer writer(axes, machine, job, v);
+  double v_now = 0.0;
+  for (int unit = 0; unit < job.units; ++unit) {
+    const UnitPath path = faults.constant_power
+                              ? withConstantPower(solution.pathOf(unit), job.mark_speed_mm_s, period_s)
+                              : solution.pathOf(unit);
+    UnitLayout layout = solution.layoutOf(unit);
+    const double planned_x_ref_mm = layout.x_ref_mm;
+    if (moving && faults.ignore_belt) layout = frozen(path, layout, machine);
+    double x_ref_mm = layout.x_ref_mm;
+    if (moving && job.feed_by_controller) {
+      // Timed: the unit starts at the first border of a period at which the web has come far enough.
+      const double from_mm = job.web_start_x_mm - unit * job.pitch_mm + feedRampMm(v, job, period_s);
+      const double start_mm =
+          from_mm + std::ceil((planned_x_ref_mm - from_mm) / (v * period_s) - 1e-9) * v * period_s;
+      if (!faults.ignore_belt) {
+        x_ref_mm = start_mm;
+        layout.park_W_mm.x() += start_mm - planned_x_ref_mm;
+      }
+      writer.reposition(layout.park_W_mm, v_now);
+      if (unit == 0) writer.startFeed();
+      const double belt_mm = start_mm - job.web_start_x_mm + unit * job.pitch_mm;
+      while (!writer.feedAtTarget() || writer.feedMm() < belt_mm - 1e-6) writer.hold(1);
+    } else if (moving) {
+      const double seen_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
+      const long offset = std::lround((planned_x_ref_mm - seen_mm) / machine.encoder_count_mm);
+      if (!faults.ignore_belt) {
+        x_ref_mm = seen_mm + static_cast<double>(offset) * machine.encoder_count_mm;
+        layout.park_W_mm.x() += x_ref_mm - planned_x_ref_mm;
+      }
+      writer.reposition(layout.park_W_mm, v_now);
+      writer.waitMark(static_cast<std::int32_t>(offset));
+      if (follows) writer.follow(true);
+    } else {
+      if (job.stop_and_go && unit > 0) writer.feedPitch();
+      writer.reposition(layout.park_W_mm, v_now);
+      while (writer.feedsPitch()) writer.hold(1);
+    }
+    writeUnit(writer, path, layout, x_ref_mm, v_seen, machine.tracking_delay_s);
+    if (follows) writer.follow(false);
+    v_now = v_seen;
+  }
+  writer.reposition(Vector2d::Zero(), v_now);
+  if (moving && job.feed_by_controller) {
+    writer.stopFeed();
+    while (!writer.feedAtTarget()) writer.hold(1);
+  }
+  program.ops = writer.finish();
+  return program;
+}
+
+std::string programText(const Program& program) {
+  const auto hex = [](const std::vector<std::uint8_t>& bytes) {
+    std::string text;
+    for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+    return text + "\n";
+  };
+  std::string text = "config " + hex(program.config);
+  for (const auto& op : program.ops) text += hex(op);
+  return text;
+}
+
+}  // namespace kerfbench::planner

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware_under_test/planner/program/selection.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "firmware_under_test/planner/gcode/gcode.h"
+
+namespace kerfbench::planner {
+namespace {
+
+constexpr dieline::Process kProcesses[] = {dieline::Process::kCut, dieline::Process::kHalfCut,
+                                           dieline::Process::kCrease, dieline::Process::kPerforation};
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto from = text.find_first_not_of(" \t");
+  if (from == std::string_view::npos) return {};
+  return text.substr(from, text.find_last_not_of(" \t") - from + 1);
+}
+
+std::vector<std::string_view> itemsOf(std::string_view list) {
+  std::vector<std::string_view> items;
+  if (trimmed(list).empty()) return items;
+  for (std::size_t from = 0; from <= list.size();) {
+    const std::size_t to = std::min(list.find(',', from), list.size());
+    items.push_back(trimmed(list.substr(from, to - from)));
+    from = to + 1;
+  }
+  return items;
+}
+
+std::optional<int> idOf(std::string_view text) {
+  text = trimmed(text);
+  if (!text.empty() && (text.front() == 'E' || text.front() == 'e')) text.remove_prefix(1);
+  int id = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size() || id < 0) return std::nullopt;
+  return id;
+}
+
+bool holds(const std::vector<std::pair<int, int>>& ranges, int id) {
+  return ranges.empty() || std::any_of(ranges.begin(), ranges.end(),
+                                       [&](const auto& r) { return id >= r.first && id <= r.second; });
+}
+
+[[noreturn]] void refuse(const std::vector<std::string>& faults) {
+  throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
+}
+
+/// Faults of ranges that choose none of the ids.
+void checkRanges(const Selection& selection, const std::set<int>& ids, std::vector<std::string>& faults) {
+  for (const auto& [first, last] : selection.entities) {
+    const auto found = ids.lower_bound(first);
+    if (found != ids.end() && *found <= last) continue;
+    const std::string range = first == last ? fmt::format("E{}", first) : fmt::format("E{}-E{}", first, last);
+    faults.push_back(ids.empty() ? fmt::format("{}: nothing here belongs to an entity", range)
+                                 : fmt::format("{}: there is no such entity; the ids go from {} to {}", range,
+                                               *ids.begin(), *ids.rbegin()));
+  }
+}
+
+/// The word after the entity in a comment such as "(E14 half-cut)".
+std::string processWordOf(std::string_view line, int entity) {
+  const std::string text = lower(line);
+  const std::string key = fmt::format("e{} ", entity);
+  const std::size_t at = text.find(key);
+  if (entity < 0 || at == std::string::npos) return {};
+  const std::size_t from = at + key.size();
+  return text.substr(from, text.find_first_of(") \t\r", from) - from);
+}
+
+}  // namespace
+
+Selection selectionFrom(const std::string& entities, const std::string& layers,
+                        const std::string& processes) {
+  Selection selection;
+  std::vector<std::string> faults;
+  for (const std::string_view item : itemsOf(entities)) {
+    const std::size_t dash = item.find('-');
+    const auto first = idOf(item.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : idOf(item.substr(dash + 1));
+    if (!first || !last) {
+      faults.push_back(fmt::format("entities: '{}' is neither an id nor a range such as 5-8", item));
+    } else if (*last < *first) {
+      faults.push_back(fmt::format("entities: '{}' ends before it begins", item));
+    } else {
+      selection.entities.emplace_back(*first, *last);
+    }
+  }
+  for (const std::string_view item : itemsOf(layers)) {
+    if (item.empty()) {
+      faults.emplace_back("layers: a name is missing between two commas");
+    } else {
+      selection.layers.insert(lower(item));
+    }
+  }
+  for (const std::string_view item : itemsOf(processes)) {
+    const auto found = std::find_if(std::begin(kProcesses), std::end(kProcesses), [&](dieline::Process p) {
+      return dieline::processName(p) == lower(item);
+    });
+    if (found == std::end(kProcesses)) {
+      faults.push_back(fmt::format("process: '{}' is none of cut, half-cut, crease, perforation", item));
+    } else {
+      selection.processes.insert(*found);
+    }
+  }
+  if (!faults.empty()) refuse(faults);
+  return selection;
+}
+
+void select(dieline::Dieline& dieline, const Selection& selection) {
+  if (selection.all()) return;
+  std::set<int> ids;
+  std::set<std::string> layers;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process == dieline::Process::kIgnore) continue;
+    ids.insert(entity.id);
+    layers.insert(lower(entity.layer));
+  }
+  std::vector<std::string> faults;
+  checkRanges(selection, ids, faults);
+  for (const std::string& layer : selection.layers) {
+    if (layers.count(layer) == 0)
+      faults.push_back(
+          fmt::format("{}: there is no such layer; there are {}", layer, fmt::join(layers, ", ")));
+  }
+  bool any = false;
+  for (dieline::Entity& entity : dieline.entities) {
+    const bool chosen = holds(selection.entities, entity.id) &&
+                        (selection.layers.empty() || selection.layers.count(lower(entity.layer)) > 0) &&
+                        (selection.processes.empty() || selection.processes.count(entity.process) > 0);
+    if (!chosen) entity.process = dieline::Process::kIgnore;
+    any = any || entity.process != dieline::Process::kIgnore;
+  }
+  if (faults.empty() && !any) faults.emplace_back("nothing is chosen: no entity is in all lists");
+  if (!faults.empty()) refuse(faults);
+}
+
+std::string select(const std::string& gcode, const Selection& selection) {
+  if (selection.all()) return gcode;
+  if (!selection.layers.empty())
+    refuse({"layers cannot be chosen in G-code, which does not hold them; choose by process or entity"});
+  const std::vector<Segment> path = readGcode(gcode);
+  std::vector<std::string_view> lines{""};
+  const std::string_view text = gcode;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find('\n', from), text.size());
+    lines.push_back(text.substr(from, to - from));
+    from = to + 1;
+  }
+  std::set<int> ids;
+  std::map<int, std::string> words;
+  std::vector<std::vector<Segment>> pieces;
+  for (const Segment& segment : path) {
+    if (segment.jump) continue;
+    if (segment.entity >= 0) ids.insert(segment.entity);
+    const std::string word = processWordOf(lines.at(std::size_t(segment.line)), segment.entity);
+    const bool wanted = std::any_of(selection.processes.begin(), selection.processes.end(),
+                                    [&](dieline::Process p) { return dieline::processName(p) == word; });
+    if (!holds(selection.entities, segment.entity) || !(selection.processes.empty() || wanted)) continue;
+    words[segment.entity] = word;
+    pieces.push_back({segment});
+  }
+  std::vector<std::string> faults;
+  checkRanges(selection, ids, faults);
+  if (faults.empty() && pieces.empty())
+    faults.emplace_back("nothing is chosen: entities and processes are told by comments such as (E14 cut)");
+  if (!faults.empty()) refuse(faults);
+  return writeGcode(pieces, [&](int entity) { return words.at(entity); });
+}
+
+}  // namespace kerfbench::planner

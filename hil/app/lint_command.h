@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "hil/base/exit_codes.h"
+#include "hil/judge/run_options.h"
+
+namespace kerfbench::app {
+
+/// Checks a scenario, a machine or a dieline. Returns 0, or base::kExitInput when something is wrong with a
+/// file.
+int lintCommand(const std::vector<std::filesystem::path>& files, const judge::RunOptions& options);
+
+}  // namespace kerfbench::app

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "hil/doctor/loopback.h"
+
+namespace kerfbench::app {
+
+/// `doctor --bench` and what belongs to it.
+void addBenchOptions(CLI::App& doctor, doctor::LoopbackOptions& options);
+
+}  // namespace kerfbench::app

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace kerfbench::base {
+
+/// What the user sees while a run goes on: one line that is rewritten on a terminal, nothing of it in a log.
+class Console {
+ public:
+  explicit Console(bool quiet);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  /// A line that stays (standard output); silent when quiet.
+  void say(const std::string& line);
+  /// A line that stays even when quiet.
+  void result(const std::string& line);
+  /// Where the work is; now_s < 0: no virtual time to tell.
+  void progress(double now_s, const std::string& what);
+
+ private:
+  void clearProgress();
+  bool quiet_;
+  bool terminal_;
+  bool progress_shown_{false};
+};
+
+/// What tells the console of progress; `console` must outlive it.
+std::function<void(double now_s, const std::string& what)> progressOn(Console& console);
+
+}  // namespace kerfbench::base

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "hil/camera/frame_source.h"
+#include "twin/camera/camera.h"
+
+namespace kerfbench::camera {
+
+/// Frames of the modelled spot camera, one per exposure, rendered on demand by several threads: those that
+/// its link does not lose, with the time stamps that it gives them. The bytes are the same at any number of
+/// threads and for any size of batch.
+class TwinFrameSource final : public FrameSource {
+ public:
+  /// `exposures` in order of sequence; throws std::invalid_argument otherwise. A frame that is lost leaves a
+  /// gap in the sequence.
+  TwinFrameSource(twin::SpotCamera camera, std::vector<twin::Exposure> exposures, int threads);
+
+  std::vector<Frame> nextBatch(std::size_t max) override;
+
+ private:
+  twin::SpotCamera camera_;
+  std::vector<twin::Exposure> exposures_;
+  int threads_;
+  std::size_t next_{0};
+};
+
+}  // namespace kerfbench::camera

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "hil/camera/tile_source.h"
+#include "twin/camera/camera.h"
+
+namespace kerfbench::camera {
+
+struct TwinTileOptions {
+  int threads{1};          ///< The tiles are the same at any number.
+  double overlap_mm{3.0};  ///< Of neighbouring tiles; >= 0 and less than the field of the camera.
+  double border_mm{2.0};   ///< Around the boxes of interest; >= 0.
+  /// Every unit is laid on the table a little askew, differently: up to this far in each direction and angle
+  /// about the middle of the unit. Inspection must find it by its marks.
+  double lay_shift_mm{1.0};
+  double lay_angle_rad{0.3 * std::numbers::pi / 180.0};
+  double turn_rad{0.0};  ///< Of each unit besides, about its middle; within ±pi.
+  std::uint64_t seed{1};
+  /// Cover the whole bounds of each unit, marks included; else only tiles that meet a box of interest, blind
+  /// to a stray cut elsewhere.
+  bool everything{true};
+};
+
+/// Tiles of the modelled kerf camera over each unit in turn, row by row of an even grid.
+///
+/// The web is parted halfway between the units, where the boxes of interest leave room for that: what was
+/// burnt on the neighbour's side is not seen.
+class TwinTileSource final : public TileSource {
+ public:
+  /// `interest_S_mm`: boxes around the dieline's entities, in S; the printed marks are added to them. `sheet`
+  /// must outlive this. @throws std::invalid_argument if there is nothing to look at or an option is out of
+  /// range.
+  TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet,
+                 const std::vector<Eigen::AlignedBox2d>& interest_S_mm, const TwinTileOptions& options);
+
+  std::vector<KerfTile> nextBatch(std::size_t max) override;
+  [[nodiscard]] std::size_t size() const { return plan_.size(); }
+  /// How a unit lies on the table: the truth, for tests.
+  [[nodiscard]] const Eigen::Isometry2d& lay(int unit) const {
+    return lay_.at(static_cast<std::size_t>(unit));
+  }
+
+ private:
+  struct Place {
+    int unit{};
+    Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
+  };
+
+  twin::KerfCamera camera_;
+  const twin::Sheet* sheet_;
+  int threads_;
+  std::vector<Eigen::Isometry2d> lay_;  ///< X_TS of each unit.
+  std::vector<twin::PieceSpan> pieces_;
+  std::vector<Place> plan_;
+  std::size_t next_{0};
+};
+
+}  // namespace kerfbench::camera

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/inspect/verdict/controller_state.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::controller {
+
+/// Names of the reference controller's faults (controller/protocol.h) by number; the first is "ok".
+std::vector<std::string> faultNames();
+/// "unknown" for a number beyond them.
+std::string faultName(std::uint8_t fault);
+
+/// Listens to what the reference controller says on its UART, apart from the dialog with it.
+class ControllerEar {
+ public:
+  /// Steps of its axes, as KB_STATE lists them.
+  static constexpr std::size_t kAxes = 5;
+  struct BeltWord {
+    double time_s{};  ///< Of the last byte of the KB_STATE.
+    long long counts{};
+  };
+  /// How it says that the run ended.
+  struct End {
+    double time_s{};
+    bool done{};           ///< False: stopped.
+    std::uint8_t fault{};  ///< enum kb_fault.
+  };
+  struct Account {
+    BeltWord first_belt;  ///< Of the run's first KB_STATE: its zero is when the controller woke.
+    BeltWord belt;
+    std::array<long long, kAxes> steps{};
+  };
+
+  ControllerEar() = default;
+  /// Hears a whole recording.
+  explicit ControllerEar(const source::PinRecording& recording);
+  void hear(std::span<const std::uint8_t> bytes, double now_s);
+  /// Changes of its state, by time.
+  [[nodiscard]] const std::vector<inspect::ControllerState>& reports() const { return reports_; }
+  /// The first word of an end, since later ones may be of what it did then; none: there was no such word.
+  [[nodiscard]] const std::optional<End>& end() const { return end_; }
+  /// The last KB_STATE since it stopped or was done; none: it never gave one.
+  [[nodiscard]] const std::optional<Account>& account() const { return account_; }
+
+ private:
+  void frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s);
+
+  std::vector<std::uint8_t> heard_;
+  std::vector<inspect::ControllerState> reports_;
+  std::optional<BeltWord> first_belt_;
+  std::optional<Account> account_;
+  std::optional<End> end_;
+};
+
+}  // namespace kerfbench::controller

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/camera/v4l2/device_list.h"
+#include "hil/scenario/case.h"
+#include "hil/source/analyser/analyser.h"
+#include "hil/source/gpio/chips.h"
+
+namespace kerfbench::doctor {
+
+/// What this computer is, as far as real pins care. Each kind of hardware adds its list here.
+struct ComputerState {
+  std::string kernel;  ///< "Linux 6.1.0-18-amd64".
+  source::GpioChipList gpio;
+  std::vector<std::string> gpio_troubles;  ///< Chips whose edges cannot be read without losing some.
+  std::vector<camera::CameraListing> cameras;
+  source::AnalyserList analysers;
+  std::string analyser_trouble;              ///< Why they could not be listed; empty: they could.
+  std::string clock_source;                  ///< Of the kernel: "tsc"; empty: it does not say.
+  std::uint64_t clock_resolution_ns{};       ///< Of CLOCK_MONOTONIC.
+  std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
+};
+/// Of this computer: ComputerState's.
+std::string kernelName();
+std::string clockSource();
+/// Looks; changes nothing but the priority of the thread, for a moment.
+ComputerState lookAtComputer(const std::shared_ptr<source::GpioSystem>& system, camera::VideoCalls& video);
+
+/// Fills in the logic analysers. Opens each for a moment.
+void lookAtAnalysers(source::AnalyserSystem& system, ComputerState& state);
+/// "fx2lafw: Saleae Logic, at 1.14".
+std::string analyserName(const source::AnalyserDevice& device);
+
+/// One thing that was looked at.
+struct DoctorFinding {
+  enum class Grade {
+    kGood,
+    kNote,     ///< Worth knowing, not in the way.
+    kTrouble,  ///< Something is there and does not work.
+    kMissing,  ///< The scenario needs it.
+  };
+  Grade grade{};
+  std::string text;  ///< What is, and what to do.
+};
+
+/// Of the computer alone: kGood, kNote or kTrouble.
+std::vector<DoctorFinding> findingsOf(const ComputerState& state);
+/// Of what a case needs: kGood or kMissing. `bin_dir`: where kerfbench's children are.
+std::vector<DoctorFinding> needsOf(const scenario::Case& the_case, const ComputerState& state,
+                                   const std::filesystem::path& bin_dir);
+
+/// The part of findingsOf() and needsOf() that is about logic analysers.
+void addAnalyserFindings(const ComputerState& state, std::vector<DoctorFinding>& findings);
+void addAnalyserNeeds(const scenario::AnalyserChoice& choice, const ComputerState& state,
+                      std::vector<DoctorFinding>& findings);
+
+/// For people, and as JSON. `scenario`: name of the case whose needs are among the findings, or empty.
+std::string doctorText(const ComputerState& state, const std::vector<DoctorFinding>& findings);
+std::string doctorJson(const ComputerState& state, const std::vector<DoctorFinding>& findings,
+                       const std::string& scenario);
+
+}  // namespace kerfbench::doctor

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "hil/doctor/doctor.h"
+
+namespace kerfbench::doctor {
+
+/// Of the cameras of this computer alone.
+void addCameraFindings(const std::vector<camera::CameraListing>& cameras,
+                       std::vector<DoctorFinding>& findings);
+/// Of what a case with a real spot camera needs: device, format, size, rate and settings.
+void addCameraNeeds(const scenario::Case& the_case, const std::vector<camera::CameraListing>& cameras,
+                    std::vector<DoctorFinding>& findings);
+nlohmann::ordered_json camerasJson(const std::vector<camera::CameraListing>& cameras);
+
+}  // namespace kerfbench::doctor

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/calibrate/head/correction_table.h"
+#include "hil/calibrate/head/head_fit.h"
+#include "hil/calibrate/head/stated_spread.h"
+#include "hil/head_service/measured_sheet.h"
+
+namespace kerfbench::head_service {
+
+/// A sheet to be cut.
+struct SheetOrder {
+  calibrate::MarkJob job;
+  int sheet{};  ///< Of this calibration, from 0.
+  int round{};  ///< Whose table it is: 0: the one that was at work before, if any.
+  std::optional<calibrate::AimGrid> table;  ///< The controller's.
+};
+/// Cuts a sheet and measures it.
+using CutAndMeasure = std::function<MeasuredSheet(const SheetOrder& order)>;
+
+struct HeadPlan {
+  std::vector<int> grids{3, 9, 17};  ///< Marks each way, one iteration each.
+  int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
+  double limit_mm{0.010};  ///< Largest error of any of them.
+  std::string date;        ///< ISO 8601 day of the jobs.
+  std::uint64_t seed{1};   ///< Of the places that verify.
+};
+
+/// A head as marks of one sheet or several show it, and the table that follows.
+struct FittedHead {
+  calibrate::HeadFit fit;
+  calibrate::CorrectionTableResult table;
+};
+/// @throws HeadCalibrationError.
+FittedHead fitted(const std::vector<calibrate::HeadObservation>& observations, const HeadSetup& setup);
+
+struct HeadIteration {
+  int grid{};
+  MeasuredSheet marks;                  ///< Cut with the table of the iteration before.
+  SheetErrors before;                   ///< Theirs.
+  FittedHead head;                      ///< By all marks so far but those that verify.
+  std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
+  SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
+  calibrate::StatedSpread spread;       ///< Of the marks that verify, over what is stated of them.
+
+  /// The marks that verify are within the limit, and do not speak against what is stated of the table.
+  [[nodiscard]] bool within(double limit_mm) const { return after.max_mm <= limit_mm; }
+  [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
+};
+
+/// Why it was the last iteration.
+enum class HeadEnd { kGood, kNoBetter, kGridsUsed, kNotVerified };
+
+struct HeadCalibration {
+  std::vector<HeadIteration> iterations;
+  std::size_t best{};  ///< The iteration whose table is the best.
+  HeadEnd end{};
+  /// Nothing speaks against the table.
+  [[nodiscard]] bool good() const { return end == HeadEnd::kGood || end == HeadEnd::kNotVerified; }
+  [[nodiscard]] std::string endWords(const HeadPlan& plan) const;
+};
+
+/// Rounds of: cut a grid of marks with the table so far, fit the head by all grids, make a table, verify it
+/// at random places that were not marked for the fit, on as many sheets as they need. Ends when the largest
+/// error there is within the limit and the errors are as what is stated of the table lets expect, when the
+/// largest is no longer smaller than 0.9 of the least before, or after the last grid. `told` hears of each
+/// iteration.
+/// @throws HeadCalibrationError, HeadEvidenceError, ConfigError for places without room, and what `cut` does.
+HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
+                              const std::function<void(const HeadIteration&)>& told);
+
+/// The same from one measured sheet, cut with the setup's table; nothing is verified.
+HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
+
+/// A job over the machine's field. @throws ConfigError for places that leave no room.
+calibrate::MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
+                             const std::vector<Eigen::Vector2d>& places_mm, int first_number);
+
+/// "scale of the X mirror: +0.00812 ± 0.00003"; or why the marks do not hold it.
+std::string parameterWords(const calibrate::HeadParameterFinding& finding);
+
+}  // namespace kerfbench::head_service

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "hil/calibrate/head/observation.h"
+#include "hil/head_service/head_setup.h"
+
+namespace kerfbench::head_service {
+
+/// What a calibration has kept of a head: the marks from which its best table was made.
+struct HeadRecord {
+  std::vector<calibrate::HeadObservation> observations;
+  int iterations{};             ///< Whose grids they are.
+  double unmodelled_share{};    ///< As the calibration was told.
+  std::filesystem::path table;  ///< That was made of them.
+};
+
+/// Reads the results of `calibrate head`, on the twin or by hand: head.json and the sheets of the grids.
+/// @throws ConfigError with everything that is wrong: files that are missing, of another machine, or made
+/// from
+///   pictures alone, which keep no sheets; a calibration that was not good.
+HeadRecord readHeadRecord(const std::filesystem::path& results, const HeadSetup& setup);
+
+}  // namespace kerfbench::head_service

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "hil/calibrate/head/head_parameters.h"
+#include "hil/calibrate/head/nominal_head.h"
+#include "hil/calibrate/tables/aim_grid.h"
+#include "hil/machine_file/machine_file.h"
+#include "hil/vision/image/camera_calibration.h"
+
+namespace kerfbench::head_service {
+
+/// Pictures or marks that must not be used; every reason, a line each.
+class HeadEvidenceError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What is known of a head before anything is measured, and how its marks are made.
+struct HeadSetup {
+  std::filesystem::path machine;     ///< Its file, absolute.
+  std::string name;                  ///< Of the machine.
+  vision::CameraCalibration camera;  ///< Of the kerf camera.
+  calibrate::NominalHead nominal;    ///< The controller's formula.
+  /// The data sheet: what the controller is told, and the drawing of the mirrors. Nothing of the lens but its
+  /// focal length.
+  calibrate::HeadDesign design;
+  Eigen::AlignedBox2d controller_W_mm;  ///< The controller's whole field, which a table must cover.
+  Eigen::AlignedBox2d field_W_mm;  ///< Where centres of marks may lie: the rest of a mark stays in the above.
+  double mark_size_mm{};
+  double beam_radius_mm{};  ///< 1/e².
+  double off_mm{};          ///< The uncorrected beam may land this far beside; room is left for it.
+  std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.
+  std::filesystem::path table_file;         ///< Empty: none.
+  std::string digest;                       ///< Of all files that say so.
+  /// What encoders, lens and board may do beyond the model, HeadTolerances::unmodelled_share.
+  double unmodelled_share{calibrate::HeadTolerances{}.unmodelled_share};
+};
+
+/// Marks are as large as a grid of `densest` x `densest` leaves room for. The table is `table_file`, or the
+/// one that the machine file names. @throws ConfigError with everything wrong in the files, for a gantry, and
+/// for a grid that leaves no room; HeadEvidenceError for a camera without a good calibration.
+HeadSetup readHeadSetup(const std::filesystem::path& machine, int densest,
+                        const std::filesystem::path& table_file = {});
+
+/// @throws ConfigError with every fault of the file.
+calibrate::AimGrid readControllerTable(const std::filesystem::path& path);
+
+}  // namespace kerfbench::head_service

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The parts of inspect(). Private to hil/inspect and its tests.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/edges/edges.h"
+#include "hil/inspect/evidence/evidence.h"
+#include "hil/inspect/evidence/places.h"
+#include "hil/inspect/evidence/results.h"
+#include "hil/inspect/verdict/tolerances.h"
+
+namespace kerfbench::inspect::checks {
+
+/// Peak brightness of a back-lit kerf: from here on the board is open.
+inline constexpr double kOpenBrightness = 0.75;
+/// From here on something was burnt at all.
+inline constexpr double kBurntBrightness = 0.10;
+
+/// Ends closer than this are drawn to meet.
+inline constexpr double kMeet_mm = 0.02;
+
+/// The entity of the dieline with this id. @throws std::logic_error if there is none.
+const dieline::Entity& entityOf(const Evidence& evidence, int id);
+
+bool isOpen(const vision::Caliper& caliper);
+/// True where the station is burnt as the process asks. Near a joint other kerfs take part in the profile, so
+/// there only the light counts, and a crease may look open.
+bool isBurntAsAsked(const vision::Caliper& caliper, dieline::Process process);
+
+/// Stations that coverage counts: an open curve's outermost pieces are the business of the laser_timing
+/// check.
+std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf, const dieline::Curve& curve,
+                                                  double end_mm);
+
+/// Share of the inner stations that are burnt as the process asks.
+double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Limits& limits);
+/// Deviation of all lines with its uncertainty; of an edgeScan(), with its sides.
+DeviationResult measureLines(const Evidence& evidence, const Limits& limits,
+                             const EdgeSides* edges = nullptr);
+/// One result for each scanned entity, in the order of the scan; passes is still NaN.
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits,
+                                          const DeviationResult& deviations);
+/// Corners and ends, in the order of the scan.
+std::vector<JointResult> measureJoints(const Evidence& evidence);
+/// True when next to nothing was burnt on any unit: then offsets and widths are moot.
+bool isBlank(const std::vector<EntityResult>& entities);
+/// Readings, calibrations, times and limits that are no numbers; what was not measured may be NaN, and says
+/// so.
+std::vector<std::string> numberProblems(const Evidence& evidence, const Limits& limits);
+/// Holes in the kerf evidence, one sentence each.
+std::vector<std::string> kerfProblems(const Evidence& evidence);
+
+// Each check is decided and explained. nullopt: it does not apply to this dieline.
+Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationResult& deviations);
+Check coverageCheck(const Evidence& evidence, const Limits& limits,
+                    const std::vector<EntityResult>& entities);
+std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);
+/// Creases and half-cuts are as deep everywhere, by the light that comes through.
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits);
+/// Energy per length of the marks, by power meter and spot camera.
+std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities);
+Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
+                     const std::vector<EntityResult>& entities);
+Check strayCheck(const Evidence& evidence, const Limits& limits);
+std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities,
+                                      const EdgeSides* edges = nullptr);
+/// Corners by their distance from the dieline, free ends by how far they are too short or too long, closures
+/// by their gap; all against the limit of the path. An overlap at a closure lies on the dieline and is no
+/// deviation.
+std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
+                                 const std::vector<JointResult>& joints,
+                                 const std::vector<EntityResult>& entities);
+Check laserGateCheck(const Evidence& evidence, const Limits& limits);
+Check pulseTimingCheck(const Evidence& evidence);
+
+}  // namespace kerfbench::inspect::checks

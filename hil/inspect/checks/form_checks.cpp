@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the kerf looks like: depth, teeth, width, ends.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/extreme.h"
+#include "twin/base/constants.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+/// How far from an end a gap is looked for; a hole further in is a matter of coverage.
+constexpr double kEndWindow_mm = 1.0;
+
+bool isPartial(dieline::Process process) {
+  return process == dieline::Process::kCrease || process == dieline::Process::kHalfCut;
+}
+
+struct EndGap {
+  double gap_mm{};
+  double pitch_mm{};  ///< Distance of the two stations between which the kerf begins.
+};
+
+/// Length from the end of the curve to where the kerf is bright for good. `from_end` gives the calipers in
+/// order from that end. The innermost rise within the window counts: at the very end the kerf of a neighbour
+/// may shine.
+template <typename Range, typename Distance>
+EndGap gapAt(const Range& from_end, const Distance& distanceOf, double threshold) {
+  EndGap result;
+  const vision::Caliper* previous = nullptr;
+  for (const vision::Caliper& c : from_end) {
+    const double distance_mm = distanceOf(c);
+    if (previous == nullptr) {
+      result.pitch_mm = distance_mm;
+    } else if (previous->brightness < threshold) {
+      const double before_mm = distanceOf(*previous);
+      result.pitch_mm = distance_mm - before_mm;
+      result.gap_mm = distance_mm;  // Still dark, unless the kerf begins on the way here.
+      if (c.brightness >= threshold) {
+        const double share = (threshold - previous->brightness) / (c.brightness - previous->brightness);
+        result.gap_mm = before_mm + share * result.pitch_mm;
+      }
+    }
+    if (distance_mm > kEndWindow_mm) break;
+    previous = &c;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits) {
+  Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "share"};
+  check.limit = 1.0 - limits.min_coverage;
+  bool applies = false;
+  double open_mm = 0.0;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    const dieline::Entity& entity = entityOf(evidence, kerf.entity);
+    if (!isPartial(entity.process)) continue;
+    applies = true;
+    const auto judged = std::count_if(kerf.calipers.begin(), kerf.calipers.end(),
+                                      [](const vision::Caliper& c) { return !c.near_joint; });
+    if (judged == 0) continue;
+    const auto open = std::count_if(kerf.calipers.begin(), kerf.calipers.end(), [](const vision::Caliper& c) {
+      return !c.near_joint && c.found && isOpen(c);
+    });
+    const double share = static_cast<double>(open) / static_cast<double>(judged);
+    if (share > check.value) {
+      check.value = share;
+      check.u = 1.0 / static_cast<double>(judged);
+      check.subject = nameOf(kerf.unit, kerf.entity);
+      open_mm = share * dieline::lengthOf(entity.curve);
+    }
+  }
+  if (!applies) return std::nullopt;
+  decide(check);
+  check.explanation =
+      check.value == 0.0
+          ? "No crease or half-cut lets the full light through."
+          : fmt::format(
+                "{} is cut through over {:.1f} % of its length, {:.1f} mm: its share of open stations is the "
+                "largest of all creases and half-cuts.",
+                check.subject, 100.0 * check.value, open_mm);
+  return check;
+}
+
+std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities) {
+  Check check{.name = "perforation", .title = "Teeth and bridges of perforations", .unit = "share"};
+  const bool ordered = limits.perforation_open_share > 0.0;
+  // Without an order for the pattern all that is sure is that it must have both teeth and bridges.
+  const double expected = ordered ? limits.perforation_open_share : 0.6;
+  check.limit = ordered ? limits.perforation_share : 0.35;
+  double worst_share = kNan;
+  for (const EntityResult& e : entities) {
+    if (entityOf(evidence, e.entity).process != dieline::Process::kPerforation) continue;
+    const double departure = std::abs(e.coverage - expected);
+    if (std::isnan(worst_share) || departure > check.value) {
+      check.value = departure;
+      worst_share = e.coverage;
+      check.subject = nameOf(e.unit, e.entity);
+    }
+  }
+  if (std::isnan(worst_share)) return std::nullopt;
+  decide(check);
+  check.explanation =
+      fmt::format("The open share of {} is {:.1f} %, {}.", check.subject, 100.0 * worst_share,
+                  ordered ? fmt::format("ordered are {:.1f} %", 100.0 * expected)
+                          : std::string("and as the scenario orders no pattern, 25 to 95 % are accepted"));
+  return check;
+}
+
+Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
+                     const std::vector<EntityResult>& entities) {
+  Check check{.name = "kerf_width", .title = "All kerfs of a process are equally wide", .unit = "mm"};
+  check.limit = limits.kerf_width_mm;
+  std::map<dieline::Process, std::vector<double>> widths;
+  std::size_t judged = 0;
+  for (const EntityResult& e : entities) {
+    if (!std::isfinite(e.width_mm)) continue;
+    widths[entityOf(evidence, e.entity).process].push_back(e.width_mm);
+    ++judged;
+  }
+  std::map<dieline::Process, double> usual;
+  for (const auto& [process, values] : widths) usual[process] = medianOf(values);
+
+  ExtremeEstimate extreme(judged);
+  const EntityResult* worst = nullptr;
+  double worst_change_mm = 0.0;
+  for (const EntityResult& e : entities) {
+    if (!std::isfinite(e.width_mm)) continue;
+    const double change_mm = e.width_mm - usual[entityOf(evidence, e.entity).process];
+    extreme.add(change_mm, 0.5 * e.width_own_U_mm);
+    if (worst == nullptr || std::abs(change_mm) > std::abs(worst_change_mm)) {
+      worst = &e;
+      worst_change_mm = change_mm;
+    }
+  }
+  check.value = extreme.value();
+  check.u = check.guard = extreme.expandedU();
+  decide(check);
+  if (worst == nullptr) {
+    check.explanation = "No kerf width could be measured.";
+    return check;
+  }
+  const dieline::Process process = entityOf(evidence, worst->entity).process;
+  check.subject = nameOf(worst->unit, worst->entity);
+  check.explanation = fmt::format(
+      "{} is {:.3f} mm wide, {:.3f} mm {} than is usual for its process ({}, {:.3f} mm).", check.subject,
+      worst->width_mm, std::abs(worst_change_mm), worst_change_mm < 0.0 ? "narrower" : "wider",
+      dieline::processName(process), usual[process]);
+  return check;
+}
+
+std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
+                                      const std::vector<EntityResult>& entities, const EdgeSides* edges) {
+  const double half_kerf_mm = edges != nullptr ? halfKerf(evidence.kerf, *edges) : 0.0;
+  Check check{.name = "laser_timing",
+              .title = "The laser burns from the first to the last point of each line",
+              .unit = "mm"};
+  check.limit = limits.end_gap_mm;
+  check.value = kNan;
+  std::size_t ends = 0;
+  std::size_t late = 0;
+  bool at_start = true;
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    const vision::EntityKerf& kerf = evidence.kerf.entities[i];
+    const dieline::Entity& entity = entityOf(evidence, kerf.entity);
+    // A perforation may begin with a bridge, a closed curve has no end, and an entity that is not there at
+    // all is a matter of coverage.
+    if (entity.process == dieline::Process::kPerforation || dieline::isClosed(entity.curve) ||
+        entities[i].coverage < 0.5)
+      continue;
+    if (kerf.calipers.size() < 3) continue;
+    double threshold = 0.5;
+    if (isPartial(entity.process)) {
+      std::vector<double> levels;
+      for (const vision::Caliper& c : kerf.calipers) levels.push_back(c.brightness);
+      threshold = 0.5 * medianOf(std::move(levels));
+    }
+    const double length_mm = dieline::lengthOf(entity.curve);
+    const std::vector<vision::Caliper> backward(kerf.calipers.rbegin(), kerf.calipers.rend());
+    EndGap gaps[] = {
+        gapAt(
+            kerf.calipers, [](const vision::Caliper& c) { return c.station_mm; }, threshold),
+        gapAt(
+            backward, [&](const vision::Caliper& c) { return length_mm - c.station_mm; }, threshold),
+    };
+    for (EndGap& gap : gaps) {
+      ++ends;
+      if (edges != nullptr) {
+        const double shortened_mm =
+            shortenedBy(evidence.kerf, *evidence.dieline, *edges, half_kerf_mm, kerf, &gap == &gaps[0]);
+        gap.gap_mm = std::max(0.0, gap.gap_mm - shortened_mm);
+      }
+      if (gap.gap_mm > limits.end_gap_mm) ++late;
+      if (!std::isnan(check.value) && gap.gap_mm <= check.value) continue;
+      check.value = gap.gap_mm;
+      // The rise is a straight line between two stations: a quarter of their distance covers what it may
+      // hide.
+      check.u = check.guard = gap.gap_mm > 0.0 ? std::min(0.25 * gap.pitch_mm, 0.5 * limits.end_gap_mm) : 0.0;
+      check.subject = nameOf(kerf.unit, kerf.entity);
+      at_start = &gap == &gaps[0];
+    }
+  }
+  if (ends == 0) return std::nullopt;
+  decide(check);
+  check.explanation = check.value == 0.0 ? fmt::format("The kerf reaches all {} line ends.", ends)
+                                         : fmt::format(
+                                               "At the {} of {} the first {:.2f} mm are not burnt; {} of {} "
+                                               "line ends are short by more than "
+                                               "{:.2f} mm. Short starts mean that gate or power come late, "
+                                               "or rise too slowly with the speed.",
+                                               at_start ? "start" : "end", check.subject, check.value, late,
+                                               ends, limits.end_gap_mm);
+  return check;
+}
+
+}  // namespace kerfbench::inspect::checks

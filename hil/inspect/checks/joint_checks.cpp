@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether corners, line ends and closures lie where the dieline has them.
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/extreme.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+/// Less of an entity than that: it is not there, which is a matter of coverage.
+constexpr double kCut = 0.5;
+
+enum class Judged { kYes, kNotThere, kNotAlike };
+
+/// What of a joint is a deviation from the dieline. Rounding and overshoot tell the reason for one.
+bool isDeviation(JointResult::Kind kind) {
+  return kind != JointResult::Kind::kRounding && kind != JointResult::Kind::kOvershoot;
+}
+
+/// Corners of two processes, or with a perforation, which may have a bridge there: a look at the outline of
+/// one kerf does not tell of them.
+Judged judgedOf(const Evidence& evidence, const JointResult& joint,
+                const std::vector<EntityResult>& entities) {
+  const auto processOf = [&](int id) {
+    return evidence.dieline->entities[static_cast<std::size_t>(id)].process;
+  };
+  const dieline::Process process = processOf(joint.entity);
+  if (process == dieline::Process::kPerforation || process != processOf(joint.entity_out))
+    return Judged::kNotAlike;
+  for (const EntityResult& e : entities) {
+    const bool own = e.unit == joint.unit && (e.entity == joint.entity || e.entity == joint.entity_out);
+    if (own && e.coverage < kCut) return Judged::kNotThere;
+  }
+  return Judged::kYes;
+}
+
+std::string jointOf(const JointResult& j) {
+  const std::string place = placeOf(j.p_S_mm);
+  if (j.kind == JointResult::Kind::kCorner)
+    return j.entity == j.entity_out ? fmt::format("corner at {}", place)
+                                    : fmt::format("corner to E{} at {}", j.entity_out, place);
+  if (j.kind == JointResult::Kind::kClosure) return fmt::format("closure at {}", place);
+  return fmt::format("{} at {}", j.at_start ? "start" : "end", place);
+}
+
+std::string storyOf(const JointResult& j, const std::vector<JointResult>& joints) {
+  if (j.kind == JointResult::Kind::kClosure)
+    return fmt::format("between its start and its end {:.4f} mm are left uncut", j.mm.value);
+  if (j.kind == JointResult::Kind::kEndGap)
+    return fmt::format("the kerf ends {:.4f} mm {}", std::abs(j.mm.value),
+                       j.mm.value > 0.0 ? "too early" : "too late");
+  std::string story = fmt::format("the cut lies {:.4f} mm off the dieline", j.mm.value);
+  for (const JointResult& r : joints) {
+    const bool same = r.unit == j.unit && r.entity == j.entity && r.entity_out == j.entity_out &&
+                      r.p_S_mm == j.p_S_mm && !isDeviation(r.kind);
+    if (!same || !(r.mm.value > r.mm.U)) continue;
+    story += fmt::format(", {} by {:.4f} mm against its own legs",
+                         r.kind == JointResult::Kind::kRounding ? "rounded off" : "run over", r.mm.value);
+  }
+  return story;
+}
+
+}  // namespace
+
+std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
+                                 const std::vector<JointResult>& joints,
+                                 const std::vector<EntityResult>& entities) {
+  Check check{.name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};
+  check.limit = limits.path_mm;
+  std::vector<const JointResult*> judged;
+  std::vector<const JointResult*> unseen;
+  std::size_t unlike = 0;
+  for (const JointResult& j : joints) {
+    if (!isDeviation(j.kind)) continue;
+    const Judged decision = judgedOf(evidence, j, entities);
+    if (decision == Judged::kNotAlike) ++unlike;
+    if (decision != Judged::kYes) continue;
+    (std::isfinite(j.mm.value) && std::isfinite(j.mm.U) ? judged : unseen).push_back(&j);
+  }
+  if (judged.empty() && unseen.empty()) return std::nullopt;
+  ExtremeEstimate extreme(judged.size());
+  const JointResult* worst = nullptr;
+  double none_beyond = 1.0;
+  const auto most = [](const JointResult& j) { return std::abs(j.mm.value) + j.mm.U; };
+  for (const JointResult* j : judged) {
+    extreme.add(j->mm.value, 0.5 * j->mm.U);
+    none_beyond *= 1.0 - chanceAboveNormal(check.limit, {std::abs(j->mm.value), j->mm.U});
+    if (worst == nullptr || most(*j) > most(*worst)) worst = j;
+  }
+  check.value = unseen.empty() ? extreme.value() : std::numeric_limits<double>::quiet_NaN();
+  check.u = check.guard = extreme.expandedU();
+  check.chance_beyond = 1.0 - none_beyond;
+  decide(check);
+  const JointResult& named = unseen.empty() ? *worst : *unseen.front();
+  check.subject = nameOf(named.unit, named.entity);
+  if (!unseen.empty()) {
+    check.explanation =
+        fmt::format("{} of {} joints could not be measured; the first is the {} of {}.", unseen.size(),
+                    unseen.size() + judged.size(), jointOf(named), check.subject);
+  } else {
+    check.explanation =
+        fmt::format("Of {} corners, ends and closures the worst is the {} of {}: {}; its own U is {:.4f} mm.",
+                    judged.size(), jointOf(named), check.subject, storyOf(named, joints), named.mm.U);
+  }
+  if (unlike > 0)
+    check.explanation +=
+        fmt::format(" {} corners of two processes or of a perforation are not judged.", unlike);
+  return check;
+}
+
+}  // namespace kerfbench::inspect::checks

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether the cut is there: coverage, stray; holes in the evidence.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/deviation/error_model.h"
+#include "twin/base/constants.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+double coverageOf(const vision::EntityKerf& kerf, const dieline::Entity& entity, const Limits& limits) {
+  const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  if (inner.empty()) return 0.0;
+  const auto good = std::count_if(inner.begin(), inner.end(), [&](const vision::Caliper* c) {
+    return isBurntAsAsked(*c, entity.process);
+  });
+  return static_cast<double>(good) / static_cast<double>(inner.size());
+}
+
+/// Readings whose error nobody states.
+std::vector<std::string> uncertaintyProblems(const Evidence& evidence) {
+  if (!evidence.kerf_calibration) return {"There is no calibration of the kerf camera."};
+  std::vector<std::string> problems;
+  std::set<int> placed;
+  for (const vision::UnitPose& pose : evidence.kerf.units) placed.insert(pose.unit);
+  const Eigen::AlignedBox2d& area_mm = evidence.kerf_calibration->area_mm;
+  std::size_t outside = 0;
+  std::size_t unstated = 0;
+  std::set<int> unplaced;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    for (const vision::Caliper& c : kerf.calipers) {
+      if (!judgesOffset(c)) continue;
+      if (!area_mm.contains(c.p_V_mm)) ++outside;
+      if (!(c.sigma_mm > 0.0) || !std::isfinite(c.sigma_mm)) ++unstated;
+      if (!placed.contains(kerf.unit)) unplaced.insert(kerf.unit);
+    }
+  }
+  if (outside > 0) {
+    problems.push_back(
+        fmt::format("{} readings lie outside the area that the kerf camera's calibration covers.", outside));
+  }
+  if (unstated > 0) problems.push_back(fmt::format("{} kerf readings state no uncertainty.", unstated));
+  for (const int unit : unplaced)
+    problems.push_back(fmt::format("Nothing tells how well unit {} was placed on the table.", unit));
+  return problems;
+}
+
+/// The longest run of neighbouring stations that are not burnt as asked, for the explanation.
+struct Hole {
+  double from_mm{};
+  double to_mm{};
+};
+Hole longestHole(const vision::EntityKerf& kerf, dieline::Process process) {
+  Hole longest;
+  std::optional<double> start;
+  for (const vision::Caliper& c : kerf.calipers) {
+    if (isBurntAsAsked(c, process)) {
+      start.reset();
+      continue;
+    }
+    if (!start) start = c.station_mm;
+    if (c.station_mm - *start >= longest.to_mm - longest.from_mm) longest = {*start, c.station_mm};
+  }
+  return longest;
+}
+
+}  // namespace
+
+bool isOpen(const vision::Caliper& caliper) { return caliper.brightness >= kOpenBrightness; }
+
+bool isBurntAsAsked(const vision::Caliper& caliper, dieline::Process process) {
+  if (!caliper.near_joint && !caliper.found) return false;
+  if (process == dieline::Process::kCut || process == dieline::Process::kPerforation) return isOpen(caliper);
+  return caliper.brightness >= kBurntBrightness && (caliper.near_joint || !isOpen(caliper));
+}
+
+std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf, const dieline::Curve& curve,
+                                                  double end_mm) {
+  std::vector<const vision::Caliper*> inner;
+  std::vector<const vision::Caliper*> all;
+  const double length_mm = dieline::lengthOf(curve);
+  const bool closed = dieline::isClosed(curve);
+  for (const vision::Caliper& c : kerf.calipers) {
+    all.push_back(&c);
+    if (closed || (c.station_mm >= end_mm && c.station_mm <= length_mm - end_mm)) inner.push_back(&c);
+  }
+  return inner.empty() ? all : inner;
+}
+
+double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Limits& limits) {
+  return coverageOf(kerf, evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)], limits);
+}
+
+bool isBlank(const std::vector<EntityResult>& entities) {
+  return std::all_of(entities.begin(), entities.end(),
+                     [](const EntityResult& e) { return e.coverage < 0.05 && std::isnan(e.worst_mm); });
+}
+
+std::vector<std::string> kerfProblems(const Evidence& evidence) {
+  std::vector<std::string> problems;
+  std::set<std::pair<int, int>> scanned;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    if (!scanned.emplace(kerf.unit, kerf.entity).second) {
+      problems.push_back(nameOf(kerf.unit, kerf.entity) + " was scanned twice.");
+    }
+    if (kerf.calipers.empty()) problems.push_back(nameOf(kerf.unit, kerf.entity) + " has no stations.");
+    const auto broken =
+        std::count_if(kerf.calipers.begin(), kerf.calipers.end(), [](const vision::Caliper& c) {
+          return !std::isfinite(c.brightness) || (c.found && !c.near_joint && !std::isfinite(c.offset_mm));
+        });
+    if (broken > 0) {
+      problems.push_back(fmt::format("{}: {} stations have a reading that is no number.",
+                                     nameOf(kerf.unit, kerf.entity), broken));
+    }
+  }
+  std::size_t missing = 0;
+  std::string first;
+  for (int unit = 0; unit < evidence.print.units; ++unit) {
+    for (const dieline::Entity& entity : evidence.dieline->entities) {
+      if (entity.process == dieline::Process::kIgnore || scanned.contains({unit, entity.id})) continue;
+      if (missing++ == 0) first = nameOf(unit, entity.id);
+    }
+  }
+  if (missing > 0) {
+    problems.push_back(
+        fmt::format("{} of the entities were never scanned, the first is {}.", missing, first));
+  }
+  const auto uncertainty = uncertaintyProblems(evidence);
+  problems.insert(problems.end(), uncertainty.begin(), uncertainty.end());
+  return problems;
+}
+
+Check coverageCheck(const Evidence& evidence, const Limits& limits,
+                    const std::vector<EntityResult>& entities) {
+  Check check{.name = "coverage",
+              .title = "Every line is cut, over its whole length",
+              .unit = "share",
+              .upper = false};
+  check.value = kNan;
+  check.limit = limits.min_coverage;
+  std::size_t judged = 0;
+  std::size_t bad = 0;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < entities.size(); ++i) {
+    if (evidence.dieline->entities[static_cast<std::size_t>(entities[i].entity)].process ==
+        dieline::Process::kPerforation) {
+      continue;
+    }
+    if (judged++ == 0 || entities[i].coverage < check.value) {
+      check.value = entities[i].coverage;
+      worst = i;
+    }
+    if (entities[i].coverage < limits.min_coverage) ++bad;
+  }
+  if (judged == 0) {
+    check.explanation = "The dieline has no continuous line to judge.";
+    decide(check);
+    return check;
+  }
+  const vision::EntityKerf& kerf = evidence.kerf.entities[worst];
+  const dieline::Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)];
+  const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  // A count of stations resolves one station.
+  check.u = inner.empty() ? 0.0 : 1.0 / static_cast<double>(inner.size());
+  check.subject = nameOf(kerf.unit, kerf.entity);
+  decide(check);
+  if (check.verdict == Verdict::kPass) {
+    check.explanation = fmt::format(
+        "All {} entities are burnt as their process asks; the least covered, {}, has {:.1f} % "
+        "of its {} stations.",
+        judged, check.subject, 100.0 * check.value, inner.size());
+    return check;
+  }
+  if (isBlank(entities)) {
+    check.explanation =
+        evidence.kerf.strays.empty()
+            ? "Nothing was cut on any unit, though the printed marks were found."
+            : "No line of the dieline was cut on any unit; what was burnt lies elsewhere, see stray.";
+    return check;
+  }
+  const Hole hole = longestHole(kerf, entity.process);
+  check.explanation = fmt::format(
+      "{} of {} entities are not burnt over their whole length; the worst, {} ({}, {}), is at "
+      "{:.1f} %, its longest hole from station {:.2f} to {:.2f} mm of {:.2f} mm.",
+      bad, judged, check.subject, dieline::processName(entity.process), entity.origin, 100.0 * check.value,
+      hole.from_mm, hole.to_mm, dieline::lengthOf(entity.curve));
+  return check;
+}
+
+Check strayCheck(const Evidence& evidence, const Limits& limits) {
+  Check check{.name = "stray", .title = "Nothing is burnt beside the dieline", .unit = "mm"};
+  check.limit = limits.stray_mm;
+  // Blobs are counted in whole pixels.
+  check.u = evidence.kerf_calibration ? evidence.kerf_calibration->pitchMm() : kNan;
+  const vision::StrayCut* worst = nullptr;
+  for (const vision::StrayCut& stray : evidence.kerf.strays) {
+    if (!std::isfinite(stray.extent_mm)) check.value = kNan;
+    if (worst == nullptr || stray.extent_mm > worst->extent_mm) worst = &stray;
+  }
+  if (worst != nullptr && !std::isnan(check.value)) check.value = worst->extent_mm;
+  decide(check);
+  if (worst == nullptr) {
+    check.explanation = "No burnt spot was found away from the dieline.";
+    return check;
+  }
+  check.subject = fmt::format("unit {}", worst->unit);
+  check.explanation =
+      fmt::format("Burnt places away from the dieline: {}; the largest is {:.2f} mm long, at {} of unit {}.",
+                  evidence.kerf.strays.size(), worst->extent_mm, placeOf(worst->p_S_mm), worst->unit);
+  return check;
+}
+
+}  // namespace kerfbench::inspect::checks

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The parts of inspect() that rest on the spot camera. Private to hil/inspect and its tests.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "hil/inspect/evidence/evidence.h"
+#include "hil/inspect/evidence/results.h"
+#include "hil/inspect/evidence/spot_association.h"
+#include "hil/inspect/verdict/tolerances.h"
+
+namespace kerfbench::inspect::checks {
+
+/// Stillness of each run of lit frames, and of the worst.
+struct Stillness {
+  std::vector<CutResult> cuts;
+  Quantity worst_drift_mm;  ///< Magnitude; NaN if no cut shows x.
+  std::size_t worst_cut{};
+  double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
+  UncertaintyBudget budget;
+  Quantity worst_excursion_mm;  ///< NaN if no cut shows x.
+  std::size_t worst_excursion_cut{};
+  double excursion_chance_beyond{std::numeric_limits<double>::quiet_NaN()};
+};
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
+/// Fills top_speed_mm_s of a cut and its uncertainty.
+void measureTopSpeed(const LitFrames& lit, const LitRun& run, CutResult& cut);
+struct CutReadings;
+/// Offset and excursion of each cut, and the worst excursion. `q`: correlation of neighbouring frames' noise.
+void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>& readings, double q,
+                       double limit_mm, Stillness& stillness);
+/// Fills EntityResult::passes.
+void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities);
+/// Frames that never arrived.
+struct FrameLosses {
+  std::uint64_t around_cuts{};   ///< INVALID. Those that the sequence does not show count as such.
+  std::uint64_t between_cuts{};  ///< The gate was off, by the pins, for a frame before and after: no harm.
+  std::uint64_t out_of_order{};
+  std::uint64_t first{};  ///< Sequence number of the first around a cut.
+};
+FrameLosses lossesOf(const Evidence& evidence);
+/// Frames lost around cuts, stamps that fit neither the sequence nor the sheet's motion, a camera that did
+/// not watch all cuts.
+std::vector<std::string> frameProblems(const Evidence& evidence);
+std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
+
+Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
+/// nullopt if no cut shows x: stillnessCheck() tells.
+std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
+/// The sheet's way over each cut by the pictures against that by the belt's encoder: INVALID where they part
+/// by more than the limit of stillness, for one of them is wrong. nullopt without an encoder, with one too
+/// coarse to tell, and where the belt stood.
+std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+/// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand, or two in a row.
+Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
+Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
+                  const std::vector<EntityResult>& entities);
+
+/// Gate against the spot's own motion; nullopt if the camera is too slow to see a start.
+std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+
+}  // namespace kerfbench::inspect::checks

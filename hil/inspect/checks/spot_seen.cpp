@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames taken while the laser's gate was open that show no spot.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/evidence/extreme.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+/// Power is proportional to speed: where the beam sets off and stops it glows too little to be seen …
+constexpr double kRamp_s = 0.02;
+/// … and where it is slower than this share of its usual speed, as in corners and on the ramps of heavy heads
+/// (82 ms on strip-stop-and-go) …
+constexpr double kSlowShare = 0.6;
+/// … or where a frame beside it is so faint that it places the spot this many times worse than usual. On
+/// carton-on-belt, whose creases take half the power, one is dark at 0.7 of the speed beside one of 2.5
+/// times; at full speed those creases are at 1.7 times.
+constexpr double kFaintSpot = 2.0;
+/// Whether a faint spot is found is a matter of noise: so many of all frames may be dark without an excuse,
+/// but never two in a row.
+constexpr double kDarkShare = 0.001;
+
+/// What most frames show.
+struct Usual {
+  double speed_mm_s{};
+  double sigma_mm{};
+};
+
+Usual usualOf(const Evidence& evidence, const LitFrames& lit) {
+  std::vector<double> speeds;
+  std::vector<double> sigmas;
+  for (const LitFrame& f : lit.frames) sigmas.push_back(evidence.spot.frames[f.frame].spot_sigma_mm);
+  for (const LitRun& run : lit.runs) {
+    for (std::size_t i = run.begin + 1; i < run.end; ++i) {
+      const LitFrame& a = lit.frames[i - 1];
+      const LitFrame& b = lit.frames[i];
+      if (b.time_s > a.time_s) speeds.push_back((b.p_S_mm - a.p_S_mm).norm() / (b.time_s - a.time_s));
+    }
+  }
+  return {medianOf(std::move(speeds)), medianOf(std::move(sigmas))};
+}
+
+/// Whether the beam is slow at an end of its cut, where only one frame beside the dark one shows it: by the
+/// way from there to the end of its line, which is where the gate switches. `further` is the next lit frame
+/// away from that end, and tells which it is. Only for a single dark frame: beyond, it may be on another
+/// line.
+bool isSlowToEnd(const Evidence& evidence, const LitFrames& lit, const LitFrame& beside,
+                 const LitFrame& further, double switch_s, const Usual& usual) {
+  const double time_s = std::abs(switch_s - beside.time_s);
+  if (beside.entity < 0 || further.entity != beside.entity || further.unit != beside.unit ||
+      !(time_s <= 2.0 * lit.period_s))
+    return false;
+  const dieline::Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(beside.entity)].curve;
+  const double u = dieline::nearestOn(curve, beside.p_S_mm).u;
+  const double end = u > dieline::nearestOn(curve, further.p_S_mm).u ? 1.0 : 0.0;
+  return std::abs(end - u) * dieline::lengthOf(curve) < kSlowShare * usual.speed_mm_s * time_s;
+}
+
+/// Nothing excuses that the frame taken at time_s within the gate is dark.
+bool isBlind(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate, double time_s,
+             const Usual& usual) {
+  if (time_s < gate.on_s + kRamp_s || time_s > gate.off_s - kRamp_s) return false;
+  const auto after = std::lower_bound(lit.frames.begin(), lit.frames.end(), time_s,
+                                      [](const LitFrame& f, double t) { return f.time_s < t; });
+  const auto within = [&](std::ptrdiff_t offset) {
+    const std::ptrdiff_t i = after - lit.frames.begin() + offset;
+    return i >= 0 && i < std::ssize(lit.frames) && (after + offset)->time_s >= gate.on_s &&
+           (after + offset)->time_s <= gate.off_s;
+  };
+  if (!within(0) && within(-1) && within(-2))
+    return !isSlowToEnd(evidence, lit, *(after - 1), *(after - 2), gate.off_s, usual);
+  if (!within(-1) && within(0) && within(1))
+    return !isSlowToEnd(evidence, lit, *after, *(after + 1), gate.on_s, usual);
+  if (!within(-1) || !within(0)) return true;
+  const LitFrame& before = *(after - 1);
+  if (before.unit != after->unit) return true;
+  const auto isFaint = [&](const LitFrame& f) {
+    return evidence.spot.frames[f.frame].spot_sigma_mm > kFaintSpot * usual.sigma_mm;
+  };
+  if (isFaint(before) || isFaint(*after)) return false;
+  const double speed_mm_s = (after->p_S_mm - before.p_S_mm).norm() / (after->time_s - before.time_s);
+  return !(speed_mm_s < kSlowShare * usual.speed_mm_s);
+}
+
+}  // namespace
+
+Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit) {
+  Check check{
+      .name = "spot_seen", .title = "The spot is seen while the laser's gate is open", .unit = "share"};
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  std::vector<GateInterval> gates = evidence.gates;
+  std::sort(gates.begin(), gates.end(), [](const auto& a, const auto& b) { return a.on_s < b.on_s; });
+  const Usual usual = usualOf(evidence, lit);
+  std::size_t inside = 0;
+  std::size_t blind = 0;
+  bool last_was_blind = false;
+  bool in_a_row = false;
+  double first_s = 0.0;
+  for (const vision::FrameMeasurement& frame : evidence.spot.frames) {
+    const auto next = std::upper_bound(gates.begin(), gates.end(), frame.mid_s,
+                                       [](double t, const GateInterval& g) { return t < g.on_s; });
+    if (next == gates.begin() || frame.mid_s > (next - 1)->off_s) continue;
+    ++inside;
+    const bool is_blind = !frame.spot_W_mm && isBlind(evidence, lit, *(next - 1), frame.mid_s, usual);
+    in_a_row = in_a_row || (is_blind && last_was_blind);
+    last_was_blind = is_blind;
+    if (is_blind && blind++ == 0) first_s = frame.mid_s;
+  }
+  check.limit = kDarkShare;
+  if (inside > 0) check.value = static_cast<double>(blind) / static_cast<double>(inside);
+  decide(check);
+  const FrameLosses losses = lossesOf(evidence);
+  const std::string lost =
+      losses.between_cuts == 0
+          ? ""
+          : fmt::format(" {} frames were lost between cuts, where they are not needed.", losses.between_cuts);
+  if (inside == 0) {
+    check.explanation = "No frame was taken while the gate was open." + lost;
+  } else if (blind == 0) {
+    check.explanation = fmt::format(
+        "Of {} frames taken with the gate open none is dark but where the beam is slow and so weak.{}",
+        inside, lost);
+  } else if (check.verdict == Verdict::kPass && !in_a_row) {
+    check.explanation = fmt::format(
+        "In {} of {} frames taken with the gate open there is no spot, first at {:.3f} s, each time in one "
+        "frame "
+        "between others that show it.{}",
+        blind, inside, first_s, lost);
+  } else {
+    // Laser or camera: this alone does not tell. If nothing was cut there, the coverage fails.
+    check.verdict = Verdict::kInvalid;
+    check.explanation = fmt::format(
+        "In {} of {} frames taken with the gate open there is no spot though the beam is not slow, first at "
+        "{:.3f} s: what it did there was not seen.{}",
+        blind, inside, first_s, lost);
+  }
+  return check;
+}
+
+}  // namespace kerfbench::inspect::checks

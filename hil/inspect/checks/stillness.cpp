@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does the beam rest on the moving sheet, along x, during each cut?
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/checks/cut_readings.h"
+#include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/evidence/extreme.h"
+#include "twin/base/constants.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+constexpr double kMinNormalX = 0.7;         ///< Steeper lines do not let x be seen.
+constexpr std::size_t kMinSlopeFrames = 5;  ///< For a slope that means something.
+constexpr double kFaintFrame = 4.0;         ///< Times the noise of a cut's other frames.
+constexpr std::uint64_t kStillnessSeed = 0x7374696c6c6d6d31ULL;
+
+/// The entity with the most frames of a run; -1 if none has any.
+int entityOfRun(const LitFrames& lit, const LitRun& run) {
+  std::map<int, std::size_t> frames;
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (lit.frames[i].entity >= 0) ++frames[lit.frames[i].entity];
+  }
+  const auto most = std::max_element(frames.begin(), frames.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == frames.end() ? -1 : most->first;
+}
+
+/// Whether a frame shows x of the spot on a line.
+bool showsX(const LitFrame& frame) {
+  return (frame.entity >= 0 || frame.left_entity >= 0) && !frame.ambiguous &&
+         std::abs(frame.n_x) >= kMinNormalX;
+}
+
+/// Frames that the laser lit for a part of the exposure only, as at the ends of a cut: the spot is faint, and
+/// the sheet's place is that of another moment. Told by the stated noise alone, never by the reading.
+double faintestSigma_mm(const LitFrames& lit, const LitRun& run) {
+  std::vector<double> sigma_mm;
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    if (showsX(lit.frames[i])) sigma_mm.push_back(lit.frames[i].sigma_mm);
+  }
+  return sigma_mm.empty() ? 0.0 : kFaintFrame * medianOf(std::move(sigma_mm));
+}
+
+CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& run, const ModeField& field,
+                  CutReadings& readings) {
+  CutResult cut;
+  cut.unit = lit.frames[run.begin].unit;
+  cut.entity = entityOfRun(lit, run);
+  cut.start_s = lit.frames[run.begin].time_s;
+  cut.end_s = lit.frames[run.end - 1].time_s;
+  measureTopSpeed(lit, run, cut);
+  cut.drift_mm = cut.drift_sigma_mm = cut.slope_mm_s = cut.slope_sigma_mm_s = kNan;
+  cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
+  cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;
+  const double faintest_mm = faintestSigma_mm(lit, run);
+  readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), field.modes());
+  for (std::size_t i = run.begin; i < run.end; ++i) {
+    const LitFrame& frame = lit.frames[i];
+    if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
+    const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
+    const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
+    for (Eigen::Index k = 0; k < field.modes(); ++k) {
+      const Eigen::Vector2d shift = spot_W_mm ? field.at(k, *spot_W_mm) : Eigen::Vector2d::Zero();
+      readings.shared(cut.frames, k) = shift.x() + n_y / std::abs(frame.n_x) * shift.y();
+    }
+    cut.time_s.push_back(frame.time_s);
+    cut.residual_mm.push_back(frame.deviation_mm / frame.n_x);
+    cut.sheet_x_mm.push_back(frame.sheet_x_mm);
+    readings.sigma_mm.push_back(frame.sigma_mm / std::abs(frame.n_x));
+    ++cut.frames;
+  }
+  readings.shared.conservativeResize(cut.frames, field.modes());
+  return cut;
+}
+
+/// The scatter from frame to frame speaks up if it is beyond what the stated noise may show. By third
+/// differences: what changes slowly is motion, and no noise.
+void raiseToScatter(const Eigen::Map<const Eigen::VectorXd>& residual, std::vector<double>& sigma_mm) {
+  const Eigen::Index n = residual.size() - 3;
+  const double free = 0.43 * static_cast<double>(n);  // 20² / (20² + 2 (15² + 6² + 1²)) of n: they overlap.
+  const double scatter =
+      (residual.head(n) - 3.0 * residual.segment(1, n) + 3.0 * residual.segment(2, n) - residual.tail(n))
+          .squaredNorm() /
+      (20.0 * static_cast<double>(n));
+  double stated = 0.0;
+  for (const double s : sigma_mm) stated += s * s / static_cast<double>(sigma_mm.size());
+  if (!(scatter > stated * (1.0 + 3.0 * std::sqrt(2.0 / free)))) return;
+  for (double& s : sigma_mm) s *= std::sqrt(scatter / stated);
+}
+
+/// Least-squares line through the residuals of a cut; its uncertainty by noise that is correlated from frame
+/// to frame. Returns how a shift of each frame moves the drift.
+Eigen::VectorXd fitDrift(CutResult& cut, std::vector<double>& sigma_mm, double q) {
+  const auto n = static_cast<Eigen::Index>(cut.residual_mm.size());
+  if (n < static_cast<Eigen::Index>(kMinSlopeFrames)) return {};
+  const Eigen::Map<const Eigen::VectorXd> time(cut.time_s.data(), n);
+  const Eigen::Map<const Eigen::VectorXd> residual(cut.residual_mm.data(), n);
+  const Eigen::VectorXd t = time.array() - time.mean();
+  const double s_tt = t.squaredNorm();
+  if (!(s_tt > 0.0)) return {};
+  const double duration_s = cut.time_s.back() - cut.time_s.front();
+  const Eigen::VectorXd slope_weight = t / s_tt;
+  cut.slope_mm_s = slope_weight.dot(residual);
+  cut.drift_mm = cut.slope_mm_s * duration_s;
+  raiseToScatter(residual, sigma_mm);
+  double variance = 0.0;
+  double behind = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double own = slope_weight[i] * sigma_mm[static_cast<std::size_t>(i)];
+    behind *= q;
+    variance += own * (own + 2.0 * behind);
+    behind += own;
+  }
+  cut.slope_sigma_mm_s = std::sqrt(std::max(variance, 0.0));
+  cut.drift_sigma_mm = cut.slope_sigma_mm_s * duration_s;
+  return slope_weight * duration_s;
+}
+
+/// Peak of the residuals and their RMS about the mean, by the same rules as deviations of the kerf.
+void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Index modes, double by_pixel_mm,
+                  std::vector<CutResult>& cuts) {
+  ErrorModel peak{.lines = {}, .modes = modes, .estimator_mm = by_pixel_mm};
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const CutResult& cut = cuts[i];
+    peak.lines.push_back(lineOf(cut.residual_mm, readings[i].sigma_mm, readings[i].shared, q));
+  }
+  const std::vector<LineKind> kinds(cuts.size(), LineKind{"", LineKind::Rms::kAboutMean, false, {}});
+  const DeviationResult peaks = measureDeviations(peak, kinds, 0.0, kStillnessSeed);
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    cuts[i].peak_mm = peaks.lines[i].worst.value;
+    cuts[i].peak_U_mm = peaks.lines[i].worst.U;
+    cuts[i].rms_mm = peaks.lines[i].rms.value;
+    cuts[i].rms_U_mm = peaks.lines[i].rms.U;
+  }
+}
+
+/// The drifts of all cuts as readings that do not follow from each other.
+ReadingLine driftsOf(const std::vector<CutResult>& cuts, const std::vector<Eigen::VectorXd>& weights,
+                     const std::vector<CutReadings>& readings, Eigen::Index modes) {
+  ReadingLine line;
+  std::vector<Eigen::RowVectorXd> rows;
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    if (!std::isfinite(cuts[i].drift_mm)) continue;
+    line.segment.push_back(line.size());
+    line.caliper.push_back(i);
+    line.reading_mm.push_back(cuts[i].drift_mm);
+    line.sigma_mm.push_back(cuts[i].drift_sigma_mm);
+    rows.emplace_back(weights[i].transpose() * readings[i].shared);
+  }
+  line.segment.push_back(line.size());
+  line.shared.setZero(static_cast<Eigen::Index>(rows.size()), ReadingLine::kOwn + modes);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    line.shared.row(static_cast<Eigen::Index>(i)).tail(modes) = rows[i];
+  return line;
+}
+
+}  // namespace
+
+ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<double>& sigma_mm,
+                   const Eigen::MatrixXd& shared, double q) {
+  ReadingLine line;
+  line.reading_mm = reading_mm;
+  line.sigma_mm = sigma_mm;
+  line.q = q;
+  line.segment = {0, line.size()};
+  line.shared.setZero(shared.rows(), ReadingLine::kOwn + shared.cols());
+  line.shared.rightCols(shared.cols()) = shared;
+  return line;
+}
+
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits) {
+  Stillness result;
+  const ModeField field(evidence.spot_calibration.value_or(vision::CameraCalibration{}));
+  std::vector<CutReadings> readings;
+  std::vector<std::vector<double>> series;
+  for (const LitRun& run : lit.runs) {
+    result.cuts.push_back(readCut(evidence, lit, run, field, readings.emplace_back()));
+    std::vector<double>& x = series.emplace_back(result.cuts.back().residual_mm);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] /= readings.back().sigma_mm[i];
+  }
+  const double q = neighbourCorrelation(series);
+  std::vector<Eigen::VectorXd> weights;
+  for (std::size_t i = 0; i < result.cuts.size(); ++i)
+    weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
+  measurePeaks(readings, q, field.modes(), placeInPixelSigma_mm(evidence), result.cuts);
+  measureExcursions(evidence, readings, q, limits.stillness_mm, result);
+
+  ErrorModel drifts{.lines = {driftsOf(result.cuts, weights, readings, field.modes())},
+                    .modes = field.modes()};
+  // The camera's part of each drift, for people; the worst below knows that it is common to all.
+  for (std::size_t i = 0; i < drifts.lines[0].size(); ++i) {
+    CutResult& cut = result.cuts[drifts.lines[0].caliper[i]];
+    const double shared_mm = drifts.lines[0].shared.row(static_cast<Eigen::Index>(i)).norm();
+    const double scale = cut.slope_sigma_mm_s / cut.drift_sigma_mm;
+    cut.drift_sigma_mm = std::hypot(cut.drift_sigma_mm, shared_mm);
+    cut.slope_sigma_mm_s = scale * cut.drift_sigma_mm;
+  }
+  if (drifts.lines[0].size() == 0) return result;
+  const DeviationResult worst =
+      measureDeviations(drifts, {LineKind{}}, limits.stillness_mm, kStillnessSeed + 1);
+  result.worst_drift_mm = worst.all.worst;
+  result.chance_beyond = worst.chance_beyond;
+  result.worst_cut = drifts.lines[0].caliper[worst.all.reading];
+  result.budget = worst.budget;
+  result.budget.quantity = "largest drift along x of all cuts";
+  if (!result.budget.entries.empty()) {
+    result.budget.entries = {
+        {"spot and sheet in each frame, through the line fitted to the cut", worst.budget.entries[0].u, 0.0},
+        worst.budget.entries[2],
+        worst.budget.entries[4]};
+  }
+  return result;
+}
+
+Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness) {
+  Check check{
+      .name = "stillness_x", .title = "Beam at rest relative to the moving sheet, along x", .unit = "mm"};
+  const std::vector<CutResult>& cuts = stillness.cuts;
+  check.limit = limits.stillness_mm;
+  check.value = kNan;
+  const auto judged = static_cast<std::size_t>(
+      std::count_if(cuts.begin(), cuts.end(), [](const CutResult& c) { return std::isfinite(c.drift_mm); }));
+  if (judged > 0) {
+    const CutResult& worst = cuts[stillness.worst_cut];
+    check.value = stillness.worst_drift_mm.value;
+    check.u = check.guard = stillness.worst_drift_mm.U;
+    check.chance_beyond = stillness.chance_beyond;
+    decide(check);
+    check.subject = nameOf(worst.unit, worst.entity);
+    check.explanation = fmt::format(
+        "Of {} cuts that show x, the spot drifted most against the sheet in the one of {} at {:.3f} s: "
+        "{:+.4f} mm over "
+        "{:.0f} ms, standard uncertainty {:.4f} mm.",
+        judged, check.subject, worst.start_s, worst.drift_mm,
+        1e3 * (worst.time_s.back() - worst.time_s.front()), worst.drift_sigma_mm);
+    if (judged < cuts.size()) {
+      check.explanation += fmt::format(
+          " {} cuts run along x, are shorter than {} frames or are off the dieline, and "
+          "cannot show it.",
+          cuts.size() - judged, kMinSlopeFrames);
+    }
+    return check;
+  }
+  // No cut stayed with the dieline. If the spot was seen to leave it, that is proof enough.
+  const LitFrame* farthest = nullptr;
+  std::size_t off = 0;
+  for (const LitFrame& frame : lit.frames) {
+    if (!isOffLine(frame)) continue;
+    ++off;
+    if (farthest == nullptr || frame.distance_mm > farthest->distance_mm) farthest = &frame;
+  }
+  if (farthest != nullptr && 2 * off > lit.frames.size()) {
+    check.value = farthest->distance_mm;
+    check.subject = fmt::format("unit {}", farthest->unit);
+    decide(check);
+    check.explanation = fmt::format(
+        "The spot did not stay with any line: in {} of {} frames it was more than {:.1f} mm from the dieline "
+        "on the "
+        "moving sheet, at {:.3f} s by {:.2f} mm or more. No cut could be followed to measure the drift "
+        "itself.",
+        off, lit.frames.size(), kReach_mm, farthest->time_s, farthest->distance_mm);
+    return check;
+  }
+  decide(check);
+  check.explanation = fmt::format(
+      "None of {} cuts lets the motion along x be seen: it takes {} frames on a line that "
+      "runs across the belt.",
+      cuts.size(), kMinSlopeFrames);
+  return check;
+}
+
+}  // namespace kerfbench::inspect::checks

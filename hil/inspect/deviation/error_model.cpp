@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/deviation/error_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+
+namespace kerfbench::inspect {
+namespace {
+
+// Found with `kerfbench gauge`: with it the intervals hold the truth of artefacts as often as they say.
+constexpr double kEstimatorPx = 0.005;
+constexpr double kLeastNoise_mm = 1e-5;
+constexpr double kMostCorrelated = 0.95;
+constexpr std::size_t kFewestDifferences = 30;
+constexpr double kClipped = 0.9850;       // Variance left by clipping a normal value at 3 sigma.
+constexpr double kMedianSquare = 0.4549;  // Of a standard normal value.
+
+/// Square root of a covariance, column by column; small negative eigenvalues are rounding.
+Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
+  if (!covariance.allFinite()) return Eigen::Matrix3d::Constant(std::nan(""));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// What the error of a unit's pose and the modes of the camera make of one offset.
+class SharedErrors {
+ public:
+  SharedErrors(const Evidence& evidence, const ModeField& field) : field_(field) {
+    for (const vision::UnitPose& pose : evidence.kerf.units)
+      poses_.push_back({&pose, rootOf(pose.covariance)});
+  }
+
+  [[nodiscard]] Eigen::RowVectorXd of(int unit, const dieline::Curve& curve, const vision::Caliper& c) const {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + field_.modes());
+    row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
+    const auto place =
+        std::find_if(poses_.begin(), poses_.end(), [&](const Place& p) { return p.pose->unit == unit; });
+    if (place == poses_.end()) return row;
+    const Eigen::Matrix2d R_TS = Eigen::Rotation2Dd(place->pose->angle_rad).toRotationMatrix();
+    const Eigen::Vector2d tangent = R_TS * dieline::tangentAt(curve, c.u);
+    const Eigen::Vector2d normal(-tangent.y(), tangent.x());
+    const Eigen::Vector2d arm = R_TS * c.p_S_mm;
+    // A turn by da moves the point at `arm` by da times `arm` turned by a right angle.
+    const Eigen::RowVector3d by_pose(normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-arm.y(), arm.x())));
+    row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
+    for (Eigen::Index k = 0; k < field_.modes(); ++k)
+      row[ReadingLine::kOwn + k] = normal.dot(field_.at(k, c.p_V_mm));
+    return row;
+  }
+
+ private:
+  struct Place {
+    const vision::UnitPose* pose;
+    Eigen::Matrix3d root;
+  };
+  const ModeField& field_;
+  std::vector<Place> poses_;
+};
+
+/// What of a caliper's uncertainty is its own. Never nothing: rounding is left.
+double noiseOf(const vision::Caliper& c) {
+  const double noise = c.sigma_mm * c.sigma_mm - c.steady_sigma_mm * c.steady_sigma_mm;
+  return std::sqrt(std::max(noise, kLeastNoise_mm * kLeastNoise_mm));
+}
+
+double pitchOf(const vision::EntityKerf& kerf) {
+  return kerf.calipers.size() < 2 ? 1.0 : kerf.calipers[1].station_mm - kerf.calipers[0].station_mm;
+}
+
+/// Correlation length of the noise, from all lines together: stations are about equally far apart on all.
+double correlationLength(const vision::KerfScan& scan, const std::vector<ReadingLine>& lines) {
+  std::vector<std::vector<double>> series;
+  double pitches_mm = 0.0;
+  double weight = 0.0;
+  for (const ReadingLine& line : lines) {
+    for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
+      std::vector<double> one;
+      for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i)
+        one.push_back(line.reading_mm[i] / line.sigma_mm[i]);
+      weight += static_cast<double>(one.size());
+      pitches_mm += static_cast<double>(one.size()) * pitchOf(scan.entities[line.kerf]);
+      series.push_back(std::move(one));
+    }
+  }
+  const double q = neighbourCorrelation(series);
+  return q > 0.0 ? -pitches_mm / weight / std::log(q) : 0.0;
+}
+
+}  // namespace
+
+bool judgesOffset(const vision::Caliper& c) { return c.found && !c.near_joint && std::isfinite(c.offset_mm); }
+
+Eigen::Index ReadingLine::directionOf(const Eigen::Vector2d& tangent) {
+  const double eighths = std::atan2(tangent.y(), tangent.x()) / (std::numbers::pi / 4.0);
+  return (static_cast<Eigen::Index>(std::lround(eighths)) + kLine) % kLine;
+}
+
+double neighbourCorrelation(const std::vector<std::vector<double>>& series) {
+  std::vector<double> squares;
+  for (const std::vector<double>& x : series) {
+    for (std::size_t i = 0; i + 3 < x.size(); ++i) {
+      const double d = x[i] - 3.0 * x[i + 1] + 3.0 * x[i + 2] - x[i + 3];
+      if (std::isfinite(d)) squares.push_back(d * d / 20.0);
+    }
+  }
+  if (squares.size() < kFewestDifferences) return 0.0;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  const double limit = 9.0 * *middle / kMedianSquare;
+  double sum = 0.0;
+  for (const double s : squares) sum += std::min(s, limit) / kClipped;
+  const double share = sum / static_cast<double>(squares.size());
+  // Variance of the difference for correlations q, q², q³ of readings 1, 2, 3 apart; it falls with q.
+  const auto expected = [](double q) { return (20.0 - 30.0 * q + 12.0 * q * q - 2.0 * q * q * q) / 20.0; };
+  double low = 0.0;
+  double high = kMostCorrelated;
+  for (int i = 0; i < 50; ++i) {
+    const double q = 0.5 * (low + high);
+    (expected(q) > share ? low : high) = q;
+  }
+  return low;
+}
+
+ModeField::ModeField(const vision::CameraCalibration& calibration) : area_mm_(calibration.area_mm) {
+  for (std::size_t k = 0; k < calibration.error_modes.size(); ++k) {
+    std::vector<Eigen::Vector2d>& shifts = shift_mm_.emplace_back();
+    for (int row = 0; row < kNodes; ++row) {
+      for (int column = 0; column < kNodes; ++column) {
+        const Eigen::Vector2d share(column / (kNodes - 1.0), row / (kNodes - 1.0));
+        shifts.push_back(calibration.mapError(k, area_mm_.min() + area_mm_.sizes().cwiseProduct(share)));
+      }
+    }
+  }
+}
+
+Eigen::Vector2d ModeField::at(Eigen::Index mode, const Eigen::Vector2d& p_mm) const {
+  const Eigen::Array2d nodes = ((p_mm - area_mm_.min()).array() / area_mm_.sizes().array() * (kNodes - 1.0))
+                                   .max(0.0)
+                                   .min(kNodes - 1.0);
+  const Eigen::Array2i cell = nodes.cast<int>().min(kNodes - 2);
+  const Eigen::Array2d t = nodes - cell.cast<double>();
+  const auto& shifts = shift_mm_[static_cast<std::size_t>(mode)];
+  const auto node = [&](int dx, int dy) -> const Eigen::Vector2d& {
+    return shifts[static_cast<std::size_t>((cell.y() + dy) * kNodes + cell.x() + dx)];
+  };
+  return (1.0 - t.y()) * ((1.0 - t.x()) * node(0, 0) + t.x() * node(1, 0)) +
+         t.y() * ((1.0 - t.x()) * node(0, 1) + t.x() * node(1, 1));
+}
+
+ErrorModel errorModelOf(const Evidence& evidence) {
+  ErrorModel model;
+  const ModeField field(evidence.kerf_calibration.value_or(vision::CameraCalibration{}));
+  model.modes = field.modes();
+  if (evidence.kerf_calibration) model.estimator_mm = kEstimatorPx * evidence.kerf_calibration->pitchMm();
+  const SharedErrors shared(evidence, field);
+  for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
+    const vision::EntityKerf& kerf = evidence.kerf.entities[k];
+    const dieline::Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve;
+    ReadingLine line;
+    line.kerf = k;
+    line.unit = kerf.unit;
+    for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+      const vision::Caliper& c = kerf.calipers[i];
+      if (!judgesOffset(c)) continue;
+      if (line.caliper.empty() || line.caliper.back() + 1 != i) line.segment.push_back(line.size());
+      line.caliper.push_back(i);
+      line.reading_mm.push_back(c.offset_mm);
+      line.sigma_mm.push_back(noiseOf(c));
+    }
+    line.segment.push_back(line.size());
+    line.shared.resize(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + field.modes());
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      line.shared.row(static_cast<Eigen::Index>(i)) =
+          shared.of(kerf.unit, curve, kerf.calipers[line.caliper[i]]);
+    }
+    model.lines.push_back(std::move(line));
+  }
+  model.correlation_mm = correlationLength(evidence.kerf, model.lines);
+  for (ReadingLine& line : model.lines) {
+    const double pitch_mm = pitchOf(evidence.kerf.entities[line.kerf]);
+    line.q = model.correlation_mm > 0.0 ? std::exp(-pitch_mm / model.correlation_mm) : 0.0;
+    line.q = std::min(line.q, kMostCorrelated);
+  }
+  return model;
+}
+
+}  // namespace kerfbench::inspect

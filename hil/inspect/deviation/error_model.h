@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/inspect/evidence/evidence.h"
+
+namespace kerfbench::inspect {
+
+/// The readings of one entity of one unit, and how they may be wrong:
+///
+///     reading_i = true_i + noise_i + shared_i · e
+///
+/// noise_i has the caliper's own sigma_i and the correlation q^|i - j| within a segment. e are independent
+/// standard normal draws that many readings have in common: the first eight belong to the line (what the grid
+/// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
+/// straight line all readings share one, around a circle they change), the next three to the unit (how it was
+/// found to lie by its marks), the others to the camera (modes of its calibration) and so to all units.
+struct ReadingLine {
+  static constexpr Eigen::Index kLine = 8;
+  static constexpr Eigen::Index kPose = 3;
+  static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the modes of the camera.
+
+  std::size_t kerf{};  ///< Index in KerfScan::entities.
+  int unit{};
+  std::vector<std::size_t> caliper;  ///< Index in EntityKerf::calipers of each reading, ascending.
+  std::vector<double> reading_mm;
+  std::vector<double> sigma_mm;  ///< Of the noise.
+  std::vector<std::size_t>
+      segment;             ///< First reading of each run of neighbouring stations; ends with size().
+  double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
+  Eigen::MatrixXd shared;  ///< Readings x (kOwn + modes of the camera), mm.
+
+  [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
+  /// Which of the line's own errors a reading on a curve of this tangent has.
+  [[nodiscard]] static Eigen::Index directionOf(const Eigen::Vector2d& tangent);
+};
+
+struct ErrorModel {
+  std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
+  Eigen::Index modes{};            ///< Of the camera's calibration.
+  /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
+  /// this model holds, such as a bump that is narrower than a window.
+  double estimator_mm{};
+  double correlation_mm{};  ///< Length over which the noise along a line falls to 1/e; 0 if it is white.
+};
+
+/// Offsets that the path is judged by: found, away from joints, a number.
+bool judgesOffset(const vision::Caliper& c);
+
+/// Pose errors from UnitPose::covariance, turned into shifts of the sheet under the caliper; calibration
+/// errors from the modes of the kerf camera where each caliper was looked at. Part of them cancels, as the
+/// marks are seen through the same lens; that is not counted.
+ErrorModel errorModelOf(const Evidence& evidence);
+
+/// Correlation of the noise of neighbours from third differences of readings in units of their own sigma,
+/// pooled over `series` of one pitch each; it makes the differences of neighbours smaller than sigma says.
+/// Steps are clipped at 3 sigma. 0 if there are fewer than 30 differences.
+double neighbourCorrelation(const std::vector<std::vector<double>>& series);
+
+/// Shifts of the plane by the modes of a camera, on a grid over the area of its calibration.
+class ModeField {
+ public:
+  explicit ModeField(const vision::CameraCalibration& calibration);
+  [[nodiscard]] Eigen::Index modes() const { return static_cast<Eigen::Index>(shift_mm_.size()); }
+  /// Shift of the point p for one standard deviation of a mode; beyond the area as at its rim.
+  [[nodiscard]] Eigen::Vector2d at(Eigen::Index mode, const Eigen::Vector2d& p_mm) const;
+
+ private:
+  static constexpr int kNodes = 13;
+  Eigen::AlignedBox2d area_mm_;
+  std::vector<std::vector<Eigen::Vector2d>> shift_mm_;
+};
+
+}  // namespace kerfbench::inspect

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/deviation/extreme_budget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "hil/inspect/deviation/error_model.h"
+
+namespace kerfbench::inspect {
+namespace {
+
+constexpr double kFar = 6.5;  // Sigmas: no value comes so far.
+constexpr int kSteps = 8;     // Of the integral over t.
+constexpr int kGrid = 160;    // Of the distribution.
+
+double normalCdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+
+/// One side of one point: the noise must reach `distance` to lift it above w.
+struct Side {
+  double height;  ///< Of the estimate, counted positive towards this side.
+  double sigma;
+  double angle;  ///< acos of the correlation with the point before.
+  bool first;    ///< Of a run of points that matter.
+  double sign;
+  const ExtremePoint* point;
+  double height_before, sigma_before;  ///< Of the point before.
+};
+
+/// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
+double crossing(double a, double b, double angle) {
+  double sum = 0.0;
+  for (int k = 0; k < kSteps; ++k) {
+    const double t = angle * (k + 0.5) / kSteps;
+    const double s = std::sin(t);
+    sum += std::exp(-(a * a + b * b - 2.0 * a * b * std::cos(t)) / (2.0 * s * s));
+  }
+  return normalCdf(a) - normalCdf(std::min(a, b)) + sum * angle / kSteps / (2.0 * std::numbers::pi);
+}
+
+/// -log of the chance that this point stays below w, given that the one before does.
+double hazard(const Side& s, double w) {
+  const double z = (w - s.height) / s.sigma;
+  if (z > kFar) return 0.0;
+  if (s.first) return -std::log(std::max(normalCdf(z), 1e-12));
+  const double before = (w - s.height_before) / s.sigma_before;
+  const double share = crossing(before, z, s.angle) / std::max(normalCdf(before), 1e-12);
+  return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
+}
+
+std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double least) {
+  std::vector<Side> sides;
+  for (const double sign : {1.0, -1.0}) {
+    bool broken = true;
+    for (const ExtremePoint& p : points) {
+      const double height = sign * p.seen;
+      if (!(height + kFar * p.sigma > least)) {
+        broken = true;
+        continue;
+      }
+      const bool first = broken || p.correlation <= 0.0;
+      const Side* before = first ? nullptr : &sides.back();
+      const double height_before = before != nullptr ? before->height : 0.0;
+      const double sigma_before = before != nullptr ? before->sigma : 1.0;
+      const double angle = std::acos(std::clamp(p.correlation, 0.0, 1.0));
+      sides.push_back({height, p.sigma, angle, first, sign, &p, height_before, sigma_before});
+      broken = false;
+    }
+  }
+  return sides;
+}
+
+double totalHazard(const std::vector<Side>& sides, double w) {
+  double sum = 0.0;
+  for (const Side& s : sides) sum += hazard(s, w);
+  return sum;
+}
+
+/// A largest value: normal about `mean`, moved by shared errors by `gradient`, and by others that it shares
+/// with no one.
+struct Largest {
+  double mean{};
+  double variance{};            ///< In all.
+  Eigen::RowVectorXd gradient;  ///< Of the poses of all units, then of the camera.
+};
+
+/// How the places of the shared errors of one line lie in those of all.
+class SharedIndex {
+ public:
+  explicit SharedIndex(const std::vector<ExtremeLine>& lines) {
+    for (const ExtremeLine& line : lines) {
+      place_.try_emplace(line.unit, static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose);
+      if (!line.points.empty()) modes_ = line.points.front().shared.size() - ReadingLine::kOwn;
+    }
+  }
+  [[nodiscard]] Eigen::Index poses() const {
+    return static_cast<Eigen::Index>(place_.size()) * ReadingLine::kPose;
+  }
+  [[nodiscard]] Eigen::RowVectorXd spread(int unit, const Eigen::RowVectorXd& own) const {
+    Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(poses() + modes_);
+    all.segment<ReadingLine::kPose>(place_.at(unit)) = own.segment<ReadingLine::kPose>(ReadingLine::kLine);
+    all.tail(modes_) = own.tail(modes_);
+    return all;
+  }
+
+ private:
+  std::map<int, Eigen::Index> place_;
+  Eigen::Index modes_{};
+};
+
+/// Largest of one line; nullopt if it stays below `floor` whatever its noise does.
+std::optional<Largest> largestPoint(const ExtremeLine& line, double floor, const SharedIndex& index) {
+  double highest = 0.0;
+  double sigma_most = 0.0;
+  double least = floor;
+  for (const ExtremePoint& p : line.points) {
+    highest = std::max(highest, std::abs(p.seen));
+    sigma_most = std::max(sigma_most, p.sigma);
+    least = std::max(least, std::abs(p.seen) - kFar * p.sigma);
+  }
+  const std::vector<Side> sides = sidesOf(line.points, least);
+  const double step = (highest + kFar * sigma_most - least) / kGrid;
+  if (sides.empty() || !(step > 0.0)) return std::nullopt;
+  // P(max <= w) on a grid; mean and variance are integrals of its complement.
+  double mean = least;
+  double square = least * least;
+  double median = highest;
+  double last = 0.0;
+  for (int k = 0; k < kGrid; ++k) {
+    const double w = least + (k + 0.5) * step;
+    const double inside = std::exp(-totalHazard(sides, w));
+    mean += (1.0 - inside) * step;
+    square += 2.0 * w * (1.0 - inside) * step;
+    if (last < 0.5 && inside >= 0.5) median = w;
+    last = inside;
+  }
+  const double total = std::max(totalHazard(sides, median), 1e-300);
+  Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(line.points.front().shared.size());
+  for (const Side& s : sides) shared += s.sign * hazard(s, median) / total * s.point->shared;
+  return Largest{mean, std::max(square - mean * mean, 0.0) + shared.squaredNorm(),
+                 index.spread(line.unit, shared)};
+}
+
+/// The larger of two (Clark 1961).
+Largest largerOf(const Largest& x, const Largest& y) {
+  const double parted = x.variance + y.variance - 2.0 * x.gradient.dot(y.gradient);
+  if (!(parted > 0.0)) return x.mean > y.mean ? x : y;
+  const double a = std::sqrt(parted);
+  const double z = (x.mean - y.mean) / a;
+  const double p = normalCdf(z);
+  const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+  Largest out;
+  out.mean = x.mean * p + y.mean * (1.0 - p) + a * density;
+  const double square = (x.mean * x.mean + x.variance) * p + (y.mean * y.mean + y.variance) * (1.0 - p) +
+                        (x.mean + y.mean) * a * density;
+  out.gradient = p * x.gradient + (1.0 - p) * y.gradient;
+  out.variance = std::max(square - out.mean * out.mean, out.gradient.squaredNorm());
+  return out;
+}
+
+}  // namespace
+
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
+  double highest_seen = 0.0;
+  double highest_likely = 0.0;
+  double floor = 0.0;
+  for (const ExtremeLine& line : lines) {
+    for (const ExtremePoint& p : line.points) {
+      highest_seen = std::max(highest_seen, std::abs(p.seen));
+      highest_likely = std::max(highest_likely, std::abs(p.likely));
+      floor = std::max(floor, std::abs(p.seen) - kFar * std::hypot(p.sigma, p.shared.norm()));
+    }
+  }
+  const SharedIndex index(lines);
+  std::vector<Largest> candidates;
+  for (const ExtremeLine& line : lines) {
+    if (const auto largest = largestPoint(line, floor, index)) candidates.push_back(*largest);
+  }
+  ExtremeBudget budget;
+  if (candidates.empty()) return budget;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Largest& x, const Largest& y) { return x.mean > y.mean; });
+  Largest all = candidates.front();
+  for (std::size_t i = 1; i < candidates.size(); ++i) all = largerOf(all, candidates[i]);
+  budget.extreme_bias = all.mean - highest_seen;
+  budget.smoothing_bias = highest_seen - highest_likely;
+  budget.u_pose = all.gradient.head(index.poses()).norm();
+  budget.u_camera = all.gradient.tail(all.gradient.size() - index.poses()).norm();
+  budget.u_noise = std::sqrt(std::max(all.variance - all.gradient.squaredNorm(), 0.0));
+  return budget;
+}
+
+}  // namespace kerfbench::inspect

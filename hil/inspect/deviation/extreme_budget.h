@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace kerfbench::inspect {
+
+/// One place of a line that may be the farthest off.
+struct ExtremePoint {
+  double likely{};            ///< Likely true deviation.
+  double seen{};              ///< What the smoother makes of it.
+  double sigma{};             ///< Standard uncertainty of the estimate by noise.
+  double correlation{};       ///< Of the noise with that of the point before; 0 for the first of a run.
+  Eigen::RowVectorXd shared;  ///< As ReadingLine::shared: by the line's own error, its unit's, the camera's.
+};
+
+struct ExtremeLine {
+  int unit{};
+  std::vector<ExtremePoint> points;
+};
+
+/// Analytic uncertainty of max |deviation| over all points of all lines.
+struct ExtremeBudget {
+  double extreme_bias{};    ///< Mean of the largest |seen + errors| less the largest |seen|.
+  double smoothing_bias{};  ///< Largest |seen| less the largest |likely|.
+  double u_noise{};         ///< By noise, by errors of single lines, and by which line is the largest.
+  double u_pose{};          ///< By errors that the lines of a unit share.
+  double u_camera{};        ///< By errors that all share.
+};
+
+/// Of one line: that no value of its noise lies above w is taken as a Markov chain of neighbours,
+///
+///     P(max <= w) = prod over runs: Phi(z_1) · prod (1 - P(Z_i-1 <= z_i-1, Z_i > z_i) / Phi(z_i-1)),
+///     P(Z1 <= a, Z2 > b) = Phi(a) - Phi(min(a, b))
+///         + 1/(2 pi) · integral from 0 to acos r of exp(-(a² + b² - 2 a b cos t) / (2 sin² t)) dt,
+///
+/// exact for two normal values of correlation r; for a = b it is Rice's (1945) crossing rate. Its mean, its
+/// variance and how shared errors move it make the line one normal value; the largest of those, which are
+/// correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines);
+
+}  // namespace kerfbench::inspect

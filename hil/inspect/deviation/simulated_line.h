@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/line_smoother.h"
+#include "hil/inspect/deviation/roundness.h"
+#include "hil/inspect/deviation/worst_deviation.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::inspect {
+
+/// Largest magnitude; NaN if any value is.
+double largestOf(const std::vector<double>& values);
+
+/// Of the values, about zero or about their mean.
+double sumOfSquares(const std::vector<double>& values, LineKind::Rms about);
+
+/// One line with all that simulated measurements of it need.
+class SimulatedLine {
+ public:
+  /// Keeps references to the line; it must outlive this.
+  SimulatedLine(const ReadingLine& line, const LineKind& kind);
+
+  /// Fills reading_mm and simulated_mm: the likely truth with noise of the given stream and the shared
+  /// errors.
+  void measure(const CounterRandom& noise, std::uint64_t first, const Eigen::VectorXd& shared_error);
+
+  [[nodiscard]] const LineSmoother& smoother() const { return smoother_; }
+  /// The likely truth as it is measured without noise.
+  [[nodiscard]] std::vector<double> seen() const;
+  /// Only of a whole circle.
+  [[nodiscard]] const std::optional<Roundness>& roundness() const { return roundness_; }
+  /// Share of the variance of the errors at a reading's estimate that the likely truth still holds: all of
+  /// what is shared, noise_share of the noise.
+  [[nodiscard]] double errorShareAt(std::size_t reading) const;
+
+  LineKind::Rms rms{};
+  std::vector<double> estimate_mm;   ///< Smoothed readings.
+  std::vector<std::uint8_t> level;   ///< With which windows.
+  std::vector<double> likely_mm;     ///< The likely truth.
+  double noise_share{};              ///< Of the estimates' noise variance that likely_mm still holds.
+  double error_squares{};            ///< Expected sum of squares of the readings' errors.
+  std::vector<double> reading_mm;    ///< Of the last measure().
+  std::vector<double> simulated_mm;  ///< Those smoothed.
+
+ private:
+  [[nodiscard]] std::vector<double> likelyTruth();
+
+  const ReadingLine& line_;
+  LineSmoother smoother_;
+  std::vector<double> noise_;
+  std::optional<Roundness> roundness_;
+};
+
+}  // namespace kerfbench::inspect

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/inspect/deviation/worst_deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "hil/inspect/deviation/extreme_budget.h"
+#include "hil/inspect/deviation/simulated_line.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::inspect {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kDraws = 1000;
+constexpr std::uint64_t kStreams = 4;  // Of random numbers, for each draw.
+constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
+constexpr std::uint64_t kRoundStream = kHiddenStream + 1;  // And on, for each draw of each line.
+
+std::size_t placeOfLargest(const std::vector<double>& values) {
+  const auto at = std::max_element(values.begin(), values.end(),
+                                   [](double a, double b) { return std::abs(a) < std::abs(b); });
+  return static_cast<std::size_t>(at - values.begin());
+}
+
+/// What the lines show, one number for each: really, in the likely truth, and in each draw.
+struct Tally {
+  struct Numbers {
+    std::vector<double> worst, sum_of_squares;
+  };
+  Numbers read, truth;
+  std::vector<double> seen;  ///< Worst of the likely truth as it is measured without noise.
+  std::vector<Numbers> draws;
+};
+
+/// The most that an extreme of the likely truth may owe to the errors that it still holds. Where places
+/// compete, the largest exceeds the truth in proportion to the standard deviation of the errors; a truth that
+/// holds a share h of their variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one
+/// place stands out nothing is.
+double hiddenOf(double h, const std::vector<double>& drawn, double seen) {
+  double mean = 0.0;
+  for (const double d : drawn) mean += d / static_cast<double>(drawn.size());
+  return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seen, 0.0);
+}
+
+/// How many places compete cannot be read: what is hidden is taken as rectangular from nothing to all
+/// (JCGM 100, 4.3.7).
+void addHidden(double hidden, std::uint64_t seed, std::vector<double>& drawn) {
+  const CounterRandom share(seed, kHiddenStream);
+  for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] += hidden * share.uniform(i);
+}
+
+/// Worst and RMS of some of the lines.
+class Group {
+ public:
+  Group(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::vector<std::size_t> members,
+        const Tally& tally)
+      : members_(std::move(members)), lines_(lines), tally_(tally), estimator_mm_(model.estimator_mm) {
+    for (const std::size_t l : members_) {
+      readings_ += static_cast<double>(model.lines[l].size());
+      error_squares_ += lines[l].error_squares;
+    }
+  }
+
+  [[nodiscard]] DeviationEstimate estimate(std::uint64_t seed) const {
+    DeviationEstimate result;
+    if (!(readings_ > 0.0)) return {.worst = {}, .rms = {}, .worst_as_read = kNan};
+    result.worst_as_read = worstOf(tally_.read);
+    for (const std::size_t l : members_) {
+      if (tally_.read.worst[l] == result.worst_as_read) {
+        result.line = l;
+        break;
+      }
+    }
+    result.reading = placeOfLargest(lines_[result.line].estimate_mm);
+    result.worst_hidden =
+        hiddenOf(lines_[result.line].errorShareAt(result.reading), drawnWorst(), seenWorst());
+    result.worst_u_smoothing = std::abs(seenWorst() - worstOf(tally_.truth)) / std::sqrt(3.0);
+    result.worst = basicInterval(result.worst_as_read, worstOf(tally_.truth),
+                                 drawnWorst(result.worst_hidden, seed), 0.0);
+    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_smoothing, 2.0 * estimator_mm_);
+    std::vector<double> rms;
+    for (const Tally::Numbers& draw : tally_.draws) rms.push_back(rmsOf(draw, error_squares_));
+    result.rms = basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), rms, 0.0);
+    return result;
+  }
+
+  [[nodiscard]] double chanceAbove(double limit_mm, const DeviationEstimate& e, std::uint64_t seed) const {
+    if (!std::isfinite(e.worst.U)) return kNan;
+    return inspect::chanceAbove(limit_mm, e.worst_as_read, worstOf(tally_.truth),
+                                drawnWorst(e.worst_hidden, seed));
+  }
+
+ private:
+  [[nodiscard]] std::vector<double> drawnWorst() const {
+    std::vector<double> worst;
+    for (const Tally::Numbers& draw : tally_.draws) worst.push_back(worstOf(draw));
+    return worst;
+  }
+  /// With a share of what is hidden.
+  [[nodiscard]] std::vector<double> drawnWorst(double hidden_mm, std::uint64_t seed) const {
+    std::vector<double> worst = drawnWorst();
+    addHidden(hidden_mm, seed, worst);
+    return worst;
+  }
+  [[nodiscard]] double seenWorst() const {
+    double seen = 0.0;
+    for (const std::size_t l : members_) seen = std::max(seen, tally_.seen[l]);
+    return seen;
+  }
+
+  [[nodiscard]] double worstOf(const Tally::Numbers& numbers) const {
+    double worst = 0.0;
+    for (const std::size_t l : members_)
+      worst = std::isnan(numbers.worst[l]) ? kNan : std::max(worst, numbers.worst[l]);
+    return worst;
+  }
+  [[nodiscard]] double rmsOf(const Tally::Numbers& numbers, double errors) const {
+    double sum = -errors;
+    for (const std::size_t l : members_) sum += numbers.sum_of_squares[l];
+    return std::sqrt(std::max(sum, 0.0) / readings_);
+  }
+
+  std::vector<std::size_t> members_;
+  const std::vector<SimulatedLine>& lines_;
+  const Tally& tally_;
+  double readings_{};
+  double error_squares_{};
+  double estimator_mm_;
+};
+
+/// Shared errors of one draw for one line: its own, those of its unit's pose, the camera's common to all.
+Eigen::VectorXd drawShared(const ErrorModel& model, std::size_t line, std::uint64_t seed,
+                           std::uint64_t draw) {
+  const auto unit = static_cast<std::uint64_t>(model.lines[line].unit);
+  const CounterRandom own(seed, kStreams * draw);
+  const CounterRandom pose(seed, kStreams * draw + 1);
+  const CounterRandom camera(seed, kStreams * draw + 2);
+  Eigen::VectorXd e(ReadingLine::kOwn + model.modes);
+  for (Eigen::Index k = 0; k < ReadingLine::kLine; ++k)
+    e[k] = own.normal(static_cast<std::uint64_t>(ReadingLine::kLine) * line + static_cast<std::uint64_t>(k));
+  for (Eigen::Index k = 0; k < ReadingLine::kPose; ++k)
+    e[ReadingLine::kLine + k] = pose.normal(3 * unit + static_cast<std::uint64_t>(k));
+  for (Eigen::Index k = 0; k < model.modes; ++k)
+    e[ReadingLine::kOwn + k] = camera.normal(static_cast<std::uint64_t>(k));
+  return e;
+}
+
+/// Simulates all draws; roundness goes to `round[line]` for circles.
+Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::uint64_t seed,
+               std::vector<std::vector<double>>& round) {
+  Tally tally;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    tally.read.worst.push_back(largestOf(lines[l].estimate_mm));
+    tally.read.sum_of_squares.push_back(sumOfSquares(model.lines[l].reading_mm, lines[l].rms));
+    tally.truth.worst.push_back(largestOf(lines[l].likely_mm));
+    tally.truth.sum_of_squares.push_back(sumOfSquares(lines[l].likely_mm, lines[l].rms));
+    tally.seen.push_back(largestOf(lines[l].seen()));
+  }
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    const CounterRandom noise(seed, kStreams * draw + 3);
+    Tally::Numbers& numbers = tally.draws.emplace_back();
+    std::uint64_t first = 0;
+    for (std::size_t l = 0; l < lines.size(); ++l) {
+      const Eigen::VectorXd shared = drawShared(model, l, seed, draw);
+      lines[l].measure(noise, first, shared);
+      first += model.lines[l].size() + 1;
+      numbers.worst.push_back(largestOf(lines[l].simulated_mm));
+      numbers.sum_of_squares.push_back(sumOfSquares(lines[l].reading_mm, lines[l].rms));
+      if (!lines[l].roundness()) continue;
+      const CounterRandom waves(seed, kRoundStream + kDraws * l + draw);
+      round[l].push_back(lines[l].roundness()->simulated(waves, model.lines[l].shared * shared));
+    }
+  }
+  return tally;
+}
+
+/// The range about the least-squares circle is an extreme as well.
+Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::uint64_t seed) {
+  const double hidden_mm = hiddenOf(round.noiseShare(), drawn, round.likely());
+  addHidden(hidden_mm, seed, drawn);
+  Quantity range = basicInterval(round.asRead(), round.likely(), drawn, 0.0);
+  range.U = std::hypot(range.U, 2.0 * round.unfittedSigma(), 2.0 * round.seamSigma());
+  return range;
+}
+
+/// The same without simulation.
+ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
+  std::vector<ExtremeLine> extremes;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const ReadingLine& line = model.lines[l];
+    const SimulatedLine& simulated = lines[l];
+    const std::vector<double> seen_mm = simulated.seen();
+    ExtremeLine& extreme = extremes.emplace_back(ExtremeLine{line.unit, {}});
+    for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
+      for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
+        const bool first = i == line.segment[s];
+        extreme.points.push_back(
+            {.likely = simulated.likely_mm[i],
+             .seen = seen_mm[i],
+             .sigma = simulated.smoother().sigma(i, simulated.level[i]),
+             .correlation = first ? 0.0 : simulated.smoother().correlationWithPrevious(i, simulated.level),
+             .shared = line.shared.row(static_cast<Eigen::Index>(i))});
+      }
+    }
+  }
+  return extremeBudget(extremes);
+}
+
+UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
+  UncertaintyBudget out;
+  out.quantity = "worst deviation of all lines";
+  out.unit = "mm";
+  out.as_read = all.worst_as_read;
+  out.entries = {
+      {"noise, texture and grid of pixels at the places that may be the worst", b.u_noise, b.extreme_bias},
+      {"where the sheet lies, as its printed marks tell", b.u_pose, 0.0},
+      {"calibration of the camera", b.u_camera, 0.0},
+      {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
+      {"the largest of many noisy readings is too large, by how much is not known",
+       all.worst_hidden / std::sqrt(12.0), 0.5 * all.worst_hidden},
+      {"what the estimator leaves, as artefacts of known deviation show", estimator_mm, 0.0},
+  };
+  double variance = 0.0;
+  out.analytic_value = all.worst_as_read;
+  for (const BudgetEntry& entry : out.entries) {
+    variance += entry.u * entry.u;
+    out.analytic_value -= entry.correction;
+  }
+  // A magnitude below nought is impossible: the interval ends there, as that of the simulation does.
+  const double low = std::max(out.analytic_value - 2.0 * std::sqrt(variance), 0.0);
+  const double high = std::max(out.analytic_value + 2.0 * std::sqrt(variance), low);
+  out.analytic_U = 0.5 * (high - low);
+  out.analytic_value = 0.5 * (low + high);
+  out.monte_carlo_U = all.worst.U;
+  out.monte_carlo_value = all.worst.value;
+  out.draws = kDraws;
+  return out;
+}
+
+}  // namespace
+
+DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
+                                  double limit_mm, std::uint64_t seed) {
+  std::vector<SimulatedLine> lines;
+  lines.reserve(model.lines.size());
+  for (std::size_t l = 0; l < model.lines.size(); ++l) lines.emplace_back(model.lines[l], kinds[l]);
+  std::vector<std::vector<double>> round(lines.size());
+  const Tally tally = simulate(model, lines, seed, round);
+
+  DeviationResult result;
+  std::vector<std::size_t> everything;
+  std::vector<std::vector<std::size_t>> of_layer;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    everything.push_back(l);
+    result.lines.push_back(Group(model, lines, {l}, tally).estimate(seed));
+    const auto known = std::find(result.layer_names.begin(), result.layer_names.end(), kinds[l].layer);
+    if (known == result.layer_names.end()) {
+      result.layer_names.push_back(kinds[l].layer);
+      of_layer.push_back({l});
+    } else {
+      of_layer[static_cast<std::size_t>(known - result.layer_names.begin())].push_back(l);
+    }
+    result.circularity.push_back(
+        lines[l].roundness() ? circularityOf(*lines[l].roundness(), std::move(round[l]), seed) : Quantity{});
+  }
+  for (auto& members : of_layer)
+    result.layers.push_back(Group(model, lines, std::move(members), tally).estimate(seed));
+  const Group all(model, lines, everything, tally);
+  result.all = all.estimate(seed);
+  result.chance_beyond = all.chanceAbove(limit_mm, result.all, seed);
+  if (std::isfinite(result.all.worst.U))
+    result.budget = describe(budgetOf(model, lines), result.all, model.estimator_mm);
+  return result;
+}
+
+}  // namespace kerfbench::inspect

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which side of a cut is the wanted piece: joined outlines and their nesting.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "hil/inspect/edges/edges.h"
+#include "hil/inspect/evidence/places.h"
+
+namespace kerfbench::inspect::checks {
+namespace {
+
+constexpr double kMeet_mm = 0.02;  // Of ends that are drawn to touch, as the kerf scan has it.
+constexpr double kPolygonPitch_mm = 0.5;
+constexpr double kLeastSides = 24.0;
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+/// One end of an open curve. Ends 2 i and 2 i + 1 are start and end of the i-th curve.
+struct End {
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
+  std::size_t partner{kNone};
+  int partners{};
+};
+
+struct Step {
+  int entity{};
+  bool forward{};
+};
+
+struct Contour {
+  std::vector<Step> steps;
+  Polygon polygon;
+  int nesting{};
+};
+
+void meet(std::vector<End>& ends) {
+  std::vector<std::size_t> order(ends.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return ends[a].p_mm.x() < ends[b].p_mm.x(); });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      End& a = ends[order[i]];
+      End& b = ends[order[j]];
+      if (b.p_mm.x() - a.p_mm.x() > kMeet_mm) break;
+      if ((b.p_mm - a.p_mm).norm() > kMeet_mm) continue;
+      a.partner = order[j];
+      b.partner = order[i];
+      ++a.partners;
+      ++b.partners;
+    }
+  }
+}
+
+void append(const dieline::Curve& curve, bool forward, Polygon& polygon) {
+  const dieline::Curve way = forward ? curve : dieline::reversed(curve);
+  for (const double u :
+       dieline::stations(way, std::min(kPolygonPitch_mm, dieline::lengthOf(way) / kLeastSides)))
+    polygon.push_back(dieline::pointAt(way, u));
+}
+
+double doubleArea(const Polygon& polygon) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+    sum += a.x() * b.y() - a.y() * b.x();
+  }
+  return sum;
+}
+
+bool contains(const Polygon& polygon, const Eigen::Vector2d& p_mm) {
+  bool inside = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& a = polygon[i];
+    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > p_mm.y()) == (b.y() > p_mm.y())) continue;
+    if (p_mm.x() < a.x() + (p_mm.y() - a.y()) * (b.x() - a.x()) / (b.y() - a.y())) inside = !inside;
+  }
+  return inside;
+}
+
+/// Joins the open curves of `ids` to closed contours; what does not close is counted in sides.open.
+void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
+                  std::vector<Contour>& contours, EdgeSides& sides) {
+  const auto curveOf = [&](int id) -> const dieline::Curve& {
+    return dieline.entities[static_cast<std::size_t>(id)].curve;
+  };
+  std::vector<End> ends(2 * ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    ends[2 * i].p_mm = dieline::pointAt(curveOf(ids[i]), 0.0);
+    ends[2 * i + 1].p_mm = dieline::pointAt(curveOf(ids[i]), 1.0);
+  }
+  meet(ends);
+  std::vector<bool> used(ids.size());
+  for (std::size_t first = 0; first < ids.size(); ++first) {
+    if (used[first]) continue;
+    Contour contour;
+    bool closed = false;
+    for (std::size_t i = first, in = 2 * first; !used[i];) {
+      used[i] = true;
+      contour.steps.push_back({ids[i], in % 2 == 0});
+      const End& out = ends[in ^ 1U];
+      if (out.partners != 1) break;
+      in = out.partner;
+      i = in / 2;
+      closed = in == 2 * first;
+    }
+    if (!closed) {
+      // The rest of an open chain may lie before its first curve; each is open for itself.
+      sides.open += static_cast<int>(contour.steps.size());
+      continue;
+    }
+    for (const Step& step : contour.steps) append(curveOf(step.entity), step.forward, contour.polygon);
+    contours.push_back(std::move(contour));
+  }
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    if (ends[e].partners < 2) continue;
+    sides.problems.push_back(
+        fmt::format("At {} the cut E{} meets {} others: which side of it is the wanted piece cannot be told.",
+                    placeOf(ends[e].p_mm), ids[e / 2], ends[e].partners));
+  }
+}
+
+}  // namespace
+
+EdgeSides kerfSides(const dieline::Dieline& dieline, Limits::Edge edge) {
+  EdgeSides sides;
+  sides.side.assign(dieline.entities.size(), 0);
+  if (edge == Limits::Edge::kCentre) return sides;
+  std::vector<Contour> contours;
+  std::vector<int> open;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process != dieline::Process::kCut) continue;
+    if (!dieline::isClosed(entity.curve)) {
+      open.push_back(entity.id);
+      continue;
+    }
+    Contour& contour = contours.emplace_back();
+    contour.steps.push_back({entity.id, true});
+    append(entity.curve, true, contour.polygon);
+  }
+  joinContours(dieline, open, contours, sides);
+  for (Contour& contour : contours) {
+    const Eigen::Vector2d p_mm = contour.polygon[contour.polygon.size() / 3];
+    for (const Contour& other : contours) {
+      if (&other != &contour && contains(other.polygon, p_mm)) ++contour.nesting;
+    }
+    const bool hole =
+        edge == Limits::Edge::kInside || (edge == Limits::Edge::kNesting && contour.nesting % 2 == 1);
+    ++(hole ? sides.holes : sides.outlines);
+    const bool left = (doubleArea(contour.polygon) > 0.0) == hole;
+    for (const Step& step : contour.steps)
+      sides.side[static_cast<std::size_t>(step.entity)] = left == step.forward ? 1 : -1;
+  }
+  return sides;
+}
+
+}  // namespace kerfbench::inspect::checks

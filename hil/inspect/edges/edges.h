@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Where the wanted piece's edge lies, instead of the kerf's centre line. Private to hil/inspect and its
+// tests.
+
+#include <string>
+#include <vector>
+
+#include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/evidence/evidence.h"
+#include "hil/inspect/evidence/spot_association.h"
+#include "hil/inspect/verdict/tolerances.h"
+
+namespace kerfbench::inspect::checks {
+
+/// On which side of each entity the kerf must lie so that the edge of the wanted piece is on the dieline.
+struct EdgeSides {
+  /// By entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other processes).
+  std::vector<int> side;
+  int outlines{};  ///< Closed cuts with the kerf outside.
+  int holes{};     ///< With the kerf inside.
+  int open{};      ///< Open cuts: they have no inside.
+  /// Cuts that branch, so that nobody can say which side is the piece.
+  std::vector<std::string> problems;
+};
+
+/// From the drawing alone: entities of process cut are joined where their ends meet (0.02 mm), and a closed
+/// cut within an odd number of others is a hole. kCentre: all 0.
+EdgeSides kerfSides(const dieline::Dieline& dieline, Limits::Edge edge);
+
+/// The scan as read at the piece's edge: Caliper::offset_mm less side · width / 2, and CornerKerf's deviation
+/// by the edges of its own legs. Entities of side 0 stay as they are.
+///
+/// A corner of the edge is where the edges of its legs meet (mean of the nearest judged calipers), drawn in
+/// by what the centre line's rounding r leaves of it: a path that turns by t on an arc has its edge, h nearer
+/// to or farther from the arc's centre, rounded by r - h (1 / cos(t/2) - 1) where the piece lies inside of
+/// the turn (nothing, if the beam went round it at h), and by r + h (1 / cos(t/2) - 1) where it lies outside:
+/// no round beam cuts that sharp. There a leg that runs over cuts into the piece as well.
+vision::KerfScan edgeScan(const vision::KerfScan& scan, const dieline::Dieline& dieline,
+                          const EdgeSides& sides);
+
+/// Adds to the model of an edgeScan() what the width of each line adds: the edge is one flank of the kerf.
+void addWidthErrors(const vision::KerfScan& scan, const EdgeSides& sides, ErrorModel& model);
+
+/// Adds how well the blur of the picture is known, which moves all edges alike, to what measureDeviations()
+/// found. A worst magnitude can change by that shift at most. It is not simulated: where edges lie nearly
+/// right, a common shift makes the simulated worst larger and so the corrected one smaller, though the
+/// opposite shift of the truth would be hidden just as well.
+void addBlurUncertainty(const vision::KerfScan& scan, const EdgeSides& sides, double limit_mm,
+                        DeviationResult& result);
+
+/// Half of the mean width of all kerfs with an edge, mm; NaN if there is none.
+double halfKerf(const vision::KerfScan& scan, const EdgeSides& sides);
+
+/// Measures the spots against where the beam must run, half_kerf_mm beside the dieline.
+void measureFromBeamLine(const EdgeSides& sides, double half_kerf_mm, LitFrames& lit);
+
+/// Measures the spots against where the kerf of their own line lies, on average: stillness is motion, and on
+/// a curve a constant distance from it would be seen as one.
+void measureFromOwnKerf(const vision::KerfScan& edge_scan, const EdgeSides& sides, LitFrames& lit);
+
+/// Length at an end of an entity along which no kerf is to be expected beside it, mm: in a corner whose kerf
+/// lies inside of the turn the beam turns h tan(t/2) before it.
+double shortenedBy(const vision::KerfScan& scan, const dieline::Dieline& dieline, const EdgeSides& sides,
+                   double half_kerf_mm, const vision::EntityKerf& kerf, bool at_start);
+
+/// pathCheck() of an edgeScan(), named and explained as what it is.
+Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm);
+
+}  // namespace kerfbench::inspect::checks

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/dieline/geometry.h"
+#include "hil/inspect/evidence/pin_evidence.h"
+#include "hil/inspect/verdict/controller_account.h"
+#include "hil/inspect/verdict/controller_end.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "hil/vision/spot/spot_track.h"
+#include "twin/base/print_layout.h"
+#include "twin/base/pulse_timing.h"
+
+namespace kerfbench::inspect {
+
+/// Everything the verdict may rest on: pictures and pins, never the model.
+struct Evidence {
+  const dieline::Dieline* dieline{};
+  PrintLayout print;
+  vision::SpotTrack spot;
+  vision::KerfScan kerf;
+  std::vector<PulseTiming> pulses;
+  std::vector<GateInterval> gates;
+  std::vector<BeltEdge> belt;                ///< By time; empty without an encoder, or if the belt stood.
+  double belt_count_mm{};                    ///< Travel of one count.
+  std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
+  std::optional<ControllerEnd> end;  ///< None: nobody heard the controller, or nobody knows its words.
+  /// A power meter's pin: when it toggled, its delay taken off, and the energy that each edge stands for.
+  std::vector<double> power_edges_s;
+  double power_quantum_j{};
+  /// With which the pictures were read. A camera without one, a reading outside its area and a reading
+  /// without a stated uncertainty of its own each make the verdict INVALID.
+  std::optional<vision::CameraCalibration> kerf_calibration;
+  std::optional<vision::CameraCalibration> spot_calibration;
+  double pin_u_s{
+      0.0};  ///< Standard uncertainty of the time of one pin edge; 0 for an emulator, which counts cycles.
+  /// How far the frames' times can be off on the clock of the pins, one and the same for all of them: of a
+  /// real camera 99.7 % by a jackknife over its frames, plus the declared error of the light, so no strict
+  /// bound; 0 where the camera is stamped by the pins' own clock.
+  double clock_bound_s{0.0};
+  std::vector<std::string>
+      problems;  ///< Gaps, time limit, crash, protocol errors: each makes the verdict INVALID.
+};
+
+}  // namespace kerfbench::inspect

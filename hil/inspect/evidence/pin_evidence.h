@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kerfbench::inspect {
+
+/// An interval of the laser gate, as the pins showed it.
+struct GateInterval {
+  double on_s{};
+  double off_s{};
+};
+
+/// An edge of the belt's encoder, as the pins showed it.
+struct BeltEdge {
+  double time_s{};
+  double x_mm{};  ///< Of the belt since the start, by what the controller is told that a count is worth.
+};
+
+}  // namespace kerfbench::inspect

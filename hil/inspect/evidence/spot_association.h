@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/inspect/evidence/evidence.h"
+
+namespace kerfbench::inspect {
+
+/// One frame that shows the spot on a unit whose place is known, with the place on the dieline that it
+/// belongs to.
+struct LitFrame {
+  std::size_t frame{};  ///< Index in SpotTrack::frames.
+  double time_s{};
+  double sigma_mm{};  ///< Standard uncertainty of the spot on its sheet per axis: spot and sheet, noise only.
+  int unit{};
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
+  double sheet_x_mm{};                              ///< x_W of the origin of S.
+  int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.
+  int left_entity{-1};    ///< Of a spot off every line: the one that its run had followed, or came back to.
+  double deviation_mm{};  ///< Along the left normal of either; NaN if there is none.
+  double n_x{};           ///< x of that normal in W.
+  double distance_mm{};   ///< To the nearest entity of any kind; kSearch_mm if there is none so near.
+  bool ambiguous{};       ///< Another entity that runs another way is within reach: a corner or a crossing.
+};
+
+/// A run of consecutive frames with the spot alight on one unit.
+struct LitRun {
+  std::size_t begin{};  ///< Indices into LitFrames::frames.
+  std::size_t end{};
+};
+
+struct LitFrames {
+  std::vector<LitFrame> frames;  ///< In order of time.
+  std::vector<LitRun> runs;
+  std::size_t lit{};       ///< Frames with a spot, also those below.
+  std::size_t unplaced{};  ///< Spot seen, but no mark seen near enough in time to say where the sheet was.
+  double period_s{};       ///< Median time between frames; NaN with fewer than two.
+};
+
+inline constexpr double kReach_mm = 0.3;   ///< Largest distance of a spot from its entity.
+inline constexpr double kSearch_mm = 1.0;  ///< How far the nearest entity is looked for.
+
+/// The spot burns away from every line.
+inline bool isOffLine(const LitFrame& frame) { return frame.entity < 0 && frame.distance_mm > kReach_mm; }
+
+/// Puts the spots into the frames of their units (sheet poses are interpolated over frames without marks in
+/// view) and follows each run along the dieline: the sequence of entities of least cost in distance,
+/// direction and changes, by dynamic programming. Nearest alone would hide a fault near a neighbour.
+///
+/// A spot that leaves its line by more than kReach_mm is still measured against it, as left_entity: if the
+/// frames of its run before and after it, where there are any, agree on the entity, and it lies beside that,
+/// not beyond an end of it.
+LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline);
+
+}  // namespace kerfbench::inspect

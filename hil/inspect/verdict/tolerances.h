@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kerfbench::inspect {
+
+/// What a cut may be off, and which checks a scenario asks for.
+struct Limits {
+  /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
+  /// of closed cuts, inside of them, or outside of outlines and inside of holes (closed cuts within an odd
+  /// number of others). Open cuts and other processes have no such edge and are judged by their centre.
+  enum class Edge { kCentre, kOutside, kInside, kNesting };
+  Edge edge{Edge::kCentre};
+  double path_mm{0.05};  ///< Of lines, corners and ends from the dieline.
+  double stillness_mm{0.05};
+  double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
+  double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.
+  double stray_mm{0.5};        ///< Longest stray cut allowed.
+  double end_gap_mm{0.15};     ///< Longest piece left uncut at the start or the end of an entity.
+  double passes{1.5};          ///< An entity along which the spot went more often than this was cut twice.
+  double gate_tail_s{0.002};   ///< Longest time the spot may be seen outside the laser gate.
+  double gate_lag_s{
+      0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
+  double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
+  double perforation_share{0.10};    ///< Largest departure of the measured share from the ordered one.
+  double even_depth_share{0};        ///< Largest change of depth along creases and half-cuts; 0: not judged.
+  double board_transmission{0.12};   ///< Light through whole board, by which depth is told.
+  double line_energy_j_mm{0};        ///< Laser energy per length that marks were to get; 0: not judged.
+  double line_energy_share{0.0147};  ///< Largest departure from it (Wang, Li, Chen 2010).
+};
+
+}  // namespace kerfbench::inspect

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kerfbench::inspect {
+
+enum class Verdict { kPass, kFail, kInvalid, kNotProven };
+std::string_view verdictName(Verdict verdict);  ///< "PASS", "FAIL", "INVALID", "NOT PROVEN"
+int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
+
+/// One check of a verdict quantity against its limit.
+struct Check {
+  std::string name{};     ///< "path" or "edge", "joints", "coverage", "depth", "even_depth", "line_energy",
+                          ///< "perforation", "kerf_width", "stray", "laser_timing", "stillness_x",
+                          ///< "stillness_peak", "belt", "spot_seen", "spot_path", "repeat", "laser_gate",
+                          ///< "pulse_timing", "account", "finish", "safe_state", "safe_stop", "safe_report"
+  std::string title{};    ///< For people.
+  std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
+  std::string unit{};     ///< "mm", "us", "ms", "steps", "counts", "stops"; "share": of one; "": a number
+  double value{};         ///< The worst; NaN if nothing was measured (then INVALID).
+  double limit{};         ///< The value itself may equal it when w = 0.
+  bool upper{true};       ///< True: value must not exceed limit; false: not fall below it.
+  double guard{};         ///< w: half the width of the guard band, same unit. 0 for counted quantities.
+  double u{};             ///< Expanded uncertainty U (k = 2) of the value.
+  /// Chance that the true value lies beyond the limit; NaN where the value is counted or was not measured.
+  double chance_beyond{std::numeric_limits<double>::quiet_NaN()};
+  Verdict verdict{Verdict::kInvalid};
+  std::string explanation{};  ///< One sentence a QA engineer understands.
+};
+
+/// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN
+/// between, INVALID for NaN. Sets check.verdict and returns it.
+Verdict decide(Check& check);
+/// Of a decided check with an uncertainty: the risk of deciding wrongly (JCGM 106, 8 and 9), in one sentence;
+/// empty for others. Sets chance_beyond, if it is not known better, from a normal truth about the value.
+std::string riskSentence(Check& check);
+/// INVALID without valid evidence or without any check; else FAIL if any check proves it, INVALID if one
+/// could not be measured, NOT PROVEN if any is; else PASS.
+Verdict combine(const std::vector<Check>& checks, bool evidence_valid);
+
+}  // namespace kerfbench::inspect

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/judge/conclude.h"
+
+#include <fmt/format.h>
+
+#include "hil/base/atomic_file.h"
+#include "hil/base/version.h"
+#include "hil/judge/judge.h"
+#include "hil/judge/machine_pictures.h"
+#include "hil/judge/real_spot.h"
+#include "hil/judge/results_folder.h"
+#include "hil/report/run_report.h"
+#include "hil/source/vcd.h"
+
+namespace kerfbench::judge {
+namespace {
+
+std::string checkLine(const inspect::Check& check) {
+  const std::string subject = check.subject.empty() ? "" : " (" + check.subject + ")";
+  return fmt::format("  {:<10} {:<14} {}, limit {}{}{}", inspect::verdictName(check.verdict), check.name,
+                     report::checkNumber(check, check.value), check.upper ? "" : "at least ",
+                     report::checkNumber(check, check.limit), subject);
+}
+
+// What the run was made with, and what the model alone knows. It tells people why; nothing of it is judged.
+report::ModelFacts modelFacts(const scenario::Scenario& scenario,
+                              const std::vector<twin::Imperfection>& imperfections,
+                              const std::vector<twin::LostSteps>& lost_steps) {
+  report::ModelFacts facts;
+  facts.imperfections = scenario::nameOf(scenario.imperfections);
+  facts.twin = scenario::nameOf(scenario.fidelity);
+  for (const twin::Imperfection& drawn : imperfections)
+    facts.drawn.push_back({drawn.name, drawn.value, drawn.unit});
+  for (const twin::LostSteps& lost : lost_steps) {
+    facts.lost_steps.push_back(
+        {lost.axis, lost.time_s, lost.place, lost.axis.starts_with("galvo") ? "rad" : "mm", lost.full_steps});
+  }
+  return facts;
+}
+
+void tell(const report::RunReport& report, const std::filesystem::path& folder, base::Console& console) {
+  for (const inspect::Check& check : report.result.checks) console.say(checkLine(check));
+  if (!report.model.lost_steps.empty()) console.result("  " + report::lostStepsSentence(report.model));
+  if (const std::string stop = report::stopSentence(report.result); !stop.empty())
+    console.result("  " + stop);
+  for (const std::string& problem : report.result.problems) console.result("  INVALID: " + problem);
+  console.result(fmt::format("{}: {}", report.scenario, inspect::verdictName(report.result.verdict)));
+  console.say(fmt::format("report: {}", (folder / "report.html").string()));
+  console.say(fmt::format("digest: {}", report::digestOf(report)));
+}
+
+void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Console& console) {
+  for (const base::StageTime& stage : stopwatch.stages()) {
+    console.result(fmt::format("  {:7.2f} s  {}", stage.wall_s, stage.stage));
+  }
+  console.result(fmt::format("  {:7.2f} s  in all for {:.3f} simulated s: {:.2f} s/s", stopwatch.total_s(),
+                             virtual_s, stopwatch.total_s() / virtual_s));
+}
+
+}  // namespace
+
+int conclude(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
+             const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
+             base::Console& console) {
+  const scenario::Scenario& scenario = the_case.scenario;
+  report::RunReport report;
+  report.scenario = scenario.name;
+  report.scenario_path = scenario.path.string();
+  report.scenario_text = scenario.text;
+  report.machine = the_case.machine.name;
+  report.firmware = conclusion.firmware;
+  report.source_id = conclusion.source_id;
+  report.repeat_command = options.command_line;
+  report.seed = scenario.seed;
+  report.model = modelFacts(scenario, conclusion.drawn->imperfections, twin.lostSteps());
+  report.virtual_s = run.recording.rate.seconds(run.recording.end);
+  report.versions = {{"kerfbench", base::version()}};
+  if (!conclusion.firmware_sha256.empty())
+    report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
+  if (!conclusion.firmware_version.empty())
+    report.versions.emplace_back("controller", conclusion.firmware_version);
+  if (conclusion.safe_state) {
+    judgeSafeState(the_case, twin, *conclusion.safe_state, report);
+  } else {
+    judge(the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
+          base::progressOn(console), report);
+  }
+
+  ResultsFolder folder(options.results_dir, conclusion.folder_name);
+  source::writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
+  base::writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
+  if (!conclusion.gcode.empty()) base::writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
+  stopwatch.lap("recording of the pins");
+  if (options.pictures) {
+    std::string trouble;
+    report.pictures = writeMachinePictures(*conclusion.film, the_case, conclusion.drawn->machine,
+                                           folder.staging(), trouble);
+    if (!trouble.empty()) console.say(trouble);
+    stopwatch.lap("pictures of the machine");
+  }
+  report.timing = stopwatch.stages();
+  report::writeReports(report, folder.staging());
+  // Last, so that whatever fails before leaves them where they are.
+  if (conclusion.moves_frames)
+    std::filesystem::rename(conclusion.spot_frames, folder.staging() / kSpotFrames);
+  folder.commit();
+  stopwatch.lap("report");
+
+  tell(report, folder.place(), console);
+  if (options.timing) tellTiming(stopwatch, report.virtual_s, console);
+  return inspect::exitCode(report.result.verdict);
+}
+
+}  // namespace kerfbench::judge

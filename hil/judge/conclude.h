@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/base/console.h"
+#include "hil/base/stopwatch.h"
+#include "hil/controller/controller_report.h"
+#include "hil/inspect/safe_state.h"
+#include "hil/judge/run_options.h"
+#include "hil/run/lockstep.h"
+#include "hil/run/machine_film.h"
+#include "hil/scenario/case.h"
+
+namespace kerfbench::judge {
+
+/// From a run (live or replayed) to the verdict: looks, measures, judges, writes the results folder, tells
+/// the user.
+struct Conclusion {
+  std::string folder_name;  ///< Below the results folder.
+  std::string firmware;     ///< For people.
+  std::string source_id;
+  std::string firmware_sha256;
+  std::string
+      firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
+  const twin::DrawnMachine* drawn{};  ///< The machine that ran; not null.
+  const run::MachineFilm* film{};     ///< For the report's pictures; not null.
+  std::string gcode;                  ///< Written to the results folder unless empty.
+  controller::ControllerWords words;
+  std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
+  bool moves_frames{};                ///< It goes into the results folder.
+  std::optional<inspect::SafeStateEvidence>
+      safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
+};
+/// Returns the exit code of the verdict.
+int conclude(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
+             const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
+             base::Console& console);
+
+}  // namespace kerfbench::judge

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/judge/controller_evidence.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/controller/pulse_counter.h"
+#include "hil/controller/uart_listener.h"
+#include "hil/judge/safe_demand.h"
+
+namespace kerfbench::judge {
+namespace {
+
+/// A controller that nothing reaches any more cannot answer the last question.
+bool canBeAsked(const scenario::ProvokeChoice& provoke) {
+  return provoke.cause != scenario::ProvokeChoice::Cause::kUartSilent &&
+         provoke.cause != scenario::ProvokeChoice::Cause::kUartNoise;
+}
+
+/// To both that do not have it: a recording says so already in its replay.
+void addProblem(const std::string& problem, run::LockstepResult& run) {
+  if (problem.empty()) return;
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems}) {
+    if (std::ranges::find(*problems, problem) == problems->end()) problems->push_back(problem);
+  }
+}
+
+}  // namespace
+
+std::string unprovenDialog(const scenario::Case& the_case, const source::PinRecording& recording,
+                           const run::LockstepResult& run) {
+  if (the_case.scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench)
+    return run.dialog.reason;
+  const controller::PinSums pins(recording, the_case.machine.signals);
+  return controller::unprovenEnd(
+      controller::controllerEnd(controller::ControllerEar(recording), pins, recording), run.dialog,
+      run.problems.empty());
+}
+
+void hearController(const scenario::Case& the_case, const run::PreparedJob& job,
+                    const source::PinRecording& recording, double line_cut_s, run::LockstepResult& run,
+                    Conclusion& conclusion) {
+  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
+  if (firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench) {
+    addProblem(run.dialog.reason, run);
+    return;
+  }
+  const controller::PinSums pins(recording, the_case.machine.signals);
+  const controller::ControllerEar ear(recording);
+  conclusion.words.account = pins.accountBeside(
+      ear.account(),
+      {static_cast<double>(firmware.baud), firmware.gpio.uart.empty() ? 0.0 : firmware.gpio.uart_delay_s});
+  const scenario::ProvokeChoice& provoke = the_case.scenario.provoke;
+  if (provoke.cause == scenario::ProvokeChoice::Cause::kNone) {
+    conclusion.words.end = controller::controllerEnd(ear, pins, recording);
+    addProblem(controller::unprovenEnd(*conclusion.words.end, run.dialog, run.problems.empty()), run);
+    return;
+  }
+  inspect::SafeStateEvidence evidence;
+  evidence.demand = safeStateDemand(the_case, job, pins, line_cut_s);
+  evidence.last_pulse_s = pins.lastPulse_s();
+  evidence.end_s = recording.rate.seconds(recording.end);
+  evidence.reports = ear.reports();
+  if (canBeAsked(provoke)) evidence.account = conclusion.words.account;
+  evidence.problems = run.problems;
+  conclusion.safe_state = std::move(evidence);
+}
+
+}  // namespace kerfbench::judge

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hil/inspect/inspect.h"
+#include "hil/report/run_report.h"
+#include "twin/camera/camera.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::judge {
+
+/// Where the spot that a real camera measured parts from that of the model that ran along with the same pins,
+/// cut by cut, in the frame of the machine. For people: nothing of it is judged. `exposures` of the model by
+/// time and much denser than the camera's; frames beside them, dark ones of either included, are left out.
+std::vector<report::SpotParting> spotPartings(const vision::SpotTrack& track,
+                                              std::span<const twin::Exposure> exposures,
+                                              const std::vector<inspect::CutResult>& cuts);
+
+/// The machine whose model runs along: its camera, of which only the spot is of use here, is opened densely.
+twin::MachineDescription watchedDensely(twin::MachineDescription machine);
+
+}  // namespace kerfbench::judge

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace kerfbench::judge {
+
+/// A results folder that appears whole or not at all: everything is written beside its place, commit() swaps
+/// it in. Without commit() nothing is left.
+class ResultsFolder {
+ public:
+  /// @throws std::system_error if `parent` cannot be made or written.
+  ResultsFolder(const std::filesystem::path& parent, const std::string& name);
+  ~ResultsFolder();
+  ResultsFolder(const ResultsFolder&) = delete;
+  ResultsFolder& operator=(const ResultsFolder&) = delete;
+
+  /// Where to write.
+  [[nodiscard]] const std::filesystem::path& staging() const { return staging_; }
+  /// Where it will be.
+  [[nodiscard]] const std::filesystem::path& place() const { return place_; }
+  /// Puts the folder in its place; an older one there is replaced in one step, or on drives that cannot
+  /// exchange two names (many of a network) in two. @throws std::system_error; the older one stays then.
+  void commit();
+
+ private:
+  [[nodiscard]] bool renamed(unsigned flags) const;
+  void commitInSteps();
+
+  std::filesystem::path place_;
+  std::filesystem::path staging_;
+};
+
+}  // namespace kerfbench::judge

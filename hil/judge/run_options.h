@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace kerfbench::judge {
+
+/// What all commands that judge have in common.
+struct RunOptions {
+  std::filesystem::path results_dir{"results"};
+  std::optional<std::uint64_t> seed;         ///< Instead of the scenario's.
+  std::optional<double> time_limit_s;        ///< Virtual; instead of the scenario's.
+  std::optional<std::string> imperfections;  ///< Name of a preset; instead of the scenario's.
+  std::optional<std::string> twin;           ///< Name of a fidelity; instead of the scenario's.
+  int jobs{1};
+  bool quiet{};
+  bool timing{};
+  bool pictures{true};            ///< Of the machine, in the report.
+  std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
+  std::string command_line;       ///< As typed, for the report.
+};
+
+}  // namespace kerfbench::judge

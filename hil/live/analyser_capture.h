@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hil/base/console.h"
+#include "hil/scenario/case.h"
+#include "hil/source/analyser/capture.h"
+
+namespace kerfbench::live {
+
+/// As captureCase(), by the logic analyser that the case names.
+/// @throws InputError if the analyser cannot be had: which, where, and what there is.
+source::PinCapture captureAnalyserCase(const scenario::Case& the_case, source::AnalyserSystem& analysers,
+                                       base::Console& console);
+
+}  // namespace kerfbench::live

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "hil/base/console.h"
+#include "hil/live/real_pins.h"
+#include "hil/run/dialogs.h"
+#include "hil/scenario/case.h"
+#include "hil/source/gpio/capture.h"
+#include "hil/source/gpio/lag_meter.h"
+#include "twin/description/imperfections.h"
+
+namespace kerfbench::live {
+
+/// What a live run leaves.
+struct LivePins {
+  /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
+  source::PinCapture captured;
+  source::LagMeter lag, switch_lag;  ///< Of the driven edges against their plan; see GpioLiveRecord.
+};
+
+/// How many edges were driven and how late, for people.
+std::string drivenWords(const LivePins& live);
+
+/// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the
+/// controller if there is a serial line. @throws InputError if pins or line cannot be had.
+LivePins runLive(const scenario::Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
+                 const run::PreparedJob& job, base::Console& console);
+
+}  // namespace kerfbench::live

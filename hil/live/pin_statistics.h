@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "hil/source/vcd.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::live {
+
+/// What one line did in a recording.
+struct HeardLine {
+  Signal signal{};
+  std::uint64_t edges{};
+  double shortest_s{std::numeric_limits<double>::infinity()};  ///< Between two edges; infinite below two.
+  double peak_hz{};  ///< Most edges in a millisecond that begins with one, per second.
+};
+
+/// What a recording of a controller's outputs holds, for people who look whether all is wired.
+struct HeardPins {
+  std::vector<HeardLine> lines;  ///< One for each output of the map.
+  std::uint64_t edges{};
+  double span_s{};             ///< First to last edge.
+  double longest_silence_s{};  ///< Between two edges of any line.
+};
+
+HeardPins heardPins(const source::PinRecording& recording, const SignalMap& map);
+
+/// A line of text for each line, and one for all.
+std::string heardText(const HeardPins& heard);
+
+}  // namespace kerfbench::live

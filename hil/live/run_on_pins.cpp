@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/live/run_on_pins.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "hil/judge/controller_evidence.h"
+#include "hil/judge/model_parting.h"
+#include "hil/live/live_pins.h"
+#include "hil/live/live_spot.h"
+#include "hil/live/salvage_evidence.h"
+#include "hil/run/cut_on_twin.h"
+#include "hil/run/dialogs.h"
+#include "hil/run/machine_film.h"
+#include "hil/run/sensor_lag.h"
+#include "hil/source/open.h"
+
+namespace kerfbench::live {
+namespace {
+
+/// Whether the inputs of a controller on real pins were driven as the machine would have done it.
+void judgeSensors(const scenario::Case& the_case, const run::WitnessedTwin& twin,
+                  const source::PinRecording& recorded, run::LockstepResult& run, base::Console& console) {
+  std::vector<Signal> signals;
+  for (const scenario::PinLine& line : the_case.scenario.firmware.gpio.outputs)
+    signals.push_back(line.signal);
+  const double limit_s = run::sensorLagLimit_s(the_case.scenario);
+  const run::SensorLag found =
+      run::sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
+  console.say(
+      fmt::format("  {} edges of sensors: at worst {:.1f} us off the machine's, {:.1f} us rms, limit {:.1f}",
+                  found.lag.edges(), 1e-3 * static_cast<double>(found.lag.worst_ns()),
+                  1e-3 * found.lag.rms_ns(), 1e6 * limit_s));
+  if (found.switch_lag.edges() > 0)
+    console.say(fmt::format(
+        "  {} edges of limit switches, which answer to pins: at worst {:.1f} ms off the machine's",
+        found.switch_lag.edges(), 1e-6 * static_cast<double>(found.switch_lag.worst_ns())));
+  run.problems.insert(run.problems.end(), found.problems.begin(), found.problems.end());
+}
+
+}  // namespace
+
+int judgeRecorded(const scenario::Case& the_case, const twin::DrawnMachine& drawn,
+                  const source::PinRecording& recorded, judge::Conclusion conclusion,
+                  const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
+  const auto source = source::openRecording(recorded, conclusion.source_id);
+  const bool is_real = the_case.scenario.cameras.spot.is_real;
+  twin::Twin twin(is_real ? judge::watchedDensely(drawn.machine) : drawn.machine, scenario::webOf(the_case),
+                  recorded.rate, run::twinOptions(the_case));
+  run::MachineFilm film(drawn.machine.laser.full_power_w);
+  run::FilmedSource filmed(*source, twin, film);
+  run::LockstepOptions lockstep;
+  lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  const bool driven = !the_case.scenario.firmware.gpio.outputs.empty();
+  run::WitnessedTwin witnessed(twin);
+  run::TwinModel alone(twin);
+  run::LockstepModel& model = driven ? static_cast<run::LockstepModel&>(witnessed) : alone;
+  run::LockstepResult run =
+      run::runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, base::progressOn(console));
+  for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
+    problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
+  if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
+  run.recording.sensors = recorded.sensors;
+  run.recording.uart = recorded.uart;
+  run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
+  film.add(twin);
+  stopwatch.lap("machine");
+  conclusion.drawn = &drawn;
+  conclusion.film = &film;
+  // A recording without the controller's words is judged by its pins alone.
+  if (!recorded.uart.empty()) {
+    const bool provoked = the_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
+    judge::hearController(the_case, provoked ? run::prepareJob(the_case) : run::PreparedJob{}, recorded,
+                          std::numeric_limits<double>::quiet_NaN(), run, conclusion);
+  }
+  return judge::conclude(the_case, twin, run, conclusion, options, stopwatch, console);
+}
+
+int runOnPins(const scenario::Case& the_case, const RealPins& pins, const judge::RunOptions& options,
+              base::Stopwatch& stopwatch, base::Console& console) {
+  refuseKerfPictures(the_case);
+  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
+  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
+  run::PreparedJob job = run::prepareJob(the_case);
+  console.say("  " + job.summary);
+  stopwatch.lap("reading and planning");
+  judge::Conclusion conclusion;
+  conclusion.folder_name = the_case.scenario.name;
+  conclusion.firmware = "real pins of " + pinsName(firmware);
+  LiveSpot spot(the_case, options.results_dir, console);
+  source::PinRecording recorded;
+  std::string driven;
+  if (firmware.gpio.isLive()) {
+    LivePins live = runLive(the_case, drawn, pins, job, console);
+    driven = "; " + drivenWords(live);
+    conclusion.firmware_version = std::move(job.controller);
+    conclusion.gcode = std::move(job.gcode);
+    recorded = std::move(live.captured.recording);
+  } else {
+    recorded = hearPins(the_case, pins, console).recording;
+  }
+  conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
+                                     1e6 * recorded.rate.seconds(recorded.stamp_err_ticks), driven);
+  try {
+    spot.finish(conclusion, console);
+    stopwatch.lap("real pins");
+    return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+  } catch (...) {
+    keepEvidence(the_case, recorded, spot.frames(), options.results_dir, console);
+    throw;
+  }
+}
+
+}  // namespace kerfbench::live

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hil/base/yaml_reader.h"
+#include "twin/description/description.h"
+#include "twin/description/imperfections.h"
+
+namespace kerfbench::machine_file {
+
+/// What a machine file says of a camera for the bench, which knows it by its calibration alone.
+struct CameraFile {
+  std::string id;                     ///< Serial number or name.
+  std::filesystem::path calibration;  ///< Absolute; it need not be there.
+  bool named_here{};  ///< By this machine's own file, or its default; not by one that it extends.
+};
+
+/// A machine file, read and checked. docs/MACHINES.md explains every key.
+struct MachineFile {
+  twin::MachineDescription machine;
+  twin::ImperfectionSpread spread;  ///< Section `imperfections`.
+  CameraFile spot_camera, kerf_camera;
+  /// Every key that was asked for, the given and the others.
+  std::vector<base::YamlReader::Asked> keys;
+  /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,
+  /// or the file, where there is no such key.
+  [[nodiscard]] std::string placeOf(const std::string& field) const;
+  std::map<std::string, std::string> places;  ///< "file:line" of every key asked for, of every section.
+  std::set<std::string> given;                ///< Those of them that the file gives.
+};
+
+/// Drives are named in the machine and looked up in the catalogue that its `drivers` names.
+/// @throws ConfigError with every fault, each with file and line.
+MachineFile readMachineFile(const std::filesystem::path& path);
+
+/// The description alone.
+twin::MachineDescription readMachine(const std::filesystem::path& path);
+
+}  // namespace kerfbench::machine_file

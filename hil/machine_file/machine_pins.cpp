@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/machine_file/machine_sections.h"
+
+namespace kerfbench::machine_file {
+namespace {
+
+using twin::MachineDescription;
+
+std::optional<PinId> pinFromName(const std::string& name) {
+  // "PA0": port letter and bit.
+  if (name.size() < 3 || name.size() > 4 || name[0] != 'P' || name[1] < 'A' || name[1] > 'Z')
+    return std::nullopt;
+  int bit = 0;
+  for (const char c : name.substr(2)) {
+    if (c < '0' || c > '9') return std::nullopt;
+    bit = 10 * bit + (c - '0');
+  }
+  if (bit > 15) return std::nullopt;
+  return PinId{static_cast<std::uint16_t>(name[1] - 'A'), static_cast<std::uint16_t>(bit)};
+}
+
+// What no machine of this kind can do without; a pin that is forgotten would look like a firmware that is
+// dead.
+std::vector<Signal> neededSignals(MachineDescription::Kind kind) {
+  std::vector<Signal> needed{Signal::kLaserGate, Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark};
+  if (kind == MachineDescription::Kind::kGantry) {
+    needed.insert(needed.end(),
+                  {Signal::kGantryXPul, Signal::kGantryXDir, Signal::kGantryYPul, Signal::kGantryYDir});
+  } else {
+    needed.insert(needed.end(),
+                  {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kGalvoYPul, Signal::kGalvoYDir});
+  }
+  return needed;
+}
+
+}  // namespace
+
+SignalMap readPins(base::YamlReader pins, MachineDescription::Kind kind) {
+  SignalMap map;
+  std::map<PinId, std::string_view> users;
+  const std::vector<Signal> needed = neededSignals(kind);
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
+    const auto signal = static_cast<Signal>(i);
+    const std::string_view name = signalName(signal);
+    if (!pins.has(name)) {
+      if (std::ranges::find(needed, signal) != needed.end()) pins.fault(name, "has no pin");
+      continue;
+    }
+    const std::string pin_name = pins.text(name);
+    const auto pin = pinFromName(pin_name);
+    if (!pin) {
+      pins.fault(name, fmt::format("'{}' is no pin like PA0", pin_name));
+    } else if (!users.emplace(*pin, name).second) {
+      pins.fault(name, fmt::format("{} is given to {} and to {}", pin_name, users[*pin], name));
+    } else {
+      map.assign(signal, *pin);
+    }
+  }
+  return map;
+}
+
+}  // namespace kerfbench::machine_file

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/run/cut_on_twin.h"
+
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "hil/run/dialogs.h"
+#include "hil/run/release.h"
+
+namespace kerfbench::run {
+namespace {
+
+std::vector<Eigen::AlignedBox2d> boxesOf(const dieline::Dieline& dieline) {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.process == dieline::Process::kIgnore) continue;
+    Eigen::AlignedBox2d box;
+    for (const double u : dieline::stations(entity.curve, 1.0)) box.extend(dieline::pointAt(entity.curve, u));
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace
+
+twin::TwinOptions twinOptions(const scenario::Case& the_case) {
+  twin::TwinOptions options;
+  options.fidelity = the_case.scenario.fidelity;
+  options.seed = the_case.scenario.seed;
+  return options;
+}
+
+camera::TwinTileSource kerfTiles(const scenario::Case& the_case, twin::Twin& twin,
+                                 camera::TwinTileOptions options) {
+  const scenario::Scenario& scenario = the_case.scenario;
+  options.seed = scenario.seed;
+  return {twin::KerfCamera(the_case.machine.kerf_camera, scenario.print, scenario.seed), twin.sheet(),
+          boxesOf(the_case.dieline), options};
+}
+
+CutSheet cutOnTwin(const scenario::Case& the_case, const std::filesystem::path& bin_dir,
+                   const ProgressFn& progress) {
+  const scenario::Scenario& scenario = the_case.scenario;
+  if (scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone)
+    throw std::invalid_argument("a case that provokes its release leaves no sheet to look at");
+  CutSheet cut;
+  cut.drawn = scenario::drawnMachine(the_case);
+  const PreparedJob job = prepareJob(the_case);
+  cut.summary = job.summary;
+  const auto source = openRelease(scenario.firmware, bin_dir);
+  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(the_case), source->info().rate,
+                                          twinOptions(the_case));
+  LockstepOptions lockstep;
+  lockstep.time_limit_s = scenario.time_limit_s;
+  cut.run = runLockstep(*source, *cut.twin, the_case.machine.signals, job.dialog.get(), lockstep, progress);
+  return cut;
+}
+
+}  // namespace kerfbench::run

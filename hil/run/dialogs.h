@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "firmware_under_test/planner/job/target.h"
+#include "hil/run/dialog.h"
+#include "hil/scenario/case.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::run {
+
+/// A job ready to be sent, and what is worth telling of it.
+struct PreparedJob {
+  std::unique_ptr<Dialog> dialog;
+  std::string summary;  ///< One line.
+  std::string gcode;    ///< For the results folder.
+  /// What the image says of itself; empty if it is not the reference controller's.
+  std::string controller{};
+  planner::Target target;              ///< That was planned for.
+  double belt_stop_mm_s{};             ///< As the planner has told the controller.
+  Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,
+  long long starved_pulses{};          ///< and its pulses in what the host has.
+};
+
+/// Plans the job (reference controller) or reads the G-code (line-and-ok firmware). No dialog for a job that
+/// is started at the machine.
+/// @throws planner::PlanError, std::system_error.
+PreparedJob prepareJob(const scenario::Case& the_case);
+
+}  // namespace kerfbench::run

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/controller/controller_report.h"
+#include "hil/run/dialog.h"
+#include "hil/run/provoke.h"
+#include "hil/source/signal_source.h"
+#include "hil/source/vcd.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::run {
+
+struct LockstepOptions {
+  /// The twin predicts its sensor edges this far ahead; at a belt acceleration of 2 m/s² that misplaces an
+  /// edge by 0.25 um at most.
+  double quantum_s{0.5e-3};
+  double time_limit_s{60.0};
+  Provocation* provocation{};  ///< May be null. If not, a dialog that never ends is no problem.
+  double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
+};
+
+struct LockstepResult {
+  source::PinRecording recording;
+  controller::DialogFailure dialog;   ///< Left to the caller to judge.
+  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
+};
+
+/// What a run needs of a machine.
+class LockstepModel {
+ public:
+  virtual ~LockstepModel() = default;
+  /// Edges of the controller's inputs that it is to be told before (now, until] is run: of a machine that is
+  /// emulated those in there, by tick.
+  virtual std::vector<SensorEdge> predictSensors(Tick until) = 0;
+  /// `events` are all pin events of the controller in (now, until], by tick.
+  virtual void advance(Tick until, std::span<const PinEvent> events) = 0;
+  /// A run's quanta are no longer than this.
+  [[nodiscard]] virtual double longestQuantum_s() const = 0;
+};
+
+/// The twin as such a machine. `twin` must outlive it.
+class TwinModel : public LockstepModel {
+ public:
+  explicit TwinModel(twin::Twin& twin) : twin_(twin) {}
+  std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
+  void advance(Tick until, std::span<const PinEvent> events) override { twin_.advance(until, events); }
+  [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
+
+ private:
+  twin::Twin& twin_;
+};
+
+/// Called now and then with the virtual time and a word on what happens.
+using ProgressFn = std::function<void(double now_s, const std::string& what)>;
+
+/// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
+/// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that
+/// is started at the machine).
+LockstepResult runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
+                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
+/// The same with the twin.
+LockstepResult runLockstep(source::SignalSource& source, twin::Twin& twin, const SignalMap& map,
+                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
+
+}  // namespace kerfbench::run

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/run/machine_film.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace kerfbench::run {
+namespace {
+
+// A time that was asked for in decimals is that of the step it names, whichever way either was rounded.
+constexpr double kRounding_s = 1e-9;
+
+}  // namespace
+
+void MachineFilm::add(const twin::Twin& twin) {
+  const twin::Twin::Truth truth = twin.truth();
+  Frame frame{twin.pose(), truth.p_WQ_mm, truth.emitted_j, false};
+  if (!frames_.empty()) {
+    const double elapsed_s = frame.pose.time_s - frames_.back().pose.time_s;
+    if (!(elapsed_s > 0)) return;
+    frame.lit = frame.emitted_j - frames_.back().emitted_j > lit_w_ * elapsed_s;
+  }
+  frames_.push_back(frame);
+}
+
+std::size_t MachineFilm::indexAt(double time_s) const {
+  if (frames_.empty()) throw std::logic_error("MachineFilm: nothing was filmed");
+  const auto later = std::ranges::upper_bound(frames_, time_s + kRounding_s, {},
+                                              [](const Frame& f) { return f.pose.time_s; });
+  return later == frames_.begin() ? 0 : static_cast<std::size_t>(later - frames_.begin()) - 1;
+}
+
+// In the frame that moves with the sheet and is W at t = 0.
+Eigen::Vector2d MachineFilm::spotOnBelt_mm(std::size_t index) const {
+  const Frame& frame = frames_[index];
+  return frame.p_WQ_mm - Eigen::Vector2d(frame.pose.belt_travel_mm, 0.0) - frame.pose.sheet_slip_mm;
+}
+
+double MachineFilm::middleOfLongestCut_s() const {
+  double longest_mm = 0.0;
+  double middle_s = end_s();
+  double length_mm = 0.0;
+  double begin_s = 0.0;
+  for (std::size_t i = 1; i < frames_.size(); ++i) {
+    const double way_mm = (spotOnBelt_mm(i) - spotOnBelt_mm(i - 1)).norm();
+    if (!frames_[i].lit || !(way_mm >= 0)) {
+      length_mm = 0.0;
+      continue;
+    }
+    if (length_mm == 0.0) begin_s = frames_[i - 1].pose.time_s;
+    length_mm += way_mm;
+    if (length_mm > longest_mm) {
+      longest_mm = length_mm;
+      middle_s = 0.5 * (begin_s + frames_[i].pose.time_s);
+    }
+  }
+  return middle_s;
+}
+
+twin::SceneContent MachineFilm::contentUpTo(std::size_t last, const twin::WebDescription& web,
+                                            const Eigen::AlignedBox2d& unit_S_mm) const {
+  twin::SceneContent content;
+  content.unit_S_mm = unit_S_mm;
+  content.beam_on = frames_[last].lit;
+  const Eigen::Vector2d start_mm(web.start_x_mm, 0.0);
+  std::vector<Eigen::Vector2d> path;
+  for (std::size_t i = 1; i <= last; ++i) {
+    const Eigen::Vector2d from = spotOnBelt_mm(i - 1) - start_mm;
+    const Eigen::Vector2d to = spotOnBelt_mm(i) - start_mm;
+    if (frames_[i].lit && from.allFinite() && to.allFinite()) {
+      if (path.empty()) path.push_back(from);
+      path.push_back(to);
+    } else if (!path.empty()) {
+      content.burnt_S_mm.push_back(std::move(path));
+      path.clear();
+    }
+  }
+  if (!path.empty()) content.burnt_S_mm.push_back(std::move(path));
+  return content;
+}
+
+twin::Scene MachineFilm::sceneAt(double time_s, const twin::MachineDescription& machine,
+                                 const twin::WebDescription& web,
+                                 const Eigen::AlignedBox2d& unit_S_mm) const {
+  const std::size_t last = indexAt(time_s);
+  return twin::sceneOf(machine, web, frames_[last].pose, contentUpTo(last, web, unit_S_mm));
+}
+
+twin::Scene MachineFilm::finishedSheet(const twin::MachineDescription& machine,
+                                       const twin::WebDescription& web,
+                                       const Eigen::AlignedBox2d& unit_S_mm) const {
+  const std::size_t last = indexAt(end_s());
+  twin::SceneContent content = contentUpTo(last, web, unit_S_mm);
+  content.beam_on = false;
+  Eigen::AlignedBox2d burnt_S_mm;
+  for (const auto& path : content.burnt_S_mm) {
+    for (const Eigen::Vector2d& p : path) burnt_S_mm.extend(p);
+  }
+  twin::MachinePose pose = frames_[last].pose;
+  pose.sheet_slip_mm.setZero();
+  const auto& field = machine.controller;
+  const double middle_x_mm = 0.5 * (field.field_min_mm[0] + field.field_max_mm[0]);
+  if (!burnt_S_mm.isEmpty()) pose.belt_travel_mm = middle_x_mm - burnt_S_mm.center().x() - web.start_x_mm;
+  return twin::sceneOf(machine, web, pose, content);
+}
+
+}  // namespace kerfbench::run

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/source/signal_source.h"
+#include "twin/cutter/twin.h"
+#include "twin/scene/scene.h"
+
+namespace kerfbench::run {
+
+/// Where machine and beam were, quantum by quantum: what pictures of a run need. Nothing that judges may use
+/// it. 150 bytes a quantum.
+class MachineFilm {
+ public:
+  /// `full_power_w`: the laser counts as on from a hundredth of it.
+  explicit MachineFilm(double full_power_w) : lit_w_(0.01 * full_power_w) {}
+
+  /// The state now; a time that is there already is not added again.
+  void add(const twin::Twin& twin);
+
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  [[nodiscard]] double end_s() const { return frames_.empty() ? 0.0 : frames_.back().pose.time_s; }
+  /// The middle of the longest path that was cut without a break, by its length on the sheet; the end if
+  /// nothing was cut.
+  [[nodiscard]] double middleOfLongestCut_s() const;
+
+  /// The machine as it was at the last quantum's end up to then, the beam as in that quantum, and all that
+  /// was burnt by then. @throws std::logic_error if empty.
+  [[nodiscard]] twin::Scene sceneAt(double time_s, const twin::MachineDescription& machine,
+                                    const twin::WebDescription& web,
+                                    const Eigen::AlignedBox2d& unit_S_mm) const;
+  /// All that was burnt, drawn back to the middle of the belt: in the end it may have left the machine. The
+  /// beam is off. @throws std::logic_error if empty.
+  [[nodiscard]] twin::Scene finishedSheet(const twin::MachineDescription& machine,
+                                          const twin::WebDescription& web,
+                                          const Eigen::AlignedBox2d& unit_S_mm) const;
+
+ private:
+  struct Frame {
+    twin::MachinePose pose;
+    Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};
+    double emitted_j{};
+    bool lit{};  ///< Since the frame before.
+  };
+
+  [[nodiscard]] std::size_t indexAt(double time_s) const;
+  [[nodiscard]] twin::SceneContent contentUpTo(std::size_t last, const twin::WebDescription& web,
+                                               const Eigen::AlignedBox2d& unit_S_mm) const;
+  [[nodiscard]] Eigen::Vector2d spotOnBelt_mm(std::size_t index) const;
+
+  double lit_w_;
+  std::vector<Frame> frames_;
+};
+
+/// A source that is filmed: hands everything on, and takes a frame of the twin before each quantum.
+class FilmedSource : public source::SignalSource {
+ public:
+  FilmedSource(source::SignalSource& source, const twin::Twin& twin, MachineFilm& film)
+      : source_(source), twin_(twin), film_(film) {}
+
+  [[nodiscard]] source::SourceInfo info() const override { return source_.info(); }
+  source::Stop advance(Tick until, source::Batch& batch) override {
+    film_.add(twin_);
+    return source_.advance(until, batch);
+  }
+  void drive(PinId pin, bool level, Tick at) override { source_.drive(pin, level, at); }
+  void uartWrite(std::span<const std::uint8_t> bytes) override { source_.uartWrite(bytes); }
+  [[nodiscard]] std::string message() const override { return source_.message(); }
+
+ private:
+  source::SignalSource& source_;
+  const twin::Twin& twin_;
+  MachineFilm& film_;
+};
+
+}  // namespace kerfbench::run

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/run/lockstep.h"
+#include "hil/scenario/scenario.h"
+#include "hil/source/gpio/lag_meter.h"
+#include "hil/source/vcd.h"
+#include "twin/base/pin_event.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::run {
+
+/// How far the controller's inputs, as they were driven on real pins, are from those of the machine that is
+/// judged. It is all that live driving adds: timers, calls, a model that ran ahead without the pins.
+struct SensorLag {
+  source::LagMeter
+      lag;  ///< Driven less due, of the edges that have found each other; without limit switches.
+  source::LagMeter switch_lag;  ///< Of these, which are as late as pins are known.
+  std::vector<std::string>
+      problems;  ///< Edges that were not driven in time, or that the machine did not make.
+};
+
+/// Edges of a kind belong together: of the encoder those to the same count in the same direction, of others
+/// those to the same level; of several the nearest. @param due by tick, of the machine as its pins moved it.
+/// @param driven as `due`, as it was on the wires. Neither counts later than `limit_s` before `end`.
+SensorLag sensorLag(std::span<const SensorEdge> due, std::span<const SensorEdge> driven, TickRate rate,
+                    Tick end, const std::vector<Signal>& signals, double limit_s);
+
+/// What an edge that is driven may be off its time: the scenario's, or what moves the sheet by 10 um at the
+/// fastest speed of the line (1 us … 1 ms).
+double sensorLagLimit_s(const scenario::Scenario& scenario);
+
+/// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
+class WitnessedTwin final : public TwinModel {
+ public:
+  explicit WitnessedTwin(twin::Twin& twin) : TwinModel(twin) {}
+  void advance(Tick until, std::span<const PinEvent> events) override {
+    const std::vector<SensorEdge> edges = predictSensors(until);
+    due_.insert(due_.end(), edges.begin(), edges.end());
+    TwinModel::advance(until, events);
+  }
+  [[nodiscard]] const std::vector<SensorEdge>& due() const { return due_; }
+
+ private:
+  std::vector<SensorEdge> due_;
+};
+
+}  // namespace kerfbench::run

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/scenario/case.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <string>
+
+#include "firmware_under_test/controller/protocol.h"
+#include "firmware_under_test/planner/head/correction.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/machine_file/machine_check.h"
+#include "twin/cutter/machine_faults.h"
+
+namespace kerfbench::scenario {
+namespace {
+
+// Without this, a drawing with two lines on top of each other would be burnt twice.
+void refuseUnfit(const dieline::Dieline& dieline) {
+  std::string message;
+  for (const dieline::LintFinding& finding : dieline::lintDieline(dieline)) {
+    if (!finding.is_error) continue;
+    message += fmt::format("{}{}: at ({:.3f}, {:.3f}) mm, layer {}: {}", message.empty() ? "" : "\n",
+                           dieline.path, finding.p_mm.x(), finding.p_mm.y(), finding.layer, finding.message);
+  }
+  if (!message.empty()) throw base::ConfigError(message);
+}
+
+/// The catalogue's entry of an axis's drive.
+planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
+  const DriverProfile& profile = axis.profile;
+  return {.name = profile.name,
+          .falling_edge = !profile.active_edge_rising,
+          .setup_s = profile.setup_s,
+          .hold_s = profile.hold_s,
+          .width_s = profile.width_s,
+          .space_s = profile.space_s};
+}
+
+}  // namespace
+
+void refuseUnwired(const Case& the_case) {
+  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  if (!firmware.onRealPins()) return;
+  const WiringNeeds needs{.gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry,
+                          .moving_sheet = the_case.scenario.sheetMoves()};
+  const std::string faults = firmware.source == FirmwareChoice::Source::kGpio
+                                 ? faultsOf(firmware.gpio, the_case.machine.signals, needs)
+                                 : faultsOf(firmware.analyser, the_case.machine);
+  if (!faults.empty()) throw base::ConfigError(faults);
+}
+
+Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
+  Case the_case;
+  the_case.scenario = readScenario(scenario, {firmware_dir});
+  const machine_file::MachineFile file = machine_file::readMachineFile(the_case.scenario.machine);
+  the_case.machine = file.machine;
+  the_case.spread = file.spread;
+  the_case.spot_camera = file.spot_camera;
+  the_case.kerf_camera = file.kerf_camera;
+  if (the_case.scenario.belt_by_controller && !(the_case.machine.belt.feed.step > 0)) {
+    throw base::ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
+                                        the_case.scenario.path.string(), the_case.scenario.machine.string()));
+  }
+  refuseUnwired(the_case);
+  for (const Signal signal : signalsOf(the_case.scenario.provoke)) {
+    if (the_case.machine.signals.pin(signal)) continue;
+    throw base::ConfigError(fmt::format("{}: provoke: {} has no pin {}", the_case.scenario.path.string(),
+                                        the_case.scenario.machine.string(), signalName(signal)));
+  }
+  if (the_case.scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
+      the_case.machine.kind != twin::MachineDescription::Kind::kGantry) {
+    throw base::ConfigError(
+        fmt::format("{}: provoke.field_left: {} has no gantry, whose pins tell where it is",
+                    the_case.scenario.path.string(), the_case.scenario.machine.string()));
+  }
+  refuseUnfit(file, webOf(the_case));
+  the_case.dieline = dieline::readDieline(the_case.scenario.dieline, the_case.scenario.layers);
+  try {
+    planner::select(the_case.dieline, the_case.scenario.selection);
+  } catch (const planner::PlanError& error) {
+    throw base::ConfigError(fmt::format("{}: select: {}", the_case.scenario.path.string(), error.what()));
+  }
+  refuseUnfit(the_case.dieline);
+  return the_case;
+}
+
+twin::DrawnMachine drawnMachine(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  twin::DrawnMachine drawn =
+      twin::drawImperfections(the_case.machine, the_case.spread, scenario.imperfections, scenario.seed);
+  // The description was fit: a draw that is not comes from a spread too wide.
+  const auto faults = twin::faultsOf(drawn.machine, webOf(the_case));
+  if (!faults.empty()) {
+    throw base::ConfigError(fmt::format("{}: imperfections: the machine that seed {} draws cannot run: {}",
+                                        scenario.machine.string(), scenario.seed, fmt::join(faults, "; ")));
+  }
+  return drawn;
+}
+
+planner::MachineParameters plannerMachine(const Case& the_case) {
+  const auto& told = the_case.machine.controller;
+  planner::MachineParameters machine;
+  machine.head = the_case.machine.kind == twin::MachineDescription::Kind::kGantry
+                     ? planner::MachineParameters::Head::kGantry
+                     : planner::MachineParameters::Head::kTwoMirror;
+  machine.throw_mm = told.throw_mm;
+  machine.mirror_spacing_mm = told.mirror_spacing_mm;
+  machine.mirror_step_rad = told.mirror_step_rad;
+  machine.focal_length_mm = told.focal_length_mm;
+  if (told.focal_length_mm > 0.0) machine.head = planner::MachineParameters::Head::kFTheta;
+  if (!told.correction_file.empty()) {
+    machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(told.correction_file));
+  }
+  machine.mirror_acceleration_rad_s2 = told.mirror_acceleration_rad_s2;
+  machine.gantry_step_mm = told.gantry_step_mm;
+  for (const std::size_t i : {0U, 1U}) {
+    machine.field_min_mm[i] = told.field_min_mm[i];
+    machine.field_max_mm[i] = told.field_max_mm[i];
+  }
+  machine.tracking_delay_s = told.tracking_delay_s;
+  machine.encoder_count_mm = told.encoder_count_mm;
+  machine.print_mark_sensor_x_mm = told.print_mark_sensor_x_mm;
+  machine.feed_step_mm = told.feed_step_mm;
+  machine.full_power_w = told.full_power_w;
+  machine.power_quantum_j = told.power_quantum_j;
+  machine.laser_lag_s = told.laser_lag_s;
+  machine.power_delay_s = told.power_delay_s;
+  const twin::MachineDescription& m = the_case.machine;
+  if (m.kind == twin::MachineDescription::Kind::kGantry) {
+    machine.drives[KB_GANTRY_X] = needsOf(m.gantry_x);
+    machine.drives[KB_GANTRY_Y] = needsOf(m.gantry_y);
+  } else {
+    machine.drives[KB_GALVO_X] = needsOf(m.galvo_x);
+    machine.drives[KB_GALVO_Y] = needsOf(m.galvo_y);
+  }
+  if (m.belt.feed.step > 0.0) machine.drives[KB_FEED] = needsOf(m.belt.feed);
+  return machine;
+}
+
+namespace {
+
+double webStartX_mm(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  if (scenario.web_start_x_mm) return *scenario.web_start_x_mm;
+  // Upstream of the sensor by what the belt runs during the lead time, in which the controller boots and is
+  // loaded.
+  return the_case.machine.controller.print_mark_sensor_x_mm - scenario.print.eye_mark_x_mm -
+         scenario.belt_speed_mm_s * scenario.belt_lead_s;
+}
+
+}  // namespace
+
+planner::JobParameters plannerJob(const Case& the_case) {
+  planner::JobParameters job = the_case.scenario.job;
+  job.web_start_x_mm = webStartX_mm(the_case);
+  job.jump_radius_mm = the_case.scenario.jump_radius_mm.value_or(the_case.machine.controller.jump_radius_mm);
+  return job;
+}
+
+twin::WebDescription webOf(const Case& the_case) {
+  const Scenario& scenario = the_case.scenario;
+  twin::WebDescription web;
+  web.print = scenario.print;
+  web.board = scenario.board;
+  web.start_x_mm = webStartX_mm(the_case);
+  web.belt_speed_mm_s = scenario.belt_speed_mm_s;
+  web.belt_speed_changes = scenario.belt_speed_changes;
+  web.fed_by_controller = scenario.belt_by_controller;
+  return web;
+}
+
+}  // namespace kerfbench::scenario

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "hil/dieline/read.h"
+#include "hil/machine_file/machine_file.h"
+#include "hil/scenario/scenario.h"
+#include "twin/cutter/twin.h"
+
+namespace kerfbench::scenario {
+
+/// A scenario with all files that it names, read and checked.
+struct Case {
+  Scenario scenario;
+  twin::MachineDescription machine;  ///< As described; drawnMachine() is the one that runs.
+  twin::ImperfectionSpread spread;
+  machine_file::CameraFile spot_camera, kerf_camera;  ///< What the bench is told of them: id and calibration.
+  dieline::Dieline dieline;
+};
+
+/// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as
+/// well for a machine that the twin cannot run, and for a dieline that is unfit to cut (see lintDieline).
+Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
+
+/// @throws ConfigError for a scenario on real pins whose lines are not the pins that the machine has.
+void refuseUnwired(const Case& the_case);
+
+/// The machine that runs: around its description, as far as the scenario's preset and seed take it.
+/// @throws ConfigError if the seed draws a machine that the twin cannot run.
+twin::DrawnMachine drawnMachine(const Case& the_case);
+
+/// What the planner is told of the machine.
+planner::MachineParameters plannerMachine(const Case& the_case);
+/// What the planner is told of the job; the web's start included.
+planner::JobParameters plannerJob(const Case& the_case);
+/// What runs through the machine.
+twin::WebDescription webOf(const Case& the_case);
+
+}  // namespace kerfbench::scenario

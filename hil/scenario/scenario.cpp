@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/scenario/scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "hil/calibrate/camera/day.h"
+#include "hil/scenario/scenario_sections.h"
+
+namespace kerfbench::scenario {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <typename Value, std::size_t n>
+Value fromName(const std::array<const char*, n>& names, const std::string& name) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) throw std::out_of_range("no such name: " + name);
+  return static_cast<Value>(found - names.begin());
+}
+
+template <std::size_t n>
+std::string readName(base::YamlReader& file, std::string_view key, const std::array<const char*, n>& names) {
+  const std::vector<std::string> allowed(names.begin(), names.end());
+  const std::string name = file.choice(key, allowed, allowed.front());
+  return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
+}
+
+inspect::Limits readLimits(base::YamlReader& checks) {
+  inspect::Limits limits;
+  const std::string edge = checks.choice("edge", {"none", "nesting", "outside", "inside"}, "none");
+  limits.edge = edge == "nesting"   ? inspect::Limits::Edge::kNesting
+                : edge == "outside" ? inspect::Limits::Edge::kOutside
+                : edge == "inside"  ? inspect::Limits::Edge::kInside
+                                    : inspect::Limits::Edge::kCentre;
+  limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
+  limits.stillness_mm =
+      checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});
+  limits.min_coverage =
+      checks.number("min_coverage", {.min = 0.5, .max = 1.0, .fallback = limits.min_coverage});
+  limits.kerf_width_mm =
+      checks.number("kerf_width_mm", {.min = 0.001, .max = 10, .fallback = limits.kerf_width_mm});
+  limits.even_depth_share =
+      checks.number("even_depth_share", {.min = 0, .max = 1, .fallback = limits.even_depth_share});
+  limits.line_energy_j_mm =
+      checks.number("line_energy_j_mm", {.min = 0, .max = 100, .fallback = limits.line_energy_j_mm});
+  limits.line_energy_share =
+      checks.number("line_energy_share", {.min = 1e-4, .max = 1, .fallback = limits.line_energy_share});
+  limits.gate_lag_s =
+      1e-3 * checks.number("gate_lag_ms", {.min = 0.01, .max = 100, .fallback = 1e3 * limits.gate_lag_s});
+  limits.stray_mm = checks.number("stray_mm", {.min = 0.05, .max = 100, .fallback = limits.stray_mm});
+  return limits;
+}
+
+}  // namespace
+
+fs::path fileOf(base::YamlReader& reader, std::string_view key, const fs::path& second_base) {
+  const std::string name = reader.text(key);
+  if (name.empty()) return {};
+  for (const fs::path& folder : {reader.folderOf(key), second_base}) {
+    const fs::path candidate = fs::absolute(folder / name).lexically_normal();
+    if (fs::is_regular_file(candidate)) return candidate;
+  }
+  reader.fault(key, fmt::format("no such file '{}'{}", name,
+                                second_base.empty()
+                                    ? ""
+                                    : " (looked beside the scenario and in " + second_base.string() + ")"));
+  return {};
+}
+
+twin::Preset presetFromName(const std::string& name) { return fromName<twin::Preset>(kPresetNames, name); }
+twin::Fidelity fidelityFromName(const std::string& name) {
+  return fromName<twin::Fidelity>(kFidelityNames, name);
+}
+
+Scenario readScenario(const fs::path& path, const ImagePath& images) {
+  auto file = base::YamlReader::openFile(path);
+  Scenario s;
+  s.path = fs::absolute(path).lexically_normal();
+  std::ifstream stream(path, std::ios::binary);
+  s.text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
+    file.fault("version", "this program reads version 1");
+  s.name = file.text("name");
+  if (s.name.empty() ||
+      s.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
+          std::string::npos ||
+      s.name.front() == '.') {
+    file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
+  }
+  s.title = file.text("title", "");
+  s.dieline = fileOf(file, "dieline");
+  s.machine = fileOf(file, "machine");
+  s.layers = readLayers(file);
+  s.selection = readSelection(file.section("select"));
+  s.board = readBoard(file.section("board"));
+  s.print = readPrint(file.section("print"));
+  readBelt(file.section("belt"), s);
+  s.firmware = readFirmware(file.section("firmware"), images);
+  if (s.firmware.onRealPins() && s.belt_by_controller) {
+    file.fault(
+        "belt",
+        "drive must be line on real pins (source: gpio, analyser): where the controller feeds, its own pins "
+        "move the encoder, and the model knows of them too late");
+  }
+  if (s.firmware.source == FirmwareChoice::Source::kAnalyser && s.sheetMoves()) {
+    file.fault("belt",
+               "speed_mm_s must be 0 where an analyser listens (source: analyser): it drives neither encoder "
+               "nor print mark, so the sheet lies at rest");
+  }
+  auto planner = file.section("planner");
+  s.job = readJob(planner, s);
+  if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");
+  if (planner.has("jump_radius_mm")) {
+    s.jump_radius_mm = planner.number("jump_radius_mm", {.min = -1, .max = 1000});
+    if (*s.jump_radius_mm < 0.0 && *s.jump_radius_mm != planner::kRadiusOfDrawing)
+      planner.fault("jump_radius_mm", "is a radius, 0 for straight jumps, or -1 for that of the drawing");
+  }
+  s.planner_faults = readPlannerFaults(planner.section("faults"));
+  s.provoke = readProvoke(file.section("provoke"), s.belt_speed_mm_s > 0.0 && !s.belt_by_controller);
+  if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
+      s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
+    file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
+  if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.onRealPins())
+    file.fault("provoke",
+               "is for emulated releases; on real pins (source: gpio, analyser) nothing is provoked yet");
+  s.cameras = readCameraChoice(file.section("cameras"));
+  auto checks = file.section("checks");
+  s.limits = readLimits(checks);
+  s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
+  s.calibration_max_age_days = static_cast<int>(
+      checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
+  s.date = file.text("date", "");
+  if (!s.date.empty() && !calibrate::dayNumber(s.date)) file.fault("date", "is no day like 2026-11-21");
+  s.time_limit_s = file.number("time_limit_s", {.min = 0.01, .max = 3600, .fallback = 60.0});
+  s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
+  s.imperfections = presetFromName(readName(file, "imperfections", kPresetNames));
+  s.fidelity = fidelityFromName(readName(file, "twin", kFidelityNames));
+  file.finish();
+  return s;
+}
+
+}  // namespace kerfbench::scenario

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware_under_test/planner/program/plan.h"
+#include "firmware_under_test/planner/program/selection.h"
+#include "hil/dieline/read.h"
+#include "hil/inspect/inspect.h"
+#include "hil/scenario/analyser_choice.h"
+#include "hil/scenario/camera_choice.h"
+#include "hil/scenario/gpio_choice.h"
+#include "hil/scenario/provoke_choice.h"
+#include "twin/base/print_layout.h"
+#include "twin/description/fidelity.h"
+#include "twin/description/imperfections.h"
+#include "twin/drive/speed_profile.h"
+#include "twin/sheet/sheet.h"
+
+namespace kerfbench::scenario {
+
+/// Which release runs, and how it is talked to.
+struct FirmwareChoice {
+  enum class Source {
+    kAvr,
+    kNative,
+    kChild,
+    kGpio,      ///< A controller's real pins; see `gpio`.
+    kAnalyser,  ///< The same by a logic analyser; see `analyser`.
+  };
+  enum class Dialog {
+    kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
+                 ///< program.
+    kLineOk,     ///< Send a line, wait for "ok" (Grbl and its kin); `gcode` is what is sent.
+    kNone,       ///< The job is started at the machine (kGpio without a serial line).
+  };
+  Source source{Source::kAvr};
+  Dialog dialog{Dialog::kKerfbench};
+  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if it is told.
+  std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
+  std::filesystem::path gcode;  ///< For kLineOk.
+  std::string mcu{"atmega2560"};
+  std::uint64_t clock_hz{16'000'000};
+  std::uint32_t baud{250'000};
+  GpioChoice gpio;          ///< For kGpio.
+  AnalyserChoice analyser;  ///< For kAnalyser.
+
+  [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
+};
+
+/// A scenario file, checked; all paths absolute.
+struct Scenario {
+  std::filesystem::path path;
+  std::string text;  ///< The file as it is, for the report.
+  std::string name;
+  std::string title;
+  std::filesystem::path dieline;
+  std::filesystem::path machine;
+  dieline::LayerProfile layers;
+  planner::Selection selection;  ///< What of the dieline is cut, and judged.
+  twin::BoardDescription board;
+  PrintLayout print;
+  double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
+  std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Of the line.
+  bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
+  std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
+  double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
+                         ///< (controller).
+  FirmwareChoice firmware;
+  planner::JobParameters job;
+  std::optional<double> jump_radius_mm;  ///< Of the job; the machine's if absent.
+  planner::PlannerFaults planner_faults;
+  std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
+  ProvokeChoice provoke;
+  CameraChoice cameras;
+  inspect::Limits limits;
+  std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
+  int calibration_max_age_days{180};
+  double time_limit_s{};
+  std::uint64_t seed{1};
+  twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.
+  twin::Fidelity fidelity{twin::Fidelity::kReference};
+
+  /// By the line.
+  [[nodiscard]] bool sheetMoves() const { return belt_speed_mm_s != 0 || !belt_speed_changes.empty(); }
+};
+
+/// As in scenarios and on the command line: "ideal", "static", "dynamic"; "reference", "fast".
+inline constexpr std::array kPresetNames{"ideal", "static", "dynamic"};
+inline constexpr std::array kFidelityNames{"reference", "fast"};
+inline const char* nameOf(twin::Preset preset) { return kPresetNames.at(static_cast<std::size_t>(preset)); }
+inline const char* nameOf(twin::Fidelity fidelity) {
+  return kFidelityNames.at(static_cast<std::size_t>(fidelity));
+}
+/// The one of this name. @throws std::out_of_range for any other.
+twin::Preset presetFromName(const std::string& name);
+twin::Fidelity fidelityFromName(const std::string& name);
+
+/// Where release images named without a folder are looked for: beside the scenario, then here.
+struct ImagePath {
+  std::filesystem::path firmware_dir;
+};
+
+/// @throws ConfigError with every fault, each with file and line.
+Scenario readScenario(const std::filesystem::path& path, const ImagePath& images);
+
+}  // namespace kerfbench::scenario

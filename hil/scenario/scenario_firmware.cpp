@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/scenario/scenario_sections.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kerfbench::scenario {
+namespace {
+
+void readDialog(base::YamlReader& firmware, FirmwareChoice& result) {
+  result.baud =
+      static_cast<std::uint32_t>(firmware.integer("baud", {.min = 300, .max = 4e6, .fallback = 250e3}));
+  if (firmware.choice("dialog", {"kerfbench", "line-ok"}, "kerfbench") == "line-ok") {
+    result.dialog = FirmwareChoice::Dialog::kLineOk;
+    result.gcode = fileOf(firmware, "gcode");
+  }
+}
+
+/// Of a scenario with another source that this one extends.
+void skipKeys(const base::YamlReader& firmware, const std::vector<const char*>& keys) {
+  for (const char* key : keys) (void)firmware.has(key);
+}
+
+FirmwareChoice readFirmwareOnPins(base::YamlReader& firmware, const ImagePath& images) {
+  FirmwareChoice result;
+  result.source = FirmwareChoice::Source::kGpio;
+  result.gpio = readGpioChoice(firmware);
+  if (result.gpio.uart.empty()) {
+    result.dialog = FirmwareChoice::Dialog::kNone;
+    skipKeys(firmware, {"image", "baud", "dialog", "gcode"});
+  } else {
+    if (firmware.has("image")) result.image = fileOf(firmware, "image", images.firmware_dir);
+    readDialog(firmware, result);
+  }
+  skipKeys(firmware, {"child", "mcu", "clock_hz"});
+  return result;
+}
+
+FirmwareChoice readFirmwareOnAnalyser(base::YamlReader& firmware) {
+  FirmwareChoice result;
+  result.source = FirmwareChoice::Source::kAnalyser;
+  result.dialog = FirmwareChoice::Dialog::kNone;
+  result.analyser = readAnalyserChoice(firmware);
+  skipKeys(firmware, {"image", "child", "mcu", "clock_hz", "baud", "dialog", "gcode", "chip", "stamp_err_us",
+                      "out_chip", "max_lag_us", "uart_wait_s", "uart_delay_ms"});
+  for (const char* key : {"outputs", "uart"}) {
+    if (firmware.has(key))
+      firmware.fault(key, "is for source: gpio; an analyser drives nothing and talks to no controller");
+  }
+  return result;
+}
+
+}  // namespace
+
+FirmwareChoice readFirmware(base::YamlReader firmware, const ImagePath& images) {
+  const std::string source = firmware.choice("source", {"avr", "native", "child", "gpio", "analyser"});
+  if (source == "gpio") return readFirmwareOnPins(firmware, images);
+  if (source == "analyser") return readFirmwareOnAnalyser(firmware);
+  FirmwareChoice result;
+  result.source = source == "native"  ? FirmwareChoice::Source::kNative
+                  : source == "child" ? FirmwareChoice::Source::kChild
+                                      : FirmwareChoice::Source::kAvr;
+  result.image = fileOf(firmware, "image", images.firmware_dir);
+  if (result.source == FirmwareChoice::Source::kChild)
+    result.child = fileOf(firmware, "child", images.firmware_dir);
+  result.mcu = firmware.text("mcu", result.mcu);
+  result.clock_hz =
+      static_cast<std::uint64_t>(firmware.integer("clock_hz", {.min = 1e5, .max = 1e9, .fallback = 16e6}));
+  readDialog(firmware, result);
+  return result;
+}
+
+}  // namespace kerfbench::scenario

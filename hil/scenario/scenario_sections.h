@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "hil/base/yaml_reader.h"
+#include "hil/scenario/scenario.h"
+
+// The sections of a scenario file, each read by itself; what is wrong goes to the reader.
+namespace kerfbench::scenario {
+
+/// The file that `key` names, beside the scenario (the one that the key stands in) or in `second_base`. Empty
+/// where there is none.
+std::filesystem::path fileOf(base::YamlReader& reader, std::string_view key,
+                             const std::filesystem::path& second_base = {});
+
+dieline::LayerProfile readLayers(base::YamlReader& file);
+planner::Selection readSelection(base::YamlReader select);
+twin::BoardDescription readBoard(base::YamlReader board);
+PrintLayout readPrint(base::YamlReader print);
+void readBelt(base::YamlReader belt, Scenario& scenario);
+FirmwareChoice readFirmware(base::YamlReader firmware, const ImagePath& images);
+/// Takes from `scenario` what is read already: belt, firmware, print.
+planner::JobParameters readJob(base::YamlReader planner, const Scenario& scenario);
+planner::PlannerFaults readPlannerFaults(base::YamlReader faults);
+
+}  // namespace kerfbench::scenario

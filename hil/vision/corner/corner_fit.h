@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/vision/corner/corner_model.h"
+#include "hil/vision/corner/corner_shape.h"
+
+namespace kerfbench::vision {
+
+/// The picture of a corner.
+struct CornerPicture {
+  PixelGrid grid;
+  std::vector<float> gray;   ///< In even light, row by row.
+  std::vector<bool> counts;  ///< Pixels that the corner's own kerf alone makes.
+  double noise_gray{};       ///< Standard deviation of a pixel of plain board.
+};
+
+/// What is known of a leg by other means than the picture.
+struct KnownLeg {
+  struct Point {
+    double along_mm{}, offset_mm{};  ///< As in CornerLeg.
+    double sigma_mm{};
+  };
+  std::vector<Point> points;
+  double curvature_sigma_per_mm{0.5};  ///< How much it may be bent,
+  double twist_sigma_per_mm2{1.0};     ///< and that may change: standard deviations about nothing.
+};
+
+/// What is known of a corner before its pixels are looked at.
+struct CornerKnown {
+  /// First guesses, at least one; all have the same nominal curves.
+  std::vector<CornerShape> legs;
+  CornerLight light;
+  double blur_sigma_px{};  ///< Standard uncertainty of light.blur_px.
+  KnownLeg in, out;
+};
+
+/// A corner's parameters as fitted.
+struct CornerFit {
+  CornerShape shape;
+  CornerLight light;
+  /// Of (offset, slope, curvature and twist of the leg in; the same of the leg out; rounding, or what both
+  /// legs run over together, and by how much more the leg in does): mm, 1, 1/mm, 1/mm².
+  Eigen::MatrixXd covariance;
+  double scatter{};  ///< RMS of what the model leaves, over the noise of the pixels.
+
+  /// Shape for a deviation of the parameters, in the covariance's order.
+  [[nodiscard]] CornerShape shapeAt(const Eigen::VectorXd& change) const;
+};
+
+/// Least squares over all pixels that count, from a first guess of legs and light: once with an arc and once
+/// with legs that end where they will; the better of the two. nullopt if neither comes to rest, or if there
+/// are too few pixels.
+std::optional<CornerFit> fitCorner(const CornerPicture& picture, const CornerKnown& known);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/vision/corner/corner_shape.h"
+
+namespace kerfbench::vision {
+
+/// What makes a kerf's picture beside its shape.
+struct CornerLight {
+  double peak_in{1.5};         ///< Share of the cutting fluence in the middle of the leg that comes in,
+  double peak_out{1.5};        ///< and of the one that goes out; 1 and more cuts through.
+  double beam_radius_mm{0.1};  ///< 1/e².
+  double board_gray{};
+  double open_gray{};
+  double blur_px{0.7};     ///< RMS of the lens, the pixel's own area included.
+  double scorch_in_mm{};   ///< By which scorch on one side shifts the picture of the leg in to its left,
+  double scorch_out_mm{};  ///< and of the leg out.
+};
+
+/// A rectangle of pixels and where they lie: p_mm = first_mm + column * per_column_mm + row * per_row_mm,
+/// from the nominal corner, in the sheet's directions.
+struct PixelGrid {
+  int columns{};
+  int rows{};
+  Eigen::Vector2d first_mm{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d per_column_mm{Eigen::Vector2d::UnitX()};
+  Eigen::Vector2d per_row_mm{Eigen::Vector2d::UnitY()};
+
+  [[nodiscard]] Eigen::Vector2d at(double column, double row) const {
+    return first_mm + column * per_column_mm + row * per_row_mm;
+  }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+};
+
+/// The picture of a corner that a Gaussian beam cuts on a way, row by row, in gray.
+///
+/// Fluence as KerfOutline has it: along a leg s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside it and a
+/// beyond its end, and s0 sqrt(2/pi)/w exp(-2 d²/w²) per length of an arc at a distance d. Light by Beer's
+/// law over the depth that is left; then the blur. Two samples per pixel, each way.
+class CornerModel {
+ public:
+  /// Only pixels that count are right. The nominal curves of `legs` are those of all shapes to come.
+  CornerModel(const PixelGrid& grid, const std::vector<bool>& counts, const CornerShape& legs);
+
+  void render(CornerShape shape, const CornerLight& light, std::vector<float>& gray);
+
+ private:
+  /// A place that light is asked for.
+  struct Sample {
+    std::size_t index;  ///< Of sharp_.
+    Eigen::Vector2f p_mm;
+    float in_along_mm, in_beside_mm, out_along_mm, out_beside_mm;
+  };
+  void blur(double blur_px);
+
+  int columns_, rows_;  ///< Of samples.
+  int pixel_columns_, pixel_rows_;
+  std::vector<Sample> samples_;
+  std::vector<float> sharp_, across_;
+};
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/vision/corner/corner_fit.h"
+
+namespace kerfbench::vision {
+
+/// Whether two legs are joined by an arc, or each ends where it will.
+enum class Meeting { kArc, kEnds };
+
+/// Order of a corner's parameters: the legs, what lights them, and how they meet: rounding, or what both run
+/// over together and by how much more the leg in does.
+enum CornerParameter : Eigen::Index {
+  kInOffset,
+  kInSlope,
+  kInCurvature,
+  kInTwist,
+  kOutOffset,
+  kOutSlope,
+  kOutCurvature,
+  kOutTwist,
+  kPeakIn,
+  kPeakOut,
+  kRadius,
+  kBoard,
+  kOpen,
+  kBlur,
+  kInScorch,
+  kOutScorch,
+  kMeet
+};
+constexpr Eigen::Index kLegParameters = 8;
+
+Eigen::VectorXd parametersOf(const CornerShape& shape, const CornerLight& light, Meeting meeting);
+/// `shape` tells the nominal curves.
+CornerShape shapeOf(const Eigen::VectorXd& x, CornerShape shape);
+CornerLight lightOf(const Eigen::VectorXd& x);
+/// Sets what the legs run over.
+void setEnds(double together_mm, double more_in_mm, CornerShape& shape);
+
+/// What lmder asks for: residuals in sigmas, those of what is known beforehand last.
+class CornerProblem {
+ public:
+  using Scalar = double;
+  using InputType = Eigen::VectorXd;
+  using ValueType = Eigen::VectorXd;
+  using JacobianType = Eigen::MatrixXd;
+  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+
+  /// Both must outlive this.
+  CornerProblem(const CornerPicture& picture, const CornerKnown& known);
+  /// The same for all pixels.
+  void setNoise(double noise_gray) { noise_gray_.assign(used_.size(), noise_gray); }
+  /// By how much pixels of the same brightness scatter about the model: light comes in photons, and edges
+  /// are rough, so the brighter the more.
+  void setNoiseFrom(const Eigen::VectorXd& x);
+  void setMeeting(Meeting meeting) { inputs_ = kMeet + (meeting == Meeting::kArc ? 1 : 2); }
+
+  [[nodiscard]] int inputs() const { return static_cast<int>(inputs_); }
+  [[nodiscard]] Eigen::Index pixels() const { return static_cast<Eigen::Index>(used_.size()); }
+  [[nodiscard]] Eigen::Index points() const {
+    return static_cast<Eigen::Index>(known_.in.points.size() + known_.out.points.size());
+  }
+  [[nodiscard]] int values() const { return static_cast<int>(pixels() + points() + kPriors); }
+
+  int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& f) const;
+  int df(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
+
+ private:
+  static constexpr Eigen::Index kPriors = 16;
+  const CornerPicture& picture_;
+  const CornerKnown& known_;
+  mutable CornerModel model_;
+  std::vector<std::size_t> used_;
+  std::vector<double> noise_gray_;
+  Eigen::Index inputs_{kMeet + 1};
+  mutable std::vector<float> gray_;
+};
+
+}  // namespace kerfbench::vision

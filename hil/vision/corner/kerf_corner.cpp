@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/corner/kerf_corner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "hil/vision/corner/corner_fit.h"
+#include "hil/vision/corner/corner_legs.h"
+#include "hil/vision/kerf/kerf_leg.h"
+#include "twin/base/constants.h"
+#include "twin/base/random.h"
+
+namespace kerfbench::vision {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBesideMm = 0.36;   // of each leg, to both sides
+constexpr double kOnLegMm = 0.05;    // A point of another curve is not so near to a leg of the corner.
+constexpr double kMostOffMm = 0.35;  // Where a kerf lies farther off, the pixels do not hold it.
+constexpr int kDraws = 64;
+constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
+// What the model of the picture leaves, measured on artefacts (./bench gauge): the lens is not known better.
+constexpr double kArcModelMm = 0.0003;
+constexpr double kLegsModelMm = 0.0003;
+constexpr double kRoundingModelMm = 0.0003;
+constexpr double kFlickerShare = 1.7;  // Of how far the legs' half widths flicker: the arc has fewer places.
+// Of where a leg ends that runs over. One that hardly stands out is none; told worst are those of about
+// 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
+constexpr double kEndsNearShare = 1.0 / 3.0;  // of how far it runs over
+constexpr double kEndsFarMm2 = 3.8e-5;        // over how far it runs over
+constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
+constexpr double kBentMeeting = 1.3;
+
+/// Points of other curves near the corner, from it.
+std::vector<Vector2d> othersNear(const JointScene& scene, const PlannedCorner& corner,
+                                 const CornerShape& nominal) {
+  std::vector<Vector2d> others;
+  const auto onLeg = [&](const CornerLeg& leg, const Vector2d& p_mm) {
+    const CornerLeg::Place place = leg.placeOf(p_mm);
+    return place.along_mm > -kOnLegMm && std::abs(place.beside_mm) < kOnLegMm;
+  };
+  for (const EntityEnd* end : {&corner.in, &corner.out}) {
+    for (const Vector2d& p_S_mm : scene.plan->entities[end->plan].hidden_S_mm) {
+      const Vector2d p_mm = p_S_mm - corner.in.p_S_mm;
+      if (p_mm.norm() > kCornerLegMm + kBesideMm + kHiddenMm) continue;
+      if (!onLeg(nominal.in, p_mm) && !onLeg(nominal.out, p_mm)) others.push_back(p_mm);
+    }
+  }
+  return others;
+}
+
+/// The pixels around the corner and which of them count.
+CornerPicture pictureOf(const JointScene& scene, const PlannedCorner& corner, const TileView& view,
+                        const CornerShape& nominal) {
+  const PlaneMotion& X_TS = *scene.X_TS;
+  const LocalPixelMap map = scene.calibration->localMap(X_TS * corner.in.p_S_mm - view.tile.p_TV_mm);
+  const Eigen::Matrix2d mm_per_pixel = (map.pixel_per_mm * X_TS.rotation()).inverse();
+  const double in_mm = lookedAtMm(scene, corner.in);
+  const double out_mm = lookedAtMm(scene, corner.out);
+  Eigen::AlignedBox2d box(Vector2d::Zero());
+  const auto hold = [&](const CornerLeg& leg, double length_mm) {
+    for (const double along_mm : {0.0, 0.5 * length_mm, length_mm}) {
+      for (const double side : {-kBesideMm, kBesideMm}) {
+        CornerLeg shifted = leg;
+        shifted.offset_mm = side;
+        box.extend(map.pixel_per_mm * X_TS.rotation() * shifted.at(along_mm));
+      }
+    }
+    box.extend(map.pixel_per_mm * X_TS.rotation() * (-kBesideMm * leg.outwards));
+  };
+  hold(nominal.in, in_mm);
+  hold(nominal.out, out_mm);
+  const GrayImage& image = view.tile.image;
+  const int left = std::max(0, static_cast<int>(std::floor(map.pixel.x() + box.min().x())));
+  const int top = std::max(0, static_cast<int>(std::floor(map.pixel.y() + box.min().y())));
+  const int right = std::min(image.width - 1, static_cast<int>(std::ceil(map.pixel.x() + box.max().x())));
+  const int bottom = std::min(image.height - 1, static_cast<int>(std::ceil(map.pixel.y() + box.max().y())));
+  CornerPicture picture;
+  picture.grid = {std::max(0, right - left + 1), std::max(0, bottom - top + 1),
+                  mm_per_pixel * (Vector2d(left, top) - map.pixel), mm_per_pixel.col(0), mm_per_pixel.col(1)};
+  const double light = view.light.at(map.pixel);
+  picture.noise_gray = view.noise_gray / light;
+  const std::vector<Vector2d> others = othersNear(scene, corner, nominal);
+  const auto within = [](const CornerLeg& leg, double length_mm, const Vector2d& p_mm) {
+    const CornerLeg::Place place = leg.placeOf(p_mm);
+    return place.along_mm >= 0.0 && place.along_mm <= length_mm && std::abs(place.beside_mm) <= kBesideMm;
+  };
+  for (int r = 0; r < picture.grid.rows; ++r) {
+    for (int c = 0; c < picture.grid.columns; ++c) {
+      const Vector2d p_mm = picture.grid.at(c, r);
+      const bool hidden = std::any_of(others.begin(), others.end(), [&](const Vector2d& other) {
+        return (other - p_mm).squaredNorm() < kHiddenMm * kHiddenMm;
+      });
+      picture.gray.push_back(static_cast<float>(image.gray(left + c, top + r) / light));
+      picture.counts.push_back(!hidden && (within(nominal.in, in_mm, p_mm) ||
+                                           within(nominal.out, out_mm, p_mm) || p_mm.norm() <= kBesideMm));
+    }
+  }
+  return picture;
+}
+
+/// Share of the cutting fluence in the middle of a leg, by how wide it is.
+double peakOf(const KerfScanOptions& options, const KerfLeg& leg, double board_gray) {
+  const double w = options.beam_radius_mm > 0.0 ? options.beam_radius_mm : 2.0 * leg.half_width_mm;
+  const double open = options.open_gray / board_gray;
+  const double half = 1.0 + 0.5 * leg.brightness * (open - 1.0);
+  const double a = leg.half_width_mm / w;
+  return std::clamp(std::log(half) / std::log(open) * std::exp(2.0 * a * a), 0.2, 20.0);
+}
+
+/// What the fit's covariance makes of a quantity: mean and standard deviation of its change.
+struct Spread {
+  double sum{}, squares{};
+  void add(double change) {
+    sum += change;
+    squares += change * change;
+  }
+  [[nodiscard]] double mean() const { return sum / kDraws; }
+  [[nodiscard]] double sigma(double model) const {
+    return std::hypot(std::sqrt(std::max(0.0, squares / kDraws - mean() * mean())), model);
+  }
+};
+
+/// How far a bent leg leaves its tangent over the length where an arc takes its place, or where it runs over:
+/// there nothing tells of it.
+double bendWithin(const CornerLeg& leg, double length_mm) {
+  return length_mm * length_mm *
+         (std::abs(leg.curvature_per_mm) / 2.0 + std::abs(leg.twist_per_mm2) * length_mm / 6.0);
+}
+
+double endModelMm(double over_mm) {
+  return over_mm > 0.0 ? std::min(kEndsNearShare * over_mm, kEndsFarMm2 / over_mm) : 0.0;
+}
+
+/// What the model leaves of a deviation: ends count as far as the deviation is theirs.
+double deviationModelMm(const CornerShape& shape, double reach_mm) {
+  if (shape.rounding_mm > 0.0) return kArcModelMm;
+  CornerShape longer = shape, shorter = shape;
+  for (CornerLeg CornerShape::*leg : {&CornerShape::in, &CornerShape::out}) {
+    const double model_mm = endModelMm((shape.*leg).over_mm);
+    (longer.*leg).over_mm += model_mm;
+    (shorter.*leg).over_mm -= model_mm;
+  }
+  const double of_ends_mm = 0.5 * (deviationMm(longer, reach_mm) - deviationMm(shorter, reach_mm));
+  return std::hypot(kLegsModelMm, of_ends_mm);
+}
+
+/// Deviation and how the legs meet, with what they are worth.
+void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKerf& out) {
+  const auto overOf = [](const CornerShape& s) { return std::max({0.0, s.in.over_mm, s.out.over_mm}); };
+  const double deviation_mm = deviationMm(fit.shape, reach_mm);
+  const double over_mm = overOf(fit.shape);
+  const Eigen::LLT<Eigen::MatrixXd> root(fit.covariance);
+  const CounterRandom random(kDrawSeed, 0);
+  Spread deviation, over, rounding;
+  const auto n = static_cast<int>(fit.covariance.rows());
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd e(n);
+    for (int k = 0; k < n; ++k) e[k] = random.normal(static_cast<std::uint64_t>((draw / 2) * n + k));
+    if (draw % 2 == 1) e = -e;
+    const CornerShape shape = fit.shapeAt(root.matrixL() * e);
+    deviation.add(deviationMm(shape, reach_mm) - deviation_mm);
+    over.add(overOf(shape) - over_mm);
+    rounding.add(shape.rounding_mm - fit.shape.rounding_mm);
+  }
+  const bool arc = fit.shape.rounding_mm > 0.0;
+  const double turn_rad =
+      std::acos(std::clamp(-fit.shape.in.outwards.dot(fit.shape.out.outwards), -1.0, 1.0));
+  const double hidden_mm = arc ? arcLegMm(turn_rad, fit.shape.rounding_mm) : over_mm;
+  const double bent_mm = std::max(bendWithin(fit.shape.in, hidden_mm), bendWithin(fit.shape.out, hidden_mm));
+  const double unsteady_mm = kFlickerShare * flicker_mm;
+  const double meeting_mm = std::hypot(unsteady_mm, kBentMeeting * bent_mm);
+  // The farthest of many places that are each uncertain lies too far.
+  out.deviation_mm = std::max(0.0, deviation_mm - deviation.mean());
+  out.deviation_sigma_mm = deviation.sigma(
+      std::hypot(deviationModelMm(fit.shape, reach_mm), unsteady_mm, kBentDeviation * bent_mm));
+  out.rounding_mm = std::max(0.0, fit.shape.rounding_mm);
+  out.rounding_sigma_mm = rounding.sigma(std::hypot(kArcModelMm, kRoundingModelMm, meeting_mm));
+  out.overshoot_mm = arc ? 0.0 : std::max(0.0, over_mm - over.mean());
+  out.overshoot_sigma_mm = over.sigma(std::hypot(kLegsModelMm, endModelMm(over_mm), meeting_mm));
+}
+
+}  // namespace
+
+CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
+  CornerKerf out{.unit = scene.unit,
+                 .entity_in = scene.plan->entities[corner.in.plan].entity,
+                 .entity_out = scene.plan->entities[corner.out.plan].entity,
+                 .p_S_mm = corner.in.p_S_mm,
+                 .turn_rad = corner.turn_rad,
+                 .rounding_mm = kNan,
+                 .overshoot_mm = kNan,
+                 .deviation_mm = kNan,
+                 .rounding_sigma_mm = kNan,
+                 .overshoot_sigma_mm = kNan,
+                 .deviation_sigma_mm = kNan};
+  const TileView* view = scene.tileFor(out.p_S_mm, kCornerLegMm + kBesideMm);
+  const auto in = legAt((*scene.kerfs)[corner.in.plan], scene.stationOf(corner.in), kLegFromMm);
+  const auto on = legAt((*scene.kerfs)[corner.out.plan], scene.stationOf(corner.out), kLegFromMm);
+  if (view == nullptr || !in || !on) return out;
+  const LegGuess leg_in = followCalipers(scene, corner.in, *in);
+  const LegGuess leg_out = followCalipers(scene, corner.out, *on);
+  CornerKnown known;
+  known.legs = {{.in = leg_in.near, .out = leg_out.near}, {.in = leg_in.far, .out = leg_out.far}};
+  known.in = leg_in.known;
+  known.out = leg_out.known;
+  const CornerPicture picture = pictureOf(
+      scene, corner, *view, {.in = nominalLeg(scene, corner.in), .out = nominalLeg(scene, corner.out)});
+  const KerfScanOptions& options = *scene.options;
+  CornerLight& light = known.light;
+  light.board_gray = std::clamp(scene.boardAt(*view, out.p_S_mm), 1.0, 0.9 * options.open_gray);
+  light.open_gray = options.open_gray;
+  light.peak_in = peakOf(options, *in, light.board_gray);
+  light.peak_out = peakOf(options, *on, light.board_gray);
+  light.beam_radius_mm =
+      options.beam_radius_mm > 0.0 ? options.beam_radius_mm : in->half_width_mm + on->half_width_mm;
+  light.blur_px = scene.blur.px;
+  known.blur_sigma_px = scene.blur.sigma_px;
+  const auto fit = fitCorner(picture, known);
+  if (!fit) return out;
+  const double off_mm = std::max(std::abs(fit->shape.in.offset_mm), std::abs(fit->shape.out.offset_mm));
+  if (off_mm > kMostOffMm) return out;
+  out.found = true;
+  evaluate(*fit, scene.options->joint_clearance_mm, std::max(in->flicker_mm, on->flicker_mm), out);
+  return out;
+}
+
+}  // namespace kerfbench::vision

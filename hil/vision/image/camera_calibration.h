@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace kerfbench::vision {
+
+/// First-order map of the plane around one of its points: pixel + pixel_per_mm * (p - p0).
+struct LocalPixelMap {
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d pixel_per_mm{Eigen::Matrix2d::Identity()};
+};
+
+/// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P
+/// is the plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection
+/// table T of the kerf camera.
+struct CameraCalibration {
+  int width_px{};
+  int height_px{};
+  double fx_px{}, fy_px{}, cx_px{}, cy_px{};
+  std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3
+  Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};  ///< Pose of the plane in the camera; lengths in mm.
+  double map_u_mm{};  ///< Standard uncertainty of a mapped point within the board area of the calibration.
+
+  std::string camera_id{};  ///< Serial number or name; pictures of another camera must not be read with this.
+  std::string date{};       ///< ISO 8601 day of the views, "2026-11-21".
+  double rms_px{};          ///< Reprojection residual of all corners, per axis.
+  Eigen::AlignedBox2d area_mm{};  ///< Of plane P that the target covered: outside, map_u_mm says nothing.
+  /// How the map may be wrong, as independent standard normal draws e_k would show it: the covariance of the
+  /// parameters of planeFromPixel, its columns scaled by their standard deviations. Order of the parameters:
+  /// fx fy cx cy, k1 k2 p1 p2 k3, rotation vector of the plane (rad, left-multiplied), its translation (mm).
+  static constexpr int kParameters = 15;
+  std::vector<Eigen::Matrix<double, kParameters, 1>> error_modes{};
+  /// Shift of the point of the plane seen at p_mm for one standard deviation of error mode k, mm.
+  [[nodiscard]] Eigen::Vector2d mapError(std::size_t mode, const Eigen::Vector2d& p_mm) const;
+
+  /// Pixel to the point of the plane z = 0. @throws std::domain_error for a ray that misses the plane.
+  [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;
+  /// Point of the plane to its pixel, in the image or not. @throws std::domain_error behind the camera.
+  [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
+  /// The same with its Jacobian. @throws std::domain_error behind the camera.
+  [[nodiscard]] LocalPixelMap localMap(const Eigen::Vector2d& p_mm) const;
+  /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the
+  /// lens polynomial folds them back into the picture are not seen.
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixelIfSeen(const Eigen::Vector2d& p_mm,
+                                                           double border_px) const;
+  /// Many pixels at once, without repeating the set-up. @throws std::invalid_argument for unequal sizes.
+  void planeFromPixels(std::span<const Eigen::Vector2d> pixels, std::span<Eigen::Vector2d> p_mm) const;
+  /// Mean scale at the image centre, mm per pixel.
+  [[nodiscard]] double pitchMm() const;
+};
+
+}  // namespace kerfbench::vision

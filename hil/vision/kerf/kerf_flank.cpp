@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf/kerf_flank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Core>
+
+#include "hil/vision/kerf/kerf_sampling.h"
+
+namespace kerfbench::vision {
+namespace {
+
+constexpr int kGridPerPx = 8;
+constexpr int kFlankTopSamples = 24;
+constexpr double kReachPx = 7.0;   // beyond half a kerf
+constexpr double kSmoothMm = 1.0;  // along the curve, each way
+constexpr double kIndependentMm = 0.2;
+// Of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
+// scorch.
+constexpr double kScorchBlur = 0.93;
+constexpr double kModelShare = 0.22;  // of the shift: what the model of scorch leaves
+constexpr double kLeastOdd = 0.05;    // of the board's light: less cannot be told from noise
+constexpr double kTightBend_per_mm = 1.4;
+constexpr double kTightModel_mm = 0.001;
+constexpr double kBarelyOpen = 0.9;
+constexpr double kWidestMm = 0.6;
+constexpr double kBendMm = 0.3;  // between the readings that tell how a kerf bends
+
+/// Samples of an even and some odd functions over y >= 0 at a fixed step.
+struct Shapes {
+  double step_mm{};
+  std::vector<double> light;  ///< Without blur.
+  std::vector<double> even;   ///< Blurred profile.
+  std::vector<double>
+      burnt;  ///< Blurred light of the board that is left, on the left; its negative on the right.
+
+  [[nodiscard]] static double at(const std::vector<double>& f, double index) {
+    const double clamped = std::clamp(index, 0.0, static_cast<double>(f.size()) - 1.001);
+    const auto i = static_cast<std::size_t>(clamped);
+    const double t = clamped - static_cast<double>(i);
+    return (1.0 - t) * f[i] + t * f[i + 1];
+  }
+  [[nodiscard]] double evenSlope(double y_mm) const {
+    return (at(even, y_mm / step_mm + 1.0) - at(even, y_mm / step_mm - 1.0)) / (2.0 * step_mm);
+  }
+};
+
+/// Convolves a function given on y >= 0, mirrored with a sign to y < 0.
+std::vector<double> blurred(const std::vector<double>& f, double sign, double sigma_steps) {
+  const int reach = static_cast<int>(std::ceil(4.0 * sigma_steps));
+  std::vector<double> kernel;
+  double sum = 0.0;
+  for (int i = -reach; i <= reach; ++i) {
+    kernel.push_back(std::exp(-0.5 * i * i / (sigma_steps * sigma_steps)));
+    sum += kernel.back();
+  }
+  const int n = static_cast<int>(f.size());
+  std::vector<double> out(f.size());
+  for (int i = 0; i < n; ++i) {
+    double v = 0.0;
+    for (int k = -reach; k <= reach; ++k) {
+      const int at = i + k;
+      const double value = f[static_cast<std::size_t>(std::min(std::abs(at), n - 1))];
+      v += kernel[static_cast<std::size_t>(k + reach)] * (at < 0 ? sign : 1.0) *
+           (at == 0 && sign < 0.0 ? 0.0 : value);
+    }
+    out[static_cast<std::size_t>(i)] = v / sum;
+  }
+  return out;
+}
+
+/// Share of the cutting fluence over y; 1 and more is open.
+double shareAt(const FlankQuery& q, double peak, double y_mm) {
+  if (!(q.beam_radius_mm > 0.0)) return y_mm < q.half_width_mm ? std::min(peak, 1.0) : 0.0;
+  const double a = y_mm / q.beam_radius_mm;
+  return peak * std::exp(-2.0 * a * a);
+}
+
+/// Light that the pixels in the middle of a kerf show, which the lens has mixed with that of its flanks.
+double seenTop(const FlankQuery& q, double peak, double transmission) {
+  const double sigma_mm = std::hypot(q.lens_px, kPeakPx / std::numbers::sqrt3) * q.pixel_mm;
+  double sum = 0.0;
+  double weight = 0.0;
+  for (int i = -kFlankTopSamples; i <= kFlankTopSamples; ++i) {
+    const double z = 3.5 * i / kFlankTopSamples;
+    const double w = std::exp(-0.5 * z * z);
+    const double share = std::min(1.0, shareAt(q, peak, std::abs(z) * sigma_mm));
+    sum += w * q.open_gray * std::pow(transmission, 1.0 - share);
+    weight += w;
+  }
+  return sum / weight;
+}
+
+double peakShare(const FlankQuery& q, double transmission) {
+  const auto shareOf = [&](double gray) {
+    return 1.0 - std::log(std::min(gray, q.open_gray) / q.open_gray) / std::log(transmission);
+  };
+  if (q.top_gray < kBarelyOpen * q.open_gray) {
+    double low = std::max(0.0, shareOf(q.top_gray));
+    if (!(q.beam_radius_mm > 0.0)) return low;
+    double high = 1.0;
+    for (int i = 0; i < 20; ++i) {
+      const double middle = 0.5 * (low + high);
+      (seenTop(q, middle, transmission) < q.top_gray ? low : high) = middle;
+    }
+    return low;
+  }
+  if (!(q.beam_radius_mm > 0.0)) return 1.0;
+  const double a = q.half_width_mm / q.beam_radius_mm;
+  return std::max(1.0, shareOf(0.5 * (q.top_gray + q.board_gray)) * std::exp(2.0 * a * a));
+}
+
+Shapes shapesOf(const FlankQuery& q) {
+  Shapes s;
+  s.step_mm = q.pixel_mm / kGridPerPx;
+  const auto n = static_cast<std::size_t>((q.half_width_mm + kReachPx * q.pixel_mm) / s.step_mm) + 2;
+  const double transmission = std::clamp(q.board_gray / q.open_gray, 1e-3, 0.9);
+  const double peak = peakShare(q, transmission);
+  std::vector<double> light(n);
+  std::vector<double> left(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double y_mm = static_cast<double>(i) * s.step_mm;
+    const double share = shareAt(q, peak, y_mm);
+    light[i] = q.open_gray * std::pow(transmission, 1.0 - std::min(1.0, share));
+    left[i] = share >= 1.0 ? 0.0 : light[i];
+  }
+  s.light = light;
+  const double sigma_steps = std::hypot(q.lens_px, kSplinePx) * kGridPerPx;
+  s.even = blurred(light, 1.0, sigma_steps);
+  s.burnt = blurred(left, -1.0, sigma_steps);
+  return s;
+}
+
+/// Where a profile that falls from its middle outwards is down to a level.
+double halfWidthAt(const std::vector<double>& profile, double level, double step_mm) {
+  std::size_t i = 1;
+  while (i + 1 < profile.size() && profile[i] > level) ++i;
+  const double fall = profile[i - 1] - profile[i];
+  const double share = fall > 0.0 ? std::clamp((profile[i - 1] - level) / fall, 0.0, 1.0) : 1.0;
+  return (static_cast<double>(i) - 1.0 + share) * step_mm;
+}
+
+/// The query's own half width is that of the picture, at half of the brightness seen in its middle. What it
+/// would be without blur, so that the model's picture is as wide as the real one.
+double sharpHalfWidth(FlankQuery query, double seen_mm) {
+  const double seen_level = 0.5 * (query.top_gray + query.board_gray);
+  double light_mm = seen_mm;
+  for (int i = 0; i < 4; ++i) {
+    const Shapes s = shapesOf(query);
+    light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
+    const double error_mm = halfWidthAt(s.even, seen_level, s.step_mm) - seen_mm;
+    query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
+  }
+  return light_mm;
+}
+
+}  // namespace
+
+FlankModel::FlankModel(const FlankQuery& query) {
+  const bool sane = query.board_gray > 0.5 && query.open_gray > 1.2 * query.board_gray &&
+                    query.top_gray > 1.1 * query.board_gray && query.half_width_mm > 0.2 * query.pixel_mm &&
+                    query.half_width_mm < kWidestMm;
+  if (!sane) return;
+  FlankQuery scorched = query;
+  scorched.lens_px *= kScorchBlur;
+  const Shapes s = shapesOf(scorched);
+  // Where the blurred profile is half way down.
+  const double level = 0.5 * (s.even.front() + query.board_gray);
+  std::size_t flank = 1;
+  while (flank + 2 < s.even.size() && s.even[flank] > level) ++flank;
+  const double f_mm = static_cast<double>(flank) * s.step_mm;
+  const double slope = s.evenSlope(f_mm);
+  if (!(slope < 0.0)) return;
+  // Scorch that takes a share k more on the left than on the right: half of that each way.
+  const auto asymmetry = [&](double y_mm) { return -0.5 * Shapes::at(s.burnt, y_mm / s.step_mm); };
+  const double shift_mm = -asymmetry(f_mm) / slope;
+  const double beside_mm = f_mm + kBesidePx * query.pixel_mm;
+  const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * s.evenSlope(beside_mm));
+  if (std::abs(odd_gray) > kLeastOdd * query.board_gray) gain_mm_ = shift_mm / odd_gray;
+  widening_mm_ = 2.0 * (query.half_width_mm - sharpHalfWidth(query, query.half_width_mm));
+}
+
+void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
+                std::vector<double>& model_mm) {
+  const std::size_t n = kerf.calipers.size();
+  model_mm.assign(n, 0.0);
+  FlankQuery mean{.open_gray = options.open_gray,
+                  .beam_radius_mm = options.beam_radius_mm,
+                  .pixel_mm = pixel_mm,
+                  .lens_px = blur.px};
+  double count = 0.0;
+  const auto good = [&](std::size_t i) {
+    const Caliper& c = kerf.calipers[i];
+    return c.found && !c.near_joint && plan.stations[i].hidden_count == 0 &&
+           std::isfinite(readings[i].odd_gray);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!good(i)) continue;
+    count += 1.0;
+    mean.half_width_mm += 0.5 * readings[i].width_mm;
+    mean.top_gray += readings[i].top_gray;
+    mean.board_gray += readings[i].base_gray;
+  }
+  for (double* value : {&mean.half_width_mm, &mean.top_gray, &mean.board_gray})
+    *value /= std::max(1.0, count);
+  const FlankModel model(mean);
+  kerf.widening_mm = model.widening_mm();
+  FlankQuery blurred = mean;
+  blurred.lens_px += blur.sigma_px;
+  kerf.widening_sigma_mm = std::abs(FlankModel(blurred).widening_mm() - kerf.widening_mm);
+
+  std::vector<Eigen::Vector3d> sums(1, Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    sums.push_back(sums.back());
+    if (good(i)) {
+      const double odd = readings[i].odd_gray;
+      sums.back() += Eigen::Vector3d(1.0, odd, odd * odd);
+    }
+  }
+  const double pitch_mm = n > 1 ? plan.length_mm / static_cast<double>(n - 1) : 1.0;
+  const auto reach = static_cast<std::size_t>(kSmoothMm / pitch_mm);
+  for (std::size_t i = 0; i < n; ++i) {
+    Caliper& c = kerf.calipers[i];
+    if (!c.found) continue;
+    const std::size_t from = i - std::min(i, reach);
+    const std::size_t to = std::min(n, i + reach + 1);
+    const Eigen::Vector3d sum = sums[to] - sums[from];
+    const double odd_gray = sum.x() > 0.0 ? sum.y() / sum.x() : 0.0;
+    const double variance = sum.x() > 0.0 ? std::max(0.0, sum.z() / sum.x() - odd_gray * odd_gray) : 0.0;
+    // Readings a window and a grain apart are independent.
+    const double independent = std::max(1.0, sum.x() * std::min(1.0, pitch_mm / kIndependentMm));
+    double scorch_mm = model.shiftMm(odd_gray);
+    model_mm[i] = std::hypot(kModelShare * scorch_mm, model.shiftMm(std::sqrt(variance / independent)));
+    const double bend_per_mm = plan.stations[i].curvature_per_mm;
+    if (std::abs(bend_per_mm) > kTightBend_per_mm) {
+      // The kerf of a small hole is no mirror image of itself without any scorch.
+      scorch_mm = 0.0;
+      model_mm[i] = kTightModel_mm;
+    }
+    // The lens draws both edges of a curve towards its centre.
+    const double lens_mm = blur.px * pixel_mm;
+    c.offset_mm -= scorch_mm + 0.5 * lens_mm * lens_mm * bend_per_mm;
+    c.width_mm -= kerf.widening_mm;
+  }
+}
+
+void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf) {
+  const std::size_t n = kerf.calipers.size();
+  if (n < 2) return;
+  const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);
+  const auto apart = static_cast<std::size_t>(std::max(1.0, std::round(kBendMm / pitch_mm)));
+  const double apart_mm = static_cast<double>(apart) * pitch_mm;
+  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to tell.
+  const auto offsetAt = [&](std::size_t i) {
+    const Caliper& c = kerf.calipers[i];
+    return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();
+  };
+  std::vector<double> taken_mm(n, 0.0);
+  // A closed curve goes on past its first station, which is its last.
+  const std::size_t round = n - 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool inside = i >= apart && i + apart < n;
+    if (!inside && !(plan.closed && round > 2 * apart)) continue;
+    const std::size_t before = inside ? i - apart : (i + round - apart) % round;
+    const std::size_t after = inside ? i + apart : (i + apart) % round;
+    const double second = offsetAt(before) - 2.0 * offsetAt(i) + offsetAt(after);
+    if (!std::isfinite(second)) continue;
+    const double window_mm = 2.0 * kWindowHalfMm;
+    taken_mm[i] = (window_mm * window_mm / 24.0 + 0.5 * lens_mm * lens_mm) * second / (apart_mm * apart_mm);
+  }
+  for (std::size_t i = 0; i < n; ++i) kerf.calipers[i].offset_mm -= taken_mm[i];
+}
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "hil/vision/image/lens_blur.h"
+#include "hil/vision/kerf/kerf_caliper.h"
+#include "hil/vision/kerf/kerf_plan.h"
+
+namespace kerfbench::vision {
+
+/// How a kerf's profile looks, so that what scorch does to its two flanks can be told.
+struct FlankQuery {
+  double half_width_mm{};  ///< At half height.
+  double top_gray{};       ///< In the middle.
+  double board_gray{};
+  double open_gray{};
+  double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
+  double pixel_mm{};
+  double lens_px{};  ///< Standard deviation of the picture's blur.
+};
+
+/// Scorch takes a share k of the light of all board that is still there, more on one side than on the other:
+/// the two flanks part from each other's mirror image, and their middle moves. How far follows from what is
+/// seen of it beside the kerf, on the board that is whole.
+///
+/// The profile of the model: a Gaussian beam of peak s0 burns the share s = s0 exp(-2 y²/w²) of what cuts;
+/// board lets open (board / open)^(1 - s) of the light through (Beer's law over the depth left); blurred by
+/// lens and spline. One difference of k between the sides stands for all distances. Of scorch that moves the
+/// flanks by up to 5 um, 1 um is left.
+class FlankModel {
+ public:
+  explicit FlankModel(const FlankQuery& query);
+
+  /// Shift of the middle of the flanks towards the left normal, from KerfReading::odd_gray.
+  [[nodiscard]] double shiftMm(double odd_gray) const { return gain_mm_ * odd_gray; }
+  /// By how much lens and spline make the kerf look wider than light that comes through it is.
+  [[nodiscard]] double widening_mm() const { return widening_mm_; }
+
+ private:
+  double gain_mm_{};      ///< Per gray; 0 where the model does not hold.
+  double widening_mm_{};  ///< 0 where the model does not hold.
+};
+
+/// Takes out of all calipers of an entity what scorch, print or the bend of a curve does to their centres,
+/// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
+/// `model_mm` gets what remains uncertain of that, per station.
+void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
+                std::vector<double>& model_mm);
+
+/// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
+/// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the
+/// lens, of blur sigma, draws both flanks in by k sigma²/2. The kerf's bend beyond that of the dieline is its
+/// second difference over readings 0.3 mm apart; where one of those is missing nothing is taken out.
+void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "hil/vision/image/brightness_scan.h"
+
+namespace kerfbench::vision {
+
+/// How bright the back light is over the picture, 1 in its middle: lamp and lens. A polynomial of second
+/// degree, which holds a lens that darkens towards the corners and a lamp that falls off to one side.
+class LightField {
+ public:
+  LightField() = default;  ///< Even light.
+  /// From the board in the pictures of one camera, whatever lies on it: cuts and print are left out as
+  /// outliers. Falls back to even light where the board is too much covered to tell.
+  LightField(std::span<const Background* const> pictures, int width_px, int height_px);
+
+  [[nodiscard]] double at(const Eigen::Vector2d& pixel) const;
+
+ private:
+  using Terms = Eigen::Matrix<double, 6, 1>;
+  [[nodiscard]] Terms termsAt(const Eigen::Vector2d& pixel) const;
+
+  Eigen::Vector2d middle_px_{Eigen::Vector2d::Zero()};
+  double per_px_{0.0};
+  Terms share_{Terms::Unit(0)};
+};
+
+}  // namespace kerfbench::vision

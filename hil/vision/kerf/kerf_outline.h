@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace kerfbench::vision {
+
+/// How a kerf looks in the picture.
+struct KerfLook {
+  double half_width_mm{};  ///< At half height, as seen.
+  double brightness{1.0};  ///< Of its middle.
+  double board_gray{};
+  double open_gray{};
+  double beam_radius_mm{};  ///< 1/e²; 0: a round tool as wide as the kerf.
+  double pixel_mm{};
+};
+
+/// Where the edge of a kerf is seen beyond its end: how far the outline reaches beyond where the beam
+/// stopped.
+///
+/// A Gaussian beam of radius w lays along a straight way, s0 being the share of the cutting fluence in the
+/// middle of it, s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside and a beyond its end. Light by Beer's
+/// law, as in FlankModel; then the blur of lens and spline. s0 is what makes the kerf as wide as it is seen.
+class KerfOutline {
+ public:
+  explicit KerfOutline(const KerfLook& look);
+
+  /// Mean reach along the kerf beyond its end, over a strip of half width `strip_mm`.
+  [[nodiscard]] double reachMm(double strip_mm) const;
+
+ private:
+  [[nodiscard]] double shareAt(double beyond_mm, double beside_mm) const;
+  [[nodiscard]] int samplesOfLook() const;
+  [[nodiscard]] double grayAt(double share) const;
+  /// Of the middle of a straight kerf.
+  [[nodiscard]] double seenTop(double peak) const;
+  /// Of a profile that falls outwards, blurred: where it crosses half way.
+  [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;
+
+  KerfLook look_;
+  double step_mm_;
+  double peak_share_{1.0};
+};
+
+}  // namespace kerfbench::vision

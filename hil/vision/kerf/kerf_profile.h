@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/kerf/kerf_tiles.h"
+
+namespace kerfbench::vision {
+
+/// A caliper's window reaches so far along the curve, each way, where curve and ends allow.
+inline constexpr double kWindowHalfMm = 0.1;
+inline constexpr double kLongestArcRad = 0.35;  ///< Nor farther round a curve than this, each way.
+
+/// A window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to
+/// both sides of it.
+struct CaliperWindow {
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};
+  double curvature_per_mm{};
+  double back_mm{0.1};
+  double ahead_mm{0.1};
+  double reach_mm{0.6};
+};
+
+/// One pixel of a window: signed distance from the curve along its left normal, and its light.
+struct PixelAcross {
+  float across_mm{};
+  float along_mm{};
+  float gray{};   ///< Of even light: the uneven light is taken out.
+  float share{};  ///< How much of it lies between the ends of the window; (0, 1].
+};
+
+/// Brightness across a curve; sample i lies at first_mm + i * step_mm along the left normal.
+///
+/// Every pixel of the window counts at its own distance from the curve, spread by a quintic B-spline of
+/// pixels (0.71 px RMS: about the blur of a lens, so noise is weighed best). That is smooth enough that the
+/// grid of pixels hardly shows: a line along the grid would otherwise be read up to 0.03 px off, the same way
+/// over a long stretch, and no scatter would tell.
+struct Profile {
+  std::vector<float> gray;
+  std::vector<float> weight;  ///< Pixels per sample, in pixels: 0 where all are hidden.
+  double first_mm{};
+  double step_mm{};
+  double pixel_mm{};
+  double noise_gray{};              ///< Of one pixel, on the board.
+  std::vector<PixelAcross> pixels;  ///< What it was made of.
+
+  [[nodiscard]] std::size_t size() const { return gray.size(); }
+  [[nodiscard]] bool seen(std::size_t i) const { return weight[i] >= kLeastWeight; }
+  static constexpr float kLeastWeight = 0.6F;
+};
+
+/// Reads a window from the raw image. Pixels within `hidden_mm` of a point of `hide` are left out: there lies
+/// another kerf.
+void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
+                 const CaliperWindow& window, std::span<const Eigen::Vector2d> hide_S_mm, double hidden_mm,
+                 Profile& profile);
+
+/// The window of a station: as long as curvature and the ends of an open curve allow.
+CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double reach_mm);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "hil/camera/tile_source.h"
+#include "hil/vision/image/brightness_scan.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/kerf/kerf_light.h"
+#include "hil/vision/kerf/kerf_measurement.h"
+#include "hil/vision/marks/constellation.h"
+#include "hil/vision/marks/mark_finder.h"
+#include "twin/base/print_layout.h"
+
+namespace kerfbench::vision {
+
+/// A tile with what is needed to measure in it.
+struct TileView {
+  camera::KerfTile tile;
+  Eigen::Vector2d centre_T_mm{Eigen::Vector2d::Zero()};  ///< What the middle of the image sees.
+  double half_diagonal_mm{};
+  std::optional<Background> background;
+  double noise_gray{};
+  std::vector<FoundMark> marks;  ///< In the camera's plane V.
+  LightField light;              ///< Of the back light; see shareLight().
+};
+
+/// Looks at board and marks.
+TileView viewTile(camera::KerfTile tile, const CameraCalibration& calibration,
+                  const std::vector<double>& diameters_mm);
+
+/// Gives all tiles the light that they were taken in: the camera carries its light with it.
+void shareLight(std::vector<TileView>& tiles);
+
+/// The tiles of one unit, to be asked for the one that sees a point best.
+class TileIndex {
+ public:
+  TileIndex(const std::vector<TileView>& tiles, const CameraCalibration& calibration);
+
+  /// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if
+  /// there is none.
+  [[nodiscard]] const TileView* best(const Eigen::Vector2d& p_T_mm, double border_px) const;
+
+ private:
+  const std::vector<TileView>& tiles_;
+  const CameraCalibration& calibration_;
+  Eigen::AlignedBox2d box_T_mm_;
+  double cell_mm_{1.0};
+  int columns_{};
+  int rows_{};
+  std::vector<std::vector<std::uint32_t>> cells_;  ///< Tiles that may see a point of the cell.
+};
+
+/// How one unit lies on the table.
+struct UnitPlace {
+  PlaneMotion X_TS;
+  double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
+  int marks{};
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< As UnitPose's.
+};
+
+/// From the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
+/// nullopt if the marks do not tell.
+std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
+                                   const PrintLayout& print, const CameraCalibration& calibration,
+                                   std::vector<std::string>& problems);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "hil/vision/image/brightness_scan.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "twin/base/image.h"
+
+namespace kerfbench::vision {
+
+/// A printed disc that was found, darker than the board around it.
+struct FoundMark {
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Its centre in the camera's plane.
+  Eigen::Vector2d pixel{
+      Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
+  double diameter_mm{};          ///< That was looked for.
+  double contrast_gray{};        ///< Board minus ink.
+  /// Standard uncertainty of p_mm per axis, from how the edge of this disc scatters about a circle: noise,
+  /// grain and a rough print, but not the map.
+  double sigma_mm{};
+};
+
+/// Measures the disc near a point of the plane, no farther away than search_mm: gray-weighted centroid of the
+/// edge, mapped through the calibration so that perspective shifts nothing. nullopt if there is no whole,
+/// undisturbed disc of about this diameter.
+std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibration& calibration,
+                                     const Eigen::Vector2d& near_mm, double diameter_mm, double search_mm);
+
+/// All discs of about the given diameters in the picture, in order of row.
+std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration& calibration,
+                                 const Background& background, std::span<const double> diameters_mm);
+
+/// How far from the edge of the image the centre of a disc must be to be measured, px.
+double markBorderPx(double radius_px);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "twin/base/image.h"
+
+namespace kerfbench::vision {
+
+// Parts of measureMark(): what one look at a printed disc tells.
+
+inline constexpr double kOuterRim = 1.4;  ///< Of a disc's radius: all board out to here.
+
+/// Gray of board and ink, and how the light changes over the picture: share per pixel of that at the disc's
+/// centre.
+struct MarkLevels {
+  double board{};
+  double ink{};
+  Eigen::Vector2d slope{Eigen::Vector2d::Zero()};
+};
+
+struct PixelBox {
+  int left, top, right, bottom;  // inclusive
+};
+
+std::optional<PixelBox> boxAround(const GrayImage& image, const Eigen::Vector2d& centre, double half_px);
+
+MarkLevels roughLevels(const GrayImage& image, const PixelBox& box, double disc_share);
+
+struct MarkLook {
+  Eigen::Vector2d centroid;
+  double area_px;
+  MarkLevels levels;
+  double stained_share;    ///< Of the inner disc that is not ink.
+  double darkened_share;   ///< Of the outer ring that is not board.
+  double worst_sector_px;  ///< Farthest that a piece of the edge lies off the circle.
+  double sigma_px;         ///< Of the centroid, per axis.
+};
+
+/// Distances are measured in the plane, so that a tilted disc stays round. Without check_edge,
+/// worst_sector_px and sigma_px are not told.
+MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Vector2d& centre,
+                    const Eigen::Matrix2d& mm_per_pixel, double radius_mm, double edge_half_px,
+                    const MarkLevels& levels, bool check_edge);
+
+/// Centroid of everything dark in the box, to come near enough to look.
+std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const PixelBox& box,
+                                            const Eigen::Vector2d& centre, double within_px,
+                                            double threshold);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/scan/kerf_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "hil/vision/kerf/kerf_pictures.h"
+#include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/kerf/kerf_tiles.h"
+#include "hil/vision/scan/kerf_unit.h"
+
+namespace kerfbench::vision {
+namespace {
+
+/// What a unit that could not be placed leaves: every caliper not found.
+void addUnseen(const KerfPlan& plan, int unit, KerfScan& scan) {
+  for (const EntityPlan& entity : plan.entities) {
+    EntityKerf kerf{unit, entity.entity, {}};
+    for (const Station& s : entity.stations) {
+      constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+      Caliper caliper{.u = s.u, .station_mm = s.station_mm, .p_S_mm = s.p_S_mm};
+      caliper.offset_mm = caliper.sigma_mm = caliper.steady_sigma_mm = caliper.width_mm =
+          caliper.width_sigma_mm = kNan;
+      caliper.near_joint = s.near_corner;
+      kerf.calipers.push_back(caliper);
+    }
+    scan.entities.push_back(std::move(kerf));
+  }
+}
+
+/// Worst first, over all units; the offset is read back from the entities.
+void keepWorstPatches(KerfScan& scan, int count) {
+  const auto offset = [&](const KerfPatch& patch) {
+    double worst = 0.0;
+    for (const EntityKerf& kerf : scan.entities) {
+      if (kerf.unit != patch.unit || kerf.entity != patch.entity) continue;
+      for (const Caliper& c : kerf.calipers) {
+        if (c.found && !c.near_joint) worst = std::max(worst, std::abs(c.offset_mm));
+      }
+    }
+    return worst;
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < scan.patches.size(); ++i) order.emplace_back(-offset(scan.patches[i]), i);
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), static_cast<std::size_t>(std::max(0, count))));
+  std::vector<KerfPatch> kept;
+  for (const auto& [negative_offset, i] : order) kept.push_back(std::move(scan.patches[i]));
+  scan.patches = std::move(kept);
+}
+
+}  // namespace
+
+KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibration, const PrintLayout& print,
+                  const dieline::Dieline& dieline, const KerfScanOptions& options) {
+  if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
+      !(options.beam_radius_mm >= 0.0)) {
+    throw std::invalid_argument(
+        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm >= 0");
+  }
+  const KerfPlan plan = planKerf(dieline, options);
+  KerfScan scan;
+  std::set<int> done;
+  UnitTiles source(tiles, calibration);
+  for (;;) {
+    std::vector<camera::KerfTile> of_unit = source.next();
+    if (of_unit.empty()) break;
+    const int unit = of_unit.front().unit;
+    if (unit < 0 || unit >= print.units || !done.insert(unit).second) {
+      scan.problems.push_back("unit " + std::to_string(unit) +
+                              ": tiles that belong to no unit, or come out of order");
+      continue;
+    }
+    const UnitPictures pictures =
+        viewUnit(std::move(of_unit), unit, print, calibration, options, scan.problems);
+    const TileIndex index(pictures.views, calibration);
+    const std::optional<UnitPlace> place =
+        placeUnit(pictures.views, index, unit, print, calibration, scan.problems);
+    if (!place) {
+      addUnseen(plan, unit, scan);
+      continue;
+    }
+    scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
+    scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
+                          place->residual_mm, place->marks});
+    const UnitScan unit_scan(calibration, plan, options, pictures.views, index, unit, place->X_TS,
+                             pictures.blur);
+    unit_scan.cuts(scan);
+    unit_scan.strays(scan);
+  }
+  for (int unit = 0; unit < print.units; ++unit) {
+    if (done.contains(unit)) continue;
+    scan.problems.push_back("unit " + std::to_string(unit) + ": no tile");
+    addUnseen(plan, unit, scan);
+  }
+  keepWorstPatches(scan, options.patches);
+  return scan;
+}
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/scan/kerf_unit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hil/base/parallel.h"
+#include "hil/vision/corner/kerf_corner.h"
+#include "hil/vision/corner/kerf_joint.h"
+#include "hil/vision/kerf/kerf_flank.h"
+#include "hil/vision/kerf/kerf_stray.h"
+
+namespace kerfbench::vision {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kPatchPx = 80;
+constexpr float kEvenly = 0.75F;
+constexpr double kBorderPx = 4.0;  // what rounding and a curve's bend need
+
+struct Worst {
+  double offset_mm{};  ///< Magnitude.
+  const EntityPlan* plan{};
+  const Station* station{};
+};
+
+std::optional<KerfPatch> cropPatch(const Worst& worst, int unit, const TileIndex& tiles,
+                                   const CameraCalibration& calibration, const PlaneMotion& X_TS) {
+  const Eigen::Vector2d p_T_mm = X_TS * worst.station->p_S_mm;
+  const TileView* view = tiles.best(p_T_mm, 0.0);
+  if (view == nullptr) return std::nullopt;
+  const LocalPixelMap map = calibration.localMap(p_T_mm - view->tile.p_TV_mm);
+  const GrayImage& image = view->tile.image;
+  const int width = std::min(kPatchPx, image.width);
+  const int height = std::min(kPatchPx, image.height);
+  const int left =
+      std::clamp(static_cast<int>(std::lround(map.pixel.x())) - width / 2, 0, image.width - width);
+  const int top =
+      std::clamp(static_cast<int>(std::lround(map.pixel.y())) - height / 2, 0, image.height - height);
+  KerfPatch patch;
+  patch.unit = unit;
+  patch.entity = worst.plan->entity;
+  patch.p_S_mm = worst.station->p_S_mm;
+  patch.image = GrayImage(width, height);
+  for (int r = 0; r < height; ++r) {
+    for (int c = 0; c < width; ++c) patch.image.at(c, r) = image.at(left + c, top + r);
+  }
+  patch.pixel_from_S.linear() = map.pixel_per_mm * X_TS.rotation();
+  patch.pixel_from_S.translation() =
+      map.pixel - Eigen::Vector2d(left, top) - patch.pixel_from_S.linear() * worst.station->p_S_mm;
+  return patch;
+}
+
+/// Whether all of the profile that the own kerf may take is seen, and evenly: where the pixels thin out
+/// across a flank, their mean place is not where they are counted.
+bool seesOwn(const Profile& profile) {
+  float least = std::numeric_limits<float>::infinity();
+  float most = 0.0F;
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const double across_mm = profile.first_mm + static_cast<double>(i) * profile.step_mm;
+    if (std::abs(across_mm) > kOwnMm) continue;
+    least = std::min(least, profile.weight[i]);
+    most = std::max(most, profile.weight[i]);
+  }
+  return least >= Profile::kLeastWeight && least >= kEvenly * most;
+}
+
+/// Of the kerf against the nominal curve, from the neighbours' offsets; 0 where one is missing.
+double slopeAt(const EntityKerf& kerf, std::size_t i) {
+  if (i == 0 || i + 1 >= kerf.calipers.size()) return 0.0;
+  const Caliper& before = kerf.calipers[i - 1];
+  const Caliper& after = kerf.calipers[i + 1];
+  const double slope = (after.offset_mm - before.offset_mm) / (after.station_mm - before.station_mm);
+  return std::isfinite(slope) ? slope : 0.0;
+}
+
+}  // namespace
+
+struct UnitScan::Scratch {
+  Profile profile;
+};
+
+void UnitScan::caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
+                       Caliper& out, KerfReading& reading) const {
+  const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
+  const auto hidden = plan.hidden(station);
+  readProfile(view, calibration_, X_TS_, window, hidden, kHiddenMm, scratch.profile);
+  if (!hidden.empty() && !seesOwn(scratch.profile)) {
+    out.near_joint = true;
+    readProfile(view, calibration_, X_TS_, window, {}, 0.0, scratch.profile);
+  }
+  reading = measureKerf(scratch.profile, options_.open_gray);
+  out.found = reading.found;
+  out.offset_mm = reading.offset_mm;
+  out.width_mm = reading.width_mm;
+  out.brightness = reading.brightness;
+}
+
+void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const {
+  const double pixel_mm = calibration_.pitchMm();
+  const double border_px = (options_.reach_mm + 0.1) / pixel_mm * 1.05 + kBorderPx;
+  Scratch scratch;
+  std::vector<KerfReading> readings;
+  std::vector<WindowOnPixels> windows;
+  kerf.calipers.reserve(plan.stations.size());
+  for (const Station& station : plan.stations) {
+    Caliper caliper{.u = station.u, .station_mm = station.station_mm, .p_S_mm = station.p_S_mm};
+    caliper.near_joint = station.near_corner;
+    caliper.offset_mm = caliper.sigma_mm = caliper.steady_sigma_mm = caliper.width_mm =
+        caliper.width_sigma_mm = kNan;
+    KerfReading reading;
+    reading.noise_mm = reading.board_mm = kNan;
+    const TileView* view = index_.best(X_TS_ * station.p_S_mm, border_px);
+    if (view == nullptr) {
+      ++unseen;
+    } else {
+      caliper.p_V_mm = X_TS_ * station.p_S_mm - view->tile.p_TV_mm;
+      this->caliper(plan, station, *view, scratch, caliper, reading);
+    }
+    kerf.calipers.push_back(caliper);
+    readings.push_back(reading);
+    noise.pixels_mm.push_back(reading.noise_mm);
+    noise.board_mm.push_back(reading.board_mm);
+    windows.push_back(windowOnPixels(plan, station, view));
+  }
+  straighten(plan, readings, options_, pixel_mm, blur_, kerf, noise.model_mm);
+  unbend(plan, blur_.px * pixel_mm, kerf);
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
+}
+
+UnitScan::WindowOnPixels UnitScan::windowOnPixels(const EntityPlan& plan, const Station& station,
+                                                  const TileView* view) const {
+  if (view == nullptr) return {};
+  const LocalPixelMap map = calibration_.localMap(X_TS_ * station.p_S_mm - view->tile.p_TV_mm);
+  const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
+  const Eigen::Matrix2d pixel_per_S =
+      map.pixel_per_mm * X_TS_.rotation() * (window.back_mm + window.ahead_mm);
+  const Eigen::Vector2d normal(-station.tangent.y(), station.tangent.x());
+  return {pixel_per_S * station.tangent, pixel_per_S * normal};
+}
+
+void UnitScan::cuts(KerfScan& scan) const {
+  const std::vector<EntityPlan>& plans = plan_.entities;
+  std::vector<EntityKerf> kerfs(plans.size());
+  std::vector<std::size_t> unseen(plans.size(), 0);
+  std::vector<CutNoise> noise(plans.size());
+  base::forEachIndex(plans.size(), options_.threads, [&](std::size_t e) {
+    kerfs[e] = {unit_, plans[e].entity, {}};
+    measure(plans[e], kerfs[e], noise[e], unseen[e]);
+  });
+  for (std::size_t e = 0; e < plans.size(); ++e) {
+    if (unseen[e] > 0) {
+      scan.problems.push_back("unit " + std::to_string(unit_) + ": " + std::to_string(unseen[e]) + " of " +
+                              std::to_string(plans[e].stations.size()) + " calipers of E" +
+                              std::to_string(plans[e].entity) + " lie outside the tiles");
+    }
+  }
+  setSigmas(plan_, noise, kerfs);
+  joints(kerfs, scan);
+  patches(kerfs, scan);
+  std::move(kerfs.begin(), kerfs.end(), std::back_inserter(scan.entities));
+}
+
+void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const {
+  const JointScene scene{.tiles = &index_,
+                         .calibration = &calibration_,
+                         .X_TS = &X_TS_,
+                         .options = &options_,
+                         .plan = &plan_,
+                         .kerfs = &kerfs,
+                         .blur = blur_,
+                         .unit = unit_};
+  std::vector<CornerKerf> corners(plan_.corners.size());
+  base::forEachIndex(corners.size(), options_.threads,
+                     [&](std::size_t i) { corners[i] = measureCorner(scene, plan_.corners[i]); });
+  scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
+  for (const EntityEnd& end : plan_.free_ends) {
+    if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
+      continue;  // It may end in a bridge.
+    scan.ends.push_back(measureEnd(scene, end));
+  }
+  for (const EntityEnd& start : plan_.closures) {
+    if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;
+    scan.ends.push_back(measureClosure(scene, start));
+  }
+}
+
+void UnitScan::strays(KerfScan& scan) const {
+  std::vector<std::vector<StrayBox>> per_tile(tiles_.size());
+  base::forEachIndex(tiles_.size(), options_.threads, [&](std::size_t t) {
+    per_tile[t] = findStrays(tiles_[t], t, calibration_, X_TS_, plan_.entities, options_.open_gray);
+  });
+  std::vector<StrayBox> boxes;
+  for (const auto& some : per_tile) boxes.insert(boxes.end(), some.begin(), some.end());
+  const std::vector<StrayCut> strays = mergeStrays(std::move(boxes), unit_, options_.stray_min_mm);
+  scan.strays.insert(scan.strays.end(), strays.begin(), strays.end());
+}
+
+void UnitScan::patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const {
+  std::vector<Worst> worst;
+  for (std::size_t e = 0; e < plan_.entities.size(); ++e) {
+    Worst here;
+    for (std::size_t i = 0; i < kerfs[e].calipers.size(); ++i) {
+      const Caliper& caliper = kerfs[e].calipers[i];
+      if (!caliper.found || caliper.near_joint || std::abs(caliper.offset_mm) <= here.offset_mm) continue;
+      here = {std::abs(caliper.offset_mm), &plan_.entities[e], &plan_.entities[e].stations[i]};
+    }
+    if (here.station != nullptr) worst.push_back(here);
+  }
+  std::stable_sort(worst.begin(), worst.end(),
+                   [](const Worst& a, const Worst& b) { return a.offset_mm > b.offset_mm; });
+  worst.resize(std::min(worst.size(), static_cast<std::size_t>(std::max(0, options_.patches))));
+  for (const Worst& w : worst) {
+    if (auto patch = cropPatch(w, unit_, index_, calibration_, X_TS_)) {
+      scan.patches.push_back(std::move(*patch));
+    }
+  }
+}
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "hil/vision/image/lens_blur.h"
+#include "hil/vision/kerf/kerf_caliper.h"
+#include "hil/vision/kerf/kerf_noise.h"
+#include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/kerf/kerf_tiles.h"
+
+namespace kerfbench::vision {
+
+/// Measures everything about one unit whose place is known.
+class UnitScan {
+ public:
+  UnitScan(const CameraCalibration& calibration, const KerfPlan& plan, const KerfScanOptions& options,
+           const std::vector<TileView>& tiles, const TileIndex& index, int unit, const PlaneMotion& X_TS,
+           const LensBlur& blur)
+      : calibration_(calibration),
+        plan_(plan),
+        options_(options),
+        tiles_(tiles),
+        index_(index),
+        unit_(unit),
+        X_TS_(X_TS),
+        blur_(blur) {}
+
+  /// Calipers with their uncertainties, corners, ends and the unit's worst patches.
+  void cuts(KerfScan& scan) const;
+  void strays(KerfScan& scan) const;
+
+ private:
+  /// A caliper's window on the grid of pixels, px: a step along it, and one as long across.
+  struct WindowOnPixels {
+    Eigen::Vector2d along_px{Eigen::Vector2d::Zero()};
+    Eigen::Vector2d across_px{Eigen::Vector2d::Zero()};
+    /// What the grid leaves of the offset of a kerf that lies askew in the window.
+    [[nodiscard]] double gridNoise_mm(double slope, double pixel_mm) const {
+      return gridNoisePx(along_px + slope * across_px) * pixel_mm;
+    }
+  };
+  struct Scratch;
+  void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
+  void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
+               Caliper& out, KerfReading& reading) const;
+  [[nodiscard]] WindowOnPixels windowOnPixels(const EntityPlan& plan, const Station& station,
+                                              const TileView* view) const;
+  void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
+  void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
+
+  const CameraCalibration& calibration_;
+  const KerfPlan& plan_;
+  const KerfScanOptions& options_;
+  const std::vector<TileView>& tiles_;
+  const TileIndex& index_;
+  int unit_;
+  PlaneMotion X_TS_;
+  LensBlur blur_;
+};
+
+}  // namespace kerfbench::vision

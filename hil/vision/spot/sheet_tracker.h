@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hil/vision/image/camera_calibration.h"
+#include "hil/vision/marks/constellation.h"
+#include "hil/vision/marks/mark_finder.h"
+#include "hil/vision/spot/spot_fit.h"
+#include "hil/vision/spot/spot_track.h"
+#include "twin/base/image.h"
+#include "twin/base/print_layout.h"
+
+namespace kerfbench::vision {
+
+/// Follows the printed marks from frame to frame. Frames must come in order; all state is here, so the result
+/// depends on nothing else.
+class SheetTracker {
+ public:
+  SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s);
+
+  /// What lies where the glowing spot is cannot be measured.
+  struct KeepOut {
+    Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
+    double radius_mm{};
+  };
+
+  /// Poses of the units in view. `all_marks` is the result of a full search of this frame, where one was
+  /// made.
+  std::vector<SheetPose> step(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot,
+                              const std::vector<FoundMark>* all_marks);
+
+  /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm
+  /// of `near_mm`, or all.
+  [[nodiscard]] std::vector<DiscInPicture> discs(const std::optional<Eigen::Vector2d>& near_mm,
+                                                 double reach_mm) const;
+
+ private:
+  struct UnitState {
+    PlaneMotion motion;       ///< Of S of the unit.
+    double angle_variance{};  ///< Of motion.angle_rad, rad².
+    double time_s{};
+  };
+
+  /// Of the unit itself or of its freshest neighbour.
+  [[nodiscard]] UnitState predict(int unit, double time_s) const;
+  [[nodiscard]] double looseness(int unit, double time_s) const;
+  [[nodiscard]] bool markInView(const Eigen::Vector2d& p_mm, double diameter_mm) const;
+  [[nodiscard]] DiscInPicture discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const;
+  void poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm);
+  bool lock(const std::vector<FoundMark>& seen, double time_s);
+  std::vector<SheetPose> measure(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot);
+  [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
+                              const std::map<int, PlaneMotion>& poses) const;
+
+  const CameraCalibration& calibration_;
+  const PrintLayout& print_;
+  double pitch_mm_;    ///< Of the pixels.
+  double speed_mm_s_;  ///< Of the web along x, as measured; nominal at first.
+  double largest_diameter_mm_{};
+  std::map<int, UnitState> units_;
+  double contrast_gray_{80.0};
+  double pooled_mm3_{};  ///< Mean of variance times diameter of the marks before …
+  double pooled_{};      ///< … and of how many.
+  bool angle_known_{};   ///< Two marks of a unit were seen at once, ever.
+  double time_s_{};
+};
+
+}  // namespace kerfbench::vision

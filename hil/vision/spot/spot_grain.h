@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "hil/vision/spot/spot_fit.h"
+#include "twin/base/image.h"
+
+namespace kerfbench::vision {
+
+/// What pixels of plain board have in common with their neighbours: noise alone has nothing in common, the
+/// board's grain does. Taken from the surroundings of the spots of all frames so far.
+class BoardGrain {
+ public:
+  /// Looks at the board around a spot.
+  void add(const GrayImage& image, const SpotFit& fit, double board_gray);
+
+  /// Covariance of the spot's centre by all that the board's pixels scatter, in common or each for itself,
+  /// and by the shot noise of the spot's own light. The board's grain under the light of the spot is that of
+  /// the board around it.
+  [[nodiscard]] Eigen::Matrix2d centreCovariance(const SpotFit& fit, const PixelNoise& noise) const;
+
+ private:
+  static constexpr int kReach = 4;  ///< Of pixels that may have something in common.
+  static constexpr int kSide = 2 * kReach + 1;
+
+  [[nodiscard]] double at(int dc, int dr) const;
+
+  std::array<double, kSide*(kReach + 1)> products_{};
+  std::array<double, kSide*(kReach + 1)> pairs_{};
+};
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/spot/spot_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/LU>
+
+#include "hil/base/parallel.h"
+#include "hil/vision/image/brightness_scan.h"
+#include "hil/vision/marks/mark_finder.h"
+#include "hil/vision/spot/sheet_tracker.h"
+#include "hil/vision/spot/spot_fit.h"
+#include "hil/vision/spot/spot_grain.h"
+
+namespace kerfbench::vision {
+namespace {
+
+constexpr std::size_t kBatch = 16;
+constexpr std::size_t kCandidates = 4;
+constexpr int kSearchEvery = 20;        // frames, at most
+constexpr double kSearchEveryMm = 5.0;  // of belt, at most
+constexpr int kDarkGray = 8;
+constexpr double kSaturatedShare = 0.02;
+// Of all marks that should have been seen.
+constexpr double kMissingShare = 0.2;
+constexpr double kMovedShare = 0.05;
+
+/// What can be told from one frame alone.
+struct Glance {
+  std::optional<SpotFit> spot;
+  double board_gray{};
+  double noise_gray{};
+  PixelNoise noise;
+  FrameFaults faults;
+  bool searched{};
+  std::vector<FoundMark> marks;
+};
+
+Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
+                std::span<const double> diameters_mm, const ShotNoise& shot, bool search) {
+  Glance glance;
+  const BrightnessScan scan = scanBrightness(frame.image, kCandidates);
+  const Background& background = scan.background;
+  glance.board_gray = background.median();
+  glance.noise_gray = background.noise();
+  glance.faults = {.dark = background.median() < kDarkGray,
+                   .saturated = background.saturatedShare() > kSaturatedShare,
+                   .blurred = false,
+                   .lifeless = background.lifeless()};
+  glance.noise = shot.on(glance.board_gray, glance.noise_gray);
+  for (const BrightPeak& peak : scan.peaks) {
+    glance.spot = fitSpot(frame.image, peak, background.at(peak.column, peak.row), glance.noise);
+    if (glance.spot) break;
+  }
+  if (search) {
+    glance.searched = true;
+    glance.marks = findMarks(frame.image, calibration, background, diameters_mm);
+  }
+  return glance;
+}
+
+/// Frames between full searches: often enough that a mark does not run through the view unnoticed.
+std::size_t searchStride(const std::vector<Frame>& frames, double speed_mm_s) {
+  if (frames.size() < 2) return 1;
+  const double per_frame_mm = std::abs(speed_mm_s * (frames[1].start_s - frames[0].start_s));
+  if (!(per_frame_mm > kSearchEveryMm / kSearchEvery)) return kSearchEvery;
+  return static_cast<std::size_t>(std::max(1.0, kSearchEveryMm / per_frame_mm));
+}
+
+void placeSpot(FrameMeasurement& out, const SpotFit& fit, const CameraCalibration& calibration,
+               double widest_mm) {
+  const Eigen::Vector2d p_mm = calibration.planeFromPixel(fit.pixel);
+  const Eigen::Matrix2d mm_per_pixel = calibration.localMap(p_mm).pixel_per_mm.inverse();
+  const Eigen::Matrix2d covariance_mm2 = mm_per_pixel * fit.covariance_px2 * mm_per_pixel.transpose();
+  out.spot_W_mm = p_mm;
+  out.spot_sigma_mm = std::sqrt(0.5 * covariance_mm2.trace());
+  const double scale_mm = std::sqrt(std::abs(mm_per_pixel.determinant()));
+  out.faults.blurred = fit.short_sigma_px * scale_mm > widest_mm;
+}
+
+/// Where the spot's light reaches, nothing else can be measured.
+SheetTracker::KeepOut keepOutOf(const FrameMeasurement& out, const SpotFit& fit, double pitch_mm) {
+  return {*out.spot_W_mm, (4.0 * fit.long_sigma_px + 2.0) * pitch_mm};
+}
+
+/// The spot shines on a mark: fit both, or find it in the ink where it does not outshine the board.
+std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance, const SheetTracker& tracker,
+                                    const CameraCalibration& calibration, double pitch_mm) {
+  if (glance.spot) {
+    const Eigen::Vector2d p_mm = calibration.planeFromPixel(glance.spot->pixel);
+    const double reach_mm = (4.0 * glance.spot->long_sigma_px + 6.0) * pitch_mm;
+    const std::vector<DiscInPicture> discs = tracker.discs(p_mm, reach_mm);
+    if (discs.empty()) return std::nullopt;
+    const BrightPeak peak{static_cast<int>(glance.spot->pixel.x()), static_cast<int>(glance.spot->pixel.y()),
+                          static_cast<int>(std::min(255.0, glance.spot->height_gray))};
+    return fitSpot(image, peak, glance.board_gray, glance.noise, discs);
+  }
+  for (const DiscInPicture& disc : tracker.discs(std::nullopt, 0.0)) {
+    const std::optional<BrightPeak> peak = peakOnDisc(image, disc, glance.board_gray, glance.noise_gray);
+    if (!peak) continue;
+    if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise, {&disc, 1})) return fit;
+  }
+  return std::nullopt;
+}
+
+void tellUnfit(SpotTrack& track, bool FrameFaults::*fault, const char* what) {
+  const auto unfit = [&](const FrameMeasurement& frame) { return frame.faults.*fault; };
+  const auto first = std::find_if(track.frames.begin(), track.frames.end(), unfit);
+  if (first == track.frames.end()) return;
+  track.problems.push_back(std::to_string(std::count_if(first, track.frames.end(), unfit)) +
+                           " frames of the spot camera are " + what + ", the first is number " +
+                           std::to_string(first->sequence) + ".");
+}
+
+void tellProblems(SpotTrack& track) {
+  tellUnfit(track, &FrameFaults::dark, "dark");
+  tellUnfit(track, &FrameFaults::saturated, "saturated");
+  tellUnfit(track, &FrameFaults::blurred, "blurred");
+  tellUnfit(track, &FrameFaults::lifeless, "without any noise");
+  double expected = 0.0, seen = 0.0, moved = 0.0;
+  for (const FrameMeasurement& frame : track.frames) {
+    for (const SheetPose& pose : frame.sheet) {
+      expected += pose.expected;
+      seen += std::min(pose.expected, pose.marks + pose.moved);
+      moved += pose.moved;
+    }
+  }
+  if (expected - seen > kMissingShare * expected)
+    track.problems.emplace_back("Printed marks are missing where the print has them.");
+  if (moved > kMovedShare * expected)
+    track.problems.emplace_back("Printed marks do not lie to each other as the print has them.");
+}
+
+}  // namespace
+
+SpotTrack trackSpot(camera::FrameSource& source, const CameraCalibration& calibration,
+                    const PrintLayout& print, const SpotTrackOptions& options) {
+  SpotTrack track;
+  std::optional<SheetTracker> tracker(std::in_place, calibration, print, options.nominal_speed_mm_s);
+  const double pitch_mm = calibration.pitchMm();
+  std::vector<double> diameters_mm;
+  for (const RegistrationMark& mark : print.marks) {
+    if (std::find(diameters_mm.begin(), diameters_mm.end(), mark.diameter_mm) == diameters_mm.end()) {
+      diameters_mm.push_back(mark.diameter_mm);
+    }
+  }
+  ShotNoise shot;  // Of the batches before: the same at any number of threads.
+  BoardGrain grain;
+  std::size_t stride = 0;
+  std::size_t done = 0;
+  for (;;) {
+    const std::vector<Frame> batch = source.nextBatch(kBatch);
+    if (batch.empty()) break;
+    for (const Frame& frame : batch) {
+      if (frame.image.width != calibration.width_px || frame.image.height != calibration.height_px) {
+        throw std::invalid_argument(
+            "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
+            std::to_string(frame.image.height) + " px, the calibration is for " +
+            std::to_string(calibration.width_px) + " x " + std::to_string(calibration.height_px));
+      }
+    }
+    if (stride == 0) stride = searchStride(batch, options.nominal_speed_mm_s);
+
+    std::vector<Glance> glances(batch.size());
+    base::forEachIndex(batch.size(), options.threads, [&](std::size_t i) {
+      glances[i] = glanceAt(batch[i], calibration, diameters_mm, shot, (done + i) % stride == 0);
+    });
+
+    // In order, and cheap: the marks are where the frame before says.
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const Frame& frame = batch[i];
+      const Glance& glance = glances[i];
+      FrameMeasurement out;
+      out.faults = glance.faults;
+      out.sequence = frame.sequence;
+      out.mid_s = frame.start_s + 0.5 * frame.exposure_s;
+      if (!track.frames.empty()) {
+        const std::uint64_t last = track.frames.back().sequence;
+        // A repeated or backward number is as untrustworthy as a gap.
+        track.frames_lost += frame.sequence > last ? frame.sequence - last - 1 : 1;
+      }
+      std::optional<SheetTracker::KeepOut> keep_out;
+      if (glance.spot) {
+        grain.add(frame.image, *glance.spot, glance.board_gray);
+        SpotFit fit = *glance.spot;
+        fit.covariance_px2 = grain.centreCovariance(fit, glance.noise);
+        placeSpot(out, fit, calibration, options.widest_spot_mm);
+        keep_out = keepOutOf(out, *glance.spot, pitch_mm);
+      }
+      const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
+      const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker;
+      out.sheet = tracker->step(frame.image, out.mid_s, keep_out, marks);
+      if (auto better = fitWithPrint(frame.image, glance, *tracker, calibration, pitch_mm)) {
+        better->covariance_px2 = grain.centreCovariance(*better, glance.noise);
+        placeSpot(out, *better, calibration, options.widest_spot_mm);
+        if (before) {
+          // A spot that print hid at first has shone into the marks: again, without those that it reaches.
+          tracker.emplace(*before);
+          out.sheet = tracker->step(frame.image, out.mid_s, keepOutOf(out, *better, pitch_mm), marks);
+        }
+      }
+      track.frames.push_back(std::move(out));
+    }
+    for (const Glance& glance : glances) {
+      if (glance.spot) shot.add(glance.spot->shot);
+    }
+    done += batch.size();
+  }
+  tellProblems(track);
+  return track;
+}
+
+}  // namespace kerfbench::vision

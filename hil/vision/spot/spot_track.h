@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/camera/frame_source.h"
+#include "hil/vision/image/camera_calibration.h"
+#include "twin/base/print_layout.h"
+
+namespace kerfbench::vision {
+
+/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's
+/// own frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of
+/// unit k.
+struct SheetPose {
+  int unit{};  ///< Which unit's marks were seen.
+  Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
+  double angle_rad{};
+  double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
+  int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
+  int expected{};        ///< Marks that lie well within the picture and not under the spot.
+  int moved{};           ///< Of those, seen, but not where the others let expect it: not used.
+  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad². With one mark the angle is as
+  /// uncertain as it was when last measured, and errs alike in all frames since. Without map_u_mm.
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
+};
+
+/// What makes a frame unfit to measure in.
+struct FrameFaults {
+  bool dark{};       ///< Hardly any light on the board.
+  bool saturated{};  ///< A large part of the picture is as bright as it can be.
+  bool blurred{};    ///< The spot is wider than SpotTrackOptions::widest_spot_mm.
+  bool lifeless{};   ///< No noise at all: not the picture of a sensor.
+  [[nodiscard]] bool any() const { return dark || saturated || blurred || lifeless; }
+};
+
+/// What one frame of the spot camera showed.
+struct FrameMeasurement {
+  std::uint64_t sequence{};
+  double mid_s{};                            ///< Middle of the exposure.
+  std::optional<Eigen::Vector2d> spot_W_mm;  ///< Centre of the glowing spot; absent when the laser was dark.
+  /// Estimated standard uncertainty per axis, mm: noise and the grain of the board, but neither what the
+  /// board multiplies the glow by nor map_u_mm.
+  double spot_sigma_mm{};
+  std::vector<SheetPose> sheet;  ///< One pose for each unit with marks in view.
+  FrameFaults faults{};
+};
+
+struct SpotTrackOptions {
+  int threads{1};  ///< The result is the same at any number.
+  /// Of the belt, for telling the units apart between frames; from the scenario.
+  double nominal_speed_mm_s{};
+  /// Standard deviation of the light across its way, beyond which the picture is blurred, mm.
+  double widest_spot_mm{0.3};
+};
+
+struct SpotTrack {
+  std::vector<FrameMeasurement> frames;
+  std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
+  /// Why the frames must not be judged by, in sentences: unfit frames, marks missing or moved in many of
+  /// them. INVALID when there is any. Lost frames are told by frames_lost alone.
+  std::vector<std::string> problems{};
+};
+
+/// Measures all frames: spot by a sub-pixel estimator anywhere in the frame, sheet pose from the printed
+/// marks. Unit 0 is the first that enters the view; later ones follow one pitch upstream.
+SpotTrack trackSpot(camera::FrameSource& source, const CameraCalibration& calibration,
+                    const PrintLayout& print, const SpotTrackOptions& options);
+
+}  // namespace kerfbench::vision

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/controller/controller_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "firmware_under_test/controller/protocol.h"
+#include "tests/hil/controller/spoken_frames.h"
+
+namespace kerfbench::controller {
+namespace {
+
+using Said = inspect::ControllerEnd::Said;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr TickRate kRate{1, 16'000'000};
+
+class ControllerWordsTest : public testing::Test {
+ protected:
+  void says(std::uint8_t state, std::uint8_t fault, double at_s) {
+    recording.uart.push_back({kRate.ticksAt(at_s), spokenState(state, fault, 0)});
+  }
+  [[nodiscard]] inspect::ControllerEnd end() const {
+    return controllerEnd(ControllerEar(recording), PinSums(recording, {}), recording);
+  }
+  source::PinRecording recording{kRate, {}, {}, {}, 0, false};
+  LockstepResult run;
+};
+
+TEST_F(ControllerWordsTest, TheFirstEndCountsAndIsToldInWords) {
+  says(KB_RUNNING, KB_OK, 1.0);
+  EXPECT_EQ(end().said, Said::kNothing);
+  says(KB_STOPPED, KB_FAULT_BELT_FAST, 2.0);
+  says(KB_IDLE, KB_OK, 3.0);
+  EXPECT_EQ(end().said, Said::kStopped);
+  EXPECT_EQ(end().time_s, 2.0);
+  EXPECT_EQ(end().fault, "belt-fast");
+  EXPECT_EQ(end().reason, "the belt is too fast for this job");
+  EXPECT_TRUE(end().of_release);
+  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+}
+
+TEST_F(ControllerWordsTest, OnlyLineHostAndWhatNobodyKnowsAreNotTheReleases) {
+  for (std::uint8_t fault = 0; fault < faultNames().size() + 2; ++fault) {
+    recording.uart.clear();
+    says(KB_STOPPED, fault, 2.0);
+    const bool other =
+        fault == KB_OK || fault == KB_FAULT_SILENT || fault == KB_FAULT_UART || fault >= faultNames().size();
+    EXPECT_EQ(end().of_release, !other) << int{fault};
+    EXPECT_EQ(unprovenEnd(end(), run).empty(), !other) << int{fault};
+  }
+}
+
+TEST_F(ControllerWordsTest, AGuardThatWasOpenedIsNotTheReleases) {
+  says(KB_STOPPED, KB_FAULT_INTERLOCK, 2.0);
+  recording.sensors = {{1, Signal::kInterlock, true}};
+  EXPECT_TRUE(end().of_release) << "it was closed";
+  recording.sensors.push_back({kRate.ticksAt(1.9), Signal::kInterlock, false});
+  EXPECT_FALSE(end().of_release);
+  EXPECT_THAT(unprovenEnd(end(), run), HasSubstr("the guard was opened"));
+}
+
+TEST_F(ControllerWordsTest, AHostThatGaveUpBeforeIsTheProblem) {
+  says(KB_STOPPED, KB_FAULT_DRY, 2.0);
+  run.dialog.reason = "at 1.900 s: the controller no longer answers";
+  run.dialog.time_s = 1.9;
+  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
+  run.dialog.time_s = 2.1;
+  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+}
+
+TEST_F(ControllerWordsTest, NoEndIsAProblemAndEachOnlyOnce) {
+  EXPECT_THAT(unprovenEnd(end(), run), HasSubstr("never said"));
+  run.dialog.reason = "at 1.900 s: the controller has lost the program";
+  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
+  run.dialog.reason.clear();
+  run.problems = {"the firmware crashed"};
+  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+}
+
+TEST_F(ControllerWordsTest, DoneAndAHostThatDisagreesIsAProblem) {
+  says(KB_DONE, KB_OK, 2.0);
+  EXPECT_EQ(end().said, Said::kDone);
+  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+  run.dialog.reason = "at 2.100 s: the controller says that it is done before it has the whole program";
+  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
+}
+
+}  // namespace
+}  // namespace kerfbench::controller

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// The procedure of `calibrate head` and its page, with marks that are computed in place of cut ones.
+#include "hil/head_service/head_procedure.h"
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/head_service/head_report.h"
+#include "tests/hil/calibrate/head/simulated_head.h"
+#include "tests/hil/report/page_checks.h"
+
+namespace kerfbench::head_service {
+namespace {
+
+using Eigen::Vector2d;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+class HeadProcedure : public testing::Test {
+ protected:
+  HeadProcedure() {
+    setup_.name = "m <300> & co";
+    setup_.nominal = head_.nominal();
+    setup_.nominal.mirror_step_rad = 0.0;
+    setup_.design = head_.design();
+    setup_.field_W_mm = head_.field_W_mm();
+    setup_.controller_W_mm = {Vector2d::Constant(-157), Vector2d::Constant(157)};
+    setup_.mark_size_mm = 7.0;
+    setup_.off_mm = 13.0;
+    plan_.date = "2026-11-22";
+  }
+
+  /// A sheet as this head cuts it, measured to a tenth of a micrometre; the first grid lacks a mark.
+  MeasuredSheet cut(const SheetOrder& order) {
+    names_.push_back(order.job.name);
+    rounds_.push_back(order.round);
+    MeasuredSheet sheet;
+    for (const calibrate::WantedMark& mark : order.job.marks) {
+      const Vector2d& p = mark.p_W_mm;
+      const Vector2d d = order.table ? order.table->at_mm(p).value() : Vector2d(0.0, 0.0);
+      const Vector2d aside(order.job.name.starts_with("1-verify") ? first_aside_mm_ : 0.0, 0.0);
+      sheet.marks.push_back({mark, head_.spotFor(p + d, false) + aside, 1e-8 * Eigen::Matrix2d::Identity()});
+    }
+    if (order.sheet == 0) {
+      sheet.marks.pop_back();
+      sheet.missing = 1;
+      sheet.remarks = {"mark 8 is <missing>"};
+    }
+    return sheet;
+  }
+
+  HeadCalibration calibrated() {
+    return calibrateHead(
+        setup_, plan_, [this](const SheetOrder& order) { return cut(order); }, [](const HeadIteration&) {});
+  }
+
+  [[nodiscard]] HeadFacts facts() const {
+    HeadFacts facts;
+    facts.machine = setup_.name;
+    facts.command = "./bench calibrate head --machine 'm'";
+    facts.version = "0.1.0";
+    facts.camera = "kerf & co";
+    facts.field_W_mm = setup_.field_W_mm;
+    facts.files = {{"correction.csv", "the table"}, {"/elsewhere/out.csv", "another"}};
+    return facts;
+  }
+
+  test::SimulatedHead head_{test::HeadKind::kTwoMirror300, test::Beyond::kNothing, 3};
+  HeadSetup setup_;
+  HeadPlan plan_;
+  double first_aside_mm_{};  ///< Of the sheets that verify the first table.
+  std::vector<std::string> names_;
+  std::vector<int> rounds_;
+};
+
+TEST_F(HeadProcedure, GoesFromGridToGridUntilEveryPlaceThatVerifiesIsWithinTheLimit) {
+  plan_.limit_mm = 0.0005;
+  const HeadCalibration result = calibrated();
+  EXPECT_EQ(result.end, HeadEnd::kGood);
+  ASSERT_GE(result.iterations.size(), 2U);
+  EXPECT_GT(result.iterations[0].before.max_mm, 1.0);
+  EXPECT_GT(result.iterations[0].after.max_mm, plan_.limit_mm);
+  EXPECT_LE(result.iterations.back().after.max_mm, plan_.limit_mm);
+  EXPECT_EQ(result.iterations.back().after.marks, 400U);
+  EXPECT_EQ(result.best, result.iterations.size() - 1);
+  EXPECT_EQ(names_[0], "1-grid");
+  EXPECT_EQ(names_[1], "1-verify-1");
+  EXPECT_EQ(rounds_[0], 0);
+  EXPECT_EQ(rounds_[1], 1);
+}
+
+TEST_F(HeadProcedure, VerifiesOnSeveralSheetsAtPlacesThatWereNotMarkedForTheFit) {
+  setup_.mark_size_mm = 14.0;  // As many as there is room for on one sheet: fewer.
+  plan_.grids = {9};
+  const HeadCalibration result = calibrated();
+  const HeadIteration& only = result.iterations.at(0);
+  EXPECT_GT(only.verified.size(), 2U);
+  EXPECT_THAT(rounds_, testing::Contains(1).Times(only.verified.size()));
+  std::set<std::pair<double, double>> places;
+  for (const MeasuredSheet& sheet : only.verified) {
+    for (const MeasuredMark& mark : sheet.marks) {
+      const Vector2d& p = mark.wanted.p_W_mm;
+      EXPECT_TRUE(places.emplace(p.x(), p.y()).second);
+      for (const MeasuredMark& marked : only.marks.marks)
+        ASSERT_GE(calibrate::marksApart_mm(p, marked.wanted.p_W_mm), 0.25 * setup_.mark_size_mm);
+    }
+  }
+  EXPECT_EQ(places.size(), 400U);
+}
+
+TEST_F(HeadProcedure, EndsAfterTheLastGridWhenItIsNotGoodEnough) {
+  plan_.grids = {3};
+  plan_.verify = 20;
+  plan_.limit_mm = 1e-6;
+  const HeadCalibration result = calibrated();
+  EXPECT_EQ(result.end, HeadEnd::kGridsUsed);
+  EXPECT_FALSE(result.good());
+  EXPECT_THAT(names_, ElementsAre("1-grid", "1-verify-1"));
+}
+
+/// The sheets that verify the first table lie farther aside than is stated of them.
+class HeadNotAsStated : public HeadProcedure {
+ protected:
+  HeadNotAsStated() {
+    first_aside_mm_ = 0.05;
+    setup_.unmodelled_share = 1e-6;
+    plan_.verify = 40;
+    plan_.limit_mm = 0.5;
+  }
+};
+
+TEST_F(HeadNotAsStated, IsMarkedOnceMoreThoughItsTableIsWithinTheLimit) {
+  const HeadCalibration result = calibrated();
+  EXPECT_EQ(result.end, HeadEnd::kGood);
+  ASSERT_EQ(result.iterations.size(), 2U);
+  EXPECT_LT(result.iterations[0].after.max_mm, plan_.limit_mm);
+  EXPECT_FALSE(result.iterations[0].spread.holds());
+  EXPECT_TRUE(result.iterations[1].spread.holds());
+  EXPECT_EQ(result.best, 1U);
+  EXPECT_EQ(result.endWords(plan_).find("as stated"), std::string::npos);
+}
+
+TEST_F(HeadNotAsStated, IsGoodAndToldIfThereIsNoOtherGrid) {
+  plan_.grids = {3};
+  const HeadCalibration result = calibrated();
+  EXPECT_TRUE(result.good());
+  EXPECT_THAT(result.endWords(plan_), HasSubstr("; they are off "));
+  EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("<b>what is stated is too small</b>"));
+  EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("<td class='num hit'>"));
+}
+
+TEST_F(HeadProcedure, HasAPageThatNeedsNothingElseAndEscapesWhatOthersWrote) {
+  plan_.limit_mm = 0.0005;
+  const HeadCalibration result = calibrated();
+  const std::string html = headHtml(result, plan_, facts());
+  EXPECT_EQ(test::outsideReferences(html, "correction.csv"), "");
+  EXPECT_EQ(test::numberFaults(html), "");
+  EXPECT_EQ(test::unclosedElements(html), "");
+  EXPECT_LT(html.size(), 1U << 20U);
+  EXPECT_EQ(headHtml(result, plan_, facts()), html);
+  EXPECT_THAT(html,
+              HasSubstr("<header class=pass><div class=big>GOOD</div><p>The table is good: at 400 places"));
+  EXPECT_THAT(html, HasSubstr("m &lt;300&gt; &amp; co"));
+  EXPECT_THAT(html, HasSubstr("mark 8 is &lt;missing&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("<300>")));
+  EXPECT_THAT(html, HasSubstr("8 of 9"));
+  EXPECT_THAT(html, HasSubstr("<code>/elsewhere/out.csv</code>"));
+  EXPECT_THAT(html, HasSubstr("<b>Before</b>, errors × "));
+  EXPECT_THAT(html, HasSubstr("<b>After</b>, errors × "));
+}
+
+TEST_F(HeadProcedure, ItsPageTellsTheVerdictHoweverItEnded) {
+  plan_.grids = {3};
+  plan_.verify = 20;
+  plan_.limit_mm = 1e-6;
+  HeadCalibration result = calibrated();
+  EXPECT_THAT(
+      headHtml(result, plan_, facts()),
+      HasSubstr("<header class=fail><div class=big>NOT GOOD</div><p>The table is not good enough after"));
+  result.end = HeadEnd::kNoBetter;
+  EXPECT_THAT(headHtml(result, plan_, facts()), HasSubstr("a denser grid no longer improves it"));
+
+  const HeadCalibration once = calibrateHeadOnce(setup_, result.iterations[0].marks);
+  const std::string html = headHtml(once, plan_, facts());
+  EXPECT_THAT(html, HasSubstr("<header class=notproven><div class=big>NOT VERIFIED</div>"));
+  EXPECT_THAT(html, Not(HasSubstr("<b>After</b>")));
+  EXPECT_EQ(test::outsideReferences(html, "correction.csv") + test::numberFaults(html) +
+                test::unclosedElements(html),
+            "");
+}
+
+}  // namespace
+}  // namespace kerfbench::head_service

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/judge/controller_evidence.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "firmware_under_test/controller/protocol.h"
+#include "tests/hil/controller/spoken_frames.h"
+
+namespace kerfbench::judge {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr TickRate kRate{1, 16'000'000};
+constexpr const char* kGaveUp =
+    "at 2.100 s: the controller says that it is done before it has the whole program";
+
+class HearControllerTest : public testing::Test {
+ protected:
+  HearControllerTest() { run.recording.rate = kRate; }
+  void says(std::uint8_t state, std::uint8_t fault, double at_s) {
+    run.recording.uart.push_back({kRate.ticksAt(at_s), controller::spokenState(state, fault, 0)});
+  }
+  void hear(run::LockstepResult& heard) {
+    Conclusion conclusion;
+    hearController(the_case, run::PreparedJob{}, run.recording, std::numeric_limits<double>::quiet_NaN(),
+                   heard, conclusion);
+  }
+  /// What is made of the recording without a dialog.
+  run::LockstepResult replayed() {
+    run::LockstepResult replay;
+    replay.problems = replay.recording.problems = run.recording.problems;
+    hear(replay);
+    return replay;
+  }
+  scenario::Case the_case;
+  run::LockstepResult run;
+};
+
+// Its replay knew nothing of it, and passed.
+TEST_F(HearControllerTest, AHostThatFailedIsInTheRecordingAndEveryReplayOnce) {
+  says(KB_DONE, KB_OK, 2.0);
+  run.dialog.reason = kGaveUp;
+  run.dialog.time_s = 2.1;
+  hear(run);
+  EXPECT_THAT(run.problems, ElementsAre(kGaveUp));
+  EXPECT_THAT(run.recording.problems, ElementsAre(kGaveUp));
+  EXPECT_THAT(replayed().problems, ElementsAre(kGaveUp));
+  EXPECT_THAT(replayed().recording.problems, ElementsAre(kGaveUp));
+}
+
+TEST_F(HearControllerTest, AStopThatIsNotTheReleasesIsToldOnce) {
+  says(KB_STOPPED, KB_FAULT_SILENT, 2.0);
+  hear(run);
+  ASSERT_EQ(run.recording.problems.size(), 1U);
+  EXPECT_EQ(run.problems, run.recording.problems);
+  EXPECT_EQ(replayed().problems, run.problems);
+}
+
+TEST_F(HearControllerTest, AReleaseThatStoppedIsNoProblem) {
+  says(KB_STOPPED, KB_FAULT_DRY, 2.0);
+  run.dialog.reason = "at 2.000 s: the controller stopped";
+  run.dialog.time_s = 2.0;
+  EXPECT_THAT(unprovenDialog(the_case, run.recording, run), IsEmpty());
+  hear(run);
+  EXPECT_THAT(run.problems, IsEmpty());
+  EXPECT_THAT(run.recording.problems, IsEmpty());
+}
+
+TEST_F(HearControllerTest, AnotherDialogThatFailedIsAProblemOfBoth) {
+  the_case.scenario.firmware.dialog = scenario::FirmwareChoice::Dialog::kLineOk;
+  run.dialog.reason = "at 2.100 s: error:9";
+  EXPECT_EQ(unprovenDialog(the_case, run.recording, run), run.dialog.reason);
+  hear(run);
+  EXPECT_THAT(run.problems, ElementsAre(run.dialog.reason));
+  EXPECT_THAT(run.recording.problems, ElementsAre(run.dialog.reason));
+}
+
+}  // namespace
+}  // namespace kerfbench::judge

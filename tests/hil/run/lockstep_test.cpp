@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/run/lockstep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "hil/machine_file/machine_file.h"
+#include "tests/hil/base/temp_folder.h"
+
+namespace kerfbench::run {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr Tick kQuantum = 8000;
+constexpr TickRate kRate{1, 16'000'000};
+
+// A controller by script: its events, and how it ends.
+class ScriptedSource : public source::SignalSource {
+ public:
+  std::vector<PinEvent> events;
+  Tick stop_at{~Tick{0}};
+  source::Stop stop{source::Stop::kReached};
+  bool accepts_input{true};
+  Tick heard_behind{};  // The watermark.
+
+  std::vector<Tick> advanced;                        // Watermarks.
+  std::vector<std::pair<Tick, std::size_t>> driven;  // Tick of the edge, quanta run before.
+  std::vector<std::uint8_t> written;
+
+  [[nodiscard]] source::SourceInfo info() const override { return {kRate, 0, true, accepts_input, "script"}; }
+  source::Stop advance(Tick until, source::Batch& batch) override {
+    batch = {};
+    const Tick from = advanced.empty() ? 0 : advanced.back();
+    batch.watermark = std::min(until, stop_at);
+    batch.uart_heard = batch.watermark + heard_behind;
+    for (const PinEvent& e : events) {
+      if (e.tick > from && e.tick <= batch.watermark) batch.events.push_back(e);
+    }
+    advanced.push_back(batch.watermark);
+    return until >= stop_at ? stop : source::Stop::kReached;
+  }
+  void drive(PinId, bool, Tick at) override { driven.emplace_back(at, advanced.size()); }
+  void uartWrite(std::span<const std::uint8_t> bytes) override {
+    written.insert(written.end(), bytes.begin(), bytes.end());
+  }
+  [[nodiscard]] std::string message() const override { return "the script says so"; }
+};
+
+// A talk that ends at a given time.
+class ScriptedDialog : public Dialog {
+ public:
+  ScriptedDialog(double end_s, State end) : end_s_(end_s), end_(end) {}
+  std::vector<std::uint8_t> step(std::span<const std::uint8_t>, double now_s) override {
+    ++steps;
+    if (now_s >= end_s_ - 1e-12) state_ = end_;
+    return steps == 1 ? std::vector<std::uint8_t>{1, 2, 3} : std::vector<std::uint8_t>{};
+  }
+  [[nodiscard]] State state() const override { return state_; }
+  [[nodiscard]] std::string message() const override { return "talking"; }
+  int steps{0};
+
+ private:
+  double end_s_;
+  State end_;
+  State state_{State::kBusy};
+};
+
+class Lockstep : public testing::Test {
+ protected:
+  LockstepResult run(Dialog* talk) { return runLockstep(source, twin, machine.signals, talk, options, {}); }
+  const twin::MachineDescription machine =
+      machine_file::readMachine(base::fixture("machines/two-mirror.yaml"));
+  const twin::WebDescription web = [] {
+    twin::WebDescription result;
+    result.print.pitch_mm = 70;
+    result.start_x_mm = -200;
+    result.belt_speed_mm_s = 60;
+    return result;
+  }();
+  twin::Twin twin{machine, web, kRate};
+  ScriptedSource source;
+  ScriptedDialog dialog{0.02, Dialog::State::kDone};
+  LockstepOptions options{.quantum_s = 0.5e-3, .time_limit_s = 1.0, .settle_s = 0.01};
+};
+
+TEST_F(Lockstep, SensorsOfAQuantumAreSentBeforeItRuns) {
+  const auto result = run(&dialog);
+  EXPECT_THAT(result.problems, IsEmpty());
+  ASSERT_GT(source.driven.size(), 150U);  // 0.03 s at 60 mm/s and 0.01 mm.
+  for (const auto& [tick, quanta_before] : source.driven) {
+    EXPECT_GT(tick, quanta_before * kQuantum);
+    EXPECT_LE(tick, (quanta_before + 1) * kQuantum);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(source.driven));
+  EXPECT_EQ(result.recording.sensors.size(), source.driven.size());
+}
+
+TEST_F(Lockstep, GoesOnInWholeQuantaForTheSettlingTimeAfterTheDialog) {
+  options.settle_s = 0.0101;
+  const auto result = run(&dialog);
+  for (std::size_t i = 0; i < source.advanced.size(); ++i) {
+    EXPECT_EQ(source.advanced[i], (i + 1) * kQuantum);
+  }
+  EXPECT_EQ(result.recording.end, source.advanced.back());
+  EXPECT_GE(kRate.seconds(result.recording.end), 0.0301);
+  EXPECT_LE(kRate.seconds(result.recording.end), 0.0301 + 0.5e-3);
+  EXPECT_EQ(dialog.steps, 40);
+}
+
+TEST_F(Lockstep, TheDialogsBytesGoToTheUart) {
+  run(&dialog);
+  EXPECT_THAT(source.written, ElementsAre(1, 2, 3));
+}
+
+TEST_F(Lockstep, TheTwinAndTheRecordingGetEveryEventOnce) {
+  for (Tick tick = 5000; tick < 400000; tick += 1000) {
+    const auto level = static_cast<std::uint16_t>((tick / 1000) % 2);
+    source.events.push_back({tick, 0, 1, level, 0});
+  }
+  const auto result = run(&dialog);
+  EXPECT_EQ(result.recording.outputs, source.events);
+  twin::Twin alone(machine, web, kRate);
+  alone.advance(result.recording.end, source.events);
+  EXPECT_EQ(twin.truth().p_WQ_mm, alone.truth().p_WQ_mm);
+  EXPECT_EQ(twin.pulseTiming()[0].pulses, alone.pulseTiming()[0].pulses);
+  EXPECT_LT(twin.truth().p_WQ_mm.x(), -1.0);
+}
+
+TEST_F(Lockstep, LostEventsAreAProblem) {
+  source.events = {{100'000, 0, 1, 1, 0}, {200'000, 0, 1, 0, PinEvent::kGap}};
+  const auto result = run(&dialog);
+  EXPECT_THAT(result.problems, ElementsAre(HasSubstr("pin events were lost before 0.0125")));
+  EXPECT_EQ(result.recording.outputs.size(), 2U);
+}
+
+TEST_F(Lockstep, EventsLostAgainAndAgainAreOneProblem) {
+  for (Tick tick = 100'000; tick <= 300'000; tick += 100'000)
+    source.events.push_back({tick, 0, 1, static_cast<std::uint16_t>(tick / 100'000 % 2), PinEvent::kGap});
+  EXPECT_THAT(run(&dialog).problems, ElementsAre(AllOf(HasSubstr("lost before 0.0065"),
+                                                       HasSubstr("2 times more, the last before 0.0190"))));
+}
+
+TEST_F(Lockstep, AnEndThatTheDialogDidNotWantIsAProblem) {
+  for (const auto& [stop, words] : {std::pair(source::Stop::kCrashed, "crashed"),
+                                    {source::Stop::kFlooded, "floods"},
+                                    {source::Stop::kHung, "does not answer"},
+                                    {source::Stop::kEnded, "halted before"}}) {
+    ScriptedSource broken;
+    broken.stop = stop;
+    broken.stop_at = 83'333;
+    twin::Twin machine_twin(machine, web, kRate);
+    ScriptedDialog talk(0.02, Dialog::State::kDone);
+    const auto result = runLockstep(broken, machine_twin, machine.signals, &talk, options, {});
+    EXPECT_THAT(result.problems, ElementsAre(HasSubstr(words)));
+    EXPECT_THAT(result.problems, ElementsAre(HasSubstr("at 0.005 s: the script says so")));
+    EXPECT_EQ(result.recording.end, 83'333U);
+    EXPECT_EQ(result.recording.problems, result.problems) << "or a replay would be clean";
+  }
+}
+
+TEST_F(Lockstep, ACrashWhileSettlingIsAProblemToo) {
+  source.stop = source::Stop::kCrashed;
+  source.stop_at = 400'000;
+  EXPECT_THAT(run(&dialog).problems, ElementsAre(HasSubstr("crashed")));
+}
+
+TEST_F(Lockstep, TheTimeLimitIsAProblem) {
+  options.time_limit_s = 0.05;
+  ScriptedDialog endless(1e9, Dialog::State::kDone);
+  const auto result = run(&endless);
+  EXPECT_THAT(result.problems, ElementsAre(HasSubstr("the time limit of 0.05 s was reached (talking)")));
+  EXPECT_EQ(result.recording.end, 800'000U);
+  EXPECT_EQ(result.recording.problems, result.problems);
+}
+
+TEST_F(Lockstep, AFailedDialogIsToldAndLeftToTheCaller) {
+  ScriptedDialog failing(0.02, Dialog::State::kFailed);
+  const auto result = run(&failing);
+  EXPECT_EQ(result.dialog.reason, "at 0.020 s: talking");
+  EXPECT_NEAR(result.dialog.time_s, 0.02, 1e-9);
+  EXPECT_THAT(result.problems, IsEmpty());
+}
+
+// What a real line says is read later than the watermark.
+TEST_F(Lockstep, ADialogFailsAtTheTickOfWhatItHeard) {
+  source.heard_behind = 42 * kQuantum;
+  ScriptedDialog failing(0.02, Dialog::State::kFailed);
+  const auto result = run(&failing);
+  EXPECT_EQ(result.dialog.reason, "at 0.020 s: talking");
+  EXPECT_NEAR(result.dialog.time_s, 0.041, 1e-9);
+}
+
+TEST_F(Lockstep, ARecordingIsReplayedToItsEndAndDrivesNothing) {
+  source.accepts_input = false;
+  source.stop = source::Stop::kEnded;
+  source.stop_at = 300'000;
+  source.events = {{299'999, 2, 4, 4, 0}};
+  const auto result = run(nullptr);
+  EXPECT_THAT(result.problems, IsEmpty());
+  EXPECT_THAT(source.driven, IsEmpty());
+  EXPECT_EQ(result.recording.end, 300'000U);
+  EXPECT_EQ(result.recording.outputs, source.events);
+}
+
+TEST_F(Lockstep, ARecordingLongerThanTheTimeLimitIsAProblem) {
+  source.accepts_input = false;
+  source.stop = source::Stop::kEnded;
+  source.stop_at = 300'000;
+  options.time_limit_s = 0.01;
+  const auto result = run(nullptr);
+  EXPECT_THAT(result.problems, ElementsAre(HasSubstr("the time limit of 0.01 s")));
+}
+
+TEST_F(Lockstep, ARecordingThatEndsWithTheTimeLimitIsNone) {
+  source.accepts_input = false;
+  source.stop = source::Stop::kEnded;
+  source.stop_at = 160'000;
+  options.time_limit_s = 0.01;
+  EXPECT_THAT(run(nullptr).problems, IsEmpty());
+}
+
+TEST_F(Lockstep, SensorsWithoutAPinAreNotSent) {
+  SignalMap bare;
+  bare.assign(Signal::kInterlock, {11, 2});
+  const auto result = runLockstep(source, twin, bare, &dialog, options, {});
+  ASSERT_EQ(result.recording.sensors.size(), 1U);
+  EXPECT_EQ(result.recording.sensors[0].signal, Signal::kInterlock);
+}
+
+}  // namespace
+}  // namespace kerfbench::run

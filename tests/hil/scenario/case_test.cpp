@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/scenario/case.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "firmware_under_test/planner/head/axes.h"
+#include "firmware_under_test/planner/power/model.h"
+#include "hil/base/yaml_reader.h"
+#include "hil/run/dialogs.h"
+#include "tests/hil/base/temp_folder.h"
+#include "twin/optics/scan_head.h"
+
+namespace kerfbench::scenario {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class CaseTest : public testing::Test {
+ protected:
+  void SetUp() override { (void)temp_.write("controller-avr.hex", ":00000001FF\n"); }
+  Case label(const std::string& lines) const {
+    const auto path =
+        temp_.write("s.yaml", "extends: " + base::fixture("scenarios/label-on-belt.yaml").string() +
+                                  "\nname: changed\n" + lines);
+    return readCase(path, temp_.path());
+  }
+  std::string faultsOf(const std::string& lines) const {
+    try {
+      label(lines);
+    } catch (const base::ConfigError& e) {
+      return e.what();
+    }
+    return {};
+  }
+  const base::TempFolder temp_;
+};
+
+TEST_F(CaseTest, TheFirstEyeMarkReachesItsSensorAfterTheLeadTime) {
+  const Case the_case = label("belt: {lead_s: 0.7}\n");
+  const twin::WebDescription web = webOf(the_case);
+  const double mark_mm = web.start_x_mm + web.print.eye_mark_x_mm + 0.7 * web.belt_speed_mm_s;
+  EXPECT_NEAR(mark_mm, the_case.machine.belt.print_mark_sensor.x_mm, 1e-9);
+  EXPECT_EQ(plannerJob(the_case).web_start_x_mm, web.start_x_mm);
+}
+
+TEST_F(CaseTest, ThePlannerIsToldTheDataSheetAndNotTheTruth) {
+  Case the_case = label("");
+  the_case.machine.head.throw_mm = 512.0;
+  the_case.machine.belt.encoder.count_mm = 0.02;
+  EXPECT_EQ(plannerMachine(the_case).throw_mm, 500.0);
+  EXPECT_EQ(plannerMachine(the_case).encoder_count_mm, 0.01);
+}
+
+TEST_F(CaseTest, TheMachineSetsTheRadiusOfJumpsAndTheScenarioWins) {
+  const auto path =
+      temp_.write("slow.yaml", "extends: " + base::fixture("machines/two-mirror-slow.yaml").string() + "\n");
+  const std::string slow = "machine: " + path.string() + "\n";
+  EXPECT_EQ(plannerJob(label("")).jump_radius_mm, 0.0);
+  EXPECT_EQ(plannerJob(label(slow)).jump_radius_mm, 5.0);
+  EXPECT_EQ(plannerMachine(label(slow)).mirror_acceleration_rad_s2, 9.0);
+  EXPECT_EQ(plannerJob(label(slow + "planner: {jump_radius_mm: 0}\n")).jump_radius_mm, 0.0);
+  EXPECT_EQ(plannerJob(label("planner: {jump_radius_mm: -1}\n")).jump_radius_mm, planner::kRadiusOfDrawing);
+  EXPECT_EQ(plannerJob(label("planner: {jump_acceleration_mm_s2: 5000}\n")).jump_acceleration_mm_s2, 5000.0);
+  EXPECT_THAT(faultsOf("planner: {jump_radius_mm: -0.5}\n"),
+              HasSubstr("planner.jump_radius_mm: is a radius"));
+}
+
+TEST_F(CaseTest, PowerIsByEnergyOrByDepth) {
+  const std::string power = fmt::format(
+      "planner: {{power: {{material: {}, laser: {}, spot_diameter_mm: 0.2, ",
+      base::fixture("power/mild-steel.yaml").string(), base::fixture("power/co2-tube-80w.yaml").string());
+  EXPECT_EQ(plannerJob(label("")).power, nullptr);
+  const Case by_depth = label(power + "depth_mm: 0.3, half_depth_mm: 0.1}}\n");
+  ASSERT_NE(plannerJob(by_depth).power, nullptr);
+  EXPECT_EQ(plannerJob(by_depth).power->depthOf(1.0, 0.5), 0.3);
+  EXPECT_EQ(plannerJob(by_depth).power->depthOf(0.5, 0.5), 0.1);
+  EXPECT_THAT(faultsOf(power + "depth_mm: 0.5}}\n"),
+              HasSubstr("s.yaml:3: planner.power.depth_mm: depth: 0.5 mm cannot be had in mild steel"));
+  const auto broken = temp_.write("broken.yaml", "version: 1\nkind: laser\n");
+  EXPECT_THAT(
+      faultsOf("planner: {power: {material: no.yaml, laser: " + broken.string() + ", width: 3}}\n"),
+      AllOf(HasSubstr("planner.power.material: no such file 'no.yaml'"),
+            HasSubstr("planner.power.depth_mm: missing"), HasSubstr("planner.power.laser: cannot be used"),
+            HasSubstr("broken.yaml:1: points: 0 of them"), HasSubstr("planner.power.width: unknown key")));
+}
+
+TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
+  const auto path =
+      temp_.write("no-feed.yaml",
+                  "extends: " + base::fixture("machines/two-mirror.yaml").string() + "\nbelt: {feed: ~}\n");
+  const std::string lines = "machine: " + path.string() + "\n";
+  EXPECT_EQ(faultsOf(lines), "");
+  EXPECT_THAT(faultsOf(lines + "belt: {drive: controller}\n"), HasSubstr("feed"));
+}
+
+TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
+  const Case the_case = label("select: {entities: '0-3'}\n");
+  int cut = 0;
+  for (const dieline::Entity& entity : the_case.dieline.entities)
+    cut += entity.process != dieline::Process::kIgnore ? 1 : 0;
+  EXPECT_EQ(cut, 4);
+  EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
+              AllOf(HasSubstr("'0-x'"), HasSubstr("'burn'"), HasSubstr("s.yaml:3")));
+  EXPECT_THAT(faultsOf("select: {entities: '70'}\n"), HasSubstr("select: E70: there is no such entity"));
+}
+
+TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
+  (void)temp_.write("controller-avr.hex",
+                    base::contentOf(KERFBENCH_BINARY_DIR "/firmware/controller-avr.hex"));
+  (void)temp_.write("edited.nc", "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  const run::PreparedJob job = run::prepareJob(label("planner: {gcode: edited.nc}\n"));
+  EXPECT_EQ(job.gcode, "G00 X-10 Y0 Z0\nG01 X-20 Y0 Z1\n");
+  EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
+}
+
+// The table is found by trying: where to aim the head of the twin so that its spot lands on the node.
+TEST_F(CaseTest, AnFThetaHeadIsTrueWithItsTable) {
+  const twin::MachineDescription machine =
+      machine_file::readMachine(base::fixture("machines/f-theta-300.yaml"));
+  const twin::ScanHead head(machine.head, machine.beam);
+  const twin::Surface board{machine.surface};
+  const double f_mm = 430.0;
+  const auto spotOf = [&](const Eigen::Vector2d& mirror_rad) -> Eigen::Vector2d {
+    return head.spotAt(mirror_rad, Eigen::Vector2d::Zero(), board, 0.0).value().p_WQ_mm.head<2>();
+  };
+  std::string table = "x_mm,y_mm,dx_mm,dy_mm\n";
+  constexpr int kNodes = 33;
+  for (int i = 0; i < kNodes * kNodes; ++i) {
+    const Eigen::Vector2d p(-150.0 + 300.0 * (i % kNodes) / (kNodes - 1),
+                            -150.0 + 300.0 * (i / kNodes) / (kNodes - 1));
+    Eigen::Vector2d aim = p;
+    for (int k = 0; k < 60; ++k) aim += p - spotOf(aim / (2.0 * f_mm));
+    table += fmt::format("{},{},{},{}\n", p.x(), p.y(), aim.x() - p.x(), aim.y() - p.y());
+  }
+  (void)temp_.write("t.csv", table);
+  const std::string corrected = "extends: " + base::fixture("machines/f-theta-300.yaml").string() +
+                                "\ncontroller: {focal_length_mm: 430, correction: t.csv}\n";
+  const auto worst = [&](const std::string& lines) {
+    const auto path = temp_.write("f.yaml", lines);
+    const planner::MachineParameters told = plannerMachine(label("machine: " + path.string() + "\n"));
+    const planner::Axes axes(told, {});
+    EXPECT_TRUE(planner::jobIssues(told, planner::JobParameters{.cut_energy_j_per_mm = 0.1}).empty());
+    double worst_mm = 0.0;
+    for (int i = 0; i < 61 * 61; ++i) {
+      const Eigen::Vector2d p(-149.0 + 4.96 * (i % 61), -149.0 + 4.96 * (i / 61));
+      worst_mm = std::max(worst_mm, (spotOf(axes.stepsAt(p) * told.mirror_step_rad) - p).norm());
+    }
+    return worst_mm;
+  };
+  EXPECT_LT(worst(corrected), 0.001);
+  EXPECT_GT(worst("extends: " + base::fixture("machines/f-theta-300.yaml").string() +
+                  "\ncontroller: {focal_length_mm: 430}\n"),
+            1.0);
+  EXPECT_THAT(
+      faultsOf("machine: " + temp_.write("f.yaml", corrected + "surface: {height_mm: x}\n").string() + "\n"),
+      HasSubstr("height_mm"));
+  EXPECT_THAT(
+      faultsOf("machine: " +
+               temp_
+                   .write("f.yaml", "extends: " + base::fixture("machines/f-theta-300.yaml").string() +
+                                        "\ncontroller: {correction: lost.csv}\n")
+                   .string() +
+               "\n"),
+      HasSubstr("no such file 'lost.csv'"));
+}
+
+TEST_F(CaseTest, ALineMayChangeItsSpeed) {
+  const Case the_case = label("belt: {profile: [{at_s: 1.0, speed_mm_s: 70}, {at_s: 2.5, speed_mm_s: 0}]}\n");
+  const twin::WebDescription web = webOf(the_case);
+  ASSERT_EQ(web.belt_speed_changes.size(), 2U);
+  EXPECT_EQ(web.belt_speed_changes[1].time_s, 2.5);
+  EXPECT_EQ(web.belt_speed_changes[0].speed_mm_s, 70.0);
+  EXPECT_EQ(web.belt_speed_mm_s, 60.0);
+  EXPECT_THAT(faultsOf("belt: {profile: [{at_s: 2, speed_mm_s: 70}, {at_s: 1, speed_mm_s: 0}]}\n"),
+              HasSubstr("at_s: must be later than the point before"));
+  EXPECT_THAT(faultsOf("belt: {profile: wild}\n"), HasSubstr("belt.profile: 'wild' is none of: constant"));
+  EXPECT_THAT(faultsOf("belt: {drive: controller, profile: [{at_s: 2, speed_mm_s: 70}]}\n"),
+              HasSubstr("belt.profile: is the line's"));
+}
+
+TEST_F(CaseTest, ABoardMayHaveADepthCurveAndScorch) {
+  const Case the_case = label(
+      "board: {depth_curve: [{fluence_share: 0.2, depth_share: 0}, {fluence_share: 1, depth_share: 1}], "
+      "scorch: {fluence_j_mm2: 0.3, darkening: 0.2, shift_mm: [0.05, 0]}}\n");
+  const twin::BoardDescription board = webOf(the_case).board;
+  ASSERT_EQ(board.depth_curve.size(), 2U);
+  EXPECT_EQ(board.depth_curve[0].fluence_share, 0.2);
+  EXPECT_EQ(board.scorch.fluence_j_mm2, 0.3);
+  EXPECT_EQ(board.scorch.shift_mm[0], 0.05);
+  EXPECT_THAT(faultsOf("board: {depth_curve: [{fluence_share: 1, depth_share: 1}]}\n"),
+              HasSubstr("board.depth_curve: must go from depth_share 0"));
+}
+
+TEST_F(CaseTest, AMachineIsDrawnAroundItsDescriptionByPresetAndSeed) {
+  const auto drawn = [&](const char* lines) { return drawnMachine(label(lines)); };
+  EXPECT_TRUE(drawn("").imperfections.empty());
+  const auto one = drawn("imperfections: dynamic\nseed: 7\n");
+  const auto again = drawn("imperfections: dynamic\nseed: 7\n");
+  const auto other = drawn("imperfections: dynamic\nseed: 8\n");
+  ASSERT_FALSE(one.imperfections.empty());
+  ASSERT_EQ(one.imperfections.size(), again.imperfections.size());
+  EXPECT_EQ(one.imperfections[0].value, again.imperfections[0].value);
+  EXPECT_NE(one.imperfections[0].value, other.imperfections[0].value);
+  // What the controller is told stays what it was.
+  EXPECT_EQ(one.machine.controller.encoder_count_mm, 0.01);
+  EXPECT_NE(one.machine.belt.encoder.count_mm, 0.01);
+  EXPECT_GT(one.imperfections.size(), drawn("imperfections: static\nseed: 7\n").imperfections.size());
+  EXPECT_THAT(faultsOf("imperfections: some\n"), HasSubstr("'some' is none of: ideal, static, dynamic"));
+  EXPECT_THAT(faultsOf("twin: slow\n"), HasSubstr("'slow' is none of: reference, fast"));
+}
+
+TEST_F(CaseTest, AMachineThatTheTwinCannotRunIsRefusedWithItsLine) {
+  const auto path =
+      temp_.write("weak.yaml", "extends: " + base::fixture("machines/two-mirror.yaml").string() +
+                                   "\ngalvo_x: {friction: {coulomb_n_m: 1}}\n");
+  EXPECT_THAT(faultsOf("machine: " + path.string() + "\n"), HasSubstr("weak.yaml:2: galvo_x: "));
+}
+
+TEST_F(CaseTest, EyeMarksThatOverlapAreAFault) {
+  EXPECT_THAT(faultsOf("print: {eye_mark_length_mm: 70}\n"), HasSubstr("print.eye_mark_length_mm"));
+}
+
+}  // namespace
+}  // namespace kerfbench::scenario

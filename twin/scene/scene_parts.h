@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "twin/scene/scene.h"
+
+namespace kerfbench::twin {
+
+/// Where the conveyor lies; the rest of the machine is built around it.
+struct ConveyorLayout {
+  double min_x_mm{}, max_x_mm{};  ///< Axes of the two rollers.
+  double half_width_mm{};         ///< Of the belt, about y = 0.
+  double belt_z_mm{};             ///< Upper face of the belt: the board lies on it and ends at z = 0.
+  double frame_y_mm{};            ///< Outer face of the side frames, ±.
+  double frame_top_mm{};          ///< Upper edge of the side frames, z.
+  double eye_mark_y_mm{};         ///< Where the print mark sensor looks, and eye marks are printed.
+};
+
+/// Adds parts to a scene.
+class SceneBuilder {
+ public:
+  explicit SceneBuilder(Scene& scene) : scene_(scene) {}
+
+  void box(const std::string& name, Material material, const Eigen::Vector3d& min_mm,
+           const Eigen::Vector3d& max_mm, double edge_radius_mm = 0.0);
+  void cylinder(const std::string& name, Material material, const Eigen::Vector3d& from_mm,
+                const Eigen::Vector3d& to_mm, double radius_mm, double bore_mm = 0.0);
+  /// A plate whose front looks along `normal`; the first radius is along `along`, which is normal to it.
+  void disc(const std::string& name, Material material, const Eigen::Vector3d& centre_mm,
+            const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector2d& radius_mm,
+            double thickness_mm);
+  /// A shaft with a head along `direction`, of length 1.
+  void arrow(const std::string& name, Material material, const Eigen::Vector3d& origin_mm,
+             const Eigen::Vector3d& direction, double length_mm);
+
+  Scene& scene() { return scene_; }
+
+ private:
+  Scene& scene_;
+};
+
+/// A frame at `origin` with z along `z` and x as near to `along` as that allows; both are unit vectors.
+Eigen::Isometry3d frameAlong(const Eigen::Vector3d& origin_mm, const Eigen::Vector3d& z,
+                             const Eigen::Vector3d& along);
+
+/// Long and wide enough for the machine's field and the board.
+ConveyorLayout conveyorLayout(const MachineDescription& machine, const WebDescription& web,
+                              const SceneContent& content);
+
+// Each adds its parts, grows scene.overall, and sets what is its own (beam, scene.head, scene.sheet).
+void addConveyor(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
+                 const ConveyorLayout& at);
+void addBoard(SceneBuilder& build, const WebDescription& web, const SceneContent& content,
+              const ConveyorLayout& at, const Eigen::Vector2d& p_WS_mm);
+void addMirrorHead(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
+                   const ConveyorLayout& layout);
+void addGantry(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
+               const ConveyorLayout& layout);
+
+/// 1/e² radius of the beam at a distance before its focus.
+double beamRadius_mm(const BeamDescription& beam, double distance_mm);
+
+}  // namespace kerfbench::twin
