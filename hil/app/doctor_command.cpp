@@ -18,10 +18,10 @@ int examine(const DoctorOptions& options) {
   doctor::lookAtAnalysers(*source::sigrokAnalysers(options.bin_dir), state);
   findings = doctor::findingsOf(state);
   if (!options.scenario.empty()) {
-    const scenario::Case the_case =
+    const scenario::Case test_case =
         scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
-    name = the_case.scenario.name;
-    const std::vector<doctor::DoctorFinding> needs = doctor::needsOf(the_case, state, options.bin_dir);
+    name = test_case.scenario.name;
+    const std::vector<doctor::DoctorFinding> needs = doctor::needsOf(test_case, state, options.bin_dir);
     findings.insert(findings.end(), needs.begin(), needs.end());
   }
   std::fputs((options.json ? doctor::doctorJson(state, findings, name) : doctor::doctorText(state, findings))

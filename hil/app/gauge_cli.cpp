@@ -62,7 +62,8 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
   gauge->add_option("--studies", options.studies, "Only these: verdicts, coverage, type1, grr, stillness")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kGaugeStudies.begin(), kGaugeStudies.end())));
-  gauge->add_option("--case", options.the_case, "Repeat one case, like static-bad-17, and write its picture");
+  gauge->add_option("--case", options.test_case,
+                    "Repeat one case, like static-bad-17, and write its picture");
   gauge->add_option("--seed", g.seed, "Of everything that is drawn")->capture_default_str();
   gauge->add_option("--results-dir", options.results_dir, "Folder for the results")->capture_default_str();
   gauge->add_option("--jobs,-j", g.jobs, "Threads; the results are the same at any number")

@@ -30,12 +30,12 @@ namespace fs = std::filesystem;
 
 gauge::GaugeSetup readSetup(const fs::path& machine, gauge::GaugeFacts& facts) {
   const machine_file::MachineFile file = machine_file::readMachineFile(machine);
-  scenario::Case the_case;
-  the_case.scenario.machine = machine;
-  the_case.machine = file.machine;
-  the_case.spot_camera = file.spot_camera;
-  the_case.kerf_camera = file.kerf_camera;
-  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
+  scenario::Case test_case;
+  test_case.scenario.machine = machine;
+  test_case.machine = file.machine;
+  test_case.spot_camera = file.spot_camera;
+  test_case.kerf_camera = file.kerf_camera;
+  const scenario::BenchCameras cameras = scenario::readCalibrations(test_case);
   std::string problems;
   for (const std::string& problem : cameras.problems) problems += (problems.empty() ? "" : "\n") + problem;
   if (!problems.empty()) throw base::ConfigError(problems);
@@ -115,12 +115,12 @@ void tellQuantities(const gauge::GaugeSection& section, base::Console& console) 
 }
 
 int repeatCase(const gauge::GaugeSetup& setup, const GaugeCommandOptions& options, base::Console& console) {
-  const auto id = gauge::caseFromName(options.the_case);
+  const auto id = gauge::caseFromName(options.test_case);
   if (!id) {
     std::fputs(
         fmt::format("--case: '{}' is no case; like static-bad-17, presets static, dynamic, ideal, studies "
                     "bad, good, coverage, repeat, relay, grr, still, stillrepeat\n",
-                    options.the_case)
+                    options.test_case)
             .c_str(),
         stderr);
     return base::kExitUsage;
@@ -171,7 +171,7 @@ int gauge(const GaugeCommandOptions& options) {
   gauge::GaugeFacts facts;
   const gauge::GaugeSetup setup = readSetup(options.machine, facts);
   facts.command = options.command_line;
-  if (!options.the_case.empty()) return repeatCase(setup, options, console);
+  if (!options.test_case.empty()) return repeatCase(setup, options, console);
   console.say(fmt::format("gauge: {}, cameras {} and {}", setup.machine.name,
                           setup.kerf_calibration.camera_id, setup.spot_calibration.camera_id));
   const gauge::GaugeOptions asked = chosen(options);

@@ -20,7 +20,7 @@ struct GaugeCommandOptions {
   std::filesystem::path results_dir{"results"};
   gauge::GaugeOptions gauge;
   std::vector<std::string> studies;  ///< Names of kGaugeStudies; none: all.
-  std::string the_case;              ///< Name of one case to repeat; empty: all.
+  std::string test_case;             ///< Name of one case to repeat; empty: all.
   std::string command_line;          ///< As typed, for the report.
   bool quiet{};
 };

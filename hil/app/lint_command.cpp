@@ -60,13 +60,13 @@ int lintDrawing(const fs::path& path, const dieline::LayerProfile& layers, bool 
 }
 
 // A machine can be described before its cameras are calibrated; a run of it would be INVALID.
-void warnOfCameras(const fs::path& path, scenario::Case& the_case, const machine_file::MachineFile& file,
+void warnOfCameras(const fs::path& path, scenario::Case& test_case, const machine_file::MachineFile& file,
                    bool quiet) {
-  the_case.machine = file.machine;
-  the_case.spot_camera = file.spot_camera;
-  the_case.kerf_camera = file.kerf_camera;
+  test_case.machine = file.machine;
+  test_case.spot_camera = file.spot_camera;
+  test_case.kerf_camera = file.kerf_camera;
   if (quiet) return;
-  for (const std::string& problem : scenario::readCalibrations(the_case).problems)
+  for (const std::string& problem : scenario::readCalibrations(test_case).problems)
     say(fmt::format("{}: warning: {}", path.string(), problem));
 }
 
@@ -81,18 +81,18 @@ int lintFile(const fs::path& path, const judge::RunOptions& options) {
     (void)calibrate::readTarget(path);
     return 0;
   }
-  scenario::Case the_case;
+  scenario::Case test_case;
   if (isScenario(path)) {
-    the_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware"});
-    const machine_file::MachineFile file = machine_file::readMachineFile(the_case.scenario.machine);
-    warnOfCameras(path, the_case, file, options.quiet);
-    scenario::refuseUnwired(the_case);
-    machine_file::refuseUnfit(file, scenario::webOf(the_case));
-    return lintDrawing(the_case.scenario.dieline, the_case.scenario.layers, options.quiet);
+    test_case.scenario = scenario::readScenario(path, {options.bin_dir.parent_path() / "firmware"});
+    const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
+    warnOfCameras(path, test_case, file, options.quiet);
+    scenario::refuseUnwired(test_case);
+    machine_file::refuseUnfit(file, scenario::webOf(test_case));
+    return lintDrawing(test_case.scenario.dieline, test_case.scenario.layers, options.quiet);
   }
   const machine_file::MachineFile file = machine_file::readMachineFile(path);
-  the_case.scenario.machine = path;
-  warnOfCameras(path, the_case, file, options.quiet);
+  test_case.scenario.machine = path;
+  warnOfCameras(path, test_case, file, options.quiet);
   machine_file::refuseUnfit(file);
   return 0;
 }

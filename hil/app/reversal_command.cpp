@@ -69,16 +69,16 @@ Seen onTwin(const head_service::HeadSetup& setup, const ReversalCommandOptions& 
       setup, plan, "reversal", calibrate::gridPlaces(setup.field_W_mm, options.grid), 0);
   const head_service::SheetRequest request{planned, kReversalSheet, options.results_dir / planned.name,
                                            setup.table_file};
-  const scenario::Case the_case = head_service::sheetCase(setup, bench, request);
+  const scenario::Case test_case = head_service::sheetCase(setup, bench, request);
   const auto progress = base::progressOn(console);
-  run::CutSheet cut = head_service::cutSheet(the_case, bench, planned.name, progress);
+  run::CutSheet cut = head_service::cutSheet(test_case, bench, planned.name, progress);
   // The job as its file rounds it: so that the pictures alone tell the same later.
   Seen seen{calibrate::readMarkJob(request.folder / head_service::kSheetJob), {}};
   int sheet = kReversalSheet;
   for (const double turn_deg : turnsOf(options)) {
     progress(-1.0, fmt::format("photographing the sheet, turned by {:g}°", turn_deg));
     const auto tiles = [&] {
-      return head_service::sheetPictures(setup, bench, the_case, cut, sheet,
+      return head_service::sheetPictures(setup, bench, test_case, cut, sheet,
                                          turn_deg * std::numbers::pi / 180.0);
     };
     if (options.keep_pictures) {

@@ -42,13 +42,13 @@ std::string sourceName(scenario::FirmwareChoice::Source source) {
 }
 
 scenario::Case caseWithOptions(const fs::path& path, const judge::RunOptions& options) {
-  scenario::Case the_case = scenario::readCase(path, options.bin_dir.parent_path() / "firmware");
-  if (options.seed) the_case.scenario.seed = *options.seed;
+  scenario::Case test_case = scenario::readCase(path, options.bin_dir.parent_path() / "firmware");
+  if (options.seed) test_case.scenario.seed = *options.seed;
   if (options.imperfections)
-    the_case.scenario.imperfections = scenario::presetFromName(*options.imperfections);
-  if (options.twin) the_case.scenario.fidelity = scenario::fidelityFromName(*options.twin);
-  if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
-  return the_case;
+    test_case.scenario.imperfections = scenario::presetFromName(*options.imperfections);
+  if (options.twin) test_case.scenario.fidelity = scenario::fidelityFromName(*options.twin);
+  if (options.time_limit_s) test_case.scenario.time_limit_s = *options.time_limit_s;
+  return test_case;
 }
 
 constexpr double kSettleAfterStop_s = 0.5;  // for a controller that might go on by itself
@@ -57,44 +57,45 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
               const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case the_case = caseWithOptions(scenario, options);
-  console.say(fmt::format("{}: {}, replayed from {}", the_case.scenario.name, the_case.scenario.title,
+  const scenario::Case test_case = caseWithOptions(scenario, options);
+  console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
-  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
+  const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
   source::PinRecording recorded;
   judge::Conclusion conclusion;
   try {
-    recorded = live::readRecording(recording, the_case);
+    recorded = live::readRecording(recording, test_case);
     conclusion.source_id = "recording sha256 " + base::sha256File(recording);
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }
   stopwatch.lap("reading");
-  conclusion.spot_frames = live::framesOfReplay(the_case, recording, frames);
-  conclusion.folder_name = the_case.scenario.name + "-replay";
+  conclusion.spot_frames = live::framesOfReplay(test_case, recording, frames);
+  conclusion.folder_name = test_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
-  return live::judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+  return live::judgeRecorded(test_case, sampled, recorded, std::move(conclusion), options, stopwatch,
+                             console);
 }
 
 int runOne(const fs::path& path, const judge::RunOptions& options) {
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
-  const scenario::Case the_case = caseWithOptions(path, options);
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Case test_case = caseWithOptions(path, options);
+  const scenario::Scenario& scenario = test_case.scenario;
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
-  live::refuseKerfPictures(the_case);
+  live::refuseKerfPictures(test_case);
   if (scenario.firmware.onRealPins())
-    return live::runOnPins(the_case, live::realPins(options.bin_dir), options, stopwatch, console);
-  live::refuseRealCamera(the_case);
-  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
-  run::PreparedJob job = run::prepareJob(the_case);
+    return live::runOnPins(test_case, live::realPins(options.bin_dir), options, stopwatch, console);
+  live::refuseRealCamera(test_case);
+  const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
+  run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);
   stopwatch.lap("reading and planning");
 
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   const source::SourceInfo info = source->info();
-  twin::Twin twin(drawn.machine, scenario::webOf(the_case), info.rate, run::twinOptions(the_case));
-  run::MachineFilm film(drawn.machine.laser.full_power_w);
+  twin::Twin twin(sampled.machine, scenario::webOf(test_case), info.rate, run::twinOptions(test_case));
+  run::MachineFilm film(sampled.machine.laser.full_power_w);
   run::FilmedSource filmed(*source, twin, film);
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
@@ -104,7 +105,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
     lockstep.provocation = &provocation;
     lockstep.settle_s = kSettleAfterStop_s;
   }
-  run::LockstepResult run = run::runLockstep(filmed, twin, the_case.machine.signals, job.dialog.get(),
+  run::LockstepResult run = run::runLockstep(filmed, twin, test_case.machine.signals, job.dialog.get(),
                                              lockstep, base::progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
   film.add(twin);
@@ -115,13 +116,13 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   conclusion.firmware = fmt::format("{} ({})", scenario.firmware.image.filename().string(),
                                     sourceName(scenario.firmware.source));
   conclusion.source_id = info.config_id;
-  conclusion.drawn = &drawn;
+  conclusion.sampled = &sampled;
   conclusion.film = &film;
   conclusion.firmware_sha256 = base::sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
-  judge::hearController(the_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
-  return judge::conclude(the_case, twin, run, conclusion, options, stopwatch, console);
+  judge::collectControllerEvidence(test_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
+  return judge::conclude(test_case, twin, run, conclusion, options, stopwatch, console);
 }
 
 }  // namespace

@@ -73,18 +73,18 @@ fs::path nameAt(const fs::path& out, double time_s, bool several) {
          fmt::format("{}-{:.4f}s{}", out.stem().string(), time_s, out.extension().string());
 }
 
-run::MachineFilm filmed(const scenario::Case& the_case, const twin::MachineDescription& machine,
+run::MachineFilm filmed(const scenario::Case& test_case, const twin::MachineDescription& machine,
                         const ShowOptions& options) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   base::Console console(options.quiet);
-  run::PreparedJob job = run::prepareJob(the_case);
+  run::PreparedJob job = run::prepareJob(test_case);
   console.say(fmt::format("{}: {}", scenario.name, job.summary));
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   twin::TwinOptions twin_options;
   twin_options.fidelity = twin::Fidelity::kFast;
   twin_options.seed = scenario.seed;
   twin_options.record_exposures = false;
-  twin::Twin twin(machine, scenario::webOf(the_case), source->info().rate, twin_options);
+  twin::Twin twin(machine, scenario::webOf(test_case), source->info().rate, twin_options);
   run::MachineFilm film(machine.laser.full_power_w);
   run::FilmedSource filmed_source(*source, twin, film);
   run::LockstepOptions lockstep;
@@ -106,24 +106,24 @@ run::MachineFilm filmed(const scenario::Case& the_case, const twin::MachineDescr
 }
 
 int showScenario(const ShowOptions& options) {
-  scenario::Case the_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+  scenario::Case test_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
   if (!options.machine.empty() &&
-      fs::weakly_canonical(options.machine) != fs::weakly_canonical(the_case.scenario.machine)) {
+      fs::weakly_canonical(options.machine) != fs::weakly_canonical(test_case.scenario.machine)) {
     complain(fmt::format("show: {} runs on {}, not on {}", options.scenario.string(),
-                         the_case.scenario.machine.string(), options.machine.string()));
+                         test_case.scenario.machine.string(), options.machine.string()));
     return base::kExitUsage;
   }
-  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
-  const run::MachineFilm film = filmed(the_case, drawn.machine, options);
+  const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
+  const run::MachineFilm film = filmed(test_case, sampled.machine, options);
   std::vector<double> times_s = options.at_s;
   if (times_s.empty()) times_s.push_back(film.middleOfLongestCut_s());
-  const fs::path out = options.out.empty() ? fs::path(the_case.scenario.name + ".png") : options.out;
+  const fs::path out = options.out.empty() ? fs::path(test_case.scenario.name + ".png") : options.out;
   for (const double time_s : times_s) {
     if (time_s > film.end_s() + 1e-9) {
       complain(fmt::format("show: the run ended at {:.4f} s; shown is its end instead of {:g} s",
                            film.end_s(), time_s));
     }
-    save(film.sceneAt(time_s, drawn.machine, scenario::webOf(the_case), judge::unitOf(the_case.dieline)),
+    save(film.sceneAt(time_s, sampled.machine, scenario::webOf(test_case), judge::unitOf(test_case.dieline)),
          pictureOptions(options), nameAt(out, time_s, times_s.size() > 1));
   }
   return 0;

@@ -19,7 +19,7 @@ bool guardOpened(const source::PinRecording& recording, double until_s) {
   });
 }
 
-bool isOfRelease(const ControllerEar::End& end, const source::PinRecording& recording) {
+bool isOfRelease(const UartListener::End& end, const source::PinRecording& recording) {
   switch (end.fault) {
     case KB_OK:  // told to stop
     case KB_FAULT_SILENT:
@@ -34,7 +34,7 @@ bool isOfRelease(const ControllerEar::End& end, const source::PinRecording& reco
 
 }  // namespace
 
-inspect::ControllerEnd controllerEnd(const ControllerEar& ear, const PinSums& pins,
+inspect::ControllerEnd controllerEnd(const UartListener& ear, const PulseCounter& pins,
                                      const source::PinRecording& recording) {
   inspect::ControllerEnd end{.last_pulse_s = pins.lastPulse_s()};
   if (!ear.end()) return end;

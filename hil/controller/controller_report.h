@@ -12,14 +12,14 @@
 namespace kerfbench::controller {
 
 /// What the controller itself said of the run, as in Evidence.
-struct ControllerWords {
+struct ControllerReport {
   std::optional<inspect::ControllerAccount> account;
   std::optional<inspect::ControllerEnd> end;
 };
 
 /// The end that was heard, and whose matter it is. The release's is all but a line or a host that failed, a
 /// guard that was opened (by the sensors of `recording`), and faults that this bench does not know.
-inspect::ControllerEnd controllerEnd(const ControllerEar& ear, const PinSums& pins,
+inspect::ControllerEnd controllerEnd(const UartListener& ear, const PulseCounter& pins,
                                      const source::PinRecording& recording);
 
 /// A dialog with the controller that failed.

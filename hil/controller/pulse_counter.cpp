@@ -19,14 +19,14 @@ constexpr double kBitsBefore = 16 * 10;
 constexpr double kControllerBehind_s = 3e-3;
 
 // The order of KB_STATE.
-constexpr std::array<Signal, ControllerEar::kAxes> kPuls{
+constexpr std::array<Signal, UartListener::kAxes> kPuls{
     Signal::kGalvoXPul, Signal::kGalvoYPul, Signal::kGantryXPul, Signal::kGantryYPul, Signal::kFeedPul};
 
 Signal dirOf(Signal pul) { return static_cast<Signal>(static_cast<std::size_t>(pul) + 1); }
 
 }  // namespace
 
-PinSums::PinSums(const source::PinRecording& recording, const SignalMap& map) {
+PulseCounter::PulseCounter(const source::PinRecording& recording, const SignalMap& map) {
   for (const Signal pul : kPuls) axes_.push_back({pul, 0, {}, {}});
   addOutputs(recording, map);
   belt_ = source::encoderEdges(recording.sensors, recording.rate);
@@ -34,7 +34,7 @@ PinSums::PinSums(const source::PinRecording& recording, const SignalMap& map) {
   std::erase_if(axes_, [&](const Axis& axis) { return !map.pin(axis.pul) || !map.pin(dirOf(axis.pul)); });
 }
 
-void PinSums::addOutputs(const source::PinRecording& recording, const SignalMap& map) {
+void PulseCounter::addOutputs(const source::PinRecording& recording, const SignalMap& map) {
   for (Axis& axis : axes_) {
     const auto pul = map.pin(axis.pul);
     const auto dir = map.pin(dirOf(axis.pul));
@@ -53,13 +53,13 @@ void PinSums::addOutputs(const source::PinRecording& recording, const SignalMap&
   }
 }
 
-long long PinSums::beltCountsAt(double time_s) const {
+long long PulseCounter::beltCountsAt(double time_s) const {
   const auto next = std::ranges::upper_bound(belt_, time_s, {}, &source::EncoderEdge::time_s);
   return next == belt_.begin() ? 0 : (next - 1)->counts;
 }
 
-std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWord& word,
-                                                    const UartTiming& uart) const {
+std::pair<long long, long long> PulseCounter::beltAround(const UartListener::BeltWord& word,
+                                                         const UartTiming& uart) const {
   const double to_s = word.time_s - kStateBits / uart.baud;
   const double from_s = to_s - kBitsBefore / uart.baud - kControllerBehind_s - uart.read_delay_s;
   long long low = beltCountsAt(from_s);
@@ -72,13 +72,13 @@ std::pair<long long, long long> PinSums::beltAround(const ControllerEar::BeltWor
   return {low, high};
 }
 
-double PinSums::pulse_s(Signal pul, long long count) const {
+double PulseCounter::pulse_s(Signal pul, long long count) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   if (axis == axes_.end() || count < 1 || count > static_cast<long long>(axis->pulses_s.size())) return kNan;
   return axis->pulses_s[static_cast<std::size_t>(count - 1)];
 }
 
-double PinSums::leaves_s(Signal pul, long long low, long long high) const {
+double PulseCounter::leaves_s(Signal pul, long long low, long long high) const {
   const auto axis = std::ranges::find(axes_, pul, &Axis::pul);
   if (axis == axes_.end()) return kNan;
   const auto out =
@@ -87,7 +87,7 @@ double PinSums::leaves_s(Signal pul, long long low, long long high) const {
                                    : axis->pulses_s[static_cast<std::size_t>(out - axis->places.begin())];
 }
 
-double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
+double PulseCounter::beltFaster_s(double counts_per_s, double span_s) const {
   for (const source::EncoderEdge& edge : belt_) {
     if (edge.time_s < span_s) continue;
     const long long moved = edge.counts - beltCountsAt(edge.time_s - span_s);
@@ -96,8 +96,8 @@ double PinSums::beltFaster_s(double counts_per_s, double span_s) const {
   return kNan;
 }
 
-inspect::ControllerAccount PinSums::accountBeside(const std::optional<ControllerEar::Account>& told,
-                                                  const UartTiming& uart) const {
+inspect::ControllerAccount PulseCounter::accountBeside(const std::optional<UartListener::Account>& told,
+                                                       const UartTiming& uart) const {
   inspect::ControllerAccount account;
   account.told = told.has_value();
   if (!told) return account;

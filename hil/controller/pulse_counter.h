@@ -19,10 +19,10 @@ struct UartTiming {
 };
 
 /// What the pins of a run add up to, from the recording alone: not what the twin made of them.
-class PinSums {
+class PulseCounter {
  public:
   /// The sensors by tick, outputs by tick.
-  PinSums(const source::PinRecording& recording, const SignalMap& map);
+  PulseCounter(const source::PinRecording& recording, const SignalMap& map);
 
   /// Time of the last rising edge of any PUL; < 0: none.
   [[nodiscard]] double lastPulse_s() const { return last_pulse_s_; }
@@ -34,7 +34,7 @@ class PinSums {
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
   [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
   /// Beside what the controller told last; axes that are not wired are left out.
-  [[nodiscard]] inspect::ControllerAccount accountBeside(const std::optional<ControllerEar::Account>& told,
+  [[nodiscard]] inspect::ControllerAccount accountBeside(const std::optional<UartListener::Account>& told,
                                                          const UartTiming& uart) const;
 
  private:
@@ -46,7 +46,7 @@ class PinSums {
   };
   [[nodiscard]] long long beltCountsAt(double time_s) const;
   /// Least and most counts while the controller can have looked for what it then told.
-  [[nodiscard]] std::pair<long long, long long> beltAround(const ControllerEar::BeltWord& word,
+  [[nodiscard]] std::pair<long long, long long> beltAround(const UartListener::BeltWord& word,
                                                            const UartTiming& uart) const;
   void addOutputs(const source::PinRecording& recording, const SignalMap& map);
 

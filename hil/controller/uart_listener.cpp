@@ -8,7 +8,7 @@
 namespace kerfbench::controller {
 namespace {
 
-static_assert(ControllerEar::kAxes == KB_AXES);
+static_assert(UartListener::kAxes == KB_AXES);
 constexpr std::size_t kHead = 4;  // SYNC TYPE SEQ LEN
 
 std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
@@ -39,12 +39,12 @@ std::string faultName(std::uint8_t fault) {
   return fault < names.size() ? names[fault] : "unknown";
 }
 
-ControllerEar::ControllerEar(const source::PinRecording& recording) {
+UartListener::UartListener(const source::PinRecording& recording) {
   for (const source::HeardBytes& heard : recording.uart)
     hear(heard.bytes, recording.rate.seconds(heard.tick));
 }
 
-void ControllerEar::hear(std::span<const std::uint8_t> bytes, double now_s) {
+void UartListener::hear(std::span<const std::uint8_t> bytes, double now_s) {
   heard_.insert(heard_.end(), bytes.begin(), bytes.end());
   for (;;) {
     heard_.erase(heard_.begin(), std::ranges::find(heard_, KB_SYNC));
@@ -59,7 +59,7 @@ void ControllerEar::hear(std::span<const std::uint8_t> bytes, double now_s) {
   }
 }
 
-void ControllerEar::frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s) {
+void UartListener::frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s) {
   if ((type == KB_EVENT && payload.size() == 2) || (type == KB_STATE && payload.size() >= 2)) {
     const inspect::ControllerState report{now_s, payload[0] == KB_STOPPED, faultName(payload[1])};
     const bool news = reports_.empty() || reports_.back().stopped != report.stopped ||

@@ -19,7 +19,7 @@ std::vector<std::string> faultNames();
 std::string faultName(std::uint8_t fault);
 
 /// Listens to what the reference controller says on its UART, apart from the dialog with it.
-class ControllerEar {
+class UartListener {
  public:
   /// Steps of its axes, as KB_STATE lists them.
   static constexpr std::size_t kAxes = 5;
@@ -39,9 +39,9 @@ class ControllerEar {
     std::array<long long, kAxes> steps{};
   };
 
-  ControllerEar() = default;
+  UartListener() = default;
   /// Hears a whole recording.
-  explicit ControllerEar(const source::PinRecording& recording);
+  explicit UartListener(const source::PinRecording& recording);
   void hear(std::span<const std::uint8_t> bytes, double now_s);
   /// Changes of its state, by time.
   [[nodiscard]] const std::vector<inspect::ControllerState>& reports() const { return reports_; }

@@ -141,10 +141,10 @@ std::vector<DoctorFinding> findingsOf(const ComputerState& state) {
   return findings;
 }
 
-std::vector<DoctorFinding> needsOf(const scenario::Case& the_case, const ComputerState& state,
+std::vector<DoctorFinding> needsOf(const scenario::Case& test_case, const ComputerState& state,
                                    const fs::path& bin_dir) {
   std::vector<DoctorFinding> findings;
-  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
   if (firmware.source == scenario::FirmwareChoice::Source::kGpio) {
     lookAtPins(firmware.gpio, state, findings);
   } else if (firmware.source == scenario::FirmwareChoice::Source::kAnalyser) {
@@ -152,8 +152,8 @@ std::vector<DoctorFinding> needsOf(const scenario::Case& the_case, const Compute
   } else {
     lookAtRelease(firmware, bin_dir, findings);
   }
-  addCameraNeeds(the_case, state.cameras, findings);
-  const std::vector<std::string> cameras = scenario::readCalibrations(the_case).problems;
+  addCameraNeeds(test_case, state.cameras, findings);
+  const std::vector<std::string> cameras = scenario::readCalibrations(test_case).problems;
   for (const std::string& problem : cameras) findings.push_back({Grade::kMissing, problem});
   if (cameras.empty()) findings.push_back({Grade::kGood, "the cameras are calibrated"});
   return findings;

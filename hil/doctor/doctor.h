@@ -52,7 +52,7 @@ struct DoctorFinding {
 /// Of the computer alone: kGood, kNote or kTrouble.
 std::vector<DoctorFinding> findingsOf(const ComputerState& state);
 /// Of what a case needs: kGood or kMissing. `bin_dir`: where kerfbench's children are.
-std::vector<DoctorFinding> needsOf(const scenario::Case& the_case, const ComputerState& state,
+std::vector<DoctorFinding> needsOf(const scenario::Case& test_case, const ComputerState& state,
                                    const std::filesystem::path& bin_dir);
 
 /// The part of findingsOf() and needsOf() that is about logic analysers.

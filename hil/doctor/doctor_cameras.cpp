@@ -116,9 +116,9 @@ void addCameraFindings(const std::vector<camera::CameraListing>& cameras,
         {Grade::kNote, "no camera: scenarios with a real one (cameras.spot, source: v4l2) cannot run here"});
 }
 
-void addCameraNeeds(const scenario::Case& the_case, const std::vector<camera::CameraListing>& cameras,
+void addCameraNeeds(const scenario::Case& test_case, const std::vector<camera::CameraListing>& cameras,
                     std::vector<DoctorFinding>& findings) {
-  const scenario::SpotCameraChoice& choice = the_case.scenario.cameras.spot;
+  const scenario::SpotCameraChoice& choice = test_case.scenario.cameras.spot;
   if (!choice.is_real) return;
   const std::size_t before = findings.size();
   std::string path;
@@ -138,7 +138,7 @@ void addCameraNeeds(const scenario::Case& the_case, const std::vector<camera::Ca
                      camera->problem.empty() ? "gives no pictures by streaming" : camera->problem)});
   } else {
     Needs(choice, *camera, findings)
-        .look(the_case.machine.spot_camera.width_px, the_case.machine.spot_camera.height_px);
+        .look(test_case.machine.spot_camera.width_px, test_case.machine.spot_camera.height_px);
   }
   if (findings.size() == before)
     findings.push_back(

@@ -12,7 +12,7 @@ namespace kerfbench::doctor {
 void addCameraFindings(const std::vector<camera::CameraListing>& cameras,
                        std::vector<DoctorFinding>& findings);
 /// Of what a case with a real spot camera needs: device, format, size, rate and settings.
-void addCameraNeeds(const scenario::Case& the_case, const std::vector<camera::CameraListing>& cameras,
+void addCameraNeeds(const scenario::Case& test_case, const std::vector<camera::CameraListing>& cameras,
                     std::vector<DoctorFinding>& findings);
 nlohmann::ordered_json camerasJson(const std::vector<camera::CameraListing>& cameras);
 

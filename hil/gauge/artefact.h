@@ -26,8 +26,8 @@ inline constexpr std::array kFaultKinds{FaultKind::kOffset, FaultKind::kBump,  F
                                         FaultKind::kWave,   FaultKind::kEntity};
 std::string_view faultName(FaultKind kind);  ///< "offset", "bump", …
 
-/// A fault of a size, the rest of its shape drawn. Lengths in mm; `size_mm` is about the worst deviation that
-/// it makes.
+/// A fault of a size, the rest of its shape sampled. Lengths in mm; `size_mm` is about the worst deviation
+/// that it makes.
 struct Fault {
   FaultKind kind{FaultKind::kOffset};
   double size_mm{};
@@ -50,8 +50,8 @@ struct Artefact {
 };
 const Artefact& gaugeArtefact();
 
-/// A fault whose shape is drawn from a stream of `seed`, with the size given. Of kBump and kEntity the entity
-/// is one that is cut through and does not meet another.
+/// A fault whose shape is sampled from a stream of `seed`, with the size given. Of kBump and kEntity the
+/// entity is one that is cut through and does not meet another.
 Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::uint64_t seed);
 
 }  // namespace kerfbench::gauge

@@ -10,7 +10,7 @@
 
 namespace kerfbench::gauge {
 
-/// What the machine that a preset has drawn does to an artefact which is burnt at a place of its field. The
+/// What the machine that a preset has sampled does to an artefact which is burnt at a place of its field. The
 /// artefact's path is prescribed, so where the machine aims is not taken from it; how its beam burns is:
 ///
 ///   static   size, roundness and slant of the beam by focus, tilt, offset and the board's height and slope;

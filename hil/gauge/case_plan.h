@@ -13,7 +13,7 @@
 
 namespace kerfbench::gauge {
 
-/// What a case is drawn for.
+/// What a case is sampled for.
 enum class Study {
   kBad,          ///< A fault of every kind in turn, true worst deviation 55 … 120 µm.
   kGood,         ///< The same, 0 … 40 µm.

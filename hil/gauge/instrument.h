@@ -22,7 +22,7 @@ struct GaugeSetup {
   twin::ImperfectionSpread spread;
   vision::CameraCalibration kerf_calibration, spot_calibration;
   twin::BoardDescription board;
-  inspect::Limits limits;
+  inspect::Tolerances limits;
 };
 
 /// A part of a camera's sensor, read out alone: the same lens and mount, fewer pixels. An artefact is smaller

@@ -105,42 +105,42 @@ void addJoints(const KerfMeasurement& m, const CutTruth& truth, std::uint64_t pi
 KerfStudy::KerfStudy(const GaugeSetup& setup)
     : setup_(setup), artefact_(gaugeArtefact()), instrument_(setup, artefact_) {}
 
-ArtefactCut KerfStudy::cutOf(const KerfCase& the_case) const {
-  const twin::DrawnMachine drawn =
-      twin::drawImperfections(setup_.machine, setup_.spread, the_case.preset, the_case.machine_seed);
-  ArtefactBeam beam(drawn.machine, placeInMachine(setup_.machine, the_case.machine_seed));
-  beam.power = drawn.machine.laser.full_power_w / setup_.machine.laser.full_power_w;
-  return {artefact_, the_case.faults, beam, the_case.machine_seed ^ kTubeNoise};
+ArtefactCut KerfStudy::cutOf(const KerfCase& test_case) const {
+  const twin::SampledMachine sampled =
+      twin::drawImperfections(setup_.machine, setup_.spread, test_case.preset, test_case.machine_seed);
+  ArtefactBeam beam(sampled.machine, placeInMachine(setup_.machine, test_case.machine_seed));
+  beam.power = sampled.machine.laser.full_power_w / setup_.machine.laser.full_power_w;
+  return {artefact_, test_case.faults, beam, test_case.machine_seed ^ kTubeNoise};
 }
 
-void KerfStudy::scaleTo(double truth_mm, KerfCase& the_case) const {
+void KerfStudy::scaleTo(double truth_mm, KerfCase& test_case) const {
   // Monotonous but for what the others do: regula falsi from the size itself.
-  const double sign = the_case.faults.at(0).size_mm < 0.0 ? -1.0 : 1.0;
+  const double sign = test_case.faults.at(0).size_mm < 0.0 ? -1.0 : 1.0;
   for (int i = 0; i < 8; ++i) {
-    const double size = std::abs(the_case.faults[0].size_mm);
-    const double is = cutOf(the_case).worst_mm(0.1);
+    const double size = std::abs(test_case.faults[0].size_mm);
+    const double is = cutOf(test_case).worst_mm(0.1);
     if (std::abs(is - truth_mm) < 1e-4) return;
-    the_case.faults[0].size_mm = sign * std::max(1e-6, size * truth_mm / std::max(is, 1e-6));
+    test_case.faults[0].size_mm = sign * std::max(1e-6, size * truth_mm / std::max(is, 1e-6));
   }
 }
 
-KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
-  const ArtefactCut cut = cutOf(the_case);
+KerfStudy::Whole KerfStudy::runWhole(const KerfCase& test_case) const {
+  const ArtefactCut cut = cutOf(test_case);
   twin::Sheet sheet(setup_.board);
   const double radius_mm = setup_.machine.beam.waist_radius_mm;
   cut.burn(sheet, radius_mm);
-  const Placement placement = instrument_.draw(the_case.place_seed);
-  camera::KerfTile tile = instrument_.picture(sheet, placement, the_case.board_seed, the_case.noise_seed);
+  const Placement placement = instrument_.draw(test_case.place_seed);
+  camera::KerfTile tile = instrument_.picture(sheet, placement, test_case.board_seed, test_case.noise_seed);
   Whole whole;
   whole.picture = tile.image;
   whole.measurement = instrument_.measure(std::move(tile), placement);
   const KerfMeasurement& m = whole.measurement;
   whole.truth = cut.truth(m.scan.entities, setup_.board, radius_mm);
   KerfOutcome& out = whole.outcome;
-  out.name = the_case.name;
-  if (!the_case.faults.empty()) {
-    out.kind = the_case.faults[0].kind;
-    out.size_mm = the_case.faults[0].size_mm;
+  out.name = test_case.name;
+  if (!test_case.faults.empty()) {
+    out.kind = test_case.faults[0].kind;
+    out.size_mm = test_case.faults[0].size_mm;
   }
   out.truth_mm = std::max(whole.truth.worst_mm, whole.truth.worstJoint_mm());
   out.verdict = m.verdict;
@@ -149,7 +149,7 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
   }
   out.problems = m.result.problems;
   if (m.result.entities.size() != whole.truth.entities.size()) return whole;
-  const std::uint64_t pick = CounterRandom(the_case.machine_seed, 1).bits(0) % 100000;
+  const std::uint64_t pick = CounterRandom(test_case.machine_seed, 1).bits(0) % 100000;
   addLines(m, whole.truth, artefact_.dieline, pick, out.readings);
   addJoints(m, whole.truth, pick, out.readings);
   for (const inspect::UncertaintyBudget& b : m.result.budgets) {
@@ -161,6 +161,6 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& the_case) const {
   return whole;
 }
 
-KerfOutcome KerfStudy::run(const KerfCase& the_case) const { return std::move(runWhole(the_case).outcome); }
+KerfOutcome KerfStudy::run(const KerfCase& test_case) const { return std::move(runWhole(test_case).outcome); }
 
 }  // namespace kerfbench::gauge

@@ -51,7 +51,7 @@ class KerfStudy {
  public:
   /// `setup` must outlive this.
   explicit KerfStudy(const GaugeSetup& setup);
-  [[nodiscard]] KerfOutcome run(const KerfCase& the_case) const;
+  [[nodiscard]] KerfOutcome run(const KerfCase& test_case) const;
   /// The same, with the picture and all that was measured.
   struct Whole {
     KerfOutcome outcome;
@@ -59,13 +59,13 @@ class KerfStudy {
     KerfMeasurement measurement;
     CutTruth truth;
   };
-  [[nodiscard]] Whole runWhole(const KerfCase& the_case) const;
+  [[nodiscard]] Whole runWhole(const KerfCase& test_case) const;
   /// Scales the first fault until KerfOutcome::truth_mm is as told, to 0.1 µm; other faults and the machine's
   /// flutter have a share in it.
-  void scaleTo(double truth_mm, KerfCase& the_case) const;
+  void scaleTo(double truth_mm, KerfCase& test_case) const;
 
  private:
-  [[nodiscard]] ArtefactCut cutOf(const KerfCase& the_case) const;
+  [[nodiscard]] ArtefactCut cutOf(const KerfCase& test_case) const;
 
   const GaugeSetup& setup_;
   const Artefact& artefact_;

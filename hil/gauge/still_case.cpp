@@ -73,24 +73,24 @@ class StillStudy::Web {
   Web(const GaugeSetup& setup, const StillCase& c, const dieline::Dieline& dieline,
       const SensorWindow& window)
       : case_(c), dieline_(dieline) {
-    const twin::DrawnMachine drawn =
+    const twin::SampledMachine sampled =
         twin::drawImperfections(setup.machine, setup.spread, c.preset, c.machine_seed);
     const CounterRandom random(c.place_seed, kSheetPlaceStream);
     const Vector2d centre_W_mm = setup.spot_calibration.planeFromPixel(
         Vector2d(window.x0_px + 0.5 * window.width_px, window.y0_px + 0.5 * window.height_px));
-    beam_ = std::make_unique<ArtefactBeam>(drawn.machine, centre_W_mm);
+    beam_ = std::make_unique<ArtefactBeam>(sampled.machine, centre_W_mm);
     radius_mm_ = std::sqrt(beam_->radius_x_mm * beam_->radius_y_mm);
-    power_w_ = kCutEnergy_j_mm * kCutSpeed_mm_s * drawn.machine.laser.full_power_w /
+    power_w_ = kCutEnergy_j_mm * kCutSpeed_mm_s * sampled.machine.laser.full_power_w /
                setup.machine.laser.full_power_w;
     skew_rad_ = kSkew_rad * random.normal(2);
     start_mm_ = centre_W_mm + Vector2d(-0.5 * c.speed_mm_s * beginOf(3) + 2.0 * random.uniform(10) - 1.0,
                                        2.0 * random.uniform(11) - 1.0);
     const twin::EncoderDescription& told = setup.machine.belt.encoder;
-    const twin::EncoderDescription& is = drawn.machine.belt.encoder;
+    const twin::EncoderDescription& is = sampled.machine.belt.encoder;
     outrun_ = is.count_mm / told.count_mm - 1.0;
     runout_mm_ = is.runout_mm;
     runout_phase_rad_ = is.runout_phase_rad;
-    roller_mm_ = drawn.machine.belt.roller_radius_mm;
+    roller_mm_ = sampled.machine.belt.roller_radius_mm;
     waves_ = 1.0 + 2.0 * random.uniform(12);
   }
 
@@ -140,9 +140,9 @@ StillStudy::StillStudy(const GaugeSetup& setup) : setup_(setup) {
   print_.marks = {{{-13.0, -11.0}, 3.0}, {{13.0, -11.4}, 3.0}, {{-12.7, 11.0}, 3.0}, {{13.0, 11.0}, 3.0}};
 }
 
-std::vector<twin::Exposure> StillStudy::watch(const StillCase& the_case, const Web& web) const {
+std::vector<twin::Exposure> StillStudy::watch(const StillCase& test_case, const Web& web) const {
   const twin::CameraDescription& camera = setup_.machine.spot_camera;
-  const auto frames = static_cast<std::uint64_t>(beginOf(the_case.cuts.size()) / camera.frame_period_s);
+  const auto frames = static_cast<std::uint64_t>(beginOf(test_case.cuts.size()) / camera.frame_period_s);
   std::vector<twin::Exposure> exposures;
   for (std::uint64_t k = 0; k < frames; ++k) {
     twin::Exposure& e = exposures.emplace_back();
@@ -154,7 +154,7 @@ std::vector<twin::Exposure> StillStudy::watch(const StillCase& the_case, const W
       sample.p_WS_mm = web.p_WS_mm(t_s);
       sample.angle_rad = web.skew_rad();
       sample.radius_mm = web.radius_mm();
-      for (std::size_t cut = 0; cut < the_case.cuts.size(); ++cut) {
+      for (std::size_t cut = 0; cut < test_case.cuts.size(); ++cut) {
         if (t_s < beginOf(cut) || t_s > beginOf(cut) + kCut_s) continue;
         sample.p_WQ_mm = web.spot_mm(cut, t_s);
         sample.power_w = web.power_w();
@@ -164,32 +164,32 @@ std::vector<twin::Exposure> StillStudy::watch(const StillCase& the_case, const W
   return exposures;
 }
 
-StillOutcome StillStudy::run(const StillCase& the_case) const {
-  const CounterRandom random(the_case.place_seed, kSheetPlaceStream);
+StillOutcome StillStudy::run(const StillCase& test_case) const {
+  const CounterRandom random(test_case.place_seed, kSheetPlaceStream);
   const SensorWindow window = drawWindow(setup_.spot_calibration, random);
-  const Web web(setup_, the_case, dieline_, window);
+  const Web web(setup_, test_case, dieline_, window);
   twin::CameraDescription camera = windowOf(setup_.machine.spot_camera, window);
-  camera.board_seed = the_case.board_seed;
+  camera.board_seed = test_case.board_seed;
   const vision::CameraCalibration calibration = windowOf(setup_.spot_calibration, window);
   camera::TwinFrameSource frames(
-      twin::SpotCamera(camera, print_, setup_.machine.glow_gray_per_w, the_case.noise_seed),
-      watch(the_case, web), 1);
+      twin::SpotCamera(camera, print_, setup_.machine.glow_gray_per_w, test_case.noise_seed),
+      watch(test_case, web), 1);
   inspect::Evidence evidence;
   evidence.dieline = &dieline_;
   evidence.print = print_;
-  evidence.spot = vision::trackSpot(frames, calibration, print_, {1, the_case.speed_mm_s});
+  evidence.spot = vision::trackSpot(frames, calibration, print_, {1, test_case.speed_mm_s});
   evidence.spot_calibration = calibration;
   // Nobody looks at the kerf here; inspection wants to hear of every entity.
   for (const dieline::Entity& e : dieline_.entities) evidence.kerf.entities.push_back({0, e.id, {}});
   const inspect::InspectionResult result = inspect::inspect(evidence, setup_.limits);
 
   StillOutcome out;
-  out.name = the_case.name;
+  out.name = test_case.name;
   out.problems = evidence.spot.problems;
   for (const inspect::Check& check : result.checks) {
     if (check.name == "stillness_x") out.verdict = check.verdict;
   }
-  const std::size_t pick = CounterRandom(the_case.machine_seed, 2).bits(0) % the_case.cuts.size();
+  const std::size_t pick = CounterRandom(test_case.machine_seed, 2).bits(0) % test_case.cuts.size();
   for (const inspect::CutResult& cut : result.cuts) {
     if (cut.entity < 0 || cut.time_s.size() < 2 || !std::isfinite(cut.drift_mm)) continue;
     const auto which = static_cast<std::size_t>(cut.entity);
@@ -214,7 +214,7 @@ StillOutcome StillStudy::run(const StillCase& the_case) const {
   if (out.readings.empty()) {
     // The cut is there and shows x: that nothing was measured of it counts.
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    out.readings.push_back({"drift of a cut", kNan, kNan, the_case.cuts[pick].drift_mm});
+    out.readings.push_back({"drift of a cut", kNan, kNan, test_case.cuts[pick].drift_mm});
   }
   for (const inspect::UncertaintyBudget& b : result.budgets) {
     if (b.quantity.find("drift") == std::string::npos) continue;

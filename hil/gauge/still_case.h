@@ -49,11 +49,11 @@ class StillStudy {
  public:
   /// `setup` must outlive this.
   explicit StillStudy(const GaugeSetup& setup);
-  [[nodiscard]] StillOutcome run(const StillCase& the_case) const;
+  [[nodiscard]] StillOutcome run(const StillCase& test_case) const;
 
  private:
   class Web;
-  [[nodiscard]] std::vector<twin::Exposure> watch(const StillCase& the_case, const Web& web) const;
+  [[nodiscard]] std::vector<twin::Exposure> watch(const StillCase& test_case, const Web& web) const;
 
   const GaugeSetup& setup_;
   dieline::Dieline dieline_;

@@ -24,12 +24,12 @@ constexpr double kFieldStep_mm = 5.0;
 constexpr double kOff_mm = 4.0, kOffShare = 0.03;  // 7 mm of 100, 13 of 300: a head as it is mounted
 
 vision::CameraCalibration kerfCamera(const fs::path& machine, const machine_file::MachineFile& file) {
-  scenario::Case the_case;
-  the_case.scenario.machine = machine;
-  the_case.machine = file.machine;
-  the_case.spot_camera = file.spot_camera;
-  the_case.kerf_camera = file.kerf_camera;
-  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
+  scenario::Case test_case;
+  test_case.scenario.machine = machine;
+  test_case.machine = file.machine;
+  test_case.spot_camera = file.spot_camera;
+  test_case.kerf_camera = file.kerf_camera;
+  const scenario::BenchCameras cameras = scenario::readCalibrations(test_case);
   if (!cameras.kerf) throw HeadEvidenceError(fmt::format("{}", fmt::join(cameras.problems, "\n")));
   return *cameras.kerf;
 }

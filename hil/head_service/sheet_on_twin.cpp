@@ -40,11 +40,11 @@ void keepTable(const SheetRequest& request) {
 }
 
 std::string digestOf(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
-                     const scenario::Case& the_case) {
+                     const scenario::Case& test_case) {
   return base::sha256(fmt::format("{} {} {} {} {} {} {} {} {} {}", setup.digest,
                                   calibrate::markJobDigest(request.job),
                                   request.table.empty() ? "-" : base::sha256File(request.table),
-                                  base::sha256File(the_case.scenario.firmware.image), bench.seed,
+                                  base::sha256File(test_case.scenario.firmware.image), bench.seed,
                                   request.sheet, scenario::nameOf(bench.imperfections),
                                   scenario::nameOf(bench.fidelity), base::version(), kMeasuredVersion));
 }
@@ -82,18 +82,18 @@ scenario::Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const S
   return scenario::readCase(scenario, bench.bin_dir.parent_path() / "firmware");
 }
 
-run::CutSheet cutSheet(const scenario::Case& the_case, const TwinBench& bench, const std::string& job,
+run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, const std::string& job,
                        const run::ProgressFn& progress) {
-  run::CutSheet cut = run::cutOnTwin(the_case, bench.bin_dir, progress);
+  run::CutSheet cut = run::cutOnTwin(test_case, bench.bin_dir, progress);
   refuseRun(cut, job);
   return cut;
 }
 
 camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench,
-                                     const scenario::Case& the_case, run::CutSheet& cut, int sheet,
+                                     const scenario::Case& test_case, run::CutSheet& cut, int sheet,
                                      double turn_rad) {
   // Another sheet lies otherwise on the table, and its pictures have another noise.
-  scenario::Case camera = the_case;
+  scenario::Case camera = test_case;
   camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
   camera::TwinTileOptions options = tileOptions(setup, bench);
   options.turn_rad = turn_rad;
@@ -102,15 +102,15 @@ camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& be
 
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,
                         const run::ProgressFn& progress) {
-  const scenario::Case the_case = sheetCase(setup, bench, request);
-  const std::string digest = digestOf(setup, bench, request, the_case);
+  const scenario::Case test_case = sheetCase(setup, bench, request);
+  const std::string digest = digestOf(setup, bench, request, test_case);
   const fs::path result = request.folder / kSheetMeasured;
   if (auto measured = readMeasured(result, calibrate::readMarkJob(request.folder / kSheetJob), digest))
     return {std::move(*measured), true};
 
-  run::CutSheet cut = cutSheet(the_case, bench, request.job.name, progress);
+  run::CutSheet cut = cutSheet(test_case, bench, request.job.name, progress);
   progress(-1.0, "measuring the marks of " + request.job.name);
-  const auto tiles = [&] { return sheetPictures(setup, bench, the_case, cut, request.sheet); };
+  const auto tiles = [&] { return sheetPictures(setup, bench, test_case, cut, request.sheet); };
   if (bench.keep_pictures) {
     auto source = tiles();
     camera::writeTiles(source, request.folder / "pictures");

@@ -50,10 +50,10 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
 
 /// Pictures of a cut sheet; sheets of one calibration have noise of their own by their number.
 camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench,
-                                     const scenario::Case& the_case, run::CutSheet& cut, int sheet,
+                                     const scenario::Case& test_case, run::CutSheet& cut, int sheet,
                                      double turn_rad = 0.0);
 /// The sheet as cut. @throws HeadEvidenceError for a run that cannot be trusted; as cutOnTwin().
-run::CutSheet cutSheet(const scenario::Case& the_case, const TwinBench& bench, const std::string& job,
+run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, const std::string& job,
                        const run::ProgressFn& progress);
 
 /// The files of a sheet in its folder.

@@ -50,7 +50,7 @@ std::vector<Check> pinChecks(const Evidence& evidence) {
 }
 
 /// `edges`: the evidence's kerf is an edgeScan().
-void measureAndDecide(const Evidence& evidence, const Limits& limits, const checks::EdgeSides* edges,
+void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
                       InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
   LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
@@ -122,7 +122,7 @@ void measureAndDecide(const Evidence& evidence, const Limits& limits, const chec
 
 }  // namespace
 
-InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
+InspectionResult inspect(const Evidence& evidence, const Tolerances& limits) {
   if (evidence.dieline == nullptr) throw std::invalid_argument("inspect: the evidence has no dieline");
   InspectionResult result;
   result.problems = evidence.problems;
@@ -137,7 +137,7 @@ InspectionResult inspect(const Evidence& evidence, const Limits& limits) {
   append(structural, checks::numberProblems(evidence, limits));
   append(result.problems, structural);
   if (!structural.empty()) return result;
-  if (limits.edge == Limits::Edge::kCentre) {
+  if (limits.edge == Tolerances::Edge::kCentre) {
     measureAndDecide(evidence, limits, nullptr, result);
     return result;
   }

@@ -11,6 +11,6 @@ namespace kerfbench::inspect {
 /// Checks that do not apply (no crease: no depth check) are left out; so are those that make no sense of a
 /// sheet on which nothing was cut, which the coverage check fails. Everything else that could not be measured
 /// is INVALID. Of a controller that stopped by itself before its first cut, pins and words alone are judged.
-InspectionResult inspect(const Evidence& evidence, const Limits& limits);
+InspectionResult inspect(const Evidence& evidence, const Tolerances& limits);
 
 }  // namespace kerfbench::inspect

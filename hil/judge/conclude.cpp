@@ -29,8 +29,8 @@ report::ModelFacts modelFacts(const scenario::Scenario& scenario,
   report::ModelFacts facts;
   facts.imperfections = scenario::nameOf(scenario.imperfections);
   facts.twin = scenario::nameOf(scenario.fidelity);
-  for (const twin::Imperfection& drawn : imperfections)
-    facts.drawn.push_back({drawn.name, drawn.value, drawn.unit});
+  for (const twin::Imperfection& sampled : imperfections)
+    facts.sampled.push_back({sampled.name, sampled.value, sampled.unit});
   for (const twin::LostSteps& lost : lost_steps) {
     facts.lost_steps.push_back(
         {lost.axis, lost.time_s, lost.place, lost.axis.starts_with("galvo") ? "rad" : "mm", lost.full_steps});
@@ -59,20 +59,20 @@ void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Consol
 
 }  // namespace
 
-int conclude(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
+int conclude(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
              const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
              base::Console& console) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   report::RunReport report;
   report.scenario = scenario.name;
   report.scenario_path = scenario.path.string();
   report.scenario_text = scenario.text;
-  report.machine = the_case.machine.name;
+  report.machine = test_case.machine.name;
   report.firmware = conclusion.firmware;
   report.source_id = conclusion.source_id;
   report.repeat_command = options.command_line;
   report.seed = scenario.seed;
-  report.model = modelFacts(scenario, conclusion.drawn->imperfections, twin.lostSteps());
+  report.model = modelFacts(scenario, conclusion.sampled->imperfections, twin.lostSteps());
   report.virtual_s = run.recording.rate.seconds(run.recording.end);
   report.versions = {{"kerfbench", base::version()}};
   if (!conclusion.firmware_sha256.empty())
@@ -80,20 +80,20 @@ int conclude(const scenario::Case& the_case, twin::Twin& twin, const run::Lockst
   if (!conclusion.firmware_version.empty())
     report.versions.emplace_back("controller", conclusion.firmware_version);
   if (conclusion.safe_state) {
-    judgeSafeState(the_case, twin, *conclusion.safe_state, report);
+    judgeSafeState(test_case, twin, *conclusion.safe_state, report);
   } else {
-    judge(the_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
+    judge(test_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
           base::progressOn(console), report);
   }
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
-  source::writeVcd(folder.staging() / "pins.vcd", run.recording, the_case.machine.signals);
+  source::writeVcd(folder.staging() / "pins.vcd", run.recording, test_case.machine.signals);
   base::writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
   if (!conclusion.gcode.empty()) base::writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
   stopwatch.lap("recording of the pins");
   if (options.pictures) {
     std::string trouble;
-    report.pictures = writeMachinePictures(*conclusion.film, the_case, conclusion.drawn->machine,
+    report.pictures = writeMachinePictures(*conclusion.film, test_case, conclusion.sampled->machine,
                                            folder.staging(), trouble);
     if (!trouble.empty()) console.say(trouble);
     stopwatch.lap("pictures of the machine");

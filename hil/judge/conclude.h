@@ -26,17 +26,17 @@ struct Conclusion {
   std::string firmware_sha256;
   std::string
       firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
-  const twin::DrawnMachine* drawn{};  ///< The machine that ran; not null.
-  const run::MachineFilm* film{};     ///< For the report's pictures; not null.
-  std::string gcode;                  ///< Written to the results folder unless empty.
-  controller::ControllerWords words;
+  const twin::SampledMachine* sampled{};  ///< The machine that ran; not null.
+  const run::MachineFilm* film{};         ///< For the report's pictures; not null.
+  std::string gcode;                      ///< Written to the results folder unless empty.
+  controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool moves_frames{};                ///< It goes into the results folder.
   std::optional<inspect::SafeStateEvidence>
       safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
 };
 /// Returns the exit code of the verdict.
-int conclude(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
+int conclude(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
              const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
              base::Console& console);
 

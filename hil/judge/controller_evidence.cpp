@@ -29,37 +29,37 @@ void addProblem(const std::string& problem, run::LockstepResult& run) {
 
 }  // namespace
 
-std::string unprovenDialog(const scenario::Case& the_case, const source::PinRecording& recording,
+std::string unprovenDialog(const scenario::Case& test_case, const source::PinRecording& recording,
                            const run::LockstepResult& run) {
-  if (the_case.scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench)
+  if (test_case.scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench)
     return run.dialog.reason;
-  const controller::PinSums pins(recording, the_case.machine.signals);
+  const controller::PulseCounter pins(recording, test_case.machine.signals);
   return controller::unprovenEnd(
-      controller::controllerEnd(controller::ControllerEar(recording), pins, recording), run.dialog,
+      controller::controllerEnd(controller::UartListener(recording), pins, recording), run.dialog,
       run.problems.empty());
 }
 
-void hearController(const scenario::Case& the_case, const run::PreparedJob& job,
-                    const source::PinRecording& recording, double line_cut_s, run::LockstepResult& run,
-                    Conclusion& conclusion) {
-  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
+void collectControllerEvidence(const scenario::Case& test_case, const run::PreparedJob& job,
+                               const source::PinRecording& recording, double line_cut_s,
+                               run::LockstepResult& run, Conclusion& conclusion) {
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
   if (firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench) {
     addProblem(run.dialog.reason, run);
     return;
   }
-  const controller::PinSums pins(recording, the_case.machine.signals);
-  const controller::ControllerEar ear(recording);
+  const controller::PulseCounter pins(recording, test_case.machine.signals);
+  const controller::UartListener ear(recording);
   conclusion.words.account = pins.accountBeside(
       ear.account(),
       {static_cast<double>(firmware.baud), firmware.gpio.uart.empty() ? 0.0 : firmware.gpio.uart_delay_s});
-  const scenario::ProvokeChoice& provoke = the_case.scenario.provoke;
+  const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
   if (provoke.cause == scenario::ProvokeChoice::Cause::kNone) {
     conclusion.words.end = controller::controllerEnd(ear, pins, recording);
     addProblem(controller::unprovenEnd(*conclusion.words.end, run.dialog, run.problems.empty()), run);
     return;
   }
   inspect::SafeStateEvidence evidence;
-  evidence.demand = safeStateDemand(the_case, job, pins, line_cut_s);
+  evidence.demand = safeStateDemand(test_case, job, pins, line_cut_s);
   evidence.last_pulse_s = pins.lastPulse_s();
   evidence.end_s = recording.rate.seconds(recording.end);
   evidence.reports = ear.reports();

@@ -59,10 +59,10 @@ void takeRealSpot(RealSpot real, inspect::Evidence& evidence, report::RunReport&
   report.versions.insert(report.versions.end(), real.facts.begin(), real.facts.end());
 }
 
-std::unique_ptr<camera::TileSource> kerfPictures(const scenario::Case& the_case, twin::Twin& twin,
+std::unique_ptr<camera::TileSource> kerfPictures(const scenario::Case& test_case, twin::Twin& twin,
                                                  const vision::CameraCalibration& calibration, int jobs,
                                                  report::RunReport& report) {
-  const scenario::CameraChoice& cameras = the_case.scenario.cameras;
+  const scenario::CameraChoice& cameras = test_case.scenario.cameras;
   if (!cameras.kerf.tiles.empty()) {
     auto tiles = std::make_unique<camera::TileFolder>(
         cameras.kerf.tiles, camera::PictureSize{calibration.width_px, calibration.height_px});
@@ -75,23 +75,23 @@ std::unique_ptr<camera::TileSource> kerfPictures(const scenario::Case& the_case,
     report.versions.emplace_back("kerf pictures", "of the model: no real sheet was looked at for the kerf");
   camera::TwinTileOptions options;
   options.threads = jobs;
-  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(the_case, twin, options));
+  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(test_case, twin, options));
 }
 
 }  // namespace
 
-void judge(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
-           const controller::ControllerWords& words, const RealPictures& pictures, int jobs,
+void judge(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
+           const controller::ControllerReport& words, const RealPictures& pictures, int jobs,
            base::Stopwatch& stopwatch, const run::ProgressFn& progress, report::RunReport& report) {
-  const scenario::Scenario& scenario = the_case.scenario;
-  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
+  const scenario::Scenario& scenario = test_case.scenario;
+  const scenario::BenchCameras cameras = scenario::readCalibrations(test_case);
 
   inspect::Evidence evidence;
-  evidence.dieline = &the_case.dieline;
+  evidence.dieline = &test_case.dieline;
   evidence.print = scenario.print;
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
-  evidence.belt_count_mm = the_case.machine.controller.encoder_count_mm;
+  evidence.belt_count_mm = test_case.machine.controller.encoder_count_mm;
   evidence.belt = beltOf(run.recording, evidence.belt_count_mm);
   evidence.problems = run.problems;
   evidence.pin_u_s = pinUncertainty_s(run.recording);
@@ -101,8 +101,8 @@ void judge(const scenario::Case& the_case, twin::Twin& twin, const run::Lockstep
   evidence.account = words.account;
   evidence.end = words.end;
   for (const double edge_s : twin.powerMonitorEdges_s())
-    evidence.power_edges_s.push_back(edge_s - the_case.machine.power_monitor.delay_s);
-  evidence.power_quantum_j = the_case.machine.power_monitor.quantum_j;
+    evidence.power_edges_s.push_back(edge_s - test_case.machine.power_monitor.delay_s);
+  evidence.power_quantum_j = test_case.machine.power_monitor.quantum_j;
   evidence.problems.insert(evidence.problems.end(), cameras.problems.begin(), cameras.problems.end());
   const bool stopped = evidence.end && inspect::stoppedByItself(*evidence.end, evidence.gates);
   if (evidence.gates.empty() && !stopped)
@@ -112,12 +112,12 @@ void judge(const scenario::Case& the_case, twin::Twin& twin, const run::Lockstep
     progress(-1, "looking at the spot");
     if (scenario.cameras.spot.is_real) {
       takeRealSpot(
-          lookAtRealSpot(the_case, pictures.spot, *cameras.spot, run.recording, evidence.gates, jobs),
+          lookAtRealSpot(test_case, pictures.spot, *cameras.spot, run.recording, evidence.gates, jobs),
           evidence, report);
       stopwatch.lap("spot camera: measure");
     } else {
-      camera::TwinFrameSource frames(twin::SpotCamera(the_case.machine.spot_camera, scenario.print,
-                                                      the_case.machine.glow_gray_per_w, scenario.seed),
+      camera::TwinFrameSource frames(twin::SpotCamera(test_case.machine.spot_camera, scenario.print,
+                                                      test_case.machine.glow_gray_per_w, scenario.seed),
                                      exposuresWhileLaserWorks(twin, evidence.gates), jobs);
       evidence.spot =
           vision::trackSpot(frames, *cameras.spot, scenario.print, {jobs, scenario.belt_speed_mm_s});
@@ -126,12 +126,13 @@ void judge(const scenario::Case& the_case, twin::Twin& twin, const run::Lockstep
 
     progress(-1, "looking at the cut");
     const std::unique_ptr<camera::TileSource> tiles =
-        kerfPictures(the_case, twin, *cameras.kerf, jobs, report);
+        kerfPictures(test_case, twin, *cameras.kerf, jobs, report);
     vision::KerfScanOptions scan_options;
     scan_options.threads = jobs;
     scan_options.station_pitch_mm = kStationPitch_mm;
-    scan_options.beam_radius_mm = the_case.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
-    evidence.kerf = scanKerf(*tiles, *cameras.kerf, scenario.print, the_case.dieline, scan_options);
+    scan_options.beam_radius_mm =
+        test_case.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
+    evidence.kerf = scanKerf(*tiles, *cameras.kerf, scenario.print, test_case.dieline, scan_options);
     stopwatch.lap("kerf camera: render and measure");
   }
   evidence.kerf_calibration = cameras.kerf;
@@ -142,7 +143,7 @@ void judge(const scenario::Case& the_case, twin::Twin& twin, const run::Lockstep
     report.model.partings = spotPartings(evidence.spot, twin.takeExposures(), report.result.cuts);
   report.limits = scenario.limits;
   report.versions.insert(report.versions.end(), cameras.facts.begin(), cameras.facts.end());
-  report.dieline = the_case.dieline;
+  report.dieline = test_case.dieline;
   report.print = scenario.print;
   report.kerf = report.result.edges ? std::move(*report.result.edges) : std::move(evidence.kerf);
   report.result.edges.reset();
@@ -151,15 +152,15 @@ void judge(const scenario::Case& the_case, twin::Twin& twin, const run::Lockstep
   stopwatch.lap("inspection");
 }
 
-void judgeSafeState(const scenario::Case& the_case, const twin::Twin& twin,
+void judgeSafeState(const scenario::Case& test_case, const twin::Twin& twin,
                     inspect::SafeStateEvidence evidence, report::RunReport& report) {
   evidence.pulses = twin.pulseTiming();
   evidence.gates = gatesOf(twin);
   report.provoked = true;
   report.result = inspect::inspectSafeState(evidence);
-  report.limits = the_case.scenario.limits;
-  report.dieline = the_case.dieline;
-  report.print = the_case.scenario.print;
+  report.limits = test_case.scenario.limits;
+  report.dieline = test_case.dieline;
+  report.print = test_case.scenario.print;
   report.pulses = std::move(evidence.pulses);
 }
 

@@ -21,12 +21,12 @@ struct RealPictures {
 
 /// What the cameras of the bench see of a run that the twin has lived through, measured and judged. Fills the
 /// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result).
-void judge(const scenario::Case& the_case, twin::Twin& twin, const run::LockstepResult& run,
-           const controller::ControllerWords& words, const RealPictures& pictures, int jobs,
+void judge(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
+           const controller::ControllerReport& words, const RealPictures& pictures, int jobs,
            base::Stopwatch& stopwatch, const run::ProgressFn& progress, report::RunReport& report);
 
 /// A run that was to be stopped, by its pins and the controller's words alone; no camera looks.
-void judgeSafeState(const scenario::Case& the_case, const twin::Twin& twin,
+void judgeSafeState(const scenario::Case& test_case, const twin::Twin& twin,
                     inspect::SafeStateEvidence evidence, report::RunReport& report);
 
 }  // namespace kerfbench::judge

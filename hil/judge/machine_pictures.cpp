@@ -28,7 +28,7 @@ report::ReportPicture written(const std::filesystem::path& folder, const std::st
 Eigen::AlignedBox2d unitOf(const dieline::Dieline& dieline) { return dieline.bounds(); }
 
 std::vector<report::ReportPicture> writeMachinePictures(const run::MachineFilm& film,
-                                                        const scenario::Case& the_case,
+                                                        const scenario::Case& test_case,
                                                         const twin::MachineDescription& machine,
                                                         const std::filesystem::path& folder,
                                                         std::string& trouble) {
@@ -39,8 +39,8 @@ std::vector<report::ReportPicture> writeMachinePictures(const run::MachineFilm& 
     trouble = "no pictures of the machine: POV-Ray is not installed (apt-get install povray)";
     return pictures;
   }
-  const twin::WebDescription web = scenario::webOf(the_case);
-  const Eigen::AlignedBox2d unit = unitOf(the_case.dieline);
+  const twin::WebDescription web = scenario::webOf(test_case);
+  const Eigen::AlignedBox2d unit = unitOf(test_case.dieline);
   try {
     scene::PictureOptions options = reportSize();
     const double middle_s = film.middleOfLongestCut_s();

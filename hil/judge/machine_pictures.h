@@ -17,7 +17,7 @@ namespace kerfbench::judge {
 /// picture is an ornament: it neither changes nor stops a verdict.
 /// @throws std::system_error if `folder` cannot be written.
 std::vector<report::ReportPicture> writeMachinePictures(const run::MachineFilm& film,
-                                                        const scenario::Case& the_case,
+                                                        const scenario::Case& test_case,
                                                         const twin::MachineDescription& machine,
                                                         const std::filesystem::path& folder,
                                                         std::string& trouble);

@@ -156,10 +156,10 @@ camera::LightProfile profileOf(const source::PinRecording& pins, const SignalMap
 
 }  // namespace
 
-RealSpot lookAtRealSpot(const scenario::Case& the_case, const std::filesystem::path& folder,
+RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::path& folder,
                         const vision::CameraCalibration& calibration, const source::PinRecording& pins,
                         const std::vector<inspect::GateInterval>& gates, int jobs) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   const scenario::SpotCameraChoice& choice = scenario.cameras.spot;
   RealSpot spot;
   camera::FrameRecording recording(folder);
@@ -181,11 +181,11 @@ RealSpot lookAtRealSpot(const scenario::Case& the_case, const std::filesystem::p
                             survey.report.ended_early);
     return spot;
   }
-  const camera::LightProfile profile = profileOf(pins, the_case.machine.signals);
+  const camera::LightProfile profile = profileOf(pins, test_case.machine.signals);
   std::vector<camera::LightInterval> lights;
   for (const inspect::GateInterval& gate : gates) lights.push_back({gate.on_s, gate.off_s});
   const camera::CameraClockFit fit = camera::fitLightClock(survey.lights, lights, &profile, survey.period_s,
-                                                           clockOptions(choice, the_case.machine.signals));
+                                                           clockOptions(choice, test_case.machine.signals));
   if (!fit.clock) {
     spot.problems.push_back("the spot camera's clock cannot be related to that of the pins: " + fit.why_not);
     for (const camera::CaptureIncident& incident : survey.report.first_incidents) {

@@ -29,7 +29,7 @@ struct RealSpot {
 /// sheet while the laser works. Frames that are not to be believed are left out; those around cuts are told.
 /// The result depends on nothing but what is given. @throws ConfigError for a recording that is none, or
 /// unfinished.
-RealSpot lookAtRealSpot(const scenario::Case& the_case, const std::filesystem::path& folder,
+RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::path& folder,
                         const vision::CameraCalibration& calibration, const source::PinRecording& pins,
                         const std::vector<inspect::GateInterval>& gates, int jobs);
 

@@ -22,17 +22,17 @@ constexpr double kFilterPeriods = 12;    // until the tracked speed has settled
 constexpr double kBeltSpan_s = 40e-3;    // over which the bench measures the belt's speed
 constexpr double kFramePause_s = 20e-3;  // after which a frame is given up
 
-double encoderWindow_s(const scenario::Case& the_case, double period_s) {
+double encoderWindow_s(const scenario::Case& test_case, double period_s) {
   const double counts_per_s =
-      the_case.scenario.belt_speed_mm_s / the_case.machine.controller.encoder_count_mm;
+      test_case.scenario.belt_speed_mm_s / test_case.machine.controller.encoder_count_mm;
   return 2 * std::max(kEncoderCounts / counts_per_s + period_s, 2 * period_s) + 2 * period_s;
 }
 
 }  // namespace
 
-inspect::SafeStateDemand safeStateDemand(const scenario::Case& the_case, const run::PreparedJob& job,
-                                         const controller::PinSums& pins, double line_cut_s) {
-  const scenario::ProvokeChoice& provoke = the_case.scenario.provoke;
+inspect::SafeStateDemand safeStateDemand(const scenario::Case& test_case, const run::PreparedJob& job,
+                                         const controller::PulseCounter& pins, double line_cut_s) {
+  const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
   const double period_s = job.target.periodS();
   const double frame_s = kFrameBits / job.target.baud;
   const double stand_s = 2 * period_s;  // the period at hand, and one that the main loop may be busy
@@ -58,7 +58,7 @@ inspect::SafeStateDemand safeStateDemand(const scenario::Case& the_case, const r
                          ? "both wires of the encoder broke"
                          : fmt::format("wire {} of the encoder broke", provoke.encoder_lines);
       demand.faults = {"encoder"};
-      demand.window_s = encoderWindow_s(the_case, period_s);
+      demand.window_s = encoderWindow_s(test_case, period_s);
       break;
     case Cause::kUartSilent:
       demand.cause = "the host fell silent within a frame";
@@ -87,18 +87,18 @@ inspect::SafeStateDemand safeStateDemand(const scenario::Case& the_case, const r
     case Cause::kFieldLeft: {
       demand.cause = fmt::format("the gantry came within {:g} mm of its field's edge", kFieldNear_mm);
       demand.faults = {"field"};
-      const auto& told = the_case.machine.controller;
+      const auto& told = test_case.machine.controller;
       const auto inside = [&](double mm) { return static_cast<long long>(mm / told.gantry_step_mm); };
       demand.cause_s = pins.leaves_s(Signal::kGantryXPul, inside(told.field_min_mm[0] + kFieldNear_mm),
                                      inside(told.field_max_mm[0] - kFieldNear_mm));
-      demand.window_s = (kFieldNear_mm + kFieldWaver_mm) / the_case.scenario.belt_speed_mm_s + 2 * period_s;
+      demand.window_s = (kFieldNear_mm + kFieldWaver_mm) / test_case.scenario.belt_speed_mm_s + 2 * period_s;
       break;
     }
     case Cause::kBeltTooFast:
       demand.cause = fmt::format("the belt exceeded {:.1f} mm/s", job.belt_stop_mm_s);
       demand.faults = {"belt-fast"};
       demand.cause_s =
-          pins.beltFaster_s(job.belt_stop_mm_s / the_case.machine.controller.encoder_count_mm, kBeltSpan_s);
+          pins.beltFaster_s(job.belt_stop_mm_s / test_case.machine.controller.encoder_count_mm, kBeltSpan_s);
       demand.cause_s -= 0.5 * kBeltSpan_s;  // a mean is that of the middle
       demand.window_s = kFast_s + kFilterPeriods * period_s;
       break;

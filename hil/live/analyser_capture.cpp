@@ -9,17 +9,17 @@
 
 namespace kerfbench::live {
 
-source::PinCapture captureAnalyserCase(const scenario::Case& the_case, source::AnalyserSystem& analysers,
+source::PinCapture captureAnalyserCase(const scenario::Case& test_case, source::AnalyserSystem& analysers,
                                        base::Console& console) {
-  const scenario::AnalyserChoice& choice = the_case.scenario.firmware.analyser;
+  const scenario::AnalyserChoice& choice = test_case.scenario.firmware.analyser;
   source::AnalyserCaptureOptions options = scenario::captureOptions(choice);
-  options.time_limit_s = the_case.scenario.time_limit_s;
-  options.low_at_start = scenario::countedRising(the_case.machine);
+  options.time_limit_s = test_case.scenario.time_limit_s;
+  options.low_at_start = scenario::countedRising(test_case.machine);
   console.say(fmt::format(
       "  listening to {} channels by {} at {} Hz: start the job; it is over when they are quiet for {} s",
       options.signals.size(), choice.driver, choice.samplerate_hz, options.quiet_s));
   try {
-    source::PinCapture captured = source::captureAnalyser(options, the_case.machine.signals, analysers);
+    source::PinCapture captured = source::captureAnalyser(options, test_case.machine.signals, analysers);
     tellCapture(captured, console);
     return captured;
   } catch (const source::AnalyserError& e) {

@@ -9,7 +9,7 @@ namespace kerfbench::live {
 
 /// As captureCase(), by the logic analyser that the case names.
 /// @throws InputError if the analyser cannot be had: which, where, and what there is.
-source::PinCapture captureAnalyserCase(const scenario::Case& the_case, source::AnalyserSystem& analysers,
+source::PinCapture captureAnalyserCase(const scenario::Case& test_case, source::AnalyserSystem& analysers,
                                        base::Console& console);
 
 }  // namespace kerfbench::live

@@ -37,22 +37,22 @@ void requireRoomForSession(const scenario::Scenario& scenario) {
 }
 
 scenario::Case readPinCase(const CaptureOptions& options) {
-  scenario::Case the_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
-  if (!the_case.scenario.firmware.onRealPins()) {
+  scenario::Case test_case = scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
+  if (!test_case.scenario.firmware.onRealPins()) {
     throw base::ConfigError(fmt::format(
         "{}: firmware.source: nothing to capture: the pins are no real ones (source: gpio, analyser)",
-        the_case.scenario.path.string()));
+        test_case.scenario.path.string()));
   }
-  if (options.session && the_case.scenario.firmware.source == scenario::FirmwareChoice::Source::kGpio) {
+  if (options.session && test_case.scenario.firmware.source == scenario::FirmwareChoice::Source::kGpio) {
     throw base::InputError(
         fmt::format("{}: --sr is for an analyser's samples (source: analyser): edges of a gpiochip, stamped "
                     "in ns, have no "
                     "sample rate",
-                    the_case.scenario.path.string()));
+                    test_case.scenario.path.string()));
   }
-  if (options.time_limit_s) the_case.scenario.time_limit_s = *options.time_limit_s;
-  if (options.session) requireRoomForSession(the_case.scenario);
-  return the_case;
+  if (options.time_limit_s) test_case.scenario.time_limit_s = *options.time_limit_s;
+  if (options.session) requireRoomForSession(test_case.scenario);
+  return test_case;
 }
 
 /// Why there is none, or empty. The job is over: what else was heard is to be kept.
@@ -88,28 +88,28 @@ fs::path outFolder(const CaptureOptions& options, const std::string& name) {
 
 int captureOnPins(const RealPins& pins, const CaptureOptions& options) {
   base::Console console(options.quiet);
-  const scenario::Case the_case = readPinCase(options);
-  const std::string& name = the_case.scenario.name;
-  console.say(fmt::format("{}: {}", name, the_case.scenario.title));
+  const scenario::Case test_case = readPinCase(options);
+  const std::string& name = test_case.scenario.name;
+  console.say(fmt::format("{}: {}", name, test_case.scenario.title));
   // Before the pins are heard: whoever has started a job wants to keep it.
   const fs::path out = outFolder(options, name);
   judge::ResultsFolder folder(out.parent_path(), out.filename().string());
-  const bool has_camera = the_case.scenario.cameras.spot.is_real;
+  const bool has_camera = test_case.scenario.cameras.spot.is_real;
   if (has_camera)
     console.say(
         "  the spot camera is real and not recorded here: `kerfbench record-frames` beside this does, or "
         "`run` both");
 
-  const source::PinCapture captured = hearPins(the_case, pins, console);
+  const source::PinCapture captured = hearPins(test_case, pins, console);
   const source::PinRecording& recording = captured.recording;
-  source::writeVcd(folder.staging() / "pins.vcd", recording, the_case.machine.signals);
-  base::writeFileAtomically(folder.staging() / "scenario.yaml", the_case.scenario.text);
+  source::writeVcd(folder.staging() / "pins.vcd", recording, test_case.machine.signals);
+  base::writeFileAtomically(folder.staging() / "scenario.yaml", test_case.scenario.text);
   std::string no_session;
   if (options.session)
-    no_session = writeSession(folder.staging() / "pins.sr", recording, the_case.machine.signals);
+    no_session = writeSession(folder.staging() / "pins.sr", recording, test_case.machine.signals);
   folder.commit();
 
-  console.say(heardText(heardPins(recording, the_case.machine.signals)));
+  console.say(pinStatisticsText(pinStatistics(recording, test_case.machine.signals)));
   for (const std::string& problem : recording.problems) console.result("  INVALID: " + problem);
   const fs::path vcd = folder.place() / "pins.vcd";
   console.say(fmt::format("recording: {}\njudge it: ./bench replay {} --scenario {}{}", vcd.string(),

@@ -20,9 +20,9 @@
 namespace kerfbench::live {
 namespace {
 
-bool wantsLimits(const scenario::Case& the_case) {
-  return the_case.machine.kind == twin::MachineDescription::Kind::kGantry &&
-         std::ranges::any_of(the_case.scenario.firmware.gpio.outputs, [](const scenario::PinLine& line) {
+bool wantsLimits(const scenario::Case& test_case) {
+  return test_case.machine.kind == twin::MachineDescription::Kind::kGantry &&
+         std::ranges::any_of(test_case.scenario.firmware.gpio.outputs, [](const scenario::PinLine& line) {
            return line.signal == Signal::kLimitX || line.signal == Signal::kLimitY;
          });
 }
@@ -77,9 +77,10 @@ source::PinCapture captureOf(run::LockstepResult& run, source::GpioLiveRecord& r
 }
 
 /// A replay has no dialog: what it leaves unproven is the recording's to say.
-void tellUnproven(const scenario::Case& the_case, run::LockstepResult& run, source::PinRecording& recording) {
+void tellUnproven(const scenario::Case& test_case, run::LockstepResult& run,
+                  source::PinRecording& recording) {
   run.problems = recording.problems;
-  const std::string unproven = judge::unprovenDialog(the_case, recording, run);
+  const std::string unproven = judge::unprovenDialog(test_case, recording, run);
   if (!unproven.empty()) recording.problems.push_back(unproven);
 }
 
@@ -95,33 +96,33 @@ std::string drivenWords(const LivePins& live) {
   return words;
 }
 
-LivePins runLive(const scenario::Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
+LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sampled, const RealPins& pins,
                  const run::PreparedJob& job, base::Console& console) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   try {
     source::GpioLiveOptions options = scenario::liveOptions(scenario.firmware.gpio, pins.chips());
-    options.in.low_at_start = scenario::countedRising(the_case.machine);
+    options.in.low_at_start = scenario::countedRising(test_case.machine);
     options.ends_when_quiet = job.dialog == nullptr;
-    run::LiveModel model(drawn.machine, scenario::webOf(the_case), source::GpioLiveSource::kRate,
-                         scenario.seed, wantsLimits(the_case));
+    run::LiveModel model(sampled.machine, scenario::webOf(test_case), source::GpioLiveSource::kRate,
+                         scenario.seed, wantsLimits(test_case));
     options.high_at_start = model.highAtStart();
     // First, because opening it can make a board start anew, with all that its pins do then.
     std::unique_ptr<source::SerialLine> uart = openUart(scenario.firmware, pins);
-    source::GpioLiveSource source(options, the_case.machine.signals, pins.gpio, std::move(uart));
+    source::GpioLiveSource source(options, test_case.machine.signals, pins.gpio, std::move(uart));
     announce(options, scenario.firmware, console);
     run::LockstepOptions lockstep;
     lockstep.time_limit_s = scenario.time_limit_s;
     // Without progress on the terminal: writing there can take longer than a quantum.
     run::LockstepResult run =
-        run::runLockstep(source, model, the_case.machine.signals, job.dialog.get(), lockstep, {});
+        run::runLockstep(source, model, test_case.machine.signals, job.dialog.get(), lockstep, {});
     run.recording.end = std::max<Tick>(run.recording.end, 1);
     source::GpioLiveRecord record = source.finish(run.recording.end);
     LivePins live;
     live.lag = record.lag;
     live.switch_lag = record.switch_lag;
     live.captured = captureOf(run, record, source.info().stamp_err_ticks,
-                              source::pinsOf(options.in.wires, the_case.machine.signals).front().port);
-    tellUnproven(the_case, run, live.captured.recording);
+                              source::pinsOf(options.in.wires, test_case.machine.signals).front().port);
+    tellUnproven(test_case, run, live.captured.recording);
     for (const std::string& note : live.captured.notes) console.say("  " + note);
     console.say(fmt::format("  {} edges read in {:.3f} s; {}", live.captured.edges,
                             source::GpioLiveSource::kRate.seconds(live.captured.recording.end),

@@ -25,7 +25,7 @@ std::string drivenWords(const LivePins& live);
 
 /// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the
 /// controller if there is a serial line. @throws InputError if pins or line cannot be had.
-LivePins runLive(const scenario::Case& the_case, const twin::DrawnMachine& drawn, const RealPins& pins,
+LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sampled, const RealPins& pins,
                  const run::PreparedJob& job, base::Console& console);
 
 }  // namespace kerfbench::live

@@ -12,10 +12,10 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-LiveSpot::LiveSpot(const scenario::Case& the_case, const fs::path& results_dir, base::Console& console) {
-  if (!the_case.scenario.cameras.spot.is_real) return;
-  scratch_.emplace(results_dir, the_case.scenario.name + "-frames");
-  recorder_.emplace(the_case, camera::kernelVideoCalls(), scratch_->staging() / judge::kSpotFrames);
+LiveSpot::LiveSpot(const scenario::Case& test_case, const fs::path& results_dir, base::Console& console) {
+  if (!test_case.scenario.cameras.spot.is_real) return;
+  scratch_.emplace(results_dir, test_case.scenario.name + "-frames");
+  recorder_.emplace(test_case, camera::kernelVideoCalls(), scratch_->staging() / judge::kSpotFrames);
   const camera::RecordedCamera& camera = recorder_->camera();
   console.say(fmt::format("  recording {} ({})", camera.device, camera.card));
   for (const camera::SettingOutcome& one : camera.setup.outcomes)
@@ -33,12 +33,12 @@ void LiveSpot::finish(judge::Conclusion& conclusion, base::Console& console) {
 
 fs::path LiveSpot::frames() const { return scratch_ ? scratch_->staging() / judge::kSpotFrames : fs::path(); }
 
-fs::path framesOfReplay(const scenario::Case& the_case, const fs::path& pins, const fs::path& frames) {
-  const scenario::SpotCameraChoice& spot = the_case.scenario.cameras.spot;
+fs::path framesOfReplay(const scenario::Case& test_case, const fs::path& pins, const fs::path& frames) {
+  const scenario::SpotCameraChoice& spot = test_case.scenario.cameras.spot;
   if (!spot.is_real) {
     if (frames.empty()) return {};
     throw base::InputError(fmt::format("{}: has no real spot camera (cameras.spot), so no frames to judge",
-                                       the_case.scenario.path.string()));
+                                       test_case.scenario.path.string()));
   }
   const fs::path folder = frames.empty() ? fs::absolute(pins).parent_path() / judge::kSpotFrames : frames;
   if (fs::is_directory(folder)) return folder;
@@ -47,8 +47,8 @@ fs::path framesOfReplay(const scenario::Case& the_case, const fs::path& pins, co
                   folder.string()));
 }
 
-void refuseRealCamera(const scenario::Case& the_case) {
-  const scenario::SpotCameraChoice& spot = the_case.scenario.cameras.spot;
+void refuseRealCamera(const scenario::Case& test_case) {
+  const scenario::SpotCameraChoice& spot = test_case.scenario.cameras.spot;
   if (spot.is_real)
     throw base::InputError(
         fmt::format("{}: the pins are emulated, so a real camera sees nothing of them; run on real pins "
@@ -56,15 +56,15 @@ void refuseRealCamera(const scenario::Case& the_case) {
                     spot.place));
 }
 
-void refuseKerfPictures(const scenario::Case& the_case) {
-  const scenario::KerfCameraChoice& kerf = the_case.scenario.cameras.kerf;
+void refuseKerfPictures(const scenario::Case& test_case) {
+  const scenario::KerfCameraChoice& kerf = test_case.scenario.cameras.kerf;
   if (kerf.tiles.empty()) return;
   throw base::InputError(fmt::format(
       "{}: pictures that are there before a sheet is cut are not of it. First cut and record with kerf: "
       "{{source: twin}} (`run`; or `capture`, and `record-frames` for a real spot camera), then photograph "
       "that "
       "sheet, then judge it with {{source: tiles}}: ./bench replay PINS.vcd --scenario {}",
-      kerf.place, the_case.scenario.path.string()));
+      kerf.place, test_case.scenario.path.string()));
 }
 
 }  // namespace kerfbench::live

@@ -17,7 +17,7 @@ namespace kerfbench::live {
 class LiveSpot {
  public:
   /// @throws as openSpotCamera() for a camera that cannot be had, std::system_error.
-  LiveSpot(const scenario::Case& the_case, const std::filesystem::path& results_dir, base::Console& console);
+  LiveSpot(const scenario::Case& test_case, const std::filesystem::path& results_dir, base::Console& console);
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
   void finish(judge::Conclusion& conclusion, base::Console& console);
@@ -32,14 +32,14 @@ class LiveSpot {
 /// The recording that a replay of a case with a real spot camera judges: `frames`, or where that is empty the
 /// folder beside the pins. Empty for a case without such a camera. @throws InputError where there is none, or
 /// one too many.
-std::filesystem::path framesOfReplay(const scenario::Case& the_case, const std::filesystem::path& pins,
+std::filesystem::path framesOfReplay(const scenario::Case& test_case, const std::filesystem::path& pins,
                                      const std::filesystem::path& frames);
 
 /// @throws InputError for a case whose pins are emulated: a real camera sees nothing of them.
-void refuseRealCamera(const scenario::Case& the_case);
+void refuseRealCamera(const scenario::Case& test_case);
 
 /// Before a sheet is cut. @throws InputError for a case whose kerf pictures are there already: they are of an
 /// earlier sheet, and would pass this one.
-void refuseKerfPictures(const scenario::Case& the_case);
+void refuseKerfPictures(const scenario::Case& test_case);
 
 }  // namespace kerfbench::live

@@ -15,17 +15,17 @@ void tellCapture(const source::PinCapture& captured, base::Console& console) {
                           captured.recording.rate.seconds(captured.recording.end)));
 }
 
-source::PinCapture captureCase(const scenario::Case& the_case,
+source::PinCapture captureCase(const scenario::Case& test_case,
                                const std::shared_ptr<source::GpioSystem>& system,
                                const source::GpioChipList& chips, base::Console& console) {
   try {
-    source::GpioCaptureOptions options = scenario::captureOptions(the_case.scenario.firmware.gpio, chips);
-    options.time_limit_s = the_case.scenario.time_limit_s;
-    options.low_at_start = scenario::countedRising(the_case.machine);
+    source::GpioCaptureOptions options = scenario::captureOptions(test_case.scenario.firmware.gpio, chips);
+    options.time_limit_s = test_case.scenario.time_limit_s;
+    options.low_at_start = scenario::countedRising(test_case.machine);
     console.say(
         fmt::format("  listening to {} lines of {}: start the job; it is over when they are quiet for {} s",
                     options.wires.size(), options.chip.string(), options.quiet_s));
-    source::PinCapture captured = source::capturePins(options, the_case.machine.signals, system);
+    source::PinCapture captured = source::capturePins(options, test_case.machine.signals, system);
     tellCapture(captured, console);
     return captured;
   } catch (const source::GpioError& e) {

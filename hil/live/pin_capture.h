@@ -15,7 +15,7 @@ void tellCapture(const source::PinCapture& captured, base::Console& console);
 
 /// Records the real pins that the case names, and tells the user when to start the job, and what came.
 /// @throws InputError if the pins cannot be had: who, where, and what to do.
-source::PinCapture captureCase(const scenario::Case& the_case,
+source::PinCapture captureCase(const scenario::Case& test_case,
                                const std::shared_ptr<source::GpioSystem>& system,
                                const source::GpioChipList& chips, base::Console& console);
 

@@ -25,25 +25,25 @@ class LineEar {
     while (rate_.seconds(tick - recent_.front()) >= kPeakWindow_s) recent_.pop_front();
     line_.peak_hz = std::max(line_.peak_hz, static_cast<double>(recent_.size()) / kPeakWindow_s);
   }
-  [[nodiscard]] const HeardLine& line() const { return line_; }
+  [[nodiscard]] const LineStatistics& line() const { return line_; }
 
  private:
   TickRate rate_;
-  HeardLine line_;
+  LineStatistics line_;
   std::optional<Tick> last_;
   std::deque<Tick> recent_;
 };
 
 }  // namespace
 
-HeardPins heardPins(const source::PinRecording& recording, const SignalMap& map) {
+PinStatistics pinStatistics(const source::PinRecording& recording, const SignalMap& map) {
   std::vector<std::pair<PinId, LineEar>> ears;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
     const auto signal = static_cast<Signal>(i);
     if (const auto pin = map.pin(signal); pin && !isSensor(signal))
       ears.emplace_back(*pin, LineEar(signal, recording.rate));
   }
-  HeardPins heard;
+  PinStatistics heard;
   std::optional<Tick> first;
   Tick last = 0;
   for (const PinEvent& event : recording.outputs) {
@@ -68,9 +68,9 @@ HeardPins heardPins(const source::PinRecording& recording, const SignalMap& map)
   return heard;
 }
 
-std::string heardText(const HeardPins& heard) {
+std::string pinStatisticsText(const PinStatistics& heard) {
   std::string text;
-  for (const HeardLine& line : heard.lines) {
+  for (const LineStatistics& line : heard.lines) {
     text += fmt::format("  {:<14} {:>10} edges", signalName(line.signal), line.edges);
     if (line.edges >= 2)
       text += fmt::format(", at most {:.0f} per second, two within {:.4g} us", line.peak_hz,

@@ -12,7 +12,7 @@
 namespace kerfbench::live {
 
 /// What one line did in a recording.
-struct HeardLine {
+struct LineStatistics {
   Signal signal{};
   std::uint64_t edges{};
   double shortest_s{std::numeric_limits<double>::infinity()};  ///< Between two edges; infinite below two.
@@ -20,16 +20,16 @@ struct HeardLine {
 };
 
 /// What a recording of a controller's outputs holds, for people who look whether all is wired.
-struct HeardPins {
-  std::vector<HeardLine> lines;  ///< One for each output of the map.
+struct PinStatistics {
+  std::vector<LineStatistics> lines;  ///< One for each output of the map.
   std::uint64_t edges{};
   double span_s{};             ///< First to last edge.
   double longest_silence_s{};  ///< Between two edges of any line.
 };
 
-HeardPins heardPins(const source::PinRecording& recording, const SignalMap& map);
+PinStatistics pinStatistics(const source::PinRecording& recording, const SignalMap& map);
 
 /// A line of text for each line, and one for all.
-std::string heardText(const HeardPins& heard);
+std::string pinStatisticsText(const PinStatistics& heard);
 
 }  // namespace kerfbench::live

@@ -21,8 +21,8 @@ std::string pinsName(const scenario::FirmwareChoice& firmware) {
          (analyser.serial.empty() ? "" : ", serial " + analyser.serial);
 }
 
-source::PinCapture hearPins(const scenario::Case& the_case, const RealPins& pins, base::Console& console) {
-  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
+source::PinCapture hearPins(const scenario::Case& test_case, const RealPins& pins, base::Console& console) {
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
   if (firmware.source == scenario::FirmwareChoice::Source::kGpio && firmware.gpio.isLive()) {
     throw base::InputError(
         firmware.gpio.place +
@@ -30,8 +30,8 @@ source::PinCapture hearPins(const scenario::Case& the_case, const RealPins& pins
         "and records what came in pins.vcd; `capture` listens only");
   }
   if (firmware.source == scenario::FirmwareChoice::Source::kGpio)
-    return captureCase(the_case, pins.gpio, pins.chips(), console);
-  return captureAnalyserCase(the_case, *pins.analysers, console);
+    return captureCase(test_case, pins.gpio, pins.chips(), console);
+  return captureAnalyserCase(test_case, *pins.analysers, console);
 }
 
 }  // namespace kerfbench::live

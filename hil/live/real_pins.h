@@ -29,6 +29,6 @@ RealPins realPins(const std::filesystem::path& bin_dir);
 std::string pinsName(const scenario::FirmwareChoice& firmware);
 
 /// Records the pins that a case on real pins names, and drives none. @throws InputError as captureCase().
-source::PinCapture hearPins(const scenario::Case& the_case, const RealPins& pins, base::Console& console);
+source::PinCapture hearPins(const scenario::Case& test_case, const RealPins& pins, base::Console& console);
 
 }  // namespace kerfbench::live

@@ -31,13 +31,13 @@ void requireOwnFolder(const fs::path& out) {
 
 int recordFramesOf(camera::VideoCalls& calls, const RecordFramesOptions& options) {
   base::Console console(options.quiet);
-  const scenario::Case the_case =
+  const scenario::Case test_case =
       scenario::readCase(options.scenario, options.bin_dir.parent_path() / "firmware");
-  if (!the_case.scenario.cameras.spot.is_real)
+  if (!test_case.scenario.cameras.spot.is_real)
     throw base::InputError(fmt::format("{}: names no real spot camera (cameras.spot: {{source: v4l2, ...}})",
                                        options.scenario.string()));
   requireOwnFolder(options.out);
-  const OpenSpotCamera open = openSpotCamera(the_case, calls);
+  const OpenSpotCamera open = openSpotCamera(test_case, calls);
   camera::FrameRecordingWriter writer(options.out, open.camera);
   camera::RecordOptions how = recordOptions(open);
   how.most_frames = options.frames;

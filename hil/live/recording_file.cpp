@@ -16,13 +16,13 @@ bool hasEdges(const source::PinRecording& recording, PinId pin) {
   });
 }
 
-source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& the_case) {
+source::PinRecording readSession(const std::filesystem::path& path, const scenario::Case& test_case) {
   source::ChannelNames names;
-  for (const scenario::PinLine& line : the_case.scenario.firmware.analyser.lines)
+  for (const scenario::PinLine& line : test_case.scenario.firmware.analyser.lines)
     names.emplace_back(line.signal, line.line);
-  source::PinRecording recording = source::readSr(path, the_case.machine.signals, names);
-  for (const scenario::SlowRate& slow : scenario::tooSlowFor(the_case.machine, recording.rate.den)) {
-    if (hasEdges(recording, *the_case.machine.signals.pin(slow.pul)))
+  source::PinRecording recording = source::readSr(path, test_case.machine.signals, names);
+  for (const scenario::SlowRate& slow : scenario::tooSlowFor(test_case.machine, recording.rate.den)) {
+    if (hasEdges(recording, *test_case.machine.signals.pin(slow.pul)))
       recording.problems.push_back(slow.words);
   }
   return recording;
@@ -30,10 +30,10 @@ source::PinRecording readSession(const std::filesystem::path& path, const scenar
 
 }  // namespace
 
-source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& the_case) {
+source::PinRecording readRecording(const std::filesystem::path& path, const scenario::Case& test_case) {
   try {
-    return path.extension() == ".sr" ? readSession(path, the_case)
-                                     : source::readVcd(path, the_case.machine.signals);
+    return path.extension() == ".sr" ? readSession(path, test_case)
+                                     : source::readVcd(path, test_case.machine.signals);
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }

@@ -22,12 +22,12 @@ namespace kerfbench::live {
 namespace {
 
 /// Whether the inputs of a controller on real pins were driven as the machine would have done it.
-void judgeSensors(const scenario::Case& the_case, const run::WitnessedTwin& twin,
+void judgeSensors(const scenario::Case& test_case, const run::WitnessedTwin& twin,
                   const source::PinRecording& recorded, run::LockstepResult& run, base::Console& console) {
   std::vector<Signal> signals;
-  for (const scenario::PinLine& line : the_case.scenario.firmware.gpio.outputs)
+  for (const scenario::PinLine& line : test_case.scenario.firmware.gpio.outputs)
     signals.push_back(line.signal);
-  const double limit_s = run::sensorLagLimit_s(the_case.scenario);
+  const double limit_s = run::sensorLagLimit_s(test_case.scenario);
   const run::SensorLag found =
       run::sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
   console.say(
@@ -43,73 +43,73 @@ void judgeSensors(const scenario::Case& the_case, const run::WitnessedTwin& twin
 
 }  // namespace
 
-int judgeRecorded(const scenario::Case& the_case, const twin::DrawnMachine& drawn,
+int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& sampled,
                   const source::PinRecording& recorded, judge::Conclusion conclusion,
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
   const auto source = source::openRecording(recorded, conclusion.source_id);
-  const bool is_real = the_case.scenario.cameras.spot.is_real;
-  twin::Twin twin(is_real ? judge::watchedDensely(drawn.machine) : drawn.machine, scenario::webOf(the_case),
-                  recorded.rate, run::twinOptions(the_case));
-  run::MachineFilm film(drawn.machine.laser.full_power_w);
+  const bool is_real = test_case.scenario.cameras.spot.is_real;
+  twin::Twin twin(is_real ? judge::watchedDensely(sampled.machine) : sampled.machine,
+                  scenario::webOf(test_case), recorded.rate, run::twinOptions(test_case));
+  run::MachineFilm film(sampled.machine.laser.full_power_w);
   run::FilmedSource filmed(*source, twin, film);
   run::LockstepOptions lockstep;
-  lockstep.time_limit_s = the_case.scenario.time_limit_s;
-  const bool driven = !the_case.scenario.firmware.gpio.outputs.empty();
+  lockstep.time_limit_s = test_case.scenario.time_limit_s;
+  const bool driven = !test_case.scenario.firmware.gpio.outputs.empty();
   run::WitnessedTwin witnessed(twin);
   run::TwinModel alone(twin);
   run::LockstepModel& model = driven ? static_cast<run::LockstepModel&>(witnessed) : alone;
-  run::LockstepResult run =
-      run::runLockstep(filmed, model, the_case.machine.signals, nullptr, lockstep, base::progressOn(console));
+  run::LockstepResult run = run::runLockstep(filmed, model, test_case.machine.signals, nullptr, lockstep,
+                                             base::progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
     problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
-  if (driven) judgeSensors(the_case, witnessed, recorded, run, console);
+  if (driven) judgeSensors(test_case, witnessed, recorded, run, console);
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
   film.add(twin);
   stopwatch.lap("machine");
-  conclusion.drawn = &drawn;
+  conclusion.sampled = &sampled;
   conclusion.film = &film;
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
-    const bool provoked = the_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
-    judge::hearController(the_case, provoked ? run::prepareJob(the_case) : run::PreparedJob{}, recorded,
-                          std::numeric_limits<double>::quiet_NaN(), run, conclusion);
+    const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
+    judge::collectControllerEvidence(test_case, provoked ? run::prepareJob(test_case) : run::PreparedJob{},
+                                     recorded, std::numeric_limits<double>::quiet_NaN(), run, conclusion);
   }
-  return judge::conclude(the_case, twin, run, conclusion, options, stopwatch, console);
+  return judge::conclude(test_case, twin, run, conclusion, options, stopwatch, console);
 }
 
-int runOnPins(const scenario::Case& the_case, const RealPins& pins, const judge::RunOptions& options,
+int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge::RunOptions& options,
               base::Stopwatch& stopwatch, base::Console& console) {
-  refuseKerfPictures(the_case);
-  const scenario::FirmwareChoice& firmware = the_case.scenario.firmware;
-  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
-  run::PreparedJob job = run::prepareJob(the_case);
+  refuseKerfPictures(test_case);
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
+  const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
+  run::PreparedJob job = run::prepareJob(test_case);
   console.say("  " + job.summary);
   stopwatch.lap("reading and planning");
   judge::Conclusion conclusion;
-  conclusion.folder_name = the_case.scenario.name;
+  conclusion.folder_name = test_case.scenario.name;
   conclusion.firmware = "real pins of " + pinsName(firmware);
-  LiveSpot spot(the_case, options.results_dir, console);
+  LiveSpot spot(test_case, options.results_dir, console);
   source::PinRecording recorded;
   std::string driven;
   if (firmware.gpio.isLive()) {
-    LivePins live = runLive(the_case, drawn, pins, job, console);
+    LivePins live = runLive(test_case, sampled, pins, job, console);
     driven = "; " + drivenWords(live);
     conclusion.firmware_version = std::move(job.controller);
     conclusion.gcode = std::move(job.gcode);
     recorded = std::move(live.captured.recording);
   } else {
-    recorded = hearPins(the_case, pins, console).recording;
+    recorded = hearPins(test_case, pins, console).recording;
   }
   conclusion.source_id = fmt::format("{}, stamps within {:.4g} us{}", pinsName(firmware),
                                      1e6 * recorded.rate.seconds(recorded.stamp_err_ticks), driven);
   try {
     spot.finish(conclusion, console);
     stopwatch.lap("real pins");
-    return judgeRecorded(the_case, drawn, recorded, std::move(conclusion), options, stopwatch, console);
+    return judgeRecorded(test_case, sampled, recorded, std::move(conclusion), options, stopwatch, console);
   } catch (...) {
-    keepEvidence(the_case, recorded, spot.frames(), options.results_dir, console);
+    salvageEvidence(test_case, recorded, spot.frames(), options.results_dir, console);
     throw;
   }
 }

@@ -13,7 +13,7 @@ namespace kerfbench::live {
 
 /// Twin and judge behind pins that are recorded already. `conclusion` but for what the twin alone knows.
 /// Returns the exit code of the verdict. Live or replayed, the recording is all there is.
-int judgeRecorded(const scenario::Case& the_case, const twin::DrawnMachine& drawn,
+int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& sampled,
                   const source::PinRecording& recorded, judge::Conclusion conclusion,
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console);
 
@@ -21,8 +21,8 @@ int judgeRecorded(const scenario::Case& the_case, const twin::DrawnMachine& draw
 /// not, what is judged is the recording, with the model behind it: nothing that is slow there makes anything
 /// late, and a replay of the recording is the same evidence. Returns the exit code of the verdict.
 /// @throws InputError if the pins cannot be had (who, where, and what to do), and before that as
-/// refuseKerfPictures(). Whatever is thrown behind the recording has passed keepEvidence().
-int runOnPins(const scenario::Case& the_case, const RealPins& pins, const judge::RunOptions& options,
+/// refuseKerfPictures(). Whatever is thrown behind the recording has passed salvageEvidence().
+int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge::RunOptions& options,
               base::Stopwatch& stopwatch, base::Console& console);
 
 }  // namespace kerfbench::live

@@ -33,26 +33,26 @@ std::string freeName(const fs::path& parent, const std::string& name) {
   return free;
 }
 
-void keep(const scenario::Case& the_case, const source::PinRecording& recording, const fs::path& frames,
+void keep(const scenario::Case& test_case, const source::PinRecording& recording, const fs::path& frames,
           const fs::path& results_dir, base::Console& console) {
-  judge::ResultsFolder folder(results_dir, freeName(results_dir, the_case.scenario.name + "-capture"));
-  source::writeVcd(folder.staging() / "pins.vcd", recording, the_case.machine.signals);
-  base::writeFileAtomically(folder.staging() / "scenario.yaml", the_case.scenario.text);
+  judge::ResultsFolder folder(results_dir, freeName(results_dir, test_case.scenario.name + "-capture"));
+  source::writeVcd(folder.staging() / "pins.vcd", recording, test_case.machine.signals);
+  base::writeFileAtomically(folder.staging() / "scenario.yaml", test_case.scenario.text);
   const bool whole = isWhole(frames);
   if (whole) fs::rename(frames, folder.staging() / judge::kSpotFrames);
   folder.commit();
   console.result(fmt::format("what was recorded is kept in {}{}\njudge it: ./bench replay {} --scenario {}",
                              folder.place().string(),
                              whole || frames.empty() ? "" : "; the frames are not whole, and are lost",
-                             (folder.place() / "pins.vcd").string(), the_case.scenario.path.string()));
+                             (folder.place() / "pins.vcd").string(), test_case.scenario.path.string()));
 }
 
 }  // namespace
 
-void keepEvidence(const scenario::Case& the_case, const source::PinRecording& recording,
-                  const fs::path& frames, const fs::path& results_dir, base::Console& console) noexcept {
+void salvageEvidence(const scenario::Case& test_case, const source::PinRecording& recording,
+                     const fs::path& frames, const fs::path& results_dir, base::Console& console) noexcept {
   try {
-    keep(the_case, recording, frames, results_dir, console);
+    keep(test_case, recording, frames, results_dir, console);
   } catch (const std::exception& e) {
     console.result(std::string("what was recorded could not be kept: ") + e.what());
   }

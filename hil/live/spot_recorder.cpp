@@ -16,23 +16,23 @@ namespace {
 
 constexpr int kBuffers = 32;  // As many as V4L2 allows: the disk may stall.
 
-camera::CameraSettings settingsOf(const scenario::Case& the_case) {
-  camera::CameraSettings settings = the_case.scenario.cameras.spot.settings;
-  settings.width_px = the_case.machine.spot_camera.width_px;
-  settings.height_px = the_case.machine.spot_camera.height_px;
+camera::CameraSettings settingsOf(const scenario::Case& test_case) {
+  camera::CameraSettings settings = test_case.scenario.cameras.spot.settings;
+  settings.width_px = test_case.machine.spot_camera.width_px;
+  settings.height_px = test_case.machine.spot_camera.height_px;
   return settings;
 }
 
 }  // namespace
 
-OpenSpotCamera openSpotCamera(const scenario::Case& the_case, camera::VideoCalls& calls) {
-  const scenario::SpotCameraChoice& choice = the_case.scenario.cameras.spot;
+OpenSpotCamera openSpotCamera(const scenario::Case& test_case, camera::VideoCalls& calls) {
+  const scenario::SpotCameraChoice& choice = test_case.scenario.cameras.spot;
   const std::vector<camera::CameraListing> cameras = camera::listCameras(calls);
   OpenSpotCamera open;
   std::string path;
   try {
     path = scenario::findCamera(choice, cameras);
-    open.stream = std::make_unique<camera::V4l2Stream>(calls, path, settingsOf(the_case), kBuffers);
+    open.stream = std::make_unique<camera::V4l2Stream>(calls, path, settingsOf(test_case), kBuffers);
   } catch (const camera::CameraSettingsError& error) {
     throw base::InputError(scenario::faultsOf(choice, error.faults()));
   } catch (const std::system_error& error) {
@@ -67,9 +67,9 @@ camera::RecordOptions recordOptions(const OpenSpotCamera& open) {
   return options;
 }
 
-SpotRecorder::SpotRecorder(const scenario::Case& the_case, camera::VideoCalls& calls,
+SpotRecorder::SpotRecorder(const scenario::Case& test_case, camera::VideoCalls& calls,
                            const std::filesystem::path& folder)
-    : open_(openSpotCamera(the_case, calls)), writer_(folder, open_.camera) {
+    : open_(openSpotCamera(test_case, calls)), writer_(folder, open_.camera) {
   thread_ = std::thread([this] {
     try {
       ended_ = camera::recordFrames(*open_.stream, writer_, recordOptions(open_),

@@ -23,7 +23,7 @@ struct OpenSpotCamera {
 };
 /// @throws ConfigError for no such camera, or several; InputError with everything that is wrong with it: no
 /// permission, a format or a setting that it has not or makes another of. Each with file and line.
-OpenSpotCamera openSpotCamera(const scenario::Case& the_case, camera::VideoCalls& calls);
+OpenSpotCamera openSpotCamera(const scenario::Case& test_case, camera::VideoCalls& calls);
 
 /// How the camera of a case is to be recorded: one that a trigger drives may be silent for as long as it
 /// likes.
@@ -33,7 +33,7 @@ camera::RecordOptions recordOptions(const OpenSpotCamera& open);
 class SpotRecorder {
  public:
   /// Begins. `folder`: see FrameRecordingWriter. @throws as openSpotCamera(), std::system_error.
-  SpotRecorder(const scenario::Case& the_case, camera::VideoCalls& calls,
+  SpotRecorder(const scenario::Case& test_case, camera::VideoCalls& calls,
                const std::filesystem::path& folder);
   ~SpotRecorder();
   SpotRecorder(const SpotRecorder&) = delete;

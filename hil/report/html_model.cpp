@@ -10,13 +10,13 @@ namespace kerfbench::report {
 namespace {
 
 std::string drawnTable(const ModelFacts& model) {
-  if (model.drawn.empty()) return {};
+  if (model.sampled.empty()) return {};
   std::string html =
-      "<table><thead><tr><th>Drawn for this run<th class=num>Off the machine file "
+      "<table><thead><tr><th>Sampled for this run<th class=num>Off the machine file "
       "by<th>Unit</tr></thead><tbody>";
-  for (const DrawnValue& drawn : model.drawn) {
-    html += fmt::format("<tr><td>{}<td class=num>{:.6g}<td>{}</tr>", escapeHtml(drawn.name), drawn.value,
-                        escapeHtml(drawn.unit));
+  for (const SampledValue& sampled : model.sampled) {
+    html += fmt::format("<tr><td>{}<td class=num>{:.6g}<td>{}</tr>", escapeHtml(sampled.name), sampled.value,
+                        escapeHtml(sampled.unit));
   }
   return html + "</tbody></table>";
 }

@@ -58,7 +58,7 @@ std::string pulseFigures(const RunReport& report);
 std::string uncertaintySection(const RunReport& report);
 /// Steps that the machine lost, below the verdict.
 std::string lostStepsBanner(const RunReport& report);
-/// Preset, seed, model, what was drawn, what was lost.
+/// Preset, seed, model, what was sampled, what was lost.
 std::string modelSection(const RunReport& report);
 /// Measured spot against the model's; empty without a real camera.
 std::string partingSection(const RunReport& report);

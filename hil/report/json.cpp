@@ -164,9 +164,10 @@ OrderedJson modelJson(const ModelFacts& model) {
   OrderedJson j;
   j["twin"] = model.twin;
   j["imperfections"] = model.imperfections;
-  j["drawn"] = OrderedJson::array();
-  for (const DrawnValue& drawn : model.drawn) {
-    j["drawn"].push_back({{"name", drawn.name}, {"value", digits(drawn.value)}, {"unit", drawn.unit}});
+  j["sampled"] = OrderedJson::array();
+  for (const SampledValue& sampled : model.sampled) {
+    j["sampled"].push_back(
+        {{"name", sampled.name}, {"value", digits(sampled.value)}, {"unit", sampled.unit}});
   }
   j["lost_steps"] = OrderedJson::array();
   for (const LostStepsNote& lost : model.lost_steps) {

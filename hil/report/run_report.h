@@ -24,8 +24,8 @@ struct ReportPicture {
   std::string png{};    ///< Its bytes, if the page is to show it; empty: the page only links to it.
 };
 
-/// One value of the machine that was drawn for the run.
-struct DrawnValue {
+/// One value of the machine that was sampled for the run.
+struct SampledValue {
   std::string name;  ///< E.g. "galvo_x.zero".
   double value{};    ///< Added to the machine file's value.
   std::string unit;
@@ -55,7 +55,7 @@ struct SpotParting {
 struct ModelFacts {
   std::string imperfections;  ///< "ideal", "static", "dynamic".
   std::string twin;           ///< "reference", "fast".
-  std::vector<DrawnValue> drawn;
+  std::vector<SampledValue> sampled;
   std::vector<LostStepsNote> lost_steps;  ///< By time.
   std::vector<SpotParting> partings;      ///< Of a real spot camera's frames, by cut.
 };
@@ -84,7 +84,7 @@ struct RunReport {
   std::vector<std::pair<std::string, std::string>>
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
   // What was measured.
-  inspect::Limits limits;
+  inspect::Tolerances limits;
   dieline::Dieline dieline;
   PrintLayout print;
   vision::KerfScan kerf;

@@ -24,36 +24,36 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const dieline::Dieline& dieline) {
 
 }  // namespace
 
-twin::TwinOptions twinOptions(const scenario::Case& the_case) {
+twin::TwinOptions twinOptions(const scenario::Case& test_case) {
   twin::TwinOptions options;
-  options.fidelity = the_case.scenario.fidelity;
-  options.seed = the_case.scenario.seed;
+  options.fidelity = test_case.scenario.fidelity;
+  options.seed = test_case.scenario.seed;
   return options;
 }
 
-camera::TwinTileSource kerfTiles(const scenario::Case& the_case, twin::Twin& twin,
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, twin::Twin& twin,
                                  camera::TwinTileOptions options) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   options.seed = scenario.seed;
-  return {twin::KerfCamera(the_case.machine.kerf_camera, scenario.print, scenario.seed), twin.sheet(),
-          boxesOf(the_case.dieline), options};
+  return {twin::KerfCamera(test_case.machine.kerf_camera, scenario.print, scenario.seed), twin.sheet(),
+          boxesOf(test_case.dieline), options};
 }
 
-CutSheet cutOnTwin(const scenario::Case& the_case, const std::filesystem::path& bin_dir,
+CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,
                    const ProgressFn& progress) {
-  const scenario::Scenario& scenario = the_case.scenario;
+  const scenario::Scenario& scenario = test_case.scenario;
   if (scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone)
     throw std::invalid_argument("a case that provokes its release leaves no sheet to look at");
   CutSheet cut;
-  cut.drawn = scenario::drawnMachine(the_case);
-  const PreparedJob job = prepareJob(the_case);
+  cut.sampled = scenario::sampledMachine(test_case);
+  const PreparedJob job = prepareJob(test_case);
   cut.summary = job.summary;
   const auto source = openRelease(scenario.firmware, bin_dir);
-  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(the_case), source->info().rate,
-                                          twinOptions(the_case));
+  cut.twin = std::make_unique<twin::Twin>(cut.sampled.machine, scenario::webOf(test_case),
+                                          source->info().rate, twinOptions(test_case));
   LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
-  cut.run = runLockstep(*source, *cut.twin, the_case.machine.signals, job.dialog.get(), lockstep, progress);
+  cut.run = runLockstep(*source, *cut.twin, test_case.machine.signals, job.dialog.get(), lockstep, progress);
   return cut;
 }
 

@@ -13,16 +13,16 @@
 namespace kerfbench::run {
 
 /// How the twin runs a case.
-twin::TwinOptions twinOptions(const scenario::Case& the_case);
+twin::TwinOptions twinOptions(const scenario::Case& test_case);
 
 /// Pictures of all that the case's dieline has on the sheet, by the machine's kerf camera. `options` but for
 /// its seed, which is the scenario's. `twin` must outlive it.
-camera::TwinTileSource kerfTiles(const scenario::Case& the_case, twin::Twin& twin,
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, twin::Twin& twin,
                                  camera::TwinTileOptions options);
 
 /// A sheet that a release has cut on the twin.
 struct CutSheet {
-  twin::DrawnMachine drawn;  ///< The truth: for reports and tests, never for a measurement.
+  twin::SampledMachine sampled;  ///< The truth: for reports and tests, never for a measurement.
   std::unique_ptr<twin::Twin> twin;
   std::string summary;  ///< Of the job as planned, one line.
   LockstepResult run;
@@ -31,7 +31,7 @@ struct CutSheet {
 /// Plans the case, runs its release on the machine that its seed draws, and judges nothing: the sheet is what
 /// is asked for. A case that provokes is not run. @throws as readCase(), prepareJob() and openRelease() do;
 /// std::invalid_argument for a case that provokes.
-CutSheet cutOnTwin(const scenario::Case& the_case, const std::filesystem::path& bin_dir,
+CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,
                    const ProgressFn& progress);
 
 }  // namespace kerfbench::run

@@ -66,37 +66,37 @@ void starve(planner::Program& program, double share, int axis, PreparedJob& job)
 
 }  // namespace
 
-PreparedJob prepareJob(const scenario::Case& the_case) {
+PreparedJob prepareJob(const scenario::Case& test_case) {
   PreparedJob job;
-  if (the_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone) {
+  if (test_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kNone) {
     job.summary = "the job is started at the machine";
     return job;
   }
-  if (the_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kLineOk) {
-    job.gcode = textOf(the_case.scenario.firmware.gcode);
+  if (test_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kLineOk) {
+    job.gcode = textOf(test_case.scenario.firmware.gcode);
     job.summary =
-        fmt::format("G-code of {}, line by line", the_case.scenario.firmware.gcode.filename().string());
+        fmt::format("G-code of {}, line by line", test_case.scenario.firmware.gcode.filename().string());
     job.dialog = std::make_unique<TalkerDialog<source::LineOkSender>>(source::LineOkSender(job.gcode));
     return job;
   }
-  const std::filesystem::path& edited = the_case.scenario.job_gcode;
-  planner::MachineParameters machine = scenario::plannerMachine(the_case);
+  const std::filesystem::path& edited = test_case.scenario.job_gcode;
+  planner::MachineParameters machine = scenario::plannerMachine(test_case);
   // One that does not say what it is gets a job for the AVR release; what it answers must agree with that.
-  const std::filesystem::path& image = the_case.scenario.firmware.image;
+  const std::filesystem::path& image = test_case.scenario.firmware.image;
   if (!image.empty()) machine.target = planner::findTarget(image).value_or(planner::Target{});
-  const planner::JobParameters parameters = scenario::plannerJob(the_case);
-  const planner::PlannerFaults& faults = the_case.scenario.planner_faults;
-  planner::Plan plan = edited.empty() ? planner::plan(the_case.dieline, machine, parameters, faults)
+  const planner::JobParameters parameters = scenario::plannerJob(test_case);
+  const planner::PlannerFaults& faults = test_case.scenario.planner_faults;
+  planner::Plan plan = edited.empty() ? planner::plan(test_case.dieline, machine, parameters, faults)
                                       : planner::planFromGcode(textOf(edited), machine, parameters, faults);
   job.summary = fmt::format(
       "{} unit{}, {:.0f} mm of marks and {:.0f} mm of jumps in {:.2f} s each; belt {} mm/s, at most {:.1f}",
-      the_case.scenario.print.units, the_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
-      plan.jump_length_mm, plan.unit_time_s, the_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
+      test_case.scenario.print.units, test_case.scenario.print.units == 1 ? "" : "s", plan.cut_length_mm,
+      plan.jump_length_mm, plan.unit_time_s, test_case.scenario.belt_speed_mm_s, plan.max_belt_speed_mm_s);
   job.controller = planner::describe(machine.target);
   job.gcode = std::move(plan.gcode);
   job.target = machine.target;
   job.belt_stop_mm_s = plan.belt_stop_mm_s;
-  const scenario::ProvokeChoice& provoke = the_case.scenario.provoke;
+  const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
   if (provoke.cause == scenario::ProvokeChoice::Cause::kHostStarves) {
     const bool gantry = machine.head == planner::MachineParameters::Head::kGantry;
     job.starved_pul = gantry ? Signal::kGantryYPul : Signal::kGalvoYPul;

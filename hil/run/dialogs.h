@@ -26,6 +26,6 @@ struct PreparedJob {
 /// Plans the job (reference controller) or reads the G-code (line-and-ok firmware). No dialog for a job that
 /// is started at the machine.
 /// @throws planner::PlanError, std::system_error.
-PreparedJob prepareJob(const scenario::Case& the_case);
+PreparedJob prepareJob(const scenario::Case& test_case);
 
 }  // namespace kerfbench::run

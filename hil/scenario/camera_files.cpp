@@ -38,7 +38,7 @@ std::string faultOf(const calibrate::CalibrationFile& file, const machine_file::
   return {};
 }
 
-std::optional<vision::CameraCalibration> readOne(const Case& the_case, const std::string& which,
+std::optional<vision::CameraCalibration> readOne(const Case& test_case, const std::string& which,
                                                  const machine_file::CameraFile& named,
                                                  const twin::CameraDescription& camera,
                                                  BenchCameras& cameras) {
@@ -47,8 +47,8 @@ std::optional<vision::CameraCalibration> readOne(const Case& the_case, const std
         fmt::format("{} camera: its calibration {} {}; to calibrate it, run: ./bench calibrate camera "
                     "--machine {} --camera {} "
                     "--date {}",
-                    which, named.calibration.string(), fault, the_case.scenario.machine.string(), which,
-                    the_case.scenario.date.empty() ? "DAY" : the_case.scenario.date));
+                    which, named.calibration.string(), fault, test_case.scenario.machine.string(), which,
+                    test_case.scenario.date.empty() ? "DAY" : test_case.scenario.date));
     return std::nullopt;
   };
   if (!std::filesystem::is_regular_file(named.calibration)) return problem("is missing");
@@ -60,7 +60,7 @@ std::optional<vision::CameraCalibration> readOne(const Case& the_case, const std
     std::ranges::replace(faults, '\n', ' ');
     return problem(fmt::format("cannot be used ({})", faults));
   }
-  if (const std::string fault = faultOf(file, named, camera, the_case.scenario); !fault.empty())
+  if (const std::string fault = faultOf(file, named, camera, test_case.scenario); !fault.empty())
     return problem(fault);
   const vision::CameraCalibration& c = file.calibration;
   cameras.facts.emplace_back(
@@ -90,10 +90,10 @@ std::string cameraFingerprint(const twin::CameraDescription& camera) {
   return base::sha256(text).substr(0, 16);
 }
 
-BenchCameras readCalibrations(const Case& the_case) {
+BenchCameras readCalibrations(const Case& test_case) {
   BenchCameras cameras;
-  cameras.spot = readOne(the_case, "spot", the_case.spot_camera, the_case.machine.spot_camera, cameras);
-  cameras.kerf = readOne(the_case, "kerf", the_case.kerf_camera, the_case.machine.kerf_camera, cameras);
+  cameras.spot = readOne(test_case, "spot", test_case.spot_camera, test_case.machine.spot_camera, cameras);
+  cameras.kerf = readOne(test_case, "kerf", test_case.kerf_camera, test_case.machine.kerf_camera, cameras);
   return cameras;
 }
 

@@ -27,6 +27,6 @@ struct BenchCameras {
 /// one of another camera, by id or by picture size; one made before the camera's description was changed; one
 /// that at the scenario's date is older than its limit, or not made yet. No clock is read: without a date the
 /// run is on the calibration's own day.
-BenchCameras readCalibrations(const Case& the_case);
+BenchCameras readCalibrations(const Case& test_case);
 
 }  // namespace kerfbench::scenario

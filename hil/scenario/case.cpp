@@ -40,69 +40,70 @@ planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
 
 }  // namespace
 
-void refuseUnwired(const Case& the_case) {
-  const FirmwareChoice& firmware = the_case.scenario.firmware;
+void refuseUnwired(const Case& test_case) {
+  const FirmwareChoice& firmware = test_case.scenario.firmware;
   if (!firmware.onRealPins()) return;
-  const WiringNeeds needs{.gantry = the_case.machine.kind == twin::MachineDescription::Kind::kGantry,
-                          .moving_sheet = the_case.scenario.sheetMoves()};
+  const WiringNeeds needs{.gantry = test_case.machine.kind == twin::MachineDescription::Kind::kGantry,
+                          .moving_sheet = test_case.scenario.sheetMoves()};
   const std::string faults = firmware.source == FirmwareChoice::Source::kGpio
-                                 ? faultsOf(firmware.gpio, the_case.machine.signals, needs)
-                                 : faultsOf(firmware.analyser, the_case.machine);
+                                 ? faultsOf(firmware.gpio, test_case.machine.signals, needs)
+                                 : faultsOf(firmware.analyser, test_case.machine);
   if (!faults.empty()) throw base::ConfigError(faults);
 }
 
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir) {
-  Case the_case;
-  the_case.scenario = readScenario(scenario, {firmware_dir});
-  const machine_file::MachineFile file = machine_file::readMachineFile(the_case.scenario.machine);
-  the_case.machine = file.machine;
-  the_case.spread = file.spread;
-  the_case.spot_camera = file.spot_camera;
-  the_case.kerf_camera = file.kerf_camera;
-  if (the_case.scenario.belt_by_controller && !(the_case.machine.belt.feed.step > 0)) {
+  Case test_case;
+  test_case.scenario = readScenario(scenario, {firmware_dir});
+  const machine_file::MachineFile file = machine_file::readMachineFile(test_case.scenario.machine);
+  test_case.machine = file.machine;
+  test_case.spread = file.spread;
+  test_case.spot_camera = file.spot_camera;
+  test_case.kerf_camera = file.kerf_camera;
+  if (test_case.scenario.belt_by_controller && !(test_case.machine.belt.feed.step > 0)) {
     throw base::ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
-                                        the_case.scenario.path.string(), the_case.scenario.machine.string()));
+                                        test_case.scenario.path.string(),
+                                        test_case.scenario.machine.string()));
   }
-  refuseUnwired(the_case);
-  for (const Signal signal : signalsOf(the_case.scenario.provoke)) {
-    if (the_case.machine.signals.pin(signal)) continue;
-    throw base::ConfigError(fmt::format("{}: provoke: {} has no pin {}", the_case.scenario.path.string(),
-                                        the_case.scenario.machine.string(), signalName(signal)));
+  refuseUnwired(test_case);
+  for (const Signal signal : signalsOf(test_case.scenario.provoke)) {
+    if (test_case.machine.signals.pin(signal)) continue;
+    throw base::ConfigError(fmt::format("{}: provoke: {} has no pin {}", test_case.scenario.path.string(),
+                                        test_case.scenario.machine.string(), signalName(signal)));
   }
-  if (the_case.scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
-      the_case.machine.kind != twin::MachineDescription::Kind::kGantry) {
+  if (test_case.scenario.provoke.cause == ProvokeChoice::Cause::kFieldLeft &&
+      test_case.machine.kind != twin::MachineDescription::Kind::kGantry) {
     throw base::ConfigError(
         fmt::format("{}: provoke.field_left: {} has no gantry, whose pins tell where it is",
-                    the_case.scenario.path.string(), the_case.scenario.machine.string()));
+                    test_case.scenario.path.string(), test_case.scenario.machine.string()));
   }
-  refuseUnfit(file, webOf(the_case));
-  the_case.dieline = dieline::readDieline(the_case.scenario.dieline, the_case.scenario.layers);
+  refuseUnfit(file, webOf(test_case));
+  test_case.dieline = dieline::readDieline(test_case.scenario.dieline, test_case.scenario.layers);
   try {
-    planner::select(the_case.dieline, the_case.scenario.selection);
+    planner::select(test_case.dieline, test_case.scenario.selection);
   } catch (const planner::PlanError& error) {
-    throw base::ConfigError(fmt::format("{}: select: {}", the_case.scenario.path.string(), error.what()));
+    throw base::ConfigError(fmt::format("{}: select: {}", test_case.scenario.path.string(), error.what()));
   }
-  refuseUnfit(the_case.dieline);
-  return the_case;
+  refuseUnfit(test_case.dieline);
+  return test_case;
 }
 
-twin::DrawnMachine drawnMachine(const Case& the_case) {
-  const Scenario& scenario = the_case.scenario;
-  twin::DrawnMachine drawn =
-      twin::drawImperfections(the_case.machine, the_case.spread, scenario.imperfections, scenario.seed);
+twin::SampledMachine sampledMachine(const Case& test_case) {
+  const Scenario& scenario = test_case.scenario;
+  twin::SampledMachine sampled =
+      twin::drawImperfections(test_case.machine, test_case.spread, scenario.imperfections, scenario.seed);
   // The description was fit: a draw that is not comes from a spread too wide.
-  const auto faults = twin::faultsOf(drawn.machine, webOf(the_case));
+  const auto faults = twin::faultsOf(sampled.machine, webOf(test_case));
   if (!faults.empty()) {
     throw base::ConfigError(fmt::format("{}: imperfections: the machine that seed {} draws cannot run: {}",
                                         scenario.machine.string(), scenario.seed, fmt::join(faults, "; ")));
   }
-  return drawn;
+  return sampled;
 }
 
-planner::MachineParameters plannerMachine(const Case& the_case) {
-  const auto& told = the_case.machine.controller;
+planner::MachineParameters plannerMachine(const Case& test_case) {
+  const auto& told = test_case.machine.controller;
   planner::MachineParameters machine;
-  machine.head = the_case.machine.kind == twin::MachineDescription::Kind::kGantry
+  machine.head = test_case.machine.kind == twin::MachineDescription::Kind::kGantry
                      ? planner::MachineParameters::Head::kGantry
                      : planner::MachineParameters::Head::kTwoMirror;
   machine.throw_mm = told.throw_mm;
@@ -128,7 +129,7 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
   machine.power_quantum_j = told.power_quantum_j;
   machine.laser_lag_s = told.laser_lag_s;
   machine.power_delay_s = told.power_delay_s;
-  const twin::MachineDescription& m = the_case.machine;
+  const twin::MachineDescription& m = test_case.machine;
   if (m.kind == twin::MachineDescription::Kind::kGantry) {
     machine.drives[KB_GANTRY_X] = needsOf(m.gantry_x);
     machine.drives[KB_GANTRY_Y] = needsOf(m.gantry_y);
@@ -142,30 +143,31 @@ planner::MachineParameters plannerMachine(const Case& the_case) {
 
 namespace {
 
-double webStartX_mm(const Case& the_case) {
-  const Scenario& scenario = the_case.scenario;
+double webStartX_mm(const Case& test_case) {
+  const Scenario& scenario = test_case.scenario;
   if (scenario.web_start_x_mm) return *scenario.web_start_x_mm;
   // Upstream of the sensor by what the belt runs during the lead time, in which the controller boots and is
   // loaded.
-  return the_case.machine.controller.print_mark_sensor_x_mm - scenario.print.eye_mark_x_mm -
+  return test_case.machine.controller.print_mark_sensor_x_mm - scenario.print.eye_mark_x_mm -
          scenario.belt_speed_mm_s * scenario.belt_lead_s;
 }
 
 }  // namespace
 
-planner::JobParameters plannerJob(const Case& the_case) {
-  planner::JobParameters job = the_case.scenario.job;
-  job.web_start_x_mm = webStartX_mm(the_case);
-  job.jump_radius_mm = the_case.scenario.jump_radius_mm.value_or(the_case.machine.controller.jump_radius_mm);
+planner::JobParameters plannerJob(const Case& test_case) {
+  planner::JobParameters job = test_case.scenario.job;
+  job.web_start_x_mm = webStartX_mm(test_case);
+  job.jump_radius_mm =
+      test_case.scenario.jump_radius_mm.value_or(test_case.machine.controller.jump_radius_mm);
   return job;
 }
 
-twin::WebDescription webOf(const Case& the_case) {
-  const Scenario& scenario = the_case.scenario;
+twin::WebDescription webOf(const Case& test_case) {
+  const Scenario& scenario = test_case.scenario;
   twin::WebDescription web;
   web.print = scenario.print;
   web.board = scenario.board;
-  web.start_x_mm = webStartX_mm(the_case);
+  web.start_x_mm = webStartX_mm(test_case);
   web.belt_speed_mm_s = scenario.belt_speed_mm_s;
   web.belt_speed_changes = scenario.belt_speed_changes;
   web.fed_by_controller = scenario.belt_by_controller;

@@ -13,7 +13,7 @@ namespace kerfbench::scenario {
 /// A scenario with all files that it names, read and checked.
 struct Case {
   Scenario scenario;
-  twin::MachineDescription machine;  ///< As described; drawnMachine() is the one that runs.
+  twin::MachineDescription machine;  ///< As described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
   machine_file::CameraFile spot_camera, kerf_camera;  ///< What the bench is told of them: id and calibration.
   dieline::Dieline dieline;
@@ -24,17 +24,17 @@ struct Case {
 Case readCase(const std::filesystem::path& scenario, const std::filesystem::path& firmware_dir);
 
 /// @throws ConfigError for a scenario on real pins whose lines are not the pins that the machine has.
-void refuseUnwired(const Case& the_case);
+void refuseUnwired(const Case& test_case);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.
 /// @throws ConfigError if the seed draws a machine that the twin cannot run.
-twin::DrawnMachine drawnMachine(const Case& the_case);
+twin::SampledMachine sampledMachine(const Case& test_case);
 
 /// What the planner is told of the machine.
-planner::MachineParameters plannerMachine(const Case& the_case);
+planner::MachineParameters plannerMachine(const Case& test_case);
 /// What the planner is told of the job; the web's start included.
-planner::JobParameters plannerJob(const Case& the_case);
+planner::JobParameters plannerJob(const Case& test_case);
 /// What runs through the machine.
-twin::WebDescription webOf(const Case& the_case);
+twin::WebDescription webOf(const Case& test_case);
 
 }  // namespace kerfbench::scenario

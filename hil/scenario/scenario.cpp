@@ -30,13 +30,13 @@ std::string readName(base::YamlReader& file, std::string_view key, const std::ar
   return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
 }
 
-inspect::Limits readLimits(base::YamlReader& checks) {
-  inspect::Limits limits;
+inspect::Tolerances readLimits(base::YamlReader& checks) {
+  inspect::Tolerances limits;
   const std::string edge = checks.choice("edge", {"none", "nesting", "outside", "inside"}, "none");
-  limits.edge = edge == "nesting"   ? inspect::Limits::Edge::kNesting
-                : edge == "outside" ? inspect::Limits::Edge::kOutside
-                : edge == "inside"  ? inspect::Limits::Edge::kInside
-                                    : inspect::Limits::Edge::kCentre;
+  limits.edge = edge == "nesting"   ? inspect::Tolerances::Edge::kNesting
+                : edge == "outside" ? inspect::Tolerances::Edge::kOutside
+                : edge == "inside"  ? inspect::Tolerances::Edge::kInside
+                                    : inspect::Tolerances::Edge::kCentre;
   limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
   limits.stillness_mm =
       checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});

@@ -78,7 +78,7 @@ struct Scenario {
   std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
   ProvokeChoice provoke;
   CameraChoice cameras;
-  inspect::Limits limits;
+  inspect::Tolerances limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
   int calibration_max_age_days{180};
   double time_limit_s{};

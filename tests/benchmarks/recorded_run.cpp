@@ -13,21 +13,21 @@
 namespace kerfbench::benchmarks {
 
 RecordedRun record(const std::filesystem::path& scenario, const std::filesystem::path& bin_dir) {
-  const scenario::Case the_case = scenario::readCase(scenario, bin_dir.parent_path() / "firmware");
-  run::PreparedJob job = run::prepareJob(the_case);
+  const scenario::Case test_case = scenario::readCase(scenario, bin_dir.parent_path() / "firmware");
+  run::PreparedJob job = run::prepareJob(test_case);
   source::ChildSourceOptions child;
-  child.image = child.child = the_case.scenario.firmware.image;
-  child.mcu = the_case.scenario.firmware.mcu;
+  child.image = child.child = test_case.scenario.firmware.image;
+  child.mcu = test_case.scenario.firmware.mcu;
   const auto source = source::openChild(child);
 
   RecordedRun run;
-  run.name = the_case.scenario.name;
-  run.machine = the_case.machine;
-  run.web = scenario::webOf(the_case);
+  run.name = test_case.scenario.name;
+  run.machine = test_case.machine;
+  run.web = scenario::webOf(test_case);
   run.rate = source->info().rate;
   twin::Twin twin(run.machine, run.web, run.rate, {.fidelity = twin::Fidelity::kFast});
   run::LockstepOptions lockstep;
-  lockstep.time_limit_s = the_case.scenario.time_limit_s;
+  lockstep.time_limit_s = test_case.scenario.time_limit_s;
   run::LockstepResult result =
       run::runLockstep(*source, twin, run.machine.signals, job.dialog.get(), lockstep, {});
   if (!result.problems.empty()) throw std::runtime_error(run.name + ": " + result.problems.front());

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 /// A label on the fast twin with all its imperfections, run once and played again for each judgement.
 class LabelRun {
  public:
-  LabelRun() : case_(readLabel()), machine_(scenario::drawnMachine(case_).machine) {
+  LabelRun() : case_(readLabel()), machine_(scenario::sampledMachine(case_).machine) {
     run::PreparedJob job = run::prepareJob(case_);
     const auto source = run::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
     rate_ = source->info().rate;

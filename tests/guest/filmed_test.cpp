@@ -24,13 +24,13 @@ namespace fs = std::filesystem;
 constexpr std::uint32_t kRate_hz = 260;  // The machine file's.
 
 void recordFilm(const std::string& name) {
-  const scenario::Case the_case = scenario::readCase(test::fixture("scenarios/pins/label-live-camera.yaml"),
-                                                     KERFBENCH_BINARY_DIR "/firmware");
+  const scenario::Case test_case = scenario::readCase(test::fixture("scenarios/pins/label-live-camera.yaml"),
+                                                      KERFBENCH_BINARY_DIR "/firmware");
   const Film film = readFilm(fs::path(KERFBENCH_GUEST_FILMS) / name);
   const fs::path folder = fs::path("/tmp") / name;
   {
-    LoopWriter camera(the_case.scenario.cameras.spot.device, film.width_px, film.height_px, kRate_hz);
-    live::SpotRecorder recorder(the_case, camera::kernelVideoCalls(), folder);
+    LoopWriter camera(test_case.scenario.cameras.spot.device, film.width_px, film.height_px, kRate_hz);
+    live::SpotRecorder recorder(test_case, camera::kernelVideoCalls(), folder);
     std::thread([&] {
       setRealTime(0, 40);
       camera.play(film);

@@ -86,20 +86,21 @@ int busiestSecond(const source::PinRecording& recording) {
 void runLiveBefore(const std::string& image, const std::string& name) {
   SimChip chip("kerfbench-live",
                {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", "ENC_A", "ENC_B", "MARK", "DOOR"});
-  const scenario::Case the_case =
+  const scenario::Case test_case =
       scenario::readCase(test::fixture("scenarios/pins/label-live.yaml"), kBinaries / "firmware");
-  const twin::DrawnMachine drawn = scenario::drawnMachine(the_case);
-  const run::PreparedJob job = run::prepareJob(the_case);
-  BoardProcess board(kBinaries / "firmware" / image, chip.sysfs(), the_case.scenario.firmware.gpio.uart);
+  const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
+  const run::PreparedJob job = run::prepareJob(test_case);
+  BoardProcess board(kBinaries / "firmware" / image, chip.sysfs(), test_case.scenario.firmware.gpio.uart);
   base::Console console(false);
-  const live::LivePins live = live::runLive(the_case, drawn, live::realPins(kBinaries / "bin"), job, console);
+  const live::LivePins live =
+      live::runLive(test_case, sampled, live::realPins(kBinaries / "bin"), job, console);
   const std::string pace = board.finish();
   const int busiest = busiestSecond(live.captured.recording);
   fmt::print("{}: {} edges in the busiest second; the board: {}", name, busiest, pace);
   EXPECT_THAT(live.captured.recording.problems, IsEmpty());
   EXPECT_GE(busiest, 10'000);
   EXPECT_THAT(pace, HasSubstr(fmt::format("{} strokes", live.captured.edges)));
-  source::writeVcd(fs::path("/run/shared") / name, live.captured.recording, the_case.machine.signals);
+  source::writeVcd(fs::path("/run/shared") / name, live.captured.recording, test_case.machine.signals);
 }
 
 TEST(Live, AGoodReleaseIsHeardAndDrivenToItsEnd) { runLiveBefore("controller-native", "good.vcd"); }

@@ -54,7 +54,7 @@ class RecordTest : public testing::Test {
  protected:
   [[nodiscard]] std::vector<Stroke> strokesOfRun(const std::string& run) const {
     return strokesOf(source::readVcd(fs::path(KERFBENCH_GUEST_RUNS) / run / "pins.vcd", map),
-                     scenario::captureOptions(the_case.scenario.firmware.gpio, source::listChips()).wires,
+                     scenario::captureOptions(test_case.scenario.firmware.gpio, source::listChips()).wires,
                      map);
   }
   /// Plays the pins of a run on the host and records them from the chip, to a file of this name for the host.
@@ -64,7 +64,7 @@ class RecordTest : public testing::Test {
     Player player(chip, strokes);
     base::Console console(false);
     const source::PinCapture captured =
-        live::captureCase(the_case, source::linuxGpioSystem(), source::listChips(), console);
+        live::captureCase(test_case, source::linuxGpioSystem(), source::listChips(), console);
     const Played played = player.join();
     fmt::print("{}: {} edges in {:.3f} s, at worst {:.0f} µs late\n", name, strokes.size(),
                1e-9 * static_cast<double>(played.end_ns - played.begin_ns),
@@ -80,8 +80,8 @@ class RecordTest : public testing::Test {
     EXPECT_EQ(read.end, captured.recording.end);
     EXPECT_EQ(read.outputs, captured.recording.outputs);
   }
-  const scenario::Case the_case = scenario::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
-  const SignalMap& map = the_case.machine.signals;
+  const scenario::Case test_case = scenario::readCase(kScenario, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+  const SignalMap& map = test_case.machine.signals;
   SimChip chip{"kerfbench-pins", {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", ""}};
 };
 

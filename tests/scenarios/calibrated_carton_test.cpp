@@ -44,7 +44,7 @@ TEST_F(CalibratedCarton, FailsOnAMountedHeadAndPassesWithItsTable) {
   const auto before = run(on_avr, "carton-mounted", 1);
   EXPECT_THAT(checksThat(before, "FAIL"), Contains("path"));
   EXPECT_THAT(checksThat(before, "FAIL"), Contains("spot_path"));
-  ASSERT_FALSE(before.at("model").at("drawn").empty());
+  ASSERT_FALSE(before.at("model").at("sampled").empty());
 
   // The same seed draws the same head.
   const fs::path head = scratch_.path() / "head";
@@ -55,7 +55,7 @@ TEST_F(CalibratedCarton, FailsOnAMountedHeadAndPassesWithItsTable) {
   for (const fs::path& scenario : {on_avr, fixture("scenarios/native/carton-mounted.yaml")}) {
     const auto after = run(withTable(machine, head / "correction.csv", scenario), "corrected", 0);
     EXPECT_EQ(after.at("verdict"), "PASS") << scenario;
-    EXPECT_EQ(after.at("model").at("drawn"), before.at("model").at("drawn"));
+    EXPECT_EQ(after.at("model").at("sampled"), before.at("model").at("sampled"));
     EXPECT_EQ(after.at("firmware") == before.at("firmware"), scenario == on_avr);
   }
 }

@@ -23,19 +23,19 @@ scenario::Case caseOf(const std::filesystem::path& scenario) {
   return scenario::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware");
 }
 
-run::CutSheet cutByRelease(const scenario::Case& the_case) {
-  return run::cutOnTwin(the_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
+run::CutSheet cutByRelease(const scenario::Case& test_case) {
+  return run::cutOnTwin(test_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
 }
 
-run::CutSheet cutByPins(const scenario::Case& the_case, const std::filesystem::path& pins) {
+run::CutSheet cutByPins(const scenario::Case& test_case, const std::filesystem::path& pins) {
   run::CutSheet cut;
-  cut.drawn = scenario::drawnMachine(the_case);
-  const auto source = source::openVcd(pins, the_case.machine.signals);
-  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(the_case), source->info().rate,
-                                          run::twinOptions(the_case));
+  cut.drawn = scenario::sampledMachine(test_case);
+  const auto source = source::openVcd(pins, test_case.machine.signals);
+  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(test_case), source->info().rate,
+                                          run::twinOptions(test_case));
   run::LockstepOptions lockstep;
-  lockstep.time_limit_s = the_case.scenario.time_limit_s;
-  cut.run = run::runLockstep(*source, *cut.twin, the_case.machine.signals, nullptr, lockstep, {});
+  lockstep.time_limit_s = test_case.scenario.time_limit_s;
+  cut.run = run::runLockstep(*source, *cut.twin, test_case.machine.signals, nullptr, lockstep, {});
   return cut;
 }
 
@@ -47,8 +47,8 @@ FilmedCut::FilmedCut(const std::filesystem::path& scenario)
 FilmedCut::FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins)
     : FilmedCut(caseOf(scenario), cutByPins(caseOf(scenario), pins)) {}
 
-FilmedCut::FilmedCut(scenario::Case the_case, run::CutSheet cut)
-    : case_(std::move(the_case)), cut_(std::move(cut)) {
+FilmedCut::FilmedCut(scenario::Case test_case, run::CutSheet cut)
+    : case_(std::move(test_case)), cut_(std::move(cut)) {
   const auto gates = cut_.twin->gateIntervals();
   // judge() takes the exposures of its own twin; a real camera's are its own.
   exposures_ = cut_.twin->takeExposures();

@@ -46,7 +46,7 @@ class FilmedCut {
   [[nodiscard]] const run::CutSheet& cut() const { return cut_; }
 
  private:
-  FilmedCut(scenario::Case the_case, run::CutSheet cut);
+  FilmedCut(scenario::Case test_case, run::CutSheet cut);
 
   scenario::Case case_;
   run::CutSheet cut_;

@@ -30,11 +30,11 @@ TEST_F(Imperfections, AreDrawnBySeedAndToldWithTheirUnits) {
   const auto ideal = run("ideal", "");
   EXPECT_EQ(ideal.at("model").at("imperfections"), "ideal");
   EXPECT_EQ(ideal.at("model").at("twin"), "reference");
-  EXPECT_TRUE(ideal.at("model").at("drawn").empty());
+  EXPECT_TRUE(ideal.at("model").at("sampled").empty());
   EXPECT_TRUE(ideal.at("model").at("lost_steps").empty());
 
   const auto one = run("one", "--imperfections dynamic --seed 4");
-  const auto& drawn = one.at("model").at("drawn");
+  const auto& drawn = one.at("model").at("sampled");
   EXPECT_EQ(one.at("model").at("imperfections"), "dynamic");
   ASSERT_GT(drawn.size(), 20U);
   for (const auto& value : drawn) {
@@ -53,7 +53,7 @@ TEST_F(Imperfections, AreDrawnBySeedAndToldWithTheirUnits) {
       (scratch_.path() / "again").string()));
   const auto again = verdictOf(scratch_.path() / "again" / "line-ok-plate-replay");
   EXPECT_EQ(again.at("digest"), one.at("digest")) << replay.output;
-  EXPECT_EQ(again.at("model").at("drawn"), drawn);
+  EXPECT_EQ(again.at("model").at("sampled"), drawn);
 }
 
 TEST_F(Imperfections, TheFastModelComesToTheSameVerdict) {

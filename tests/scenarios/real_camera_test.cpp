@@ -283,7 +283,8 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   base::Console console(true);
   const auto keep = [&](const fs::path& frames) {
     testing::internal::CaptureStdout();
-    live::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(), console);
+    live::salvageEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(),
+                          console);
     return testing::internal::GetCapturedStdout();
   };
   EXPECT_THAT(keep(scratch.path() / "whole"), Not(HasSubstr("lost")));
@@ -295,8 +296,8 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   EXPECT_FALSE(fs::exists(scratch.path() / "label-camera-capture-2" / "spot"));
   std::ofstream(scratch.path() / "no-folder") << "a file";
   testing::internal::CaptureStdout();
-  live::keepEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
-                     console);
+  live::salvageEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
+                        console);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("could not be kept"));
 }
 

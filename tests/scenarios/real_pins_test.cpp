@@ -80,9 +80,9 @@ class PinsToVerdict : public testing::Test {
   int runOn(const live::RealPins& real, const fs::path& scenario) const {
     base::Stopwatch stopwatch;
     base::Console console(true);
-    scenario::Case the_case = scenario::readCase(scenario, {});
-    the_case.scenario.fidelity = twin::Fidelity::kFast;
-    return runOnPins(the_case, real, options(), stopwatch, console);
+    scenario::Case test_case = scenario::readCase(scenario, {});
+    test_case.scenario.fidelity = twin::Fidelity::kFast;
+    return runOnPins(test_case, real, options(), stopwatch, console);
   }
   int run(const ReleasedPins& release, const std::shared_ptr<source::GpioSystem>& kernel) const {
     return runOn(pins(kernel), release.scenario(kFirmware));
@@ -115,12 +115,12 @@ class PinsToVerdict : public testing::Test {
   fs::path photographs() const { return results_.path() / "photographs"; }
   /// Those of the sheet that this release cuts.
   void photograph(const ReleasedPins& release) const {
-    scenario::Case the_case =
+    scenario::Case test_case =
         scenario::readCase(release.scenario("{source: native, image: controller-native}"),
                            fs::path(KERFBENCH_BINARY_DIR) / "firmware");
-    the_case.scenario.fidelity = twin::Fidelity::kFast;
-    run::CutSheet cut = run::cutOnTwin(the_case, options().bin_dir, [](double, const std::string&) {});
-    camera::TwinTileSource tiles = run::kerfTiles(the_case, *cut.twin, {.threads = 2});
+    test_case.scenario.fidelity = twin::Fidelity::kFast;
+    run::CutSheet cut = run::cutOnTwin(test_case, options().bin_dir, [](double, const std::string&) {});
+    camera::TwinTileSource tiles = run::kerfTiles(test_case, *cut.twin, {.threads = 2});
     fs::remove_all(photographs());
     camera::writeTiles(tiles, photographs());
   }
@@ -193,16 +193,16 @@ TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
   const auto brokenRun = [&] {
     base::Stopwatch stopwatch;
     base::Console console(true);
-    scenario::Case the_case = scenario::readCase(good_->scenario(kFirmware), {});
-    the_case.scenario.fidelity = twin::Fidelity::kFast;
+    scenario::Case test_case = scenario::readCase(good_->scenario(kFirmware), {});
+    test_case.scenario.fidelity = twin::Fidelity::kFast;
     // It breaks while the pins are heard: the judge comes later.
     const auto kernel = good_->kernel();
-    kernel->before_poll = [&the_case, levels = kernel->before_poll](std::uint64_t now) {
+    kernel->before_poll = [&test_case, levels = kernel->before_poll](std::uint64_t now) {
       levels(now);
-      the_case.machine.glow_gray_per_w = std::numeric_limits<double>::quiet_NaN();
+      test_case.machine.glow_gray_per_w = std::numeric_limits<double>::quiet_NaN();
     };
     testing::internal::CaptureStdout();
-    EXPECT_THROW((void)runOnPins(the_case, pins(kernel), options(), stopwatch, console),
+    EXPECT_THROW((void)runOnPins(test_case, pins(kernel), options(), stopwatch, console),
                  std::invalid_argument);
     return testing::internal::GetCapturedStdout();
   };

@@ -192,10 +192,10 @@ Section beltFriction(const Context& context) {
   section.atMost("slip of a sheet that slides, against the closed form", slip_error, 0.005, "mm");
   section.atMost("slip on the machine's belt, against the law by hand", line_error, 0.005, "mm");
   section.figures.push_back({"belt-friction", "Slip of the sheet while the line speeds up",
-                             drawn(LinePlot{"Slip of the sheet while the line speeds up",
-                                            {"acceleration over mu g"},
-                                            {"slip, mm"},
-                                            {twin_line, ideal_line}})});
+                             sampled(LinePlot{"Slip of the sheet while the line speeds up",
+                                              {"acceleration over mu g"},
+                                              {"slip, mm"},
+                                              {twin_line, ideal_line}})});
   return section;
 }
 

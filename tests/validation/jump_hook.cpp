@@ -90,7 +90,7 @@ Figure pathFigure(const Hook& straight, const Hook& arcs, double jump_mm) {
   plot.lines.push_back({"straight jump at the galvo's limits, lit", straight.lit});
   plot.lines.push_back({"arc, straight, arc (S2), lit", arcs.lit});
   plot.lines.push_back({"the mark", {{0.0, 0.5 * jump_mm}, {-kMark_mm, 0.5 * jump_mm}}});
-  return {"jump-hook-path", plot.title, drawn(plot)};
+  return {"jump-hook-path", plot.title, sampled(plot)};
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ Section jumpHook(const Context& context) {
   section.atMost("largest deviation with S2's arcs: not more than one pulse", worst_arcs, step_mm, "mm");
   LinePlot plot{
       "Hook of a jump", {"jump, mm", true}, {"hook, mm"}, {paper, limit, arcs}, {{0.05, "0.05 mm"}}};
-  section.figures.push_back({"jump-hook", "Hook over the length of the jump", drawn(plot)});
+  section.figures.push_back({"jump-hook", "Hook over the length of the jump", sampled(plot)});
   return section;
 }
 

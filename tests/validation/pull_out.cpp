@@ -207,7 +207,7 @@ Section pullOut(const Context& context) {
   section.atLeast("decided ramps that lose none", decided - with_loss, std::max(1, ramps / 6), "");
   section.figures.push_back(
       {"pull-out", "Full steps lost over the ramp's top speed",
-       drawn(LinePlot{
+       sampled(LinePlot{
            "Lost steps at the edge of pull-out", {"top speed, rad/s"}, {"full steps"}, {truth, reference}})});
   return section;
 }

@@ -176,9 +176,9 @@ void drawDynamic(Drawing& draw, MachineDescription& machine, const ImperfectionS
 
 }  // namespace
 
-DrawnMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
-                               Preset preset, std::uint64_t seed) {
-  DrawnMachine drawn{machine, {}};
+SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
+                                 Preset preset, std::uint64_t seed) {
+  SampledMachine drawn{machine, {}};
   Drawing draw(seed, drawn.imperfections);
   if (preset != Preset::kIdeal) drawStatic(draw, drawn.machine, spread);
   if (preset == Preset::kDynamic) drawDynamic(draw, drawn.machine, spread);

@@ -68,7 +68,7 @@ struct ImperfectionSpread {
   double lens_tilt_rad{0.0};      ///< About each direction.
 };
 
-struct DrawnMachine {
+struct SampledMachine {
   MachineDescription machine;
   std::vector<Imperfection> imperfections;  ///< All that were drawn, in a fixed order; empty for kIdeal.
 };
@@ -76,7 +76,7 @@ struct DrawnMachine {
 /// Draws a machine around its description: a pure function of its arguments. What the controller is told
 /// stays as it is. Each quantity has a random stream of its own, chosen by its name: a quantity or a machine
 /// part that is added never changes what the others draw, and doubling a spread doubles its draws.
-DrawnMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
-                               Preset preset, std::uint64_t seed);
+SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
+                                 Preset preset, std::uint64_t seed);
 
 }  // namespace kerfbench::twin

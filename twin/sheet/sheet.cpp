@@ -45,7 +45,7 @@ int partsOf(const Footprint& from, const Footprint& to) {
 }
 
 /// The footprint smeared along `move_mm`; a line of length L has the variance L²/12 along itself.
-Bell smeared(const Footprint& footprint, const Eigen::Vector2d& move_mm) {
+GaussianFootprint smeared(const Footprint& footprint, const Eigen::Vector2d& move_mm) {
   constexpr double kNodesPerMm = 1.0 / Sheet::kCellMm;
   const Eigen::Vector2d centre = footprint.p_SQ_mm * kNodesPerMm;
   const Eigen::Vector2d move = move_mm * kNodesPerMm;
@@ -92,11 +92,11 @@ void Sheet::burn(const Footprint& from, const Footprint& to, double energy_j) {
   const int parts = partsOf(from, to);
   for (int part = 0; part < parts; ++part) {
     const Footprint middle = between(from, to, (part + 0.5) / parts);
-    lay(laidDown(smeared(middle, move_mm / parts)), energy_j / parts);
+    lay(asSplineCoefficients(smeared(middle, move_mm / parts)), energy_j / parts);
   }
 }
 
-void Sheet::lay(const Bell& bell, double energy_j) {
+void Sheet::lay(const GaussianFootprint& bell, double energy_j) {
   constexpr double kMost = SampledBell::kMaxCorrelation * SampledBell::kMaxCorrelation;
   if (bell.covariance * bell.covariance <= kMost * bell.variance_x * bell.variance_y) {
     return add(bell, energy_j);
@@ -113,8 +113,8 @@ void Sheet::lay(const Bell& bell, double energy_j) {
   const double sin2 = bell.covariance / spread;
   const Eigen::Vector2d axis(std::sqrt(0.5 * (1.0 + cos2)),
                              std::copysign(std::sqrt(0.5 * (1.0 - cos2)), sin2));
-  Bell piece{bell.centre, bell.variance_x - 0.5 * taken * (1.0 + cos2),
-             bell.variance_y - 0.5 * taken * (1.0 - cos2), bell.covariance - 0.5 * taken * sin2};
+  GaussianFootprint piece{bell.centre, bell.variance_x - 0.5 * taken * (1.0 + cos2),
+                          bell.variance_y - 0.5 * taken * (1.0 - cos2), bell.covariance - 0.5 * taken * sin2};
   const double spacing = std::sqrt(std::min(kept, taken));
   const int side = static_cast<int>(std::ceil(SampledBell::kReach * std::sqrt(taken) / spacing));
   const auto weight = [&](int i) { return std::exp(-0.5 * (i * spacing) * (i * spacing) / taken); };
@@ -126,7 +126,7 @@ void Sheet::lay(const Bell& bell, double energy_j) {
   }
 }
 
-void Sheet::add(const Bell& bell, double energy_j) {
+void Sheet::add(const GaussianFootprint& bell, double energy_j) {
   sampled_.sample(bell, energy_j / (kCellMm * kCellMm));
   const int first_x = sampled_.firstColumn();
   const int last_x = first_x + 4 * static_cast<int>(sampled_.columns().size());

@@ -11,9 +11,9 @@
 
 #include <Eigen/Core>
 
-#include "twin/sheet/bell.h"
 #include "twin/sheet/board_description.h"
 #include "twin/sheet/depth_curve.h"
+#include "twin/sheet/gaussian_footprint.h"
 
 namespace kerfbench::twin {
 
@@ -101,8 +101,8 @@ class Sheet {
   static std::uint64_t keyOf(int tile_x, int tile_y);
   Tile& tileFor(int tile_x, int tile_y);
   [[nodiscard]] const Tile* findTile(int tile_x, int tile_y) const;
-  void lay(const Bell& bell, double energy_j);
-  void add(const Bell& bell, double energy_j);
+  void lay(const GaussianFootprint& bell, double energy_j);
+  void add(const GaussianFootprint& bell, double energy_j);
   /// Adds the first kRows of `rows` to the spans, `line` nodes below their first row.
   template <int kRows>
   void addRows(const SampledBell::Row* rows, std::ptrdiff_t line);

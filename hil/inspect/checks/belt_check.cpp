@@ -61,7 +61,7 @@ std::optional<Parting> partingOf(const std::vector<BeltEdge>& edges, const LitFr
 
 }  // namespace
 
-std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
+std::optional<Check> beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   // Both ends of a cut lie between two counts.
   const double of_counts_mm = std::sqrt(2.0 / 12.0) * evidence.belt_count_mm;
   if (evidence.belt.empty() || 2.0 * of_counts_mm > kCoarse * limits.stillness_mm) return std::nullopt;

@@ -38,12 +38,12 @@ std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf
                                                   double end_mm);
 
 /// Share of the inner stations that are burnt as the process asks.
-double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Limits& limits);
+double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits);
 /// Deviation of all lines with its uncertainty; of an edgeScan(), with its sides.
-DeviationResult measureLines(const Evidence& evidence, const Limits& limits,
+DeviationResult measureLines(const Evidence& evidence, const Tolerances& limits,
                              const EdgeSides* edges = nullptr);
 /// One result for each scanned entity, in the order of the scan; passes is still NaN.
-std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits,
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolerances& limits,
                                           const DeviationResult& deviations);
 /// Corners and ends, in the order of the scan.
 std::vector<JointResult> measureJoints(const Evidence& evidence);
@@ -51,34 +51,35 @@ std::vector<JointResult> measureJoints(const Evidence& evidence);
 bool isBlank(const std::vector<EntityResult>& entities);
 /// Readings, calibrations, times and limits that are no numbers; what was not measured may be NaN, and says
 /// so.
-std::vector<std::string> numberProblems(const Evidence& evidence, const Limits& limits);
+std::vector<std::string> numberProblems(const Evidence& evidence, const Tolerances& limits);
 /// Holes in the kerf evidence, one sentence each.
 std::vector<std::string> kerfProblems(const Evidence& evidence);
 
 // Each check is decided and explained. nullopt: it does not apply to this dieline.
-Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationResult& deviations);
-Check coverageCheck(const Evidence& evidence, const Limits& limits,
+Check pathCheck(const Evidence& evidence, const Tolerances& limits, const DeviationResult& deviations);
+Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities);
-std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits);
+std::optional<Check> depthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Creases and half-cuts are as deep everywhere, by the light that comes through.
-std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits);
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Energy per length of the marks, by power meter and spot camera.
-std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
-std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
+std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Tolerances& limits,
+                                     const LitFrames& lit);
+std::optional<Check> perforationCheck(const Evidence& evidence, const Tolerances& limits,
                                       const std::vector<EntityResult>& entities);
-Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
+Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
                      const std::vector<EntityResult>& entities);
-Check strayCheck(const Evidence& evidence, const Limits& limits);
-std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
+Check strayCheck(const Evidence& evidence, const Tolerances& limits);
+std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
                                       const std::vector<EntityResult>& entities,
                                       const EdgeSides* edges = nullptr);
 /// Corners by their distance from the dieline, free ends by how far they are too short or too long, closures
 /// by their gap; all against the limit of the path. An overlap at a closure lies on the dieline and is no
 /// deviation.
-std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
+std::optional<Check> jointsCheck(const Evidence& evidence, const Tolerances& limits,
                                  const std::vector<JointResult>& joints,
                                  const std::vector<EntityResult>& entities);
-Check laserGateCheck(const Evidence& evidence, const Limits& limits);
+Check laserGateCheck(const Evidence& evidence, const Tolerances& limits);
 Check pulseTimingCheck(const Evidence& evidence);
 
 }  // namespace kerfbench::inspect::checks

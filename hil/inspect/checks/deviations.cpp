@@ -111,7 +111,7 @@ const dieline::Entity& entityOf(const Evidence& evidence, int id) {
   return evidence.dieline->entities[static_cast<std::size_t>(id)];
 }
 
-DeviationResult measureLines(const Evidence& evidence, const Limits& limits, const EdgeSides* edges) {
+DeviationResult measureLines(const Evidence& evidence, const Tolerances& limits, const EdgeSides* edges) {
   ErrorModel model = errorModelOf(evidence);
   if (edges != nullptr) addWidthErrors(evidence.kerf, *edges, model);
   std::vector<LineKind> kinds;
@@ -133,7 +133,7 @@ DeviationResult measureLines(const Evidence& evidence, const Limits& limits, con
   return result;
 }
 
-std::vector<EntityResult> measureEntities(const Evidence& evidence, const Limits& limits,
+std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolerances& limits,
                                           const DeviationResult& deviations) {
   std::vector<EntityResult> results;
   for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
@@ -201,7 +201,7 @@ std::vector<JointResult> measureJoints(const Evidence& evidence) {
   return joints;
 }
 
-Check pathCheck(const Evidence& evidence, const Limits& limits, const DeviationResult& deviations) {
+Check pathCheck(const Evidence& evidence, const Tolerances& limits, const DeviationResult& deviations) {
   Check check{.name = "path", .title = "Deviation of the cut from the dieline", .unit = "mm"};
   check.limit = limits.path_mm;
   const DeviationEstimate& all = deviations.all;

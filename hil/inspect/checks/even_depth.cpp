@@ -117,7 +117,7 @@ double sigmaOf(const std::vector<Row>& rows) {
 
 }  // namespace
 
-std::optional<Check> evenDepthCheck(const Evidence& evidence, const Limits& limits) {
+std::optional<Check> evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   if (!(limits.even_depth_share > 0.0)) return std::nullopt;
   const std::vector<Chain> chains = chainsOf(evidence, limits.board_transmission);
   if (chains.empty()) return std::nullopt;

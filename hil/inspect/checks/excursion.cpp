@@ -76,7 +76,7 @@ void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>&
   stillness.worst_excursion_cut = of[found.all.line];
 }
 
-std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness) {
+std::optional<Check> excursionCheck(const Tolerances& limits, const Stillness& stillness) {
   const bool judged = std::any_of(stillness.cuts.begin(), stillness.cuts.end(),
                                   [](const CutResult& c) { return std::isfinite(c.drift_mm); });
   if (!judged) return std::nullopt;

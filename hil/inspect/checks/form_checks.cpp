@@ -54,7 +54,7 @@ EndGap gapAt(const Range& from_end, const Distance& distanceOf, double threshold
 
 }  // namespace
 
-std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits) {
+std::optional<Check> depthCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "share"};
   check.limit = 1.0 - limits.min_coverage;
   bool applies = false;
@@ -89,7 +89,7 @@ std::optional<Check> depthCheck(const Evidence& evidence, const Limits& limits) 
   return check;
 }
 
-std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& limits,
+std::optional<Check> perforationCheck(const Evidence& evidence, const Tolerances& limits,
                                       const std::vector<EntityResult>& entities) {
   Check check{.name = "perforation", .title = "Teeth and bridges of perforations", .unit = "share"};
   const bool ordered = limits.perforation_open_share > 0.0;
@@ -115,7 +115,7 @@ std::optional<Check> perforationCheck(const Evidence& evidence, const Limits& li
   return check;
 }
 
-Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
+Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
                      const std::vector<EntityResult>& entities) {
   Check check{.name = "kerf_width", .title = "All kerfs of a process are equally wide", .unit = "mm"};
   check.limit = limits.kerf_width_mm;
@@ -157,7 +157,7 @@ Check kerfWidthCheck(const Evidence& evidence, const Limits& limits,
   return check;
 }
 
-std::optional<Check> laserTimingCheck(const Evidence& evidence, const Limits& limits,
+std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
                                       const std::vector<EntityResult>& entities, const EdgeSides* edges) {
   const double half_kerf_mm = edges != nullptr ? halfKerf(evidence.kerf, *edges) : 0.0;
   Check check{.name = "laser_timing",

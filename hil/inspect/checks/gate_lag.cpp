@@ -190,7 +190,7 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
 
 }  // namespace
 
-std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
+std::optional<Check> gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   std::vector<Start> starts;
   for (const GateInterval& gate : evidence.gates) {
     const auto start = startOf(evidence, lit, gate);

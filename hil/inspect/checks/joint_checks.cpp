@@ -66,7 +66,7 @@ std::string storyOf(const JointResult& j, const std::vector<JointResult>& joints
 
 }  // namespace
 
-std::optional<Check> jointsCheck(const Evidence& evidence, const Limits& limits,
+std::optional<Check> jointsCheck(const Evidence& evidence, const Tolerances& limits,
                                  const std::vector<JointResult>& joints,
                                  const std::vector<EntityResult>& entities) {
   Check check{.name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};

@@ -14,7 +14,7 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-double coverageOf(const vision::EntityKerf& kerf, const dieline::Entity& entity, const Limits& limits) {
+double coverageOf(const vision::EntityKerf& kerf, const dieline::Entity& entity, const Tolerances& limits) {
   const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
   if (inner.empty()) return 0.0;
   const auto good = std::count_if(inner.begin(), inner.end(), [&](const vision::Caliper* c) {
@@ -93,7 +93,7 @@ std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf
   return inner.empty() ? all : inner;
 }
 
-double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Limits& limits) {
+double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits) {
   return coverageOf(kerf, evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)], limits);
 }
 
@@ -136,7 +136,7 @@ std::vector<std::string> kerfProblems(const Evidence& evidence) {
   return problems;
 }
 
-Check coverageCheck(const Evidence& evidence, const Limits& limits,
+Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities) {
   Check check{.name = "coverage",
               .title = "Every line is cut, over its whole length",
@@ -193,7 +193,7 @@ Check coverageCheck(const Evidence& evidence, const Limits& limits,
   return check;
 }
 
-Check strayCheck(const Evidence& evidence, const Limits& limits) {
+Check strayCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "stray", .title = "Nothing is burnt beside the dieline", .unit = "mm"};
   check.limit = limits.stray_mm;
   // Blobs are counted in whole pixels.

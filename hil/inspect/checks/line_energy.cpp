@@ -69,7 +69,8 @@ double energyAt(const std::vector<double>& edges_s, double quantum_j, double tim
 
 }  // namespace
 
-std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
+std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Tolerances& limits,
+                                     const LitFrames& lit) {
   if (!(limits.line_energy_j_mm > 0.0)) return std::nullopt;
   Check check{.name = "line_energy", .title = "Power follows the speed: energy per length", .unit = "share"};
   check.limit = limits.line_energy_share;

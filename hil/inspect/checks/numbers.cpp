@@ -148,7 +148,7 @@ void addCalibration(const std::optional<vision::CameraCalibration>& calibration,
   for (const auto& mode : c.error_modes) n.need(mode, "the covariance of a camera's calibration");
 }
 
-void addOrder(const Evidence& evidence, const Limits& limits, Numbers& n) {
+void addOrder(const Evidence& evidence, const Tolerances& limits, Numbers& n) {
   n.need(evidence.print.pitch_mm, "the pitch of the print");
   for (const RegistrationMark& mark : evidence.print.marks) {
     n.need(mark.p_SM_mm, "the place of a registration mark");
@@ -168,7 +168,7 @@ void addOrder(const Evidence& evidence, const Limits& limits, Numbers& n) {
 
 }  // namespace
 
-std::vector<std::string> numberProblems(const Evidence& evidence, const Limits& limits) {
+std::vector<std::string> numberProblems(const Evidence& evidence, const Tolerances& limits) {
   Numbers numbers;
   addSpot(evidence.spot, numbers);
   addKerf(evidence.kerf, numbers);

@@ -76,7 +76,7 @@ Check pulseTimingCheck(const Evidence& evidence) {
   return check;
 }
 
-Check laserGateCheck(const Evidence& evidence, const Limits& limits) {
+Check laserGateCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "laser_gate", .title = "The laser is dark while its gate is off", .unit = "ms"};
   check.limit = 1e3 * limits.gate_tail_s;
   check.value = kNan;

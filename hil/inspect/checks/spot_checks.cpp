@@ -79,7 +79,7 @@ void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<Ent
   }
 }
 
-Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit) {
+Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   Check check{.name = "spot_path", .title = "Spot on the dieline while cutting", .unit = "mm"};
   // The kerf decides about 0.05 mm. Live frames are noisier, so this check asks for less, and finds gross
   // errors even where no kerf lies within reach of a caliper.
@@ -134,7 +134,7 @@ Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFra
   return check;
 }
 
-Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
+Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities) {
   Check check{.name = "repeat", .title = "No line is cut twice"};
   check.limit = limits.passes;

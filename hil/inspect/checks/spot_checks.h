@@ -26,7 +26,7 @@ struct Stillness {
   std::size_t worst_excursion_cut{};
   double excursion_chance_beyond{std::numeric_limits<double>::quiet_NaN()};
 };
-Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits);
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tolerances& limits);
 /// Fills top_speed_mm_s of a cut and its uncertainty.
 void measureTopSpeed(const LitFrames& lit, const LitRun& run, CutResult& cut);
 struct CutReadings;
@@ -48,20 +48,20 @@ FrameLosses lossesOf(const Evidence& evidence);
 std::vector<std::string> frameProblems(const Evidence& evidence);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
-Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness);
+Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness);
 /// nullopt if no cut shows x: stillnessCheck() tells.
-std::optional<Check> excursionCheck(const Limits& limits, const Stillness& stillness);
+std::optional<Check> excursionCheck(const Tolerances& limits, const Stillness& stillness);
 /// The sheet's way over each cut by the pictures against that by the belt's encoder: INVALID where they part
 /// by more than the limit of stillness, for one of them is wrong. nullopt without an encoder, with one too
 /// coarse to tell, and where the belt stood.
-std::optional<Check> beltCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+std::optional<Check> beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 /// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand, or two in a row.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
-Check spotPathCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
-Check repeatCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit,
+Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
+Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);
 
 /// Gate against the spot's own motion; nullopt if the camera is too slow to see a start.
-std::optional<Check> gateLagCheck(const Evidence& evidence, const Limits& limits, const LitFrames& lit);
+std::optional<Check> gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 
 }  // namespace kerfbench::inspect::checks

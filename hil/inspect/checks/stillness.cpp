@@ -177,7 +177,7 @@ ReadingLine lineOf(const std::vector<double>& reading_mm, const std::vector<doub
   return line;
 }
 
-Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limits& limits) {
+Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tolerances& limits) {
   Stillness result;
   const ModeField field(evidence.spot_calibration.value_or(vision::CameraCalibration{}));
   std::vector<CutReadings> readings;
@@ -221,7 +221,7 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Limi
   return result;
 }
 
-Check stillnessCheck(const Limits& limits, const LitFrames& lit, const Stillness& stillness) {
+Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness) {
   Check check{
       .name = "stillness_x", .title = "Beam at rest relative to the moving sheet, along x", .unit = "mm"};
   const std::vector<CutResult>& cuts = stillness.cuts;

@@ -129,10 +129,10 @@ void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
 
 }  // namespace
 
-EdgeSides kerfSides(const dieline::Dieline& dieline, Limits::Edge edge) {
+EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
   EdgeSides sides;
   sides.side.assign(dieline.entities.size(), 0);
-  if (edge == Limits::Edge::kCentre) return sides;
+  if (edge == Tolerances::Edge::kCentre) return sides;
   std::vector<Contour> contours;
   std::vector<int> open;
   for (const dieline::Entity& entity : dieline.entities) {
@@ -152,7 +152,7 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Limits::Edge edge) {
       if (&other != &contour && contains(other.polygon, p_mm)) ++contour.nesting;
     }
     const bool hole =
-        edge == Limits::Edge::kInside || (edge == Limits::Edge::kNesting && contour.nesting % 2 == 1);
+        edge == Tolerances::Edge::kInside || (edge == Tolerances::Edge::kNesting && contour.nesting % 2 == 1);
     ++(hole ? sides.holes : sides.outlines);
     const bool left = (doubleArea(contour.polygon) > 0.0) == hole;
     for (const Step& step : contour.steps)

@@ -28,7 +28,7 @@ struct EdgeSides {
 
 /// From the drawing alone: entities of process cut are joined where their ends meet (0.02 mm), and a closed
 /// cut within an odd number of others is a hole. kCentre: all 0.
-EdgeSides kerfSides(const dieline::Dieline& dieline, Limits::Edge edge);
+EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge);
 
 /// The scan as read at the piece's edge: Caliper::offset_mm less side · width / 2, and CornerKerf's deviation
 /// by the edges of its own legs. Entities of side 0 stay as they are.

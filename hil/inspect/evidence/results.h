@@ -92,7 +92,7 @@ struct InspectionResult {
   std::vector<CutResult> cuts;
   std::vector<UncertaintyBudget> budgets;  ///< Of the quantities that decide: path, stillness.
   std::vector<std::string> problems;
-  /// With Limits::edge: the scan as read at the wanted piece's edge, which is what was judged.
+  /// With Tolerances::edge: the scan as read at the wanted piece's edge, which is what was judged.
   std::optional<vision::KerfScan> edges;
 };
 

@@ -4,7 +4,7 @@
 namespace kerfbench::inspect {
 
 /// What a cut may be off, and which checks a scenario asks for.
-struct Limits {
+struct Tolerances {
   /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
   /// of closed cuts, inside of them, or outside of outlines and inside of holes (closed cuts within an odd
   /// number of others). Open cuts and other processes have no such edge and are judged by their centre.

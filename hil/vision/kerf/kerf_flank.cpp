@@ -183,9 +183,9 @@ FlankModel::FlankModel(const FlankQuery& query) {
   widening_mm_ = 2.0 * (query.half_width_mm - sharpHalfWidth(query, query.half_width_mm));
 }
 
-void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
-                std::vector<double>& model_mm) {
+void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                      const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
+                      std::vector<double>& model_mm) {
   const std::size_t n = kerf.calipers.size();
   model_mm.assign(n, 0.0);
   FlankQuery mean{.open_gray = options.open_gray,
@@ -248,7 +248,7 @@ void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings
   }
 }
 
-void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf) {
+void correctCurvatureBias(const EntityPlan& plan, double lens_mm, EntityKerf& kerf) {
   const std::size_t n = kerf.calipers.size();
   if (n < 2) return;
   const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);

@@ -45,14 +45,14 @@ class FlankModel {
 /// Takes out of all calipers of an entity what scorch, print or the bend of a curve does to their centres,
 /// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
 /// `model_mm` gets what remains uncertain of that, per station.
-void straighten(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
-                std::vector<double>& model_mm);
+void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                      const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
+                      std::vector<double>& model_mm);
 
 /// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
 /// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the
 /// lens, of blur sigma, draws both flanks in by k sigma²/2. The kerf's bend beyond that of the dieline is its
 /// second difference over readings 0.3 mm apart; where one of those is missing nothing is taken out.
-void unbend(const EntityPlan& plan, double lens_mm, EntityKerf& kerf);
+void correctCurvatureBias(const EntityPlan& plan, double lens_mm, EntityKerf& kerf);
 
 }  // namespace kerfbench::vision

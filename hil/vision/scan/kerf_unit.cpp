@@ -127,8 +127,8 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     noise.board_mm.push_back(reading.board_mm);
     windows.push_back(windowOnPixels(plan, station, view));
   }
-  straighten(plan, readings, options_, pixel_mm, blur_, kerf, noise.model_mm);
-  unbend(plan, blur_.px * pixel_mm, kerf);
+  correctFlankBias(plan, readings, options_, pixel_mm, blur_, kerf, noise.model_mm);
+  correctCurvatureBias(plan, blur_.px * pixel_mm, kerf);
   for (std::size_t i = 0; i < windows.size(); ++i)
     noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
 }

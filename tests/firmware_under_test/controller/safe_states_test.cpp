@@ -49,11 +49,11 @@ void nothing(Runner&) {}
 class SafeState : public testing::TestWithParam<SafeCase> {};
 
 TEST_P(SafeState, LaserOffAxesAtRestReasonToldAndNoStartWithoutConfig) {
-  const SafeCase& the_case = GetParam();
+  const SafeCase& test_case = GetParam();
   Runner runner;
   fake.belt_counts_per_tick = kNominal / kTicksPerPeriod;
   fake.next_mark_count = kMark;
-  const Program program = litProgram(the_case.follow, the_case.most_counts);
+  const Program program = litProgram(test_case.follow, test_case.most_counts);
   Link link(program);
   std::uint64_t caused = 0;
   long steps_then = 0;
@@ -64,16 +64,16 @@ TEST_P(SafeState, LaserOffAxesAtRestReasonToldAndNoStartWithoutConfig) {
       ASSERT_TRUE(runner.gate_before);
       caused = fake.tick;
       steps_then = runner.edges[0];
-      the_case.provoke(runner);
+      test_case.provoke(runner);
     }
-    if (caused != 0) the_case.each_tick(runner);
+    if (caused != 0) test_case.each_tick(runner);
   });
   ASSERT_NE(caused, 0U);
   EXPECT_EQ(link.state(), Link::State::kFailed);
-  EXPECT_THAT(link.message(), testing::HasSubstr(the_case.message));
+  EXPECT_THAT(link.message(), testing::HasSubstr(test_case.message));
   ASSERT_EQ(runner.gate_falls.size(), 1U);
   const auto off_after = static_cast<int>(runner.gate_falls[0] - caused);
-  EXPECT_LE(off_after, the_case.off_ticks);
+  EXPECT_LE(off_after, test_case.off_ticks);
   RecordProperty("off_after_ticks", off_after);
   // Standing, and staying so.
   const long moved = runner.edges[0] - steps_then;
@@ -83,10 +83,10 @@ TEST_P(SafeState, LaserOffAxesAtRestReasonToldAndNoStartWithoutConfig) {
   runner.run(4000);
   EXPECT_EQ(runner.edges, edges);
   EXPECT_EQ(runner.gate_rises.size(), 1U);
-  for (int axis = 0; axis < KB_AXES && the_case.fault != KB_FAULT_WATCHDOG; ++axis) {
+  for (int axis = 0; axis < KB_AXES && test_case.fault != KB_FAULT_WATCHDOG; ++axis) {
     EXPECT_EQ(fakePosition(axis), runner.pulses[static_cast<std::size_t>(axis)]) << axis;
   }
-  const auto event = frame(KB_EVENT, 0, {KB_STOPPED, the_case.fault});
+  const auto event = frame(KB_EVENT, 0, {KB_STOPPED, test_case.fault});
   EXPECT_NE(std::search(heard.begin(), heard.end(), event.begin(), event.end()), heard.end());
   // A new start is refused, with and without data, until there is a new configuration.
   fake.inputs = 0x04;

@@ -22,7 +22,7 @@ class ControllerWordsTest : public testing::Test {
     recording.uart.push_back({kRate.ticksAt(at_s), spokenState(state, fault, 0)});
   }
   [[nodiscard]] inspect::ControllerEnd end() const {
-    return controllerEnd(ControllerEar(recording), PinSums(recording, {}), recording);
+    return controllerEnd(UartListener(recording), PulseCounter(recording, {}), recording);
   }
   source::PinRecording recording{kRate, {}, {}, {}, 0, false};
   LockstepResult run;

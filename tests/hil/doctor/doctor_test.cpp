@@ -46,9 +46,9 @@ class DoctorTest : public testing::Test {
   }
   std::string cameraNeeds() const {
     std::vector<DoctorFinding> findings;
-    const scenario::Case the_case = scenario::readCase(base::fixture("scenarios/native/label-camera.yaml"),
-                                                       KERFBENCH_BINARY_DIR "/firmware");
-    addCameraNeeds(the_case, state.cameras, findings);
+    const scenario::Case test_case = scenario::readCase(base::fixture("scenarios/native/label-camera.yaml"),
+                                                        KERFBENCH_BINARY_DIR "/firmware");
+    addCameraNeeds(test_case, state.cameras, findings);
     return textsOf(findings, Grade::kMissing) + textsOf(findings, Grade::kGood);
   }
   scenario::Case onPins() const {
@@ -188,12 +188,12 @@ TEST_F(DoctorTest, AnalysersAreListedAndWhatIsWrongWithThemIsTold) {
 }
 
 TEST_F(DoctorTest, AnEmulatedScenarioNeedsItsEmulator) {
-  const scenario::Case the_case =
+  const scenario::Case test_case =
       scenario::readCase(base::fixture("scenarios/line-ok/plate.yaml"), temp.path());
-  EXPECT_THAT(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing),
+  EXPECT_THAT(textsOf(needsOf(test_case, state, temp.path()), Grade::kMissing),
               HasSubstr("kerfbench-avr is not there"));
   (void)temp.write("kerfbench-avr", "");
-  EXPECT_EQ(textsOf(needsOf(the_case, state, temp.path()), Grade::kMissing), "");
+  EXPECT_EQ(textsOf(needsOf(test_case, state, temp.path()), Grade::kMissing), "");
 }
 
 TEST_F(DoctorTest, ASpotCameraIsThereOrWhatItLacksIsNamed) {

@@ -15,7 +15,7 @@ namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
-using Edge = Limits::Edge;
+using Edge = Tolerances::Edge;
 
 constexpr double kHalf_mm = 0.105;  // Of SyntheticRun's kerf.
 

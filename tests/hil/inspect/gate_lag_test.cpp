@@ -93,7 +93,7 @@ class Start {
 
   dieline::Dieline dieline_;
   Evidence evidence_;
-  Limits limits_;
+  Tolerances limits_;
   bool backwards_;
 };
 
@@ -195,7 +195,7 @@ TEST(GateLag, WithoutAGateThereIsNoCheck) {
   const dieline::Dieline dieline;
   Evidence evidence;
   evidence.dieline = &dieline;
-  EXPECT_FALSE(checks::gateLagCheck(evidence, Limits{}, LitFrames{}));
+  EXPECT_FALSE(checks::gateLagCheck(evidence, Tolerances{}, LitFrames{}));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct SyntheticRun {
 
   dieline::Dieline dieline;
   Evidence evidence;  ///< Its dieline is the one above.
-  Limits limits;
+  Tolerances limits;
 
   vision::EntityKerf& kerf(int unit, int entity);
   /// Moves each spot while it follows `entity` of `unit`: the shift in mm along W from the time since its

@@ -27,8 +27,8 @@ class HearControllerTest : public testing::Test {
   }
   void hear(run::LockstepResult& heard) {
     Conclusion conclusion;
-    hearController(the_case, run::PreparedJob{}, run.recording, std::numeric_limits<double>::quiet_NaN(),
-                   heard, conclusion);
+    collectControllerEvidence(test_case, run::PreparedJob{}, run.recording,
+                              std::numeric_limits<double>::quiet_NaN(), heard, conclusion);
   }
   /// What is made of the recording without a dialog.
   run::LockstepResult replayed() {
@@ -37,7 +37,7 @@ class HearControllerTest : public testing::Test {
     hear(replay);
     return replay;
   }
-  scenario::Case the_case;
+  scenario::Case test_case;
   run::LockstepResult run;
 };
 
@@ -65,16 +65,16 @@ TEST_F(HearControllerTest, AReleaseThatStoppedIsNoProblem) {
   says(KB_STOPPED, KB_FAULT_DRY, 2.0);
   run.dialog.reason = "at 2.000 s: the controller stopped";
   run.dialog.time_s = 2.0;
-  EXPECT_THAT(unprovenDialog(the_case, run.recording, run), IsEmpty());
+  EXPECT_THAT(unprovenDialog(test_case, run.recording, run), IsEmpty());
   hear(run);
   EXPECT_THAT(run.problems, IsEmpty());
   EXPECT_THAT(run.recording.problems, IsEmpty());
 }
 
 TEST_F(HearControllerTest, AnotherDialogThatFailedIsAProblemOfBoth) {
-  the_case.scenario.firmware.dialog = scenario::FirmwareChoice::Dialog::kLineOk;
+  test_case.scenario.firmware.dialog = scenario::FirmwareChoice::Dialog::kLineOk;
   run.dialog.reason = "at 2.100 s: error:9";
-  EXPECT_EQ(unprovenDialog(the_case, run.recording, run), run.dialog.reason);
+  EXPECT_EQ(unprovenDialog(test_case, run.recording, run), run.dialog.reason);
   hear(run);
   EXPECT_THAT(run.problems, ElementsAre(run.dialog.reason));
   EXPECT_THAT(run.recording.problems, ElementsAre(run.dialog.reason));

@@ -66,8 +66,8 @@ class LivePinsTest : public testing::Test {
   int run() {
     base::Stopwatch stopwatch;
     base::Console console(true);
-    const scenario::Case the_case = scenario::readCase(scenario, kFirmware);
-    return runOnPins(the_case, {board, &source::ScriptedKernel::listed, board->serial(), nullptr}, options,
+    const scenario::Case test_case = scenario::readCase(scenario, kFirmware);
+    return runOnPins(test_case, {board, &source::ScriptedKernel::listed, board->serial(), nullptr}, options,
                      stopwatch, console);
   }
   nlohmann::json verdict(const std::string& name = "on-pins") const {

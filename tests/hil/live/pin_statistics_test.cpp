@@ -20,12 +20,12 @@ SignalMap pulAndGate() {
   return map;
 }
 
-TEST(HeardPins, CountsEdgesRatesAndSilence) {
+TEST(PinStatistics, CountsEdgesRatesAndSilence) {
   source::PinRecording recording;
   recording.rate = kMicroseconds;
   recording.outputs = {{100, 0, 8, 8, 0},  {150, 0, 8, 0, 0},  {500, 0, 8, 8, 0},   {2000, 1, 1, 1, 0},
                        {6000, 0, 8, 0, 0}, {6000, 1, 1, 0, 0}, {7000, 0, 16, 16, 0}};
-  const HeardPins heard = heardPins(recording, pulAndGate());
+  const PinStatistics heard = pinStatistics(recording, pulAndGate());
   ASSERT_EQ(heard.lines.size(), 2U) << "a sensor is none of the controller's";
   EXPECT_EQ(heard.lines[0].signal, Signal::kGalvoXPul);
   EXPECT_EQ(heard.lines[0].edges, 4U);
@@ -35,19 +35,20 @@ TEST(HeardPins, CountsEdgesRatesAndSilence) {
   EXPECT_EQ(heard.edges, 6U);
   EXPECT_DOUBLE_EQ(heard.span_s, 5.9e-3);
   EXPECT_DOUBLE_EQ(heard.longest_silence_s, 4e-3);
-  EXPECT_THAT(heardText(heard), AllOf(HasSubstr("galvo_x_pul             4 edges, at most 3000 per second"),
-                                      HasSubstr("two within 50 us"), HasSubstr("6 edges in 0.006 s")));
+  EXPECT_THAT(pinStatisticsText(heard),
+              AllOf(HasSubstr("galvo_x_pul             4 edges, at most 3000 per second"),
+                    HasSubstr("two within 50 us"), HasSubstr("6 edges in 0.006 s")));
 }
 
 // A line that is high at the start has not moved.
-TEST(HeardPins, LevelsAtTheStartAndMarksOfGapsAreNoEdges) {
+TEST(PinStatistics, LevelsAtTheStartAndMarksOfGapsAreNoEdges) {
   source::PinRecording recording;
   recording.rate = kMicroseconds;
   recording.outputs = {{1, 0, 8, 8, 0}, {900, 0, 0, 8, PinEvent::kGap}};
-  const HeardPins heard = heardPins(recording, pulAndGate());
+  const PinStatistics heard = pinStatistics(recording, pulAndGate());
   EXPECT_EQ(heard.edges, 0U);
   EXPECT_EQ(heard.span_s, 0.0);
-  EXPECT_THAT(heardText(heard), HasSubstr("0 edges in 0.000 s"));
+  EXPECT_THAT(pinStatisticsText(heard), HasSubstr("0 edges in 0.000 s"));
 }
 
 }  // namespace

@@ -226,9 +226,9 @@ TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
   const auto json = nlohmann::json::parse(verdictJson(report));
   EXPECT_EQ(json["model"]["imperfections"], "static");
   EXPECT_EQ(json["model"]["twin"], "reference");
-  EXPECT_EQ(json["model"]["drawn"][0]["name"], "galvo_x.zero");
-  EXPECT_EQ(json["model"]["drawn"][0]["value"], 4.5e-6);
-  EXPECT_EQ(json["model"]["drawn"][0]["unit"], "rad");
+  EXPECT_EQ(json["model"]["sampled"][0]["name"], "galvo_x.zero");
+  EXPECT_EQ(json["model"]["sampled"][0]["value"], 4.5e-6);
+  EXPECT_EQ(json["model"]["sampled"][0]["unit"], "rad");
   const std::string html = htmlReport(report);
   EXPECT_THAT(html, HasSubstr("Imperfections <b>static</b>, seed 42, model <b>reference</b>"));
   EXPECT_THAT(html, HasSubstr("<td>galvo_x.zero<td class=num>4.5e-06<td>rad"));

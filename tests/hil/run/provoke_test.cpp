@@ -120,8 +120,8 @@ TEST(Provocation, NoiseDamagesTheShareAskedForAndAlwaysTheSame) {
   EXPECT_NEAR(static_cast<double>(damaged), 2500.0, 4 * std::sqrt(2500.0 * 0.75));
 }
 
-TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
-  controller::ControllerEar ear;
+TEST(UartListener, HearsStatesBetweenOtherFramesAndRubbish) {
+  controller::UartListener ear;
   std::vector<std::uint8_t> line = controller::spokenState(1, 0, 4);
   const auto event = controller::spokenFrame({0x85, 0, 2, 3, 2});
   line.insert(line.end(), {0xA5, 0x00, 0xFF, 0xA5, 0xA5});
@@ -139,8 +139,8 @@ TEST(ControllerEar, HearsStatesBetweenOtherFramesAndRubbish) {
   EXPECT_TRUE(ear.reports()[1].stopped);
 }
 
-TEST(ControllerEar, DamagedFramesAreNotHeard) {
-  controller::ControllerEar ear;
+TEST(UartListener, DamagedFramesAreNotHeard) {
+  controller::UartListener ear;
   auto line = controller::spokenState(3, 2, 0);
   line[6] ^= 1;
   ear.hear(line, 1.0);
@@ -148,7 +148,7 @@ TEST(ControllerEar, DamagedFramesAreNotHeard) {
   EXPECT_TRUE(ear.reports().empty());
 }
 
-TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
+TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   SignalMap map;
   map.assign(Signal::kGalvoXPul, {0, 0});
   map.assign(Signal::kGalvoXDir, {0, 1});
@@ -172,7 +172,7 @@ TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
                                  a_changes ? a : phase == 2});
   };
   for (int i = 1; i <= 1000; ++i) belt(i % 4, 1e-3 * i);
-  const controller::PinSums sums(recording, map);
+  const controller::PulseCounter sums(recording, map);
   EXPECT_EQ(sums.lastPulse_s(), kRate.seconds(19000));
   EXPECT_EQ(sums.pulse_s(Signal::kGalvoXPul, 2), kRate.seconds(3000));
   EXPECT_TRUE(std::isnan(sums.pulse_s(Signal::kGalvoXPul, 11)));
@@ -181,7 +181,7 @@ TEST(PinSums, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_EQ(sums.leaves_s(Signal::kGalvoXPul, 5, 7), sums.pulse_s(Signal::kGalvoXPul, 1));
   EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
   EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
-  controller::ControllerEar::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
+  controller::UartListener::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
   const auto account = sums.accountBeside(told, {250e3, 0.0});
   ASSERT_EQ(account.axes.size(), 1U) << "what is wired";
   EXPECT_EQ(account.axes[0].name, "galvo_x");

@@ -35,11 +35,11 @@ constexpr const char* kWires =
 class AnalyserChoiceTest : public PlateOnPins {};
 
 TEST_F(AnalyserChoiceTest, TheSameScenarioRunsOnAnAnalyser) {
-  const Case the_case = plate(std::string(kWires) +
-                              "  conn: 1.14\n  serial: \"0007\"\n  quiet_s: 3\n"
-                              "  settings: {voltage_threshold: 1.2-1.2}\n");
-  EXPECT_TRUE(the_case.scenario.firmware.onRealPins());
-  const source::AnalyserCaptureOptions options = captureOptions(the_case.scenario.firmware.analyser);
+  const Case test_case = plate(std::string(kWires) +
+                               "  conn: 1.14\n  serial: \"0007\"\n  quiet_s: 3\n"
+                               "  settings: {voltage_threshold: 1.2-1.2}\n");
+  EXPECT_TRUE(test_case.scenario.firmware.onRealPins());
+  const source::AnalyserCaptureOptions options = captureOptions(test_case.scenario.firmware.analyser);
   EXPECT_EQ(options.wish.driver, "fx2lafw");
   EXPECT_EQ(options.wish.conn, "1.14");
   EXPECT_EQ(options.wish.serial, "0007");
@@ -48,7 +48,7 @@ TEST_F(AnalyserChoiceTest, TheSameScenarioRunsOnAnAnalyser) {
   EXPECT_EQ(options.signals[4], Signal::kLaserGate);
   EXPECT_THAT(options.wish.settings, ElementsAre(std::pair("voltage_threshold", "1.2-1.2")));
   EXPECT_EQ(options.quiet_s, 3.0);
-  EXPECT_THROW((void)run::openRelease(the_case.scenario.firmware, temp_.path()), base::InputError);
+  EXPECT_THROW((void)run::openRelease(test_case.scenario.firmware, temp_.path()), base::InputError);
 }
 
 TEST_F(AnalyserChoiceTest, WhatIsMissingIsAskedFor) {
@@ -107,22 +107,22 @@ TEST_F(AnalyserChoiceTest, ARateThatIsTooLowForAPulseIsAFaultThatSaysWhichIsEnou
 }
 
 TEST_F(AnalyserChoiceTest, ItIsListenedToForAsLongAsTheScenarioSays) {
-  const Case the_case = plate(std::string(kWires) + "  quiet_s: 0.5\ntime_limit_s: 4\n");
+  const Case test_case = plate(std::string(kWires) + "  quiet_s: 0.5\ntime_limit_s: 4\n");
   source::ScriptedAnalyser analyser;
   analyser.runs = {{24'000'000, 0b000}, {240, 0b001}, {24'000'000, 0}};
   base::Console console(true);
-  const source::PinCapture captured = live::captureAnalyserCase(the_case, analyser, console);
+  const source::PinCapture captured = live::captureAnalyserCase(test_case, analyser, console);
   EXPECT_EQ(analyser.wished.listen.limit_samples, 96'000'000U);
   EXPECT_EQ(analyser.wished.listen.quiet_samples, 12'000'000U);
   EXPECT_EQ(captured.edges, 2U);
   // Whether PUL may rest high is the drive's matter.
   analyser.runs = {{24'000'000, 0b001}, {240, 0b000}, {24'000'000, 1}};
-  const bool rising = the_case.machine.galvo_x.profile.active_edge_rising;
-  const auto problems = live::captureAnalyserCase(the_case, analyser, console).recording.problems;
+  const bool rising = test_case.machine.galvo_x.profile.active_edge_rising;
+  const auto problems = live::captureAnalyserCase(test_case, analyser, console).recording.problems;
   EXPECT_EQ(problems.size(), rising ? 1U : 0U);
   analyser.refusal = "it is gone";
   try {
-    (void)live::captureAnalyserCase(the_case, analyser, console);
+    (void)live::captureAnalyserCase(test_case, analyser, console);
     FAIL();
   } catch (const base::InputError& e) {
     EXPECT_THAT(e.what(), HasSubstr("s.yaml:5: firmware.driver: it is gone"));

@@ -31,8 +31,8 @@ class CameraFiles : public testing::Test {
     const std::string text = base::contentOf(base::fixture("machines/two-mirror.spot.camera.yaml"));
     return temp_.write("changed.yaml", base::withValue(text, key, value)).string();
   }
-  static std::vector<std::string> problemsOf(const Case& the_case) {
-    return readCalibrations(the_case).problems;
+  static std::vector<std::string> problemsOf(const Case& test_case) {
+    return readCalibrations(test_case).problems;
   }
   const base::TempFolder temp_;
 };
@@ -56,8 +56,8 @@ TEST_F(CameraFiles, AMissingOneIsAProblemThatSaysWhatToRun) {
 }
 
 TEST_F(CameraFiles, OfBothCamerasAllProblemsAreTold) {
-  const Case the_case = label("date: 2026-11-01\n");
-  const BenchCameras cameras = readCalibrations(the_case);
+  const Case test_case = label("date: 2026-11-01\n");
+  const BenchCameras cameras = readCalibrations(test_case);
   EXPECT_EQ(cameras.problems.size(), 2U);
   EXPECT_FALSE(cameras.spot || cameras.kerf);
 }
@@ -99,11 +99,11 @@ TEST_F(CameraFiles, AgeCountsFromTheScenariosDateAndNoClock) {
 }
 
 TEST_F(CameraFiles, WithoutAKeyItLiesBesideTheMachineFile) {
-  const Case the_case = label("", "calibration: ~, id: ~");
-  EXPECT_EQ(the_case.spot_camera.calibration, temp_.path() / "m.spot.camera.yaml");
-  EXPECT_EQ(the_case.spot_camera.id, "spot");
-  EXPECT_TRUE(the_case.spot_camera.named_here);
-  EXPECT_FALSE(the_case.kerf_camera.named_here);
+  const Case test_case = label("", "calibration: ~, id: ~");
+  EXPECT_EQ(test_case.spot_camera.calibration, temp_.path() / "m.spot.camera.yaml");
+  EXPECT_EQ(test_case.spot_camera.id, "spot");
+  EXPECT_TRUE(test_case.spot_camera.named_here);
+  EXPECT_FALSE(test_case.kerf_camera.named_here);
 }
 
 TEST_F(CameraFiles, ADateThatIsNoneIsAFaultOfTheScenario) {

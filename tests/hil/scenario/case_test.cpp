@@ -41,19 +41,19 @@ class CaseTest : public testing::Test {
 };
 
 TEST_F(CaseTest, TheFirstEyeMarkReachesItsSensorAfterTheLeadTime) {
-  const Case the_case = label("belt: {lead_s: 0.7}\n");
-  const twin::WebDescription web = webOf(the_case);
+  const Case test_case = label("belt: {lead_s: 0.7}\n");
+  const twin::WebDescription web = webOf(test_case);
   const double mark_mm = web.start_x_mm + web.print.eye_mark_x_mm + 0.7 * web.belt_speed_mm_s;
-  EXPECT_NEAR(mark_mm, the_case.machine.belt.print_mark_sensor.x_mm, 1e-9);
-  EXPECT_EQ(plannerJob(the_case).web_start_x_mm, web.start_x_mm);
+  EXPECT_NEAR(mark_mm, test_case.machine.belt.print_mark_sensor.x_mm, 1e-9);
+  EXPECT_EQ(plannerJob(test_case).web_start_x_mm, web.start_x_mm);
 }
 
 TEST_F(CaseTest, ThePlannerIsToldTheDataSheetAndNotTheTruth) {
-  Case the_case = label("");
-  the_case.machine.head.throw_mm = 512.0;
-  the_case.machine.belt.encoder.count_mm = 0.02;
-  EXPECT_EQ(plannerMachine(the_case).throw_mm, 500.0);
-  EXPECT_EQ(plannerMachine(the_case).encoder_count_mm, 0.01);
+  Case test_case = label("");
+  test_case.machine.head.throw_mm = 512.0;
+  test_case.machine.belt.encoder.count_mm = 0.02;
+  EXPECT_EQ(plannerMachine(test_case).throw_mm, 500.0);
+  EXPECT_EQ(plannerMachine(test_case).encoder_count_mm, 0.01);
 }
 
 TEST_F(CaseTest, TheMachineSetsTheRadiusOfJumpsAndTheScenarioWins) {
@@ -99,9 +99,9 @@ TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
 }
 
 TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
-  const Case the_case = label("select: {entities: '0-3'}\n");
+  const Case test_case = label("select: {entities: '0-3'}\n");
   int cut = 0;
-  for (const dieline::Entity& entity : the_case.dieline.entities)
+  for (const dieline::Entity& entity : test_case.dieline.entities)
     cut += entity.process != dieline::Process::kIgnore ? 1 : 0;
   EXPECT_EQ(cut, 4);
   EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
@@ -170,8 +170,9 @@ TEST_F(CaseTest, AnFThetaHeadIsTrueWithItsTable) {
 }
 
 TEST_F(CaseTest, ALineMayChangeItsSpeed) {
-  const Case the_case = label("belt: {profile: [{at_s: 1.0, speed_mm_s: 70}, {at_s: 2.5, speed_mm_s: 0}]}\n");
-  const twin::WebDescription web = webOf(the_case);
+  const Case test_case =
+      label("belt: {profile: [{at_s: 1.0, speed_mm_s: 70}, {at_s: 2.5, speed_mm_s: 0}]}\n");
+  const twin::WebDescription web = webOf(test_case);
   ASSERT_EQ(web.belt_speed_changes.size(), 2U);
   EXPECT_EQ(web.belt_speed_changes[1].time_s, 2.5);
   EXPECT_EQ(web.belt_speed_changes[0].speed_mm_s, 70.0);
@@ -184,10 +185,10 @@ TEST_F(CaseTest, ALineMayChangeItsSpeed) {
 }
 
 TEST_F(CaseTest, ABoardMayHaveADepthCurveAndScorch) {
-  const Case the_case = label(
+  const Case test_case = label(
       "board: {depth_curve: [{fluence_share: 0.2, depth_share: 0}, {fluence_share: 1, depth_share: 1}], "
       "scorch: {fluence_j_mm2: 0.3, darkening: 0.2, shift_mm: [0.05, 0]}}\n");
-  const twin::BoardDescription board = webOf(the_case).board;
+  const twin::BoardDescription board = webOf(test_case).board;
   ASSERT_EQ(board.depth_curve.size(), 2U);
   EXPECT_EQ(board.depth_curve[0].fluence_share, 0.2);
   EXPECT_EQ(board.scorch.fluence_j_mm2, 0.3);
@@ -197,7 +198,7 @@ TEST_F(CaseTest, ABoardMayHaveADepthCurveAndScorch) {
 }
 
 TEST_F(CaseTest, AMachineIsDrawnAroundItsDescriptionByPresetAndSeed) {
-  const auto drawn = [&](const char* lines) { return drawnMachine(label(lines)); };
+  const auto drawn = [&](const char* lines) { return sampledMachine(label(lines)); };
   EXPECT_TRUE(drawn("").imperfections.empty());
   const auto one = drawn("imperfections: dynamic\nseed: 7\n");
   const auto again = drawn("imperfections: dynamic\nseed: 7\n");

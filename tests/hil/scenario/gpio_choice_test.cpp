@@ -42,8 +42,8 @@ class GpioChoiceTest : public PlateOnPins {
 };
 
 TEST_F(GpioChoiceTest, TheSameScenarioRunsOnRealPins) {
-  const Case the_case = plate(kWires);
-  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  const Case test_case = plate(kWires);
+  const FirmwareChoice& firmware = test_case.scenario.firmware;
   EXPECT_EQ(firmware.source, FirmwareChoice::Source::kGpio);
   EXPECT_EQ(firmware.gpio.chip, "gpiochip3");
   EXPECT_DOUBLE_EQ(firmware.gpio.stamp_err_s, 30e-6);
@@ -53,7 +53,7 @@ TEST_F(GpioChoiceTest, TheSameScenarioRunsOnRealPins) {
   ASSERT_EQ(options.wires.size(), 6U);
   EXPECT_EQ(options.wires[1].signal, Signal::kGalvoXDir);
   EXPECT_EQ(options.wires[1].offset, 5U);
-  EXPECT_EQ(run::prepareJob(the_case).dialog, nullptr);
+  EXPECT_EQ(run::prepareJob(test_case).dialog, nullptr);
 }
 
 TEST_F(GpioChoiceTest, WhatIsMissingIsAskedFor) {
@@ -100,14 +100,14 @@ TEST_F(GpioChoiceTest, ABeltThatMovesNeedsItsSensorsDriven) {
 TEST_F(GpioChoiceTest, WhatIsDrivenIsReadWithItsChipItsLimitAndTheSerialLine) {
   const GpioChoice quiet = plate(kWires).scenario.firmware.gpio;
   EXPECT_FALSE(quiet.isLive());
-  const Case the_case = plate(std::string(kWires) + kOutputs +
-                              "  out_chip: gpiochip4\n"
-                              "  max_lag_us: 250\n"
-                              "  uart: /dev/ttyUSB0\n"
-                              "  uart_wait_s: 2\n"
-                              "  uart_delay_ms: 5\n"
-                              "  baud: 115200\n");
-  const FirmwareChoice& firmware = the_case.scenario.firmware;
+  const Case test_case = plate(std::string(kWires) + kOutputs +
+                               "  out_chip: gpiochip4\n"
+                               "  max_lag_us: 250\n"
+                               "  uart: /dev/ttyUSB0\n"
+                               "  uart_wait_s: 2\n"
+                               "  uart_delay_ms: 5\n"
+                               "  baud: 115200\n");
+  const FirmwareChoice& firmware = test_case.scenario.firmware;
   EXPECT_TRUE(firmware.gpio.isLive());
   EXPECT_EQ(firmware.dialog, FirmwareChoice::Dialog::kLineOk);
   EXPECT_EQ(firmware.baud, 115'200U);
@@ -123,7 +123,7 @@ TEST_F(GpioChoiceTest, WhatIsDrivenIsReadWithItsChipItsLimitAndTheSerialLine) {
   EXPECT_EQ(options.out_chip, "/dev/gpiochip4");
   ASSERT_EQ(options.out.size(), 3U);
   EXPECT_EQ(options.out[2].signal, Signal::kPrintMark);
-  EXPECT_NE(run::prepareJob(the_case).dialog, nullptr);
+  EXPECT_NE(run::prepareJob(test_case).dialog, nullptr);
 }
 
 TEST_F(GpioChoiceTest, OutputsThatMakeNoSenseAreFaultsWithFileAndLine) {

@@ -195,7 +195,7 @@ std::vector<Quantity> quantities() {
 
 TEST(Imperfections, AnIdealMachineIsAsDescribed) {
   for (const auto& machine : {lensed(), gantry()}) {
-    const DrawnMachine drawn = drawImperfections(machine, {}, Preset::kIdeal, 7);
+    const SampledMachine drawn = drawImperfections(machine, {}, Preset::kIdeal, 7);
     EXPECT_TRUE(drawn.imperfections.empty());
     EXPECT_TRUE(changed(machine, drawn.machine).empty());
   }
@@ -272,7 +272,7 @@ TEST(Imperfections, NoQuantityChangesWhatAnotherDraws) {
 
 TEST(Imperfections, TheListNamesEachDrawOnceWithItsUnitAndWhatItAdded) {
   for (const auto& machine : {lensed(), gantry()}) {
-    const DrawnMachine drawn = drawImperfections(machine, {}, Preset::kDynamic, 2);
+    const SampledMachine drawn = drawImperfections(machine, {}, Preset::kDynamic, 2);
     std::map<std::string, Imperfection> list;
     for (const Imperfection& i : drawn.imperfections) {
       EXPECT_TRUE(list.emplace(i.name, i).second) << i.name;

@@ -46,7 +46,7 @@ struct CellPlot {
 };
 
 /// A whole SVG document, the same bytes for the same plot.
-std::string drawn(const LinePlot& plot);
-std::string drawn(const CellPlot& plot);
+std::string sampled(const LinePlot& plot);
+std::string sampled(const CellPlot& plot);
 
 }  // namespace kerfbench::validation

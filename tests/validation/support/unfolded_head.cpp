@@ -27,7 +27,7 @@ Matrix4d mirrorImage(const Vector3d& place, const Vector3d& axis, const Vector3d
                      const Vector3d& tilt_rad, const twin::MirrorAlignment& alignment, double motor_rad) {
   const Matrix3d tilt = turn(tilt_rad);
   const double angle = alignment.zero_rad + alignment.scale * motor_rad;
-  // The axis is tilted; the mirror is glued on so that at rest it stands as drawn.
+  // The axis is tilted; the mirror is glued on so that at rest it stands as sampled.
   const Vector3d n = turn(angle * (tilt * axis)) * rest.normalized();
   Matrix4d image = Matrix4d::Identity();
   image.topLeftCorner<3, 3>() -= 2.0 * n * n.transpose();

@@ -34,7 +34,7 @@ struct Field {
   double size_mm;  ///< Of a mark.
   double beam_radius_mm;
   double print_mm;      ///< Beyond the field.
-  double least_raw_mm;  ///< That the drawn machine is off somewhere.
+  double least_raw_mm;  ///< That the sampled machine is off somewhere.
 };
 
 MarkJob jobFor(const Field& field) {
@@ -53,14 +53,14 @@ MarkJob jobFor(const Field& field) {
   return job;
 }
 
-/// Where the head that was drawn sends the beam for which the planner, by what it was told, asks.
+/// Where the head that was sampled sends the beam for which the planner, by what it was told, asks.
 class Truth {
  public:
-  Truth(const scenario::Case& the_case, const twin::DrawnMachine& drawn)
-      : axes_(scenario::plannerMachine(the_case), {}),
-        step_rad_(the_case.machine.controller.mirror_step_rad),
-        head_(drawn.machine.head, drawn.machine.beam),
-        surface_(drawn.machine.surface) {}
+  Truth(const scenario::Case& test_case, const twin::SampledMachine& sampled)
+      : axes_(scenario::plannerMachine(test_case), {}),
+        step_rad_(test_case.machine.controller.mirror_step_rad),
+        head_(sampled.machine.head, sampled.machine.beam),
+        surface_(sampled.machine.surface) {}
   [[nodiscard]] Vector2d at(const Vector2d& p_W_mm) const {
     return head_.spotAt(step_rad_ * axes_.stepsAt(p_W_mm), Vector2d::Zero(), surface_, 0.0).value().p_WQ_mm;
   }
@@ -116,21 +116,21 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   scenario::MarkCutting cutting;
   cutting.machine = base::fixture(std::string("machines/") + field.machine + ".yaml");
   cutting.beam_radius_mm = field.beam_radius_mm;
-  scenario::Case the_case = scenario::readCase(
+  scenario::Case test_case = scenario::readCase(
       folder.write("run.yaml", scenario::markScenario(job, "marks.dxf", cutting)), binary / "firmware");
-  the_case.scenario.fidelity = twin::Fidelity::kFast;
-  the_case.scenario.seed = 3;
+  test_case.scenario.fidelity = twin::Fidelity::kFast;
+  test_case.scenario.seed = 3;
 
-  const run::CutSheet cut = run::cutOnTwin(the_case, binary / "bin", [](double, const std::string&) {});
+  const run::CutSheet cut = run::cutOnTwin(test_case, binary / "bin", [](double, const std::string&) {});
   ASSERT_THAT(cut.run.problems, IsEmpty());
-  const scenario::BenchCameras cameras = scenario::readCalibrations(the_case);
+  const scenario::BenchCameras cameras = scenario::readCalibrations(test_case);
   ASSERT_TRUE(cameras.kerf) << cameras.problems.front();
   camera::TwinTileOptions tile_options;
   tile_options.threads = 2;
   tile_options.border_mm = 15.0;  // The head may be off by that.
   tile_options.overlap_mm = 0.6 * job.size_mm;
   tile_options.everything = false;
-  camera::TwinTileSource tiles = run::kerfTiles(the_case, *cut.twin, tile_options);
+  camera::TwinTileSource tiles = run::kerfTiles(test_case, *cut.twin, tile_options);
   FieldSearchOptions search;
   search.size_mm = job.size_mm;
   search.beam_radius_mm = field.beam_radius_mm;
@@ -141,7 +141,7 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   EXPECT_THAT(found.remarks, IsEmpty());
   ASSERT_EQ(found.points.size(), job.marks.size());
 
-  const Errors e = errorsOf(Truth(the_case, cut.drawn), job, pictures, found);
+  const Errors e = errorsOf(Truth(test_case, cut.sampled), job, pictures, found);
   std::printf(
       "  %s: %zu tiles, head off by %.2f mm; bias %.2f %.2f um, sigma %.2f um, worst %.2f um, stated %.2f "
       "um, "

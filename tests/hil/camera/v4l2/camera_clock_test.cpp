@@ -97,18 +97,18 @@ struct ClockCase {
 class CameraClockCoverage : public testing::TestWithParam<ClockCase> {};
 
 TEST_P(CameraClockCoverage, HoldsTheTruthOverManySeeds) {
-  const ClockCase& the_case = GetParam();
+  const ClockCase& test_case = GetParam();
   constexpr int kSeeds = 400;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const CounterRandom random(seed, 9);
     Bench bench;
     bench.seed = seed;
-    bench.share_error = the_case.share_error;
-    bench.jitter_s = the_case.jitter_s;
+    bench.share_error = test_case.share_error;
+    bench.jitter_s = test_case.jitter_s;
     bench.offset_s = 0.2 * (random.uniform(0) - 0.5);
     bench.drift = 400e-6 * (2.0 * random.uniform(1) - 1.0);
     auto seen = bench.sightings(24);
-    if (the_case.one_wrong) {  // From hardly to plainly.
+    if (test_case.one_wrong) {  // From hardly to plainly.
       const auto which = static_cast<std::size_t>(random.bits(2) % seen.size());
       seen[which].edge_s += bench.period_s * 3.0 * (2.0 * random.uniform(3) - 1.0);
     }

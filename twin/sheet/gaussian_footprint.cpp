@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "twin/sheet/bell.h"
+#include "twin/sheet/gaussian_footprint.h"
 
 #include <algorithm>
 #include <array>
@@ -63,7 +63,7 @@ class Parabola {
 
 }  // namespace
 
-Bell laidDown(Bell bell) {
+GaussianFootprint asSplineCoefficients(GaussianFootprint bell) {
   bell.variance_x -= kSplineVariance;
   bell.variance_y -= kSplineVariance;
   if (bell.covariance == 0.0) {
@@ -85,7 +85,7 @@ Bell laidDown(Bell bell) {
           bell.covariance * kept_share};
 }
 
-void SampledBell::sample(const Bell& bell, double sum) {
+void SampledBell::sample(const GaussianFootprint& bell, double sum) {
   const double reach_x = kReach * std::sqrt(bell.variance_x);
   const double reach_y = kReach * std::sqrt(bell.variance_y);
   first_column_ = 4 * static_cast<int>(std::floor((bell.centre.x() - reach_x) / 4.0));

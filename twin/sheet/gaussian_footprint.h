@@ -10,14 +10,14 @@
 namespace kerfbench::twin {
 
 /// A two-dimensional Gaussian on the nodes of the map; unit: the spacing of the nodes.
-struct Bell {
+struct GaussianFootprint {
   Eigen::Vector2d centre{Eigen::Vector2d::Zero()};
   double variance_x{}, variance_y{}, covariance{};
 };
 
 /// What a Gaussian is once it is laid down as coefficients of the cubic B-spline: narrower by what the spline
 /// adds, but no narrower than its samples can carry. Axes and centre stay.
-Bell laidDown(Bell bell);
+GaussianFootprint asSplineCoefficients(GaussianFootprint bell);
 
 /// A Gaussian sampled at whole nodes, row by row, ready to be added to the map:
 ///
@@ -38,7 +38,7 @@ class SampledBell {
   };
 
   /// Samples `bell` so that all samples add up to `sum`, within 1e-5.
-  void sample(const Bell& bell, double sum);
+  void sample(const GaussianFootprint& bell, double sum);
 
   [[nodiscard]] int firstColumn() const { return first_column_; }  ///< A multiple of four.
   [[nodiscard]] int firstRow() const { return first_row_; }
