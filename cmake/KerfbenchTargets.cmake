@@ -18,6 +18,8 @@ target_compile_options(kerfbench_options INTERFACE
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-array-bounds>
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow>
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overread>
+  # Of several sources in one it takes the anonymous namespaces for a header's.
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>
   # Fused multiply-adds and re-association would make the bytes depend on the compiler's mood.
   -ffp-contract=off)
 target_include_directories(kerfbench_options INTERFACE ${PROJECT_SOURCE_DIR})

@@ -29,6 +29,9 @@ class Gauge : public testing::Test {
   ScratchFolder scratch_;
 };
 
+/// One of the long proofs.
+class GaugeLong : public Gauge {};
+
 /// Of the claims with these words, those that do not hold.
 std::string failing(const nlohmann::json& json, const std::vector<std::string>& words) {
   std::string text;
@@ -45,7 +48,7 @@ std::string failing(const nlohmann::json& json, const std::vector<std::string>& 
   return seen < words.size() * json.at("sections").size() ? "claims are missing\n" + text : text;
 }
 
-TEST_F(Gauge, QuickShowsWhatTheInstrumentIsWorth) {
+TEST_F(GaugeLong, QuickShowsWhatTheInstrumentIsWorth) {
   const ProgramRun run = gauge("--quick --quiet");
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.output;
   const auto result = json();

@@ -21,15 +21,15 @@ std::string digestOf(const std::filesystem::path& results) { return verdictOf(re
 
 TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   const ScratchFolder scratch;
-  const std::string scenario = fixture("scenarios/label-on-belt.yaml").string();
+  const std::string scenario = fixture("scenarios/short-lines.yaml").string();
   const auto one = kerfbench(
       fmt::format("run '{}' -q --jobs 1 --results-dir '{}/one'", scenario, scratch.path().string()));
   const auto two = kerfbench(fmt::format("run '{}' -q --jobs 2 --no-pictures --results-dir '{}/two'",
                                          scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
-  const auto first = scratch.path() / "one" / "label-on-belt";
-  const auto second = scratch.path() / "two" / "label-on-belt";
+  const auto first = scratch.path() / "one" / "short-lines";
+  const auto second = scratch.path() / "two" / "short-lines";
   EXPECT_EQ(digestOf(first), digestOf(second));
   // The first has pictures, the second has none: they are no part of the digest.
   for (const char* picture : {"machine.png", "board.png"}) {
@@ -41,7 +41,7 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}/three'",
                             (first / "pins.vcd").string(), scenario, scratch.path().string()));
   ASSERT_EQ(replay.exit_code, 0) << replay.output;
-  EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "label-on-belt-replay"));
+  EXPECT_EQ(digestOf(first), digestOf(scratch.path() / "three" / "short-lines-replay"));
 }
 
 std::string verdictOfCheck(const std::filesystem::path& results, const std::string& name) {
@@ -171,9 +171,9 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
   const ScratchFolder scratch;
   const auto run =
       kerfbench(fmt::format("run '{}' -q --no-pictures --results-dir '{}'",
-                            fixture("scenarios/label-on-belt.yaml").string(), scratch.path().string()));
+                            fixture("scenarios/short-lines.yaml").string(), scratch.path().string()));
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  const auto results = scratch.path() / "label-on-belt";
+  const auto results = scratch.path() / "short-lines";
   const std::string vcd = (results / "pins.vcd").string();
   const std::string fst = (scratch.path() / "pins.fst").string();
   EXPECT_EQ(outputOf(fmt::format("vcd2fst '{}' '{}' 2>&1 >/dev/null", vcd, fst)), "");
@@ -196,15 +196,15 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
 
 TEST(Recordings, GiveAnotherDigestForAnotherSeed) {
   const ScratchFolder scratch;
-  const std::string scenario = fixture("scenarios/label-on-belt.yaml").string();
+  const std::string scenario = fixture("scenarios/short-lines.yaml").string();
   const auto one = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 1 --results-dir '{}/one'",
                                          scenario, scratch.path().string()));
   const auto two = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 2 --results-dir '{}/two'",
                                          scenario, scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
-  EXPECT_NE(digestOf(scratch.path() / "one" / "label-on-belt"),
-            digestOf(scratch.path() / "two" / "label-on-belt"));
+  EXPECT_NE(digestOf(scratch.path() / "one" / "short-lines"),
+            digestOf(scratch.path() / "two" / "short-lines"));
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "tests/scenarios/scenario_runs.h"
 
 namespace kerfbench::test {
@@ -25,60 +23,45 @@ std::string subjectOf(const nlohmann::json& verdict, const std::string& check) {
   return "no such check";
 }
 
-struct SafeScenario {
-  const char* file;    // fixtures/scenarios/safe/<file>.yaml
-  const char* report;  // The fault that the controller names.
-};
-
-class SafeState : public testing::TestWithParam<SafeScenario> {};
-
-TEST_P(SafeState, IsReachedAndTold) {
+/// fixtures/scenarios/safe/FILE.yaml, and the fault that the controller names.
+void reaches(const std::string& file, const std::string& report) {
   const ScratchFolder scratch;
-  const auto run = runHere(fmt::format("safe/{}.yaml", GetParam().file), scratch);
+  const auto run = runHere(fmt::format("safe/{}.yaml", file), scratch);
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  std::string name = GetParam().file;
+  std::string name = file;
   if (const auto slash = name.find('/'); slash != std::string::npos)
     name = name.substr(slash + 1) + "-" + name.substr(0, slash);
   const auto verdict = verdictOf(scratch.path() / ("safe-" + name));
   const auto good = checksThat(verdict, "PASS");
   EXPECT_THAT(good, testing::IsSupersetOf({"safe_state", "safe_stop", "safe_report", "pulse_timing"}));
-  EXPECT_EQ(subjectOf(verdict, "safe_report"), GetParam().report);
+  EXPECT_EQ(subjectOf(verdict, "safe_report"), report);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Provoked, SafeState,
-    testing::Values(SafeScenario{"interlock", "interlock"}, SafeScenario{"limit", "limit"},
-                    SafeScenario{"encoder-lost", "encoder"}, SafeScenario{"encoder-wire-b", "encoder"},
-                    SafeScenario{"host-silent", "silent"}, SafeScenario{"line-noise", "uart"},
-                    SafeScenario{"queue-dry", "dry"}, SafeScenario{"belt-too-fast", "belt-fast"},
-                    SafeScenario{"field", "field"}, SafeScenario{"print-marks", "marks"},
-                    SafeScenario{"log-waits", "late"}, SafeScenario{"main-stuck", "watchdog"},
-                    SafeScenario{"native/interlock", "interlock"},
-                    SafeScenario{"native/encoder-lost", "encoder"},
-                    SafeScenario{"native/main-stuck", "watchdog"}),
-    [](const auto& instance) {
-      std::string name = instance.param.file;
-      std::ranges::replace_if(
-          name, [](char c) { return c == '-' || c == '/'; }, '_');
-      return name;
-    });
-
-class Careless : public testing::TestWithParam<const char*> {};
-
-TEST_P(Careless, ReleaseFailsBySafeState) {
+void failsBySafeState(const std::string& name) {
   const ScratchFolder scratch;
-  const std::string name = GetParam();
   const auto run = runHere("faults/" + name + ".yaml", scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_THAT(checksThat(verdictOf(scratch.path() / ("fault-" + name)), "FAIL"), Contains("safe_state"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, Careless, testing::Values("interlock-ignored", "encoder-trusted"),
-                         [](const auto& instance) {
-                           std::string name = instance.param;
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+TEST(SafeState, IsReachedAfterInterlock) { reaches("interlock", "interlock"); }
+TEST(SafeState, IsReachedAfterLimit) { reaches("limit", "limit"); }
+TEST(SafeState, IsReachedAfterEncoderLost) { reaches("encoder-lost", "encoder"); }
+TEST(SafeStateLong, IsReachedAfterEncoderWireB) { reaches("encoder-wire-b", "encoder"); }
+TEST(SafeState, IsReachedAfterHostSilent) { reaches("host-silent", "silent"); }
+TEST(SafeState, IsReachedAfterLineNoise) { reaches("line-noise", "uart"); }
+TEST(SafeState, IsReachedAfterQueueDry) { reaches("queue-dry", "dry"); }
+TEST(SafeState, IsReachedAfterBeltTooFast) { reaches("belt-too-fast", "belt-fast"); }
+TEST(SafeState, IsReachedAfterField) { reaches("field", "field"); }
+TEST(SafeState, IsReachedAfterPrintMarks) { reaches("print-marks", "marks"); }
+TEST(SafeState, IsReachedAfterLogWaits) { reaches("log-waits", "late"); }
+TEST(SafeState, IsReachedAfterMainStuck) { reaches("main-stuck", "watchdog"); }
+TEST(SafeStateLong, IsReachedAfterNativeInterlock) { reaches("native/interlock", "interlock"); }
+TEST(SafeStateLong, IsReachedAfterNativeEncoderLost) { reaches("native/encoder-lost", "encoder"); }
+TEST(SafeStateLong, IsReachedAfterNativeMainStuck) { reaches("native/main-stuck", "watchdog"); }
+
+TEST(CarelessRelease, ThatIgnoresTheInterlockFails) { failsBySafeState("interlock-ignored"); }
+TEST(CarelessRelease, ThatTrustsTheEncoderFails) { failsBySafeState("encoder-trusted"); }
 
 }  // namespace
 }  // namespace kerfbench::test

@@ -28,6 +28,13 @@ ProgramRun program(const std::string& name, const std::string& arguments) {
   return run;
 }
 
+ProgramRun kerfbench(const std::string& arguments) {
+  const bool runs = arguments.starts_with("run ") || arguments.starts_with("replay ");
+  const bool says =
+      arguments.find("-j") != std::string::npos || arguments.find("--jobs") != std::string::npos;
+  return program("kerfbench", runs && !says ? arguments + " --jobs 1" : arguments);
+}
+
 ScratchFolder::ScratchFolder() {
   std::string pattern = (fs::path(testing::TempDir()) / "kerfbench.XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp failed");

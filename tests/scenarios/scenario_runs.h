@@ -18,7 +18,9 @@ struct ProgramRun {
 /// Runs a program of the build with these arguments in a shell, as a user would.
 ProgramRun program(const std::string& name, const std::string& arguments);
 /// The program of all commands.
-inline ProgramRun kerfbench(const std::string& arguments) { return program("kerfbench", arguments); }
+/// A run and a replay have one thread, unless they say how many: ctest runs as many tests at a time as there
+/// are cores.
+ProgramRun kerfbench(const std::string& arguments);
 
 /// A folder for the results of one test, empty at first, removed in the end.
 class ScratchFolder {
