@@ -153,7 +153,6 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
       {"OpenCV",
        "^opencv2/.*",
        {"hil/camera", "hil/vision", "hil/calibrate", "hil/report", "hil/scene", "twin/camera"}},
-      {"Ceres", "^ceres/.*", {"hil/calibrate/head"}},
       {"libgpiod", "^gpiod\\.h(pp)?$", {"hil/source/gpio"}},
       {"the kernel's GPIO interface", "^linux/gpio\\.h$", {"hil/source/gpio"}},
       {"the kernel's terminals", "^asm/termbits\\.h$", {"hil/source/serial"}},
