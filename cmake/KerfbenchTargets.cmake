@@ -77,14 +77,14 @@ function(kerfbench_library name)
   add_library(kerfbench::${name} ALIAS ${name})
   target_link_libraries(${name} PUBLIC kerfbench_options Eigen3::Eigen ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} fmt::fmt)
   target_precompile_headers(${name} REUSE_FROM kerfbench_common_headers)
-  # Most of a source's time goes into what it includes: several are compiled as one.
-  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 12)
 endfunction()
 
 # A room of the house: the library of a folder. Its links are the rooms that it includes, no more and no fewer:
 # tests/structure compares this list with the sources.
 function(kerfbench_room name)
   kerfbench_library(${name} ${ARGN})
+  # Most of a source's time goes into what it includes: several are compiled as one.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 12)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   set_property(GLOBAL APPEND PROPERTY KERFBENCH_ROOMS ${name})

@@ -68,7 +68,7 @@ void addDoctor(CLI::App& app, const CliProgram& program, CliActions& actions) {
                                         "stamps are worth; exit code 1 if that fails.");
   doctor->add_option("SCENARIO", options.scenario, "Is there what this scenario needs?");
   doctor->add_flag("--json", options.json, "As JSON");
-  addBenchOptions(*doctor, options.bench);
+  addLoopbackOptions(*doctor, options.bench);
   actions.add(doctor, std::move(holder), doctorCommand);
 }
 

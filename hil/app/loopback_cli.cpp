@@ -3,7 +3,7 @@
 
 namespace kerfbench::app {
 
-void addBenchOptions(CLI::App& doctor, doctor::LoopbackOptions& options) {
+void addLoopbackOptions(CLI::App& doctor, doctor::LoopbackOptions& options) {
   CLI::Option* bench =
       doctor.add_flag("--bench", options.wanted,
                       "Measure on two lines that a jumper joins: drive edges on one, read them on "

@@ -8,6 +8,6 @@
 namespace kerfbench::app {
 
 /// `doctor --bench` and what belongs to it.
-void addBenchOptions(CLI::App& doctor, doctor::LoopbackOptions& options);
+void addLoopbackOptions(CLI::App& doctor, doctor::LoopbackOptions& options);
 
 }  // namespace kerfbench::app

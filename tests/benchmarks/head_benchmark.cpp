@@ -29,14 +29,15 @@ Eigen::Matrix<double, 2, 3> poseModesAt(const Eigen::Vector2d& p_mm) {
 }
 
 /// `side` x `side` marks on one sheet, made with the correction of a sheet of 3 x 3 as the procedure does.
-void fitHead(benchmark::State& state, HeadKind kind, Beyond beyond) {
-  const SimulatedHead head(kind, beyond, 1);
+void fitHead(benchmark::State& state, calibrate::test::HeadKind kind, calibrate::test::Beyond beyond) {
+  const calibrate::test::SimulatedHead head(kind, beyond, 1);
   calibrate::HeadFitOptions options;
   options.field_W_mm = head.field_W_mm();
-  const MarkedSheet nine = mark(head, 3, 0, nullptr, {}, 1);
+  const calibrate::test::MarkedSheet nine = calibrate::test::mark(head, 3, 0, nullptr, {}, 1);
   const calibrate::HeadFit first = calibrate::fitHead(
       calibrate::pairMarks(nine.aimed, nine.seen).observations, head.nominal(), head.design(), options);
-  const MarkedSheet sheet = mark(head, static_cast<int>(state.range(0)), 9, &first, {}, 1);
+  const calibrate::test::MarkedSheet sheet =
+      calibrate::test::mark(head, static_cast<int>(state.range(0)), 9, &first, {}, 1);
   auto marks = calibrate::pairMarks(sheet.aimed, sheet.seen).observations;
   for (calibrate::HeadObservation& o : marks) o.shared = calibrate::SharedError{0, poseModesAt(o.aim_W_mm)};
   for (auto _ : state) {
@@ -91,16 +92,19 @@ void calibrateCamera(benchmark::State& state) {
   state.counters["points"] = static_cast<double>(kViews * views.target.front().size());
 }
 
-BENCHMARK_CAPTURE(fitHead, two_mirror_300, HeadKind::kTwoMirror300, Beyond::kNothing)
+BENCHMARK_CAPTURE(fitHead, two_mirror_300, calibrate::test::HeadKind::kTwoMirror300,
+                  calibrate::test::Beyond::kNothing)
     ->Arg(6)
     ->Arg(9)
     ->Arg(18)
     ->Arg(24)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fitHead, two_mirror_300_with_surface, HeadKind::kTwoMirror300, Beyond::kAnalogue)
+BENCHMARK_CAPTURE(fitHead, two_mirror_300_with_surface, calibrate::test::HeadKind::kTwoMirror300,
+                  calibrate::test::Beyond::kAnalogue)
     ->Arg(18)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fitHead, f_theta_300, HeadKind::kFTheta300, Beyond::kNothing)
+BENCHMARK_CAPTURE(fitHead, f_theta_300, calibrate::test::HeadKind::kFTheta300,
+                  calibrate::test::Beyond::kNothing)
     ->Arg(6)
     ->Arg(9)
     ->Arg(18)

@@ -29,10 +29,10 @@ run::CutSheet cutByRelease(const scenario::Case& test_case) {
 
 run::CutSheet cutByPins(const scenario::Case& test_case, const std::filesystem::path& pins) {
   run::CutSheet cut;
-  cut.drawn = scenario::sampledMachine(test_case);
+  cut.sampled = scenario::sampledMachine(test_case);
   const auto source = source::openVcd(pins, test_case.machine.signals);
-  cut.twin = std::make_unique<twin::Twin>(cut.drawn.machine, scenario::webOf(test_case), source->info().rate,
-                                          run::twinOptions(test_case));
+  cut.twin = std::make_unique<twin::Twin>(cut.sampled.machine, scenario::webOf(test_case),
+                                          source->info().rate, run::twinOptions(test_case));
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
   cut.run = run::runLockstep(*source, *cut.twin, test_case.machine.signals, nullptr, lockstep, {});

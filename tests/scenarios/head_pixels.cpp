@@ -19,6 +19,7 @@
 
 namespace {
 
+using namespace kerfbench;
 using namespace kerfbench::test;
 namespace fs = std::filesystem;
 

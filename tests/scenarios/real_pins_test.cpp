@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
 #include "hil/live/real_pins.h"
+#include "hil/app/run_command.h"
+#include "hil/app/run_guarded.h"
+#include "hil/base/exit_codes.h"
+#include "hil/live/capture_on_pins.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -83,7 +82,7 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
               return (in(i.file, "hil/vision") || in(i.file, "hil/inspect") || in(i.file, "hil/calibrate")) &&
                      (in(i.target, "firmware_under_test") || in(i.target, "hil/app") ||
                       in(i.target, "hil/source") || in(i.target, "hil/scene") || in(i.target, "hil/gauge") ||
-                      i.target.starts_with("hil/camera/twin_"));
+                      in(i.target, "hil/camera/twin"));
             }),
             "");
 }
@@ -106,7 +105,7 @@ TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
 TEST(IncludeRules, OnlyTheProgramAsksTheGauge) {
   EXPECT_EQ(offenders([](const Include& i) {
               return in(i.target, "hil/gauge") && !in(i.file, "hil/gauge") &&
-                     i.file != "hil/app/commands.h" && i.file != "hil/app/gauge_command.cpp" &&
+                     i.file != "hil/app/gauge_command.h" && i.file != "hil/app/gauge_command.cpp" &&
                      !in(i.file, "tests/hil/gauge");
             }),
             "");
@@ -179,28 +178,6 @@ TEST(IncludeRules, ALibraryAppearsOnlyInTheSourceFilesOfTheFoldersThatNeedIt) {
               "")
         << library.name;
   }
-}
-
-// Two types of one name in one namespace are the same type to the linker, which then takes the size of
-// either.
-TEST(Types, OfANamespaceHaveNamesOfTheirOwn) {
-  static const std::regex kNamespace(R"(^namespace kerfbench::(\w+) \{)");
-  static const std::regex kType(R"(^(?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? ?\{)");
-  std::map<std::string, std::string> header_of;
-  std::smatch match;
-  for (const fs::path& path : sources()) {
-    const std::string name = fs::relative(path, kRoot).string();
-    if (path.extension() != ".h" || in(name, "tests")) continue;
-    std::ifstream file(path);
-    std::string within;
-    for (std::string line; std::getline(file, line);) {
-      if (std::regex_search(line, match, kNamespace)) within = match[1].str();
-      if (!std::regex_search(line, match, kType)) continue;
-      const auto [other, is_new] = header_of.emplace(within + "::" + match[1].str(), name);
-      EXPECT_TRUE(is_new) << other->first << " is in " << other->second << " and in " << name;
-    }
-  }
-  EXPECT_GT(header_of.size(), 200U);
 }
 
 TEST(IncludeRules, OnlyTheChildrenWhoseLibrariesAskForItAreUnderTheGpl) {

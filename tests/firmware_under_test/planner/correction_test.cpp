@@ -13,6 +13,7 @@
 
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/job_issues.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -126,7 +127,7 @@ TEST(Correction, InStepsDoesTheSame) {
     return Vector2d(plain.stepsAt(aimFor(p, half)) - plain.stepsAt(p));
   });
   EXPECT_LT(residualMm(with(head, text), half), 1e-4);
-  EXPECT_EQ(faultsOf(with(head, text), test::mirrorJob()), std::vector<std::string>{});
+  EXPECT_EQ(jobIssues(with(head, text), test::mirrorJob()), std::vector<std::string>{});
 }
 
 TEST(Correction, AnAsymmetricTableTellsAxesOrderAndSign) {
@@ -325,7 +326,7 @@ TEST(Correction, FaultsOfTheFileAreListedWithTheirLines) {
 TEST(Correction, TablesThatTheMachineCannotUseAreRefused) {
   const JobParameters job = test::mirrorJob();
   const auto faults = [&](double half, int nodes, const Field& value) {
-    return faultsOf(with(test::twoMirror(), csv(kMm, half, nodes, value)), job);
+    return jobIssues(with(test::twoMirror(), csv(kMm, half, nodes, value)), job);
   };
   EXPECT_THAT(faults(79, 9, [](const Vector2d&) { return Vector2d(0, 0); }),
               Contains(HasSubstr("t.csv: covers x -79 … 79, y -79 … 79 mm; the field is x -80 … 80")));

@@ -14,6 +14,7 @@
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/head/correction.h"
 #include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/job_issues.h"
 #include "player.h"
 
 namespace kerfbench::planner {
@@ -249,7 +250,7 @@ TEST(Hostile, MutatedTablesAreReadOrRefused) {
       EXPECT_THAT(why, HasSubstr("t.csv:"));
       continue;
     }
-    if (!faultsOf(machine, test::mirrorJob()).empty()) {
+    if (!jobIssues(machine, test::mirrorJob()).empty()) {
       ++coarse;
       continue;
     }

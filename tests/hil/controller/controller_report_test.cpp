@@ -16,7 +16,7 @@ using testing::IsEmpty;
 
 constexpr TickRate kRate{1, 16'000'000};
 
-class ControllerWordsTest : public testing::Test {
+class ControllerReportTest : public testing::Test {
  protected:
   void says(std::uint8_t state, std::uint8_t fault, double at_s) {
     recording.uart.push_back({kRate.ticksAt(at_s), spokenState(state, fault, 0)});
@@ -25,10 +25,11 @@ class ControllerWordsTest : public testing::Test {
     return controllerEnd(UartListener(recording), PulseCounter(recording, {}), recording);
   }
   source::PinRecording recording{kRate, {}, {}, {}, 0, false};
-  LockstepResult run;
+  DialogFailure dialog;
+  bool is_sound{true};
 };
 
-TEST_F(ControllerWordsTest, TheFirstEndCountsAndIsToldInWords) {
+TEST_F(ControllerReportTest, TheFirstEndCountsAndIsToldInWords) {
   says(KB_RUNNING, KB_OK, 1.0);
   EXPECT_EQ(end().said, Said::kNothing);
   says(KB_STOPPED, KB_FAULT_BELT_FAST, 2.0);
@@ -38,53 +39,53 @@ TEST_F(ControllerWordsTest, TheFirstEndCountsAndIsToldInWords) {
   EXPECT_EQ(end().fault, "belt-fast");
   EXPECT_EQ(end().reason, "the belt is too fast for this job");
   EXPECT_TRUE(end().of_release);
-  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), IsEmpty());
 }
 
-TEST_F(ControllerWordsTest, OnlyLineHostAndWhatNobodyKnowsAreNotTheReleases) {
+TEST_F(ControllerReportTest, OnlyLineHostAndWhatNobodyKnowsAreNotTheReleases) {
   for (std::uint8_t fault = 0; fault < faultNames().size() + 2; ++fault) {
     recording.uart.clear();
     says(KB_STOPPED, fault, 2.0);
     const bool other =
         fault == KB_OK || fault == KB_FAULT_SILENT || fault == KB_FAULT_UART || fault >= faultNames().size();
     EXPECT_EQ(end().of_release, !other) << int{fault};
-    EXPECT_EQ(unprovenEnd(end(), run).empty(), !other) << int{fault};
+    EXPECT_EQ(unprovenEnd(end(), dialog, is_sound).empty(), !other) << int{fault};
   }
 }
 
-TEST_F(ControllerWordsTest, AGuardThatWasOpenedIsNotTheReleases) {
+TEST_F(ControllerReportTest, AGuardThatWasOpenedIsNotTheReleases) {
   says(KB_STOPPED, KB_FAULT_INTERLOCK, 2.0);
   recording.sensors = {{1, Signal::kInterlock, true}};
   EXPECT_TRUE(end().of_release) << "it was closed";
   recording.sensors.push_back({kRate.ticksAt(1.9), Signal::kInterlock, false});
   EXPECT_FALSE(end().of_release);
-  EXPECT_THAT(unprovenEnd(end(), run), HasSubstr("the guard was opened"));
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), HasSubstr("the guard was opened"));
 }
 
-TEST_F(ControllerWordsTest, AHostThatGaveUpBeforeIsTheProblem) {
+TEST_F(ControllerReportTest, AHostThatGaveUpBeforeIsTheProblem) {
   says(KB_STOPPED, KB_FAULT_DRY, 2.0);
-  run.dialog.reason = "at 1.900 s: the controller no longer answers";
-  run.dialog.time_s = 1.9;
-  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
-  run.dialog.time_s = 2.1;
-  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+  dialog.reason = "at 1.900 s: the controller no longer answers";
+  dialog.time_s = 1.9;
+  EXPECT_EQ(unprovenEnd(end(), dialog, is_sound), dialog.reason);
+  dialog.time_s = 2.1;
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), IsEmpty());
 }
 
-TEST_F(ControllerWordsTest, NoEndIsAProblemAndEachOnlyOnce) {
-  EXPECT_THAT(unprovenEnd(end(), run), HasSubstr("never said"));
-  run.dialog.reason = "at 1.900 s: the controller has lost the program";
-  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
-  run.dialog.reason.clear();
-  run.problems = {"the firmware crashed"};
-  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
+TEST_F(ControllerReportTest, NoEndIsAProblemAndEachOnlyOnce) {
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), HasSubstr("never said"));
+  dialog.reason = "at 1.900 s: the controller has lost the program";
+  EXPECT_EQ(unprovenEnd(end(), dialog, is_sound), dialog.reason);
+  dialog.reason.clear();
+  is_sound = false;  // The firmware crashed, say.
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), IsEmpty());
 }
 
-TEST_F(ControllerWordsTest, DoneAndAHostThatDisagreesIsAProblem) {
+TEST_F(ControllerReportTest, DoneAndAHostThatDisagreesIsAProblem) {
   says(KB_DONE, KB_OK, 2.0);
   EXPECT_EQ(end().said, Said::kDone);
-  EXPECT_THAT(unprovenEnd(end(), run), IsEmpty());
-  run.dialog.reason = "at 2.100 s: the controller says that it is done before it has the whole program";
-  EXPECT_EQ(unprovenEnd(end(), run), run.dialog.reason);
+  EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), IsEmpty());
+  dialog.reason = "at 2.100 s: the controller says that it is done before it has the whole program";
+  EXPECT_EQ(unprovenEnd(end(), dialog, is_sound), dialog.reason);
 }
 
 }  // namespace

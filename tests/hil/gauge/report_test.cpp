@@ -46,13 +46,13 @@ TEST(GaugeJson, HoldsClaimsAndCases) {
 
 TEST(GaugeHtml, IsOnePageThatNeedsNothingElse) {
   const std::string html = gaugeHtml(someResult(), {}, kFacts);
-  EXPECT_EQ(test::outsideReferences(html), "");
-  EXPECT_EQ(test::unclosedElements(html), "");
+  EXPECT_EQ(report::test::outsideReferences(html), "");
+  EXPECT_EQ(report::test::unclosedElements(html), "");
   EXPECT_NE(html.find("DOES NOT HOLD"), html.npos);
   EXPECT_NE(html.find("a &lt; b"), html.npos);
   EXPECT_NE(html.find("worst &lt;of&gt; all"), html.npos);
   EXPECT_NE(html.find("kerf &amp; co"), html.npos);
-  EXPECT_EQ(test::numberFaults(html), "");
+  EXPECT_EQ(report::test::numberFaults(html), "");
 }
 
 TEST(GaugeHtml, OfNothingIsStillAPage) {
@@ -62,7 +62,7 @@ TEST(GaugeHtml, OfNothingIsStillAPage) {
   empty.sections = {s};
   const std::string html = gaugeHtml(empty, {}, kFacts);
   EXPECT_NE(html.find("</html>"), html.npos);
-  EXPECT_EQ(test::numberFaults(html), "");
+  EXPECT_EQ(report::test::numberFaults(html), "");
 }
 
 }  // namespace

@@ -72,7 +72,8 @@ class HeadProcedure : public testing::Test {
     return facts;
   }
 
-  test::SimulatedHead head_{test::HeadKind::kTwoMirror300, test::Beyond::kNothing, 3};
+  calibrate::test::SimulatedHead head_{calibrate::test::HeadKind::kTwoMirror300,
+                                       calibrate::test::Beyond::kNothing, 3};
   HeadSetup setup_;
   HeadPlan plan_;
   double first_aside_mm_{};  ///< Of the sheets that verify the first table.
@@ -160,9 +161,9 @@ TEST_F(HeadProcedure, HasAPageThatNeedsNothingElseAndEscapesWhatOthersWrote) {
   plan_.limit_mm = 0.0005;
   const HeadCalibration result = calibrated();
   const std::string html = headHtml(result, plan_, facts());
-  EXPECT_EQ(test::outsideReferences(html, "correction.csv"), "");
-  EXPECT_EQ(test::numberFaults(html), "");
-  EXPECT_EQ(test::unclosedElements(html), "");
+  EXPECT_EQ(report::test::outsideReferences(html, "correction.csv"), "");
+  EXPECT_EQ(report::test::numberFaults(html), "");
+  EXPECT_EQ(report::test::unclosedElements(html), "");
   EXPECT_LT(html.size(), 1U << 20U);
   EXPECT_EQ(headHtml(result, plan_, facts()), html);
   EXPECT_THAT(html,
@@ -191,8 +192,8 @@ TEST_F(HeadProcedure, ItsPageTellsTheVerdictHoweverItEnded) {
   const std::string html = headHtml(once, plan_, facts());
   EXPECT_THAT(html, HasSubstr("<header class=notproven><div class=big>NOT VERIFIED</div>"));
   EXPECT_THAT(html, Not(HasSubstr("<b>After</b>")));
-  EXPECT_EQ(test::outsideReferences(html, "correction.csv") + test::numberFaults(html) +
-                test::unclosedElements(html),
+  EXPECT_EQ(report::test::outsideReferences(html, "correction.csv") + report::test::numberFaults(html) +
+                report::test::unclosedElements(html),
             "");
 }
 

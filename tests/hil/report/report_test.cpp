@@ -41,7 +41,7 @@ vision::KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, d
   return patch;
 }
 
-RunReport reportOf(const SyntheticRun& run) {
+RunReport reportOf(const inspect::testing::SyntheticRun& run) {
   RunReport report;
   report.scenario = "carton-on-belt";
   report.scenario_path = "fixtures/scenarios/carton-on-belt.yaml";
@@ -53,7 +53,7 @@ RunReport reportOf(const SyntheticRun& run) {
   report.seed = 42;
   report.model.imperfections = "static";
   report.model.twin = "reference";
-  report.model.drawn = {{"galvo_x.zero", 4.5e-6, "rad"}, {"belt.roller_radius", -2e-5, "<relative>"}};
+  report.model.sampled = {{"galvo_x.zero", 4.5e-6, "rad"}, {"belt.roller_radius", -2e-5, "<relative>"}};
   report.virtual_s = 4.25;
   report.versions = {{"kerfbench", "0.1.0"}, {"OpenCV", "4.6.0"}};
   report.limits = run.limits;
@@ -72,44 +72,46 @@ RunReport reportOf(const SyntheticRun& run) {
 }
 
 /// A run with something wrong in most places, to see every part of the page.
-SyntheticRun badRun() {
-  SyntheticRun run;
-  auto& right = run.kerf(1, kRight).calipers;
+inspect::testing::SyntheticRun badRun() {
+  inspect::testing::SyntheticRun run;
+  auto& right = run.kerf(1, inspect::testing::kRight).calipers;
   for (std::size_t i = 0; i < right.size(); ++i) {
     if (right[i].found) right[i].offset_mm += 0.075 * std::sin(3.14 * static_cast<double>(i) / 160.0);
   }
-  auto& top = run.kerf(0, kTop).calipers;
+  auto& top = run.kerf(0, inspect::testing::kTop).calipers;
   for (std::size_t i = 0; i < top.size(); ++i) {
     if (top[i].found) top[i].offset_mm -= 0.03 * std::sin(0.1 * static_cast<double>(i));
   }
   for (std::size_t i = 60; i < 90; ++i) {
-    vision::Caliper& c = run.kerf(1, kBottom).calipers[i];
+    vision::Caliper& c = run.kerf(1, inspect::testing::kBottom).calipers[i];
     c.found = false;
     c.brightness = 0.0;
     c.offset_mm = c.width_mm = std::nan("");
   }
   run.evidence.kerf.strays.push_back({1, {22, 30}, 2.1});
-  run.shiftSpot(1, kCreaseLine, [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
+  run.shiftSpot(1, inspect::testing::kCreaseLine,
+                [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
   run.evidence.pulses[1].min_setup_s = 1.1e-6;
   run.evidence.pulses[1].setup_violations = 37;
   run.evidence.pulses[1].first_violation_s = 1.25;
   run.evidence.pulses[1].setup_histogram[2] = 37;
-  run.evidence.kerf.patches = {patchAt(1, kRight, {60, 20}, -0.075), patchAt(0, kTop, {20, 40}, 0.03)};
+  run.evidence.kerf.patches = {patchAt(1, inspect::testing::kRight, {60, 20}, -0.075),
+                               patchAt(0, inspect::testing::kTop, {20, 40}, 0.03)};
   return run;
 }
 
 TEST(VerdictSentence, TellsWhyTheControllerStopped) {
-  SyntheticRun run;
+  inspect::testing::SyntheticRun run;
   run.evidence.end = {inspect::ControllerEnd::Said::kStopped, 100.0, "dry", "its queue ran dry", true, 99.0};
   const RunReport report = reportOf(run);
   const std::string why = "At 100.000 s the controller stopped before the job was done: its queue ran dry.";
   EXPECT_THAT(verdictSentence(report), HasSubstr("The release is bad: proven by finish. " + why));
   EXPECT_THAT(stopSentence(report.result), HasSubstr(why));
-  EXPECT_EQ(stopSentence(reportOf(SyntheticRun()).result), "");
+  EXPECT_EQ(stopSentence(reportOf(inspect::testing::SyntheticRun()).result), "");
 }
 
 TEST(VerdictJson, HasTheKeysOfItsSchema) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
   for (const char* key :
        {"schema_version", "verdict",        "exit_code", "summary", "digest",    "scenario",
@@ -132,7 +134,7 @@ TEST(VerdictJson, HasTheKeysOfItsSchema) {
 }
 
 TEST(VerdictJson, WritesNoNumberAsNull) {
-  SyntheticRun run;
+  inspect::testing::SyntheticRun run;
   run.evidence.kerf_calibration.reset();
   const auto json = nlohmann::json::parse(verdictJson(reportOf(run)));
   EXPECT_TRUE(json["checks"][0]["value"].is_null());
@@ -140,7 +142,7 @@ TEST(VerdictJson, WritesNoNumberAsNull) {
 }
 
 TEST(VerdictJson, SaysNothingOfWallTimeOrHost) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   RunReport a = reportOf(run);
   RunReport b = a;
   b.host = "bench-2";
@@ -150,7 +152,7 @@ TEST(VerdictJson, SaysNothingOfWallTimeOrHost) {
 }
 
 TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   const RunReport a = reportOf(run);
   RunReport b = a;
   std::mt19937 random(3);
@@ -168,7 +170,7 @@ TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
 }
 
 TEST(Digest, ChangesWithAnyMeasurement) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   const RunReport a = reportOf(run);
   const std::string digest = digestOf(a);
   RunReport b = a;
@@ -186,10 +188,10 @@ TEST(Digest, ChangesWithAnyMeasurement) {
 }
 
 TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   const RunReport a = reportOf(run);
   RunReport b = a;
-  b.model.drawn[0].value = 0.1;
+  b.model.sampled[0].value = 0.1;
   b.model.lost_steps.push_back({"galvo_x", 1.0, 0.2, "rad", 4});
   b.model.imperfections = "dynamic";
   b.model.twin = "fast";
@@ -198,7 +200,7 @@ TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
 }
 
 TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
-  const SyntheticRun run;
+  const inspect::testing::SyntheticRun run;
   RunReport report = reportOf(run);
   EXPECT_EQ(lostStepsSentence(report.model), "");
   EXPECT_THAT(htmlReport(report), Not(HasSubstr("The machine lost steps")));
@@ -222,7 +224,7 @@ TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
 }
 
 TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
-  RunReport report = reportOf(SyntheticRun());
+  RunReport report = reportOf(inspect::testing::SyntheticRun());
   const auto json = nlohmann::json::parse(verdictJson(report));
   EXPECT_EQ(json["model"]["imperfections"], "static");
   EXPECT_EQ(json["model"]["twin"], "reference");
@@ -236,7 +238,7 @@ TEST(ModelFactsTest, WhatWasDrawnStandsWithItsUnitAndAllItsDigits) {
 }
 
 TEST(JunitXml, CountsWhatItLists) {
-  SyntheticRun run = badRun();
+  inspect::testing::SyntheticRun run = badRun();
   RunReport report = reportOf(run);
   report.result.checks[0].verdict = inspect::Verdict::kNotProven;
   report.result.checks[1].verdict = inspect::Verdict::kInvalid;
@@ -261,7 +263,7 @@ TEST(JunitXml, CountsWhatItLists) {
 }
 
 TEST(JunitXml, BrokenEvidenceIsAnErrorEvenIfEveryCheckPasses) {
-  SyntheticRun run;
+  inspect::testing::SyntheticRun run;
   run.evidence.problems.emplace_back("Gap in the pin stream at 1.2 s.");
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(junitXml(reportOf(run)).c_str()));
@@ -278,7 +280,7 @@ TEST(HtmlReport, NeedsNothingElse) {
 }
 
 TEST(HtmlReport, EscapesWhatOthersWrote) {
-  RunReport report = reportOf(SyntheticRun());
+  RunReport report = reportOf(inspect::testing::SyntheticRun());
   report.scenario = "<b>&\"x'";
   const std::string html = htmlReport(report);
   EXPECT_THAT(html, Not(HasSubstr("<b>&\"x'")));

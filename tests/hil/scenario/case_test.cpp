@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/scenario/case.h"
+#include "firmware_under_test/planner/program/job_issues.h"
 
 #include <algorithm>
 

@@ -48,10 +48,10 @@ class KerfScanTest : public ::testing::Test {
   static void SetUpTestSuite() {
     work_ = new Workpiece;
     int k = 0;
-    for (const Entity& entity : work_->dieline.entities) {
+    for (const dieline::Entity& entity : work_->dieline.entities) {
       Truth t;
       t.offset_mm = 0.011 * ((k++ * 5) % 9 - 4);
-      if (entity.process == Process::kCrease) t.gray = kCrease;
+      if (entity.process == dieline::Process::kCrease) t.gray = kCrease;
       if (entity.id == 2) {
         t.gap_begin_mm = 3.0;
         t.gap_end_mm = 5.0;

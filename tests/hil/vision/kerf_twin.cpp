@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/vision/scan/kerf_scan.h"
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/random.h"
 

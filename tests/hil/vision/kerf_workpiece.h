@@ -4,6 +4,8 @@
 #include <map>
 #include <vector>
 
+#include "hil/dieline/geometry.h"
+#include "hil/vision/kerf/kerf_measurement.h"
 #include "tests/hil/vision/synthetic.h"
 
 namespace kerfbench::vision::test {
@@ -16,10 +18,10 @@ inline constexpr double kInk = 5.0;
 inline constexpr double kLensPx = 0.7;
 inline constexpr double kWidthMm = 0.21;
 
-Curve line(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+dieline::Curve line(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
 /// A unit with lines in many directions, arcs, a circle and a crease; 40 x 26 mm.
-Dieline manyDirections();
+dieline::Dieline manyDirections();
 
 PrintLayout marksAtCorners(int units = 1);
 
@@ -36,9 +38,9 @@ struct Truth {
 struct Workpiece {
   CameraCalibration camera = tiltedCamera(900, 700, kPitchMm);
   PrintLayout print = marksAtCorners();
-  Dieline dieline = manyDirections();
+  dieline::Dieline dieline = manyDirections();
   std::map<int, Truth> truth;
-  std::vector<Curve> extra;  ///< Cut, though not in the dieline.
+  std::vector<dieline::Curve> extra;  ///< Cut, though not in the dieline.
   Eigen::Vector2d shift_mm{0.83, -0.61};
   double angle_rad{0.5 * 3.14159265358979 / 180.0};
   KerfScanOptions options;
@@ -53,7 +55,8 @@ struct Workpiece {
             -std::sin(angle_rad) * d.x() + std::cos(angle_rad) * d.y()};
   }
 
-  void drawKerf(Canvas& canvas, const Eigen::Vector2d& p_TV, const Curve& curve, const Truth& t) const;
+  void drawKerf(Canvas& canvas, const Eigen::Vector2d& p_TV, const dieline::Curve& curve,
+                const Truth& t) const;
   [[nodiscard]] std::vector<camera::KerfTile> tiles(int unit = 0) const;
   [[nodiscard]] KerfScan scan(std::vector<camera::KerfTile> some) const;
 };

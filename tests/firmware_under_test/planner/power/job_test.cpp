@@ -6,6 +6,7 @@
 
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
 #include "libraries.h"
 #include "player.h"
@@ -137,9 +138,9 @@ TEST(PowerOfAJob, WarnsWhereTheLeastPowerIsTooMuch) {
 TEST(PowerOfAJob, NeedsNoCutEnergy) {
   JobParameters job = slowJob();
   job.cut_energy_j_per_mm = 0.0;
-  EXPECT_FALSE(faultsOf(wideMachine(), job).empty());
+  EXPECT_FALSE(jobIssues(wideMachine(), job).empty());
   job.power = test::steelModel(0.2);
-  EXPECT_TRUE(faultsOf(wideMachine(), job).empty());
+  EXPECT_TRUE(jobIssues(wideMachine(), job).empty());
 }
 
 TEST(PowerOfAJob, TheLoopIsHeldAgainstTheControllerThatIsPlannedFor) {

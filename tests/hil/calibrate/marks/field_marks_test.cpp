@@ -285,7 +285,7 @@ TEST(FieldMarks, AFolderOfPicturesGivesTheSameToTheLastBit) {
   const base::TempFolder folder;
   MarkedSheet sheet(4, 3);
   const auto tiles = sheet.tiles();
-  test::ReadyTiles live(tiles);
+  vision::test::ReadyTiles live(tiles);
   camera::writeTiles(live, folder.path() / "tiles");
   camera::TileFolder stored(folder.path() / "tiles");
   EXPECT_EQ(stored.size(), tiles.size());
@@ -323,7 +323,7 @@ TEST(FieldMarks, EveryPictureOfAFolderThatIsUnfitIsNamed) {
   const base::TempFolder folder;
   MarkedSheet sheet(4, 3);
   const auto tiles = sheet.tiles();
-  test::ReadyTiles live(tiles);
+  vision::test::ReadyTiles live(tiles);
   camera::writeTiles(live, folder.path());
   const camera::PictureSize size{tiles[0].image.width, tiles[0].image.height};
   EXPECT_EQ(camera::TileFolder(folder.path(), size).nextBatch(1).size(), 1U);

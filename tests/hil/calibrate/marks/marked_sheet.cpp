@@ -30,7 +30,7 @@ MarkedSheet::MarkedSheet(int columns, int rows, int first_number) {
 }
 
 void MarkedSheet::burn(twin::Sheet& sheet, const Vector2d& from_mm, const Vector2d& to_mm) const {
-  TwinCut cut;
+  vision::test::TwinCut cut;
   cut.board = board;
   cut.burn(sheet, from_mm, to_mm, share);
 }
@@ -79,12 +79,12 @@ std::vector<camera::KerfTile> MarkedSheet::tiles() {
 FieldPictures MarkedSheet::find() { return find(tiles()); }
 
 FieldPictures MarkedSheet::find(std::vector<camera::KerfTile> some) const {
-  ReadyTiles source(std::move(some));
+  vision::test::ReadyTiles source(std::move(some));
   FieldSearchOptions options;
   options.size_mm = job.size_mm;
-  options.beam_radius_mm = kBeamRadiusMm;
+  options.beam_radius_mm = vision::test::kBeamRadiusMm;
   options.threads = threads;
-  return findFieldMarks(source, calibrationOf(camera), job.print, options);
+  return findFieldMarks(source, vision::test::calibrationOf(camera), job.print, options);
 }
 
 }  // namespace kerfbench::calibrate::test

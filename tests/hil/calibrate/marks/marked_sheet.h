@@ -16,7 +16,7 @@ namespace kerfbench::calibrate::test {
 /// A sheet with marks that the model's beam burns where a head that is off would, and its pictures.
 struct MarkedSheet {
   MarkJob job;
-  twin::CameraDescription camera = kerfCamera();
+  twin::CameraDescription camera = vision::test::kerfCamera();
   twin::BoardDescription board;
   /// Where the head sends the beam that is asked to go to p_S.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> head = [](const Eigen::Vector2d& p) { return p; };
