@@ -11,8 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-
 #include "hil/app/head_exit.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
@@ -25,6 +23,7 @@
 #include "hil/head_service/sheet_on_twin.h"
 #include "hil/head_service/turned_view.h"
 #include "hil/scenario/scenario.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::app {
 namespace {
@@ -138,9 +137,9 @@ Shares sharesOf(const Seen& seen, const calibrate::ReversalResult& result) {
   for (const calibrate::SeenMark& mark : first.marks.marks) {
     const Vector2d camera_mm = result.camera.at_mm(mark.p_mm);
     if (camera_mm.norm() >= shares.camera_mm) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(result.camera.covarianceAt_mm2(mark.p_mm));
+      const SymmetricEigen<2> spread(result.camera.covarianceAt_mm2(mark.p_mm));
       shares.camera_mm = camera_mm.norm();
-      shares.camera_sigma_mm = std::sqrt(spread.eigenvalues().maxCoeff());
+      shares.camera_sigma_mm = std::sqrt(spread.values.maxCoeff());
     }
     shares.both_mm =
         std::max(shares.both_mm, (first.X_TS.inverse() * mark.p_mm - wanted_S.at(mark.id)).norm());

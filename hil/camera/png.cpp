@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include "hil/base/png_codec.h"
+#include "hil/camera/jpeg.h"
 
 namespace kerfbench::camera {
 namespace {
@@ -55,21 +57,13 @@ int significantBits(std::span<const std::uint8_t> bytes) {
   return 16;
 }
 
-std::vector<std::uint8_t> encode(const cv::Mat& mat) {
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", mat, bytes)) throw std::invalid_argument("encodePng: OpenCV refused the image");
-  return bytes;
-}
-
-GrayImage deepImage(const cv::Mat& mat, int bits) {
+/// The samples of 16 bits as an image of 10 or 12.
+GrayImage deepImage(const base::PngSamples& picture, int bits) {
   const int depth = bits <= 10 ? 10 : 12;
-  std::vector<std::uint16_t> levels;
-  levels.reserve(mat.total());
-  for (int r = 0; r < mat.rows; ++r) {
-    const std::uint16_t* const line = mat.ptr<std::uint16_t>(r);
-    for (int c = 0; c < mat.cols; ++c) levels.push_back(static_cast<std::uint16_t>(line[c] >> (16 - depth)));
-  }
-  return GrayImage::ofLevels(mat.cols, mat.rows, depth, std::move(levels));
+  std::vector<std::uint16_t> levels(picture.bytes.size() / 2);
+  std::memcpy(levels.data(), picture.bytes.data(), picture.bytes.size());
+  for (std::uint16_t& level : levels) level = static_cast<std::uint16_t>(level >> (16 - depth));
+  return GrayImage::ofLevels(picture.width_px, picture.height_px, depth, std::move(levels));
 }
 
 }  // namespace
@@ -80,38 +74,28 @@ std::vector<std::uint8_t> encodePng(const GrayImage& image) {
       image.levels.size() != (image.bits == 8 ? 0 : area)) {
     throw std::invalid_argument("encodePng: an image without pixels");
   }
-  if (image.bits == 8) {
-    // OpenCV has no read-only Mat; imencode only reads.
-    return encode({image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data())});
-  }
+  if (image.bits == 8)
+    return base::encodePng({image.width, image.height, 1, 8, image.pixels}, base::PngEffort::kQuick);
   std::vector<std::uint16_t> scaled;
   scaled.reserve(area);
   for (const std::uint16_t level : image.levels) {
     scaled.push_back(static_cast<std::uint16_t>(level << (16 - image.bits) | level >> (2 * image.bits - 16)));
   }
-  std::vector<std::uint8_t> bytes = encode({image.height, image.width, CV_16UC1, scaled.data()});
+  const std::span samples(reinterpret_cast<const std::uint8_t*>(scaled.data()), 2 * scaled.size());
+  std::vector<std::uint8_t> bytes =
+      base::encodePng({image.width, image.height, 1, 16, samples}, base::PngEffort::kQuick);
   const std::vector<std::uint8_t> chunk = significantBitsChunk(image.bits);
   bytes.insert(bytes.begin() + kHeaderEnd, chunk.begin(), chunk.end());
   return bytes;
 }
 
 GrayImage decodeImage(std::span<const std::uint8_t> bytes) {
-  const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
-  cv::Mat mat;
-  try {
-    if (!copy.empty()) mat = cv::imdecode(copy, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-  } catch (const cv::Exception&) {
-    mat.release();
-  }
-  if (mat.depth() == CV_16U && mat.channels() == 1 && !mat.empty())
-    return deepImage(mat, significantBits(bytes));
-  if (mat.empty() || mat.type() != CV_8UC1)
-    throw std::invalid_argument("decodeImage: not a picture that can be read");
-  GrayImage image(mat.cols, mat.rows);
-  for (int r = 0; r < mat.rows; ++r) {
-    const std::uint8_t* const line = mat.ptr<std::uint8_t>(r);
-    std::copy(line, line + mat.cols, image.row(r).begin());
-  }
+  if (std::optional<GrayImage> image = decodeJpeg(bytes)) return std::move(*image);
+  const std::optional<base::PngSamples> picture = base::decodePng(bytes, base::PngColours::kGrey);
+  if (!picture) throw std::invalid_argument("decodeImage: not a picture that can be read");
+  if (picture->bits == 16) return deepImage(*picture, significantBits(bytes));
+  GrayImage image(picture->width_px, picture->height_px);
+  std::ranges::copy(picture->bytes, image.pixels.begin());
   return image;
 }
 

@@ -15,8 +15,9 @@ namespace kerfbench::camera {
 /// @throws std::invalid_argument for an empty image or one whose size and pixels disagree.
 std::vector<std::uint8_t> encodePng(const GrayImage& image);
 
-/// The grey image in the bytes of a PNG (or any other picture file that OpenCV reads); colour becomes grey. A
-/// picture of 16 bits has the depth that its sBIT says, 12 bits if it says none or more, 10 if it says fewer.
+/// The grey image in the bytes of a PNG or a JPEG; colour becomes grey. A picture of 16 bits has the depth
+/// that its sBIT says, 12 bits if it says none or more, 10 if it says fewer. Pixels stay where the file has
+/// them: a note in it on how to turn the picture for looking at is left out.
 /// @throws std::invalid_argument if it cannot be read.
 GrayImage decodeImage(std::span<const std::uint8_t> bytes);
 

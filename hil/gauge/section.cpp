@@ -5,10 +5,10 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include "hil/gauge/gauge.h"
 #include "twin/base/constants.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::gauge {
 namespace {
@@ -82,14 +82,13 @@ std::vector<FieldCell> fieldOf(const std::vector<FieldError>& errors) {
   }
   std::vector<FieldCell> field;
   for (const auto& [key, s] : cells) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(s.normal);
-    if (s.count < 10 || solver.eigenvalues()[0] < 2.0) continue;
+    const SymmetricEigen<2> solver(s.normal);
+    if (s.count < 10 || solver.values[0] < 2.0) continue;
     FieldCell cell;
     cell.p_V_mm = kFieldCell_mm * Vector2d(key.first + 0.5, key.second + 0.5);
-    cell.bias_mm = solver.eigenvectors() *
-                   (solver.eigenvectors().transpose() * s.right).cwiseQuotient(solver.eigenvalues());
+    cell.bias_mm = solver.vectors * (solver.vectors.transpose() * s.right).cwiseQuotient(solver.values);
     const double rest = std::max(0.0, s.squares - cell.bias_mm.dot(s.right));
-    cell.sigma_mm = std::sqrt(rest / static_cast<double>(s.count - 2) / solver.eigenvalues()[0]);
+    cell.sigma_mm = std::sqrt(rest / static_cast<double>(s.count - 2) / solver.values[0]);
     cell.readings = s.count;
     field.push_back(cell);
   }

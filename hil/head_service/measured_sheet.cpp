@@ -8,11 +8,10 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/Eigenvalues>
-
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/head/spread.h"
 #include "hil/calibrate/marks/mark_job_file.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::head_service {
 namespace {
@@ -47,9 +46,9 @@ Eigen::Matrix3d poseCovarianceIn(base::YamlReader& file) {
   const auto c = file.numbers("pose_covariance", 6, base::YamlReader::Range{.min = -1e4, .max = 1e4});
   Eigen::Matrix3d covariance;
   covariance << c[0], c[1], c[3], c[1], c[2], c[4], c[3], c[4], c[5];
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  const SymmetricEigen<3> solver(covariance);
   const double rounding = 1e-12 * covariance.trace();
-  if (!(solver.eigenvalues().minCoeff() >= -rounding)) file.fault("pose_covariance", "is no covariance");
+  if (!(solver.values.minCoeff() >= -rounding)) file.fault("pose_covariance", "is no covariance");
   return covariance;
 }
 
@@ -135,9 +134,8 @@ MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& 
 std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& sheet,
                                                        const std::optional<calibrate::AimGrid>& table,
                                                        int number) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pose(sheet.pose_covariance);
-  const Eigen::Matrix3d root =
-      pose.eigenvectors() * pose.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen<3> pose(sheet.pose_covariance);
+  const Eigen::Matrix3d root = pose.vectors * pose.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
   std::vector<calibrate::HeadObservation> observations;
   std::string outside;
   for (const MeasuredMark& mark : sheet.marks) {

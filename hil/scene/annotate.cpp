@@ -3,29 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "hil/base/png_codec.h"
 #include "hil/scene/povray.h"
 
 namespace kerfbench::scene {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-const cv::Scalar kInk(40, 32, 28);
-const cv::Scalar kPaper(250, 248, 246);
+const cv::Scalar kInk(28, 32, 40);
+const cv::Scalar kPaper(246, 248, 250);
 
+/// Channels in the order red, green, blue.
 cv::Mat decode(const std::vector<std::uint8_t>& png) {
-  cv::Mat picture;
-  try {
-    picture = cv::imdecode(png, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    picture.release();
-  }
-  if (picture.empty()) throw PictureError("POV-Ray's picture cannot be read");
-  return picture;
+  std::optional<base::PngSamples> samples = base::decodePng(png, base::PngColours::kRgb);
+  if (!samples) throw PictureError("POV-Ray's picture cannot be read");
+  return cv::Mat(samples->height_px, samples->width_px, CV_8UC3, samples->bytes.data()).clone();
+}
+
+std::vector<std::uint8_t> encode(const cv::Mat& picture) {
+  const std::span bytes(picture.data, picture.total() * picture.elemSize());
+  return base::encodePng({picture.cols, picture.rows, picture.channels(), 8, bytes}, base::PngEffort::kSmall);
 }
 
 // Dark on a light rim: readable on belt and floor alike.
@@ -78,11 +81,7 @@ std::vector<std::uint8_t> annotate(const std::vector<std::uint8_t>& png,
   setIn(picture, inset, scale);
   write(picture, caption, {static_cast<int>(14 * scale) + 6, picture.rows - static_cast<int>(12 * scale) - 6},
         scale);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9})) {
-    throw PictureError("OpenCV refuses to encode the picture");
-  }
-  return bytes;
+  return encode(picture);
 }
 
 }  // namespace kerfbench::scene

@@ -11,6 +11,7 @@
 #include <Eigen/SVD>
 
 #include "hil/calibrate/camera/bundle.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -64,7 +65,7 @@ void setMapCovariance(const Matrix15& covariance, vision::CameraCalibration& cal
     const ProjectionSlopes of_point = mapSlopes(calibration, points[i]) * root;
     effect.middleRows<2>(2 * static_cast<Index>(i)) = of_point;
     const Eigen::Matrix2d spread = of_point * of_point.transpose();
-    most_mm2 = std::max(most_mm2, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues()[1]);
+    most_mm2 = std::max(most_mm2, SymmetricEigen<2>(spread).values[1]);
   }
   calibration.map_u_mm = std::sqrt(most_mm2);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(effect, Eigen::ComputeThinV);

@@ -7,10 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -38,7 +37,7 @@ Eigen::Vector2d spreadOf(std::span<const HeadObservation> observations) {
     const Eigen::Vector2d d = o.aim_W_mm - mean;
     scatter += d * d.transpose() / static_cast<double>(observations.size());
   }
-  const Eigen::Vector2d squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvalues();
+  const Eigen::Vector2d squares = SymmetricEigen<2>(scatter).values;
   return squares.cwiseMax(0.0).cwiseSqrt().reverse();
 }
 

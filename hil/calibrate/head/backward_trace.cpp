@@ -5,8 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include <ceres/jet.h>
-
+#include "hil/calibrate/head/dual.h"
 #include "hil/calibrate/head/head_trace.h"
 
 namespace kerfbench::calibrate {
@@ -29,19 +28,18 @@ constexpr Eigen::Index columnOf(HeadParameter parameter) {
 }
 
 template <int N>
-Vector3d slopeOf(const trace::Vector3<ceres::Jet<double, N>>& vector, int k) {
-  return {vector[0].v[k], vector[1].v[k], vector[2].v[k]};
+Vector3d slopeOf(const trace::Vector3<Dual<N>>& vector, int k) {
+  return {vector[0].slopes[k], vector[1].slopes[k], vector[2].slopes[k]};
 }
 
-/// The departures from `first` on as jets, the others fixed.
+/// The departures from `first` on as duals, the others fixed.
 template <int N>
-std::array<ceres::Jet<double, N>, kHeadParameterCount> seeded(const HeadVector& departures,
-                                                              HeadParameter first) {
-  std::array<ceres::Jet<double, N>, kHeadParameterCount> jets;
+std::array<Dual<N>, kHeadParameterCount> seeded(const HeadVector& departures, HeadParameter first) {
+  std::array<Dual<N>, kHeadParameterCount> duals;
   for (std::size_t k = 0; k < kHeadParameterCount; ++k)
-    jets[k] = ceres::Jet<double, N>(departures[static_cast<Eigen::Index>(k)]);
-  for (int k = 0; k < N; ++k) jets[indexOf(first) + static_cast<std::size_t>(k)].v[k] = 1.0;
-  return jets;
+    duals[k] = Dual<N>(departures[static_cast<Eigen::Index>(k)]);
+  for (int k = 0; k < N; ++k) duals[indexOf(first) + static_cast<std::size_t>(k)].slopes[k] = 1.0;
+  return duals;
 }
 
 /// x and y on the sheet by a ray.
@@ -60,8 +58,8 @@ struct SlopedMirror {
   SlopedMirror(const HeadDesign& design, std::size_t which, const HeadVector& departures)
       : mirror(trace::mirrorOf<double>(design, which, departures.data())) {
     constexpr int kOwn = 6;
-    const auto jets = seeded<kOwn>(departures, trace::firstOfMirror(mirror.motor));
-    const auto sloped = trace::mirrorOf<ceres::Jet<double, kOwn>>(design, which, jets.data());
+    const auto duals = seeded<kOwn>(departures, trace::firstOfMirror(mirror.motor));
+    const auto sloped = trace::mirrorOf<Dual<kOwn>>(design, which, duals.data());
     for (int k = 0; k < kTilts; ++k) {
       by_tilt[static_cast<std::size_t>(k)] = {slopeOf<kOwn>(sloped.along, k), slopeOf<kOwn>(sloped.across, k),
                                               slopeOf<kOwn>(sloped.quarter, k)};
@@ -119,8 +117,8 @@ struct SlopedLens {
 
   SlopedLens(const LensDesign& design, const HeadVector& departures)
       : lens(trace::lensOf<double>(design, departures.data())), focal_slope_mm(design.focal_length_mm) {
-    const auto jets = seeded<kLensParameters>(departures, HeadParameter::kFocalLength);
-    const auto sloped = trace::lensOf<ceres::Jet<double, kLensParameters>>(design, jets.data());
+    const auto duals = seeded<kLensParameters>(departures, HeadParameter::kFocalLength);
+    const auto sloped = trace::lensOf<Dual<kLensParameters>>(design, duals.data());
     for (int k = 0; k < kLensParameters; ++k) {
       centre[static_cast<std::size_t>(k)] = slopeOf<kLensParameters>(sloped.centre_mm, k);
       axis[static_cast<std::size_t>(k)] = slopeOf<kLensParameters>(sloped.axis, k);
@@ -128,11 +126,11 @@ struct SlopedLens {
   }
 
   /// By sin² of the field angle, and by the incidence ratio.
-  using Jet = ceres::Jet<double, 2>;
+  using Dual2 = Dual<2>;
   struct Meeting {
     Vector3d direction{Vector3d::Zero()}, across{Vector3d::Zero()};
     double along{}, ratio{}, field2{};
-    Jet radius_mm, cosine, sine;  ///< The ray leaves with cosine · axis + sine · across.
+    Dual2 radius_mm, cosine, sine;  ///< The ray leaves with cosine · axis + sine · across.
   };
 
   bool refract(trace::Ray<double>& ray, Meeting& m) const {
@@ -140,18 +138,18 @@ struct SlopedLens {
     m.along = ray.direction.dot(lens.axis);
     if (!(m.along > trace::kFlattest)) return false;
     m.across = ray.direction - m.along * lens.axis;
-    const Jet square(m.across.squaredNorm(), 0);
-    const Jet incidence(lens.incidence_ratio, 1);
-    const Jet ratio = trace::arcRatio<Jet>(square);
-    const Jet field2 = square * ratio * ratio;
-    const Jet incidence2 = incidence * incidence * field2;
+    const Dual2 square(m.across.squaredNorm(), 0);
+    const Dual2 incidence(lens.incidence_ratio, 1);
+    const Dual2 ratio = trace::arcRatio<Dual2>(square);
+    const Dual2 field2 = square * ratio * ratio;
+    const Dual2 incidence2 = incidence * incidence * field2;
     m.radius_mm = lens.focal_length_mm * ratio * (1.0 + field2 * (lens.k1 + field2 * lens.k2));
-    m.cosine = trace::cosineOfSquare<Jet>(incidence2);
-    m.sine = incidence * ratio * trace::sineRatio<Jet>(incidence2);
-    m.ratio = ratio.a;
-    m.field2 = field2.a;
-    ray.p_W_mm = lens.centre_mm + m.radius_mm.a * m.across;
-    ray.direction = m.cosine.a * lens.axis + m.sine.a * m.across;
+    m.cosine = trace::cosineOfSquare<Dual2>(incidence2);
+    m.sine = incidence * ratio * trace::sineRatio<Dual2>(incidence2);
+    m.ratio = ratio.value;
+    m.field2 = field2.value;
+    ray.p_W_mm = lens.centre_mm + m.radius_mm.value * m.across;
+    ray.direction = m.cosine.value * lens.axis + m.sine.value * m.across;
     return true;
   }
 
@@ -161,12 +159,12 @@ struct SlopedLens {
     const ByNumber by_cosine = by.direction * lens.axis;
     const ByNumber by_sine = by.direction * m.across;
     const ByNumber by_square =
-        by_radius * m.radius_mm.v[0] + by_cosine * m.cosine.v[0] + by_sine * m.sine.v[0];
+        by_radius * m.radius_mm.slopes[0] + by_cosine * m.cosine.slopes[0] + by_sine * m.sine.slopes[0];
     const ByVector by_across =
-        m.radius_mm.a * by.p + m.sine.a * by.direction + (2.0 * by_square) * m.across.transpose();
+        m.radius_mm.value * by.p + m.sine.value * by.direction + (2.0 * by_square) * m.across.transpose();
     const ByNumber by_along = -(by_across * lens.axis);
     const ByVector by_axis =
-        m.cosine.a * by.direction - m.along * by_across + by_along * m.direction.transpose();
+        m.cosine.value * by.direction - m.along * by_across + by_along * m.direction.transpose();
     by.direction = by_across + by_along * lens.axis.transpose();
     by.p.setZero();  // The lens looks at the direction alone.
     const auto own = columnOf(HeadParameter::kFocalLength);
@@ -175,11 +173,11 @@ struct SlopedLens {
       by_departures.col(own + k) = by_centre * centre[i] + by_axis * axis[i];
     }
     const double undistorted_mm = lens.focal_length_mm * m.ratio * m.field2;
-    by_departures.col(own) += by_radius * (m.radius_mm.a / lens.focal_length_mm * focal_slope_mm);
+    by_departures.col(own) += by_radius * (m.radius_mm.value / lens.focal_length_mm * focal_slope_mm);
     by_departures.col(columnOf(HeadParameter::kLensK1)) += by_radius * undistorted_mm;
     by_departures.col(columnOf(HeadParameter::kLensK2)) += by_radius * (undistorted_mm * m.field2);
     by_departures.col(columnOf(HeadParameter::kLensIncidence)) +=
-        by_cosine * m.cosine.v[1] + by_sine * m.sine.v[1];
+        by_cosine * m.cosine.slopes[1] + by_sine * m.sine.slopes[1];
   }
 };
 
@@ -231,8 +229,8 @@ BackwardTrace::Head::Head(const HeadDesign& design, const HeadVector& units_, co
       first(design, 0, departures),
       last(design, 1, departures),
       plane(trace::planeOf<double>(departures.data())) {
-  const auto jets = seeded<kBeam>(departures, HeadParameter::kBeamOffsetA);
-  const auto sloped = trace::laserOf<ceres::Jet<double, kBeam>>(design, jets.data());
+  const auto duals = seeded<kBeam>(departures, HeadParameter::kBeamOffsetA);
+  const auto sloped = trace::laserOf<Dual<kBeam>>(design, duals.data());
   for (int k = 0; k < kBeam; ++k)
     by_beam[static_cast<std::size_t>(k)] = {slopeOf<kBeam>(sloped.p_W_mm, k),
                                             slopeOf<kBeam>(sloped.direction, k)};

@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -126,7 +127,7 @@ void describe(const HeadFit& fit, CorrectionTableResult& table) {
       table.largest_correction_mm = std::max(table.largest_correction_mm, d.norm());
       const auto covariance = fit.covarianceAt_mm2(placeOf(table.grid, column, row) + d);
       if (!covariance) continue;  // Cannot be: the node's aim was found by this fit.
-      const double most = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(*covariance).eigenvalues()[1];
+      const double most = SymmetricEigen<2>(*covariance).values[1];
       table.largest_sigma_mm = std::max(table.largest_sigma_mm, std::sqrt(most));
     }
   }

@@ -118,7 +118,7 @@ class HeadFit {
 /// Fits a head to marks, all of any number of sheets together.
 ///
 /// 1. Axes: refused unless they are as told (identifyAxes), or accept_axes.
-/// 2. Model: least squares by Ceres over marks and tolerances, the latter weighted as measurements of zero
+/// 2. Model: least squares over marks and tolerances, the latter weighted as measurements of zero
 /// and
 ///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
 ///    the scale of the median mark, narrowed until it settles, then none.

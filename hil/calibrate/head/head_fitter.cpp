@@ -114,9 +114,9 @@ void HeadFitter::relinearise() {
   gathered_->linearise(usedCount() == used_.size() ? rows_ : usedOf(rows_), -linearised_at_);
 }
 
-/// Gauss and Newton: the surface is linear, and the model nearly so from where Ceres left it. It must settle
-/// in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance holds at its
-/// own place alone.
+/// Gauss and Newton: the surface is linear, and the model nearly so from where the robust start left it. It
+/// must settle in the parameters, not only on the sheet: what the marks hold badly bends, and the covariance
+/// holds at its own place alone.
 bool HeadFitter::solve(double settled) {
   const HeadVector start = scaled_;
   gather();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/head/head_model.h"
 
-#include <ceres/jet.h>
-
 #include "hil/calibrate/head/backward_trace.h"
+#include "hil/calibrate/head/dual.h"
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/head_trace.h"
 
@@ -20,13 +19,14 @@ std::optional<Eigen::Vector2d> HeadModel::landing_W_mm(const Eigen::Vector2d& an
 
 std::optional<HeadModel::AngleSlopes> HeadModel::angleSlopesAt(const Eigen::Vector2d& angles_rad,
                                                                const HeadVector& departures) const {
-  using Jet = ceres::Jet<double, 2>;
-  const Eigen::Matrix<Jet, kHeadColumns, 1> fixed = departures.cast<Jet>();
-  const auto head = trace::headOf<Jet>(design_, fixed.data());
-  trace::Vector2<Jet> p;
-  if (!trace::landing<Jet>(head, {Jet(angles_rad.x(), 0), Jet(angles_rad.y(), 1)}, p)) return std::nullopt;
-  AngleSlopes slopes{{p[0].a, p[1].a}, {}};
-  slopes.by_angles << p[0].v.transpose(), p[1].v.transpose();
+  using Dual2 = Dual<2>;
+  const Eigen::Matrix<Dual2, kHeadColumns, 1> fixed = departures.cast<Dual2>();
+  const auto head = trace::headOf<Dual2>(design_, fixed.data());
+  trace::Vector2<Dual2> p;
+  if (!trace::landing<Dual2>(head, {Dual2(angles_rad.x(), 0), Dual2(angles_rad.y(), 1)}, p))
+    return std::nullopt;
+  AngleSlopes slopes{{p[0].value, p[1].value}, {}};
+  slopes.by_angles << p[0].slopes.transpose(), p[1].slopes.transpose();
   return slopes;
 }
 

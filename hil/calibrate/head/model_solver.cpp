@@ -2,13 +2,9 @@
 #include "hil/calibrate/head/model_solver.h"
 
 #include <cmath>
-#include <deque>
-#include <memory>
 #include <optional>
 
-#include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
-
+#include "hil/base/least_squares.h"
 #include "hil/calibrate/head/backward_trace.h"
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/head_trace.h"
@@ -21,66 +17,59 @@ trace::Head<double> plainHead(const HeadDesign& design, const HeadVector& tolera
   return trace::headOf<double>(design, departures.data());
 }
 
-/// Builds the head once for all marks of an evaluation.
-class SharedHead : public ceres::EvaluationCallback {
+/// Rows of the marks and then of the tolerances, each a measurement of zero departure.
+class HeadResiduals {
  public:
-  SharedHead(const HeadDesign& design, const HeadVector& tolerances, const double* scaled)
-      : design_(design), tolerances_(tolerances), scaled_(scaled) {}
+  HeadResiduals(const HeadDesign& design, const HeadVector& tolerances, std::span<const WeighedMark> marks)
+      : design_(design), tolerances_(tolerances), marks_(marks) {}
 
-  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
-    if (new_evaluation_point) {
-      plain_ = plainHead(design_, tolerances_, scaled_);
-      sloped_.reset();
-    }
-    if (evaluate_jacobians && !sloped_) sloped_.emplace(design_, tolerances_, scaled_);
+  [[nodiscard]] Eigen::Index rows() const {
+    return 2 * static_cast<Eigen::Index>(marks_.size()) + kHeadColumns;
   }
-  [[nodiscard]] const trace::Head<double>& plain() const { return plain_; }
-  [[nodiscard]] const BackwardTrace& sloped() const { return *sloped_; }
 
- private:
-  const HeadDesign& design_;
-  const HeadVector& tolerances_;
-  const double* scaled_;
-  trace::Head<double> plain_;
-  std::optional<BackwardTrace> sloped_;
-};
-
-class MarkCost : public ceres::SizedCostFunction<2, kHeadColumns> {
- public:
-  MarkCost(const SharedHead& head, const WeighedMark& mark) : head_(head), mark_(mark) {}
-
-  bool Evaluate(const double* const* /*parameters*/, double* residuals, double** jacobians) const override {
-    Eigen::Map<Eigen::Vector2d> residual(residuals);
-    if (jacobians == nullptr || jacobians[0] == nullptr) {
-      Eigen::Vector2d p;
-      if (!trace::landing<double>(head_.plain(), mark_.angles_rad, p)) return false;
-      residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
-      return true;
-    }
-    Eigen::Vector2d p;
-    HeadJacobian slopes;
-    if (!head_.sloped().landing(mark_.angles_rad, p, slopes)) return false;
-    residual = mark_.whitening_1_mm * (p - mark_.measured_W_mm);
-    Eigen::Map<Eigen::Matrix<double, 2, kHeadColumns, Eigen::RowMajor>> by_scaled(jacobians[0]);
-    by_scaled = mark_.whitening_1_mm * slopes;
+  /// False where a mark does not land.
+  bool operator()(const Eigen::VectorXd& scaled, Eigen::VectorXd& residuals,
+                  Eigen::MatrixXd* jacobian) const {
+    if (jacobian == nullptr ? !misses(scaled, residuals) : !missesAndSlopes(scaled, residuals, *jacobian))
+      return false;
+    residuals.tail<kHeadColumns>() = scaled;
+    if (jacobian != nullptr) jacobian->bottomRows<kHeadColumns>().setIdentity();
     return true;
   }
 
  private:
-  const SharedHead& head_;
-  const WeighedMark& mark_;
-};
+  bool misses(const Eigen::VectorXd& scaled, Eigen::VectorXd& residuals) const {
+    const trace::Head<double> head = plainHead(design_, tolerances_, scaled.data());
+    Eigen::Vector2d p;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if (!trace::landing<double>(head, marks_[i].angles_rad, p)) return false;
+      setMiss(i, p, residuals);
+    }
+    return true;
+  }
 
-ceres::Solver::Options solverOptions(int most_iterations) {
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = most_iterations;
-  options.initial_trust_region_radius = 1e8;
-  options.function_tolerance = 1e-3;  // Only where to begin: HeadFitter goes on from there.
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  return options;
-}
+  bool missesAndSlopes(const Eigen::VectorXd& scaled, Eigen::VectorXd& residuals,
+                       Eigen::MatrixXd& jacobian) const {
+    const BackwardTrace head(design_, tolerances_, scaled.data());
+    Eigen::Vector2d p;
+    HeadJacobian slopes;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if (!head.landing(marks_[i].angles_rad, p, slopes)) return false;
+      setMiss(i, p, residuals);
+      jacobian.middleRows<2>(2 * static_cast<Eigen::Index>(i)) = marks_[i].whitening_1_mm * slopes;
+    }
+    return true;
+  }
+
+  void setMiss(std::size_t i, const Eigen::Vector2d& p_W_mm, Eigen::VectorXd& residuals) const {
+    residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+        marks_[i].whitening_1_mm * (p_W_mm - marks_[i].measured_W_mm);
+  }
+
+  const HeadDesign& design_;
+  const HeadVector& tolerances_;
+  std::span<const WeighedMark> marks_;
+};
 
 }  // namespace
 
@@ -117,28 +106,22 @@ std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& to
 
 ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances, const HeadVector& start,
                          std::span<const WeighedMark> marks, double loss_scale, int most_iterations) {
-  ModelSolution solution{start, false};
-  SharedHead shared(design, tolerances, solution.scaled.data());
-  std::deque<MarkCost> costs;  // Ceres keeps their addresses.
-  const std::unique_ptr<ceres::LossFunction> loss(loss_scale > 0.0 ? new ceres::CauchyLoss(loss_scale)
-                                                                   : nullptr);
-  ceres::NormalPrior tolerance(Eigen::MatrixXd::Identity(kHeadColumns, kHeadColumns),
-                               Eigen::VectorXd::Zero(kHeadColumns));
-
-  ceres::Problem::Options owned_here;
-  owned_here.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  owned_here.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  owned_here.evaluation_callback = &shared;
-  ceres::Problem problem(owned_here);
-  for (const WeighedMark& mark : marks) {
-    costs.emplace_back(shared, mark);
-    problem.AddResidualBlock(&costs.back(), loss.get(), solution.scaled.data());
+  const HeadResiduals residuals(design, tolerances, marks);
+  base::LeastSquaresProblem problem;
+  problem.parameters = kHeadColumns;
+  problem.residuals = residuals.rows();
+  problem.evaluate = residuals;
+  if (loss_scale > 0.0) {
+    problem.robust_blocks = static_cast<Eigen::Index>(marks.size());
+    problem.block_rows = 2;
+    problem.loss_scale = loss_scale;
   }
-  problem.AddResidualBlock(&tolerance, nullptr, solution.scaled.data());
-  ceres::Solver::Summary summary;
-  ceres::Solve(solverOptions(most_iterations), &problem, &summary);
-  solution.converged = summary.termination_type == ceres::CONVERGENCE;
-  return solution;
+  base::LeastSquaresOptions options;
+  options.most_iterations = most_iterations;
+  options.start_radius = 1e8;
+  options.function_tolerance = 1e-3;  // Only where to begin: HeadFitter goes on from there.
+  const base::LeastSquaresSummary summary = base::minimise(problem, start, options);
+  return {summary.x, summary.settled()};
 }
 
 }  // namespace kerfbench::calibrate

@@ -48,7 +48,7 @@ struct ModelSolution {
   bool converged{};
 };
 
-/// Least squares over marks and tolerances from `start`, by Ceres (Levenberg and Marquardt).
+/// Least squares over marks and tolerances from `start`, by the algorithm of Levenberg and Marquardt.
 /// `loss_scale`: of Cauchy's loss, in standard deviations of a mark; 0: none.
 ModelSolution solveModel(const HeadDesign& design, const HeadVector& tolerances, const HeadVector& start,
                          std::span<const WeighedMark> marks, double loss_scale, int most_iterations);

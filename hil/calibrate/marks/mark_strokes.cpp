@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "hil/vision/kerf/kerf_pictures.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -54,12 +54,11 @@ Stroke strokeOf(const Moments& moments, const vision::TileView& view,
                 const vision::CameraCalibration& calibration) {
   const Vector2d p_V_mm = calibration.planeFromPixel(moments.mean_px);
   const Matrix2d mm_per_pixel = calibration.localMap(p_V_mm).pixel_per_mm.inverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> axes(mm_per_pixel * moments.covariance_px2 *
-                                                     mm_per_pixel.transpose());
+  const SymmetricEigen<2> axes(mm_per_pixel * moments.covariance_px2 * mm_per_pixel.transpose());
   Stroke stroke;
   stroke.p_T_mm = view.tile.p_TV_mm + p_V_mm;
-  stroke.half_mm = std::sqrt(3.0 * axes.eigenvalues()[1]) * axes.eigenvectors().col(1);
-  stroke.width_mm = std::sqrt(12.0 * std::max(0.0, axes.eigenvalues()[0]));
+  stroke.half_mm = std::sqrt(3.0 * axes.values[1]) * axes.vectors.col(1);
+  stroke.width_mm = std::sqrt(12.0 * std::max(0.0, axes.values[0]));
   stroke.from_middle_mm = (stroke.p_T_mm - view.centre_T_mm).norm();
   return stroke;
 }

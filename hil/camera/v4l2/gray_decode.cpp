@@ -102,7 +102,7 @@ void convertColours(const FrameLayout& layout, std::vector<Pixel>& pixels) {
 GrayImage readJpeg(const FrameLayout& layout, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty() && bytes.back() == 0) bytes = bytes.first(bytes.size() - 1);  // Padding of the link.
   const std::size_t n = bytes.size();
-  // OpenCV takes a JPEG that is cut off and makes the rest grey.
+  // libjpeg takes a JPEG that is cut off and makes the rest grey.
   if (n < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) throw std::invalid_argument("no JPEG begins the frame");
   if (bytes[n - 2] != 0xff || bytes[n - 1] != 0xd9) throw std::invalid_argument("the JPEG is cut off");
   GrayImage image;

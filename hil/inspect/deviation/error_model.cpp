@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -21,8 +21,8 @@ constexpr double kMedianSquare = 0.4549;  // Of a standard normal value.
 /// Square root of a covariance, column by column; small negative eigenvalues are rounding.
 Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
   if (!covariance.allFinite()) return Eigen::Matrix3d::Constant(std::nan(""));
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen<3> solver(covariance);
+  return solver.vectors * solver.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// What the error of a unit's pose and the modes of the camera make of one offset.

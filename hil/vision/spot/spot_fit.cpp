@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "hil/vision/spot/spot_model.h"
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -299,12 +299,11 @@ std::optional<SpotFit> fitSpot(const GrayImage& image, const BrightPeak& peak, d
   SpotProblem problem(image, w, noise, discs);
   Solution found = solve(problem, SpotShape::kBell, start->parameters);
   if (!plausible(found.shape, found.q)) return std::nullopt;
-  Eigen::Vector2d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(momentsOf(found.shape, found.q)).eigenvalues();
+  Eigen::Vector2d variances = SymmetricEigen<2>(momentsOf(found.shape, found.q)).values;
   if (variances.y() > kStreakRatio * kStreakRatio * variances.x()) {
     Solution streak = solve(problem, SpotShape::kStreak, streakLike(found.q));
     if (plausible(streak.shape, streak.q) && streak.sums.cost < found.sums.cost) found = streak;
-    variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(momentsOf(found.shape, found.q)).eigenvalues();
+    variances = SymmetricEigen<2>(momentsOf(found.shape, found.q)).values;
   }
 
   SpotFit fit;

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -91,10 +92,10 @@ Eigen::Matrix2d momentsOf(SpotShape shape, const Vector& q) {
 }
 
 Vector streakLike(const Vector& bell) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(momentsOf(SpotShape::kBell, bell));
-  const double narrow = axes.eigenvalues().x();
-  const double wide = axes.eigenvalues().y();
-  const Eigen::Vector2d half = axes.eigenvectors().col(1) * std::sqrt(3.0 * (wide - narrow));
+  const SymmetricEigen<2> axes(momentsOf(SpotShape::kBell, bell));
+  const double narrow = axes.values.x();
+  const double wide = axes.values.y();
+  const Eigen::Vector2d half = axes.vectors.col(1) * std::sqrt(3.0 * (wide - narrow));
   Vector q = bell;
   q[2] = half.x();
   q[3] = half.y();

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/png.h"
 
+#include <cstdint>
+#include <cstring>
 #include <stdexcept>
+#include <vector>
 
 #include <gtest/gtest.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+
+#include "hil/base/png_codec.h"
 
 namespace kerfbench::camera {
 namespace {
@@ -40,19 +43,19 @@ TEST_P(DeepPng, GivesBackEveryLevelAndTheDepth) {
 TEST_P(DeepPng, SpansTheWholeRangeForOtherReaders) {
   const auto white = static_cast<std::uint16_t>((1 << GetParam()) - 1);
   const auto bytes = encodePng(GrayImage::ofLevels(2, 1, GetParam(), {white, 0}));
-  const cv::Mat mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(mat.type(), CV_16UC1);
-  EXPECT_EQ(mat.at<std::uint16_t>(0, 0), 65535);
-  EXPECT_EQ(mat.at<std::uint16_t>(0, 1), 0);
+  const auto picture = base::decodePng(bytes, base::PngColours::kGrey);
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->bits, 16);
+  EXPECT_EQ(picture->bytes, (std::vector<std::uint8_t>{0xff, 0xff, 0, 0}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Bits, DeepPng, testing::Values(10, 12));
 
 TEST(Png, ReadsSixteenBitsFromElsewhereAsTwelve) {
-  const cv::Mat mat = (cv::Mat_<std::uint16_t>(1, 2) << 65535, 0x1230);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", mat, bytes);
-  const GrayImage image = decodeImage(bytes);
+  const std::vector<std::uint16_t> levels{65535, 0x1230};
+  std::vector<std::uint8_t> samples(4);
+  std::memcpy(samples.data(), levels.data(), samples.size());
+  const GrayImage image = decodeImage(base::encodePng({2, 1, 1, 16, samples}, base::PngEffort::kQuick));
   EXPECT_EQ(image.bits, 12);
   EXPECT_EQ(image.levels, (std::vector<std::uint16_t>{4095, 0x123}));
 }

@@ -2,6 +2,9 @@
 #include "hil/camera/v4l2/gray_decode.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdio>  // jpeglib.h uses FILE and does not include it.
+#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -11,8 +14,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <jpeglib.h>
 
 namespace kerfbench::camera {
 namespace {
@@ -160,12 +162,32 @@ INSTANTIATE_TEST_SUITE_P(GrayDecode, BayerGrey,
                                          "SGRBG10", "SRGGB10", "SBGGR12", "SGBRG12", "SGRBG12", "SRGGB12",
                                          "SBGGR16", "SGBRG16", "SGRBG16", "SRGGB16"));
 
-std::vector<std::uint8_t> jpegOf(int width, int height) {
-  cv::Mat mat(height, width, CV_8UC1);
-  for (int r = 0; r < height; ++r)
-    for (int c = 0; c < width; ++c) mat.at<std::uint8_t>(r, c) = static_cast<std::uint8_t>(40 + 2 * c + r);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", mat, bytes, {cv::IMWRITE_JPEG_QUALITY, 100});
+std::vector<std::uint8_t> jpegOf(int width, int height, bool coloured = false) {
+  jpeg_error_mgr errors{};
+  jpeg_compress_struct info{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &data, &size);
+  info.image_width = static_cast<JDIMENSION>(width);
+  info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = coloured ? 3 : 1;
+  info.in_color_space = coloured ? JCS_RGB : JCS_GRAYSCALE;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, 100, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  for (int r = 0; r < height; ++r) {
+    std::vector<std::uint8_t> row;
+    for (int c = 0; c < width; ++c)
+      row.insert(row.end(), coloured ? 3 : 1, static_cast<std::uint8_t>(40 + 2 * c + r));
+    JSAMPROW at = row.data();
+    jpeg_write_scanlines(&info, &at, 1);
+  }
+  jpeg_finish_compress(&info);
+  std::vector<std::uint8_t> bytes(data, data + size);
+  jpeg_destroy_compress(&info);
+  std::free(data);
   return bytes;
 }
 
@@ -175,6 +197,31 @@ TEST(GrayDecode, ReadsAJpegAndItsPadding) {
   bytes.insert(bytes.end(), 100, 0);
   const GrayImage image = decodeFrame(layout, bytes);
   ASSERT_EQ(image.width, 48);
+  for (int c = 0; c < 48; ++c) EXPECT_NEAR(image.at(c, 20), 60 + 2 * c, 3);
+}
+
+/// Without the segments that define Huffman tables, as the frames of many cameras come.
+std::vector<std::uint8_t> withoutHuffmanTables(const std::vector<std::uint8_t>& jpeg) {
+  std::vector<std::uint8_t> kept(jpeg.begin(), jpeg.begin() + 2);
+  std::size_t at = 2;
+  while (jpeg[at + 1] != 0xda) {  // Until the picture itself begins.
+    const std::size_t size = 2 + (std::size_t{jpeg[at + 2]} << 8U | jpeg[at + 3]);
+    if (jpeg[at + 1] != 0xc4)
+      kept.insert(kept.end(), jpeg.begin() + static_cast<long>(at),
+                  jpeg.begin() + static_cast<long>(at + size));
+    at += size;
+  }
+  kept.insert(kept.end(), jpeg.begin() + static_cast<long>(at), jpeg.end());
+  return kept;
+}
+
+TEST(GrayDecode, ReadsAMotionJpegWithoutHuffmanTablesAndTheBrightnessOfAColouredOne) {
+  const FrameLayout layout = layoutOf("MJPEG", 48, 32);
+  const std::vector<std::uint8_t> grey = jpegOf(48, 32);
+  const std::vector<std::uint8_t> bare = withoutHuffmanTables(grey);
+  ASSERT_LT(bare.size(), grey.size());
+  EXPECT_EQ(decodeFrame(layout, bare).pixels, decodeFrame(layout, grey).pixels);
+  const GrayImage image = decodeFrame(layout, jpegOf(48, 32, true));
   for (int c = 0; c < 48; ++c) EXPECT_NEAR(image.at(c, 20), 60 + 2 * c, 3);
 }
 
