@@ -4,8 +4,6 @@
 namespace kerfbench::machine_file {
 namespace {
 
-constexpr double kPercent = 0.01;
-
 twin::BoardTexture readTexture(base::YamlReader texture) {
   twin::BoardTexture result;
   result.grain_gray = texture.number("grain_gray", {.min = 0, .max = 40, .fallback = 0.0});

@@ -4,7 +4,6 @@
 namespace kerfbench::machine_file {
 
 twin::ImperfectionSpread readSpread(base::YamlReader section) {
-  constexpr double kPercent = 0.01;
   twin::ImperfectionSpread spread;
   const auto read = [&section](std::string_view key, double unit, double most, double& value) {
     value = unit * section.number(key, {.min = 0, .max = most, .fallback = value / unit});

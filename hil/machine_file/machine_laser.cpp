@@ -39,7 +39,6 @@ bool bends(const std::vector<twin::PowerPoint>& curve) {
 }  // namespace
 
 twin::LaserDescription readLaser(base::YamlReader laser) {
-  constexpr double kPercent = 0.01;
   twin::LaserDescription result;
   result.full_power_w = laser.number("full_power_w", {.min = 0.1, .max = 1e5});
   result.rise_time_s = kMicro * laser.number("rise_time_us", {.min = 0, .max = 1e4});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The sections of a machine file, one reader each. Private to hil/app. All of them put their faults into the
-// file's list (YamlReader) and never throw.
+// The sections of a machine file, one reader each. Private to this room. All of them put their issues into
+// the file's list (YamlReader) and never throw.
 
 #include <array>
 #include <optional>
@@ -14,6 +14,8 @@
 #include "twin/description/imperfections.h"
 
 namespace kerfbench::machine_file {
+
+inline constexpr double kPercent = 0.01;
 
 SignalMap readPins(base::YamlReader pins, twin::MachineDescription::Kind kind);
 std::optional<twin::FrameDescription> readFrame(base::YamlReader& file);

@@ -165,16 +165,16 @@ std::string gaugeSvg(const inspect::Check& check) {
   const double share = (check.upper ? check.value : 1.0 - check.value) / allowed;
   const double half_u = check.u / allowed;
   const double half_w = check.guard / allowed;
-  constexpr double kWidth = 120.0;
+  constexpr double kGaugeWidth = 120.0;
   constexpr double kFull = 1.6;
-  const auto x = [&](double s) { return kWidth * std::clamp(s, 0.0, kFull) / kFull; };
+  const auto x = [&](double s) { return kGaugeWidth * std::clamp(s, 0.0, kFull) / kFull; };
   return fmt::format(
       "<svg class=gauge viewBox='-3 0 126 16' role=img aria-label='{:.0f} % of the limit'>"
       "<rect class=ok x=0 y=5 width={:.1f} height=6 /><rect class=band x={:.1f} y=5 width={:.1f} height=6 />"
       "<rect class=bad x={:.1f} y=5 width={:.1f} height=6 /><line class=lim x1={:.1f} x2={:.1f} y1=2 y2=14 />"
       "<line class=unc x1={:.1f} x2={:.1f} y1=8 y2=8 /><circle class=val cx={:.1f} cy=8 r=3 /></svg>",
       100.0 * share, x(1.0 - half_w), x(1.0 - half_w), x(1.0 + half_w) - x(1.0 - half_w), x(1.0 + half_w),
-      kWidth - x(1.0 + half_w), x(1.0), x(1.0), x(share - half_u), x(share + half_u), x(share));
+      kGaugeWidth - x(1.0 + half_w), x(1.0), x(1.0), x(share - half_u), x(share + half_u), x(share));
 }
 
 }  // namespace kerfbench::report

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "hil/scene/pov_materials.h"
 
@@ -151,37 +154,59 @@ void addSpot(std::string& text, const Scene& scene, const Viewpoint& view) {
       vec(spot + Vector3d(0, 0, 9.0 * px)), 16.0 * px);
 }
 
-// Drops points that lie within `tolerance` of the chord (Douglas and Peucker 1973).
-void thin(const std::vector<Vector3d>& line, std::size_t first, std::size_t last, double tolerance,
-          std::vector<Vector3d>& kept) {
+// The point of line[first … last] that lies farthest from the chord between these two, and how far.
+std::pair<std::size_t, double> farthestFromChord(const std::vector<Vector3d>& line, std::size_t first,
+                                                 std::size_t last) {
   const Vector3d chord = line[last] - line[first];
-  double worst = 0.0;
-  std::size_t at = first;
+  std::pair<std::size_t, double> worst{first, 0.0};
   for (std::size_t i = first + 1; i < last; ++i) {
     const Vector3d q = line[i] - line[first];
     const double along =
         chord.squaredNorm() > 0 ? std::clamp(q.dot(chord) / chord.squaredNorm(), 0.0, 1.0) : 0.0;
     const double off = (q - along * chord).norm();
-    if (off > worst) {
-      worst = off;
-      at = i;
+    if (off > worst.second) worst = {i, off};
+  }
+  return worst;
+}
+
+// Drops points that lie within `tolerance` of the chord (Douglas and Peucker 1973). A stack instead of calls:
+// a spiral splits as often as it has points.
+std::vector<Vector3d> thinned(const std::vector<Vector3d>& line, double tolerance) {
+  std::vector<Vector3d> kept{line.front()};
+  std::vector<std::size_t> ends{line.size() - 1};
+  std::size_t first = 0;
+  while (!ends.empty()) {
+    const auto [at, off] = farthestFromChord(line, first, ends.back());
+    if (off > tolerance) {
+      ends.push_back(at);
+    } else {
+      first = ends.back();
+      ends.pop_back();
+      kept.push_back(line[first]);
     }
   }
-  if (worst > tolerance) {
-    thin(line, first, at, tolerance, kept);
-    thin(line, at, last, tolerance, kept);
-  } else {
-    kept.push_back(line[last]);
+  return kept;
+}
+
+// How large a pixel is where the line comes nearest to the eye; nothing where all of it lies behind.
+std::optional<double> finestPixel_mm(const std::vector<Vector3d>& line, const Viewpoint& view) {
+  std::optional<double> finest;
+  for (const Vector3d& p : line) {
+    const double px = view.pixel_mm(p);
+    if (px > 0 && (!finest || px < *finest)) finest = px;
   }
+  return finest;
 }
 
 void addBurnt(std::string& text, const Scene& scene, const Viewpoint& view) {
   constexpr double kKerf_mm = 0.105;  // Half the width of a usual kerf.
   const auto out = std::back_inserter(text);
   for (const auto& line : scene.burnt) {
-    const double px = view.pixel_mm(line.front());
-    std::vector<Vector3d> kept{line.front()};
-    thin(line, 0, line.size() - 1, 0.3 * px, kept);
+    const std::optional<double> visible_mm = finestPixel_mm(line, view);
+    if (!visible_mm) continue;
+    // Near the eye's plane a pixel is as small as one likes; a tenth of the kerf is fine enough.
+    const double px = std::max(*visible_mm, 0.1 * kKerf_mm);
+    const std::vector<Vector3d> kept = thinned(line, 0.3 * px);
     const double radius = std::max(kKerf_mm, 0.75 * px);
     fmt::format_to(out, "union {{\n");
     for (std::size_t i = 0; i + 1 < kept.size(); ++i) {

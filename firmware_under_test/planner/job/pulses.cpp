@@ -15,7 +15,6 @@ static_assert(kAxes == KB_AXES);
 namespace {
 
 constexpr const char* kNames[kAxes] = {"galvo_x", "galvo_y", "gantry_x", "gantry_y", "feed"};
-constexpr double kUs = 1e6;
 /// Figures of data sheets are whole numbers of some unit; sums of them must not fail by a rounding.
 constexpr double kRounding = 1e-12;
 
@@ -105,8 +104,8 @@ std::vector<std::string> driveFaults(const Target& target, const Drives& drives)
     if (ticks > KB_WIDE_TICKS_MAX) {
       faults.push_back(
           fmt::format("{} needs PUL active for {:g} us; this controller makes {:g} us, or up to {:g} us", who,
-                      drive.width_s * kUs, target.width_s * kUs,
-                      (KB_WIDE_TICKS_MAX * target.tick_s - target.late_s) * kUs));
+                      drive.width_s * kMicrosecondsPerSecond, target.width_s * kMicrosecondsPerSecond,
+                      (KB_WIDE_TICKS_MAX * target.tick_s - target.late_s) * kMicrosecondsPerSecond));
       continue;
     }
     const int width = ticks > 0 ? common : 0;
@@ -114,12 +113,14 @@ std::vector<std::string> driveFaults(const Target& target, const Drives& drives)
     if (pulses.most == 0) {
       faults.push_back(fmt::format(
           "{} needs PUL idle for {:g} us; after pulses of {:g} us this controller leaves {:g} us at most",
-          who, drive.space_s * kUs, width * target.tick_s * kUs, spaceAt(target, 1, width) * kUs));
+          who, drive.space_s * kMicrosecondsPerSecond, width * target.tick_s * kMicrosecondsPerSecond,
+          spaceAt(target, 1, width) * kMicrosecondsPerSecond));
     } else if (pulses.turn == 0) {
       faults.push_back(fmt::format(
           "{} needs DIR stable for {:g} us before PUL and {:g} us after; this controller gives {:g} and {:g} "
           "us at most",
-          who, drive.setup_s * kUs, drive.hold_s * kUs, setupAt(target, 1) * kUs, holdAt(target, 1) * kUs));
+          who, drive.setup_s * kMicrosecondsPerSecond, drive.hold_s * kMicrosecondsPerSecond,
+          setupAt(target, 1) * kMicrosecondsPerSecond, holdAt(target, 1) * kMicrosecondsPerSecond));
     }
   }
   return faults;

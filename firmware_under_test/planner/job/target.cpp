@@ -146,14 +146,14 @@ Target targetOfImage(const std::filesystem::path& image) {
 }
 
 std::string describe(const Target& target) {
-  constexpr double kUs = 1e6;
   return fmt::format(
       "{}, {}: ticks of {:g} us, {} in a period, at most {} steps; PUL active {:g} us and idle {:g} us, DIR "
       "stable {:g} us before and "
       "{:g} us after; {} baud",
-      target.version.empty() ? "unversioned" : target.version, target.name, target.tick_s * kUs,
-      target.ticks_per_period, target.max_steps, target.width_s * kUs, target.space_s * kUs,
-      target.setup_s * kUs, target.hold_s * kUs, target.baud);
+      target.version.empty() ? "unversioned" : target.version, target.name,
+      target.tick_s * kMicrosecondsPerSecond, target.ticks_per_period, target.max_steps,
+      target.width_s * kMicrosecondsPerSecond, target.space_s * kMicrosecondsPerSecond,
+      target.setup_s * kMicrosecondsPerSecond, target.hold_s * kMicrosecondsPerSecond, target.baud);
 }
 
 std::string differenceOf(const Target& wanted, const Target& found) {

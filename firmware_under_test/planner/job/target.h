@@ -9,6 +9,8 @@
 
 namespace kerfbench::planner {
 
+inline constexpr double kMicrosecondsPerSecond = 1e6;
+
 /// The controller that is planned for, as its release says (controller/release.h). The defaults are those of
 /// the AVR release.
 struct Target {

@@ -26,11 +26,11 @@ const Eigen::Matrix2d& rotationSM() {
 
 Vector2d slotCentre(int slot) {
   if (slot < 0 || slot >= kMarkSlots) throw std::out_of_range("field marks: no such slot");
-  constexpr std::size_t kColumns = kSlot.size();
-  constexpr std::size_t kQuadrant = kColumns * kColumns;
+  constexpr std::size_t kSlotsInRow = kSlot.size();
+  constexpr std::size_t kSlotsInQuadrant = kSlotsInRow * kSlotsInRow;
   const auto at = static_cast<std::size_t>(slot);
-  return quarterTurned({kSlot.at(at % kColumns), kSlot.at(at % kQuadrant / kColumns)},
-                       static_cast<int>(at / kQuadrant));
+  return quarterTurned({kSlot.at(at % kSlotsInRow), kSlot.at(at % kSlotsInQuadrant / kSlotsInRow)},
+                       static_cast<int>(at / kSlotsInQuadrant));
 }
 
 std::array<MarkStroke, 4> markArms(double size_mm) {

@@ -16,8 +16,8 @@ namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kFewest = 40;
-constexpr std::size_t kMost = 4000;  // Of frames that are fitted …
-constexpr std::size_t kTried = 400;  // … and with which all places are tried.
+constexpr std::size_t kMostFrames = 4000;  // Of frames that are fitted …
+constexpr std::size_t kTried = 400;        // … and with which all places are tried.
 constexpr std::size_t kBlocks = 10;
 constexpr double kCoverage = 4.1;  // 99.7 % by Student's t of kBlocks - 1 degrees of freedom.
 /// Light is a mix of what is asked for during the exposure and around it, spread by so much either way: a
@@ -48,8 +48,8 @@ class OnTable {
  public:
   OnTable(const LightProfile& profile, double from_s, double to_s) : from_s_(from_s) {
     constexpr double kResolution_s = 5e-6;
-    constexpr double kMostEntries = 4e6;
-    step_s_ = std::max(kResolution_s, (to_s - from_s) / kMostEntries);
+    constexpr double kLongestTable = 4e6;
+    step_s_ = std::max(kResolution_s, (to_s - from_s) / kLongestTable);
     const auto count = static_cast<std::size_t>((to_s - from_s) / step_s_) + 2;
     on_s_.reserve(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -309,9 +309,9 @@ std::optional<CameraClock> sharpened(const CameraClock& rough, std::span<const F
   std::vector<FrameLight> lit;
   std::ranges::copy_if(frames, std::back_inserter(lit), &FrameLight::isLit);
   if (lit.size() < kFewest) return std::nullopt;
-  if (lit.size() > kMost) {
+  if (lit.size() > kMostFrames) {
     std::vector<FrameLight> some;
-    for (std::size_t i = 0; i < kMost; ++i) some.push_back(lit[i * lit.size() / kMost]);
+    for (std::size_t i = 0; i < kMostFrames; ++i) some.push_back(lit[i * lit.size() / kMostFrames]);
     lit = std::move(some);
   }
   return sharpenedAtBestScale(rough, lit, profile, options);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include <opencv2/core.hpp>
 
 #include "hil/base/png_codec.h"
+#include "hil/scene/pov_text.h"
 #include "twin/scene/scene.h"
 
 namespace kerfbench::scene {
@@ -128,6 +130,30 @@ TEST(Picture, ABurntLineIsDarkOnTheBrightBoard) {
   const cv::Vec3b board = at(picture, *view.project({-20, -30, 0}));
   EXPECT_GT(board[1], 150);
   EXPECT_LT(line[1], board[1] - 60);
+}
+
+// A contour that begins behind the eye of a close-up once gave a pixel of negative size: all points were
+// kept, and the splitting of the line ran out of stack.
+TEST(Picture, ABurntSpiralThatBeginsBehindTheEyeIsThinnedWithoutRecursion) {
+  const twin::Scene scene = sceneWithBeam(false);
+  const Viewpoint view = viewpointOf(scene, SceneView::kHead, kWidth, kHeight);
+  twin::Scene spiral = scene;
+  spiral.burnt.emplace_back();
+  constexpr int kPoints = 5000;
+  for (int i = 0; i < kPoints; ++i) {
+    const double share = static_cast<double>(i) / kPoints;
+    const double phi_rad = 400.0 * share;
+    spiral.burnt.back().emplace_back(2000.0 * (1.0 - share) * std::cos(phi_rad),
+                                     2000.0 * (1.0 - share) * std::sin(phi_rad), 0.0);
+  }
+  const auto behind = [&](const Eigen::Vector3d& p) { return view.pixel_mm(p) < 0; };
+  ASSERT_TRUE(std::any_of(spiral.burnt.back().begin(), spiral.burnt.back().end(), behind));
+  ASSERT_FALSE(std::all_of(spiral.burnt.back().begin(), spiral.burnt.back().end(), behind));
+  EXPECT_LT(povText(spiral, view).size(), povText(scene, view).size() + 100U * kPoints);
+  for (Eigen::Vector3d& p : spiral.burnt.back()) p = 2.0 * view.place_mm() - p;
+  std::erase_if(spiral.burnt.back(), [&](const Eigen::Vector3d& p) { return !behind(p); });
+  ASSERT_FALSE(spiral.burnt.back().empty());
+  EXPECT_EQ(povText(spiral, view), povText(scene, view));
 }
 
 TEST(Picture, IsTheSameBytesEveryTime) {
