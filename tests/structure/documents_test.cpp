@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Documents against the tree: links lead somewhere, and the constants that docs/CONSTANTS.md lists have the
-// values it gives.
+// Documents against the tree: links lead somewhere, constants have the values of the code, what comments cite
+// is listed, and every decision is in the index.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/structure/source_text.h"
@@ -190,6 +192,76 @@ TEST(Documents, AConstantOfAnotherValueIsNoticed) {
   EXPECT_TRUE(declares(dense, {"kBlur", "{0.7, 0.1}", ""}));
   EXPECT_FALSE(declares(dense, {"kFar_mm", "1.6", ""}));
   EXPECT_FALSE(declares(dense, {"kFar_mm", "1", ""}));
+}
+
+/// "Author 2004" in the comments of a source, which may break between the two.
+std::vector<std::pair<std::string, std::string>> citationsOf(const std::string& source) {
+  static const std::regex kBreak(R"re(\n\s*(///?|\*)\s*)re");
+  static const std::regex kCitation(R"re(\b([A-Z][a-z]+)( et al\.?)?,? \(?((19|20)[0-9]{2})\b)re");
+  const std::string text = std::regex_replace(source, kBreak, " ");
+  std::vector<std::pair<std::string, std::string>> citations;
+  for (std::sregex_iterator match(text.begin(), text.end(), kCitation), last; match != last; ++match)
+    citations.emplace_back((*match)[1], (*match)[3]);
+  return citations;
+}
+
+/// Paragraphs, with each row of a table as one.
+std::vector<std::string> entriesOf(const std::string& page) {
+  std::istringstream lines(page);
+  std::vector<std::string> entries(1);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line.starts_with("|")) entries.emplace_back();
+    entries.back() += line + " ";
+  }
+  return entries;
+}
+
+TEST(Documents, ReferencesListWhatCommentsCite) {
+  const std::vector<std::string> entries = entriesOf(textOf(sourceRoot() / "docs/references.md"));
+  std::size_t cited = 0;
+  for (const char* top : {"twin", "hil", "firmware_under_test"}) {
+    for (const auto& file : fs::recursive_directory_iterator(sourceRoot() / top)) {
+      const fs::path extension = file.path().extension();
+      if (extension != ".h" && extension != ".cpp" && extension != ".c") continue;
+      for (const auto& [author, year] : citationsOf(textOf(file.path()))) {
+        ++cited;
+        const bool listed = std::ranges::any_of(entries, [&](const std::string& entry) {
+          return entry.find(author) != std::string::npos && entry.find(year) != std::string::npos;
+        });
+        EXPECT_TRUE(listed) << fs::relative(file.path(), sourceRoot()).string() << " cites " << author << " "
+                            << year << ", which docs/references.md does not list";
+      }
+    }
+  }
+  EXPECT_GT(cited, 30U);
+}
+
+TEST(Documents, ACitationIsFoundWhereItsLineBreaks) {
+  const auto found =
+      citationsOf("/// by recursion (Ramshaw\n/// 1989), not in 2048 pixels\n// Cheng et al. 2014, eq. 1");
+  EXPECT_EQ(found,
+            (std::vector<std::pair<std::string, std::string>>{{"Ramshaw", "1989"}, {"Cheng", "2014"}}));
+}
+
+TEST(Documents, EveryDecisionHasItsPartsAndIsInTheIndex) {
+  const fs::path folder = sourceRoot() / "docs/explanation/decisions";
+  const std::string index = textOf(folder / "README.md");
+  std::size_t number = 0;
+  std::vector<fs::path> records;
+  for (const auto& file : fs::directory_iterator(folder)) {
+    if (file.path().filename() != "README.md") records.push_back(file.path());
+  }
+  std::ranges::sort(records);
+  EXPECT_GT(records.size(), 50U);
+  for (const fs::path& record : records) {
+    const std::string name = record.filename().string();
+    const std::string text = textOf(record);
+    // Numbers follow each other, so none is given twice.
+    EXPECT_EQ(name.substr(0, 4), fmt::format("{:03}-", ++number));
+    EXPECT_NE(index.find("](" + name + ")"), std::string::npos) << name << " is not in the index";
+    for (const char* part : {"**Context.** ", "**Decision.** ", "**Consequence.** "})
+      EXPECT_NE(text.find(part), std::string::npos) << name << " has no " << part;
+  }
 }
 
 }  // namespace
