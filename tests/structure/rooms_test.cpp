@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -14,18 +13,16 @@
 #include <string>
 #include <vector>
 
+#include "tests/structure/source_text.h"
+
 namespace {
 
 namespace fs = std::filesystem;
+using kerfbench::test::textOf;
 
 using Graph = std::map<std::string, std::set<std::string>>;
 
 const fs::path kRoot = KERFBENCH_SOURCE_DIR;
-
-std::string textOf(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Lines "room: room room".
 Graph graphFrom(const std::string& text) {
