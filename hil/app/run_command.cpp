@@ -17,9 +17,8 @@
 #include "hil/live/real_pins.h"
 #include "hil/live/recording_file.h"
 #include "hil/live/run_on_pins.h"
-#include "hil/run/cut_on_twin.h"
 #include "hil/run/dialogs.h"
-#include "hil/run/machine_film.h"
+#include "hil/run/model_machine.h"
 #include "hil/run/release.h"
 
 namespace kerfbench::app {
@@ -94,9 +93,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
 
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
   const source::SourceInfo info = source->info();
-  twin::Twin twin(sampled.machine, scenario::webOf(test_case), info.rate, run::twinOptions(test_case));
-  run::MachineFilm film(sampled.machine.laser.full_power_w);
-  run::FilmedSource filmed(*source, twin, film);
+  run::ModelMachine machine(test_case, sampled, info.rate, run::modelOptions(test_case));
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
   const bool provoked = scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
@@ -105,10 +102,8 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
     lockstep.provocation = &provocation;
     lockstep.settle_s = kSettleAfterStop_s;
   }
-  run::LockstepResult run = run::runLockstep(filmed, twin, test_case.machine.signals, job.dialog.get(),
-                                             lockstep, base::progressOn(console));
+  run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
   if (provoked) console.say("  " + job.dialog->message());
-  film.add(twin);
   stopwatch.lap("firmware and machine");
 
   judge::Conclusion conclusion;
@@ -117,12 +112,12 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
                                     sourceName(scenario.firmware.source));
   conclusion.source_id = info.config_id;
   conclusion.sampled = &sampled;
-  conclusion.film = &film;
+  conclusion.machine = &machine;
   conclusion.firmware_sha256 = base::sha256File(scenario.firmware.image);
   conclusion.firmware_version = std::move(job.controller);
   conclusion.gcode = std::move(job.gcode);
   judge::collectControllerEvidence(test_case, job, run.recording, provocation.lineCut_s(), run, conclusion);
-  return judge::conclude(test_case, twin, run, conclusion, options, stopwatch, console);
+  return judge::conclude(test_case, run, conclusion, options, stopwatch, console);
 }
 
 }  // namespace

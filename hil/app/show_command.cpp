@@ -19,6 +19,7 @@
 #include "hil/run/dialogs.h"
 #include "hil/run/lockstep.h"
 #include "hil/run/machine_film.h"
+#include "hil/run/model_machine.h"
 #include "hil/run/release.h"
 #include "hil/scenario/case.h"
 #include "hil/scene/picture.h"
@@ -73,20 +74,16 @@ fs::path nameAt(const fs::path& out, double time_s, bool several) {
          fmt::format("{}-{:.4f}s{}", out.stem().string(), time_s, out.extension().string());
 }
 
-run::MachineFilm filmed(const scenario::Case& test_case, const twin::MachineDescription& machine,
+run::MachineFilm filmed(const scenario::Case& test_case, const twin::SampledMachine& sampled,
                         const ShowOptions& options) {
   const scenario::Scenario& scenario = test_case.scenario;
   base::Console console(options.quiet);
   run::PreparedJob job = run::prepareJob(test_case);
   console.say(fmt::format("{}: {}", scenario.name, job.summary));
   const auto source = run::openRelease(scenario.firmware, options.bin_dir);
-  twin::TwinOptions twin_options;
-  twin_options.fidelity = twin::Fidelity::kFast;
-  twin_options.seed = scenario.seed;
-  twin_options.record_exposures = false;
-  twin::Twin twin(machine, scenario::webOf(test_case), source->info().rate, twin_options);
-  run::MachineFilm film(machine.laser.full_power_w);
-  run::FilmedSource filmed_source(*source, twin, film);
+  run::ModelMachine machine(
+      test_case, sampled, source->info().rate,
+      {.fidelity = twin::Fidelity::kFast, .seed = scenario.seed, .record_exposures = false});
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
   const bool to_the_end = options.at_s.empty();
@@ -94,15 +91,13 @@ run::MachineFilm filmed(const scenario::Case& test_case, const twin::MachineDesc
     lockstep.time_limit_s =
         std::min(lockstep.time_limit_s, std::ranges::max(options.at_s) + lockstep.quantum_s);
   }
-  const run::LockstepResult run = run::runLockstep(filmed_source, twin, machine.signals, job.dialog.get(),
-                                                   lockstep, base::progressOn(console));
-  film.add(twin);
+  const run::RecordedRun run = machine.run(*source, job.dialog.get(), lockstep, base::progressOn(console));
   // Where the last time asked for ends the run, the job is not done, and that is no fault.
-  const bool cut_short = !to_the_end && film.end_s() + 1e-9 >= std::ranges::max(options.at_s);
+  const bool cut_short = !to_the_end && machine.film().end_s() + 1e-9 >= std::ranges::max(options.at_s);
   if (!cut_short) {
     for (const std::string& problem : run.problems) complain(fmt::format("{}: {}", scenario.name, problem));
   }
-  return film;
+  return machine.film();
 }
 
 int showScenario(const ShowOptions& options) {
@@ -114,7 +109,7 @@ int showScenario(const ShowOptions& options) {
     return base::kExitUsage;
   }
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
-  const run::MachineFilm film = filmed(test_case, sampled.machine, options);
+  const run::MachineFilm film = filmed(test_case, sampled, options);
   std::vector<double> times_s = options.at_s;
   if (times_s.empty()) times_s.push_back(film.middleOfLongestCut_s());
   const fs::path out = options.out.empty() ? fs::path(test_case.scenario.name + ".png") : options.out;

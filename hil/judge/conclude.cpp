@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/conclude.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/version.h"
 #include "hil/judge/judge.h"
 #include "hil/judge/machine_pictures.h"
+#include "hil/judge/model_parting.h"
 #include "hil/judge/real_spot.h"
 #include "hil/judge/results_folder.h"
 #include "hil/report/run_report.h"
@@ -23,19 +26,48 @@ std::string checkLine(const inspect::Check& check) {
 }
 
 // What the run was made with, and what the model alone knows. It tells people why; nothing of it is judged.
-report::ModelFacts modelFacts(const scenario::Scenario& scenario,
-                              const std::vector<twin::Imperfection>& imperfections,
-                              const std::vector<twin::LostSteps>& lost_steps) {
+report::ModelFacts modelFacts(const scenario::Scenario& scenario, const run::ModelTruth& truth) {
   report::ModelFacts facts;
   facts.imperfections = scenario::nameOf(scenario.imperfections);
   facts.twin = scenario::nameOf(scenario.fidelity);
-  for (const twin::Imperfection& sampled : imperfections)
+  for (const twin::Imperfection& sampled : truth.imperfections)
     facts.sampled.push_back({sampled.name, sampled.value, sampled.unit});
-  for (const twin::LostSteps& lost : lost_steps) {
+  for (const twin::LostSteps& lost : truth.lost_steps) {
     facts.lost_steps.push_back(
         {lost.axis, lost.time_s, lost.place, lost.axis.starts_with("galvo") ? "rad" : "mm", lost.full_steps});
   }
   return facts;
+}
+
+report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedRun& run,
+                           const Conclusion& conclusion, const RunOptions& options) {
+  const scenario::Scenario& scenario = test_case.scenario;
+  report::RunReport report;
+  report.scenario = scenario.name;
+  report.scenario_path = scenario.path.string();
+  report.scenario_text = scenario.text;
+  report.machine = test_case.machine.name;
+  report.firmware = conclusion.firmware;
+  report.source_id = conclusion.source_id;
+  report.repeat_command = options.command_line;
+  report.seed = scenario.seed;
+  report.virtual_s = run.recording.rate.seconds(run.recording.end);
+  report.versions = {{"kerfbench", base::version()}};
+  if (!conclusion.firmware_sha256.empty())
+    report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
+  if (!conclusion.firmware_version.empty())
+    report.versions.emplace_back("controller", conclusion.firmware_version);
+  report.limits = scenario.limits;
+  report.dieline = test_case.dieline;
+  report.print = scenario.print;
+  return report;
+}
+
+void writePins(const std::filesystem::path& folder, const scenario::Case& test_case,
+               const run::RecordedRun& run, const Conclusion& conclusion) {
+  source::writeVcd(folder / "pins.vcd", run.recording, test_case.machine.signals);
+  base::writeFileAtomically(folder / "scenario.yaml", test_case.scenario.text);
+  if (!conclusion.gcode.empty()) base::writeFileAtomically(folder / "job.gcode", conclusion.gcode);
 }
 
 void tell(const report::RunReport& report, const std::filesystem::path& folder, base::Console& console) {
@@ -59,41 +91,28 @@ void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Consol
 
 }  // namespace
 
-int conclude(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
-             const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
-             base::Console& console) {
-  const scenario::Scenario& scenario = test_case.scenario;
-  report::RunReport report;
-  report.scenario = scenario.name;
-  report.scenario_path = scenario.path.string();
-  report.scenario_text = scenario.text;
-  report.machine = test_case.machine.name;
-  report.firmware = conclusion.firmware;
-  report.source_id = conclusion.source_id;
-  report.repeat_command = options.command_line;
-  report.seed = scenario.seed;
-  report.model = modelFacts(scenario, conclusion.sampled->imperfections, twin.lostSteps());
-  report.virtual_s = run.recording.rate.seconds(run.recording.end);
-  report.versions = {{"kerfbench", base::version()}};
-  if (!conclusion.firmware_sha256.empty())
-    report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
-  if (!conclusion.firmware_version.empty())
-    report.versions.emplace_back("controller", conclusion.firmware_version);
+int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const Conclusion& conclusion,
+             const RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
+  report::RunReport report = reportOf(test_case, run, conclusion, options);
   if (conclusion.safe_state) {
-    judgeSafeState(test_case, twin, *conclusion.safe_state, report);
+    report.provoked = true;
+    addJudgement(judgeSafeState(test_case, run, *conclusion.safe_state), report);
   } else {
-    judge(test_case, twin, run, conclusion.words, {conclusion.spot_frames}, options.jobs, stopwatch,
-          base::progressOn(console), report);
+    const Cameras cameras{*conclusion.machine, conclusion.spot_frames, options.jobs};
+    addJudgement(judge(test_case, run, conclusion.words, cameras, {stopwatch, base::progressOn(console)}),
+                 report);
   }
+  const run::ModelTruth truth = conclusion.machine->truth();
+  report.model = modelFacts(test_case.scenario, truth);
+  if (test_case.scenario.cameras.spot.is_real)
+    report.model.partings = spotPartings(report.spot, truth.exposures, report.result.cuts);
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
-  source::writeVcd(folder.staging() / "pins.vcd", run.recording, test_case.machine.signals);
-  base::writeFileAtomically(folder.staging() / "scenario.yaml", scenario.text);
-  if (!conclusion.gcode.empty()) base::writeFileAtomically(folder.staging() / "job.gcode", conclusion.gcode);
+  writePins(folder.staging(), test_case, run, conclusion);
   stopwatch.lap("recording of the pins");
   if (options.pictures) {
     std::string trouble;
-    report.pictures = writeMachinePictures(*conclusion.film, test_case, conclusion.sampled->machine,
+    report.pictures = writeMachinePictures(conclusion.machine->film(), test_case, conclusion.sampled->machine,
                                            folder.staging(), trouble);
     if (!trouble.empty()) console.say(trouble);
     stopwatch.lap("pictures of the machine");

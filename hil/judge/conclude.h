@@ -12,13 +12,13 @@
 #include "hil/inspect/safe_state.h"
 #include "hil/judge/run_options.h"
 #include "hil/run/lockstep.h"
-#include "hil/run/machine_film.h"
+#include "hil/run/model_machine.h"
 #include "hil/scenario/case.h"
 
 namespace kerfbench::judge {
 
-/// From a run (live or replayed) to the verdict: looks, measures, judges, writes the results folder, tells
-/// the user.
+/// What is concluded from, besides the recording: who ran, what the controller said, and what only people are
+/// shown.
 struct Conclusion {
   std::string folder_name;  ///< Below the results folder.
   std::string firmware;     ///< For people.
@@ -27,17 +27,17 @@ struct Conclusion {
   std::string
       firmware_version;  ///< As the image says of itself; empty if it is not the reference controller's.
   const twin::SampledMachine* sampled{};  ///< The machine that ran; not null.
-  const run::MachineFilm* film{};         ///< For the report's pictures; not null.
-  std::string gcode;                      ///< Written to the results folder unless empty.
+  run::ModelMachine* machine{};  ///< After its run: cameras, film, and what the model alone knows; not null.
+  std::string gcode;             ///< Written to the results folder unless empty.
   controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool moves_frames{};                ///< It goes into the results folder.
-  std::optional<inspect::SafeStateEvidence>
-      safe_state;  ///< Of a run that was to be stopped, but for twin's pins.
+  /// Of a run that was to be stopped, without pulses and gates.
+  std::optional<inspect::SafeStateEvidence> safe_state;
 };
-/// Returns the exit code of the verdict.
-int conclude(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
-             const Conclusion& conclusion, const RunOptions& options, base::Stopwatch& stopwatch,
-             base::Console& console);
+/// From a run, live or replayed, to the verdict: looks, measures, judges, writes the results folder and tells
+/// the user. Returns the exit code of the verdict.
+int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const Conclusion& conclusion,
+             const RunOptions& options, base::Stopwatch& stopwatch, base::Console& console);
 
 }  // namespace kerfbench::judge

@@ -20,7 +20,7 @@ bool canBeAsked(const scenario::ProvokeChoice& provoke) {
 }
 
 /// To both that do not have it: a recording says so already in its replay.
-void addProblem(const std::string& problem, run::LockstepResult& run) {
+void addProblem(const std::string& problem, run::RecordedRun& run) {
   if (problem.empty()) return;
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems}) {
     if (std::ranges::find(*problems, problem) == problems->end()) problems->push_back(problem);
@@ -30,7 +30,7 @@ void addProblem(const std::string& problem, run::LockstepResult& run) {
 }  // namespace
 
 std::string unprovenDialog(const scenario::Case& test_case, const source::PinRecording& recording,
-                           const run::LockstepResult& run) {
+                           const run::RecordedRun& run) {
   if (test_case.scenario.firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench)
     return run.dialog.reason;
   const controller::PulseCounter pins(recording, test_case.machine.signals);
@@ -41,7 +41,7 @@ std::string unprovenDialog(const scenario::Case& test_case, const source::PinRec
 
 void collectControllerEvidence(const scenario::Case& test_case, const run::PreparedJob& job,
                                const source::PinRecording& recording, double line_cut_s,
-                               run::LockstepResult& run, Conclusion& conclusion) {
+                               run::RecordedRun& run, Conclusion& conclusion) {
   const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
   if (firmware.dialog != scenario::FirmwareChoice::Dialog::kKerfbench) {
     addProblem(run.dialog.reason, run);

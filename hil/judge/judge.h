@@ -2,31 +2,55 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "hil/base/stopwatch.h"
+#include "hil/camera/machine_cameras.h"
 #include "hil/controller/controller_report.h"
 #include "hil/inspect/safe_state.h"
 #include "hil/report/run_report.h"
 #include "hil/run/lockstep.h"
 #include "hil/scenario/case.h"
-#include "twin/cutter/twin.h"
 
 namespace kerfbench::judge {
 
-/// Recordings of real cameras of this run.
-struct RealPictures {
-  std::filesystem::path spot;  ///< Folder of the spot camera's frames; empty: the twin's camera looks.
+/// What looks at the cut.
+struct Cameras {
+  camera::MachineCameras& of_machine;
+  /// Recording of a real spot camera's frames, which then are looked at instead; empty: none.
+  std::filesystem::path spot_frames;
+  int threads{1};  ///< The verdict is the same at any number.
 };
 
-/// What the cameras of the bench see of a run that the twin has lived through, measured and judged. Fills the
-/// measured part of `report` (limits, dieline, print, kerf, spot, pulses, result).
-void judge(const scenario::Case& test_case, twin::Twin& twin, const run::LockstepResult& run,
-           const controller::ControllerReport& words, const RealPictures& pictures, int jobs,
-           base::Stopwatch& stopwatch, const run::ProgressFn& progress, report::RunReport& report);
+/// Who is told how far it is.
+struct Observer {
+  base::Stopwatch& stopwatch;
+  run::ProgressFn progress;
+};
 
-/// A run that was to be stopped, by its pins and the controller's words alone; no camera looks.
-void judgeSafeState(const scenario::Case& test_case, const twin::Twin& twin,
-                    inspect::SafeStateEvidence evidence, report::RunReport& report);
+/// What pictures and pins show of a run, and what follows from it.
+struct Judgement {
+  inspect::InspectionResult result;
+  vision::KerfScan kerf;
+  vision::SpotTrack spot;
+  std::vector<PulseTiming> pulses;
+  /// For the report: which pictures were looked at, with which calibrations.
+  std::vector<std::pair<std::string, std::string>> facts;
+};
+
+/// Judges a run by its recording, its pictures and what the controller said. No model takes part: pulses,
+/// gates, belt and power meter are read from the pins, path and stillness from the pictures.
+Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
+                const controller::ControllerReport& words, const Cameras& cameras, const Observer& observer);
+
+/// Judges a run that was to be stopped, by its pins and the controller's words alone; no camera looks.
+/// `evidence` lacks pulses and gates, which are read from the recording.
+Judgement judgeSafeState(const scenario::Case& test_case, const run::RecordedRun& run,
+                         inspect::SafeStateEvidence evidence);
+
+/// Into the measured part of a report; what is there is replaced, facts are added to its versions.
+void addJudgement(Judgement judgement, report::RunReport& report);
 
 }  // namespace kerfbench::judge

@@ -60,13 +60,6 @@ double meanOf(const std::vector<double>& values) {
 
 }  // namespace
 
-twin::MachineDescription watchedDensely(twin::MachineDescription machine) {
-  constexpr double kPeriod_s = 250e-6;
-  twin::CameraDescription& camera = machine.spot_camera;
-  camera.frame_period_s = std::min(camera.frame_period_s, std::max(camera.exposure_s, kPeriod_s));
-  return machine;
-}
-
 std::vector<report::SpotParting> spotPartings(const vision::SpotTrack& track,
                                               std::span<const twin::Exposure> exposures,
                                               const std::vector<inspect::CutResult>& cuts) {

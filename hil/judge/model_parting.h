@@ -7,7 +7,6 @@
 #include "hil/inspect/inspect.h"
 #include "hil/report/run_report.h"
 #include "twin/camera/camera.h"
-#include "twin/cutter/twin.h"
 
 namespace kerfbench::judge {
 
@@ -17,8 +16,5 @@ namespace kerfbench::judge {
 std::vector<report::SpotParting> spotPartings(const vision::SpotTrack& track,
                                               std::span<const twin::Exposure> exposures,
                                               const std::vector<inspect::CutResult>& cuts);
-
-/// The machine whose model runs along: its camera, of which only the spot is of use here, is opened densely.
-twin::MachineDescription watchedDensely(twin::MachineDescription machine);
 
 }  // namespace kerfbench::judge

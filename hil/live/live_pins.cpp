@@ -60,7 +60,7 @@ void announce(const source::GpioLiveOptions& live, const scenario::FirmwareChoic
 }
 
 /// Pins, sensors and words of the run in one recording.
-source::PinCapture captureOf(run::LockstepResult& run, source::GpioLiveRecord& record,
+source::PinCapture captureOf(run::RecordedRun& run, source::GpioLiveRecord& record,
                              std::uint32_t stamp_err_ticks, std::uint16_t heard_port) {
   source::PinCapture captured;
   captured.recording = std::move(run.recording);
@@ -77,8 +77,7 @@ source::PinCapture captureOf(run::LockstepResult& run, source::GpioLiveRecord& r
 }
 
 /// A replay has no dialog: what it leaves unproven is the recording's to say.
-void tellUnproven(const scenario::Case& test_case, run::LockstepResult& run,
-                  source::PinRecording& recording) {
+void tellUnproven(const scenario::Case& test_case, run::RecordedRun& run, source::PinRecording& recording) {
   run.problems = recording.problems;
   const std::string unproven = judge::unprovenDialog(test_case, recording, run);
   if (!unproven.empty()) recording.problems.push_back(unproven);
@@ -113,7 +112,7 @@ LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sa
     run::LockstepOptions lockstep;
     lockstep.time_limit_s = scenario.time_limit_s;
     // Without progress on the terminal: writing there can take longer than a quantum.
-    run::LockstepResult run =
+    run::RecordedRun run =
         run::runLockstep(source, model, test_case.machine.signals, job.dialog.get(), lockstep, {});
     run.recording.end = std::max<Tick>(run.recording.end, 1);
     source::GpioLiveRecord record = source.finish(run.recording.end);

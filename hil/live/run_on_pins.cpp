@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "hil/judge/controller_evidence.h"
-#include "hil/judge/model_parting.h"
 #include "hil/live/live_pins.h"
 #include "hil/live/live_spot.h"
 #include "hil/live/salvage_evidence.h"
-#include "hil/run/cut_on_twin.h"
 #include "hil/run/dialogs.h"
-#include "hil/run/machine_film.h"
+#include "hil/run/model_machine.h"
 #include "hil/run/sensor_lag.h"
 #include "hil/source/open.h"
 
@@ -22,14 +20,14 @@ namespace kerfbench::live {
 namespace {
 
 /// Whether the inputs of a controller on real pins were driven as the machine would have done it.
-void judgeSensors(const scenario::Case& test_case, const run::WitnessedTwin& twin,
-                  const source::PinRecording& recorded, run::LockstepResult& run, base::Console& console) {
+void judgeSensors(const scenario::Case& test_case, const std::vector<SensorEdge>& due,
+                  const source::PinRecording& recorded, run::RecordedRun& run, base::Console& console) {
   std::vector<Signal> signals;
   for (const scenario::PinLine& line : test_case.scenario.firmware.gpio.outputs)
     signals.push_back(line.signal);
   const double limit_s = run::sensorLagLimit_s(test_case.scenario);
   const run::SensorLag found =
-      run::sensorLag(twin.due(), recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
+      run::sensorLag(due, recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
   console.say(
       fmt::format("  {} edges of sensors: at worst {:.1f} us off the machine's, {:.1f} us rms, limit {:.1f}",
                   found.lag.edges(), 1e-3 * static_cast<double>(found.lag.worst_ns()),
@@ -47,36 +45,30 @@ int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& s
                   const source::PinRecording& recorded, judge::Conclusion conclusion,
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
   const auto source = source::openRecording(recorded, conclusion.source_id);
-  const bool is_real = test_case.scenario.cameras.spot.is_real;
-  twin::Twin twin(is_real ? judge::watchedDensely(sampled.machine) : sampled.machine,
-                  scenario::webOf(test_case), recorded.rate, run::twinOptions(test_case));
-  run::MachineFilm film(sampled.machine.laser.full_power_w);
-  run::FilmedSource filmed(*source, twin, film);
+  const bool driven = !test_case.scenario.firmware.gpio.outputs.empty();
+  run::ModelOptions model = run::modelOptions(test_case);
+  model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
+  model.witness_sensors = driven;
+  run::ModelMachine machine(test_case, sampled, recorded.rate, model);
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
-  const bool driven = !test_case.scenario.firmware.gpio.outputs.empty();
-  run::WitnessedTwin witnessed(twin);
-  run::TwinModel alone(twin);
-  run::LockstepModel& model = driven ? static_cast<run::LockstepModel&>(witnessed) : alone;
-  run::LockstepResult run = run::runLockstep(filmed, model, test_case.machine.signals, nullptr, lockstep,
-                                             base::progressOn(console));
+  run::RecordedRun run = machine.run(*source, nullptr, lockstep, base::progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
     problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
-  if (driven) judgeSensors(test_case, witnessed, recorded, run, console);
+  if (driven) judgeSensors(test_case, machine.dueSensors(), recorded, run, console);
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
-  film.add(twin);
   stopwatch.lap("machine");
   conclusion.sampled = &sampled;
-  conclusion.film = &film;
+  conclusion.machine = &machine;
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
     const bool provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
     judge::collectControllerEvidence(test_case, provoked ? run::prepareJob(test_case) : run::PreparedJob{},
                                      recorded, std::numeric_limits<double>::quiet_NaN(), run, conclusion);
   }
-  return judge::conclude(test_case, twin, run, conclusion, options, stopwatch, console);
+  return judge::conclude(test_case, run, conclusion, options, stopwatch, console);
 }
 
 int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge::RunOptions& options,

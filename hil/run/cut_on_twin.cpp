@@ -24,18 +24,11 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const dieline::Dieline& dieline) {
 
 }  // namespace
 
-twin::TwinOptions twinOptions(const scenario::Case& test_case) {
-  twin::TwinOptions options;
-  options.fidelity = test_case.scenario.fidelity;
-  options.seed = test_case.scenario.seed;
-  return options;
-}
-
-camera::TwinTileSource kerfTiles(const scenario::Case& test_case, twin::Twin& twin,
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Sheet& sheet,
                                  camera::TwinTileOptions options) {
   const scenario::Scenario& scenario = test_case.scenario;
   options.seed = scenario.seed;
-  return {twin::KerfCamera(test_case.machine.kerf_camera, scenario.print, scenario.seed), twin.sheet(),
+  return {twin::KerfCamera(test_case.machine.kerf_camera, scenario.print, scenario.seed), sheet,
           boxesOf(test_case.dieline), options};
 }
 
@@ -49,11 +42,11 @@ CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path&
   const PreparedJob job = prepareJob(test_case);
   cut.summary = job.summary;
   const auto source = openRelease(scenario.firmware, bin_dir);
-  cut.twin = std::make_unique<twin::Twin>(cut.sampled.machine, scenario::webOf(test_case),
-                                          source->info().rate, twinOptions(test_case));
+  cut.machine =
+      std::make_unique<ModelMachine>(test_case, cut.sampled, source->info().rate, modelOptions(test_case));
   LockstepOptions lockstep;
   lockstep.time_limit_s = scenario.time_limit_s;
-  cut.run = runLockstep(*source, *cut.twin, test_case.machine.signals, job.dialog.get(), lockstep, progress);
+  cut.run = cut.machine->run(*source, job.dialog.get(), lockstep, progress);
   return cut;
 }
 

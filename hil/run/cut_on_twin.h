@@ -7,25 +7,24 @@
 
 #include "hil/camera/twin/twin_tiles.h"
 #include "hil/run/lockstep.h"
+#include "hil/run/model_machine.h"
 #include "hil/scenario/case.h"
-#include "twin/cutter/twin.h"
+#include "twin/sheet/sheet.h"
 
 namespace kerfbench::run {
 
-/// How the twin runs a case.
-twin::TwinOptions twinOptions(const scenario::Case& test_case);
-
 /// Pictures of all that the case's dieline has on the sheet, by the machine's kerf camera. `options` but for
-/// its seed, which is the scenario's. `twin` must outlive it.
-camera::TwinTileSource kerfTiles(const scenario::Case& test_case, twin::Twin& twin,
+/// its seed, which is the scenario's. `sheet` must outlive it.
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Sheet& sheet,
                                  camera::TwinTileOptions options);
 
 /// A sheet that a release has cut on the twin.
 struct CutSheet {
-  twin::SampledMachine sampled;  ///< The truth: for reports and tests, never for a measurement.
-  std::unique_ptr<twin::Twin> twin;
+  /// The truth: for reports and tests, never for a measurement.
+  twin::SampledMachine sampled;
+  std::unique_ptr<ModelMachine> machine;
   std::string summary;  ///< Of the job as planned, one line.
-  LockstepResult run;
+  RecordedRun run;
 };
 
 /// Plans the case, runs its release on the machine that its seed draws, and judges nothing: the sheet is what

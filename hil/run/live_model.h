@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "hil/run/lockstep.h"
 #include "hil/source/gpio/live_source.h"
-#include "twin/cutter/twin.h"
+#include "twin/description/description.h"
+
+namespace kerfbench::twin {
+class Twin;
+}
 
 namespace kerfbench::run {
 
@@ -28,6 +32,7 @@ class LiveModel final : public LockstepModel {
   /// `with_limits`: somebody wants the limit switches of this gantry.
   LiveModel(const twin::MachineDescription& machine, const twin::WebDescription& web, TickRate rate,
             std::uint64_t seed, bool with_limits);
+  ~LiveModel() override;
 
   /// Sensors that are high from before tick 0 on; no edge tells of them.
   [[nodiscard]] const std::vector<Signal>& highAtStart() const { return high_at_start_; }
@@ -40,9 +45,9 @@ class LiveModel final : public LockstepModel {
   static constexpr double kStep_s = 0.5e-3;
 
   TickRate rate_;
-  twin::Twin ahead_;
+  std::unique_ptr<twin::Twin> ahead_;
   Tick ahead_to_{1};
-  std::optional<twin::Twin> behind_;
+  std::unique_ptr<twin::Twin> behind_;  ///< May be null.
   std::vector<Signal> high_at_start_;
 };
 

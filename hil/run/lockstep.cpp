@@ -43,7 +43,7 @@ std::string describe(source::Stop stop, const source::SignalSource& source, doub
 }
 
 /// A replay of the recording has to know as well. (It finds gaps by itself.)
-void spoil(const std::string& problem, LockstepResult& result) {
+void spoil(const std::string& problem, RecordedRun& result) {
   result.problems.push_back(problem);
   result.recording.problems.push_back(problem);
 }
@@ -75,19 +75,13 @@ class Gaps {
 
 }  // namespace
 
-LockstepResult runLockstep(source::SignalSource& source, twin::Twin& twin, const SignalMap& map,
-                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress) {
-  TwinModel model(twin);
-  return runLockstep(source, model, map, dialog, options, progress);
-}
-
-LockstepResult runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
-                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress) {
+RecordedRun runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
+                        Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress) {
   const source::SourceInfo info = source.info();
   const Tick quantum =
       std::max<Tick>(1, info.rate.ticksAt(std::min(options.quantum_s, model.longestQuantum_s())));
   const Tick limit = info.rate.ticksAt(options.time_limit_s);
-  LockstepResult result;
+  RecordedRun result;
   result.recording.rate = info.rate;
   if (!info.deterministic) {
     result.recording.outputs.reserve(kLiveEdges);

@@ -11,7 +11,6 @@
 #include "hil/run/provoke.h"
 #include "hil/source/signal_source.h"
 #include "hil/source/vcd.h"
-#include "twin/cutter/twin.h"
 
 namespace kerfbench::run {
 
@@ -24,7 +23,8 @@ struct LockstepOptions {
   double settle_s{0.1};  ///< Goes on after the dialog is done: mirrors swing out, the last frame is taken.
 };
 
-struct LockstepResult {
+/// What a run leaves behind, whatever it ran on.
+struct RecordedRun {
   source::PinRecording recording;
   controller::DialogFailure dialog;   ///< Left to the caller to judge.
   std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
@@ -43,28 +43,13 @@ class LockstepModel {
   [[nodiscard]] virtual double longestQuantum_s() const = 0;
 };
 
-/// The twin as such a machine. `twin` must outlive it.
-class TwinModel : public LockstepModel {
- public:
-  explicit TwinModel(twin::Twin& twin) : twin_(twin) {}
-  std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
-  void advance(Tick until, std::span<const PinEvent> events) override { twin_.advance(until, events); }
-  [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
-
- private:
-  twin::Twin& twin_;
-};
-
 /// Called now and then with the virtual time and a word on what happens.
 using ProgressFn = std::function<void(double now_s, const std::string& what)>;
 
 /// Runs source and model quantum by quantum: the model's sensor edges of a quantum go to the source before it
 /// runs it, the source's pin events go to the model after. `dialog` may be null (a recording, or a job that
 /// is started at the machine).
-LockstepResult runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
-                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
-/// The same with the twin.
-LockstepResult runLockstep(source::SignalSource& source, twin::Twin& twin, const SignalMap& map,
-                           Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
+RecordedRun runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
+                        Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress);
 
 }  // namespace kerfbench::run

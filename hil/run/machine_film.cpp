@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "twin/cutter/twin.h"
+
 namespace kerfbench::run {
 namespace {
 

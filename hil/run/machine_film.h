@@ -6,9 +6,13 @@
 
 #include <Eigen/Core>
 
-#include "hil/source/signal_source.h"
-#include "twin/cutter/twin.h"
+#include "twin/description/description.h"
+#include "twin/description/machine_pose.h"
 #include "twin/scene/scene.h"
+
+namespace kerfbench::twin {
+class Twin;
+}
 
 namespace kerfbench::run {
 
@@ -54,27 +58,6 @@ class MachineFilm {
 
   double lit_w_;
   std::vector<Frame> frames_;
-};
-
-/// A source that is filmed: hands everything on, and takes a frame of the twin before each quantum.
-class FilmedSource : public source::SignalSource {
- public:
-  FilmedSource(source::SignalSource& source, const twin::Twin& twin, MachineFilm& film)
-      : source_(source), twin_(twin), film_(film) {}
-
-  [[nodiscard]] source::SourceInfo info() const override { return source_.info(); }
-  source::Stop advance(Tick until, source::Batch& batch) override {
-    film_.add(twin_);
-    return source_.advance(until, batch);
-  }
-  void drive(PinId pin, bool level, Tick at) override { source_.drive(pin, level, at); }
-  void uartWrite(std::span<const std::uint8_t> bytes) override { source_.uartWrite(bytes); }
-  [[nodiscard]] std::string message() const override { return source_.message(); }
-
- private:
-  source::SignalSource& source_;
-  const twin::Twin& twin_;
-  MachineFilm& film_;
 };
 
 }  // namespace kerfbench::run

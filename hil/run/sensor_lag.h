@@ -34,19 +34,4 @@ SensorLag sensorLag(std::span<const SensorEdge> due, std::span<const SensorEdge>
 /// fastest speed of the line (1 us … 1 ms).
 double sensorLagLimit_s(const scenario::Scenario& scenario);
 
-/// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
-class WitnessedTwin final : public TwinModel {
- public:
-  explicit WitnessedTwin(twin::Twin& twin) : TwinModel(twin) {}
-  void advance(Tick until, std::span<const PinEvent> events) override {
-    const std::vector<SensorEdge> edges = predictSensors(until);
-    due_.insert(due_.end(), edges.begin(), edges.end());
-    TwinModel::advance(until, events);
-  }
-  [[nodiscard]] const std::vector<SensorEdge>& due() const { return due_; }
-
- private:
-  std::vector<SensorEdge> due_;
-};
-
 }  // namespace kerfbench::run

@@ -6,7 +6,8 @@
 #include "hil/dieline/read.h"
 #include "hil/machine_file/machine_file.h"
 #include "hil/scenario/scenario.h"
-#include "twin/cutter/twin.h"
+#include "twin/description/description.h"
+#include "twin/description/imperfections.h"
 
 namespace kerfbench::scenario {
 

@@ -7,6 +7,7 @@
 
 #include "hil/run/dialogs.h"
 #include "hil/run/lockstep.h"
+#include "hil/run/twin_model.h"
 #include "hil/scenario/case.h"
 #include "hil/source/open.h"
 
@@ -26,10 +27,11 @@ RecordedRun record(const std::filesystem::path& scenario, const std::filesystem:
   run.web = scenario::webOf(test_case);
   run.rate = source->info().rate;
   twin::Twin twin(run.machine, run.web, run.rate, {.fidelity = twin::Fidelity::kFast});
+  run::TwinModel model(twin);
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
-  run::LockstepResult result =
-      run::runLockstep(*source, twin, run.machine.signals, job.dialog.get(), lockstep, {});
+  run::RecordedRun result =
+      run::runLockstep(*source, model, run.machine.signals, job.dialog.get(), lockstep, {});
   if (!result.problems.empty()) throw std::runtime_error(run.name + ": " + result.problems.front());
   run.events = std::move(result.recording.outputs);
   run.end = result.recording.end;

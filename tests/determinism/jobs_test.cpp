@@ -9,9 +9,10 @@
 #include "hil/judge/judge.h"
 #include "hil/report/run_report.h"
 #include "hil/run/dialogs.h"
-#include "hil/run/lockstep.h"
+#include "hil/run/model_machine.h"
 #include "hil/run/release.h"
 #include "hil/scenario/case.h"
+#include "hil/source/open.h"
 
 namespace kerfbench::determinism {
 namespace {
@@ -21,22 +22,22 @@ namespace fs = std::filesystem;
 /// A label on the fast twin with all its imperfections, run once and played again for each judgement.
 class LabelRun {
  public:
-  LabelRun() : case_(readLabel()), machine_(scenario::sampledMachine(case_).machine) {
+  LabelRun() : case_(readLabel()), sampled_(scenario::sampledMachine(case_)) {
     run::PreparedJob job = run::prepareJob(case_);
     const auto source = run::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
-    rate_ = source->info().rate;
-    twin::Twin twin = newTwin();
-    run_ = run::runLockstep(*source, twin, machine_.signals, job.dialog.get(), {}, {});
+    run::ModelMachine machine(case_, sampled_, source->info().rate, run::modelOptions(case_));
+    run_ = machine.run(*source, job.dialog.get(), {}, {});
   }
 
   [[nodiscard]] const std::vector<std::string>& problems() const { return run_.problems; }
   [[nodiscard]] report::RunReport judged(int jobs) const {
-    twin::Twin twin = newTwin();
-    twin.advance(run_.recording.end, run_.recording.outputs);
+    run::ModelMachine machine(case_, sampled_, run_.recording.rate, run::modelOptions(case_));
+    machine.run(*source::openRecording(run_.recording, "label"), nullptr, {}, {});
     base::Stopwatch stopwatch;
     report::RunReport report;
-    judge::judge(
-        case_, twin, {}, {}, {}, jobs, stopwatch, [](double, const std::string&) {}, report);
+    judge::addJudgement(
+        judge::judge(case_, run_, {}, {machine, {}, jobs}, {stopwatch, [](double, const std::string&) {}}),
+        report);
     return report;
   }
 
@@ -49,17 +50,10 @@ class LabelRun {
     label.scenario.imperfections = twin::Preset::kDynamic;
     return label;
   }
-  [[nodiscard]] twin::Twin newTwin() const {
-    return {machine_,
-            scenario::webOf(case_),
-            rate_,
-            {.fidelity = case_.scenario.fidelity, .seed = case_.scenario.seed}};
-  }
 
   scenario::Case case_;
-  twin::MachineDescription machine_;
-  TickRate rate_;
-  run::LockstepResult run_;
+  twin::SampledMachine sampled_;
+  run::RecordedRun run_;
 };
 
 TEST(Jobs, OneTwoAndSevenThreadsMeasureAndJudgeTheSame) {

@@ -66,7 +66,8 @@ class Build:
         return os.path.join(self.folder, words[words.index("-o") + 1])
 
     def objects_with(self, path):
-        """Objects that a file of the source tree is compiled into: its own, or for a header all that include it."""
+        """Objects that a file of the source tree is compiled into: its own, or all that include it, as a header is
+        included, or a source where several are compiled as one."""
         source = os.path.join(self.root, path)
         own = [o for o, (file, _) in self.compile_of.items() if file == source]
         if own:
@@ -122,8 +123,11 @@ class Workshop:
             source, words = self.build.compile_of[name]
             words = list(words)
             overlay = os.path.join(self.folder, "overlay")
-            if source == os.path.join(self.build.root, self.path):
+            original = os.path.join(self.build.root, self.path)
+            if source == original:
                 words[words.index(source)] = os.path.join(overlay, self.path)
+            elif re.fullmatch(r"unity_\d+_cxx\.cxx", os.path.basename(source)):
+                words[words.index(source)] = self.unity_with_mutant(source, original, overlay)
             out = os.path.join(self.folder, re.sub(r"[^\w.]", "_", name))
             words[words.index("-o") + 1] = out
             words.insert(next(i for i, word in enumerate(words) if word.startswith("-I")), "-I" + overlay)
@@ -132,6 +136,15 @@ class Workshop:
                 raise Refused(result.stdout)
             self.objects[name] = out
         return self.objects[name]
+
+    def unity_with_mutant(self, source, original, overlay):
+        """A copy of a source that includes several, with the mutant in place of the original if it is one of them."""
+        with open(source, encoding="utf-8") as file:
+            text = file.read()
+        copy = os.path.join(overlay, os.path.basename(source))
+        with open(copy, "w", encoding="utf-8") as file:
+            file.write(text.replace(original, os.path.join(overlay, self.path)))
+        return copy
 
     def program(self, name):
         """Path of the test program with the mutant in it."""

@@ -7,10 +7,16 @@
 
 #include "hil/base/stopwatch.h"
 #include "hil/camera/twin/twin_frames.h"
+#include "hil/evidence/pin_evidence.h"
 #include "hil/judge/judge.h"
+#include "hil/judge/pin_wiring.h"
 #include "hil/live/spot_recorder.h"
-#include "hil/run/lockstep.h"
+#include "hil/run/dialogs.h"
+#include "hil/run/model_machine.h"
+#include "hil/run/release.h"
+#include "hil/run/twin_model.h"
 #include "hil/source/open.h"
+#include "tests/scenarios/twin_cameras.h"
 
 namespace kerfbench::test {
 namespace {
@@ -23,38 +29,33 @@ scenario::Case caseOf(const std::filesystem::path& scenario) {
   return scenario::readCase(scenario, KERFBENCH_BINARY_DIR "/firmware");
 }
 
-run::CutSheet cutByRelease(const scenario::Case& test_case) {
-  return run::cutOnTwin(test_case, KERFBENCH_BINARY_DIR "/bin", [](double, const std::string&) {});
-}
-
-run::CutSheet cutByPins(const scenario::Case& test_case, const std::filesystem::path& pins) {
-  run::CutSheet cut;
-  cut.sampled = scenario::sampledMachine(test_case);
-  const auto source = source::openVcd(pins, test_case.machine.signals);
-  cut.twin = std::make_unique<twin::Twin>(cut.sampled.machine, scenario::webOf(test_case),
-                                          source->info().rate, run::twinOptions(test_case));
-  run::LockstepOptions lockstep;
-  lockstep.time_limit_s = test_case.scenario.time_limit_s;
-  cut.run = run::runLockstep(*source, *cut.twin, test_case.machine.signals, nullptr, lockstep, {});
-  return cut;
-}
-
 }  // namespace
 
-FilmedCut::FilmedCut(const std::filesystem::path& scenario)
-    : FilmedCut(caseOf(scenario), cutByRelease(caseOf(scenario))) {}
+FilmedCut::FilmedCut(const std::filesystem::path& scenario) : case_(caseOf(scenario)) {
+  const run::PreparedJob job = run::prepareJob(case_);
+  const auto source = run::openRelease(case_.scenario.firmware, KERFBENCH_BINARY_DIR "/bin");
+  cut(*source, job.dialog.get());
+}
 
 FilmedCut::FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins)
-    : FilmedCut(caseOf(scenario), cutByPins(caseOf(scenario), pins)) {}
+    : case_(caseOf(scenario)) {
+  cut(*source::openVcd(pins, case_.machine.signals), nullptr);
+}
 
-FilmedCut::FilmedCut(scenario::Case test_case, run::CutSheet cut)
-    : case_(std::move(test_case)), cut_(std::move(cut)) {
-  const auto gates = cut_.twin->gateIntervals();
-  // judge() takes the exposures of its own twin; a real camera's are its own.
-  exposures_ = cut_.twin->takeExposures();
+void FilmedCut::cut(source::SignalSource& source, run::Dialog* dialog) {
+  const twin::SampledMachine sampled = scenario::sampledMachine(case_);
+  const run::ModelOptions options = run::modelOptions(case_);
+  twin_ = std::make_unique<twin::Twin>(sampled.machine, scenario::webOf(case_), source.info().rate,
+                                       twin::TwinOptions{.fidelity = options.fidelity, .seed = options.seed});
+  run::TwinModel model(*twin_);
+  run::LockstepOptions lockstep;
+  lockstep.time_limit_s = case_.scenario.time_limit_s;
+  run_ = run::runLockstep(source, model, case_.machine.signals, dialog, lockstep, {});
+  gates_ = evidence::pinEvidence(run_.recording, judge::pinWiring(case_)).gates;
+  exposures_ = twin_->takeExposures();
   std::erase_if(exposures_, [&](const twin::Exposure& e) {
-    return gates.empty() || e.start_s < gates.front().first - kMargin_s ||
-           e.start_s > gates.back().second + kMargin_s;
+    return gates_.empty() || e.start_s < gates_.front().on_s - kMargin_s ||
+           e.start_s > gates_.back().off_s + kMargin_s;
   });
 }
 
@@ -95,9 +96,9 @@ std::vector<double> FilmedCut::begins_s() const {
 }
 
 double FilmedCut::middleOfACut_s() const {
-  const auto gates = cut_.twin->gateIntervals();
-  const auto longest = std::ranges::max_element(gates, {}, [](const auto& g) { return g.second - g.first; });
-  return 0.5 * (longest->first + longest->second);
+  const auto longest = std::ranges::max_element(
+      gates_, {}, [](const inspect::GateInterval& gate) { return gate.off_s - gate.on_s; });
+  return 0.5 * (longest->on_s + longest->off_s);
 }
 
 std::string FilmedCut::record(camera::FakeVideo& camera, const std::filesystem::path& folder) const {
@@ -109,9 +110,10 @@ std::string FilmedCut::record(camera::FakeVideo& camera, const std::filesystem::
 report::RunReport FilmedCut::judged(const std::filesystem::path& recording, int jobs) const {
   report::RunReport report;
   base::Stopwatch stopwatch;
-  judge::judge(
-      case_, *cut_.twin, cut_.run, {}, {recording}, jobs, stopwatch, [](double, const std::string&) {},
-      report);
+  TwinCameras cameras(case_, *twin_);
+  judge::addJudgement(judge::judge(case_, run_, {}, {cameras, recording, jobs},
+                                   {stopwatch, [](double, const std::string&) {}}),
+                      report);
   return report;
 }
 

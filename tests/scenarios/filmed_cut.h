@@ -7,10 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "hil/inspect/evidence/pin_evidence.h"
 #include "hil/report/run_report.h"
-#include "hil/run/cut_on_twin.h"
+#include "hil/run/dialog.h"
+#include "hil/run/lockstep.h"
 #include "hil/scenario/case.h"
+#include "hil/source/signal_source.h"
 #include "tests/hil/camera/v4l2/fake_video.h"
+#include "twin/camera/camera.h"
+#include "twin/cutter/twin.h"
 
 namespace kerfbench::test {
 
@@ -43,13 +48,16 @@ class FilmedCut {
   [[nodiscard]] report::RunReport judged(const std::filesystem::path& recording, int jobs = 2) const;
 
   [[nodiscard]] const scenario::Case& theCase() const { return case_; }
-  [[nodiscard]] const run::CutSheet& cut() const { return cut_; }
+  [[nodiscard]] const run::RecordedRun& run() const { return run_; }
+  [[nodiscard]] const std::vector<inspect::GateInterval>& gates() const { return gates_; }
 
  private:
-  FilmedCut(scenario::Case test_case, run::CutSheet cut);
+  void cut(source::SignalSource& source, run::Dialog* dialog);
 
   scenario::Case case_;
-  run::CutSheet cut_;
+  std::unique_ptr<twin::Twin> twin_;
+  run::RecordedRun run_;
+  std::vector<inspect::GateInterval> gates_;
   std::vector<twin::Exposure> exposures_;
 };
 

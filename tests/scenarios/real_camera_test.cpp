@@ -62,7 +62,7 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
 
   // The program makes the same of pins and frames, up to what the controller said.
   const auto pins = scratch.path() / "pins.vcd";
-  source::PinRecording recording = goodCut().cut().run.recording;
+  source::PinRecording recording = goodCut().run().recording;
   recording.uart.clear();
   source::writeVcd(pins, recording, goodCut().theCase().machine.signals);
   const auto replay =
@@ -108,7 +108,7 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
   const FilmedCut askew(scratch.path() / "askew.yaml");
   const auto camera = askew.camera();
   (void)askew.record(*camera, scratch.path() / "spot");
-  source::PinRecording recording = askew.cut().run.recording;
+  source::PinRecording recording = askew.run().recording;
   recording.uart.clear();
   source::writeVcd(scratch.path() / "pins.vcd", recording, askew.theCase().machine.signals);
   const auto replay =
@@ -130,12 +130,6 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
   EXPECT_THAT(textOf(results / "report.html"), HasSubstr("Where machine and model part"));
 }
 
-std::vector<inspect::GateInterval> gatesOf(const FilmedCut& cut) {
-  std::vector<inspect::GateInterval> gates;
-  for (const auto& [on_s, off_s] : cut.cut().twin->gateIntervals()) gates.push_back({on_s, off_s});
-  return gates;
-}
-
 // The light is soft: power follows the speed, so the gate alone tells no more than some milliseconds.
 TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
   const ScratchFolder scratch;
@@ -146,7 +140,7 @@ TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
     const auto camera = goodCut().camera(drift);
     (void)goodCut().record(*camera, folder);
     const judge::RealSpot spot = judge::lookAtRealSpot(goodCut().theCase(), folder, calibration.value(),
-                                                       goodCut().cut().run.recording, gatesOf(goodCut()), 2);
+                                                       goodCut().run().recording, goodCut().gates(), 2);
     ASSERT_GT(spot.track.frames.size(), 300U);
     EXPECT_LT(spot.clock_bound_s, 1e-3);
     double worst_s = 0.0;
@@ -283,8 +277,7 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   base::Console console(true);
   const auto keep = [&](const fs::path& frames) {
     testing::internal::CaptureStdout();
-    live::salvageEvidence(goodCut().theCase(), goodCut().cut().run.recording, frames, scratch.path(),
-                          console);
+    live::salvageEvidence(goodCut().theCase(), goodCut().run().recording, frames, scratch.path(), console);
     return testing::internal::GetCapturedStdout();
   };
   EXPECT_THAT(keep(scratch.path() / "whole"), Not(HasSubstr("lost")));
@@ -296,7 +289,7 @@ TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   EXPECT_FALSE(fs::exists(scratch.path() / "label-camera-capture-2" / "spot"));
   std::ofstream(scratch.path() / "no-folder") << "a file";
   testing::internal::CaptureStdout();
-  live::salvageEvidence(goodCut().theCase(), goodCut().cut().run.recording, {}, scratch.path() / "no-folder",
+  live::salvageEvidence(goodCut().theCase(), goodCut().run().recording, {}, scratch.path() / "no-folder",
                         console);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("could not be kept"));
 }
@@ -358,7 +351,7 @@ TEST(RealCamera, SeesNothingOfEmulatedPins) {
 TEST(RealCamera, WithoutARecordingOfItsFramesIsNotReplayed) {
   const ScratchFolder scratch;
   const auto pins = scratch.path() / "pins.vcd";
-  source::writeVcd(pins, goodCut().cut().run.recording, goodCut().theCase().machine.signals);
+  source::writeVcd(pins, goodCut().run().recording, goodCut().theCase().machine.signals);
   const std::string scenario = fixture("scenarios/native/label-camera.yaml").string();
   const auto run = kerfbench(fmt::format("replay '{}' --scenario '{}' -q --results-dir '{}'", pins.string(),
                                          scenario, scratch.path().string()));

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -14,18 +13,16 @@
 #include <string>
 #include <vector>
 
+#include "tests/structure/source_text.h"
+
 namespace {
 
 namespace fs = std::filesystem;
+using kerfbench::test::textOf;
 
 using Graph = std::map<std::string, std::set<std::string>>;
 
 const fs::path kRoot = KERFBENCH_SOURCE_DIR;
-
-std::string textOf(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Lines "room: room room".
 Graph graphFrom(const std::string& text) {
@@ -116,11 +113,42 @@ TEST(Rooms, ThatMeasureAndJudgeReachNothingOfTheTwinButItsBase) {
   const Graph graph = linked();
   for (const auto& [room, links] : graph) {
     const bool judges = room.starts_with("hil/vision") || room.starts_with("hil/inspect") ||
-                        room.starts_with("hil/calibrate") || room == "hil/camera" || room == "hil/dieline";
+                        room.starts_with("hil/calibrate") || room == "hil/camera" || room == "hil/dieline" ||
+                        room == "hil/evidence";
     if (!judges) continue;
     for (const std::string& reached : reachable(graph, room))
       EXPECT_TRUE(!reached.starts_with("twin/") || reached == "twin/base") << room << " reaches " << reached;
   }
+}
+
+/// The project's headers that a file includes, directly or by way of others.
+std::set<std::string> includedBy(const std::string& path) {
+  static const std::regex kInclude(R"re(#include "([^"]+)")re");
+  std::set<std::string> seen;
+  std::vector<std::string> open{path};
+  while (!open.empty()) {
+    const std::string next = open.back();
+    open.pop_back();
+    if (!fs::exists(kRoot / next)) continue;
+    const std::string text = textOf(kRoot / next);
+    for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it) {
+      if (seen.insert((*it)[1].str()).second) open.push_back((*it)[1].str());
+    }
+  }
+  return seen;
+}
+
+TEST(Rooms, ThatHoldATwinAreTheRunAndTheAdaptersOfItsCameras) {
+  int holders = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "hil")) {
+    if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+    const std::string path = fs::relative(entry.path(), kRoot).string();
+    const bool holds = includedBy(path).contains("twin/cutter/twin.h");
+    if (holds) ++holders;
+    EXPECT_FALSE(holds && !path.starts_with("hil/run/") && !path.starts_with("hil/camera/twin/"))
+        << path << " reaches twin/cutter/twin.h";
+  }
+  EXPECT_GT(holders, 2);
 }
 
 TEST(Rooms, ArePicturedInArchitectureAsTheyAre) {

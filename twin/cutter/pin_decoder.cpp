@@ -43,7 +43,7 @@ PinDecoder::PinDecoder(const MachineDescription& machine, const WebDescription& 
     const bool wired = machine.signals.pin(pul) && machine.signals.pin(dir);
     if (!wired || !isFitted(machine, web, axis)) continue;
     inputs_.push_back({axis, wire(machine.signals, pul), wire(machine.signals, dir),
-                       PulseDecoder(nameOf(axis), axisOf(machine, axis).profile)});
+                       PulseDecoder(axisOf(machine, axis).profile)});
   }
   std::uint16_t last_port = 0;
   for (std::size_t i = 0; i < kSignalCount; ++i) {
@@ -66,18 +66,11 @@ void PinDecoder::decode(const PinEvent& event, MachineModel& model) {
   if (moved(pwm_wire_)) pwm_.set(time_s, high(pwm_wire_));
   if (!moved(gate_wire_)) return;
   gate_edges_.push(time_s);
-  gate_intervals_.set(time_s, high(gate_wire_));
 }
 
 void PinDecoder::settle(Tick now, MachineModel& model) {
   const double now_s = rate_.seconds(now);
   for (Input& input : inputs_) input.decoder.settle(now_s, model.command(input.axis).incoming());
-}
-
-std::vector<PulseTiming> PinDecoder::pulseTiming() const {
-  std::vector<PulseTiming> timing;
-  for (const Input& input : inputs_) timing.push_back(input.decoder.timing());
-  return timing;
 }
 
 }  // namespace kerfbench::twin

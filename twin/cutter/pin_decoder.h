@@ -2,23 +2,20 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "twin/base/pin_event.h"
-#include "twin/base/pulse_timing.h"
 #include "twin/base/signal_map.h"
 #include "twin/cutter/machine_model.h"
 #include "twin/description/description.h"
 #include "twin/signal/edge_queue.h"
-#include "twin/signal/high_intervals.h"
 #include "twin/signal/level_tracker.h"
 #include "twin/signal/pulse_decoder.h"
 
 namespace kerfbench::twin {
 
 /// The machine's end of the controller's wires: writes to ports become steps of the axes, and what gate and
-/// PWM ask of the laser. Memory: 16 bytes for each time the gate opens, nothing else grows.
+/// PWM ask of the laser. Nothing grows with the length of a run.
 class PinDecoder {
  public:
   PinDecoder(const MachineDescription& machine, const WebDescription& web, TickRate rate);
@@ -32,10 +29,6 @@ class PinDecoder {
   [[nodiscard]] LevelTracker& pwm() { return pwm_; }
   /// When the gate opened or closed, in turn; whoever reads them takes them away.
   [[nodiscard]] EdgeQueue& gateEdges() { return gate_edges_; }
-  [[nodiscard]] std::vector<std::pair<double, double>> gateIntervals(double now_s) const {
-    return gate_intervals_.until(now_s);
-  }
-  [[nodiscard]] std::vector<PulseTiming> pulseTiming() const;
 
  private:
   /// A pin that nobody wired has an empty mask: it is low for ever.
@@ -58,7 +51,6 @@ class PinDecoder {
   std::vector<std::uint16_t> ports_;  ///< Levels now.
   LevelTracker pwm_;
   EdgeQueue gate_edges_;
-  HighIntervals gate_intervals_;
 };
 
 }  // namespace kerfbench::twin

@@ -14,8 +14,7 @@ void PowerMonitor::emitted(double energy_j, double begin_s, double step_s) {
     if (read_j_ < next_j) return;
     quanta_ += 1.0;
     const double share = std::clamp((next_j - before_j) / (read_j_ - before_j), 0.0, 1.0);
-    edges_s_.push_back(begin_s + share * step_s + monitor_.delay_s);
-    if (sends_) due_s_.push_back(edges_s_.back());
+    if (sends_) due_s_.push_back(begin_s + share * step_s + monitor_.delay_s);
   }
 }
 

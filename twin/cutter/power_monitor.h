@@ -24,8 +24,6 @@ class PowerMonitor {
   /// Appends the edges up to `until` that were not sent yet; what should have come before `now` comes at
   /// now + 1. Exact as long as all energy up to until - delay_s is known.
   void predict(Tick now, Tick until, std::vector<SensorEdge>& edges);
-  /// Of all edges, s, also of those not sent: 8 bytes each.
-  [[nodiscard]] const std::vector<double>& edges_s() const { return edges_s_; }
 
  private:
   TickRate rate_;
@@ -33,8 +31,7 @@ class PowerMonitor {
   double read_j_{0.0};        ///< All energy so far as the meter reads it.
   double quanta_{0.0};        ///< Whole ones in it.
   std::deque<double> due_s_;  ///< Edges that were not sent yet.
-  std::vector<double> edges_s_;
-  bool level_{false};  ///< As sent.
+  bool level_{false};         ///< As sent.
   bool sends_{false};
 };
 

@@ -5,11 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "twin/base/pin_event.h"
-#include "twin/base/pulse_timing.h"
 #include "twin/base/signal_map.h"
 #include "twin/cutter/belt_encoder.h"
 #include "twin/cutter/burner.h"
@@ -37,9 +35,8 @@ struct TwinOptions {
 /// Deterministic: the state depends on description, options, pin events and their ticks alone, neither on the
 /// length of the quanta nor on predictSensors().
 ///
-/// Memory over long runs: what is burnt (Sheet::bytes()), 16 bytes each time the gate opens, one entry for
-/// each lost step, and exposures until they are taken (1.3 KiB for each of 200 us: 4.8 GB an hour at 1000
-/// frames/s). Nothing else grows.
+/// Memory over long runs: what is burnt (Sheet::bytes()), one entry for each lost step, and exposures until
+/// they are taken (1.3 KiB for each of 200 us: 4.8 GB an hour at 1000 frames/s). Nothing else grows.
 class Twin {
  public:
   /// @throws std::invalid_argument with everything that faultsOf(machine, web) finds.
@@ -59,13 +56,6 @@ class Twin {
   /// What is burnt so far. Good until the next advance(). Where it is asked for while the beam is lit a chord
   /// ends early (see Burner): the same sheet to 1e-3 of its peak, but not to the last bit.
   [[nodiscard]] const Sheet& sheet();
-  [[nodiscard]] std::vector<PulseTiming> pulseTiming() const { return pins_.pulseTiming(); }
-  /// When the laser gate was open, s.
-  [[nodiscard]] std::vector<std::pair<double, double>> gateIntervals() const {
-    return pins_.gateIntervals(now_s());
-  }
-  /// Edges of the power monitor's pin, one for each quantum of energy, s; empty if nobody wired it.
-  [[nodiscard]] const std::vector<double>& powerMonitorEdges_s() const { return monitor_.edges_s(); }
   /// Exposures of the spot camera that have ended; each is handed out once.
   std::vector<Exposure> takeExposures() { return exposures_.take(); }
   /// Steppers that the load has pulled over, by time.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "twin/base/pulse_timing.h"
@@ -14,31 +13,29 @@ struct StepEdge {
   int direction{};  ///< +1 (DIR high) or -1.
 };
 
-/// One PUL/DIR input as the drive behind it sees it, and what its data sheet would say to the pulses.
+/// One PUL/DIR input as the drive behind it sees it. Whether the pulses keep to its data sheet is measured
+/// elsewhere (hil/evidence): here they only become steps.
 ///
 /// The drive latches DIR with the active edge of PUL. A DIR that changed less than the set-up time before the
 /// edge has not reached the latch yet: the drive steps the old way. A DIR that changes within the hold time
-/// after the edge is a fault too, though the step is already latched. The drive's input filter lets a pulse
+/// after the edge comes too late to matter: the step is latched. The drive's input filter lets a pulse
 /// through once it has lasted width_s, so a step takes effect width_s after its active edge, and a shorter
 /// pulse never does; the same holds for the pause between two pulses (space_s). Time is in s and must not run
 /// backwards.
 class PulseDecoder {
  public:
-  PulseDecoder(std::string axis, const DriverProfile& profile);
+  explicit PulseDecoder(DriverProfile profile);
 
   /// Both levels from this time on; appends the steps that are certain by now.
   void levels(double time_s, bool pul, bool dir, std::vector<StepEdge>& steps);
   /// No change until this time; a pulse that has lasted long enough becomes a step.
   void settle(double time_s, std::vector<StepEdge>& steps);
 
-  [[nodiscard]] const PulseTiming& timing() const { return timing_; }
-
  private:
   void activeEdge(double time_s);
   void idleEdge(double time_s);
-  void violation(std::uint64_t& counter, double time_s);
 
-  PulseTiming timing_;
+  DriverProfile profile_;
   bool active_;  ///< PUL is at its active level.
   bool dir_{false};
   bool old_dir_{false};  ///< The last level of DIR before this that stood for the set-up time.

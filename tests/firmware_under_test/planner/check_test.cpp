@@ -64,7 +64,7 @@ TEST(Check, RoomOfThePapersStripExceedsItsClosedFormByTheRamps) {
   const RoomNeeded room =
       roomNeeded(*checked.solution, unitOf(readGcode(text)), test::gantry(), job, Axes(test::gantry(), {}));
   ASSERT_TRUE(room.closed_form);
-  // SEEDS S0: x0 >= 695.7 mm.
+  // Hu, Hu, Jiang 2014 (S0): v_x y_0 / v_y <= x_0, so x_0 >= 695.7 mm.
   EXPECT_NEAR(room.closed_form->travel_mm, 695.65, 0.01);
   EXPECT_NEAR(room.closed_form->least_pitch_mm, 200.0 / 230.0 * (200.0 / 400.0 + 1.0) * 800.0, 1e-6);
   EXPECT_GT(room.high_x_mm - room.low_x_mm, room.closed_form->travel_mm);

@@ -25,20 +25,20 @@ class HearControllerTest : public testing::Test {
   void says(std::uint8_t state, std::uint8_t fault, double at_s) {
     run.recording.uart.push_back({kRate.ticksAt(at_s), controller::spokenState(state, fault, 0)});
   }
-  void hear(run::LockstepResult& heard) {
+  void hear(run::RecordedRun& heard) {
     Conclusion conclusion;
     collectControllerEvidence(test_case, run::PreparedJob{}, run.recording,
                               std::numeric_limits<double>::quiet_NaN(), heard, conclusion);
   }
   /// What is made of the recording without a dialog.
-  run::LockstepResult replayed() {
-    run::LockstepResult replay;
+  run::RecordedRun replayed() {
+    run::RecordedRun replay;
     replay.problems = replay.recording.problems = run.recording.problems;
     hear(replay);
     return replay;
   }
   scenario::Case test_case;
-  run::LockstepResult run;
+  run::RecordedRun run;
 };
 
 // Its replay knew nothing of it, and passed.

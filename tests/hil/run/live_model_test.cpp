@@ -8,6 +8,7 @@
 
 #include "hil/machine_file/machine_file.h"
 #include "hil/run/sensor_lag.h"
+#include "hil/run/twin_model.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::run {

@@ -8,6 +8,7 @@
 
 #include "hil/machine_file/machine_file.h"
 #include "tests/hil/base/temp_folder.h"
+#include "twin/cutter/twin.h"
 
 namespace kerfbench::run {
 namespace {

@@ -99,7 +99,6 @@ TEST(TwinMotion, WithoutTheGateThePwmBurnsNothing) {
   run(twin, pins.events(), 0, ticks(0.05), kQuantum);
   EXPECT_EQ(twin.truth().emitted_j, 0.0);
   EXPECT_TRUE(twin.sheet().untouched({-1e4, -1e4}, {1e4, 1e4}));
-  EXPECT_TRUE(twin.gateIntervals().empty());
 }
 
 TEST(TwinMotion, ASpotThatRestsBurnsALineOnTheMovingWeb) {
@@ -117,20 +116,6 @@ TEST(TwinMotion, ASpotThatRestsBurnsALineOnTheMovingWeb) {
   EXPECT_TRUE(twin.sheet().untouched({100.0, -1.0}, {150.1, 1.0}));
   EXPECT_FALSE(twin.sheet().untouched({156.3, -0.1}, {156.4, 0.1}));
   EXPECT_FALSE(twin.sheet().untouched({150.4, -0.1}, {150.5, 0.1}));
-}
-
-TEST(TwinMotion, GateIntervalsAreThoseOfThePin) {
-  const auto machine = twoMirror();
-  Pins pins(machine.signals);
-  for (const auto& [on_s, off_s] : {std::pair(1e-3, 2.5e-3), {4e-3, 4.1e-3}}) {
-    pins.set(on_s, Signal::kLaserGate, true);
-    pins.set(off_s, Signal::kLaserGate, false);
-  }
-  pins.set(9e-3, Signal::kLaserGate, true);
-  Twin twin(machine, lineWeb(), kRate);
-  run(twin, pins.events(), 0, ticks(0.01), kQuantum);
-  EXPECT_EQ(twin.gateIntervals(),
-            (std::vector<std::pair<double, double>>{{1e-3, 2.5e-3}, {4e-3, 4.1e-3}, {9e-3, 0.01}}));
 }
 
 TEST(TwinMotion, ExposuresComeEvenlyAndEachOnce) {
@@ -171,17 +156,6 @@ TEST(TwinMotion, AMirrorDrivenOutOfReachBurnsNothing) {
   twin.advance(ticks(0.7), std::span(&gate, 1));
   EXPECT_GT(twin.truth().emitted_j, 3.9);
   EXPECT_EQ(twin.sheet().energyJ(), 0.0);
-}
-
-TEST(TwinMotion, OnlyAxesThatTheMachineHasAreTimed) {
-  const auto names = [](const MachineDescription& machine, const WebDescription& web) {
-    std::string all;
-    for (const PulseTiming& timing : Twin(machine, web, kRate).pulseTiming()) all += timing.axis + " ";
-    return all;
-  };
-  EXPECT_EQ(names(twoMirror(), lineWeb()), "galvo_x galvo_y ");
-  EXPECT_EQ(names(gantry(), lineWeb()), "gantry_x gantry_y ");
-  EXPECT_EQ(names(twoMirror(), fedWeb()), "galvo_x galvo_y feed ");
 }
 
 TEST(TwinMotion, RefusesAMachineThatCannotBe) {

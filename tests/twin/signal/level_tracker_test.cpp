@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "twin/base/random.h"
-#include "twin/signal/high_intervals.h"
 
 namespace kerfbench::twin {
 namespace {
@@ -72,19 +71,6 @@ TEST(LevelTracker, KnowsWhenThePinChangesNext) {
   EXPECT_TRUE(std::isinf(tracker.nextChange_s()));
   tracker.set(5.0, true);
   EXPECT_EQ(tracker.nextChange_s(), 5.0);
-}
-
-TEST(HighIntervals, AreThoseInWhichThePinWasHigh) {
-  HighIntervals intervals;
-  intervals.set(0.5, false);
-  intervals.set(1.0, true);
-  intervals.set(1.2, true);
-  intervals.set(2.0, false);
-  intervals.set(2.5, false);
-  intervals.set(3.0, true);
-  EXPECT_EQ(intervals.until(4.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 4.0}}));
-  intervals.set(5.0, false);
-  EXPECT_EQ(intervals.until(9.0), (std::vector<std::pair<double, double>>{{1.0, 2.0}, {3.0, 5.0}}));
 }
 
 TEST(LevelTracker, IsLowUntilItIsTold) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -21,7 +20,7 @@ DriverProfile gecko201() { return {"Gecko201", false, 1 * kUs, 20 * kUs, 0.5 * k
 // The two wires, in microseconds.
 class Wires {
  public:
-  explicit Wires(const DriverProfile& profile) : decoder_("axis", profile) {}
+  explicit Wires(const DriverProfile& profile) : decoder_(profile) {}
   Wires& pul(double at_us, bool level) { return set(at_us, level, dir_); }
   Wires& dir(double at_us, bool level) { return set(at_us, pul_, level); }
   Wires& set(double at_us, bool pul_level, bool dir_level) {
@@ -38,11 +37,6 @@ class Wires {
     return result;
   }
   [[nodiscard]] const std::vector<StepEdge>& steps() const { return steps_; }
-  [[nodiscard]] const PulseTiming& timing() const { return decoder_.timing(); }
-  [[nodiscard]] std::uint64_t violations() const {
-    const PulseTiming& t = timing();
-    return t.setup_violations + t.hold_violations + t.width_violations + t.space_violations;
-  }
 
  private:
   PulseDecoder decoder_;
@@ -56,9 +50,6 @@ TEST(PulseDecoder, StepsInTheDirectionThatDirHadAtTheActiveEdge) {
   Wires wires(dm556());
   wires.pulse(100, 5).dir(120, true).pulse(140, 5).pulse(160, 5).dir(180, false).pulse(200, 5);
   EXPECT_EQ(wires.directions(), (Directions{-1, 1, 1, -1}));
-  EXPECT_EQ(wires.timing().pulses, 4U);
-  EXPECT_EQ(wires.violations(), 0U);
-  EXPECT_LT(wires.timing().first_violation_s, 0.0);
 }
 
 TEST(PulseDecoder, AStepTakesEffectOnceThePulseHasLastedItsWidth) {
@@ -70,44 +61,21 @@ TEST(PulseDecoder, AStepTakesEffectOnceThePulseHasLastedItsWidth) {
   EXPECT_EQ(wires.directions(1e6).size(), 1U);
 }
 
-TEST(PulseDecoder, ReportsTheShortestTimesSeen) {
-  Wires wires(dm556());
-  wires.pulse(100, 5).dir(120, true).pulse(129, 3).pulse(140, 7).dir(155, false).pulse(200, 5);
-  EXPECT_NEAR(wires.timing().min_setup_s, 9 * kUs, 1e-12);
-  EXPECT_NEAR(wires.timing().min_hold_s, 15 * kUs, 1e-12);
-  EXPECT_NEAR(wires.timing().min_width_s, 3 * kUs, 1e-12);
-  EXPECT_NEAR(wires.timing().min_space_s, 8 * kUs, 1e-12);
-}
-
-TEST(PulseDecoder, WithoutPulsesNoTimeWasSeen) {
-  Wires wires(dm556());
-  wires.dir(1, true).dir(2, false);
-  EXPECT_TRUE(std::isinf(wires.timing().min_setup_s));
-  EXPECT_TRUE(std::isinf(wires.timing().min_hold_s));
-  EXPECT_TRUE(std::isinf(wires.timing().min_width_s));
-  EXPECT_TRUE(std::isinf(wires.timing().min_space_s));
-  EXPECT_EQ(wires.violations(), 0U);
-}
-
-TEST(PulseDecoder, ADirThatIsTooLateLetsTheDriveStepTheOldWayAndIsCounted) {
+TEST(PulseDecoder, ADirThatIsTooLateLetsTheDriveStepTheOldWay) {
   Wires wires(dm556());
   wires.dir(100, true).pulse(104.9, 5).pulse(120, 5);
   EXPECT_EQ(wires.directions(), (Directions{-1, 1}));
-  EXPECT_EQ(wires.timing().setup_violations, 1U);
-  EXPECT_EQ(wires.violations(), 1U);
-  EXPECT_NEAR(wires.timing().first_violation_s, 104.9 * kUs, 1e-12);
 }
 
-TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsNoViolation) {
+TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsLongEnough) {
   Wires wires(dm556());
   wires.dir(100, true).pulse(105, 2.5).pulse(110, 2.5).dir(120, false).pulse(125, 2.5);
   EXPECT_EQ(wires.directions(), (Directions{1, 1, -1}));
-  EXPECT_EQ(wires.violations(), 0U);
 }
 
-TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsNoViolationAfterADayEither) {
+TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsLongEnoughAfterADayEither) {
   // Ticks of 62.5 ns: width 2.5 us, space 2.5 us, set-up 5 us and hold 10 us are whole numbers of them.
-  PulseDecoder decoder("axis", dm556());
+  PulseDecoder decoder(dm556());
   std::vector<StepEdge> steps;
   const TickRate rate{1, 16'000'000};
   Tick tick = 86'400ULL * 16'000'000ULL + 7;
@@ -124,50 +92,37 @@ TEST(PulseDecoder, ATimeThatIsExactlyTheLimitIsNoViolationAfterADayEither) {
     set(40, false, dir);
     tick += static_cast<Tick>(i % 13);
   }
-  const PulseTiming& t = decoder.timing();
-  EXPECT_EQ(t.setup_violations + t.hold_violations + t.width_violations + t.space_violations, 0U);
   EXPECT_EQ(steps.size(), 10000U);
 }
 
-TEST(PulseDecoder, AGlitchOfDirWithinTheSetupTimeIsCountedButTheDriveStillKnowsTheLevelBefore) {
+TEST(PulseDecoder, AGlitchOfDirWithinTheSetupTimeIsOverlookedTheDriveStillKnowsTheLevelBefore) {
   Wires wires(dm556());
   wires.dir(10, true).dir(100, false).dir(101, true).pulse(102, 5);
   EXPECT_EQ(wires.directions(), (Directions{1}));
-  EXPECT_EQ(wires.timing().setup_violations, 1U);
 }
 
-TEST(PulseDecoder, ADirThatChangesTooSoonAfterTheEdgeIsAHoldViolationOfAStepThatIsDone) {
+TEST(PulseDecoder, ADirThatChangesTooSoonAfterTheEdgeDoesNotChangeTheStep) {
   Wires wires(dm556());
   wires.dir(50, true).pulse(100, 5).dir(109.9, false);
   EXPECT_EQ(wires.directions(), (Directions{1}));
-  EXPECT_EQ(wires.timing().hold_violations, 1U);
-  EXPECT_EQ(wires.violations(), 1U);
-  EXPECT_NEAR(wires.timing().first_violation_s, 109.9 * kUs, 1e-12);
 }
 
-TEST(PulseDecoder, APulseThatIsTooShortMakesNoStepAndIsCounted) {
+TEST(PulseDecoder, APulseThatIsTooShortMakesNoStep) {
   Wires wires(dm556());
   wires.pulse(100, 2.4).pulse(120, 2.6);
   EXPECT_EQ(wires.directions(), (Directions{-1}));
-  EXPECT_EQ(wires.timing().width_violations, 1U);
-  EXPECT_EQ(wires.timing().pulses, 2U);
-  EXPECT_EQ(wires.violations(), 1U);
 }
 
-TEST(PulseDecoder, APauseThatIsTooShortMakesOnePulseOfTwoAndIsCounted) {
+TEST(PulseDecoder, APauseThatIsTooShortMakesOnePulseOfTwo) {
   Wires wires(dm556());
   wires.pulse(100, 5).pulse(107.4, 5).pulse(120, 5);
   EXPECT_EQ(wires.directions(), (Directions{-1, -1}));
-  EXPECT_EQ(wires.timing().space_violations, 1U);
-  EXPECT_EQ(wires.violations(), 1U);
 }
 
-TEST(PulseDecoder, DirAndPulInOneWriteHaveNoSetupAtAll) {
+TEST(PulseDecoder, DirAndPulInOneWriteStepTheOldWay) {
   Wires wires(dm556());
   wires.set(100, true, true).set(105, false, true).pulse(120, 5);
   EXPECT_EQ(wires.directions(), (Directions{-1, 1}));
-  EXPECT_EQ(wires.timing().setup_violations, 1U);
-  EXPECT_EQ(wires.timing().min_setup_s, 0.0);
 }
 
 TEST(PulseDecoder, TheDriveWithAFallingActiveEdgeStepsWithTheFall) {
@@ -177,38 +132,12 @@ TEST(PulseDecoder, TheDriveWithAFallingActiveEdgeStepsWithTheFall) {
   EXPECT_NEAR(wires.steps().front().time_s, 30.5 * kUs, 1e-15);
   wires.pul(40, true).pul(50, false).pul(60, true).dir(75, false).pul(90, false);
   EXPECT_EQ(wires.directions(), (Directions{1, 1, -1}));
-  EXPECT_EQ(wires.timing().pulses, 3U);
-  EXPECT_EQ(wires.violations(), 0U);
-  EXPECT_NEAR(wires.timing().min_width_s, 10 * kUs, 1e-12);
-  EXPECT_NEAR(wires.timing().min_hold_s, 25 * kUs, 1e-12);
 }
 
 TEST(PulseDecoder, APinThatRestsLowFromTheStartIsNoPulseOfAFallingEdgeDrive) {
   Wires wires(gecko201());
   wires.pul(10, false).dir(20, true).dir(30, false);
   EXPECT_TRUE(wires.directions().empty());
-  EXPECT_EQ(wires.timing().pulses, 0U);
-}
-
-TEST(PulseDecoder, TheHistogramCountsTheSetupTimeOfEveryActiveEdge) {
-  Wires wires(dm556());
-  wires.pulse(10, 5);  // DIR never changed: the open last bin.
-  wires.dir(100, true)
-      .pulse(107.2, 5)  // Bin 14.
-      .dir(200, false)
-      .pulse(200.2, 5)  // Bin 0.
-      .dir(300, true)
-      .pulse(329.9, 5)  // Bin 59.
-      .dir(400, false)
-      .pulse(430.1, 5)  // The open last bin.
-      .pulse(500, 5);
-  const auto& bins = wires.timing().setup_histogram;
-  ASSERT_EQ(bins.size(), 61U);
-  EXPECT_EQ(bins[14], 1U);
-  EXPECT_EQ(bins[0], 1U);
-  EXPECT_EQ(bins[59], 1U);
-  EXPECT_EQ(bins[60], 3U);
-  EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), std::uint64_t{0}), wires.timing().pulses);
 }
 
 // Random traffic with all kinds of faults, settled every `every_us` (0: never in between).
@@ -237,7 +166,6 @@ TEST(PulseDecoder, DoesNotCareHowOftenItSettles) {
   for (const DriverProfile& profile : {dm556(), gecko201()}) {
     const Wires rarely = randomTraffic(profile, 0.0);
     EXPECT_GT(rarely.steps().size(), 500U);
-    EXPECT_GT(rarely.violations(), 500U);
     for (const double every_us : {0.37, 10.0, 500.0}) {
       const Wires often = randomTraffic(profile, every_us);
       ASSERT_EQ(often.steps().size(), rarely.steps().size());
@@ -245,8 +173,6 @@ TEST(PulseDecoder, DoesNotCareHowOftenItSettles) {
         ASSERT_EQ(often.steps()[i].time_s, rarely.steps()[i].time_s);
         ASSERT_EQ(often.steps()[i].direction, rarely.steps()[i].direction);
       }
-      EXPECT_EQ(often.violations(), rarely.violations());
-      EXPECT_EQ(often.timing().setup_histogram, rarely.timing().setup_histogram);
     }
   }
 }

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "hil/camera/frame_source.h"
+#include "hil/camera/tile_source.h"
+
+namespace kerfbench::camera {
+
+/// The cameras that looked at a run. What stands behind them, a model or a machine, the judge is not told.
+class MachineCameras {
+ public:
+  virtual ~MachineCameras() = default;
+  /// Frames of the spot camera whose exposure began in [from_s, to_s] on the clock of the pins; each frame is
+  /// handed out once. `threads` changes the time it takes, never the frames.
+  virtual std::unique_ptr<FrameSource> spotFrames(double from_s, double to_s, int threads) = 0;
+  /// Pictures of the kerf camera of the sheet as it was in the end. Valid as long as this.
+  virtual std::unique_ptr<TileSource> kerfTiles(int threads) = 0;
+};
+
+}  // namespace kerfbench::camera

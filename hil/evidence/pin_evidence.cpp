@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/evidence/pin_evidence.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "hil/evidence/pulse_timer.h"
+#include "hil/source/encoder_edges.h"
+
+namespace kerfbench::evidence {
+namespace {
+
+/// The levels of all ports as writes to them arrive; low at first.
+class PortLevels {
+ public:
+  void apply(const PinEvent& event) {
+    if (event.port >= levels_.size()) levels_.resize(std::size_t{event.port} + 1, 0);
+    levels_[event.port] = event.level;
+  }
+  [[nodiscard]] bool high(PinId pin) const {
+    return pin.port < levels_.size() && ((levels_[pin.port] >> pin.bit) & 1U) != 0;
+  }
+
+ private:
+  std::vector<std::uint16_t> levels_;
+};
+
+/// A drive whose lines are both wired.
+struct WatchedDrive {
+  PinId pul, dir;
+  PulseTimer timer;
+};
+
+std::vector<WatchedDrive> watchedDrives(const PinWiring& wiring) {
+  std::vector<WatchedDrive> drives;
+  for (const DriveWiring& drive : wiring.drives) {
+    const std::optional<PinId> pul = wiring.signals.pin(drive.pul);
+    const std::optional<PinId> dir = wiring.signals.pin(drive.dir);
+    if (pul && dir) drives.push_back({*pul, *dir, PulseTimer(drive.axis, drive.profile)});
+  }
+  return drives;
+}
+
+/// When a line was high.
+class GateWatch {
+ public:
+  void level(double time_s, bool high) {
+    if (high == open_) return;
+    open_ = high;
+    if (high) {
+      intervals_.push_back({time_s, time_s});
+    } else {
+      intervals_.back().off_s = time_s;
+    }
+  }
+  std::vector<inspect::GateInterval> until(double end_s) {
+    if (open_) intervals_.back().off_s = end_s;
+    return std::move(intervals_);
+  }
+
+ private:
+  std::vector<inspect::GateInterval> intervals_;
+  bool open_{false};
+};
+
+std::vector<inspect::BeltEdge> beltEdges(const source::PinRecording& recording, double count_mm) {
+  std::vector<inspect::BeltEdge> belt;
+  for (const source::EncoderEdge& edge : source::encoderEdges(recording.sensors, recording.rate))
+    belt.push_back({edge.time_s, static_cast<double>(edge.counts) * count_mm});
+  return belt;
+}
+
+std::vector<double> powerEdges(const source::PinRecording& recording, double delay_s) {
+  std::vector<double> edges_s;
+  bool high = false;
+  for (const SensorEdge& edge : recording.sensors) {
+    if (edge.signal != Signal::kPowerMonitor || edge.level == high) continue;
+    high = edge.level;
+    edges_s.push_back(recording.rate.seconds(edge.tick) - delay_s);
+  }
+  return edges_s;
+}
+
+}  // namespace
+
+PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& wiring) {
+  std::vector<WatchedDrive> drives = watchedDrives(wiring);
+  const std::optional<PinId> gate = wiring.signals.pin(Signal::kLaserGate);
+  GateWatch gate_watch;
+  PortLevels ports;
+  for (const PinEvent& event : recording.outputs) {
+    ports.apply(event);
+    const double time_s = recording.rate.seconds(event.tick);
+    for (WatchedDrive& drive : drives) {
+      if (drive.pul.port == event.port || drive.dir.port == event.port)
+        drive.timer.levels(time_s, ports.high(drive.pul), ports.high(drive.dir));
+    }
+    if (gate && gate->port == event.port) gate_watch.level(time_s, ports.high(*gate));
+  }
+  PinEvidence result;
+  for (const WatchedDrive& drive : drives) result.pulses.push_back(drive.timer.timing());
+  result.gates = gate_watch.until(recording.rate.seconds(recording.end));
+  result.belt = beltEdges(recording, wiring.encoder_count_mm);
+  result.power_edges_s = powerEdges(recording, wiring.power_meter_delay_s);
+  return result;
+}
+
+}  // namespace kerfbench::evidence

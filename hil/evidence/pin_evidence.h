@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/inspect/evidence/pin_evidence.h"
+#include "hil/source/vcd.h"
+#include "twin/base/pulse_timing.h"
+#include "twin/base/signal_map.h"
+
+namespace kerfbench::evidence {
+
+/// The drive of an axis and the lines that it listens to.
+struct DriveWiring {
+  std::string axis;  ///< As in reports: "galvo_x", …
+  Signal pul{}, dir{};
+  DriverProfile profile;
+};
+
+/// How the machine is wired, as its machine file describes it.
+struct PinWiring {
+  SignalMap signals;
+  /// In the order of the report. A drive with a line that `signals` lacks gives no evidence.
+  std::vector<DriveWiring> drives;
+  double encoder_count_mm{};     ///< Travel of the belt for each quadrature count.
+  double power_meter_delay_s{};  ///< From the light to the edge on the meter's pin.
+};
+
+/// What the pins say by themselves. Times in s from tick 0 of the recording.
+struct PinEvidence {
+  std::vector<PulseTiming> pulses;           ///< One for each wired drive.
+  std::vector<inspect::GateInterval> gates;  ///< By time; a gate that is open at the end closes there.
+  std::vector<inspect::BeltEdge> belt;       ///< By time.
+  std::vector<double> power_edges_s;         ///< By time; the meter's delay is taken off.
+};
+
+/// Reads a recording and nothing else: no model takes part, so an error in the twin's decoder cannot vouch
+/// for itself. `recording.outputs` and `.sensors` by tick.
+PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& wiring);
+
+}  // namespace kerfbench::evidence

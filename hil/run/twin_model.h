@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/run/lockstep.h"
+#include "hil/run/machine_film.h"
+#include "hil/source/signal_source.h"
+#include "twin/cutter/twin.h"
+
+// Private to this room: whoever includes this holds a twin.
+
+namespace kerfbench::run {
+
+/// The twin as such a machine. `twin` must outlive it.
+class TwinModel : public LockstepModel {
+ public:
+  explicit TwinModel(twin::Twin& twin) : twin_(twin) {}
+  std::vector<SensorEdge> predictSensors(Tick until) override { return twin_.predictSensors(until); }
+  void advance(Tick until, std::span<const PinEvent> events) override { twin_.advance(until, events); }
+  [[nodiscard]] double longestQuantum_s() const override { return twin_.longestQuantum_s(); }
+
+ private:
+  twin::Twin& twin_;
+};
+
+/// The twin, and what its sensors did while it was led by recorded pins. `twin` must outlive it.
+class WitnessedTwin final : public TwinModel {
+ public:
+  explicit WitnessedTwin(twin::Twin& twin) : TwinModel(twin) {}
+  void advance(Tick until, std::span<const PinEvent> events) override {
+    const std::vector<SensorEdge> edges = predictSensors(until);
+    due_.insert(due_.end(), edges.begin(), edges.end());
+    TwinModel::advance(until, events);
+  }
+  [[nodiscard]] const std::vector<SensorEdge>& due() const { return due_; }
+
+ private:
+  std::vector<SensorEdge> due_;
+};
+
+/// A source that is filmed: hands everything on, and takes a frame of the twin before each quantum.
+class FilmedSource : public source::SignalSource {
+ public:
+  FilmedSource(source::SignalSource& source, const twin::Twin& twin, MachineFilm& film)
+      : source_(source), twin_(twin), film_(film) {}
+
+  [[nodiscard]] source::SourceInfo info() const override { return source_.info(); }
+  source::Stop advance(Tick until, source::Batch& batch) override {
+    film_.add(twin_);
+    return source_.advance(until, batch);
+  }
+  void drive(PinId pin, bool level, Tick at) override { source_.drive(pin, level, at); }
+  void uartWrite(std::span<const std::uint8_t> bytes) override { source_.uartWrite(bytes); }
+  [[nodiscard]] std::string message() const override { return source_.message(); }
+
+ private:
+  source::SignalSource& source_;
+  const twin::Twin& twin_;
+  MachineFilm& film_;
+};
+
+}  // namespace kerfbench::run

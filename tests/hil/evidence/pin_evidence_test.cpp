@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/evidence/pin_evidence.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kerfbench::evidence {
+namespace {
+
+using testing::DoubleEq;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr PinId kPulX{0, 0};
+constexpr PinId kDirX{0, 1};
+constexpr PinId kPulY{0, 2};
+constexpr PinId kGate{2, 3};
+constexpr std::uint16_t kGateHigh = 1U << 3U;
+
+/// Ticks of a microsecond.
+source::PinRecording recordingOf(std::vector<PinEvent> outputs, std::vector<SensorEdge> sensors = {}) {
+  source::PinRecording recording;
+  recording.rate = {1, 1'000'000};
+  recording.outputs = std::move(outputs);
+  recording.sensors = std::move(sensors);
+  recording.end = 1'000'000;
+  return recording;
+}
+
+PinWiring wiringOfX() {
+  PinWiring wiring;
+  wiring.signals.assign(Signal::kGalvoXPul, kPulX);
+  wiring.signals.assign(Signal::kGalvoXDir, kDirX);
+  wiring.signals.assign(Signal::kGalvoYPul, kPulY);
+  wiring.signals.assign(Signal::kLaserGate, kGate);
+  const DriverProfile drive{"drive", true, 5e-6, 10e-6, 2e-6, 2e-6};
+  wiring.drives = {{"galvo_x", Signal::kGalvoXPul, Signal::kGalvoXDir, drive},
+                   {"galvo_y", Signal::kGalvoYPul, Signal::kGalvoYDir, drive}};
+  wiring.encoder_count_mm = 0.01;
+  wiring.power_meter_delay_s = 100e-6;
+  return wiring;
+}
+
+TEST(PinEvidence, TimesThePulsesOfEachDriveThatIsWiredWhole) {
+  const auto pins =
+      pinEvidence(recordingOf({{100, 0, 2, 2, 0}, {107, 0, 1, 3, 0}, {110, 0, 1, 2, 0}}), wiringOfX());
+  ASSERT_THAT(pins.pulses, SizeIs(1));  // DIR of Y is not wired.
+  EXPECT_EQ(pins.pulses[0].axis, "galvo_x");
+  EXPECT_EQ(pins.pulses[0].pulses, 1U);
+  EXPECT_NEAR(pins.pulses[0].min_setup_s, 7e-6, 1e-12);
+  EXPECT_NEAR(pins.pulses[0].min_width_s, 3e-6, 1e-12);
+}
+
+TEST(PinEvidence, GatesAreTheIntervalsInWhichTheLineWasHighAndTheLastEndsWithTheRecording) {
+  const auto pins = pinEvidence(recordingOf({{1000, 2, kGateHigh, kGateHigh, 0},
+                                             {1500, 2, 1, kGateHigh | 1U, 0},
+                                             {2500, 2, kGateHigh, 1, 0},
+                                             {4000, 2, kGateHigh, kGateHigh, 0}}),
+                                wiringOfX());
+  ASSERT_THAT(pins.gates, SizeIs(2));
+  EXPECT_THAT(pins.gates[0].on_s, DoubleEq(1e-3));
+  EXPECT_THAT(pins.gates[0].off_s, DoubleEq(2.5e-3));
+  EXPECT_THAT(pins.gates[1].on_s, DoubleEq(4e-3));
+  EXPECT_THAT(pins.gates[1].off_s, DoubleEq(1.0));
+}
+
+TEST(PinEvidence, WithoutALineOfTheGateThereIsNoGate) {
+  PinWiring wiring = wiringOfX();
+  wiring.signals = {};
+  const auto pins = pinEvidence(recordingOf({{1000, 2, kGateHigh, kGateHigh, 0}}), wiring);
+  EXPECT_THAT(pins.gates, IsEmpty());
+  EXPECT_THAT(pins.pulses, IsEmpty());
+}
+
+TEST(PinEvidence, EachChangeOfThePowerMetersLineIsAQuantumAndItsDelayIsTakenOff) {
+  const auto pins = pinEvidence(recordingOf({}, {{500, Signal::kPowerMonitor, true},
+                                                 {600, Signal::kPowerMonitor, true},
+                                                 {700, Signal::kInterlock, true},
+                                                 {900, Signal::kPowerMonitor, false}}),
+                                wiringOfX());
+  EXPECT_THAT(pins.power_edges_s, ElementsAre(DoubleEq(500e-6 - 100e-6), DoubleEq(900e-6 - 100e-6)));
+}
+
+TEST(PinEvidence, TheBeltMovesByTheCountsOfItsEncoder) {
+  const auto pins = pinEvidence(
+      recordingOf(
+          {}, {{10, Signal::kEncoderA, true}, {20, Signal::kEncoderB, true}, {30, Signal::kEncoderB, false}}),
+      wiringOfX());
+  ASSERT_THAT(pins.belt, SizeIs(3));
+  EXPECT_THAT(pins.belt[1].x_mm, DoubleEq(0.02));
+  EXPECT_THAT(pins.belt[2].x_mm, DoubleEq(0.01));
+  EXPECT_THAT(pins.belt[2].time_s, DoubleEq(30e-6));
+}
+
+TEST(PinEvidence, PortsWithoutSignalsAndAnEmptyRecordingSayNothing) {
+  const auto pins = pinEvidence(recordingOf({{5, 900, 1, 1, 0}}), wiringOfX());
+  EXPECT_EQ(pins.pulses.at(0).pulses, 0U);
+  EXPECT_THAT(pins.gates, IsEmpty());
+  EXPECT_THAT(pinEvidence({}, {}).belt, IsEmpty());
+}
+
+}  // namespace
+}  // namespace kerfbench::evidence
