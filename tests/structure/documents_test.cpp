@@ -223,10 +223,12 @@ TEST(Documents, ReferencesListWhatCommentsCite) {
     for (const auto& file : fs::recursive_directory_iterator(sourceRoot() / top)) {
       const fs::path extension = file.path().extension();
       if (extension != ".h" && extension != ".cpp" && extension != ".c") continue;
-      for (const auto& [author, year] : citationsOf(textOf(file.path()))) {
+      for (const auto& citation : citationsOf(textOf(file.path()))) {
+        const auto& [author, year] = citation;
         ++cited;
-        const bool listed = std::ranges::any_of(entries, [&](const std::string& entry) {
-          return entry.find(author) != std::string::npos && entry.find(year) != std::string::npos;
+        const bool listed = std::ranges::any_of(entries, [&citation](const std::string& entry) {
+          return entry.find(citation.first) != std::string::npos &&
+                 entry.find(citation.second) != std::string::npos;
         });
         EXPECT_TRUE(listed) << fs::relative(file.path(), sourceRoot()).string() << " cites " << author << " "
                             << year << ", which docs/references.md does not list";

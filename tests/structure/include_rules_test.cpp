@@ -2,6 +2,8 @@
 // The include graph is the design: what may know what. A new rule belongs here, not in a review.
 #include <gtest/gtest.h>
 
+#include "tests/structure/source_text.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -13,18 +15,17 @@
 namespace {
 
 namespace fs = std::filesystem;
+using kerfbench::test::sourceRoot;
 
 struct Include {
   std::string file;    // From the root of the project.
   std::string target;  // As written between the quotes or brackets.
 };
 
-const fs::path kRoot = KERFBENCH_SOURCE_DIR;
-
 std::vector<fs::path> sources() {
   std::vector<fs::path> found;
   for (const char* top : {"twin", "hil", "firmware_under_test", "tests"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / top)) {
       const auto extension = entry.path().extension();
       if (extension == ".cpp" || extension == ".h" || extension == ".c") found.push_back(entry.path());
     }
@@ -42,7 +43,7 @@ std::vector<Include> includes() {
     while (std::getline(file, line)) {
       std::smatch match;
       if (std::regex_search(line, match, kPattern)) {
-        found.push_back({fs::relative(path, kRoot).string(), match[1].str()});
+        found.push_back({fs::relative(path, sourceRoot()).string(), match[1].str()});
       }
     }
   }
@@ -185,7 +186,7 @@ TEST(IncludeRules, OnlyTheChildrenWhoseLibrariesAskForItAreUnderTheGpl) {
     std::ifstream file(path);
     std::string line;
     std::getline(file, line);
-    const std::string name = fs::relative(path, kRoot).string();
+    const std::string name = fs::relative(path, sourceRoot()).string();
     const bool gpl_allowed = inGplChild(name) ||
                              name.starts_with("tests/firmware_under_test/controller/avr_") ||
                              in(name, "tests/hil/source/analyser/sigrok_child");

@@ -3,6 +3,8 @@
 // the same to the linker, which then takes either.
 #include <gtest/gtest.h>
 
+#include "tests/structure/source_text.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -16,8 +18,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = KERFBENCH_SOURCE_DIR;
+using kerfbench::test::sourceRoot;
 
 struct Definition {
   std::string name;  // "kerfbench::vision::trackSpot(FrameSource&, int)"
@@ -94,10 +95,10 @@ TEST(Names, AreDefinedOnce) {
   std::map<std::string, std::string> file_of;
   int functions = 0;
   for (const char* top : {"twin", "hil", "firmware_under_test/planner"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / top)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".h") continue;
-      const std::string file = fs::relative(entry.path(), kRoot).string();
+      const std::string file = fs::relative(entry.path(), sourceRoot()).string();
       if (isAlternative(file)) continue;
       for (const Definition& definition : definitionsIn(entry.path(), file)) {
         functions += definition.name.ends_with(")") ? 1 : 0;
@@ -142,7 +143,7 @@ TEST(Names, AreTheFieldsOwn) {
       std::string("straigh") + "ten(",     std::string("un") + "bend(",
       std::string("Drawn") + "Machine"};
   for (const char* top : {"twin", "hil", "firmware_under_test", "tests", "docs"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / top)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".h" && extension != ".md") continue;
       std::ifstream stream(entry.path());

@@ -18,11 +18,10 @@
 namespace {
 
 namespace fs = std::filesystem;
+using kerfbench::test::sourceRoot;
 using kerfbench::test::textOf;
 
 using Graph = std::map<std::string, std::set<std::string>>;
-
-const fs::path kRoot = KERFBENCH_SOURCE_DIR;
 
 /// Lines "room: room room".
 Graph graphFrom(const std::string& text) {
@@ -47,7 +46,7 @@ Graph included(const Graph& rooms) {
   Graph graph;
   for (const auto& [room, links] : rooms) {
     auto& found = graph[room];
-    for (const auto& entry : fs::directory_iterator(kRoot / room)) {
+    for (const auto& entry : fs::directory_iterator(sourceRoot() / room)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".h") continue;
       std::ifstream file(entry.path());
@@ -100,9 +99,9 @@ TEST(Rooms, AreAllTheFoldersWithSources) {
       R"(hil/source/avr_child|hil/source/analyser/sigrok_child|hil/app|firmware_under_test/controller.*|firmware_under_test/planner/kerfplan)");
   const Graph graph = linked();
   for (const char* top : {"twin", "hil", "firmware_under_test"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / top)) {
       if (entry.path().extension() != ".cpp") continue;
-      const std::string folder = fs::relative(entry.path().parent_path(), kRoot).string();
+      const std::string folder = fs::relative(entry.path().parent_path(), sourceRoot()).string();
       if (std::regex_match(folder, kOther)) continue;
       EXPECT_TRUE(graph.contains(folder)) << folder;
     }
@@ -129,8 +128,8 @@ std::set<std::string> includedBy(const std::string& path) {
   while (!open.empty()) {
     const std::string next = open.back();
     open.pop_back();
-    if (!fs::exists(kRoot / next)) continue;
-    const std::string text = textOf(kRoot / next);
+    if (!fs::exists(sourceRoot() / next)) continue;
+    const std::string text = textOf(sourceRoot() / next);
     for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it) {
       if (seen.insert((*it)[1].str()).second) open.push_back((*it)[1].str());
     }
@@ -140,9 +139,9 @@ std::set<std::string> includedBy(const std::string& path) {
 
 TEST(Rooms, ThatHoldATwinAreTheRunAndTheAdaptersOfItsCameras) {
   int holders = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "hil")) {
+  for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / "hil")) {
     if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
-    const std::string path = fs::relative(entry.path(), kRoot).string();
+    const std::string path = fs::relative(entry.path(), sourceRoot()).string();
     const bool holds = includedBy(path).contains("twin/cutter/twin.h");
     if (holds) ++holders;
     EXPECT_FALSE(holds && !path.starts_with("hil/run/") && !path.starts_with("hil/camera/twin/"))
@@ -152,7 +151,7 @@ TEST(Rooms, ThatHoldATwinAreTheRunAndTheAdaptersOfItsCameras) {
 }
 
 TEST(Rooms, ArePicturedInArchitectureAsTheyAre) {
-  const std::string text = textOf(kRoot / "ARCHITECTURE.md");
+  const std::string text = textOf(sourceRoot() / "ARCHITECTURE.md");
   const std::string begin = "```rooms\n";
   const auto from = text.find(begin);
   ASSERT_NE(from, std::string::npos) << "ARCHITECTURE.md has no block ```rooms";
