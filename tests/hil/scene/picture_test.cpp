@@ -139,7 +139,7 @@ TEST(Picture, ABurntSpiralThatBeginsBehindTheEyeIsThinnedWithoutRecursion) {
   const Viewpoint view = viewpointOf(scene, SceneView::kHead, kWidth, kHeight);
   twin::Scene spiral = scene;
   spiral.burnt.emplace_back();
-  constexpr int kPoints = 5000;
+  constexpr int kPoints = 10000;
   for (int i = 0; i < kPoints; ++i) {
     const double share = static_cast<double>(i) / kPoints;
     const double phi_rad = 10.0 * share;
