@@ -120,10 +120,10 @@ add_custom_target(unit_tests)
 
 # kerfbench_test(twin_optics SOURCES a_test.cpp LIBS kerfbench::twin_optics LABELS unit)
 # ALONE: those of SOURCES that are not compiled as one with others, because they give a name of their own another meaning.
-# LONG: tests of very many cases and whole live runs, as a gtest filter. The sanitizers' build leaves them out: what it looks for is in the
-# first case as in the thousandth, and the same code has tests of few cases.
+# LONG: tests of very many cases and whole live runs, as a gtest filter. They are a test of their own, NAME_long, that only `./bench test --all`
+# runs. The sanitizers' build has none of them: what it looks for is in the first case as in the thousandth; nor the tests of NOT_SANITIZED.
 function(kerfbench_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;LONG" "SOURCES;ALONE;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;LONG;NOT_SANITIZED" "SOURCES;ALONE;LIBS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -144,8 +144,17 @@ function(kerfbench_test name)
   target_compile_definitions(${name}_test PRIVATE KERFBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERFBENCH_BINARY_DIR="${PROJECT_BINARY_DIR}")
   add_test(NAME ${name} COMMAND ${name}_test)
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
-  if(KERFBENCH_SANITIZE AND ARG_LONG)
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT "GTEST_FILTER=-${ARG_LONG}")
+  set(left_out ${ARG_LONG})
+  if(KERFBENCH_SANITIZE)
+    list(APPEND left_out ${ARG_NOT_SANITIZED})
+  endif()
+  if(left_out)
+    list(JOIN left_out ":" left_out)
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT "GTEST_FILTER=-${left_out}")
+  endif()
+  if(ARG_LONG AND NOT KERFBENCH_SANITIZE)
+    add_test(NAME ${name}_long COMMAND ${name}_test)
+    set_tests_properties(${name}_long PROPERTIES LABELS long TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "GTEST_FILTER=${ARG_LONG}")
   endif()
   if(ARG_LABELS STREQUAL unit)
     add_dependencies(unit_tests ${name}_test)

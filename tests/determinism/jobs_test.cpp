@@ -48,6 +48,7 @@ class LabelRun {
                            fs::path(KERFBENCH_BINARY_DIR) / "firmware");
     label.scenario.fidelity = twin::Fidelity::kFast;
     label.scenario.imperfections = twin::Preset::kDynamic;
+    label.scenario.print.units = 1;
     return label;
   }
 

@@ -129,9 +129,15 @@ class BrokenDecoder : public testing::Test {
     return inspect::Verdict::kInvalid;
   }
 
-  scenario::Case case_ =
-      scenario::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/strip-crosscut.yaml",
-                         fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+  static scenario::Case readStrip() {
+    scenario::Case strip =
+        scenario::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/strip-crosscut.yaml",
+                           fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    strip.scenario.print.units = 1;
+    return strip;
+  }
+
+  scenario::Case case_ = readStrip();
   std::optional<twin::Twin> twin_;
   run::RecordedRun run_;
 };

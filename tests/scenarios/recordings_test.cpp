@@ -93,6 +93,7 @@ TEST(Recordings, OfAStopTellTheSameReplayed) {
   const Twice twice = runAndReplay("faults/strip-return-slow.yaml", "fault-strip-return-slow", scratch);
   EXPECT_EQ(twice.exit_code, 1);
   EXPECT_EQ(digestOf(twice.live), digestOf(twice.replayed));
+  EXPECT_EQ(verdictOfCheck(twice.live, "finish"), "FAIL");
   for (const auto& folder : {twice.live, twice.replayed}) {
     const std::string summary = verdictOf(folder).at("summary");
     EXPECT_NE(summary.find("the belt is too fast for this job"), std::string::npos) << summary;
@@ -197,10 +198,12 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
 TEST(Recordings, GiveAnotherDigestForAnotherSeed) {
   const ScratchFolder scratch;
   const std::string scenario = fixture("scenarios/short-lines.yaml").string();
-  const auto one = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 1 --results-dir '{}/one'",
-                                         scenario, scratch.path().string()));
-  const auto two = kerfbench(fmt::format("run '{}' -q --no-pictures --seed 2 --results-dir '{}/two'",
-                                         scenario, scratch.path().string()));
+  const auto one =
+      kerfbench(fmt::format("run '{}' -q --twin fast --no-pictures --seed 1 --results-dir '{}/one'", scenario,
+                            scratch.path().string()));
+  const auto two =
+      kerfbench(fmt::format("run '{}' -q --twin fast --no-pictures --seed 2 --results-dir '{}/two'", scenario,
+                            scratch.path().string()));
   ASSERT_EQ(one.exit_code, 0) << one.output;
   ASSERT_EQ(two.exit_code, 0) << two.output;
   EXPECT_NE(digestOf(scratch.path() / "one" / "short-lines"),

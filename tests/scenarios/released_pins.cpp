@@ -38,7 +38,7 @@ const std::vector<Signal>& ReleasedPins::wired() {
 fs::path ReleasedPins::scenario(const std::string& firmware) const {
   const fs::path path = folder_ / (name_ + ".yaml");
   std::ofstream(path) << fmt::format(
-      "extends: {}\nname: {}-pins\nselect: {{entities: 0-9}}\nplanner: {}\nfirmware: {}\n",
+      "extends: {}\nname: {}-pins\nselect: {{entities: 0-4}}\nplanner: {}\nfirmware: {}\n",
       fixture("scenarios/native/button.yaml").string(), name_, planner_, firmware);
   return path;
 }

@@ -31,14 +31,14 @@ struct Figure {
 
 class StripStillness : public testing::Test {
  protected:
-  /// Two pieces, so forth and back, on the native build.
+  /// On the native build and the fast twin.
   nlohmann::json run(const std::string& scenario, int exit_code, const std::string& more = "") const {
     const auto path = scratch_.path() / "strip.yaml";
     std::ofstream(path) << "extends: " << fixture("scenarios/" + scenario).string()
-                        << "\nname: strip\nprint: {units: 2}\n"
+                        << "\nname: strip\nprint: {units: " << pieces_ << "}\n"
                         << more;
-    const auto result = kerfbench(
-        fmt::format("run '{}' --no-pictures --results-dir '{}'", path.string(), scratch_.path().string()));
+    const auto result = kerfbench(fmt::format("run '{}' --twin fast --no-pictures --results-dir '{}'",
+                                              path.string(), scratch_.path().string()));
     EXPECT_EQ(result.exit_code, exit_code) << result.output;
     return verdictOf(scratch_.path() / "strip");
   }
@@ -61,18 +61,29 @@ class StripStillness : public testing::Test {
                   1e3 * c.at("excursion_U_mm").get<double>());
     }
   }
+  /// One alone, or two: the head goes forth and back.
+  std::size_t pieces_{1};
   ScratchFolder scratch_;
+
+  void expectZeroAndAnOffset() const;
+  void expectADriftOfAScale() const;
+  void expectABow() const;
+};
+
+class StripStillnessLong : public StripStillness {
+ protected:
+  StripStillnessLong() { pieces_ = 2; }
 };
 
 // A flawless run drifts by nothing that can be told from zero. Its constant offset is real: the kerf camera,
 // which knows nothing of the spot camera, sees the same.
-TEST_F(StripStillness, AFlawlessRunShowsZeroAndA100usLatencyAnOffsetAndNoDrift) {
+void StripStillness::expectZeroAndAnOffset() const {
   const auto good = run("native/strip-crosscut.yaml", 0);
   print("flawless", good);
   const auto late = run("strip-belt-late.yaml", 0);
   print("100 us late", late);
   const double lag_mm = -kBelt_mm_s * 100e-6;
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < pieces_; ++i) {
     const Figure drift_good = drift(cut(good, i));
     EXPECT_LT(std::abs(drift_good.value), drift_good.U);
     EXPECT_LT(drift_good.U, 0.005);
@@ -92,11 +103,11 @@ TEST_F(StripStillness, AFlawlessRunShowsZeroAndA100usLatencyAnOffsetAndNoDrift) 
 
 // A count of the encoder is 0.1 % more than told: what is believed of the belt's way falls short by 1 - 1
 // / 1.001 of it, in the cut and on the way from the print mark to its middle.
-TEST_F(StripStillness, A10thOfAPercentOfEncoderScaleIsADrift) {
+void StripStillness::expectADriftOfAScale() const {
   const auto verdict = run("faults/strip-encoder-scale.yaml", 1);
   print("0.1 % scale", verdict);
   EXPECT_THAT(checksThat(verdict, "FAIL"), AllOf(Contains("stillness_x"), Contains("path")));
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < pieces_; ++i) {
     const auto& c = cut(verdict, i);
     const double slope_mm_s = -kBelt_mm_s * (1.0 - 1.0 / 1.001);
     EXPECT_NEAR(c.at("slope_mm_s").get<double>(), slope_mm_s, 2.0 * c.at("slope_sigma_mm_s").get<double>());
@@ -113,12 +124,12 @@ TEST_F(StripStillness, ABeltOfVaryingSpeedIsFollowedByTheEncoder) {
 }
 
 // The strip is up to 1.76 mm ahead of its mean motion, 1.0 s after the cut begins, and even at the ends.
-TEST_F(StripStillness, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy) {
+void StripStillness::expectABow() const {
   const auto verdict = run("faults/strip-mean-speed.yaml", 1);
   print("mean speed", verdict);
   EXPECT_THAT(checksThat(verdict, "FAIL"),
               AllOf(Contains("stillness_x"), Contains("stillness_peak"), Contains("spot_path")));
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < pieces_; ++i) {
     const auto& c = cut(verdict, i);
     EXPECT_EQ(c.at("frames").get<int>(), 88 + static_cast<int>(i)) << "also where the spot has left its line";
     // Peaks about zero: the bow and the constant offset of a flawless run, which is less than a step.
@@ -130,6 +141,15 @@ TEST_F(StripStillness, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy)
                           HasSubstr("class='dots sheetdots'"),
                           HasSubstr("stays on a straight line while the sheet")));
 }
+
+TEST_F(StripStillness, AFlawlessRunShowsZeroAndA100usLatencyAnOffsetAndNoDrift) { expectZeroAndAnOffset(); }
+TEST_F(StripStillnessLong, AFlawlessRunShowsZeroAndA100usLatencyAnOffsetAndNoDrift) {
+  expectZeroAndAnOffset();
+}
+TEST_F(StripStillness, A10thOfAPercentOfEncoderScaleIsADrift) { expectADriftOfAScale(); }
+TEST_F(StripStillnessLong, A10thOfAPercentOfEncoderScaleIsADrift) { expectADriftOfAScale(); }
+TEST_F(StripStillness, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy) { expectABow(); }
+TEST_F(StripStillnessLong, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy) { expectABow(); }
 
 /// Machine lines under cameras.spot.
 class RefusedRuns : public StripStillness {
@@ -153,6 +173,7 @@ TEST_F(RefusedRuns, FramesLostWithinACutMakeARunInvalid) {
 }
 
 TEST_F(RefusedRuns, FramesLostBetweenCutsAreToldAndDoNoHarm) {
+  pieces_ = 2;
   const auto verdict = filmed("link: {lost: [{first: 150, count: 20}]}", 0);
   EXPECT_EQ(verdict.at("verdict"), "PASS");
   EXPECT_EQ(verdict.at("frames").at("lost"), 20);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bench on releases that are known to be good and known to be bad. A suite whose name ends in Long is one
-// of the long proofs: the same claims on the other releases and machines (CONTRIBUTING.md).
+// of the long proofs: the same claims on the other releases and machines, and on whole jobs
+// (CONTRIBUTING.md).
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 #include "tests/scenarios/scenario_runs.h"
 
@@ -12,29 +15,44 @@ namespace {
 
 using testing::Contains;
 
-void passes(const std::string& scenario) {
+/// As shipped, or the same claim in a fraction of the time: a single unit on the fast twin.
+enum Length { kAsShipped, kOneUnit };
+
+ProgramRun runOf(const std::string& scenario, Length length, const ScratchFolder& scratch) {
+  auto path = fixture("scenarios/" + scenario);
+  std::string options;
+  if (length == kOneUnit) {
+    std::ofstream(scratch.path() / "one.yaml")
+        << fmt::format("extends: '{}'\nprint: {{units: 1}}\n", path.string());
+    path = scratch.path() / "one.yaml";
+    options = "--twin fast";
+  }
+  return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' --timing {}", path.string(),
+                               scratch.path().string(), options));
+}
+
+void passes(const std::string& scenario, Length length = kAsShipped) {
   const ScratchFolder scratch;
-  const auto run = kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' --timing",
-                                         fixture("scenarios/" + scenario).string(), scratch.path().string()));
+  const ProgramRun run = runOf(scenario, length, scratch);
   EXPECT_EQ(run.exit_code, 0) << run.output;
   std::printf("%s", run.output.c_str());
 }
 
 /// fixtures/scenarios/faults/NAME.yaml, and the check that must fail.
-void failsBy(const std::string& name, const std::string& check) {
+void failsBy(const std::string& name, const std::string& check, Length length = kAsShipped) {
   const ScratchFolder scratch;
-  const auto run =
-      kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}'",
-                            fixture("scenarios/faults/" + name + ".yaml").string(), scratch.path().string()));
+  const ProgramRun run = runOf("faults/" + name + ".yaml", length, scratch);
   EXPECT_EQ(run.exit_code, 1) << run.output;
   const auto verdict = verdictOf(scratch.path() / ("fault-" + name));
   EXPECT_THAT(checksThat(verdict, "FAIL"), Contains(check)) << run.output;
 }
 
 TEST(GoodRelease, LabelAvrPasses) { passes("label-on-belt.yaml"); }
-TEST(GoodRelease, LabelEdgesAvrPasses) { passes("label-edges.yaml"); }
+TEST(GoodRelease, LabelEdgesAvrPasses) { passes("label-edges.yaml", kOneUnit); }
+TEST(GoodReleaseLong, LabelEdgesAvrPasses) { passes("label-edges.yaml"); }
 TEST(GoodReleaseLong, LabelEdgesNativePasses) { passes("native/label-edges.yaml"); }
-TEST(GoodRelease, LabelFedPasses) { passes("label-fed.yaml"); }
+TEST(GoodRelease, LabelFedPasses) { passes("label-fed.yaml", kOneUnit); }
+TEST(GoodReleaseLong, LabelFedPasses) { passes("label-fed.yaml"); }
 TEST(GoodReleaseLong, LabelNativePasses) { passes("native/label-on-belt.yaml"); }
 TEST(GoodRelease, CartonAvrPasses) { passes("carton-on-belt.yaml"); }
 TEST(GoodReleaseLong, CartonNativePasses) { passes("native/carton-on-belt.yaml"); }
@@ -50,26 +68,34 @@ TEST(GoodReleaseLong, ButtonOnBeltNativePasses) { passes("native/button-on-belt.
 TEST(GoodReleaseLong, ButtonStraightNativePasses) { passes("native/button-straight.yaml"); }
 TEST(GoodReleaseLong, StripAvrPasses) { passes("strip-crosscut.yaml"); }
 TEST(GoodReleaseLong, StripNativePasses) { passes("native/strip-crosscut.yaml"); }
-TEST(GoodRelease, StripStopAndGoAvrPasses) { passes("strip-stop-and-go.yaml"); }
+TEST(GoodRelease, StripStopAndGoAvrPasses) { passes("strip-stop-and-go.yaml", kOneUnit); }
+TEST(GoodReleaseLong, StripStopAndGoAvrPasses) { passes("strip-stop-and-go.yaml"); }
 TEST(GoodReleaseLong, StripSpeedVariesAvrPasses) { passes("strip-speed-varies.yaml"); }
 
-TEST(BadRelease, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stillness_x"); }
-TEST(BadRelease, EncoderScaleFailsByPath) { failsBy("encoder-scale", "path"); }
-TEST(BadRelease, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing"); }
+TEST(BadRelease, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stillness_x", kOneUnit); }
+TEST(BadReleaseLong, BeltIgnoredFailsByStillnessX) { failsBy("belt-ignored", "stillness_x"); }
+TEST(BadRelease, EncoderScaleFailsByPath) { failsBy("encoder-scale", "path", kOneUnit); }
+TEST(BadReleaseLong, EncoderScaleFailsByPath) { failsBy("encoder-scale", "path"); }
+TEST(BadRelease, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing", kOneUnit); }
+TEST(BadReleaseLong, DirLateFailsByPulseTiming) { failsBy("dir-late", "pulse_timing"); }
 TEST(BadReleaseLong, PulsesLostFailsByPath) { failsBy("pulses-lost", "path"); }
 TEST(BadReleaseLong, PincushionUncorrectedFailsByPath) { failsBy("pincushion-uncorrected", "path"); }
-TEST(BadRelease, GateLateFailsByGateLag) { failsBy("gate-late", "gate_lag"); }
+TEST(BadRelease, GateLateFailsByGateLag) { failsBy("gate-late", "gate_lag", kOneUnit); }
+TEST(BadReleaseLong, GateLateFailsByGateLag) { failsBy("gate-late", "gate_lag"); }
 TEST(BadReleaseLong, EdgesUncompensatedFailsByEdge) { failsBy("edges-uncompensated", "edge"); }
-TEST(BadRelease, EdgesWrongSideFailsByEdge) { failsBy("edges-wrong-side", "edge"); }
-TEST(BadRelease, ButtonStraightHooksFailsByJoints) { failsBy("button-straight-hooks", "joints"); }
+TEST(BadRelease, EdgesWrongSideFailsByEdge) { failsBy("edges-wrong-side", "edge", kOneUnit); }
+TEST(BadReleaseLong, EdgesWrongSideFailsByEdge) { failsBy("edges-wrong-side", "edge"); }
+TEST(BadRelease, ButtonStraightHooksFailsByJoints) { failsBy("button-straight-hooks", "joints", kOneUnit); }
 TEST(BadRelease, ShortLinesOpenLoopFailsByLineEnergy) { failsBy("short-lines-open-loop", "line_energy"); }
 TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepth) {
   failsBy("short-lines-constant-power", "even_depth");
 }
-TEST(BadRelease, HalfCutThroughFailsByDepth) { failsBy("half-cut-through", "depth"); }
-TEST(BadRelease, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage"); }
-TEST(BadRelease, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat"); }
-TEST(BadRelease, StripReturnSlowFailsByFinish) { failsBy("strip-return-slow", "finish"); }
+TEST(BadRelease, HalfCutThroughFailsByDepth) { failsBy("half-cut-through", "depth", kOneUnit); }
+TEST(BadRelease, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage", kOneUnit); }
+TEST(BadReleaseLong, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage"); }
+TEST(BadRelease, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat", kOneUnit); }
+TEST(BadReleaseLong, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat"); }
+TEST(BadReleaseLong, StripReturnSlowFailsByFinish) { failsBy("strip-return-slow", "finish"); }
 TEST(BadReleaseLong, ButtonStraightFastFailsByPath) { failsBy("button-straight-fast", "path"); }
 
 }  // namespace
