@@ -67,7 +67,7 @@ enum kb_fault {
   KB_FAULT_FIELD      /* the beam would leave its field */
 };
 
-/* What leads to KB_STOPPED, how soon, and what the axes do: docs/CONTROLLER.md. */
+/* What leads to KB_STOPPED, how soon, and what the axes do: docs/reference/controller.md. */
 #define KB_SILENCE_MS 250UL /* a host repeats and asks more often than that */
 #define KB_SILENCE_PERIODS ((uint16_t)KB_PERIODS_IN_MS(KB_SILENCE_MS))
 #define KB_LINE_ERRORS_MAX 8U        /* framing errors, overruns, damaged frames */

@@ -20,7 +20,7 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
       "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
       "at by\n"
       "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
-      "docs/GAUGE.md says how to read the result. Exit code 0: every claim holds or needs more cases; 1: "
+      "docs/explanation/what-it-is-worth.md says how to read the result. Exit code 0: every claim holds or needs more cases; 1: "
       "one\n"
       "does not hold.");
   gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")

@@ -150,7 +150,7 @@ void addTable(CLI::App& calibrate, CliActions& actions) {
   CLI::App* table = calibrate.add_subcommand(
       "table",
       "Tell what a file of correction is, hold it against nine marks, write it in another format.\n"
-      "docs/CORRECTION-FILES.md has the formats and their conventions. Exit code 0; with --check 1: not to "
+      "docs/reference/formats.md has the formats and their conventions. Exit code 0; with --check 1: not to "
       "be\n"
       "used as it is, 4: the marks cannot tell; nothing is written then. 65: bad input.");
   table->add_option("FILE", o.file, "Table")->required();

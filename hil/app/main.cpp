@@ -78,7 +78,7 @@ void addRun(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* run = app.add_subcommand(
       "run",
       "Run scenarios: firmware, machine, camera, verdict, report.\nA scenario on real pins (source: gpio, "
-      "analyser) runs in real time; docs/HARDWARE.md has its keys.");
+      "analyser) runs in real time; docs/how-to/real-pins.md has its keys.");
   const auto scenarios = std::make_shared<std::vector<fs::path>>();
   const auto options = commonOptions(program);
   run->add_option("SCENARIO", *scenarios, "Scenario files (fixtures/scenarios/*.yaml)")->required();

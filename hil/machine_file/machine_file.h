@@ -20,7 +20,7 @@ struct CameraFile {
   bool named_here{};  ///< By this machine's own file, or its default; not by one that it extends.
 };
 
-/// A machine file, read and checked. docs/MACHINES.md explains every key.
+/// A machine file, read and checked. docs/reference/machine.md explains every key.
 struct MachineFile {
   twin::MachineDescription machine;
   twin::ImperfectionSpread spread;  ///< Section `imperfections`.

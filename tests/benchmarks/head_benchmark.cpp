@@ -19,7 +19,7 @@ namespace {
 
 using namespace calibrate::test;
 
-constexpr int kViews = 9;  // docs/CALIBRATION.md: what a camera is calibrated with.
+constexpr int kViews = 9;  // docs/how-to/calibrate-a-camera.md: what a camera is calibrated with.
 
 /// Of a sheet whose place is known to 0.4 µm, its turn to 2 µrad.
 Eigen::Matrix<double, 2, 3> poseModesAt(const Eigen::Vector2d& p_mm) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether the belt does what the job takes for granted: docs/CONTROLLER.md. */
+/* Whether the belt does what the job takes for granted: docs/reference/controller.md. */
 #ifndef KERFBENCH_CONTROLLER_WATCH_H
 #define KERFBENCH_CONTROLLER_WATCH_H
 

@@ -159,11 +159,11 @@ bool CompensateCommand::run() const {
   return true;
 }
 
-ProveCommand::ProveCommand(CLI::App& app) : folder_(std::make_shared<std::string>("docs")) {
+ProveCommand::ProveCommand(CLI::App& app) : folder_(std::make_shared<std::string>("docs/explanation")) {
   sub_ = app.add_subcommand(
       "prove-compensation",
       "Try the compensation on all joints, in the plane and in space, check it by samples, and "
-      "write COMPENSATION.md with its pictures");
+      "write compensation.md with its pictures");
   sub_->add_option("-o,--output", *folder_, "Folder to write to; the pictures go to its compensation/")
       ->capture_default_str();
 }
@@ -173,7 +173,7 @@ bool ProveCommand::run() const {
   const std::filesystem::path folder(*folder_);
   std::filesystem::create_directories(folder / "compensation");
   const Proof proof = prove({});
-  write((folder / "COMPENSATION.md").string(), proofPage(proof, "compensation"));
+  write((folder / "compensation.md").string(), proofPage(proof, "compensation"));
   for (const auto& pictures : {planePictures(), spacePictures()}) {
     for (const Picture& picture : pictures) {
       write((folder / "compensation" / (picture.name + ".svg")).string(),
@@ -181,8 +181,8 @@ bool ProveCommand::run() const {
     }
   }
   if (!proof.holds())
-    throw std::runtime_error("the proof does not hold, see " + (folder / "COMPENSATION.md").string());
-  std::cout << "the proof holds: " << (folder / "COMPENSATION.md").string() << '\n';
+    throw std::runtime_error("the proof does not hold, see " + (folder / "compensation.md").string());
+  std::cout << "the proof holds: " << (folder / "compensation.md").string() << '\n';
   return true;
 }
 

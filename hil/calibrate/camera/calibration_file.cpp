@@ -63,7 +63,7 @@ std::string calibrationText(const CalibrationFile& file, const std::string& made
   const Eigen::Vector3d translation = c.X_CP.translation();
   std::string text = fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
-      "# Calibration of a camera from images: docs/CALIBRATION.md. Made by\n"
+      "# Calibration of a camera from images: docs/how-to/calibrate-a-camera.md. Made by\n"
       "#   {}\n"
       "version: 1\n"
       "camera_id: '{}'\n"

@@ -16,7 +16,7 @@ namespace kerfbench::calibrate {
 ///     v2 "JCZ_COR_2_1"   0x01C: double, units per mm; 0x024: pairs of int32; 33 836 bytes, often 4 more
 ///
 /// The numbers are galvo units, ±32767: the board gets them as sign and 15 bits. Nothing in the file says in
-/// which order and with which sign, and its readers do not agree (docs/CORRECTION-FILES.md).
+/// which order and with which sign, and its readers do not agree (docs/reference/formats.md).
 enum class CorVersion { k1, k2 };
 
 /// How the numbers of a .cor file are understood. The default is as glase's source documents order and sign,

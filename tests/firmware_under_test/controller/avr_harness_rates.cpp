@@ -5,7 +5,7 @@
 //
 //     avr_rates IMAGE.hex SECONDS
 //
-// Asserts what docs/RATES.md states.
+// Asserts what docs/reference/controller.md states.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,7 +32,7 @@ constexpr std::uint64_t kBorder =
 constexpr int kOffset = 40;  // Of the first period from the mark, counts.
 constexpr int kMostX = 28, kMostY = 31;  // 35 and 38.75 kHz; three steps of X are left for the following.
 
-// What docs/RATES.md states.
+// What docs/reference/controller.md states.
 constexpr std::uint64_t kLongestTick = 300, kLongestMark = 180, kLongestOther = 100, kLatestTick = 260,
                         kLatestUart = 640;
 constexpr double kWorstFollow = 2.0;  // steps; here a step is a count

@@ -1,62 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/MACHINES.md against the keys that the program asks for.
+// docs/reference/machine.md against the keys that the program asks for.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <regex>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "hil/machine_file/machine_file.h"
+#include "tests/docs/key_tables.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::machine_file {
 namespace {
 
-struct Documented {
-  std::string range, fallback;
-};
-
-std::string trimmed(const std::string& text) {
-  const auto begin = text.find_first_not_of(' ');
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
-}
-
-std::vector<std::string> inBackticks(const std::string& text) {
-  const std::regex quoted("`([^`]+)`");
-  std::vector<std::string> words;
-  for (auto it = std::sregex_iterator(text.begin(), text.end(), quoted); it != std::sregex_iterator(); ++it)
-    words.push_back((*it)[1]);
-  return words;
-}
-
-// All keys of the page, each with its prefix.
-std::map<std::string, Documented> pageKeys() {
-  std::istringstream page(
-      base::contentOf(std::filesystem::path(KERFBENCH_SOURCE_DIR) / "docs" / "MACHINES.md"));
-  std::map<std::string, Documented> keys;
-  std::vector<std::string> prefixes{""};
-  bool in_keys = false;
-  for (std::string line; std::getline(page, line);) {
-    if (line.starts_with("## ")) prefixes = {""};
-    if (line.starts_with("Prefix: ")) prefixes = inBackticks(line);
-    if (!line.starts_with("|")) in_keys = false;
-    if (line.starts_with("| key |")) in_keys = true;
-    if (!in_keys || !line.starts_with("| `")) continue;
-    std::istringstream cells(line);
-    std::string skipped, key, range, fallback;
-    std::getline(cells, skipped, '|');
-    std::getline(cells, key, '|');
-    std::getline(cells, range, '|');
-    std::getline(cells, fallback, '|');
-    for (const std::string& prefix : prefixes)
-      keys.emplace(prefix + inBackticks(key).at(0), Documented{trimmed(range), trimmed(fallback)});
-  }
-  return keys;
-}
+// What the page has of each key.
+std::map<std::string, docs::Row> pageKeys() { return docs::tableRows("machine.md", "key"); }
 
 class MachineKeys : public testing::Test {
  protected:
@@ -105,7 +66,7 @@ TEST_F(MachineKeys, ThePageHasEveryKeyThatTheProgramAsksFor) {
   const auto page = pageKeys();
   for (const auto& [key, asked] : askedKeys()) {
     if (isContainer(key)) continue;
-    EXPECT_TRUE(page.contains(key)) << key << " is missing in docs/MACHINES.md";
+    EXPECT_TRUE(page.contains(key)) << key << " is missing in docs/reference/machine.md";
   }
 }
 
@@ -113,7 +74,7 @@ TEST_F(MachineKeys, ThePageHasNoKeyThatNobodyAsksFor) {
   const auto asked = askedKeys();
   const auto page = pageKeys();
   EXPECT_GT(page.size(), 250U);
-  for (const auto& [key, documented] : page) EXPECT_TRUE(asked.contains(key)) << key;
+  for (const auto& [key, row] : page) EXPECT_TRUE(asked.contains(key)) << key;
 }
 
 TEST_F(MachineKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
@@ -121,11 +82,11 @@ TEST_F(MachineKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
   for (const auto& [key, asked] : askedKeys()) {
     const auto found = page.find(key);
     if (!asked.range || found == page.end() || key == "version") continue;
-    EXPECT_EQ(found->second.range, fmt::format("{:g} … {:g}", asked.range->min, asked.range->max)) << key;
+    EXPECT_EQ(found->second.at("range"), fmt::format("{:g} … {:g}", asked.range->min, asked.range->max)) << key;
     // Inside a drive the profile's value is the default; the catalogue's own keys are checked.
     if (key.find(".servo.") != std::string::npos || key.find(".stepper.") != std::string::npos) continue;
     const auto& fallback = asked.range->fallback;
-    const std::string said = found->second.fallback;
+    const std::string said = found->second.at("default");
     if (!fallback) {
       EXPECT_TRUE(said == "required" || said == "or") << key << " is required";
     } else if (key != "laser.fall_time_us") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proof in short; in full: kerfplan prove-compensation, docs/COMPENSATION.md.
+// The proof in short; in full: kerfplan prove-compensation, docs/explanation/compensation.md.
 #include "firmware_under_test/planner/compensation/proof.h"
 
 #include <gtest/gtest.h>
