@@ -24,36 +24,93 @@ Value fromName(const std::array<const char*, n>& names, const std::string& name)
 }
 
 template <std::size_t n>
-std::string readName(base::YamlReader& file, std::string_view key, const std::array<const char*, n>& names) {
+std::string readChoice(base::YamlReader& file, std::string_view key,
+                       const std::array<const char*, n>& names) {
   const std::vector<std::string> allowed(names.begin(), names.end());
   const std::string name = file.choice(key, allowed, allowed.front());
   return std::ranges::find(allowed, name) == allowed.end() ? allowed.front() : name;
 }
 
-inspect::Tolerances readLimits(base::YamlReader& checks) {
-  inspect::Tolerances limits;
+inspect::Tolerances::Edge readEdge(base::YamlReader& checks) {
+  using Edge = inspect::Tolerances::Edge;
   const std::string edge = checks.choice("edge", {"none", "nesting", "outside", "inside"}, "none");
-  limits.edge = edge == "nesting"   ? inspect::Tolerances::Edge::kNesting
-                : edge == "outside" ? inspect::Tolerances::Edge::kOutside
-                : edge == "inside"  ? inspect::Tolerances::Edge::kInside
-                                    : inspect::Tolerances::Edge::kCentre;
-  limits.path_mm = checks.number("path_mm", {.min = 0.001, .max = 10, .fallback = limits.path_mm});
-  limits.stillness_mm =
-      checks.number("stillness_mm", {.min = 0.001, .max = 10, .fallback = limits.stillness_mm});
-  limits.min_coverage =
-      checks.number("min_coverage", {.min = 0.5, .max = 1.0, .fallback = limits.min_coverage});
-  limits.kerf_width_mm =
-      checks.number("kerf_width_mm", {.min = 0.001, .max = 10, .fallback = limits.kerf_width_mm});
-  limits.even_depth_share =
-      checks.number("even_depth_share", {.min = 0, .max = 1, .fallback = limits.even_depth_share});
-  limits.line_energy_j_mm =
-      checks.number("line_energy_j_mm", {.min = 0, .max = 100, .fallback = limits.line_energy_j_mm});
-  limits.line_energy_share =
-      checks.number("line_energy_share", {.min = 1e-4, .max = 1, .fallback = limits.line_energy_share});
-  limits.gate_lag_s =
-      1e-3 * checks.number("gate_lag_ms", {.min = 0.01, .max = 100, .fallback = 1e3 * limits.gate_lag_s});
-  limits.stray_mm = checks.number("stray_mm", {.min = 0.05, .max = 100, .fallback = limits.stray_mm});
-  return limits;
+  if (edge == "nesting") return Edge::kNesting;
+  if (edge == "outside") return Edge::kOutside;
+  return edge == "inside" ? Edge::kInside : Edge::kCentre;
+}
+
+inspect::Tolerances readTolerances(base::YamlReader& checks) {
+  inspect::Tolerances tolerances;
+  tolerances.edge = readEdge(checks);
+  const auto read = [&](const char* key, double min, double max, double& value) {
+    value = checks.number(key, {.min = min, .max = max, .fallback = value});
+  };
+  read("path_mm", 0.001, 10, tolerances.path_mm);
+  read("stillness_mm", 0.001, 10, tolerances.stillness_mm);
+  read("min_coverage", 0.5, 1, tolerances.min_coverage);
+  read("kerf_width_mm", 0.001, 10, tolerances.kerf_width_mm);
+  read("even_depth_share", 0, 1, tolerances.even_depth_share);
+  read("line_energy_j_mm", 0, 100, tolerances.line_energy_j_mm);
+  read("line_energy_share", 1e-4, 1, tolerances.line_energy_share);
+  double gate_lag_ms = 1e3 * tolerances.gate_lag_s;
+  read("gate_lag_ms", 0.01, 100, gate_lag_ms);
+  tolerances.gate_lag_s = 1e-3 * gate_lag_ms;
+  read("stray_mm", 0.05, 100, tolerances.stray_mm);
+  return tolerances;
+}
+
+void readName(base::YamlReader& file, Scenario& s) {
+  constexpr const char* kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  s.name = file.text("name");
+  if (s.name.empty() || s.name.find_first_not_of(kAllowed) != std::string::npos || s.name.front() == '.')
+    file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
+  s.title = file.text("title", "");
+}
+
+void readRelease(base::YamlReader& file, const ImagePath& images, Scenario& s) {
+  s.firmware = readFirmware(file.section("firmware"), images);
+  if (s.firmware.onRealPins() && s.belt_by_controller) {
+    file.fault(
+        "belt",
+        "drive must be line on real pins (source: gpio, analyser): where the controller feeds, its own pins "
+        "move the encoder, and the model knows of them too late");
+  }
+  if (s.firmware.source == FirmwareChoice::Source::kAnalyser && s.sheetMoves()) {
+    file.fault("belt",
+               "speed_mm_s must be 0 where an analyser listens (source: analyser): it drives neither encoder "
+               "nor print mark, so the sheet lies at rest");
+  }
+}
+
+void readPlanner(base::YamlReader planner, Scenario& s) {
+  s.job = readJob(planner, s);
+  if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");
+  if (planner.has("jump_radius_mm")) {
+    s.jump_radius_mm = planner.number("jump_radius_mm", {.min = -1, .max = 1000});
+    if (*s.jump_radius_mm < 0.0 && *s.jump_radius_mm != planner::kRadiusOfDrawing)
+      planner.fault("jump_radius_mm", "is a radius, 0 for straight jumps, or -1 for that of the drawing");
+  }
+  s.planner_faults = readPlannerFaults(planner.section("faults"));
+}
+
+void readProvocation(base::YamlReader& file, Scenario& s) {
+  s.provoke = readProvoke(file.section("provoke"), s.belt_speed_mm_s > 0.0 && !s.belt_by_controller);
+  if (s.provoke.cause == ProvokeChoice::Cause::kNone) return;
+  if (s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
+    file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
+  if (s.firmware.onRealPins())
+    file.fault("provoke",
+               "is for emulated releases; on real pins (source: gpio, analyser) nothing is provoked yet");
+}
+
+void readChecks(base::YamlReader& file, Scenario& s) {
+  auto checks = file.section("checks");
+  s.limits = readTolerances(checks);
+  s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
+  s.calibration_max_age_days = static_cast<int>(
+      checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
+  s.date = file.text("date", "");
+  if (!s.date.empty() && !calibrate::dayNumber(s.date)) file.fault("date", "is no day like 2026-11-21");
 }
 
 }  // namespace
@@ -77,22 +134,16 @@ twin::Fidelity fidelityFromName(const std::string& name) {
   return fromName<twin::Fidelity>(kFidelityNames, name);
 }
 
-Scenario readScenario(const fs::path& path, const ImagePath& images) {
+ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   auto file = base::YamlReader::openFile(path);
-  Scenario s;
+  ScenarioFile result;
+  Scenario& s = result.scenario;
   s.path = fs::absolute(path).lexically_normal();
   std::ifstream stream(path, std::ios::binary);
   s.text.assign(std::istreambuf_iterator<char>(stream), {});
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
-  s.name = file.text("name");
-  if (s.name.empty() ||
-      s.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") !=
-          std::string::npos ||
-      s.name.front() == '.') {
-    file.fault("name", "use letters, digits, '-', '_' and '.': it names the results folder");
-  }
-  s.title = file.text("title", "");
+  readName(file, s);
   s.dieline = fileOf(file, "dieline");
   s.machine = fileOf(file, "machine");
   s.layers = readLayers(file);
@@ -100,48 +151,22 @@ Scenario readScenario(const fs::path& path, const ImagePath& images) {
   s.board = readBoard(file.section("board"));
   s.print = readPrint(file.section("print"));
   readBelt(file.section("belt"), s);
-  s.firmware = readFirmware(file.section("firmware"), images);
-  if (s.firmware.onRealPins() && s.belt_by_controller) {
-    file.fault(
-        "belt",
-        "drive must be line on real pins (source: gpio, analyser): where the controller feeds, its own pins "
-        "move the encoder, and the model knows of them too late");
-  }
-  if (s.firmware.source == FirmwareChoice::Source::kAnalyser && s.sheetMoves()) {
-    file.fault("belt",
-               "speed_mm_s must be 0 where an analyser listens (source: analyser): it drives neither encoder "
-               "nor print mark, so the sheet lies at rest");
-  }
-  auto planner = file.section("planner");
-  s.job = readJob(planner, s);
-  if (planner.has("gcode")) s.job_gcode = fileOf(planner, "gcode");
-  if (planner.has("jump_radius_mm")) {
-    s.jump_radius_mm = planner.number("jump_radius_mm", {.min = -1, .max = 1000});
-    if (*s.jump_radius_mm < 0.0 && *s.jump_radius_mm != planner::kRadiusOfDrawing)
-      planner.fault("jump_radius_mm", "is a radius, 0 for straight jumps, or -1 for that of the drawing");
-  }
-  s.planner_faults = readPlannerFaults(planner.section("faults"));
-  s.provoke = readProvoke(file.section("provoke"), s.belt_speed_mm_s > 0.0 && !s.belt_by_controller);
-  if (s.provoke.cause != ProvokeChoice::Cause::kNone &&
-      s.firmware.dialog != FirmwareChoice::Dialog::kKerfbench)
-    file.fault("provoke", "the safe states are those of the reference controller (dialog: kerfbench)");
-  if (s.provoke.cause != ProvokeChoice::Cause::kNone && s.firmware.onRealPins())
-    file.fault("provoke",
-               "is for emulated releases; on real pins (source: gpio, analyser) nothing is provoked yet");
+  readRelease(file, images, s);
+  readPlanner(file.section("planner"), s);
+  readProvocation(file, s);
   s.cameras = readCameraChoice(file.section("cameras"));
-  auto checks = file.section("checks");
-  s.limits = readLimits(checks);
-  s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
-  s.calibration_max_age_days = static_cast<int>(
-      checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
-  s.date = file.text("date", "");
-  if (!s.date.empty() && !calibrate::dayNumber(s.date)) file.fault("date", "is no day like 2026-11-21");
+  readChecks(file, s);
   s.time_limit_s = file.number("time_limit_s", {.min = 0.01, .max = 3600, .fallback = 60.0});
   s.seed = static_cast<std::uint64_t>(file.integer("seed", {.min = 0, .max = 9e15, .fallback = 1.0}));
-  s.imperfections = presetFromName(readName(file, "imperfections", kPresetNames));
-  s.fidelity = fidelityFromName(readName(file, "twin", kFidelityNames));
+  s.imperfections = presetFromName(readChoice(file, "imperfections", kPresetNames));
+  s.fidelity = fidelityFromName(readChoice(file, "twin", kFidelityNames));
+  result.keys = file.asked();
   file.finish();
-  return s;
+  return result;
+}
+
+Scenario readScenario(const fs::path& path, const ImagePath& images) {
+  return readScenarioFile(path, images).scenario;
 }
 
 }  // namespace kerfbench::scenario

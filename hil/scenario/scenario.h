@@ -106,7 +106,15 @@ struct ImagePath {
   std::filesystem::path firmware_dir;
 };
 
+/// A scenario, and every key that its reader asked for: docs/reference/scenario.md is held against them.
+struct ScenarioFile {
+  Scenario scenario;
+  std::vector<base::YamlReader::Asked> keys;
+};
+
 /// @throws ConfigError with every fault, each with file and line.
+ScenarioFile readScenarioFile(const std::filesystem::path& path, const ImagePath& images);
+/// @throws ConfigError as above.
 Scenario readScenario(const std::filesystem::path& path, const ImagePath& images);
 
 }  // namespace kerfbench::scenario

@@ -13,6 +13,7 @@
 #include "hil/run/release.h"
 #include "hil/scenario/case.h"
 #include "hil/source/open.h"
+#include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::determinism {
 namespace {
@@ -43,12 +44,13 @@ class LabelRun {
 
  private:
   static scenario::Case readLabel() {
-    scenario::Case label =
-        scenario::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/label-on-belt.yaml",
-                           fs::path(KERFBENCH_BINARY_DIR) / "firmware");
+    const base::TempFolder folder;
+    const fs::path one = folder.write(
+        "one.yaml", "extends: '" + base::fixture("scenarios/native/label-on-belt.yaml").string() +
+                        "'\nprint: {units: 1}\n");
+    scenario::Case label = scenario::readCase(one, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
     label.scenario.fidelity = twin::Fidelity::kFast;
     label.scenario.imperfections = twin::Preset::kDynamic;
-    label.scenario.print.units = 1;
     return label;
   }
 

@@ -141,9 +141,10 @@ TEST_F(PinsTest, StampsAreThoseOfTheWire) {
     off_us.push_back(1e-3 * std::abs(stamped_ns - pulled_ns));
   }
   std::ranges::sort(off_us);
-  // A tick of the kernel's clock may come in between, and lasts some 12 us here.
   EXPECT_LT(off_us[off_us.size() * 95 / 100], 5.0);
-  EXPECT_LT(off_us.back(), 30.0);
+  // Ticks of the kernel's clock come in between, some 12 us each and sometimes several. Edges are 200 us
+  // apart: beyond half of that a stamp would belong to the next one.
+  EXPECT_LT(off_us.back(), 100.0);
 }
 
 TEST_F(PinsTest, AReaderThatStallsKeepsWhatTheKernelBuffers) {

@@ -19,6 +19,7 @@
 #include "hil/run/model_machine.h"
 #include "hil/run/release.h"
 #include "hil/run/twin_model.h"
+#include "tests/hil/base/temp_folder.h"
 #include "tests/scenarios/twin_cameras.h"
 
 namespace kerfbench::test {
@@ -130,11 +131,11 @@ class BrokenDecoder : public testing::Test {
   }
 
   static scenario::Case readStrip() {
-    scenario::Case strip =
-        scenario::readCase(fs::path(KERFBENCH_SOURCE_DIR) / "fixtures/scenarios/native/strip-crosscut.yaml",
-                           fs::path(KERFBENCH_BINARY_DIR) / "firmware");
-    strip.scenario.print.units = 1;
-    return strip;
+    const base::TempFolder folder;
+    const fs::path one = folder.write(
+        "one.yaml", "extends: '" + base::fixture("scenarios/native/strip-crosscut.yaml").string() +
+                        "'\nprint: {units: 1}\n");
+    return scenario::readCase(one, fs::path(KERFBENCH_BINARY_DIR) / "firmware");
   }
 
   scenario::Case case_ = readStrip();
