@@ -37,7 +37,7 @@ std::map<std::string, Options> sectionsOfThePage() {
 }
 
 Options optionsIn(const std::string& help) {
-  static const std::regex option(R"(\n  (?:-\w,)?(--[a-z-]+))");
+  static const std::regex option(R"(\n  (?:-\w,)?(--[a-z0-9-]+))");
   Options options;
   for (auto it = std::sregex_iterator(help.begin(), help.end(), option); it != std::sregex_iterator(); ++it) {
     if ((*it)[1] != "--help") options.insert((*it)[1]);
