@@ -22,6 +22,46 @@ void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required)
       ->needs(machine);
 }
 
+void addModelOptions(CLI::App* head, HeadCalibrateOptions& options) {
+  head->add_option("--seed", options.seed, "Of what the imperfections draw, of all noise and of the places")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
+      ->capture_default_str();
+  head->add_option("--imperfections", options.imperfections,
+                   "How far the machine is from its description: ideal, static, dynamic")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kPresetNames.begin(), scenario::kPresetNames.end())))
+      ->capture_default_str();
+  head->add_option("--twin", options.twin, "How the equations of motion are solved: reference or fast")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(scenario::kFidelityNames.begin(), scenario::kFidelityNames.end())))
+      ->capture_default_str();
+  head->add_option("--date", options.date,
+                   "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
+  head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
+  head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
+}
+
+void addSourceOfPictures(CLI::App* head, HeadCalibrateOptions& options) {
+  CLI::Option* by_hand =
+      head->add_flag("--by-hand", options.by_hand,
+                     "Sheets are cut on a machine and photographed by people: what they need is written into "
+                     "the results and "
+                     "said,\nexit code 75; run again when the pictures of a sheet are there");
+  head->add_option("--image", options.image,
+                   "By hand: release of the controller that cuts, such as controller-avr.hex; otherwise\n"
+                   "controller-native-galvo")
+      ->needs(by_hand);
+  CLI::Option* job = head->add_option("--job", options.job,
+                                      "From pictures alone: the job (marks.yaml) that was cut; no table is "
+                                      "verified");
+  CLI::Option* pictures =
+      head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
+  job->needs(pictures)->excludes(by_hand);
+  head->add_option("--cut-with", options.table,
+                   "Table that it was cut with; otherwise the one that the machine file names, if any")
+      ->needs(job);
+}
+
 void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
   auto holder = std::make_shared<HeadCalibrateOptions>();
   HeadCalibrateOptions& options = *holder;
@@ -33,7 +73,8 @@ void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions
       "Calibrate a scan head on the twin: marks are cut, found in the kerf camera's pictures, and the head "
       "is "
       "fitted;\n"
-      "its correction table is verified at places that were never marked. docs/how-to/calibrate-a-camera.md says how.\n"
+      "its correction table is verified at places that were never marked. docs/how-to/calibrate-a-camera.md "
+      "says how.\n"
       "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input; "
       "75: by "
       "hand,\n"
@@ -61,40 +102,8 @@ void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions
           "long as fewer than 40 marks\nare measured; more of them tell it themselves")
       ->check(CLI::Range(1e-7, 0.1))
       ->capture_default_str();
-  head->add_option("--seed", options.seed, "Of what the imperfections draw, of all noise and of the places")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
-      ->capture_default_str();
-  head->add_option("--imperfections", options.imperfections,
-                   "How far the machine is from its description: ideal, static, dynamic")
-      ->check(CLI::IsMember(
-          std::vector<std::string>(scenario::kPresetNames.begin(), scenario::kPresetNames.end())))
-      ->capture_default_str();
-  head->add_option("--twin", options.twin, "How the equations of motion are solved: reference or fast")
-      ->check(CLI::IsMember(
-          std::vector<std::string>(scenario::kFidelityNames.begin(), scenario::kFidelityNames.end())))
-      ->capture_default_str();
-  head->add_option("--date", options.date,
-                   "Day of the jobs, like 2026-11-21; otherwise that of the kerf camera's calibration");
-  head->add_option("--out", options.out, "The controller's table; otherwise correction.csv in the results");
-  head->add_flag("--keep-pictures", options.keep_pictures, "Keep the pictures of each sheet beside its job");
-  CLI::Option* by_hand =
-      head->add_flag("--by-hand", options.by_hand,
-                     "Sheets are cut on a machine and photographed by people: what they need is written into "
-                     "the results and "
-                     "said,\nexit code 75; run again when the pictures of a sheet are there");
-  head->add_option("--image", options.image,
-                   "By hand: release of the controller that cuts, such as controller-avr.hex; otherwise\n"
-                   "controller-native-galvo")
-      ->needs(by_hand);
-  CLI::Option* job = head->add_option("--job", options.job,
-                                      "From pictures alone: the job (marks.yaml) that was cut; no table is "
-                                      "verified");
-  CLI::Option* pictures =
-      head->add_option("--pictures", options.pictures, "Its pictures: a folder with tiles.yaml")->needs(job);
-  job->needs(pictures)->excludes(by_hand);
-  head->add_option("--cut-with", options.table,
-                   "Table that it was cut with; otherwise the one that the machine file names, if any")
-      ->needs(job);
+  addModelOptions(head, options);
+  addSourceOfPictures(head, options);
   head->add_option("--jobs,-j", options.jobs, "Threads; the result is the same at any number")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

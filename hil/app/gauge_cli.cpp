@@ -10,22 +10,9 @@
 
 namespace kerfbench::app {
 
-void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  auto holder = std::make_shared<GaugeCommandOptions>();
-  GaugeCommandOptions& options = *holder;
-  options.command_line = program.command_line;
-  options.gauge.jobs = program.jobs;
-  CLI::App* gauge = app.add_subcommand(
-      "gauge",
-      "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
-      "at by\n"
-      "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
-      "docs/explanation/what-it-is-worth.md says how to read the result. Exit code 0: every claim holds or needs more cases; 1: "
-      "one\n"
-      "does not hold.");
-  gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
-      ->capture_default_str();
-  gauge::GaugeOptions& g = options.gauge;
+namespace {
+
+void addCounts(CLI::App* gauge, gauge::GaugeOptions& g) {
   const auto count = CLI::Range(0, 1000000);
   CLI::Option* cases = gauge
                            ->add_option_function<std::size_t>(
@@ -51,6 +38,28 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
       ->excludes(cases)
       ->excludes(bad)
       ->excludes(good);
+}
+
+}  // namespace
+
+void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  auto holder = std::make_shared<GaugeCommandOptions>();
+  GaugeCommandOptions& options = *holder;
+  options.command_line = program.command_line;
+  options.gauge.jobs = program.jobs;
+  CLI::App* gauge = app.add_subcommand(
+      "gauge",
+      "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
+      "at by\n"
+      "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
+      "docs/explanation/what-it-is-worth.md says how to read the result. Exit code 0: every claim holds or "
+      "needs more cases; 1: "
+      "one\n"
+      "does not hold.");
+  gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
+      ->capture_default_str();
+  gauge::GaugeOptions& g = options.gauge;
+  addCounts(gauge, g);
   gauge
       ->add_option_function<std::string>(
           "--imperfections",

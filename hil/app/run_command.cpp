@@ -72,7 +72,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   conclusion.spot_frames = live::framesOfReplay(test_case, recording, frames);
   conclusion.folder_name = test_case.scenario.name + "-replay";
   conclusion.firmware = "recording " + recording.filename().string();
-  return live::judgeRecorded(test_case, sampled, recorded, std::move(conclusion), options, stopwatch,
+  return live::judgeRecorded(test_case, {sampled, recorded}, std::move(conclusion), options, stopwatch,
                              console);
 }
 

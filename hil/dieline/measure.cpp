@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "hil/dieline/curve_math.h"
 #include "hil/dieline/geometry.h"
@@ -38,27 +39,35 @@ struct Leaf {
   double length_mm;
 };
 
-void subdivide(const Curve& curve, double a, double b, double whole, double tolerance_mm, int depth,
-               std::vector<Leaf>& leaves) {
-  const double m = (a + b) / 2;
-  const double left = quadrature(curve, a, m);
-  const double right = quadrature(curve, m, b);
-  if (depth == 0 || std::abs(left + right - whole) <= tolerance_mm) {
-    leaves.push_back({a, m, left});
-    leaves.push_back({m, b, right});
-    return;
+class Subdivision {
+ public:
+  explicit Subdivision(const Curve& curve) : curve_(curve), tolerance_mm_(1e-12 * extentOf(curve)) {
+    split({0.0, 1.0, quadrature(curve, 0.0, 1.0)}, 40);
   }
-  // Not halved with the depth: errors of 8-point rules shrink by 2^16 per halving, so their sum stays near
-  // one.
-  subdivide(curve, a, m, left, tolerance_mm, depth - 1, leaves);
-  subdivide(curve, m, b, right, tolerance_mm, depth - 1, leaves);
-}
+  [[nodiscard]] std::vector<Leaf> leaves() && { return std::move(leaves_); }
 
-std::vector<Leaf> leavesOf(const Curve& curve) {
-  std::vector<Leaf> leaves;
-  subdivide(curve, 0.0, 1.0, quadrature(curve, 0.0, 1.0), 1e-12 * extentOf(curve), 40, leaves);
-  return leaves;
-}
+ private:
+  void split(const Leaf& whole, int depth) {
+    const double m = (whole.u0 + whole.u1) / 2;
+    const Leaf left{whole.u0, m, quadrature(curve_, whole.u0, m)};
+    const Leaf right{m, whole.u1, quadrature(curve_, m, whole.u1)};
+    if (depth == 0 || std::abs(left.length_mm + right.length_mm - whole.length_mm) <= tolerance_mm_) {
+      leaves_.push_back(left);
+      leaves_.push_back(right);
+      return;
+    }
+    // The tolerance is not halved with the depth: errors of 8-point rules shrink by 2^16 per halving, so
+    // their sum stays near one.
+    split(left, depth - 1);
+    split(right, depth - 1);
+  }
+
+  const Curve& curve_;
+  double tolerance_mm_;
+  std::vector<Leaf> leaves_;
+};
+
+std::vector<Leaf> leavesOf(const Curve& curve) { return Subdivision(curve).leaves(); }
 
 bool hasConstantSpeed(const Curve& curve) {
   return std::holds_alternative<LineCurve>(curve) || std::holds_alternative<ArcCurve>(curve);

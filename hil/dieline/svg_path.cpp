@@ -84,7 +84,7 @@ class PathReader {
     const auto to = positive ? point(relative) : std::nullopt;
     if (!to) return false;
     // The standard draws nothing between equal points.
-    if (*to != at_) emit(svgArc(at_, *rx, *ry, *tilt * std::numbers::pi / 180, *large, *positive, *to));
+    if (*to != at_) emit(svgArc(at_, {*rx, *ry, *tilt * std::numbers::pi / 180, *large, *positive}, *to));
     at_ = *to;
     last_control_.reset();
     last_kind_ = 'A';
@@ -142,12 +142,11 @@ SvgPath readSvgPath(std::string_view data, double closing_tolerance) {
   return PathReader(data, closing_tolerance).read();
 }
 
-Curve svgArc(const Vector2d& from, double rx, double ry, double tilt_rad, bool large, bool positive,
-             const Vector2d& to) {
-  rx = std::abs(rx);
-  ry = std::abs(ry);
+Curve svgArc(const Vector2d& from, const SvgArc& arc, const Vector2d& to) {
+  double rx = std::abs(arc.rx);
+  double ry = std::abs(arc.ry);
   if (rx == 0 || ry == 0) return LineCurve{from, to};
-  const Eigen::Rotation2Dd tilt(tilt_rad);
+  const Eigen::Rotation2Dd tilt(arc.tilt_rad);
   const Vector2d half = tilt.inverse() * Vector2d((from - to) / 2);
   const double reach = std::pow(half.x() / rx, 2) + std::pow(half.y() / ry, 2);
   if (reach > 1) {
@@ -155,7 +154,8 @@ Curve svgArc(const Vector2d& from, double rx, double ry, double tilt_rad, bool l
     ry *= std::sqrt(reach);
   }
   const double a = std::pow(rx * half.y(), 2) + std::pow(ry * half.x(), 2);
-  const double factor = std::sqrt(std::max(0.0, (rx * rx * ry * ry - a) / a)) * (large == positive ? -1 : 1);
+  const double factor =
+      std::sqrt(std::max(0.0, (rx * rx * ry * ry - a) / a)) * (arc.large == arc.positive ? -1 : 1);
   const Vector2d centre_tilted(factor * rx * half.y() / ry, -factor * ry * half.x() / rx);
   const Vector2d centre = tilt * centre_tilted + (from + to) / 2;
   const auto angleOf = [&](const Vector2d& v) {
@@ -163,9 +163,9 @@ Curve svgArc(const Vector2d& from, double rx, double ry, double tilt_rad, bool l
   };
   const double start = angleOf(half);
   double sweep = std::remainder(angleOf(-half) - start, 2 * std::numbers::pi);
-  if (positive && sweep < 0) sweep += 2 * std::numbers::pi;
-  if (!positive && sweep > 0) sweep -= 2 * std::numbers::pi;
-  if (std::abs(rx - ry) <= 1e-12 * rx) return ArcCurve{centre, rx, tilt_rad + start, sweep};
+  if (arc.positive && sweep < 0) sweep += 2 * std::numbers::pi;
+  if (!arc.positive && sweep > 0) sweep -= 2 * std::numbers::pi;
+  if (std::abs(rx - ry) <= 1e-12 * rx) return ArcCurve{centre, rx, arc.tilt_rad + start, sweep};
   return EllipseCurve{centre, tilt * Vector2d(rx, 0), tilt * Vector2d(0, ry), start, sweep};
 }
 

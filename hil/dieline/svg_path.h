@@ -25,8 +25,15 @@ struct SvgPath {
 /// the file's decimals.
 SvgPath readSvgPath(std::string_view data, double closing_tolerance);
 
+/// An elliptic arc as SVG writes it, but for its ends.
+struct SvgArc {
+  double rx, ry;    ///< Radii, user units.
+  double tilt_rad;  ///< From x to the first radius.
+  bool large;       ///< The longer of two arcs.
+  bool positive;    ///< The angle grows along the arc.
+};
+
 /// The arc between two points as SVG gives it (appendix F.6): radii grow where they are too small.
-Curve svgArc(const Eigen::Vector2d& from, double rx, double ry, double tilt_rad, bool large, bool positive,
-             const Eigen::Vector2d& to);
+Curve svgArc(const Eigen::Vector2d& from, const SvgArc& arc, const Eigen::Vector2d& to);
 
 }  // namespace kerfbench::dieline

@@ -92,7 +92,8 @@ class ShapeReader {
       if ((to - from).norm() > closing_tolerance_)
         emit(LineCurve{from, to}, fmt::format("side {}", side + 1));
       if (is_round)
-        emit(svgArc(to, rx, ry, 0.0, false, true, p[(2 * side + 2) % 8]), fmt::format("corner {}", side + 1));
+        emit(svgArc(to, {rx, ry, 0.0, false, true}, p[(2 * side + 2) % 8]),
+             fmt::format("corner {}", side + 1));
     }
   }
 

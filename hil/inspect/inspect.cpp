@@ -49,34 +49,48 @@ std::vector<Check> pinChecks(const Evidence& evidence) {
   return of_pins;
 }
 
-/// `edges`: the evidence's kerf is an edgeScan().
-void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
-                      InspectionResult& result) {
-  append(result.problems, checks::kerfProblems(evidence));
-  LitFrames lit = followDieline(evidence.spot, *evidence.dieline);
-  const double half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
-  LitFrames motion = lit;
+/// What the cameras show, measured. With `edges` the evidence's kerf is an edgeScan().
+struct Measured {
+  const Evidence& evidence;
+  const Tolerances& limits;
+  const checks::EdgeSides* edges;
+  double half_kerf_mm{};
+  LitFrames lit{};
+  DeviationResult deviations{};
+  checks::Stillness stillness{};
+};
+
+Measured measured(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
+                  InspectionResult& result) {
+  Measured m{evidence, limits, edges};
+  m.lit = followDieline(evidence.spot, *evidence.dieline);
+  m.half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
+  LitFrames motion = m.lit;
   if (edges != nullptr) {
-    checks::measureFromBeamLine(*edges, half_kerf_mm, lit);
+    checks::measureFromBeamLine(*edges, m.half_kerf_mm, m.lit);
     checks::measureFromOwnKerf(evidence.kerf, *edges, motion);
   }
-  append(result.problems, checks::spotProblems(evidence, lit));
+  append(result.problems, checks::spotProblems(evidence, m.lit));
 
-  const DeviationResult deviations = checks::measureLines(evidence, limits, edges);
-  result.entities = checks::measureEntities(evidence, limits, deviations);
-  result.rms_mm = deviations.all.rms;
-  for (std::size_t i = 0; i < deviations.layers.size(); ++i) {
+  m.deviations = checks::measureLines(evidence, limits, edges);
+  result.entities = checks::measureEntities(evidence, limits, m.deviations);
+  result.rms_mm = m.deviations.all.rms;
+  for (std::size_t i = 0; i < m.deviations.layers.size(); ++i) {
     result.layers.push_back(
-        {deviations.layer_names[i], deviations.layers[i].worst, deviations.layers[i].rms});
+        {m.deviations.layer_names[i], m.deviations.layers[i].worst, m.deviations.layers[i].rms});
   }
   result.joints = checks::measureJoints(evidence);
-  checks::countPasses(evidence, lit, result.entities);
-  const checks::Stillness stillness = checks::measureCuts(evidence, motion, limits);
-  result.cuts = stillness.cuts;
-  for (const UncertaintyBudget& budget : {deviations.budget, stillness.budget}) {
+  checks::countPasses(evidence, m.lit, result.entities);
+  m.stillness = checks::measureCuts(evidence, motion, limits);
+  result.cuts = m.stillness.cuts;
+  for (const UncertaintyBudget& budget : {m.deviations.budget, m.stillness.budget}) {
     if (!budget.entries.empty()) result.budgets.push_back(budget);
   }
+  return m;
+}
 
+/// Checks that need something burnt, something lit, or neither; in the order of the report.
+void addCameraChecks(const Measured& m, InspectionResult& result) {
   const auto add = [&](auto check) {
     if constexpr (requires { check.has_value(); }) {
       if (check) result.checks.push_back(std::move(*check));
@@ -85,34 +99,40 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
     }
   };
   const bool blank = checks::isBlank(result.entities);
-  const bool dark = lit.lit == 0;
+  const bool dark = m.lit.lit == 0;
   if (!blank) {
-    Check path = checks::pathCheck(evidence, limits, deviations);
-    add(edges == nullptr ? path : checks::edgeCheck(path, *edges, half_kerf_mm));
-    add(checks::jointsCheck(evidence, limits, result.joints, result.entities));
+    Check path = checks::pathCheck(m.evidence, m.limits, m.deviations);
+    add(m.edges == nullptr ? path : checks::edgeCheck(path, *m.edges, m.half_kerf_mm));
+    add(checks::jointsCheck(m.evidence, m.limits, result.joints, result.entities));
   }
   if (!(blank && dark)) {
-    add(checks::stillnessCheck(limits, lit, stillness));
-    add(checks::excursionCheck(limits, stillness));
-    add(checks::beltCheck(evidence, limits, lit));
-    add(checks::spotSeenCheck(evidence, lit));
-    add(checks::spotPathCheck(evidence, limits, lit));
+    add(checks::stillnessCheck(m.limits, m.lit, m.stillness));
+    add(checks::excursionCheck(m.limits, m.stillness));
+    add(checks::beltCheck(m.evidence, m.limits, m.lit));
+    add(checks::spotSeenCheck(m.evidence, m.lit));
+    add(checks::spotPathCheck(m.evidence, m.limits, m.lit));
   }
-  add(checks::coverageCheck(evidence, limits, result.entities));
-  if (!(blank && dark)) add(checks::repeatCheck(evidence, limits, lit, result.entities));
+  add(checks::coverageCheck(m.evidence, m.limits, result.entities));
+  if (!(blank && dark)) add(checks::repeatCheck(m.evidence, m.limits, m.lit, result.entities));
   if (!blank) {
-    add(checks::depthCheck(evidence, limits));
-    add(checks::evenDepthCheck(evidence, limits));
-    add(checks::perforationCheck(evidence, limits, result.entities));
-    add(checks::kerfWidthCheck(evidence, limits, result.entities));
-    add(checks::laserTimingCheck(evidence, limits, result.entities, edges));
+    add(checks::depthCheck(m.evidence, m.limits));
+    add(checks::evenDepthCheck(m.evidence, m.limits));
+    add(checks::perforationCheck(m.evidence, m.limits, result.entities));
+    add(checks::kerfWidthCheck(m.evidence, m.limits, result.entities));
+    add(checks::laserTimingCheck(m.evidence, m.limits, result.entities, m.edges));
   }
-  add(checks::strayCheck(evidence, limits));
+  add(checks::strayCheck(m.evidence, m.limits));
   if (!(blank && dark)) {
-    add(checks::laserGateCheck(evidence, limits));
-    add(checks::gateLagCheck(evidence, limits, lit));
-    add(checks::lineEnergyCheck(evidence, limits, lit));
+    add(checks::laserGateCheck(m.evidence, m.limits));
+    add(checks::gateLagCheck(m.evidence, m.limits, m.lit));
+    add(checks::lineEnergyCheck(m.evidence, m.limits, m.lit));
   }
+}
+
+void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
+                      InspectionResult& result) {
+  append(result.problems, checks::kerfProblems(evidence));
+  addCameraChecks(measured(evidence, limits, edges, result), result);
   for (Check& check : pinChecks(evidence)) result.checks.push_back(std::move(check));
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;

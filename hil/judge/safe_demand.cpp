@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace kerfbench::judge {
 namespace {
@@ -28,88 +31,128 @@ double encoderWindow_s(const scenario::Case& test_case, double period_s) {
   return 2 * std::max(kEncoderCounts / counts_per_s + period_s, 2 * period_s) + 2 * period_s;
 }
 
+/// Demands that follow from the scenario, the job and what was recorded.
+class DemandWriter {
+ public:
+  DemandWriter(const scenario::Case& test_case, const run::PreparedJob& job,
+               const controller::PulseCounter& pins, double line_cut_s)
+      : case_(test_case),
+        provoke_(test_case.scenario.provoke),
+        job_(job),
+        pins_(pins),
+        line_cut_s_(line_cut_s),
+        period_s_(job.target.periodS()),
+        frame_s_(kFrameBits / job.target.baud),
+        stand_s_(2 * period_s_) {
+    demand_.cause_s = provoke_.at_s;
+    demand_.stop_s = 8 * period_s_;  // The period offered, one under way, five of the ramp.
+    demand_.report_s = kReport_s;
+  }
+
+  inspect::SafeStateDemand written() {
+    writeSensor();
+    writeLine();
+    writeBelt();
+    writeExpected();
+    return demand_;
+  }
+
+ private:
+  void write(std::string cause, std::vector<std::string> faults) {
+    demand_.cause = std::move(cause);
+    demand_.faults = std::move(faults);
+  }
+
+  void writeSensor() {
+    switch (provoke_.cause) {
+      case Cause::kInterlock:
+        write("the guard was opened", {"interlock"});
+        demand_.stop_s = stand_s_;
+        break;
+      case Cause::kLimit:
+        write(fmt::format("the limit switch of {} closed", provoke_.limit), {"limit"});
+        demand_.stop_s = stand_s_;
+        break;
+      case Cause::kEncoder:
+        write(provoke_.encoder_lines == "both"
+                  ? "both wires of the encoder broke"
+                  : fmt::format("wire {} of the encoder broke", provoke_.encoder_lines),
+              {"encoder"});
+        demand_.window_s = encoderWindow_s(case_, period_s_);
+        break;
+      case Cause::kMarksFlicker:
+        write("the print mark sensor began to flicker", {"marks"});
+        demand_.window_s = kMarks * scenario::kFlicker_s + 2 * period_s_;
+        break;
+      default:
+        break;
+    }
+  }
+
+  void writeLine() {
+    switch (provoke_.cause) {
+      case Cause::kUartSilent:
+        write("the host fell silent within a frame", {"silent"});
+        demand_.cause_s = line_cut_s_;
+        demand_.window_s = frame_s_ + kSilence_s + 2 * period_s_;
+        break;
+      case Cause::kUartNoise:
+        write(fmt::format("{:g} % of the host's bytes were damaged from there on", 100 * provoke_.share),
+              {"uart", "silent"});
+        demand_.cause_s = line_cut_s_;
+        demand_.window_s = frame_s_ + kSilence_s + 2 * period_s_;
+        break;
+      case Cause::kHostStarves:
+        write("the last step came of what the host has sent", {"dry"});
+        demand_.cause_s = pins_.pulse_s(job_.starved_pul, job_.starved_pulses);
+        demand_.window_s = period_s_;
+        break;
+      default:
+        break;
+    }
+  }
+
+  void writeBelt() {
+    const auto& set_up = case_.machine.controller;
+    if (provoke_.cause == Cause::kFieldLeft) {
+      write(fmt::format("the gantry came within {:g} mm of its field's edge", kFieldNear_mm), {"field"});
+      const auto inside = [&](double mm) { return static_cast<long long>(mm / set_up.gantry_step_mm); };
+      demand_.cause_s = pins_.leaves_s(Signal::kGantryXPul, inside(set_up.field_min_mm[0] + kFieldNear_mm),
+                                       inside(set_up.field_max_mm[0] - kFieldNear_mm));
+      demand_.window_s = (kFieldNear_mm + kFieldWaver_mm) / case_.scenario.belt_speed_mm_s + 2 * period_s_;
+    }
+    if (provoke_.cause == Cause::kBeltTooFast) {
+      write(fmt::format("the belt exceeded {:.1f} mm/s", job_.belt_stop_mm_s), {"belt-fast"});
+      demand_.cause_s = pins_.beltFaster_s(job_.belt_stop_mm_s / set_up.encoder_count_mm, kBeltSpan_s);
+      demand_.cause_s -= 0.5 * kBeltSpan_s;  // A mean is that of the middle.
+      demand_.window_s = kFast_s + kFilterPeriods * period_s_;
+    }
+  }
+
+  void writeExpected() {
+    if (!provoke_.expect.empty()) demand_.faults = {provoke_.expect};
+    if (provoke_.expect != "watchdog" && provoke_.expect != "late") return;
+    // A main loop that is stuck or waits over a broken frame: the tick's interrupt finds no period prepared.
+    demand_.window_s = frame_s_ + kFramePause_s + 3 * period_s_ + job_.target.tick_s;
+    demand_.stop_s = stand_s_;
+  }
+
+  const scenario::Case& case_;
+  const scenario::ProvokeChoice& provoke_;
+  const run::PreparedJob& job_;
+  const controller::PulseCounter& pins_;
+  double line_cut_s_;
+  double period_s_;
+  double frame_s_;
+  double stand_s_;  // The period at hand, and one that the main loop may be busy.
+  inspect::SafeStateDemand demand_;
+};
+
 }  // namespace
 
 inspect::SafeStateDemand safeStateDemand(const scenario::Case& test_case, const run::PreparedJob& job,
                                          const controller::PulseCounter& pins, double line_cut_s) {
-  const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
-  const double period_s = job.target.periodS();
-  const double frame_s = kFrameBits / job.target.baud;
-  const double stand_s = 2 * period_s;  // the period at hand, and one that the main loop may be busy
-  inspect::SafeStateDemand demand;
-  demand.cause_s = provoke.at_s;
-  demand.stop_s = 8 * period_s;  // the period offered, one under way, five of the ramp
-  demand.report_s = kReport_s;
-  switch (provoke.cause) {
-    case Cause::kNone:
-      break;
-    case Cause::kInterlock:
-      demand.cause = "the guard was opened";
-      demand.faults = {"interlock"};
-      demand.stop_s = stand_s;
-      break;
-    case Cause::kLimit:
-      demand.cause = fmt::format("the limit switch of {} closed", provoke.limit);
-      demand.faults = {"limit"};
-      demand.stop_s = stand_s;
-      break;
-    case Cause::kEncoder:
-      demand.cause = provoke.encoder_lines == "both"
-                         ? "both wires of the encoder broke"
-                         : fmt::format("wire {} of the encoder broke", provoke.encoder_lines);
-      demand.faults = {"encoder"};
-      demand.window_s = encoderWindow_s(test_case, period_s);
-      break;
-    case Cause::kUartSilent:
-      demand.cause = "the host fell silent within a frame";
-      demand.faults = {"silent"};
-      demand.cause_s = line_cut_s;
-      demand.window_s = frame_s + kSilence_s + 2 * period_s;
-      break;
-    case Cause::kUartNoise:
-      demand.cause =
-          fmt::format("{:g} % of the host's bytes were damaged from there on", 100 * provoke.share);
-      demand.faults = {"uart", "silent"};
-      demand.cause_s = line_cut_s;
-      demand.window_s = frame_s + kSilence_s + 2 * period_s;
-      break;
-    case Cause::kHostStarves:
-      demand.cause = "the last step came of what the host has sent";
-      demand.faults = {"dry"};
-      demand.cause_s = pins.pulse_s(job.starved_pul, job.starved_pulses);
-      demand.window_s = period_s;
-      break;
-    case Cause::kMarksFlicker:
-      demand.cause = "the print mark sensor began to flicker";
-      demand.faults = {"marks"};
-      demand.window_s = kMarks * scenario::kFlicker_s + 2 * period_s;
-      break;
-    case Cause::kFieldLeft: {
-      demand.cause = fmt::format("the gantry came within {:g} mm of its field's edge", kFieldNear_mm);
-      demand.faults = {"field"};
-      const auto& told = test_case.machine.controller;
-      const auto inside = [&](double mm) { return static_cast<long long>(mm / told.gantry_step_mm); };
-      demand.cause_s = pins.leaves_s(Signal::kGantryXPul, inside(told.field_min_mm[0] + kFieldNear_mm),
-                                     inside(told.field_max_mm[0] - kFieldNear_mm));
-      demand.window_s = (kFieldNear_mm + kFieldWaver_mm) / test_case.scenario.belt_speed_mm_s + 2 * period_s;
-      break;
-    }
-    case Cause::kBeltTooFast:
-      demand.cause = fmt::format("the belt exceeded {:.1f} mm/s", job.belt_stop_mm_s);
-      demand.faults = {"belt-fast"};
-      demand.cause_s =
-          pins.beltFaster_s(job.belt_stop_mm_s / test_case.machine.controller.encoder_count_mm, kBeltSpan_s);
-      demand.cause_s -= 0.5 * kBeltSpan_s;  // a mean is that of the middle
-      demand.window_s = kFast_s + kFilterPeriods * period_s;
-      break;
-  }
-  if (!provoke.expect.empty()) demand.faults = {provoke.expect};
-  if (provoke.expect == "watchdog" || provoke.expect == "late") {
-    // A main loop that is stuck or waits over a broken frame: the tick's interrupt finds no period prepared.
-    demand.window_s = frame_s + kFramePause_s + 3 * period_s + job.target.tick_s;
-    demand.stop_s = stand_s;
-  }
-  return demand;
+  return DemandWriter(test_case, job, pins, line_cut_s).written();
 }
 
 }  // namespace kerfbench::judge

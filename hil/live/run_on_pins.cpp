@@ -41,15 +41,15 @@ void judgeSensors(const scenario::Case& test_case, const std::vector<SensorEdge>
 
 }  // namespace
 
-int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& sampled,
-                  const source::PinRecording& recorded, judge::Conclusion conclusion,
+int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, judge::Conclusion conclusion,
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
+  const source::PinRecording& recorded = pins.recorded;
   const auto source = source::openRecording(recorded, conclusion.source_id);
   const bool driven = !test_case.scenario.firmware.gpio.outputs.empty();
   run::ModelOptions model = run::modelOptions(test_case);
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
   model.witness_sensors = driven;
-  run::ModelMachine machine(test_case, sampled, recorded.rate, model);
+  run::ModelMachine machine(test_case, pins.sampled, recorded.rate, model);
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
   run::RecordedRun run = machine.run(*source, nullptr, lockstep, base::progressOn(console));
@@ -60,7 +60,7 @@ int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& s
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;
   stopwatch.lap("machine");
-  conclusion.sampled = &sampled;
+  conclusion.sampled = &pins.sampled;
   conclusion.machine = &machine;
   // A recording without the controller's words is judged by its pins alone.
   if (!recorded.uart.empty()) {
@@ -99,7 +99,7 @@ int runOnPins(const scenario::Case& test_case, const RealPins& pins, const judge
   try {
     spot.finish(conclusion, console);
     stopwatch.lap("real pins");
-    return judgeRecorded(test_case, sampled, recorded, std::move(conclusion), options, stopwatch, console);
+    return judgeRecorded(test_case, {sampled, recorded}, std::move(conclusion), options, stopwatch, console);
   } catch (...) {
     salvageEvidence(test_case, recorded, spot.frames(), options.results_dir, console);
     throw;

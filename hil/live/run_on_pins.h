@@ -11,10 +11,15 @@
 
 namespace kerfbench::live {
 
+/// Pins that were recorded, and the machine that they are given to.
+struct PinsOfMachine {
+  const twin::SampledMachine& sampled;
+  const source::PinRecording& recorded;
+};
+
 /// Twin and judge behind pins that are recorded already. `conclusion` but for what the twin alone knows.
 /// Returns the exit code of the verdict. Live or replayed, the recording is all there is.
-int judgeRecorded(const scenario::Case& test_case, const twin::SampledMachine& sampled,
-                  const source::PinRecording& recorded, judge::Conclusion conclusion,
+int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, judge::Conclusion conclusion,
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console);
 
 /// Runs a case on real pins and judges it. Whether the model runs along to drive the controller's inputs or

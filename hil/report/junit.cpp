@@ -22,6 +22,24 @@ void addOutcome(pugi::xml_node test_case, inspect::Verdict verdict, const std::s
   node.text() = text.c_str();
 }
 
+void addProperties(const RunReport& report, pugi::xml_node suite) {
+  pugi::xml_node properties = suite.append_child("properties");
+  const auto property = [&](const char* key, const std::string& value) {
+    pugi::xml_node node = properties.append_child("property");
+    node.append_attribute("name") = key;
+    node.append_attribute("value") = value.c_str();
+  };
+  property("verdict", std::string(inspect::verdictName(report.result.verdict)));
+  property("digest", digestOf(report));
+  property("firmware", report.firmware);
+  property("machine", report.machine);
+  property("seed", std::to_string(report.seed));
+  property("imperfections", report.model.imperfections);
+  property("twin", report.model.twin);
+  if (!report.model.lost_steps.empty()) property("lost_steps", lostStepsSentence(report.model));
+  property("repeat_command", report.repeat_command);
+}
+
 }  // namespace
 
 std::string junitXml(const RunReport& report) {
@@ -50,21 +68,7 @@ std::string junitXml(const RunReport& report) {
     node.append_attribute("errors") = errors;
     node.append_attribute("time") = fmt::format("{:.6f}", report.virtual_s).c_str();
   }
-  pugi::xml_node properties = suite.append_child("properties");
-  const auto property = [&](const char* key, const std::string& value) {
-    pugi::xml_node node = properties.append_child("property");
-    node.append_attribute("name") = key;
-    node.append_attribute("value") = value.c_str();
-  };
-  property("verdict", std::string(inspect::verdictName(result.verdict)));
-  property("digest", digestOf(report));
-  property("firmware", report.firmware);
-  property("machine", report.machine);
-  property("seed", std::to_string(report.seed));
-  property("imperfections", report.model.imperfections);
-  property("twin", report.model.twin);
-  if (!report.model.lost_steps.empty()) property("lost_steps", lostStepsSentence(report.model));
-  property("repeat_command", report.repeat_command);
+  addProperties(report, suite);
 
   const auto testCase = [&](const std::string& case_name) {
     pugi::xml_node node = suite.append_child("testcase");

@@ -73,73 +73,114 @@ class Gaps {
   double last_s_{};
 };
 
+/// A source and a model that advance by turns, quantum by quantum.
+class Lockstep {
+ public:
+  Lockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map, Dialog* dialog,
+           const LockstepOptions& options)
+      : source_(source),
+        model_(model),
+        map_(map),
+        dialog_(dialog),
+        options_(options),
+        info_(source.info()),
+        quantum_(
+            std::max<Tick>(1, info_.rate.ticksAt(std::min(options.quantum_s, model.longestQuantum_s())))),
+        limit_(info_.rate.ticksAt(options.time_limit_s)),
+        end_(limit_) {
+    result_.recording.rate = info_.rate;
+    if (info_.deterministic) return;
+    result_.recording.outputs.reserve(kLiveEdges);
+    result_.recording.sensors.reserve(kLiveEdges);
+  }
+
+  RecordedRun run(const ProgressFn& progress) {
+    for (int round = 0; now_ < end_; ++round) {
+      if (!advance()) break;
+      talk();
+      if (progress && round % 100 == 0)
+        progress(info_.rate.seconds(now_), dialog_ != nullptr ? dialog_->message() : "replaying");
+    }
+    gaps_.tell(result_.problems);
+    addTimeLimit();
+    result_.recording.end = now_;
+    return std::move(result_);
+  }
+
+ private:
+  /// Sensors first, then the controller's events of the same quantum. False: the source has stopped.
+  bool advance() {
+    const Tick until = std::min(now_ + quantum_, end_);
+    if (info_.accepts_input) {
+      std::vector<SensorEdge> edges = model_.predictSensors(until);
+      if (options_.provocation != nullptr) options_.provocation->changeSensors(edges, now_, until);
+      sendSensors(source_, edges, map_, result_.recording);
+    }
+    const source::Stop stop = source_.advance(until, batch_);
+    now_ = batch_.watermark;
+    if (hasGap(batch_.events)) gaps_.add(info_.rate.seconds(now_));
+    model_.advance(now_, batch_.events);
+    result_.recording.outputs.insert(result_.recording.outputs.end(), batch_.events.begin(),
+                                     batch_.events.end());
+    ended_ = stop == source::Stop::kEnded;
+    if (ended_ && dialog_ == nullptr) return false;
+    if (stop == source::Stop::kReached) return true;
+    spoil(describe(stop, source_, info_.rate.seconds(now_)), result_);
+    return false;
+  }
+
+  /// Keeps what the controller said, and answers it.
+  void talk() {
+    const double now_s = info_.rate.seconds(now_);
+    if (!batch_.uart.empty()) result_.recording.uart.push_back({batch_.uart_heard, batch_.uart});
+    if (dialog_ == nullptr || finishing_) return;
+    auto answer = dialog_->step(batch_.uart, now_s);
+    if (options_.provocation != nullptr) answer = options_.provocation->toController(answer, now_s);
+    if (!answer.empty()) source_.uartWrite(answer);
+    finishing_ = dialog_->state() != Dialog::State::kBusy;
+    if (dialog_->state() == Dialog::State::kFailed) {
+      result_.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog_->message());
+      result_.dialog.time_s = info_.rate.seconds(batch_.uart_heard);
+    }
+    // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
+    if (finishing_)
+      end_ = std::min(limit_, now_ + quantum_ * (1 + info_.rate.ticksAt(options_.settle_s) / quantum_));
+  }
+
+  void addTimeLimit() {
+    if (dialog_ != nullptr && !finishing_ && result_.problems.empty() && options_.provocation == nullptr) {
+      spoil(fmt::format("the time limit of {} s was reached ({})", options_.time_limit_s, dialog_->message()),
+            result_);
+    }
+    if (dialog_ == nullptr && !ended_ && result_.problems.empty()) {
+      spoil(fmt::format("the time limit of {} s was reached before {}", options_.time_limit_s,
+                        info_.accepts_input ? "the pins were quiet" : "the end of the recording"),
+            result_);
+    }
+  }
+
+  source::SignalSource& source_;
+  LockstepModel& model_;
+  const SignalMap& map_;
+  Dialog* dialog_;
+  const LockstepOptions& options_;
+  source::SourceInfo info_;
+  Tick quantum_;
+  Tick limit_;
+  Tick end_;
+  Tick now_{0};
+  bool finishing_{false};
+  bool ended_{false};
+  source::Batch batch_;
+  Gaps gaps_;
+  RecordedRun result_;
+};
+
 }  // namespace
 
 RecordedRun runLockstep(source::SignalSource& source, LockstepModel& model, const SignalMap& map,
                         Dialog* dialog, const LockstepOptions& options, const ProgressFn& progress) {
-  const source::SourceInfo info = source.info();
-  const Tick quantum =
-      std::max<Tick>(1, info.rate.ticksAt(std::min(options.quantum_s, model.longestQuantum_s())));
-  const Tick limit = info.rate.ticksAt(options.time_limit_s);
-  RecordedRun result;
-  result.recording.rate = info.rate;
-  if (!info.deterministic) {
-    result.recording.outputs.reserve(kLiveEdges);
-    result.recording.sensors.reserve(kLiveEdges);
-  }
-  Tick now = 0;
-  Tick end = limit;
-  bool finishing = false;
-  bool ended = false;
-  source::Batch batch;
-  Gaps gaps;
-  for (int round = 0; now < end; ++round) {
-    const Tick until = std::min(now + quantum, end);
-    if (info.accepts_input) {
-      std::vector<SensorEdge> edges = model.predictSensors(until);
-      if (options.provocation != nullptr) options.provocation->changeSensors(edges, now, until);
-      sendSensors(source, edges, map, result.recording);
-    }
-    const source::Stop stop = source.advance(until, batch);
-    now = batch.watermark;
-    if (hasGap(batch.events)) gaps.add(info.rate.seconds(now));
-    model.advance(now, batch.events);
-    result.recording.outputs.insert(result.recording.outputs.end(), batch.events.begin(), batch.events.end());
-    ended = stop == source::Stop::kEnded;
-    if (ended && dialog == nullptr) break;
-    if (stop != source::Stop::kReached) {
-      spoil(describe(stop, source, info.rate.seconds(now)), result);
-      break;
-    }
-    const double now_s = info.rate.seconds(now);
-    if (!batch.uart.empty()) result.recording.uart.push_back({batch.uart_heard, batch.uart});
-    if (dialog != nullptr && !finishing) {
-      auto answer = dialog->step(batch.uart, now_s);
-      if (options.provocation != nullptr) answer = options.provocation->toController(answer, now_s);
-      if (!answer.empty()) source.uartWrite(answer);
-      finishing = dialog->state() != Dialog::State::kBusy;
-      if (dialog->state() == Dialog::State::kFailed) {
-        result.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog->message());
-        result.dialog.time_s = info.rate.seconds(batch.uart_heard);
-      }
-      // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
-      if (finishing)
-        end = std::min(limit, now + quantum * (1 + info.rate.ticksAt(options.settle_s) / quantum));
-    }
-    if (progress && round % 100 == 0) progress(now_s, dialog != nullptr ? dialog->message() : "replaying");
-  }
-  gaps.tell(result.problems);
-  if (dialog != nullptr && !finishing && result.problems.empty() && options.provocation == nullptr) {
-    spoil(fmt::format("the time limit of {} s was reached ({})", options.time_limit_s, dialog->message()),
-          result);
-  }
-  if (dialog == nullptr && !ended && result.problems.empty()) {
-    spoil(fmt::format("the time limit of {} s was reached before {}", options.time_limit_s,
-                      info.accepts_input ? "the pins were quiet" : "the end of the recording"),
-          result);
-  }
-  result.recording.end = now;
-  return result;
+  return Lockstep(source, model, map, dialog, options).run(progress);
 }
 
 }  // namespace kerfbench::run

@@ -93,15 +93,30 @@ void addFriction(const FrictionLaw& f, int side, const double* v, const double* 
   rate[f.bristle + 1] = (share * across - f.stiffness * aux[f.bristle + 1]) / f.damping;
 }
 
-void addServo(const ServoLaw& s, int speed_side, int torque_side, bool observe, double q, double v, double u,
-              const double* aux, double* force, double* rate) {
+/// Which limits a servo is at: as observed from its state, or as a piece of the affine law says.
+struct ServoSides {
+  bool observed;
+  int speed{0};
+  int torque{0};
+};
+
+struct ServoState {
+  double q, v, u;     // Place and speed of the joint, command.
+  const double* aux;  // Filter and current.
+};
+
+void addServo(const ServoLaw& s, const ServoSides& sides, const ServoState& state, double* force,
+              double* rate) {
+  const auto& [q, v, u, aux] = state;
+  int speed_side = sides.speed;
+  int torque_side = sides.torque;
   const double command_speed = filtered(s, aux, u);
   if (s.feedforward > 0) rate[s.filter] = command_speed;
   double speed = speedWanted(s, q, u, command_speed);
-  if (observe) speed_side = sideOf(speed, s.max_speed);
+  if (sides.observed) speed_side = sideOf(speed, s.max_speed);
   if (speed_side != 0) speed = speed_side * s.max_speed;
   double torque = s.torque_per_speed * (speed - v);
-  if (observe) torque_side = sideOf(torque, s.max_torque);
+  if (sides.observed) torque_side = sideOf(torque, s.max_torque);
   if (torque_side != 0) torque = torque_side * s.max_torque;
   if (s.lag_s > 0) {
     rate[s.current] = (torque - aux[s.current]) / s.lag_s;
@@ -141,7 +156,7 @@ void ForceLaw::evaluate(const double* x, const double* u, double* force, double*
     addFriction(f, f.limit > 0 ? sliding(f, v, aux) : 0, v, aux, force, rate);
   }
   for (const ServoLaw& s : servos) {
-    addServo(s, 0, 0, true, q[s.joint], v[s.joint], u[s.input], aux, force, rate);
+    addServo(s, {true}, {q[s.joint], v[s.joint], u[s.input], aux}, force, rate);
   }
   for (const StepperLaw& s : steppers) {
     force[s.joint] += s.fieldTorque(q[s.joint], v[s.joint], u[s.input]) - s.damping * v[s.joint];
@@ -178,7 +193,7 @@ void ForceLaw::evaluateAffine(const double* x, const double* u, const Piece* pie
   for (const SpringLaw& s : springs) addSpring(s, *pieces++, q, v, force);
   for (const FrictionLaw& f : frictions) addFriction(f, *pieces++, v, aux, force, rate);
   for (const ServoLaw& s : servos) {
-    addServo(s, pieces[0], pieces[1], false, q[s.joint], v[s.joint], u[s.input], aux, force, rate);
+    addServo(s, {false, pieces[0], pieces[1]}, {q[s.joint], v[s.joint], u[s.input], aux}, force, rate);
     pieces += 2;
   }
   for (const StepperLaw& s : steppers) {

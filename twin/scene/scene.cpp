@@ -84,11 +84,9 @@ void SceneBuilder::cylinder(const std::string& name, Material material, const Ei
                           Cylinder{radius_mm, along.norm(), bore_mm}});
 }
 
-void SceneBuilder::disc(const std::string& name, Material material, const Eigen::Vector3d& centre_mm,
-                        const Eigen::Vector3d& normal, const Eigen::Vector3d& along,
-                        const Eigen::Vector2d& radius_mm, double thickness_mm) {
-  scene_.parts.push_back(
-      {name, material, frameAlong(centre_mm, normal, along), Disc{radius_mm, thickness_mm}});
+void SceneBuilder::disc(const std::string& name, Material material, const PlacedDisc& disc) {
+  scene_.parts.push_back({name, material, frameAlong(disc.centre_mm, disc.normal, disc.along),
+                          Disc{disc.radius_mm, disc.thickness_mm}});
 }
 
 void SceneBuilder::arrow(const std::string& name, Material material, const Eigen::Vector3d& origin_mm,

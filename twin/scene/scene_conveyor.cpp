@@ -46,8 +46,9 @@ void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius
     const double a = angle_rad + i * 0.5 * std::numbers::pi;
     const Eigen::Vector3d centre =
         place(-at.frame_y_mm - 5.05) + 0.64 * hub_mm * Eigen::Vector3d(std::sin(a), 0, std::cos(a));
-    build.disc("roller bolt", i == 0 ? Material::kAxisX : Material::kDark, centre, -Eigen::Vector3d::UnitY(),
-               Eigen::Vector3d::UnitX(), Eigen::Vector2d::Constant(0.17 * hub_mm), 0.5);
+    build.disc("roller bolt", i == 0 ? Material::kAxisX : Material::kDark,
+               {centre, -Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(),
+                Eigen::Vector2d::Constant(0.17 * hub_mm), 0.5});
   }
   build.cylinder("roller shaft", Material::kSteel, place(-at.frame_y_mm - 14), place(at.frame_y_mm + 10),
                  0.2 * radius_mm);
@@ -60,9 +61,11 @@ void addBeltHoles(SceneBuilder& build, double travel_mm, const ConveyorLayout& a
   for (int column = 0; column < columns; ++column) {
     for (int row = -5; row <= 5; ++row) {
       build.disc("belt hole", Material::kBeltHole,
-                 {first_mm + pitch_mm * column, pitch_mm * row, at.belt_z_mm + 0.01},
-                 Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(),
-                 Eigen::Vector2d::Constant(0.09 * pitch_mm), 0.005);
+                 {{first_mm + pitch_mm * column, pitch_mm * row, at.belt_z_mm + 0.01},
+                  Eigen::Vector3d::UnitZ(),
+                  Eigen::Vector3d::UnitX(),
+                  Eigen::Vector2d::Constant(0.09 * pitch_mm),
+                  0.005});
     }
   }
 }
@@ -119,9 +122,12 @@ void addPrint(SceneBuilder& build, const PrintLayout& print, const Eigen::Aligne
     for (const RegistrationMark& mark : print.marks) {
       const Eigen::Vector2d p = p_WU_mm + mark.p_SM_mm;
       if (!board.contains(p)) continue;
-      build.disc("registration mark", Material::kPrint, {p.x(), p.y(), kPrintHeight_mm},
-                 Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(),
-                 Eigen::Vector2d::Constant(0.5 * mark.diameter_mm), 0.5 * kPrintHeight_mm);
+      build.disc("registration mark", Material::kPrint,
+                 {{p.x(), p.y(), kPrintHeight_mm},
+                  Eigen::Vector3d::UnitZ(),
+                  Eigen::Vector3d::UnitX(),
+                  Eigen::Vector2d::Constant(0.5 * mark.diameter_mm),
+                  0.5 * kPrintHeight_mm});
     }
     const Eigen::Vector2d edge = p_WU_mm + Eigen::Vector2d(print.eye_mark_x_mm, 0.0);
     const double y = p_WS_mm.y() + at.eye_mark_y_mm;

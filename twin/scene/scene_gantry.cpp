@@ -23,10 +23,11 @@ void addFlatMirror(SceneBuilder& build, const std::string& name, const Eigen::Ve
                    const Eigen::Vector3d& in, const Eigen::Vector3d& out, double size_mm) {
   const Eigen::Vector3d normal = (out - in).normalized();
   const Eigen::Vector3d along = in.cross(out).normalized();
-  build.disc(name, Material::kMirror, place_mm, normal, along, {0.5 * size_mm, 0.62 * size_mm},
-             0.1 * size_mm);
-  build.disc(name, Material::kDark, place_mm - 0.11 * size_mm * normal, normal, along,
-             {0.62 * size_mm, 0.74 * size_mm}, 0.22 * size_mm);
+  build.disc(name, Material::kMirror,
+             {place_mm, normal, along, {0.5 * size_mm, 0.62 * size_mm}, 0.1 * size_mm});
+  build.disc(
+      name, Material::kDark,
+      {place_mm - 0.11 * size_mm * normal, normal, along, {0.62 * size_mm, 0.74 * size_mm}, 0.22 * size_mm});
 }
 
 void addRails(SceneBuilder& build, const GantryLayout& at) {

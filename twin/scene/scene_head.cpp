@@ -36,8 +36,14 @@ constexpr double kTubeGap = 3.4;  // Between tube and head, in radii of the tube
 double tubeRadius_mm(double throw_mm) { return std::clamp(0.042 * throw_mm, 12.0, 40.0); }
 
 // R_WH is a quarter turn: a box stays a box.
+struct HeadBox {
+  Eigen::Vector3d a, b;  // Two corners, in H.
+  double edge_mm{0.0};
+};
+
 void headBox(SceneBuilder& build, const HeadFrame& H, const std::string& name, Material material,
-             const Eigen::Vector3d& a, const Eigen::Vector3d& b, double edge_mm = 0.0) {
+             const HeadBox& box) {
+  const auto& [a, b, edge_mm] = box;
   const Eigen::Vector3d p = H.at(a.x(), a.y(), a.z());
   const Eigen::Vector3d q = H.at(b.x(), b.y(), b.z());
   build.box(name, material, p.cwiseMin(q), p.cwiseMax(q), edge_mm);
@@ -59,8 +65,8 @@ Eigen::Vector3d onPlane(const Eigen::Vector3d& from, const Eigen::Vector3d& dire
 }
 
 void addMirror(SceneBuilder& build, const Mirror& mirror, const Eigen::Vector3d& motor_side, double size_mm) {
-  build.disc(mirror.name, Material::kMirror, mirror.place_mm, mirror.normal, mirror.axis, mirror.radius_mm,
-             0.12 * size_mm);
+  build.disc(mirror.name, Material::kMirror,
+             {mirror.place_mm, mirror.normal, mirror.axis, mirror.radius_mm, 0.12 * size_mm});
   const Eigen::Vector3d edge = mirror.place_mm + mirror.radius_mm.x() * motor_side;
   const std::string motor = std::string(mirror.name) + " motor";
   build.cylinder(motor, Material::kSteel, edge - 0.12 * size_mm * motor_side,
@@ -81,7 +87,7 @@ void addHousing(SceneBuilder& build, const HeadFrame& H, const Housing& h, doubl
   const double w = 1.6 * size_mm;  // Half the opening that the beam leaves by.
   const auto& [a, b] = h;
   const auto plate = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
-    headBox(build, H, "scan head", Material::kAluminium, p, q);
+    headBox(build, H, "scan head", Material::kAluminium, {p, q});
   };
   plate({a.x(), b.y() - wall, a.z()}, {b.x(), b.y(), b.z()});
   plate({b.x() - wall, a.y(), a.z()}, {b.x(), b.y() - wall, b.z()});
@@ -89,12 +95,18 @@ void addHousing(SceneBuilder& build, const HeadFrame& H, const Housing& h, doubl
   plate({w, a.y(), a.z()}, {b.x() - wall, b.y() - wall, a.z() + wall});
   plate({-w, w, a.z()}, {w, b.y() - wall, a.z() + wall});
   plate({-w, a.y(), a.z()}, {w, -w, a.z() + wall});
-  headBox(build, H, "window", Material::kGlass, {-w, -w, a.z() + 0.3 * wall}, {w, w, a.z() + 0.7 * wall});
+  headBox(build, H, "window", Material::kGlass, {{-w, -w, a.z() + 0.3 * wall}, {w, w, a.z() + 0.7 * wall}});
 }
 
 // Tube, the rail that carries it and the head, and the column behind the conveyor.
-void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h, double d_mm, double L_mm,
-                      double tube_mm, const ConveyorLayout& layout) {
+struct TubePlace {
+  double d_mm, L_mm;  // Spacing of the mirrors, throw.
+  double tube_mm;     // Length.
+};
+
+void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h, const TubePlace& place,
+                      const ConveyorLayout& layout) {
+  const auto& [d_mm, L_mm, tube_mm] = place;
   const double radius = tubeRadius_mm(L_mm);
   const double gap = kTubeGap * radius;
   const double end = h.min.x() - gap;
@@ -110,12 +122,15 @@ void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h,
   build.cylinder("laser tube", Material::kDark, H.at(end, -d_mm, L_mm), H.at(end + 0.3 * radius, -d_mm, L_mm),
                  0.45 * radius);
   const double rail_y = std::max(h.max.y(), -d_mm + 1.3 * radius);
-  headBox(build, H, "rail", Material::kAluminium, {start + radius, rail_y, L_mm - 0.8 * radius},
-          {h.max.x(), rail_y + 1.4 * radius, L_mm + 0.8 * radius}, 2.0);
+  headBox(build, H, "rail", Material::kAluminium,
+          {{start + radius, rail_y, L_mm - 0.8 * radius},
+           {h.max.x(), rail_y + 1.4 * radius, L_mm + 0.8 * radius},
+           2.0});
   for (const double x : {start + 0.18 * tube_mm, end - 0.18 * tube_mm}) {
     headBox(build, H, "tube clamp", Material::kPaint,
-            {x - 0.35 * radius, -d_mm - 1.25 * radius, L_mm - 1.25 * radius},
-            {x + 0.35 * radius, rail_y, L_mm + 1.25 * radius}, 2.0);
+            {{x - 0.35 * radius, -d_mm - 1.25 * radius, L_mm - 1.25 * radius},
+             {x + 0.35 * radius, rail_y, L_mm + 1.25 * radius},
+             2.0});
   }
   Scene& scene = build.scene();
   const Eigen::Vector3d rail = H.at(end - 0.35 * tube_mm, rail_y + 0.7 * radius, L_mm);
@@ -207,7 +222,7 @@ void addMirrorHead(SceneBuilder& build, const MachineDescription& machine, const
   const Housing housing{{-2.6 * size, -d - 2.0 * size, L - 1.9 * size},
                         {4.6 * size, 2.0 * size, L + 4.2 * size}};
   addHousing(build, H, housing, size);
-  addTubeAndColumn(build, H, housing, d, L, std::max(0.75 * L, 200.0), layout);
+  addTubeAndColumn(build, H, housing, {d, L, std::max(0.75 * L, 200.0)}, layout);
   std::optional<double> lens_z_mm;
   if (head.lens) {
     lens_z_mm = L - 2.4 * size;

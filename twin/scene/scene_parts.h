@@ -27,9 +27,14 @@ class SceneBuilder {
   void cylinder(const std::string& name, Material material, const Eigen::Vector3d& from_mm,
                 const Eigen::Vector3d& to_mm, double radius_mm, double bore_mm = 0.0);
   /// A plate whose front looks along `normal`; the first radius is along `along`, which is normal to it.
-  void disc(const std::string& name, Material material, const Eigen::Vector3d& centre_mm,
-            const Eigen::Vector3d& normal, const Eigen::Vector3d& along, const Eigen::Vector2d& radius_mm,
-            double thickness_mm);
+  struct PlacedDisc {
+    Eigen::Vector3d centre_mm;
+    Eigen::Vector3d normal;
+    Eigen::Vector3d along;
+    Eigen::Vector2d radius_mm;
+    double thickness_mm;
+  };
+  void disc(const std::string& name, Material material, const PlacedDisc& disc);
   /// A shaft with a head along `direction`, of length 1.
   void arrow(const std::string& name, Material material, const Eigen::Vector3d& origin_mm,
              const Eigen::Vector3d& direction, double length_mm);

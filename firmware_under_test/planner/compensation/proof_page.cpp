@@ -79,51 +79,62 @@ std::string pictureTable(const std::vector<Picture>& pictures, const std::string
   return text;
 }
 
-}  // namespace
+constexpr const char* kSpaceText =
+    "<!-- SPDX-License-Identifier: Apache-2.0 -->\n"
+    "# Spot-radius compensation: what is built, and its proof by brute force\n\n"
+    "Written by `kerfplan prove-compensation`; after Chi, Shen, Zhou, Liu 2014. A beam of radius r runs "
+    "beside a\n"
+    "contour so that the edge of its cut lies on it.\n\n"
+    "## In space\n\n"
+    "AB lies in plane P1, BC in P2, both planes meet in the fold MN through B. Ω is the free angle between "
+    "them "
+    "on the head's\nside; above 180° the edge sticks out. The offsets of both lines meet the fold on the "
+    "same side "
+    "of B; α and β are the angles\nof BA and BC with the other half of the fold. Below 90° a line is "
+    "offset over "
+    "all of its length; above it ends |r cot α| early.\n\n"
+    "Table 1 of the paper is a picture that is not in the text. The eight cases are those that its text "
+    "names: "
+    "which of α and β\nis larger, which are obtuse, and whether the obtuse line's offset meets the fold "
+    "nearer to B "
+    "than the other's (α + β < 180°).\n"
+    "The paths follow from the three criteria, distances measured in space between the beam's focus and "
+    "the "
+    "contour:\n\n"
+    "1. the strict offset wherever it is no nearer than r to both lines: it ends s = r max(0, ν·w)/(1 − "
+    "v·w) before B "
+    "(v, w: from B\n   along the line and along the other one, ν: towards the offset), in a plane the "
+    "well-known "
+    "r tan(θ/2);\n"
+    "2. never nearer than r to either line: what is, is a convex set in each half plane, and tangents lead "
+    "round "
+    "it to the nearest\n   free point of the fold: r from B, or r/sin of the larger obtuse angle;\n"
+    "3. short: at most one more point in each plane up to Ω = 270°, one more for each right angle turned "
+    "above.\n\n"
+    "*Radius* and *parallel* come out as the paper draws them. Its *intersection* and *fixed length* "
+    "protect B, "
+    "not BC: read\nliterally they come nearer to the second line than r, or leave the strict offset too "
+    "soon, "
+    "wherever the planes are two. They are\n*drawn back* here: the path leaves where the strict offset "
+    "ends. The "
+    "same holds for *radius* and *parallel* where the second\nline comes near. Blue in the pictures: the "
+    "paper's "
+    "text; red: what is cut.\n\n";
 
-std::string proofPage(const Proof& proof, const std::string& pictures) {
+constexpr const char* kPlaneText =
+    "## In the plane\n\n"
+    "*Shortened* where the contour turns to the beam's side, *extended* along both tangents where it turns "
+    "away by "
+    "up to 90°,\n*inserted* (an arc of radius r round the corner) beyond, or where an extension would meet "
+    "something else. The path is then the\nborder of the places that the beam's centre may take: parts "
+    "that come "
+    "too near to any part of any contour are cut away, and\nwhat that leaves uncut is reported by entity, "
+    "place and "
+    "depth.\n\n";
+
+std::string spaceSection(const Proof& proof, const std::string& pictures) {
   const ProofGrid& grid = proof.grid;
-  std::string text =
-      "<!-- SPDX-License-Identifier: Apache-2.0 -->\n"
-      "# Spot-radius compensation: what is built, and its proof by brute force\n\n"
-      "Written by `kerfplan prove-compensation`; after Chi, Shen, Zhou, Liu 2014. A beam of radius r runs "
-      "beside a\n"
-      "contour so that the edge of its cut lies on it.\n\n"
-      "## In space\n\n"
-      "AB lies in plane P1, BC in P2, both planes meet in the fold MN through B. Ω is the free angle between "
-      "them "
-      "on the head's\nside; above 180° the edge sticks out. The offsets of both lines meet the fold on the "
-      "same side "
-      "of B; α and β are the angles\nof BA and BC with the other half of the fold. Below 90° a line is "
-      "offset over "
-      "all of its length; above it ends |r cot α| early.\n\n"
-      "Table 1 of the paper is a picture that is not in the text. The eight cases are those that its text "
-      "names: "
-      "which of α and β\nis larger, which are obtuse, and whether the obtuse line's offset meets the fold "
-      "nearer to B "
-      "than the other's (α + β < 180°).\n"
-      "The paths follow from the three criteria, distances measured in space between the beam's focus and "
-      "the "
-      "contour:\n\n"
-      "1. the strict offset wherever it is no nearer than r to both lines: it ends s = r max(0, ν·w)/(1 − "
-      "v·w) before B "
-      "(v, w: from B\n   along the line and along the other one, ν: towards the offset), in a plane the "
-      "well-known "
-      "r tan(θ/2);\n"
-      "2. never nearer than r to either line: what is, is a convex set in each half plane, and tangents lead "
-      "round "
-      "it to the nearest\n   free point of the fold: r from B, or r/sin of the larger obtuse angle;\n"
-      "3. short: at most one more point in each plane up to Ω = 270°, one more for each right angle turned "
-      "above.\n\n"
-      "*Radius* and *parallel* come out as the paper draws them. Its *intersection* and *fixed length* "
-      "protect B, "
-      "not BC: read\nliterally they come nearer to the second line than r, or leave the strict offset too "
-      "soon, "
-      "wherever the planes are two. They are\n*drawn back* here: the path leaves where the strict offset "
-      "ends. The "
-      "same holds for *radius* and *parallel* where the second\nline comes near. Blue in the pictures: the "
-      "paper's "
-      "text; red: what is cut.\n\n";
+  std::string text = kSpaceText;
   text += pictureTable(spacePictures(), pictures, 2);
   text += fmt::format(
       "\nα and β in steps of {:g}° from {:g}°, {} values of Ω from {:g}° to {:g}°, r = {:g} … {:g} mm, left "
@@ -146,16 +157,12 @@ std::string proofPage(const Proof& proof, const std::string& pictures) {
       "lies "
       "there.\n\n",
       proof.refused, proof.refused + proof.not_refused, proof.unexpected.size());
-  text +=
-      "## In the plane\n\n"
-      "*Shortened* where the contour turns to the beam's side, *extended* along both tangents where it turns "
-      "away by "
-      "up to 90°,\n*inserted* (an arc of radius r round the corner) beyond, or where an extension would meet "
-      "something else. The path is then the\nborder of the places that the beam's centre may take: parts "
-      "that come "
-      "too near to any part of any contour are cut away, and\nwhat that leaves uncut is reported by entity, "
-      "place and "
-      "depth.\n\n";
+  return text;
+}
+
+std::string planeSection(const Proof& proof, const std::string& pictures) {
+  const ProofGrid& grid = proof.grid;
+  std::string text = kPlaneText;
   text += pictureTable(planePictures(), pictures, 3);
   text += fmt::format(
       "\nTurns in steps of {:g}°, arcs of both senses, both sides, r = {:g} … {:g} mm: {} samples, chords "
@@ -163,6 +170,13 @@ std::string proofPage(const Proof& proof, const std::string& pictures) {
       "their curves.\n\n",
       grid.turn_step_deg, 2.0 * grid.radii_mm.front(), 2.0 * grid.radii_mm.back(), proof.plane_samples);
   text += planeTable(proof);
+  return text;
+}
+
+}  // namespace
+
+std::string proofPage(const Proof& proof, const std::string& pictures) {
+  std::string text = spaceSection(proof, pictures) + planeSection(proof, pictures);
   text += fmt::format("\nVerdict: the proof {}.\n", proof.holds() ? "holds" : "**does not hold**");
   for (const std::string& corner : proof.unexpected) text += "- " + corner + "\n";
   return text;

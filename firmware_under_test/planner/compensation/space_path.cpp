@@ -168,8 +168,16 @@ Corner foldCorner(const Line& in, const Line& out, const Fold& fold, double radi
   return corner;
 }
 
-Corner cornerAt(const SpaceContour& contour, std::size_t point, const Line& in, const Line& out,
-                double radius_mm, const SpaceLimits& limits, std::vector<std::string>& faults) {
+/// A point of a contour, and the lines that meet there.
+struct Joint {
+  std::size_t point;
+  const Line& in;
+  const Line& out;
+};
+
+Corner cornerAt(const SpaceContour& contour, const Joint& joint, double radius_mm, const SpaceLimits& limits,
+                std::vector<std::string>& faults) {
+  const auto& [point, in, out] = joint;
   Corner corner;
   const double between = std::atan2(in.n.cross(out.n).norm(), in.n.dot(out.n)) / kDeg;
   if (between <= limits.planar_deg) {
@@ -266,7 +274,7 @@ SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const Spa
   const bool closed = n > 2 && (lines.front().a - lines.back().b).norm() < kNoFoldLengthMm;
   std::vector<Corner> corners;
   for (std::size_t i = 0; i + 1 < n + (closed ? 1 : 0); ++i) {
-    corners.push_back(cornerAt(contour, i + 1, lines[i], lines[(i + 1) % n], radius_mm, limits, faults));
+    corners.push_back(cornerAt(contour, {i + 1, lines[i], lines[(i + 1) % n]}, radius_mm, limits, faults));
   }
   throwIfAny(faults);
 

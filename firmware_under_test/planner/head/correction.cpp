@@ -135,49 +135,72 @@ struct Hermite {
         slope{6 * u * (u - 1), 6 * u * (1 - u), 1 + u * (3 * u - 4), u * (3 * u - 2)} {}
 };
 
+/// The rows of a table's file, and whether its values are steps.
+struct RowsRead {
+  std::vector<Row> rows;
+  bool in_steps{false};
+  int lines{0};
+};
+
+/// @returns whether the values are steps. Anything but a header ends the reading.
+bool readHeader(std::string_view line, int number, Faults& faults) {
+  std::string words;
+  for (const char c : line) words += c == ' ' || c == '\t' ? "" : std::string(1, c);
+  if (words == "x_mm,y_mm,dx_steps,dy_steps") return true;
+  if (words != "x_mm,y_mm,dx_mm,dy_mm") {
+    faults.add(number, "the header must be x_mm,y_mm,dx_mm,dy_mm or x_mm,y_mm,dx_steps,dy_steps");
+    faults.throwIfAny();
+  }
+  return false;
+}
+
+RowsRead readRows(const std::string& text, Faults& faults, std::size_t most) {
+  RowsRead read;
+  bool header = false;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find('\n', from), text.size());
+    const std::string_view line = trimmed(std::string_view(text).substr(from, to - from));
+    from = to + 1;
+    ++read.lines;
+    if (line.empty() || line.front() == '#') continue;
+    if (!header) {
+      header = true;
+      read.in_steps = readHeader(line, read.lines, faults);
+      continue;
+    }
+    Row row;
+    if (readRow(line, read.lines, faults, row)) read.rows.push_back(row);
+    if (read.rows.size() > most) faults.add(read.lines, "more nodes than 1025 x 1025");
+    if (read.rows.size() > most) break;
+  }
+  if (!header) faults.add(1, "there is no header x_mm,y_mm,dx_mm,dy_mm");
+  faults.throwIfAny();
+  return read;
+}
+
+/// x of the nodes, by the first row of the grid.
+std::vector<double> columnsOf(const std::vector<Row>& rows, Faults& faults) {
+  std::vector<double> x;
+  for (const Row& row : rows) {
+    if (row.value[1] != rows.front().value[1]) break;
+    if (!x.empty() && row.value[0] <= x.back())
+      faults.add(row.line, fmt::format("x must ascend along a row: {:g} after {:g}", row.value[0], x.back()));
+    x.push_back(row.value[0]);
+  }
+  faults.throwIfAny();
+  return x;
+}
+
 }  // namespace
 
 CorrectionTable CorrectionTable::parse(const std::string& text, const std::string& name) {
   Faults faults(name);
   CorrectionTable table;
   table.name_ = name;
-  std::vector<Row> rows;
-  bool header = false;
-  int number = 0;
-  for (std::size_t from = 0; from < text.size();) {
-    const std::size_t to = std::min(text.find('\n', from), text.size());
-    const std::string_view line = trimmed(std::string_view(text).substr(from, to - from));
-    from = to + 1;
-    ++number;
-    if (line.empty() || line.front() == '#') continue;
-    if (!header) {
-      header = true;
-      std::string words;
-      for (const char c : line) words += c == ' ' || c == '\t' ? "" : std::string(1, c);
-      if (words == "x_mm,y_mm,dx_steps,dy_steps") {
-        table.unit_ = Unit::kSteps;
-      } else if (words != "x_mm,y_mm,dx_mm,dy_mm") {
-        faults.add(number, "the header must be x_mm,y_mm,dx_mm,dy_mm or x_mm,y_mm,dx_steps,dy_steps");
-        faults.throwIfAny();
-      }
-      continue;
-    }
-    Row row;
-    if (readRow(line, number, faults, row)) rows.push_back(row);
-    if (rows.size() > kMostNodes * kMostNodes) faults.add(number, "more nodes than 1025 x 1025");
-    if (rows.size() > kMostNodes * kMostNodes) break;
-  }
-  if (!header) faults.add(1, "there is no header x_mm,y_mm,dx_mm,dy_mm");
-  faults.throwIfAny();
-
-  for (const Row& row : rows) {
-    if (row.value[1] != rows.front().value[1]) break;
-    if (!table.x_.empty() && row.value[0] <= table.x_.back())
-      faults.add(row.line,
-                 fmt::format("x must ascend along a row: {:g} after {:g}", row.value[0], table.x_.back()));
-    table.x_.push_back(row.value[0]);
-  }
-  faults.throwIfAny();
+  const RowsRead read = readRows(text, faults, kMostNodes * kMostNodes);
+  const std::vector<Row>& rows = read.rows;
+  if (read.in_steps) table.unit_ = Unit::kSteps;
+  table.x_ = columnsOf(rows, faults);
   const std::size_t width = table.x_.size();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& row = rows[i];
@@ -204,8 +227,8 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
   }
   if (!faults.any() && (width < kLeastNodes || table.y_.size() < kLeastNodes || width > kMostNodes ||
                         table.y_.size() > kMostNodes)) {
-    faults.add(number, fmt::format("a grid has 3 x 3 to 1025 x 1025 nodes, this one {} x {}", width,
-                                   table.y_.size()));
+    faults.add(read.lines, fmt::format("a grid has 3 x 3 to 1025 x 1025 nodes, this one {} x {}", width,
+                                       table.y_.size()));
   }
   faults.throwIfAny();
   table.setSlopes();

@@ -57,6 +57,7 @@ struct Options {
                             .feed_step_mm = 0.0,
                             .full_power_w = 200.0};
   JobParameters job{.cut_energy_j_per_mm = 0.3};
+  double strip_width_mm{800.0};  ///< For throughput.
 };
 
 bool isGcode(const std::string& path) {
@@ -238,34 +239,52 @@ planner::CrossCut crossCut(const Options& options, double width_mm) {
           j.belt_speed_mm_s, j.mark_speed_mm_s, j.jump_speed_mm_s};
 }
 
-}  // namespace
+/// A command that takes a drawing or G-code.
+CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const char* help, bool writes) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  sub->add_option("DIELINE", options.input,
+                  "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
+      ->required();
+  if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
+  const auto choice = [&](const char* option, std::string& value, const char* meaning) {
+    sub->add_option(option, value, meaning)->group("What is cut (all, if nothing is said)");
+  };
+  choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
+  choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
+  choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
+  addMachine(*sub, options);
+  sub->add_option("--correction", options.correction,
+                  "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
+      ->group("Machine");
+  addJob(*sub, options.job);
+  planner::addPowerOptions(*sub, options.power);
+  return sub;
+}
 
-int main(int argc, char** argv) try {
-  CLI::App app{
-      "Plans the laser die-cutting of a dieline: order, G-code, motion, laser power, controller program.\n"
-      "Exit codes: 0 it fits, 65 it does not or a file is wrong, 64 wrong command line, 2 the program "
-      "broke."};
-  app.require_subcommand(1);
-  Options options;
+/// The commands, as parsed.
+struct Commands {
+  const CLI::App* gcode;
+  const CLI::App* program;
+  const CLI::App* preview;
+  const CLI::App* order;
+  const CLI::App* throughput;
+};
+
+CLI::App* addThroughput(CLI::App& app, Options& options) {
+  CLI::App* throughput = app.add_subcommand(
+      "throughput",
+      "Compare, for a strip cut to length, feeding and stopping with cutting on the run: limits of head and "
+      "belt, "
+      "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
+  throughput->add_option("--width", options.strip_width_mm, "Of the strip, mm")->capture_default_str();
+  addMachine(*throughput, options);
+  addJob(*throughput, options.job);
+  return throughput;
+}
+
+Commands addCommands(CLI::App& app, Options& options) {
   const auto subcommand = [&](const char* name, const char* help, bool writes) {
-    CLI::App* sub = app.add_subcommand(name, help);
-    sub->add_option("DIELINE", options.input,
-                    "A .dxf or .svg drawing, or G-code (.nc, .ngc, .gcode, .tap, .txt)")
-        ->required();
-    if (writes) sub->add_option("-o,--output", options.output, "File to write instead of standard output");
-    const auto choice = [&](const char* option, std::string& value, const char* meaning) {
-      sub->add_option(option, value, meaning)->group("What is cut (all, if nothing is said)");
-    };
-    choice("--entities", options.entities, "Only these entities, by id: 3,5-8");
-    choice("--layers", options.layers, "Only these layers (or SVG colours) of a drawing: cut,crease");
-    choice("--process", options.processes, "Only these processes: cut, half-cut, crease, perforation");
-    addMachine(*sub, options);
-    sub->add_option("--correction", options.correction,
-                    "CSV table of what the head's formula leaves: x_mm,y_mm,dx_mm,dy_mm")
-        ->group("Machine");
-    addJob(*sub, options.job);
-    planner::addPowerOptions(*sub, options.power);
-    return sub;
+    return jobCommand(app, options, name, help, writes);
   };
   const CLI::App* gcode = subcommand("gcode", "Write the G-code of one unit, to read or to edit", true);
   const CLI::App* program = subcommand(
@@ -275,15 +294,53 @@ int main(int argc, char** argv) try {
   const CLI::App* order = subcommand(
       "order", "Compare the orders in which a drawing can be cut: air path, time, highest belt speed", false);
   subcommand("check", "Say whether and how the job fits the machine", false);
-  double strip_width_mm = 800.0;
-  CLI::App* throughput = app.add_subcommand(
-      "throughput",
-      "Compare, for a strip cut to length, feeding and stopping with cutting on the run: limits of head and "
-      "belt, "
-      "time for 1 to 10 000 pieces of --pitch mm at --belt-speed, --mark-speed across, --jump-speed back");
-  throughput->add_option("--width", strip_width_mm, "Of the strip, mm")->capture_default_str();
-  addMachine(*throughput, options);
-  addJob(*throughput, options.job);
+  return {gcode, program, preview, order, addThroughput(app, options)};
+}
+
+/// The exit code.
+int run(const Commands& commands, Options& options) {
+  if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
+  if (commands.throughput->parsed()) {
+    std::cout << planner::throughputTable(crossCut(options, options.strip_width_mm), options.machine,
+                                          options.job);
+    return 0;
+  }
+  if (!options.correction.empty()) {
+    options.machine.correction =
+        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
+  }
+  options.job.power = planner::powerModelOf(options.power);
+  if (commands.order->parsed()) {
+    if (isGcode(options.input))
+      throw planner::PlanError(options.input + ": an order is chosen for a drawing");
+    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
+    return 0;
+  }
+  const std::string text = gcodeOf(options);
+  if (commands.gcode->parsed()) {
+    write(options, text);
+    return 0;
+  }
+  if (commands.preview->parsed()) {
+    const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
+    write(options, planner::previewHtml(name, text, options.machine, options.job));
+    return 0;
+  }
+  if (!commands.program->parsed()) return check(options, text);
+  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app{
+      "Plans the laser die-cutting of a dieline: order, G-code, motion, laser power, controller program.\n"
+      "Exit codes: 0 it fits, 65 it does not or a file is wrong, 64 wrong command line, 2 the program "
+      "broke."};
+  app.require_subcommand(1);
+  Options options;
+  const Commands commands = addCommands(app, options);
   const planner::CompensateCommand compensate(app);
   const planner::ProveCommand prove(app);
   const planner::PowerCommand power(app);
@@ -293,35 +350,7 @@ int main(int argc, char** argv) try {
     return app.exit(error) == 0 ? 0 : 64;
   }
   if (compensate.run() || prove.run() || power.run()) return 0;
-  if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
-  if (throughput->parsed()) {
-    std::cout << planner::throughputTable(crossCut(options, strip_width_mm), options.machine, options.job);
-    return 0;
-  }
-  if (!options.correction.empty()) {
-    options.machine.correction =
-        std::make_shared<planner::CorrectionTable>(planner::CorrectionTable::read(options.correction));
-  }
-  options.job.power = planner::powerModelOf(options.power);
-  if (order->parsed()) {
-    if (isGcode(options.input))
-      throw planner::PlanError(options.input + ": an order is chosen for a drawing");
-    std::cout << planner::orderTable(chosenOf(options), options.machine, options.job);
-    return 0;
-  }
-  const std::string text = gcodeOf(options);
-  if (gcode->parsed()) {
-    write(options, text);
-    return 0;
-  }
-  if (preview->parsed()) {
-    const std::string name = options.input.substr(options.input.find_last_of('/') + 1);
-    write(options, planner::previewHtml(name, text, options.machine, options.job));
-    return 0;
-  }
-  if (!program->parsed()) return check(options, text);
-  write(options, programText(planner::planFromGcode(text, options.machine, options.job).program));
-  return 0;
+  return run(commands, options);
 } catch (const planner::PlanError& error) {
   std::cerr << error.what() << '\n';
   return kBadInput;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -56,115 +57,160 @@ std::vector<std::string> correctionFaults(const MachineParameters& machine) {
   return faults;
 }
 
-}  // namespace
+/// What must hold of machine and job, section by section; every fault is kept.
+class JobChecker {
+ public:
+  JobChecker(const MachineParameters& machine, const JobParameters& job) : machine_(machine), job_(job) {}
 
-std::vector<std::string> jobIssues(const MachineParameters& machine, const JobParameters& job) {
-  std::vector<std::string> faults;
-  const auto check = [&](bool holds, const std::string& what) {
-    if (!holds) faults.push_back(what);
-  };
+  std::vector<std::string> faults() {
+    checkHead();
+    checkField();
+    checkDelays();
+    checkMotion();
+    if (job_.power_loop) checkPowerLoop();
+    checkMarks();
+    checkFeed();
+    if (job_.belt_speed_mm_s > 0.0) checkBelt();
+    return std::move(faults_);
+  }
+
+ private:
+  void check(bool holds, const std::string& what) {
+    if (!holds) faults_.push_back(what);
+  }
   // The upper bounds are beyond every machine; they keep what is computed from the numbers a number.
-  const auto positive = [&](double value, const char* name, double most = 1e6, double least = 0.0) {
+  void positive(double value, const char* name, double most = 1e6, double least = 0.0) {
     check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, value));
     check(!(value > most), fmt::format("{} must be at most {:g}, but is {:g}", name, most, value));
     check(!(value > 0.0 && value < least),
           fmt::format("{} must be at least {:g}, but is {:g}", name, least, value));
-  };
-  const auto notNegative = [&](double value, const char* name) {
+  }
+  void notNegative(double value, const char* name) {
     check(std::isfinite(value) && value >= 0.0, fmt::format("{} must be >= 0, but is {:g}", name, value));
     check(!(value > 1e6), fmt::format("{} must be at most 1e+06, but is {:g}", name, value));
-  };
-  if (machine.head == MachineParameters::Head::kTwoMirror) {
-    positive(machine.throw_mm, "throw_mm", 1e6, 0.1);
-    notNegative(machine.mirror_spacing_mm, "mirror_spacing_mm");
-    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
-    notNegative(machine.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
-  } else if (machine.head == MachineParameters::Head::kFTheta) {
-    positive(machine.focal_length_mm, "focal_length_mm", 1e6, 0.1);
-    positive(machine.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
-    notNegative(machine.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
-  } else {
-    positive(machine.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
   }
-  for (int i = 0; i < 2; ++i) {
-    const double low = machine.field_min_mm[i];
-    const double high = machine.field_max_mm[i];
-    check(low >= -1e5 && high <= 1e5 && low <= 0.0 && high >= 0.0 && low < high,
-          fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
-                      low, high));
+
+  void checkHead() {
+    if (machine_.head == MachineParameters::Head::kTwoMirror) {
+      positive(machine_.throw_mm, "throw_mm", 1e6, 0.1);
+      notNegative(machine_.mirror_spacing_mm, "mirror_spacing_mm");
+      positive(machine_.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
+      notNegative(machine_.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
+    } else if (machine_.head == MachineParameters::Head::kFTheta) {
+      positive(machine_.focal_length_mm, "focal_length_mm", 1e6, 0.1);
+      positive(machine_.mirror_step_rad, "mirror_step_rad", 0.1, 1e-9);
+      notNegative(machine_.mirror_acceleration_rad_s2, "mirror_acceleration_rad_s2");
+    } else {
+      positive(machine_.gantry_step_mm, "gantry_step_mm", 1e3, 1e-6);
+    }
   }
-  if (faults.empty() && machine.correction) {
-    const std::vector<std::string> wrong = correctionFaults(machine);
-    faults.insert(faults.end(), wrong.begin(), wrong.end());
+
+  void checkField() {
+    for (int i = 0; i < 2; ++i) {
+      const double low = machine_.field_min_mm[i];
+      const double high = machine_.field_max_mm[i];
+      check(low >= -1e5 && high <= 1e5 && low <= 0.0 && high >= 0.0 && low < high,
+            fmt::format("the field along {} must hold the resting beam at 0, but is {:g} … {:g} mm", "xy"[i],
+                        low, high));
+    }
+    if (faults_.empty() && machine_.correction) {
+      const std::vector<std::string> wrong = correctionFaults(machine_);
+      faults_.insert(faults_.end(), wrong.begin(), wrong.end());
+    }
   }
-  check(machine.tracking_delay_s >= 0.0 && machine.tracking_delay_s <= machine.target.longestDelayS(),
+
+  void checkDelays() {
+    check(
+        machine_.tracking_delay_s >= 0.0 && machine_.tracking_delay_s <= machine_.target.longestDelayS(),
         fmt::format(
             "tracking_delay_s must be in 0 … {:g}, by which this controller can delay the laser, but is {:g}",
-            machine.target.longestDelayS(), machine.tracking_delay_s));
-  check(machine.laser_lag_s >= 0.0 && machine.laser_lag_s <= 1.0,
-        fmt::format("laser_lag_s must be in 0 … 1, but is {:g}", machine.laser_lag_s));
-  for (std::string& fault : driveFaults(machine.target, machine.drives)) faults.push_back(std::move(fault));
-  positive(machine.full_power_w, "full_power_w");
-  positive(job.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
-  positive(job.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
-  positive(job.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
-  notNegative(job.jump_acceleration_mm_s2, "jump_acceleration_mm_s2");
-  check(job.jump_radius_mm == kRadiusOfDrawing ||
-            (std::isfinite(job.jump_radius_mm) && job.jump_radius_mm >= 0.0),
-        fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
-                    kRadiusOfDrawing, job.jump_radius_mm));
-  if (!job.power) positive(job.cut_energy_j_per_mm, "cut_energy_j_per_mm");
-  check(std::isfinite(job.jerk_mm_s3) && job.jerk_mm_s3 >= 0.0,
-        fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job.jerk_mm_s3));
-  if (job.power_loop) {
-    check(job.power != nullptr, "a loop on the measured power needs a material and a laser");
-    positive(machine.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
+            machine_.target.longestDelayS(), machine_.tracking_delay_s));
+    check(machine_.laser_lag_s >= 0.0 && machine_.laser_lag_s <= 1.0,
+          fmt::format("laser_lag_s must be in 0 … 1, but is {:g}", machine_.laser_lag_s));
+    for (std::string& fault : driveFaults(machine_.target, machine_.drives))
+      faults_.push_back(std::move(fault));
+  }
+
+  void checkMotion() {
+    positive(machine_.full_power_w, "full_power_w");
+    positive(job_.mark_speed_mm_s, "mark_speed_mm_s", 1e6, 1e-3);
+    positive(job_.jump_speed_mm_s, "jump_speed_mm_s", 1e6, 1e-3);
+    positive(job_.acceleration_mm_s2, "acceleration_mm_s2", 1e9, 1e-3);
+    notNegative(job_.jump_acceleration_mm_s2, "jump_acceleration_mm_s2");
+    check(job_.jump_radius_mm == kRadiusOfDrawing ||
+              (std::isfinite(job_.jump_radius_mm) && job_.jump_radius_mm >= 0.0),
+          fmt::format("jump_radius_mm must be >= 0, or {:g} for that of the drawing, but is {:g}",
+                      kRadiusOfDrawing, job_.jump_radius_mm));
+    if (!job_.power) positive(job_.cut_energy_j_per_mm, "cut_energy_j_per_mm");
+    check(std::isfinite(job_.jerk_mm_s3) && job_.jerk_mm_s3 >= 0.0,
+          fmt::format("jerk_mm_s3 must be >= 0, but is {:g}", job_.jerk_mm_s3));
+  }
+
+  void checkPowerLoop() {
+    check(job_.power != nullptr, "a loop on the measured power needs a material and a laser");
+    positive(machine_.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
     // The controller looks back over so many ticks, the gate's delay and its own tick among them.
-    const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine.target.tick_s;
-    check(machine.power_delay_s >= 0.0 && machine.power_delay_s + machine.tracking_delay_s <= longest_s,
+    const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine_.target.tick_s;
+    check(machine_.power_delay_s >= 0.0 && machine_.power_delay_s + machine_.tracking_delay_s <= longest_s,
           fmt::format("power_delay_s, {:g}, and tracking_delay_s must be in 0 … {:g} together",
-                      machine.power_delay_s, longest_s));
+                      machine_.power_delay_s, longest_s));
     // The controller counts to 255, also of a tube that makes half as much again.
-    const double full_w = job.power == nullptr ? 0.0 : job.power->laser().power.greatest().y;
-    const double edges = full_w * machine.target.periodS() / (2.0 * machine.power_quantum_j);
-    check(job.power == nullptr || (edges >= 16.0 && edges <= 160.0 * (1.0 + 1e-9)),
+    const double full_w = job_.power == nullptr ? 0.0 : job_.power->laser().power.greatest().y;
+    const double edges = full_w * machine_.target.periodS() / (2.0 * machine_.power_quantum_j);
+    check(job_.power == nullptr || (edges >= 16.0 && edges <= 160.0 * (1.0 + 1e-9)),
           fmt::format(
               "at full power the power meter sends {:.1f} edges in a period; the loop works with 16 … 160",
               edges));
   }
-  check(job.half_z > 0.0 && job.half_z <= 1.0,
-        fmt::format("half_z must be in (0, 1], but is {:g}", job.half_z));
-  positive(job.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
-  positive(job.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
-  notNegative(job.kerf_radius_mm, "kerf_radius_mm");
-  check(job.units >= 1 && job.units <= 1'000'000,
-        fmt::format("units must be in 1 … 1000000, but is {}", job.units));
-  if (job.units > 1) positive(job.pitch_mm, "pitch_mm");
-  notNegative(job.belt_speed_mm_s, "belt_speed_mm_s");
-  if (job.feed_by_controller) {
-    positive(machine.feed_step_mm, "feed_step_mm", 1e3, 1e-6);
-    positive(job.feed_acceleration_mm_s2, "feed_acceleration_mm_s2", 1e9, 1e-3);
-    check(std::abs(job.web_start_x_mm) <= 1e9, "web_start_x_mm must be a number within ±1e9");
+
+  void checkMarks() {
+    check(job_.half_z > 0.0 && job_.half_z <= 1.0,
+          fmt::format("half_z must be in (0, 1], but is {:g}", job_.half_z));
+    positive(job_.perforation_cut_mm, "perforation_cut_mm", 1e6, 0.01);
+    positive(job_.perforation_gap_mm, "perforation_gap_mm", 1e6, 0.01);
+    notNegative(job_.kerf_radius_mm, "kerf_radius_mm");
+    check(job_.units >= 1 && job_.units <= 1'000'000,
+          fmt::format("units must be in 1 … 1000000, but is {}", job_.units));
+    if (job_.units > 1) positive(job_.pitch_mm, "pitch_mm");
+    notNegative(job_.belt_speed_mm_s, "belt_speed_mm_s");
   }
-  if (job.stop_and_go) {
-    check(job.feed_by_controller, "stop_and_go needs feed_by_controller");
-    positive(job.belt_speed_mm_s, "belt_speed_mm_s");
-    check(!(job.belt_speed_mm_s > feedLimit(machine)),
-          fmt::format("a feed of {:g} mm/s is too fast: the feed makes no more than {:.1f} mm/s",
-                      job.belt_speed_mm_s, feedLimit(machine)));
+
+  void checkFeed() {
+    if (job_.feed_by_controller) {
+      positive(machine_.feed_step_mm, "feed_step_mm", 1e3, 1e-6);
+      positive(job_.feed_acceleration_mm_s2, "feed_acceleration_mm_s2", 1e9, 1e-3);
+      check(std::abs(job_.web_start_x_mm) <= 1e9, "web_start_x_mm must be a number within ±1e9");
+    }
+    if (job_.stop_and_go) {
+      check(job_.feed_by_controller, "stop_and_go needs feed_by_controller");
+      positive(job_.belt_speed_mm_s, "belt_speed_mm_s");
+      check(!(job_.belt_speed_mm_s > feedLimit(machine_)),
+            fmt::format("a feed of {:g} mm/s is too fast: the feed makes no more than {:.1f} mm/s",
+                        job_.belt_speed_mm_s, feedLimit(machine_)));
+    }
   }
-  if (job.belt_speed_mm_s > 0.0) {
-    positive(machine.encoder_count_mm, "encoder_count_mm", 1e3, 1e-6);
-    check(std::abs(machine.print_mark_sensor_x_mm) <= 1e6,
+
+  void checkBelt() {
+    positive(machine_.encoder_count_mm, "encoder_count_mm", 1e3, 1e-6);
+    check(std::abs(machine_.print_mark_sensor_x_mm) <= 1e6,
           "print_mark_sensor_x_mm must be a number within ±1e6");
-    check(std::abs(job.eye_mark_x_mm) <= 1e6, "eye_mark_x_mm must be a number within ±1e6");
+    check(std::abs(job_.eye_mark_x_mm) <= 1e6, "eye_mark_x_mm must be a number within ±1e6");
     // The follow gain is an i16 of steps per count times 4096.
-    const double per_mm = !faults.empty() ? 0.0 : Axes(machine, {}).xStepsPerMm(Eigen::Vector2d::Zero());
-    check(!(per_mm * machine.encoder_count_mm * 4096.0 > 32767.0),
+    const double per_mm = !faults_.empty() ? 0.0 : Axes(machine_, {}).xStepsPerMm(Eigen::Vector2d::Zero());
+    check(!(per_mm * machine_.encoder_count_mm * 4096.0 > 32767.0),
           fmt::format("an encoder count of {:g} mm is {:.2f} steps; the controller follows no more than 7.99",
-                      machine.encoder_count_mm, per_mm * machine.encoder_count_mm));
+                      machine_.encoder_count_mm, per_mm * machine_.encoder_count_mm));
   }
-  return faults;
+
+  const MachineParameters& machine_;
+  const JobParameters& job_;
+  std::vector<std::string> faults_;
+};
+
+}  // namespace
+
+std::vector<std::string> jobIssues(const MachineParameters& machine, const JobParameters& job) {
+  return JobChecker(machine, job).faults();
 }
 
 }  // namespace kerfbench::planner

@@ -314,80 +314,134 @@ double powerByte(const Sample& sample, const MachineParameters& machine, const J
   return power_w / machine.full_power_w * 255.0;
 }
 
-Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
-                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s) {
-  const double v = solution.belt_speed_mm_s;
-  const double period_s = axes.periodS();
-  const bool moving = v > 0.0;
-  const bool follows = moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed;
-  const double v_seen = faults.ignore_belt ? 0.0 : v;  // what x' = x + v t is computed with
-  Program program;
-  const double counts_per_mm_s = moving ? period_s / machine.encoder_count_mm * 65536.0 : 0.0;
-  append(program.config, static_cast<std::uint64_t>(std::llround(v * counts_per_mm_s)), 4);
-  // The laser waits for the mirrors, less what it lags by itself.
+namespace {
+
+/// How the web moves while a program runs, and what of it the program knows.
+struct WebMotion {
+  WebMotion(const Solution& solution, const JobParameters& job, const PlannerFaults& faults)
+      : v_mm_s(solution.belt_speed_mm_s),
+        moving(v_mm_s > 0.0),
+        follows(moving && !job.feed_by_controller && !faults.ignore_belt && !faults.mean_speed),
+        seen_mm_s(faults.ignore_belt ? 0.0 : v_mm_s) {}
+  double v_mm_s;
+  bool moving;
+  bool follows;
+  double seen_mm_s;  // What x' = x + v t is computed with.
+};
+
+/// The laser waits for the axes, less what it lags by itself; ticks.
+unsigned laserDelay(const MachineParameters& machine) {
   const double wait_s = std::max(0.0, machine.tracking_delay_s - machine.laser_lag_s);
-  const auto delay = static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
-  for (const unsigned byte : {delay, delay, 0U})  // idle power 0
-    program.config.push_back(static_cast<std::uint8_t>(byte));
-  const double most = follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
-  append(program.config, static_cast<std::uint64_t>(std::llround(most)), 4);
-  for (int i = 0; i < 2; ++i) program.config.push_back(static_cast<std::uint8_t>(delay >> 8));
+  return static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
+}
+
+std::vector<std::uint8_t> configuration(const WebMotion& web, const MachineParameters& machine,
+                                        const Axes& axes, double belt_stop_mm_s) {
+  std::vector<std::uint8_t> config;
+  const double counts_per_mm_s = web.moving ? axes.periodS() / machine.encoder_count_mm * 65536.0 : 0.0;
+  append(config, static_cast<std::uint64_t>(std::llround(web.v_mm_s * counts_per_mm_s)), 4);
+  const unsigned delay = laserDelay(machine);
+  for (const unsigned byte : {delay, delay, 0U})  // Idle power 0.
+    config.push_back(static_cast<std::uint8_t>(byte));
+  const double most = web.follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
+  append(config, static_cast<std::uint64_t>(std::llround(most)), 4);
+  for (int i = 0; i < 2; ++i) config.push_back(static_cast<std::uint8_t>(delay >> 8));
   const PulseSettings& pulses = axes.pulses();
   for (const std::uint8_t byte : {pulses.invert_a, pulses.invert_c, pulses.wide, pulses.wide_ticks})
-    program.config.push_back(byte);
-  program.config.insert(program.config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
-  program.config.insert(program.config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
-  appendField(program.config, axes, machine, follows);
-  program.target = machine.target;
+    config.push_back(byte);
+  config.insert(config.end(), pulses.most_steps.begin(), pulses.most_steps.end());
+  config.insert(config.end(), pulses.turn_steps.begin(), pulses.turn_steps.end());
+  appendField(config, axes, machine, web.follows);
+  return config;
+}
 
-  if (job.power_loop) program.power = powerLoopPayload(machine, job, delay);
-  Writer writer(axes, machine, job, v);
-  double v_now = 0.0;
-  for (int unit = 0; unit < job.units; ++unit) {
-    const UnitPath path = faults.constant_power
-                              ? withConstantPower(solution.pathOf(unit), job.mark_speed_mm_s, period_s)
+/// Writes the units of a job, each with its way to the start.
+class UnitWriter {
+ public:
+  UnitWriter(Writer& writer, const WebMotion& web, const MachineParameters& machine, const JobParameters& job,
+             const PlannerFaults& faults, double period_s)
+      : writer_(writer), web_(web), machine_(machine), job_(job), faults_(faults), period_s_(period_s) {}
+
+  void write(const Solution& solution, int unit) {
+    const UnitPath path = faults_.constant_power
+                              ? withConstantPower(solution.pathOf(unit), job_.mark_speed_mm_s, period_s_)
                               : solution.pathOf(unit);
     UnitLayout layout = solution.layoutOf(unit);
-    const double planned_x_ref_mm = layout.x_ref_mm;
-    if (moving && faults.ignore_belt) layout = frozen(path, layout, machine);
-    double x_ref_mm = layout.x_ref_mm;
-    if (moving && job.feed_by_controller) {
-      // Timed: the unit starts at the first border of a period at which the web has come far enough.
-      const double from_mm = job.web_start_x_mm - unit * job.pitch_mm + feedRampMm(v, job, period_s);
-      const double start_mm =
-          from_mm + std::ceil((planned_x_ref_mm - from_mm) / (v * period_s) - 1e-9) * v * period_s;
-      if (!faults.ignore_belt) {
-        x_ref_mm = start_mm;
-        layout.park_W_mm.x() += start_mm - planned_x_ref_mm;
-      }
-      writer.reposition(layout.park_W_mm, v_now);
-      if (unit == 0) writer.startFeed();
-      const double belt_mm = start_mm - job.web_start_x_mm + unit * job.pitch_mm;
-      while (!writer.feedAtTarget() || writer.feedMm() < belt_mm - 1e-6) writer.hold(1);
-    } else if (moving) {
-      const double seen_mm = machine.print_mark_sensor_x_mm - job.eye_mark_x_mm;
-      const long offset = std::lround((planned_x_ref_mm - seen_mm) / machine.encoder_count_mm);
-      if (!faults.ignore_belt) {
-        x_ref_mm = seen_mm + static_cast<double>(offset) * machine.encoder_count_mm;
-        layout.park_W_mm.x() += x_ref_mm - planned_x_ref_mm;
-      }
-      writer.reposition(layout.park_W_mm, v_now);
-      writer.waitMark(static_cast<std::int32_t>(offset));
-      if (follows) writer.follow(true);
+    const double planned_mm = layout.x_ref_mm;
+    if (web_.moving && faults_.ignore_belt) layout = frozen(path, layout, machine_);
+    if (web_.moving && job_.feed_by_controller) {
+      startFed(unit, planned_mm, layout);
+    } else if (web_.moving) {
+      startAtMark(planned_mm, layout);
     } else {
-      if (job.stop_and_go && unit > 0) writer.feedPitch();
-      writer.reposition(layout.park_W_mm, v_now);
-      while (writer.feedsPitch()) writer.hold(1);
+      if (job_.stop_and_go && unit > 0) writer_.feedPitch();
+      writer_.reposition(layout.park_W_mm, v_now_mm_s_);
+      while (writer_.feedsPitch()) writer_.hold(1);
     }
-    writeUnit(writer, path, layout, x_ref_mm, v_seen, machine.tracking_delay_s);
-    if (follows) writer.follow(false);
-    v_now = v_seen;
+    writeUnit(writer_, path, layout, layout.x_ref_mm, web_.seen_mm_s, machine_.tracking_delay_s);
+    if (web_.follows) writer_.follow(false);
+    v_now_mm_s_ = web_.seen_mm_s;
   }
-  writer.reposition(Vector2d::Zero(), v_now);
-  if (moving && job.feed_by_controller) {
-    writer.stopFeed();
-    while (!writer.feedAtTarget()) writer.hold(1);
+
+  void finish() {
+    writer_.reposition(Vector2d::Zero(), v_now_mm_s_);
+    if (!(web_.moving && job_.feed_by_controller)) return;
+    writer_.stopFeed();
+    while (!writer_.feedAtTarget()) writer_.hold(1);
   }
+
+ private:
+  /// Timed: the unit starts at the first border of a period at which the web has come far enough.
+  void startFed(int unit, double planned_mm, UnitLayout& layout) {
+    const double v = web_.v_mm_s;
+    const double from_mm = job_.web_start_x_mm - unit * job_.pitch_mm + feedRampMm(v, job_, period_s_);
+    const double start_mm =
+        from_mm + std::ceil((planned_mm - from_mm) / (v * period_s_) - 1e-9) * v * period_s_;
+    if (!faults_.ignore_belt) moveTo(start_mm, planned_mm, layout);
+    writer_.reposition(layout.park_W_mm, v_now_mm_s_);
+    if (unit == 0) writer_.startFeed();
+    const double belt_mm = start_mm - job_.web_start_x_mm + unit * job_.pitch_mm;
+    while (!writer_.feedAtTarget() || writer_.feedMm() < belt_mm - 1e-6) writer_.hold(1);
+  }
+
+  /// The print mark starts the unit, a whole number of encoder counts later.
+  void startAtMark(double planned_mm, UnitLayout& layout) {
+    const double seen_mm = machine_.print_mark_sensor_x_mm - job_.eye_mark_x_mm;
+    const long offset = std::lround((planned_mm - seen_mm) / machine_.encoder_count_mm);
+    if (!faults_.ignore_belt)
+      moveTo(seen_mm + static_cast<double>(offset) * machine_.encoder_count_mm, planned_mm, layout);
+    writer_.reposition(layout.park_W_mm, v_now_mm_s_);
+    writer_.waitMark(static_cast<std::int32_t>(offset));
+    if (web_.follows) writer_.follow(true);
+  }
+
+  static void moveTo(double x_ref_mm, double planned_mm, UnitLayout& layout) {
+    layout.x_ref_mm = x_ref_mm;
+    layout.park_W_mm.x() += x_ref_mm - planned_mm;
+  }
+
+  Writer& writer_;
+  const WebMotion& web_;
+  const MachineParameters& machine_;
+  const JobParameters& job_;
+  const PlannerFaults& faults_;
+  double period_s_;
+  double v_now_mm_s_{0.0};
+};
+
+}  // namespace
+
+Program makeProgram(const Solution& solution, const MachineParameters& machine, const JobParameters& job,
+                    const PlannerFaults& faults, const Axes& axes, double belt_stop_mm_s) {
+  const WebMotion web(solution, job, faults);
+  Program program;
+  program.config = configuration(web, machine, axes, belt_stop_mm_s);
+  program.target = machine.target;
+  if (job.power_loop) program.power = powerLoopPayload(machine, job, laserDelay(machine));
+  Writer writer(axes, machine, job, web.v_mm_s);
+  UnitWriter units(writer, web, machine, job, faults, axes.periodS());
+  for (int unit = 0; unit < job.units; ++unit) units.write(solution, unit);
+  units.finish();
   program.ops = writer.finish();
   return program;
 }

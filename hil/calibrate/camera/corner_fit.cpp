@@ -153,51 +153,58 @@ bool settle(Corner& corner, const std::vector<Sample>& samples, double radius_px
   return false;
 }
 
-}  // namespace
-
-std::optional<TargetCornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess) {
-  const int cx = static_cast<int>(std::lround(guess.pixel.x()));
-  const int cy = static_cast<int>(std::lround(guess.pixel.y()));
-  const int r = guess.radius_px;
-  if (r < 3 || cx < r || cy < r || cx + r >= image.width || cy + r >= image.height) return std::nullopt;
+/// The pixels of a disc around a guess, and what is light and dark among them.
+struct CornerPixels {
+  int cx, cy;  // Middle of the disc.
   std::vector<Sample> samples;
-  samples.reserve(static_cast<std::size_t>((2 * r + 1) * (2 * r + 1)));
-  double mean = 0.0;
-  double least = 1e9;
-  double most = -1e9;
+  double mean{0.0};
+  double least{1e9};
+  double most{-1e9};
+};
+
+std::optional<CornerPixels> pixelsAround(const GrayImage& image, const CornerGuess& guess) {
+  CornerPixels pixels{
+      static_cast<int>(std::lround(guess.pixel.x())), static_cast<int>(std::lround(guess.pixel.y())), {}};
+  const int r = guess.radius_px;
+  const int cx = pixels.cx;
+  const int cy = pixels.cy;
+  if (r < 3 || cx < r || cy < r || cx + r >= image.width || cy + r >= image.height) return std::nullopt;
+  pixels.samples.reserve(static_cast<std::size_t>((2 * r + 1) * (2 * r + 1)));
   for (int y = -r; y <= r; ++y) {
     for (int x = -r; x <= r; ++x) {
       // A disc: what lies in the window's corners says nothing of the edges' place.
       if (x * x + y * y > (r + 0.5) * (r + 0.5)) continue;
       const double gray = image.gray(cx + x, cy + y);
-      samples.push_back({static_cast<double>(x), static_cast<double>(y), gray, true});
-      mean += gray;
-      least = std::min(least, gray);
-      most = std::max(most, gray);
+      pixels.samples.push_back({static_cast<double>(x), static_cast<double>(y), gray, true});
+      pixels.mean += gray;
+      pixels.least = std::min(pixels.least, gray);
+      pixels.most = std::max(pixels.most, gray);
     }
   }
-  mean /= static_cast<double>(samples.size());
-  if (!(most - least > 10.0)) return std::nullopt;
+  pixels.mean /= static_cast<double>(pixels.samples.size());
+  if (!(pixels.most - pixels.least > 10.0)) return std::nullopt;
+  return pixels;
+}
 
+Corner firstCorner(const CornerPixels& pixels, const CornerGuess& guess) {
   Corner corner;
   // The edge along the target's x has its normal across it.
   const double a1 = std::atan2(guess.along_y.x(), -guess.along_y.y());
   const double a2 = std::atan2(guess.along_x.x(), -guess.along_x.y());
-  corner.p << guess.pixel.x() - cx, guess.pixel.y() - cy, a1, a2, 1.0, mean, 0.0, 0.0, 0.0;
+  corner.p << guess.pixel.x() - pixels.cx, guess.pixel.y() - pixels.cy, a1, a2, 1.0, pixels.mean, 0.0, 0.0,
+      0.0;
   double sign = 0.0;
-  for (const Sample& s : samples) {
+  for (const Sample& s : pixels.samples) {
     const Vector2d d(s.x - corner.p[0], s.y - corner.p[1]);
-    sign += (s.gray - mean) * std::copysign(1.0, Vector2d(std::cos(a1), std::sin(a1)).dot(d)) *
+    sign += (s.gray - pixels.mean) * std::copysign(1.0, Vector2d(std::cos(a1), std::sin(a1)).dot(d)) *
             std::copysign(1.0, Vector2d(std::cos(a2), std::sin(a2)).dot(d));
   }
-  corner.p[6] = std::copysign(0.4 * (most - least), sign);
-  if (!settle(corner, samples, r)) return std::nullopt;
+  corner.p[6] = std::copysign(0.4 * (pixels.most - pixels.least), sign);
+  return corner;
+}
 
-  const auto noiseOf = [&] {
-    const auto used = std::ranges::count_if(samples, &Sample::used);
-    return std::sqrt(squares(corner, samples) / static_cast<double>(std::max<long>(1, used - kParameters)));
-  };
-  double noise = noiseOf();
+/// Leaves out hot pixels. @returns whether there were any.
+bool dropOutliers(const Corner& corner, std::vector<Sample>& samples) {
   // Median against hot pixels: they would carry the RMS, and themselves, past any limit.
   std::vector<double> misses;
   Vector9 unused;
@@ -211,16 +218,35 @@ std::optional<TargetCornerFit> fitCorner(const GrayImage& image, const CornerGue
     samples[i].used = false;
     dropped = true;
   }
-  if (dropped) {
+  return dropped;
+}
+
+double noiseOf(const Corner& corner, const std::vector<Sample>& samples) {
+  const auto used = std::ranges::count_if(samples, &Sample::used);
+  return std::sqrt(squares(corner, samples) / static_cast<double>(std::max<long>(1, used - kParameters)));
+}
+
+}  // namespace
+
+std::optional<TargetCornerFit> fitCorner(const GrayImage& image, const CornerGuess& guess) {
+  const int r = guess.radius_px;
+  std::optional<CornerPixels> pixels = pixelsAround(image, guess);
+  if (!pixels) return std::nullopt;
+  std::vector<Sample>& samples = pixels->samples;
+  Corner corner = firstCorner(*pixels, guess);
+  if (!settle(corner, samples, r)) return std::nullopt;
+  double noise = noiseOf(corner, samples);
+  if (dropOutliers(corner, samples)) {
     const auto left = static_cast<std::size_t>(std::ranges::count_if(samples, &Sample::used));
     if (10 * left < 9 * samples.size() || !settle(corner, samples, r)) return std::nullopt;
-    noise = noiseOf();
+    noise = noiseOf(corner, samples);
   }
   TargetCornerFit fit;
-  fit.pixel = corner.p.head<2>() + Vector2d(cx, cy);
+  fit.pixel = corner.p.head<2>() + Vector2d(pixels->cx, pixels->cy);
   fit.blur_px = corner.p[4];
   fit.contrast = 2.0 * std::abs(corner.p[6]);
   fit.noise = noise;
+  Vector9 unused;
   const Matrix9 normal = normalOf(corner, samples, unused);
   const Eigen::Matrix<double, kParameters, 2> place = Eigen::Matrix<double, kParameters, 2>::Identity();
   fit.covariance_px2 = noise * noise * normal.ldlt().solve(place).topRows<2>();

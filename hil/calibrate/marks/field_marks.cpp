@@ -131,7 +131,7 @@ class FieldSearch {
     }
     const vision::KerfPlan plan = vision::planKerf(arms, scan_);
     vision::KerfScan kerfs;
-    vision::UnitScan(calibration_, plan, scan_, pictures_.views, index_, 0, X_TS_, pictures_.blur)
+    vision::UnitScan(calibration_, plan, scan_, {pictures_.views, index_, 0, X_TS_, pictures_.blur})
         .cuts(kerfs);
     for (std::size_t m = 0; m < read_.size(); ++m) {
       const auto arm = [&](std::size_t k) { return &kerfs.entities.at(4 * m + k); };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the kerf looks like: depth, teeth, width, ends.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -157,6 +158,36 @@ Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
   return check;
 }
 
+namespace {
+
+/// From which brightness on a kerf counts as burnt: half of what is usual along a crease or half-cut.
+double burntThreshold(const vision::EntityKerf& kerf, dieline::Process process) {
+  if (!isPartial(process)) return 0.5;
+  std::vector<double> levels;
+  for (const vision::Caliper& c : kerf.calipers) levels.push_back(c.brightness);
+  return 0.5 * medianOf(std::move(levels));
+}
+
+/// What is not burnt at the start and at the end of a line.
+std::array<EndGap, 2> endGaps(const vision::EntityKerf& kerf, const dieline::Entity& entity) {
+  const double threshold = burntThreshold(kerf, entity.process);
+  const double length_mm = dieline::lengthOf(entity.curve);
+  const std::vector<vision::Caliper> backward(kerf.calipers.rbegin(), kerf.calipers.rend());
+  return {gapAt(
+              kerf.calipers, [](const vision::Caliper& c) { return c.station_mm; }, threshold),
+          gapAt(
+              backward, [&](const vision::Caliper& c) { return length_mm - c.station_mm; }, threshold)};
+}
+
+/// A perforation may begin with a bridge, a closed curve has no end, and an entity that is not there at all
+/// is a matter of coverage.
+bool hasJudgedEnds(const vision::EntityKerf& kerf, const dieline::Entity& entity, double coverage) {
+  return entity.process != dieline::Process::kPerforation && !dieline::isClosed(entity.curve) &&
+         !(coverage < 0.5) && kerf.calipers.size() >= 3;
+}
+
+}  // namespace
+
 std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
                                       const std::vector<EntityResult>& entities, const EdgeSides* edges) {
   const double half_kerf_mm = edges != nullptr ? halfKerf(evidence.kerf, *edges) : 0.0;
@@ -171,26 +202,8 @@ std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances
   for (std::size_t i = 0; i < entities.size(); ++i) {
     const vision::EntityKerf& kerf = evidence.kerf.entities[i];
     const dieline::Entity& entity = entityOf(evidence, kerf.entity);
-    // A perforation may begin with a bridge, a closed curve has no end, and an entity that is not there at
-    // all is a matter of coverage.
-    if (entity.process == dieline::Process::kPerforation || dieline::isClosed(entity.curve) ||
-        entities[i].coverage < 0.5)
-      continue;
-    if (kerf.calipers.size() < 3) continue;
-    double threshold = 0.5;
-    if (isPartial(entity.process)) {
-      std::vector<double> levels;
-      for (const vision::Caliper& c : kerf.calipers) levels.push_back(c.brightness);
-      threshold = 0.5 * medianOf(std::move(levels));
-    }
-    const double length_mm = dieline::lengthOf(entity.curve);
-    const std::vector<vision::Caliper> backward(kerf.calipers.rbegin(), kerf.calipers.rend());
-    EndGap gaps[] = {
-        gapAt(
-            kerf.calipers, [](const vision::Caliper& c) { return c.station_mm; }, threshold),
-        gapAt(
-            backward, [&](const vision::Caliper& c) { return length_mm - c.station_mm; }, threshold),
-    };
+    if (!hasJudgedEnds(kerf, entity, entities[i].coverage)) continue;
+    std::array<EndGap, 2> gaps = endGaps(kerf, entity);
     for (EndGap& gap : gaps) {
       ++ends;
       if (edges != nullptr) {

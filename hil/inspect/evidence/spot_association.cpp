@@ -200,6 +200,40 @@ class RunFollower {
   const EntityIndex& index_;
 };
 
+/// A spot on the unit that lies nearest to it, and how that unit is turned.
+struct PlacedSpot {
+  LitFrame frame;
+  double angle_rad;
+};
+
+std::optional<PlacedSpot> placeOnUnit(const vision::FrameMeasurement& frame, std::size_t index,
+                                      const std::map<int, PoseTrack>& poses, const Eigen::AlignedBox2d& box) {
+  std::optional<PlacedSpot> best;
+  double best_distance_mm = 0.0;
+  for (const auto& [unit, pose_track] : poses) {
+    const auto pose = pose_track.at(frame.mid_s);
+    if (!pose) continue;
+    const Eigen::Vector2d p_S_mm = sheetFromWork(*pose, *frame.spot_W_mm);
+    const double distance_mm = box.exteriorDistance(p_S_mm);
+    if (best && distance_mm >= best_distance_mm) continue;
+    best = PlacedSpot{LitFrame{.frame = index,
+                               .time_s = frame.mid_s,
+                               .sigma_mm = std::hypot(frame.spot_sigma_mm, sheetSigma(*pose, p_S_mm)),
+                               .unit = unit,
+                               .p_S_mm = p_S_mm,
+                               .sheet_x_mm = pose->p_WS_mm.x(),
+                               .entity = -1,
+                               .left_entity = -1,
+                               .deviation_mm = kNan,
+                               .n_x = 0.0,
+                               .distance_mm = kSearch_mm,
+                               .ambiguous = false},
+                      pose->angle_rad};
+    best_distance_mm = distance_mm;
+  }
+  return best;
+}
+
 }  // namespace
 
 LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& dieline) {
@@ -219,39 +253,16 @@ LitFrames followDieline(const vision::SpotTrack& track, const dieline::Dieline& 
     const vision::FrameMeasurement& frame = track.frames[i];
     if (!frame.spot_W_mm) continue;
     ++result.lit;
-    std::optional<LitFrame> best;
-    double best_distance_mm = 0.0;
-    double best_angle_rad = 0.0;
-    for (const auto& [unit, pose_track] : poses) {
-      const auto pose = pose_track.at(frame.mid_s);
-      if (!pose) continue;
-      const Eigen::Vector2d p_S_mm = sheetFromWork(*pose, *frame.spot_W_mm);
-      const double distance_mm = box.exteriorDistance(p_S_mm);
-      if (best && distance_mm >= best_distance_mm) continue;
-      best = LitFrame{.frame = i,
-                      .time_s = frame.mid_s,
-                      .sigma_mm = std::hypot(frame.spot_sigma_mm, sheetSigma(*pose, p_S_mm)),
-                      .unit = unit,
-                      .p_S_mm = p_S_mm,
-                      .sheet_x_mm = pose->p_WS_mm.x(),
-                      .entity = -1,
-                      .left_entity = -1,
-                      .deviation_mm = kNan,
-                      .n_x = 0.0,
-                      .distance_mm = kSearch_mm,
-                      .ambiguous = false};
-      best_distance_mm = distance_mm;
-      best_angle_rad = pose->angle_rad;
-    }
-    if (!best) {
+    const std::optional<PlacedSpot> placed = placeOnUnit(frame, i, poses, box);
+    if (!placed) {
       ++result.unplaced;
       continue;
     }
-    const bool continues = !result.frames.empty() && result.frames.back().unit == best->unit &&
+    const bool continues = !result.frames.empty() && result.frames.back().unit == placed->frame.unit &&
                            track.frames[result.frames.back().frame].sequence + 1 == frame.sequence;
     if (!continues) result.runs.push_back({result.frames.size(), result.frames.size()});
-    result.frames.push_back(*best);
-    angles_rad.push_back(best_angle_rad);
+    result.frames.push_back(placed->frame);
+    angles_rad.push_back(placed->angle_rad);
     result.runs.back().end = result.frames.size();
   }
 

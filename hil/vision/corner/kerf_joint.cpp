@@ -45,7 +45,7 @@ std::optional<double> outlineMm(const JointScene& scene, const Look& look) {
                              .ahead_mm = look.strip_mm,
                              .reach_mm = kReachMm};
   Profile profile;
-  readProfile(*view, *scene.calibration, *scene.X_TS, window, {}, 0.0, profile);
+  readProfile(*view, *scene.calibration, *scene.X_TS, window, {}, profile);
   const std::size_t n = profile.size();
   const std::size_t middle = n / 2;
   const double board = scene.boardAt(*view, look.p_S_mm);

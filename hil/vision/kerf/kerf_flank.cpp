@@ -183,23 +183,26 @@ FlankModel::FlankModel(const FlankQuery& query) {
   widening_mm_ = 2.0 * (query.half_width_mm - sharpHalfWidth(query, query.half_width_mm));
 }
 
-void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                      const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
-                      std::vector<double>& model_mm) {
-  const std::size_t n = kerf.calipers.size();
-  model_mm.assign(n, 0.0);
-  FlankQuery mean{.open_gray = options.open_gray,
-                  .beam_radius_mm = options.beam_radius_mm,
-                  .pixel_mm = pixel_mm,
-                  .lens_px = blur.px};
+namespace {
+
+/// Stations whose readings show what scorch does to the flanks.
+bool showsFlanks(const EntityPlan& plan, const EntityKerf& kerf, const std::vector<KerfReading>& readings,
+                 std::size_t i) {
+  const Caliper& c = kerf.calipers[i];
+  return c.found && !c.near_joint && plan.stations[i].hidden_count == 0 &&
+         std::isfinite(readings[i].odd_gray);
+}
+
+/// The mean flank of an entity.
+FlankQuery meanFlank(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                     const FlankOptics& optics, const EntityKerf& kerf) {
+  FlankQuery mean{.open_gray = optics.options.open_gray,
+                  .beam_radius_mm = optics.options.beam_radius_mm,
+                  .pixel_mm = optics.pixel_mm,
+                  .lens_px = optics.blur.px};
   double count = 0.0;
-  const auto good = [&](std::size_t i) {
-    const Caliper& c = kerf.calipers[i];
-    return c.found && !c.near_joint && plan.stations[i].hidden_count == 0 &&
-           std::isfinite(readings[i].odd_gray);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!good(i)) continue;
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+    if (!showsFlanks(plan, kerf, readings, i)) continue;
     count += 1.0;
     mean.half_width_mm += 0.5 * readings[i].width_mm;
     mean.top_gray += readings[i].top_gray;
@@ -207,20 +210,36 @@ void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& re
   }
   for (double* value : {&mean.half_width_mm, &mean.top_gray, &mean.board_gray})
     *value /= std::max(1.0, count);
+  return mean;
+}
+
+/// Running sums of 1, odd gray, and its square, over the stations that show it; one more than stations.
+std::vector<Eigen::Vector3d> oddSums(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                                     const EntityKerf& kerf) {
+  std::vector<Eigen::Vector3d> sums(1, Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+    sums.push_back(sums.back());
+    if (!showsFlanks(plan, kerf, readings, i)) continue;
+    const double odd = readings[i].odd_gray;
+    sums.back() += Eigen::Vector3d(1.0, odd, odd * odd);
+  }
+  return sums;
+}
+
+}  // namespace
+
+void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                      const FlankOptics& optics, EntityKerf& kerf, std::vector<double>& model_mm) {
+  const std::size_t n = kerf.calipers.size();
+  model_mm.assign(n, 0.0);
+  const FlankQuery mean = meanFlank(plan, readings, optics, kerf);
   const FlankModel model(mean);
   kerf.widening_mm = model.widening_mm();
   FlankQuery blurred = mean;
-  blurred.lens_px += blur.sigma_px;
+  blurred.lens_px += optics.blur.sigma_px;
   kerf.widening_sigma_mm = std::abs(FlankModel(blurred).widening_mm() - kerf.widening_mm);
 
-  std::vector<Eigen::Vector3d> sums(1, Eigen::Vector3d::Zero());
-  for (std::size_t i = 0; i < n; ++i) {
-    sums.push_back(sums.back());
-    if (good(i)) {
-      const double odd = readings[i].odd_gray;
-      sums.back() += Eigen::Vector3d(1.0, odd, odd * odd);
-    }
-  }
+  const std::vector<Eigen::Vector3d> sums = oddSums(plan, readings, kerf);
   const double pitch_mm = n > 1 ? plan.length_mm / static_cast<double>(n - 1) : 1.0;
   const auto reach = static_cast<std::size_t>(kSmoothMm / pitch_mm);
   for (std::size_t i = 0; i < n; ++i) {
@@ -242,7 +261,7 @@ void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& re
       model_mm[i] = kTightModel_mm;
     }
     // The lens draws both edges of a curve towards its centre.
-    const double lens_mm = blur.px * pixel_mm;
+    const double lens_mm = optics.blur.px * optics.pixel_mm;
     c.offset_mm -= scorch_mm + 0.5 * lens_mm * lens_mm * bend_per_mm;
     c.width_mm -= kerf.widening_mm;
   }

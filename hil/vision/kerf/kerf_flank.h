@@ -42,12 +42,18 @@ class FlankModel {
   double widening_mm_{};  ///< 0 where the model does not hold.
 };
 
+/// What makes a flank of a kerf look as it does.
+struct FlankOptics {
+  const KerfScanOptions& options;  ///< Gray of open board, radius of the beam.
+  double pixel_mm;                 ///< Side of a pixel on the sheet.
+  const LensBlur& blur;
+};
+
 /// Takes out of all calipers of an entity what scorch, print or the bend of a curve does to their centres,
 /// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
 /// `model_mm` gets what remains uncertain of that, per station.
 void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                      const KerfScanOptions& options, double pixel_mm, const LensBlur& blur, EntityKerf& kerf,
-                      std::vector<double>& model_mm);
+                      const FlankOptics& optics, EntityKerf& kerf, std::vector<double>& model_mm);
 
 /// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
 /// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the

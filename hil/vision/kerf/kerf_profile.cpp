@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -58,36 +59,59 @@ void clip(double at_zero, double slope, double low, double high, double& first, 
   last = std::min(last, std::max(a, b));
 }
 
-template <typename Level>
-void collect(const Level* levels, double scale, const GrayImage& image, const Eigen::Vector2d& pixel,
-             const Eigen::Matrix2d& window_from_pixel, const CaliperWindow& window,
-             std::vector<PixelAcross>& out) {
-  const Eigen::Matrix2d pixel_from_window = window_from_pixel.inverse();
-  const double bend = window.curvature_per_mm;
-  const bool straight = std::abs(bend) < kStraight_per_mm;
-  // A curve leaves its tangent: read that much farther out.
-  const double along_mm = std::max(window.back_mm, window.ahead_mm);
-  // A pixel at the end of the window counts by its share inside: rows of pixels must not come and go at once.
-  const double pixel_mm = window_from_pixel.row(0).norm();
-  const double per_pixel = 1.0 / pixel_mm;
-  const double back_mm = window.back_mm + 0.5 * pixel_mm;
-  const double ahead_mm = window.ahead_mm + 0.5 * pixel_mm;
-  const double reach_mm = window.reach_mm + 0.5 * std::abs(bend) * along_mm * along_mm;
-  Eigen::AlignedBox2d box;
-  for (const double a : {-back_mm, ahead_mm}) {
-    for (const double n : {-reach_mm, reach_mm}) {
-      box.extend(pixel + pixel_from_window * Eigen::Vector2d(a, n));
-    }
+/// A caliper's window in a picture, a pixel's half wider than it is.
+struct WindowInPicture {
+  WindowInPicture(const CaliperWindow& window, const Eigen::Vector2d& at, const Eigen::Matrix2d& from_pixel)
+      : pixel(at),
+        window_from_pixel(from_pixel),
+        pixel_mm(from_pixel.row(0).norm()),
+        back_mm(window.back_mm + 0.5 * pixel_mm),
+        ahead_mm(window.ahead_mm + 0.5 * pixel_mm),
+        bend_per_mm(window.curvature_per_mm) {
+    // A curve leaves its tangent: read that much farther out.
+    const double along_mm = std::max(window.back_mm, window.ahead_mm);
+    reach_mm = window.reach_mm + 0.5 * std::abs(bend_per_mm) * along_mm * along_mm;
   }
-  const int top = std::max(0, static_cast<int>(std::ceil(box.min().y())));
-  const int bottom = std::min(image.height - 1, static_cast<int>(std::floor(box.max().y())));
+
+  /// The first and the last row of a picture that it touches.
+  [[nodiscard]] std::pair<int, int> rows(const GrayImage& image) const {
+    const Eigen::Matrix2d pixel_from_window = window_from_pixel.inverse();
+    Eigen::AlignedBox2d box;
+    for (const double a : {-back_mm, ahead_mm}) {
+      for (const double n : {-reach_mm, reach_mm}) {
+        box.extend(pixel + pixel_from_window * Eigen::Vector2d(a, n));
+      }
+    }
+    return {std::max(0, static_cast<int>(std::ceil(box.min().y()))),
+            std::min(image.height - 1, static_cast<int>(std::floor(box.max().y())))};
+  }
+
+  Eigen::Vector2d pixel;              // What the window's origin is in the picture.
+  Eigen::Matrix2d window_from_pixel;  // mm along and across for each pixel.
+  double pixel_mm;
+  double back_mm, ahead_mm;
+  double bend_per_mm;
+  double reach_mm{};
+};
+
+template <typename Level>
+void collect(const Level* levels, double scale, const GrayImage& image, const WindowInPicture& window,
+             std::vector<PixelAcross>& out) {
+  const double bend = window.bend_per_mm;
+  const bool straight = std::abs(bend) < kStraight_per_mm;
+  // A pixel at the end of the window counts by its share inside: rows of pixels must not come and go at once.
+  const double per_pixel = 1.0 / window.pixel_mm;
+  const double back_mm = window.back_mm;
+  const double ahead_mm = window.ahead_mm;
+  const Eigen::Matrix2d& window_from_pixel = window.window_from_pixel;
   const auto factor = static_cast<float>(scale);
+  const auto [top, bottom] = window.rows(image);
   for (int r = top; r <= bottom; ++r) {
-    const Eigen::Vector2d at_zero = window_from_pixel * (Eigen::Vector2d(0.0, r) - pixel);
+    const Eigen::Vector2d at_zero = window_from_pixel * (Eigen::Vector2d(0.0, r) - window.pixel);
     double first = 0.0;
     double last = image.width - 1.0;
     clip(at_zero.x(), window_from_pixel(0, 0), -back_mm, ahead_mm, first, last);
-    clip(at_zero.y(), window_from_pixel(1, 0), -reach_mm, reach_mm, first, last);
+    clip(at_zero.y(), window_from_pixel(1, 0), -window.reach_mm, window.reach_mm, first, last);
     const int begin = static_cast<int>(std::ceil(first));
     const int end = static_cast<int>(std::floor(last));
     const Level* row = levels + static_cast<std::size_t>(r) * static_cast<std::size_t>(image.width);
@@ -165,8 +189,7 @@ CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double re
 }
 
 void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
-                 const CaliperWindow& window, std::span<const Eigen::Vector2d> hide_S_mm, double hidden_mm,
-                 Profile& profile) {
+                 const CaliperWindow& window, const OtherKerf& other, Profile& profile) {
   const GrayImage& image = view.tile.image;
   const LocalPixelMap map = calibration.localMap(X_TS * window.p_S_mm - view.tile.p_TV_mm);
   Eigen::Matrix2d window_axes;
@@ -180,20 +203,19 @@ void readProfile(const TileView& view, const CameraCalibration& calibration, con
   const double even_light = 1.0 / view.light.at(map.pixel);
   profile.noise_gray = view.noise_gray * even_light;
   profile.pixels.clear();
-  const Eigen::Matrix2d window_from_pixel = pixel_per_window.inverse();
+  const WindowInPicture in_picture(window, map.pixel, pixel_per_window.inverse());
   if (image.bits == 8) {
-    collect(image.pixels.data(), even_light, image, map.pixel, window_from_pixel, window, profile.pixels);
+    collect(image.pixels.data(), even_light, image, in_picture, profile.pixels);
   } else {
-    collect(image.levels.data(), even_light / image.levelsPerGray(), image, map.pixel, window_from_pixel,
-            window, profile.pixels);
+    collect(image.levels.data(), even_light / image.levelsPerGray(), image, in_picture, profile.pixels);
   }
-  if (!hide_S_mm.empty()) {
+  if (!other.p_S_mm.empty()) {
     std::erase_if(profile.pixels, [&](const PixelAcross& pixel) {
       const double a = pixel.along_mm;
       const double n = pixel.across_mm + 0.5 * window.curvature_per_mm * a * a;
       const Eigen::Vector2d p_S_mm = window.p_S_mm + window_axes * Eigen::Vector2d(a, n);
-      return std::any_of(hide_S_mm.begin(), hide_S_mm.end(), [&](const Eigen::Vector2d& other) {
-        return (other - p_S_mm).squaredNorm() < hidden_mm * hidden_mm;
+      return std::any_of(other.p_S_mm.begin(), other.p_S_mm.end(), [&](const Eigen::Vector2d& there) {
+        return (there - p_S_mm).squaredNorm() < other.within_mm * other.within_mm;
       });
     });
   }

@@ -52,11 +52,15 @@ struct Profile {
   static constexpr float kLeastWeight = 0.6F;
 };
 
-/// Reads a window from the raw image. Pixels within `hidden_mm` of a point of `hide` are left out: there lies
-/// another kerf.
+/// Places on another kerf: pixels near them are left out of a profile.
+struct OtherKerf {
+  std::span<const Eigen::Vector2d> p_S_mm{};
+  double within_mm{0.0};
+};
+
+/// Reads a window from the raw image, but for the pixels of another kerf.
 void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
-                 const CaliperWindow& window, std::span<const Eigen::Vector2d> hide_S_mm, double hidden_mm,
-                 Profile& profile);
+                 const CaliperWindow& window, const OtherKerf& other, Profile& profile);
 
 /// The window of a station: as long as curvature and the ends of an open curve allow.
 CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double reach_mm);

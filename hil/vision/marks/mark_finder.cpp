@@ -81,7 +81,7 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
     }
     const std::optional<PixelBox> box = boxAround(image, centre, kOuterRim * radius_px + 1.0);
     if (!box) return std::nullopt;
-    look = lookAtMark(image, *box, centre, mm_per_pixel, radius_mm, edge_half_px, levels, round == last);
+    look = lookAtMark(image, *box, {centre, mm_per_pixel, radius_mm, edge_half_px}, levels, round == last);
     if (look.stained_share > 0.02 || look.darkened_share > 0.06) return std::nullopt;
     levels = look.levels;
     if (!enough_contrast(levels)) return std::nullopt;

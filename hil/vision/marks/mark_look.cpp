@@ -37,7 +37,141 @@ double centroidNoise(const std::array<double, kSectors>& sector, double radius_p
   return radius_px / area_px * std::sqrt(0.5 * kSectors * squares / (kSectors - 3));
 }
 
+/// Sums over the pixels of one look at a printed disc.
+class MarkSums {
+ public:
+  MarkSums(const DiscPlace& disc, const MarkLevels& levels, bool check_edge)
+      : disc_(disc),
+        levels_(levels),
+        check_edge_(check_edge),
+        contrast_(levels.board - levels.ink),
+        radius_px_(disc.radius_px()),
+        inner2_(squared(kInnerRim * radius_px_)),
+        outer2_(squared(kOuterRim * radius_px_)),
+        edge_begin2_(squared(std::max(0.0, radius_px_ - disc.edge_half_px))),
+        edge_end2_(squared(radius_px_ + disc.edge_half_px)),
+        circle_(disc.mm_per_pixel / disc.pitch_mm()) {}
+
+  void add(const GrayImage& image, int c, int r) {
+    const Eigen::Vector2d from(c - disc_.centre.x(), r - disc_.centre.y());
+    const Eigen::Vector2d d = circle_ * from;
+    const double distance2 = d.squaredNorm();
+    if (distance2 > outer2_) return;
+    const double value = image.gray(c, r) / (1.0 + levels_.slope.dot(from));
+    const double darkness = (levels_.board - value) / contrast_;
+    if (distance2 < inner2_) {
+      ++inner_;
+      ink_sum_ += value;
+      if (darkness < 0.65) ++stained_;
+    }
+    if (distance2 > edge_end2_) {
+      addBoard(from, value, darkness);
+      return;
+    }
+    double w = 1.0;
+    if (distance2 > edge_begin2_) {
+      w = std::clamp(darkness, -0.15, 1.15);
+      if (check_edge_) addEdge(from, d, value, w);
+    }
+    weight_ += w;
+    moment_ += w * from;
+  }
+
+  [[nodiscard]] MarkLook look() const {
+    MarkLook look{};
+    if (inner_ == 0 || outer_ == 0 || !(weight_ > 1.0)) {
+      look.stained_share = 1.0;
+      return look;
+    }
+    look.centroid = disc_.centre + moment_ / weight_;
+    look.area_px = weight_;
+    look.levels = measuredLevels();
+    look.stained_share = static_cast<double>(stained_) / inner_;
+    look.darkened_share = static_cast<double>(darkened_) / outer_;
+    if (check_edge_) look.sigma_px = noise(look.levels.board);
+    double mean = 0.0;
+    for (const double s : sector_) mean += s / kSectors;
+    for (const double s : sector_) {
+      look.worst_sector_px =
+          std::max(look.worst_sector_px, std::abs(s - mean) * kSectors / (2.0 * kPi * radius_px_));
+    }
+    return look;
+  }
+
+ private:
+  static double squared(double x) { return x * x; }
+
+  void addBoard(const Eigen::Vector2d& from, double value, double darkness) {
+    ++outer_;
+    if (darkness > 0.35) ++darkened_;
+    if (!(std::abs(darkness) < 0.35)) return;
+    board_sum_ += value;
+    board_squares_ += (value - levels_.board) * (value - levels_.board);
+    ++board_count_;
+    board_moment_ += value * from;
+    board_place_ += from;
+    board_spread_ += from * from.transpose();
+  }
+
+  void addEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& d, double value, double w) {
+    edge_spread_ += 0.5 * from.squaredNorm();
+    edge_spread_light_ += 0.5 * from.squaredNorm() * value;
+    const double outside_px = std::sqrt(d.squaredNorm()) - radius_px_;
+    const double expected = 0.5 * std::erfc(outside_px / (std::sqrt(2.0) * kEdgeSigmaPx));
+    const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
+    sector_[std::min<std::size_t>(kSectors - 1, static_cast<std::size_t>(turn * kSectors))] += w - expected;
+  }
+
+  [[nodiscard]] MarkLevels measuredLevels() const {
+    MarkLevels levels = levels_;
+    levels.ink = ink_sum_ / inner_;
+    if (board_count_ == 0) return levels;
+    levels.board = board_sum_ / board_count_;
+    // What the slope leaves of the board's light is more slope: a lamp at one side would pull the disc to
+    // itself.
+    const Eigen::Vector2d place = board_place_ / board_count_;
+    const Eigen::Matrix2d spread = board_spread_ - board_count_ * place * place.transpose();
+    const Eigen::Vector2d lean = board_moment_ - board_sum_ * place;
+    if (spread.determinant() > 0.0) levels.slope += spread.inverse() * lean / levels.board;
+    return levels;
+  }
+
+  /// Standard uncertainty of the centroid per axis, px.
+  [[nodiscard]] double noise(double board_gray) const {
+    const double by_edge = centroidNoise(sector_, radius_px_, weight_);
+    if (board_count_ == 0) return by_edge;
+    const double pixel = std::sqrt(board_squares_ / board_count_);
+    const double white = pixel / contrast_ * std::sqrt(edge_spread_) / weight_;
+    const double slope = pixel / board_gray / std::sqrt(0.5 * board_spread_.trace());
+    const double by_slope = slope * edge_spread_light_ / contrast_ / weight_;
+    // Grain that makes the edge worse than white noise makes the slope worse, too.
+    return std::hypot(by_edge, by_slope * std::max(1.0, by_edge / white));
+  }
+
+  const DiscPlace& disc_;
+  const MarkLevels& levels_;
+  bool check_edge_;
+  double contrast_;
+  double radius_px_;
+  double inner2_, outer2_, edge_begin2_, edge_end2_;
+  Eigen::Matrix2d circle_;  // Turns the ellipse in the picture into a circle.
+  double weight_{0.0};
+  Eigen::Vector2d moment_{Eigen::Vector2d::Zero()};
+  std::array<double, kSectors> sector_{};
+  int inner_{0}, stained_{0}, outer_{0}, darkened_{0};
+  double ink_sum_{0.0}, board_sum_{0.0};
+  int board_count_{0};
+  double board_squares_{0.0};
+  double edge_spread_{0.0};        // Sum of squares of an axis over the edge …
+  double edge_spread_light_{0.0};  // … and weighted by grey.
+  Eigen::Vector2d board_moment_{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d board_place_{Eigen::Vector2d::Zero()};
+  Eigen::Matrix2d board_spread_{Eigen::Matrix2d::Zero()};
+};
+
 }  // namespace
+
+double DiscPlace::pitch_mm() const { return std::sqrt(std::abs(mm_per_pixel.determinant())); }
 
 std::optional<PixelBox> boxAround(const GrayImage& image, const Eigen::Vector2d& centre, double half_px) {
   const PixelBox box{
@@ -71,114 +205,13 @@ MarkLevels roughLevels(const GrayImage& image, const PixelBox& box, double disc_
   return {quantile(0.5 + 0.5 * disc_share), quantile(0.45 * disc_share)};
 }
 
-MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Vector2d& centre,
-                    const Eigen::Matrix2d& mm_per_pixel, double radius_mm, double edge_half_px,
+MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const DiscPlace& disc,
                     const MarkLevels& levels, bool check_edge) {
-  const double pitch_mm = std::sqrt(std::abs(mm_per_pixel.determinant()));
-  const double radius_px = radius_mm / pitch_mm;
-  const double contrast = levels.board - levels.ink;
-  MarkLook look{};
-  double weight = 0.0;
-  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
-  std::array<double, kSectors> sector{};
-  int inner = 0;
-  int stained = 0;
-  int outer = 0;
-  int darkened = 0;
-  double ink_sum = 0.0;
-  double board_sum = 0.0;
-  int board_count = 0;
-  double board_squares = 0.0;
-  double edge_spread = 0.0;        // Sum of squares of an axis over the edge …
-  double edge_spread_light = 0.0;  // … and weighted by grey.
-  Eigen::Vector2d board_moment = Eigen::Vector2d::Zero();
-  Eigen::Vector2d board_place = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d board_spread = Eigen::Matrix2d::Zero();
-  const Eigen::Matrix2d circle = mm_per_pixel / pitch_mm;  // turns the ellipse in the picture into a circle
-  const auto squared = [](double x) { return x * x; };
-  const double inner2 = squared(kInnerRim * radius_px);
-  const double outer2 = squared(kOuterRim * radius_px);
-  const double edge_begin2 = squared(std::max(0.0, radius_px - edge_half_px));
-  const double edge_end2 = squared(radius_px + edge_half_px);
+  MarkSums sums(disc, levels, check_edge);
   for (int r = box.top; r <= box.bottom; ++r) {
-    for (int c = box.left; c <= box.right; ++c) {
-      const Eigen::Vector2d from(c - centre.x(), r - centre.y());
-      const Eigen::Vector2d d = circle * from;
-      const double distance2 = d.squaredNorm();
-      if (distance2 > outer2) continue;
-      const double value = image.gray(c, r) / (1.0 + levels.slope.dot(from));
-      const double darkness = (levels.board - value) / contrast;
-      if (distance2 < inner2) {
-        ++inner;
-        ink_sum += value;
-        if (darkness < 0.65) ++stained;
-      }
-      if (distance2 > edge_end2) {
-        ++outer;
-        if (darkness > 0.35) ++darkened;
-        if (std::abs(darkness) < 0.35) {
-          board_sum += value;
-          board_squares += (value - levels.board) * (value - levels.board);
-          ++board_count;
-          board_moment += value * from;
-          board_place += from;
-          board_spread += from * from.transpose();
-        }
-        continue;
-      }
-      double w = 1.0;
-      if (distance2 > edge_begin2) {
-        w = std::clamp(darkness, -0.15, 1.15);
-        if (check_edge) {
-          edge_spread += 0.5 * from.squaredNorm();
-          edge_spread_light += 0.5 * from.squaredNorm() * value;
-          const double outside_px = std::sqrt(distance2) - radius_px;
-          const double expected = 0.5 * std::erfc(outside_px / (std::sqrt(2.0) * kEdgeSigmaPx));
-          const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
-          sector[std::min<std::size_t>(kSectors - 1, static_cast<std::size_t>(turn * kSectors))] +=
-              w - expected;
-        }
-      }
-      weight += w;
-      moment += w * from;
-    }
+    for (int c = box.left; c <= box.right; ++c) sums.add(image, c, r);
   }
-  if (inner == 0 || outer == 0 || !(weight > 1.0)) {
-    look.stained_share = 1.0;
-    return look;
-  }
-  look.centroid = centre + moment / weight;
-  look.area_px = weight;
-  look.levels = levels;
-  look.levels.ink = ink_sum / inner;
-  if (board_count > 0) {
-    look.levels.board = board_sum / board_count;
-    // What the slope leaves of the board's light is more slope: a lamp beside would draw the disc to itself.
-    const Eigen::Vector2d place = board_place / board_count;
-    const Eigen::Matrix2d spread = board_spread - board_count * place * place.transpose();
-    const Eigen::Vector2d lean = board_moment - board_sum * place;
-    if (spread.determinant() > 0.0) look.levels.slope += spread.inverse() * lean / look.levels.board;
-  }
-  look.stained_share = static_cast<double>(stained) / inner;
-  look.darkened_share = static_cast<double>(darkened) / outer;
-  if (check_edge) {
-    look.sigma_px = centroidNoise(sector, radius_px, weight);
-    if (board_count > 0) {
-      const double pixel = std::sqrt(board_squares / board_count);
-      const double white = pixel / contrast * std::sqrt(edge_spread) / weight;
-      const double slope = pixel / look.levels.board / std::sqrt(0.5 * board_spread.trace());
-      const double by_slope = slope * edge_spread_light / contrast / weight;
-      // Grain that makes the edge worse than white noise makes the slope worse, too.
-      look.sigma_px = std::hypot(look.sigma_px, by_slope * std::max(1.0, look.sigma_px / white));
-    }
-  }
-  double mean = 0.0;
-  for (const double s : sector) mean += s / kSectors;
-  for (const double s : sector) {
-    look.worst_sector_px =
-        std::max(look.worst_sector_px, std::abs(s - mean) * kSectors / (2.0 * kPi * radius_px));
-  }
-  return look;
+  return sums.look();
 }
 
 std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const PixelBox& box,

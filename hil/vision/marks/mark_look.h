@@ -39,10 +39,20 @@ struct MarkLook {
   double sigma_px;         ///< Of the centroid, per axis.
 };
 
+/// Where a disc should be, and how its picture is drawn out by the camera's tilt.
+struct DiscPlace {
+  Eigen::Vector2d centre;        ///< In the picture, px.
+  Eigen::Matrix2d mm_per_pixel;  ///< From the picture to the plane, at the centre.
+  double radius_mm;
+  double edge_half_px;  ///< Half the width of the disc's blurred edge.
+
+  [[nodiscard]] double pitch_mm() const;  ///< Side of a square pixel of the same area, in the plane.
+  [[nodiscard]] double radius_px() const { return radius_mm / pitch_mm(); }
+};
+
 /// Distances are measured in the plane, so that a tilted disc stays round. Without check_edge,
-/// worst_sector_px and sigma_px are not told.
-MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const Eigen::Vector2d& centre,
-                    const Eigen::Matrix2d& mm_per_pixel, double radius_mm, double edge_half_px,
+/// worst_sector_px and sigma_px are 0.
+MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const DiscPlace& disc,
                     const MarkLevels& levels, bool check_edge);
 
 /// Centroid of everything dark in the box, to come near enough to look.

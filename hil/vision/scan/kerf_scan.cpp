@@ -88,8 +88,8 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
-    const UnitScan unit_scan(calibration, plan, options, pictures.views, index, unit, place->X_TS,
-                             pictures.blur);
+    const UnitScan unit_scan(calibration, plan, options,
+                             {pictures.views, index, unit, place->X_TS, pictures.blur});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }

@@ -88,10 +88,10 @@ void UnitScan::caliper(const EntityPlan& plan, const Station& station, const Til
                        Caliper& out, KerfReading& reading) const {
   const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
   const auto hidden = plan.hidden(station);
-  readProfile(view, calibration_, X_TS_, window, hidden, kHiddenMm, scratch.profile);
+  readProfile(view, calibration_, X_TS_, window, {hidden, kHiddenMm}, scratch.profile);
   if (!hidden.empty() && !seesOwn(scratch.profile)) {
     out.near_joint = true;
-    readProfile(view, calibration_, X_TS_, window, {}, 0.0, scratch.profile);
+    readProfile(view, calibration_, X_TS_, window, {}, scratch.profile);
   }
   reading = measureKerf(scratch.profile, options_.open_gray);
   out.found = reading.found;
@@ -127,7 +127,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     noise.board_mm.push_back(reading.board_mm);
     windows.push_back(windowOnPixels(plan, station, view));
   }
-  correctFlankBias(plan, readings, options_, pixel_mm, blur_, kerf, noise.model_mm);
+  correctFlankBias(plan, readings, {options_, pixel_mm, blur_}, kerf, noise.model_mm);
   correctCurvatureBias(plan, blur_.px * pixel_mm, kerf);
   for (std::size_t i = 0; i < windows.size(); ++i)
     noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));

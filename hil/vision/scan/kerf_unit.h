@@ -11,20 +11,28 @@
 
 namespace kerfbench::vision {
 
+/// The pictures of a sheet, and where one unit lies on it.
+struct PlacedUnit {
+  const std::vector<TileView>& tiles;
+  const TileIndex& index;
+  int unit;
+  const PlaneMotion& X_TS;
+  const LensBlur& blur;
+};
+
 /// Measures everything about one unit whose place is known.
 class UnitScan {
  public:
   UnitScan(const CameraCalibration& calibration, const KerfPlan& plan, const KerfScanOptions& options,
-           const std::vector<TileView>& tiles, const TileIndex& index, int unit, const PlaneMotion& X_TS,
-           const LensBlur& blur)
+           const PlacedUnit& place)
       : calibration_(calibration),
         plan_(plan),
         options_(options),
-        tiles_(tiles),
-        index_(index),
-        unit_(unit),
-        X_TS_(X_TS),
-        blur_(blur) {}
+        tiles_(place.tiles),
+        index_(place.index),
+        unit_(place.unit),
+        X_TS_(place.X_TS),
+        blur_(place.blur) {}
 
   /// Calipers with their uncertainties, corners, ends and the unit's worst patches.
   void cuts(KerfScan& scan) const;

@@ -131,6 +131,27 @@ void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const doubl
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].sigma_mm = std::sqrt(pooled_mm3_ / diameters_mm[i]);
 }
 
+SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const PlaneMotion& expected,
+                                                  double search_mm,
+                                                  const std::optional<KeepOut>& spot) const {
+  Sighting seen;
+  for (const RegistrationMark& mark : print_.marks) {
+    const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
+    if (!markInView(p_mm, mark.diameter_mm)) continue;
+    const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
+    std::optional<FoundMark> found;
+    // Where it should be found for certain: not so near to the border that the prediction decides.
+    const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
+    seen.in_view += !covered && certain ? 1 : 0;
+    if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
+    if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
+    seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
+    seen.diameters_mm.push_back(mark.diameter_mm);
+    seen.contrasts_gray.push_back(found->contrast_gray);
+  }
+  return seen;
+}
+
 std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time_s,
                                              const std::optional<KeepOut>& spot) {
   std::vector<SheetPose> poses;
@@ -142,41 +163,29 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
   const int last = std::min(print_.units - 1, units_.rbegin()->first + 1);
   for (int unit = first; unit <= last; ++unit) {
     const UnitState before = predict(unit, time_s);
-    const PlaneMotion& expected = before.motion;
-    const double search_mm = looseness(unit, time_s);
-    std::vector<MarkPair> pairs;
-    std::vector<double> diameters_mm;
-    int in_view = 0;
-    for (const RegistrationMark& mark : print_.marks) {
-      const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
-      if (!markInView(p_mm, mark.diameter_mm)) continue;
-      const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
-      std::optional<FoundMark> found;
-      // Where it should be found for certain: not so near to the border that the prediction decides.
-      const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
-      in_view += !covered && certain ? 1 : 0;
-      if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
-      if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
-      pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
-      diameters_mm.push_back(mark.diameter_mm);
-      contrast += found->contrast_gray;
-      ++contrasts;
-    }
-    if (pairs.empty()) continue;
-    poolNoise(pairs, diameters_mm);
-    MotionFit fit = fitMotionRobust(pairs, expected, kDisagreementMm);
-    if (fit.pairs == 1) keepAngle(fit, pairs, before.angle_variance);
+    Sighting seen = lookForMarks(image, before.motion, looseness(unit, time_s), spot);
+    for (const double gray : seen.contrasts_gray) contrast += gray;
+    contrasts += static_cast<int>(seen.contrasts_gray.size());
+    if (seen.pairs.empty()) continue;
+    poolNoise(seen.pairs, seen.diameters_mm);
+    MotionFit fit = fitMotionRobust(seen.pairs, before.motion, kDisagreementMm);
+    if (fit.pairs == 1) keepAngle(fit, seen.pairs, before.angle_variance);
     measured[unit] = {fit.motion, fit.covariance(2, 2), time_s};
-    // A first mark alone tells a place but no direction; far from it the pose would be wrong by tenths of a
+    // A first mark alone gives a place but no direction; far from it the pose would be wrong by tenths of a
     // mm.
     angle_known_ = angle_known_ || fit.pairs > 1 || print_.marks.size() == 1;
     if (!angle_known_) continue;
-    const auto moved = static_cast<int>(pairs.size()) - fit.pairs;
-    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, in_view, moved,
-                     fit.covariance});
+    const auto moved = static_cast<int>(seen.pairs.size()) - fit.pairs;
+    poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, seen.in_view,
+                     moved, fit.covariance});
   }
+  if (contrasts > 0) contrast_gray_ = contrast / contrasts;
+  keepUnits(measured, time_s);
+  return poses;
+}
 
-  // The belt's speed from units seen in the frame before, too.
+/// The belt's speed comes from units that were seen in the frame before, too.
+void SheetTracker::keepUnits(const std::map<int, UnitState>& measured, double time_s) {
   double moved = 0.0;
   double waited = 0.0;
   for (const auto& [unit, state] : measured) {
@@ -186,14 +195,12 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     waited += time_s - time_s_;
   }
   if (waited > 0.0) speed_mm_s_ += 0.5 * (moved / waited - speed_mm_s_);
-  if (contrasts > 0) contrast_gray_ = contrast / contrasts;
   for (const auto& [unit, state] : measured) units_[unit] = state;
   // Units that have gone by are forgotten, but for the last one, to count on from.
   if (!measured.empty()) {
     std::erase_if(units_, [&](const auto& entry) { return entry.second.time_s != time_s; });
   }
   time_s_ = time_s;
-  return poses;
 }
 
 int SheetTracker::explained(const std::vector<FoundMark>& seen,

@@ -53,6 +53,15 @@ class SheetTracker {
   void poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm);
   bool lock(const std::vector<FoundMark>& seen, double time_s);
   std::vector<SheetPose> measure(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot);
+  /// The marks of one unit in one picture.
+  struct Sighting {
+    std::vector<MarkPair> pairs;
+    std::vector<double> diameters_mm, contrasts_gray;
+    int in_view{0};  ///< Marks that should be found for certain.
+  };
+  [[nodiscard]] Sighting lookForMarks(const GrayImage& image, const PlaneMotion& expected, double search_mm,
+                                      const std::optional<KeepOut>& spot) const;
+  void keepUnits(const std::map<int, UnitState>& measured, double time_s);
   [[nodiscard]] int explained(const std::vector<FoundMark>& seen,
                               const std::map<int, PlaneMotion>& poses) const;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -134,83 +135,112 @@ void tellProblems(SpotTrack& track) {
     track.problems.emplace_back("Printed marks do not lie to each other as the print has them.");
 }
 
+/// Takes frames in batches: what each shows alone in parallel, what needs the frame before it in order.
+class SpotFollower {
+ public:
+  SpotFollower(const CameraCalibration& calibration, const PrintLayout& print,
+               const SpotTrackOptions& options)
+      : calibration_(calibration),
+        options_(options),
+        tracker_(std::in_place, calibration, print, options.nominal_speed_mm_s),
+        pitch_mm_(calibration.pitchMm()) {
+    for (const RegistrationMark& mark : print.marks) {
+      if (std::find(diameters_mm_.begin(), diameters_mm_.end(), mark.diameter_mm) == diameters_mm_.end()) {
+        diameters_mm_.push_back(mark.diameter_mm);
+      }
+    }
+  }
+
+  void add(const std::vector<Frame>& batch) {
+    for (const Frame& frame : batch) checkSize(frame);
+    if (stride_ == 0) stride_ = searchStride(batch, options_.nominal_speed_mm_s);
+    std::vector<Glance> glances(batch.size());
+    base::forEachIndex(batch.size(), options_.threads, [&](std::size_t i) {
+      glances[i] = glanceAt(batch[i], calibration_, diameters_mm_, shot_, (done_ + i) % stride_ == 0);
+    });
+    // In order, and cheap: the marks are where the frame before says.
+    for (std::size_t i = 0; i < batch.size(); ++i) follow(batch[i], glances[i]);
+    for (const Glance& glance : glances) {
+      if (glance.spot) shot_.add(glance.spot->shot);
+    }
+    done_ += batch.size();
+  }
+
+  SpotTrack finished() {
+    tellProblems(track_);
+    return std::move(track_);
+  }
+
+ private:
+  void checkSize(const Frame& frame) const {
+    if (frame.image.width == calibration_.width_px && frame.image.height == calibration_.height_px) return;
+    throw std::invalid_argument(
+        "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
+        std::to_string(frame.image.height) + " px, the calibration is for " +
+        std::to_string(calibration_.width_px) + " x " + std::to_string(calibration_.height_px));
+  }
+
+  void countLost(const Frame& frame) {
+    if (track_.frames.empty()) return;
+    const std::uint64_t last = track_.frames.back().sequence;
+    // A repeated or backward number is as untrustworthy as a gap.
+    track_.frames_lost += frame.sequence > last ? frame.sequence - last - 1 : 1;
+  }
+
+  void follow(const Frame& frame, const Glance& glance) {
+    FrameMeasurement out;
+    out.faults = glance.faults;
+    out.sequence = frame.sequence;
+    out.mid_s = frame.start_s + 0.5 * frame.exposure_s;
+    countLost(frame);
+    std::optional<SheetTracker::KeepOut> keep_out;
+    if (glance.spot) {
+      grain_.add(frame.image, *glance.spot, glance.board_gray);
+      place(out, *glance.spot, glance);
+      keep_out = keepOutOf(out, *glance.spot, pitch_mm_);
+    }
+    const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
+    const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker_;
+    out.sheet = tracker_->step(frame.image, out.mid_s, keep_out, marks);
+    if (const auto better = fitWithPrint(frame.image, glance, *tracker_, calibration_, pitch_mm_)) {
+      place(out, *better, glance);
+      if (before) {
+        // A spot that print hid at first has shone into the marks: again, without those that it reaches.
+        tracker_.emplace(*before);
+        out.sheet = tracker_->step(frame.image, out.mid_s, keepOutOf(out, *better, pitch_mm_), marks);
+      }
+    }
+    track_.frames.push_back(std::move(out));
+  }
+
+  void place(FrameMeasurement& out, SpotFit fit, const Glance& glance) const {
+    fit.covariance_px2 = grain_.centreCovariance(fit, glance.noise);
+    placeSpot(out, fit, calibration_, options_.widest_spot_mm);
+  }
+
+  const CameraCalibration& calibration_;
+  const SpotTrackOptions& options_;
+  SpotTrack track_;
+  std::optional<SheetTracker> tracker_;
+  double pitch_mm_;
+  std::vector<double> diameters_mm_;
+  ShotNoise shot_;  // Learned from the batches before: the same at any number of threads.
+  BoardGrain grain_;
+  std::size_t stride_{0};
+  std::size_t done_{0};
+};
+
 }  // namespace
 
 SpotTrack trackSpot(camera::FrameSource& source, const CameraCalibration& calibration,
                     const PrintLayout& print, const SpotTrackOptions& options) {
-  SpotTrack track;
-  std::optional<SheetTracker> tracker(std::in_place, calibration, print, options.nominal_speed_mm_s);
-  const double pitch_mm = calibration.pitchMm();
-  std::vector<double> diameters_mm;
-  for (const RegistrationMark& mark : print.marks) {
-    if (std::find(diameters_mm.begin(), diameters_mm.end(), mark.diameter_mm) == diameters_mm.end()) {
-      diameters_mm.push_back(mark.diameter_mm);
-    }
-  }
-  ShotNoise shot;  // Of the batches before: the same at any number of threads.
-  BoardGrain grain;
-  std::size_t stride = 0;
-  std::size_t done = 0;
+  SpotFollower follower(calibration, print, options);
   for (;;) {
     const std::vector<Frame> batch = source.nextBatch(kBatch);
     if (batch.empty()) break;
-    for (const Frame& frame : batch) {
-      if (frame.image.width != calibration.width_px || frame.image.height != calibration.height_px) {
-        throw std::invalid_argument(
-            "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
-            std::to_string(frame.image.height) + " px, the calibration is for " +
-            std::to_string(calibration.width_px) + " x " + std::to_string(calibration.height_px));
-      }
-    }
-    if (stride == 0) stride = searchStride(batch, options.nominal_speed_mm_s);
-
-    std::vector<Glance> glances(batch.size());
-    base::forEachIndex(batch.size(), options.threads, [&](std::size_t i) {
-      glances[i] = glanceAt(batch[i], calibration, diameters_mm, shot, (done + i) % stride == 0);
-    });
-
-    // In order, and cheap: the marks are where the frame before says.
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const Frame& frame = batch[i];
-      const Glance& glance = glances[i];
-      FrameMeasurement out;
-      out.faults = glance.faults;
-      out.sequence = frame.sequence;
-      out.mid_s = frame.start_s + 0.5 * frame.exposure_s;
-      if (!track.frames.empty()) {
-        const std::uint64_t last = track.frames.back().sequence;
-        // A repeated or backward number is as untrustworthy as a gap.
-        track.frames_lost += frame.sequence > last ? frame.sequence - last - 1 : 1;
-      }
-      std::optional<SheetTracker::KeepOut> keep_out;
-      if (glance.spot) {
-        grain.add(frame.image, *glance.spot, glance.board_gray);
-        SpotFit fit = *glance.spot;
-        fit.covariance_px2 = grain.centreCovariance(fit, glance.noise);
-        placeSpot(out, fit, calibration, options.widest_spot_mm);
-        keep_out = keepOutOf(out, *glance.spot, pitch_mm);
-      }
-      const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
-      const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker;
-      out.sheet = tracker->step(frame.image, out.mid_s, keep_out, marks);
-      if (auto better = fitWithPrint(frame.image, glance, *tracker, calibration, pitch_mm)) {
-        better->covariance_px2 = grain.centreCovariance(*better, glance.noise);
-        placeSpot(out, *better, calibration, options.widest_spot_mm);
-        if (before) {
-          // A spot that print hid at first has shone into the marks: again, without those that it reaches.
-          tracker.emplace(*before);
-          out.sheet = tracker->step(frame.image, out.mid_s, keepOutOf(out, *better, pitch_mm), marks);
-        }
-      }
-      track.frames.push_back(std::move(out));
-    }
-    for (const Glance& glance : glances) {
-      if (glance.spot) shot.add(glance.spot->shot);
-    }
-    done += batch.size();
+    follower.add(batch);
   }
-  tellProblems(track);
-  return track;
+  return follower.finished();
 }
 
 }  // namespace kerfbench::vision

@@ -13,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "hil/camera/twin/twin_tiles.h"
+#include "hil/vision/scan/kerf_scan.h"
 #include "hil/vision/scan/kerf_unit.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
@@ -138,7 +139,7 @@ void pathAtPitch(benchmark::State& state, double pitch_mm) {
   for (auto _ : state) {
     const TileIndex index(at.views, p.calibration);
     KerfScan scan;
-    UnitScan(p.calibration, plan, options, at.views, index, 0, at.X_TS, kUsualBlur).cuts(scan);
+    UnitScan(p.calibration, plan, options, {at.views, index, 0, at.X_TS, kUsualBlur}).cuts(scan);
     worst = 0.0;
     calipers = 0;
     for (const EntityKerf& kerf : scan.entities) {
