@@ -169,14 +169,14 @@ Corner foldCorner(const Line& in, const Line& out, const Fold& fold, double radi
 }
 
 /// A point of a contour, and the lines that meet there.
-struct Joint {
+struct MeetingLines {
   std::size_t point;
   const Line& in;
   const Line& out;
 };
 
-Corner cornerAt(const SpaceContour& contour, const Joint& joint, double radius_mm, const SpaceLimits& limits,
-                std::vector<std::string>& faults) {
+Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, double radius_mm,
+                const SpaceLimits& limits, std::vector<std::string>& faults) {
   const auto& [point, in, out] = joint;
   Corner corner;
   const double between = std::atan2(in.n.cross(out.n).norm(), in.n.dot(out.n)) / kDeg;
