@@ -16,7 +16,7 @@ struct CalibrateOptions {
   std::string camera;                        ///< spot, kerf.
   std::vector<std::filesystem::path> views;  ///< Pictures, or folders of them; none: drawn by the twin.
   std::filesystem::path target;              ///< Its description; empty: the one that fits the camera.
-  std::vector<double> origin_mm{0.0, 0.0};   ///< Of the target in the first view.
+  std::vector<double> origin_mm{0.0, 0.0};   ///< Origin of the target in the first view.
   double turn_deg{};
   std::string date;
   std::uint64_t seed{1};
@@ -26,7 +26,7 @@ struct CalibrateOptions {
   std::filesystem::path
       picture;  ///< Residual map; empty: named after machine and camera, in the current folder.
   std::filesystem::path save_views;  ///< Folder for the twin's pictures; empty: they are not kept.
-  int columns{}, rows{};             ///< Of a target to print; 0: as fits the camera.
+  int columns{}, rows{};             ///< Columns and rows of a target to print; 0: as fits the camera.
   double square_mm{};
   int jobs{1};
   bool quiet{};

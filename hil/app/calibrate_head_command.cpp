@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr int kExitNotGood = 1;
 // From so many on the fit takes nothing of the head's surface as told.
 constexpr std::size_t kManyMarks = 40;
-// Of the field that the job's marks span, along x and along y.
+// Shares of the field that the job's marks span, along x and along y.
 constexpr double kLeastReach = 0.9;
 
 head_service::TwinBench benchOf(const HeadCalibrateOptions& options) {
@@ -69,7 +69,7 @@ void tellParameters(const calibrate::HeadFit& fit, base::Console& console) {
       fmt::format("    {} of {} parameters; the others are in head.json", held, fit.parameters().size()));
 }
 
-/// Of the iteration, from 1.
+/// Number of the iteration, from 1.
 fs::path tableFile(const HeadCalibrateOptions& options, int iteration) {
   return options.results_dir / fmt::format("correction-{}.csv", iteration);
 }
@@ -126,7 +126,7 @@ void requireReach(const fs::path& pictures, const calibrate::MarkJob& job,
   refuse(pictures, job, sheet, "a part of the field has no marks" + faults);
 }
 
-/// Of few marks a table is as good as they allow. Many hold any head of this kind; where they leave a doubt
+/// A table of few marks is as good as they allow. Many hold any head of this kind; where they leave a doubt
 /// beyond the limit they lie as none would put them, and it is the pictures, or where they were taken.
 void requireAgreement(const HeadCalibrateOptions& options, const calibrate::MarkJob& job,
                       const head_service::MeasuredSheet& sheet, const head_service::FittedHead& head) {

@@ -14,7 +14,8 @@ namespace kerfbench::app {
 /// See calibrateHeadCommand().
 struct HeadCalibrateOptions {
   std::filesystem::path machine;
-  std::filesystem::path results_dir{"results/head"};  ///< Of this calibration alone; it goes on from there.
+  std::filesystem::path results_dir{
+      "results/head"};  ///< Folder of this calibration alone; it goes on from there.
   std::vector<int> grids{3, 9, 17};
   int verify{400};
   double limit_mm{0.010};
@@ -27,8 +28,8 @@ struct HeadCalibrateOptions {
   bool keep_pictures{};
   bool by_hand{};                  ///< People cut the sheets and photograph them.
   std::filesystem::path image;     ///< By hand: the controller's release; empty: the native one for galvos.
-  std::filesystem::path job;       ///< Of a sheet that was cut; empty: the twin cuts.
-  std::filesystem::path pictures;  ///< Of that sheet: a folder with tiles.yaml.
+  std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts.
+  std::filesystem::path pictures;  ///< Pictures of that sheet: a folder with tiles.yaml.
   std::filesystem::path table;  ///< That it was cut with; empty: the one that the machine file names, if any.
   int jobs{1};
   bool quiet{};

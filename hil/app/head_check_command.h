@@ -22,8 +22,8 @@ struct HeadCheckOptions {
   bool keep_pictures{};
   bool by_hand{};
   std::filesystem::path image;     ///< By hand: the controller's release.
-  std::filesystem::path job;       ///< Of a sheet that was cut; empty: the twin cuts, or people.
-  std::filesystem::path pictures;  ///< Of that sheet.
+  std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts, or people.
+  std::filesystem::path pictures;  ///< Pictures of that sheet.
   int jobs{1};
   bool quiet{};
   std::filesystem::path bin_dir;

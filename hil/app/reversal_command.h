@@ -14,15 +14,17 @@ namespace kerfbench::app {
 struct ReversalCommandOptions {
   std::filesystem::path machine;
   std::filesystem::path results_dir{"results/head-reversal"};
-  std::vector<double> turns_deg{180.0, 90.0};  ///< Of the sheet in the further views, counter-clockwise.
-  int grid{9};                                 ///< Marks each way.
+  std::vector<double> turns_deg{
+      180.0, 90.0};  ///< Angles by which the sheet is turned in the further views, counter-clockwise.
+  int grid{9};       ///< Marks each way.
   std::filesystem::path table;  ///< That the sheet is cut with; empty: the machine file's, if any.
   std::uint64_t seed{1};
   std::string imperfections{"static"};
   std::string twin{"fast"};
   bool keep_pictures{};
-  std::filesystem::path job;                    ///< Of a sheet that was cut; empty: the twin cuts.
-  std::vector<std::filesystem::path> pictures;  ///< Of that sheet: the first as it lies, then turned.
+  std::filesystem::path job;  ///< Job file of a sheet that was cut; empty: the twin cuts.
+  std::vector<std::filesystem::path>
+      pictures;  ///< Pictures of that sheet: the first as it lies, then turned.
   int jobs{1};
   bool quiet{};
   std::filesystem::path bin_dir;

@@ -12,15 +12,15 @@ namespace kerfbench::app {
 /// See calibrateTableCommand().
 struct TableCommandOptions {
   std::filesystem::path file;
-  std::string format;                   ///< Of the file; empty: by its content.
+  std::string format;                   ///< Format of the file; empty: by its content.
   std::string cor{"default"};           ///< Whose convention a .cor follows: default, glase, meerk40t, added.
-  std::optional<double> units_per_mm;   ///< Of a .cor; otherwise the file's, or what fits the table.
-  std::optional<double> mm_per_index;   ///< Of nine points; otherwise the file's.
+  std::optional<double> units_per_mm;   ///< Scale of a .cor; otherwise the file's, or what fits the table.
+  std::optional<double> mm_per_index;   ///< Distance of nine points; otherwise the file's.
   std::filesystem::path check;          ///< Nine points without correction; empty: no check.
-  double sigma_mm{0.02};                ///< Of a coordinate of the check.
+  double sigma_mm{0.02};                ///< Standard deviation of a coordinate of the check.
   std::filesystem::path out;            ///< Empty: nothing is written.
   std::string to{"csv"};                ///< Format of `out`.
-  int columns{}, rows{};                ///< Of `out`; 0: as the table has them.
+  int columns{}, rows{};                ///< Columns and rows of `out`; 0: as the table has them.
   bool wide{};                          ///< C header: int32 in place of int16.
   std::string prefix{"KB_CORRECTION"};  ///< C header.
   bool quiet{};

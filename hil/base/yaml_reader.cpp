@@ -54,7 +54,7 @@ struct YamlReader::File {
     std::string message;
   };
   std::filesystem::path
-      path;  // Of the file that was opened; a file that it extends has its own in its books.
+      path;  // Path of the file that was opened; a file that it extends has its own in its books.
   std::vector<Fault> faults;
   std::vector<std::shared_ptr<KeyBook>> books;
   std::map<std::string, Asked> asked;

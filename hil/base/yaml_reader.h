@@ -63,7 +63,7 @@ class YamlReader {
   /// "a[].b".
   struct Asked {
     std::string key;
-    std::optional<Range> range;  ///< Of a number; nullopt for anything else.
+    std::optional<Range> range;  ///< Range of a number; nullopt for anything else.
     bool given{};                ///< Somewhere in the file.
   };
   /// Every key asked for so far, sorted, each once (with the range of the first time).

@@ -38,7 +38,7 @@ class TileFolder final : public TileSource {
 
  private:
   struct Entry {
-    std::string name;  ///< Of the file, in the folder.
+    std::string name;  ///< Name of the file, in the folder.
     int unit{};
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };

@@ -24,7 +24,7 @@ class UartListener {
   /// Steps of its axes, as KB_STATE lists them.
   static constexpr std::size_t kAxes = 5;
   struct BeltWord {
-    double time_s{};  ///< Of the last byte of the KB_STATE.
+    double time_s{};  ///< Time of the last byte of the KB_STATE.
     long long counts{};
   };
   /// How it says that the run ended.
@@ -34,7 +34,7 @@ class UartListener {
     std::uint8_t fault{};  ///< enum kb_fault.
   };
   struct Account {
-    BeltWord first_belt;  ///< Of the run's first KB_STATE: its zero is when the controller woke.
+    BeltWord first_belt;  ///< Belt in the run's first KB_STATE: its zero is when the controller woke.
     BeltWord belt;
     std::array<long long, kAxes> steps{};
   };

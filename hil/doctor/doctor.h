@@ -22,11 +22,11 @@ struct ComputerState {
   std::vector<camera::CameraListing> cameras;
   source::AnalyserList analysers;
   std::string analyser_trouble;              ///< Why they could not be listed; empty: they could.
-  std::string clock_source;                  ///< Of the kernel: "tsc"; empty: it does not say.
-  std::uint64_t clock_resolution_ns{};       ///< Of CLOCK_MONOTONIC.
+  std::string clock_source;                  ///< Clock of the kernel: "tsc"; empty: it does not say.
+  std::uint64_t clock_resolution_ns{};       ///< Resolution of CLOCK_MONOTONIC.
   std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
 };
-/// Of this computer: ComputerState's.
+/// Findings about this computer: ComputerState's.
 std::string kernelName();
 std::string clockSource();
 /// Looks; changes nothing but the priority of the thread, for a moment.
@@ -49,9 +49,9 @@ struct DoctorFinding {
   std::string text;  ///< What is, and what to do.
 };
 
-/// Of the computer alone: kGood, kNote or kTrouble.
+/// Findings about the computer alone: kGood, kNote or kTrouble.
 std::vector<DoctorFinding> findingsOf(const ComputerState& state);
-/// Of what a case needs: kGood or kMissing. `bin_dir`: where kerfbench's children are.
+/// Findings about what a case needs: kGood or kMissing. `bin_dir`: where kerfbench's children are.
 std::vector<DoctorFinding> needsOf(const scenario::Case& test_case, const ComputerState& state,
                                    const std::filesystem::path& bin_dir);
 

@@ -8,10 +8,10 @@
 
 namespace kerfbench::doctor {
 
-/// Of the cameras of this computer alone.
+/// Findings about the cameras of this computer alone.
 void addCameraFindings(const std::vector<camera::CameraListing>& cameras,
                        std::vector<DoctorFinding>& findings);
-/// Of what a case with a real spot camera needs: device, format, size, rate and settings.
+/// Findings about what a case with a real spot camera needs: device, format, size, rate and settings.
 void addCameraNeeds(const scenario::Case& test_case, const std::vector<camera::CameraListing>& cameras,
                     std::vector<DoctorFinding>& findings);
 nlohmann::ordered_json camerasJson(const std::vector<camera::CameraListing>& cameras);

@@ -27,7 +27,7 @@ struct LoopbackOptions {
 /// What was measured on a loop-back, and where.
 struct BenchReport {
   std::string kernel;           ///< "Linux 6.1.0-18-amd64".
-  std::string clock_source;     ///< Of the kernel: "tsc"; empty: it does not say.
+  std::string clock_source;     ///< Clock of the kernel: "tsc"; empty: it does not say.
   std::string virtual_machine;  ///< By what it shows that this is one; empty: a machine.
   source::LoopBackLines lines;
   std::vector<std::string> real_time_notes;  ///< What is not allowed, and how to allow it.

@@ -31,12 +31,12 @@ std::string_view faultName(FaultKind kind);  ///< "offset", "bump", …
 struct Fault {
   FaultKind kind{FaultKind::kOffset};
   double size_mm{};
-  double direction_rad{};  ///< Of kOffset, and of kEntity where the entity is bent.
-  int entity{};            ///< Of kBump, kEnd, kEntity.
-  double place{0.5};       ///< Of kBump: middle along the entity, 0 … 1.
-  double length_mm{1.0};   ///< Of kBump its standard deviation, of kWave about one wave.
-  double phase_rad{};      ///< Of kWave.
-  bool at_start{};         ///< Of kEnd.
+  double direction_rad{};  ///< Direction for kOffset, and for kEntity where the entity is bent.
+  int entity{};            ///< Entity for kBump, kEnd, kEntity.
+  double place{0.5};       ///< Place for kBump: middle along the entity, 0 … 1.
+  double length_mm{1.0};   ///< Length: for kBump the standard deviation, for kWave about one wave.
+  double phase_rad{};      ///< Phase for kWave.
+  bool at_start{};         ///< End for kEnd: the start of the entity, or its end.
 };
 
 /// The work piece that gauge cuts: 21 x 16 mm within four printed marks, so that one picture shows all of it

@@ -24,7 +24,7 @@ class ArtefactBeam {
 
   /// 1/e² ellipse as of twin::Footprint.
   double radius_x_mm{}, radius_y_mm{}, correlation{};
-  double power{1.0};  ///< Of the tube over what its data sheet says.
+  double power{1.0};  ///< Power of the tube as a share of what its data sheet says.
   double noise{}, noise_correlation_s{1e-3}, drift{};
 
   /// Covariance of the beam's light on the sheet, mm²: a 1/e² radius is two standard deviations.

@@ -17,15 +17,16 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep_mm = 0.03;  // Of the burn: chords shift the cut of the smallest circle by 0.03 µm.
+constexpr double kStep_mm =
+    0.03;  // Step of the burn: chords shift the cut of the smallest circle by 0.03 µm.
 constexpr double kSpeed_mm_s = 300.0;
 constexpr double kJump_s = 0.02;   // Between entities.
-constexpr double kCutShare = 1.6;  // Of the fluence that just cuts through.
+constexpr double kCutShare = 1.6;  // Multiple of the fluence that just cuts through.
 constexpr double kCreaseShare = 0.8;
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
-constexpr double kLeg_mm = 0.6;         // Of a corner, in which its way is looked for,
+constexpr double kLeg_mm = 0.6;         // Leg of a corner, in which its path is looked for,
 constexpr double kFine_mm = 0.001;      // at such steps.
-constexpr int kLightParts = 24;         // Of the beam's light along the path, to each side.
+constexpr int kLightParts = 24;         // Parts of the beam's light along the path, to each side.
 constexpr double kLightReach = 4.0;     // Standard deviations.
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }

@@ -36,22 +36,23 @@ struct EntityTruth {
   double rms_mm{};
   double width_mm{};
   double circularity_mm{};          ///< NaN but for the circle.
-  std::vector<double> offset_mm{};  ///< Of each caliper of EntityKerf, judged or not.
+  std::vector<double> offset_mm{};  ///< Offset of each caliper of EntityKerf, judged or not.
 };
 struct CutTruth {
   std::vector<EntityTruth> entities;  ///< In the order of the scan's.
-  double worst_mm{};                  ///< Of all lines.
+  double worst_mm{};                  ///< Worst deviation of all lines.
   double rms_mm{};
-  double rounding_mm{}, overshoot_mm{};  ///< Of the corner, against where its legs as cut would meet.
-  double corner_mm{};                    ///< Distance of its way and the nominal one (Hausdorff).
-  double corner_shift_mm{};              ///< By which faults of other kinds move it.
+  double rounding_mm{},
+      overshoot_mm{};  ///< Rounding and overshoot of the corner, against where its legs as cut would meet.
+  double corner_mm{};  ///< Distance of its way and the nominal one (Hausdorff).
+  double corner_shift_mm{};  ///< By which faults of other kinds move it.
   struct End {
     int entity{};
     bool at_start{};
     double gap_mm{};  ///< < 0: too long.
   };
   std::vector<End> ends;
-  [[nodiscard]] double worstJoint_mm() const;  ///< Of the corner's deviation and the ends.
+  [[nodiscard]] double worstJoint_mm() const;  ///< Worst of the corner's deviation and the ends.
 };
 
 /// An artefact with faults as a path of the beam. Everything is exact to 0.02 µm for features longer than

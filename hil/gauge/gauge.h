@@ -22,10 +22,10 @@ inline constexpr double kTolerance_mm = 0.1;
 struct GaugeOptions {
   std::vector<twin::Preset> presets{twin::Preset::kStatic, twin::Preset::kDynamic};
   std::size_t bad{3000}, good{3000};  ///< Over all presets together.
-  std::size_t coverage{1000};         ///< Of each preset.
-  std::size_t still{1000};            ///< Of each preset.
-  std::size_t repeats{50};            ///< Of each type-1 study of the kerf.
-  std::size_t still_repeats{50};      ///< Of that of the drift.
+  std::size_t coverage{1000};         ///< Cases of coverage for each preset.
+  std::size_t still{1000};            ///< Cases of stillness for each preset.
+  std::size_t repeats{50};            ///< Repetitions of each type-1 study of the kerf.
+  std::size_t still_repeats{50};      ///< Repetitions of the study of the drift.
   bool grr{true};
   std::uint64_t seed{1};
   int jobs{1};
@@ -43,7 +43,7 @@ struct Coverage {
   std::vector<std::string> worst;  ///< The cases that miss by most U, up to five.
 };
 
-/// Of one fault kind.
+/// Results of one fault kind.
 struct KindResult {
   FaultKind kind{};
   std::map<inspect::Verdict, std::size_t> bad, good;

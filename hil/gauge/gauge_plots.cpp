@@ -13,7 +13,7 @@
 namespace kerfbench::gauge {
 namespace {
 
-constexpr double kClass_mm = 0.01;  ///< Of sizes.
+constexpr double kClass_mm = 0.01;  ///< Width of a class of sizes.
 constexpr std::size_t kMostDots = 2500;
 
 std::size_t classOf(double truth_mm) { return static_cast<std::size_t>(std::max(0.0, truth_mm) / kClass_mm); }

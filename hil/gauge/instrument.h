@@ -44,7 +44,8 @@ struct Placement {
 struct KerfMeasurement {
   vision::KerfScan scan;
   inspect::InspectionResult result;
-  inspect::Verdict verdict{inspect::Verdict::kInvalid};  ///< Of the checks that rest on the kerf alone.
+  inspect::Verdict verdict{
+      inspect::Verdict::kInvalid};  ///< Verdict of the checks that rest on the kerf alone.
 };
 
 /// The kerf camera and the judge, as in a run: same calibration file, same options, same code.

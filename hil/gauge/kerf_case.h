@@ -19,10 +19,11 @@ struct KerfCase {
   std::string name;  ///< "static-bad-17"
   twin::Preset preset{twin::Preset::kStatic};
   std::vector<Fault> faults;
-  std::uint64_t machine_seed{};  ///< Of the machine that the preset draws, and of where in its field it cuts.
-  std::uint64_t place_seed{};    ///< How it lies under the camera.
-  std::uint64_t board_seed{};    ///< Which piece of board.
-  std::uint64_t noise_seed{};    ///< Of the camera's noise.
+  std::uint64_t
+      machine_seed{};  ///< Seed of the machine that the preset samples, and of where in its field it cuts.
+  std::uint64_t place_seed{};  ///< How it lies under the camera.
+  std::uint64_t board_seed{};  ///< Which piece of board.
+  std::uint64_t noise_seed{};  ///< Seed of the camera's noise.
 };
 
 /// Error of one caliper at its place in the camera's field.
@@ -34,14 +35,14 @@ struct FieldError {
 
 struct KerfOutcome {
   std::string name;
-  FaultKind kind{};   ///< Of the first fault.
-  double size_mm{};   ///< Of the first fault.
+  FaultKind kind{};   ///< Kind of the first fault.
+  double size_mm{};   ///< Size of the first fault.
   double truth_mm{};  ///< Worst deviation of lines, corner and ends.
   inspect::Verdict verdict{inspect::Verdict::kInvalid};
-  inspect::Verdict path_verdict{inspect::Verdict::kInvalid};  ///< Of the path check alone.
+  inspect::Verdict path_verdict{inspect::Verdict::kInvalid};  ///< Verdict of the path check alone.
   std::vector<Reading> readings;
   double worst_as_read_mm{};
-  double analytic_U_mm{}, monte_carlo_U_mm{};  ///< Of the worst of all lines.
+  double analytic_U_mm{}, monte_carlo_U_mm{};  ///< U of the worst of all lines, by budget and by Monte Carlo.
   std::vector<FieldError> field;               ///< Every eighth caliper.
   std::vector<std::string> problems;
 };

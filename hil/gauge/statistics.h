@@ -20,7 +20,7 @@ Interval clopperPearson(std::size_t hits, std::size_t trials, double confidence 
 struct Moments {
   std::size_t count{};
   double mean{};
-  double sigma{};  ///< Of the sample, n - 1; NaN below two.
+  double sigma{};  ///< Standard deviation of the sample, n - 1; NaN below two.
 };
 Moments momentsOf(const std::vector<double>& values);
 

@@ -26,7 +26,7 @@ constexpr double kPause_s = 0.008;
 constexpr double kLead_s = 0.005;
 constexpr double kSkew_rad = 2e-3;  // Standard deviation.
 constexpr double kCutEnergy_j_mm = 0.105;
-constexpr int kParts = 8;  // Of an exposure.
+constexpr int kParts = 8;  // Parts of an exposure.
 constexpr double kWindowX_mm = 62.0;
 constexpr double kWindowY_mm = 44.0;
 
@@ -100,7 +100,7 @@ class StillStudy::Web {
   [[nodiscard]] double skew_rad() const { return skew_rad_; }
   [[nodiscard]] double radius_mm() const { return radius_mm_; }
   [[nodiscard]] double power_w() const { return power_w_; }
-  /// Of the beam on the web, along Wx.
+  /// Offset of the beam on the web, along Wx.
   [[nodiscard]] double residual_mm(std::size_t cut, double t_s) const {
     const StillCase::Cut& c = case_.cuts.at(cut);
     const double share = (t_s - beginOf(cut)) / kCut_s - 0.5;

@@ -23,7 +23,7 @@ struct StillCase {
   twin::Preset preset{twin::Preset::kStatic};
   struct Cut {
     double drift_mm{};   ///< From the first to the last instant of the cut.
-    double offset_mm{};  ///< Of its middle.
+    double offset_mm{};  ///< Offset of its middle.
     double sway_mm{};    ///< Amplitude of a sine of 1 … 3 waves.
   };
   std::vector<Cut> cuts;  ///< Three.
@@ -37,9 +37,9 @@ struct StillCase {
 struct StillOutcome {
   std::string name;
   double truth_mm{};                                     ///< Largest drift of the three.
-  inspect::Verdict verdict{inspect::Verdict::kInvalid};  ///< Of the stillness check.
+  inspect::Verdict verdict{inspect::Verdict::kInvalid};  ///< Verdict of the stillness check.
   std::vector<Reading> readings;
-  double analytic_U_mm{}, monte_carlo_U_mm{};  ///< Of the largest drift.
+  double analytic_U_mm{}, monte_carlo_U_mm{};  ///< U of the largest drift, by budget and by Monte Carlo.
   std::vector<std::string> problems;
 };
 

@@ -16,7 +16,7 @@ namespace kerfbench::head_service {
 /// A sheet to be cut.
 struct SheetOrder {
   calibrate::MarkJob job;
-  int sheet{};  ///< Of this calibration, from 0.
+  int sheet{};  ///< Number of the sheet in this calibration, from 0.
   int round{};  ///< Whose table it is: 0: the one that was at work before, if any.
   std::optional<calibrate::AimGrid> table;  ///< The controller's.
 };
@@ -28,7 +28,7 @@ struct HeadPlan {
   int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
   double limit_mm{0.010};  ///< Largest error of any of them.
   std::string date;        ///< ISO 8601 day of the jobs.
-  std::uint64_t seed{1};   ///< Of the places that verify.
+  std::uint64_t seed{1};   ///< Seed of the places that verify.
 };
 
 /// A head as marks of one sheet or several show it, and the table that follows.
@@ -46,7 +46,7 @@ struct HeadIteration {
   FittedHead head;                      ///< By all marks so far but those that verify.
   std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
   SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
-  calibrate::StatedSpread spread;       ///< Of the marks that verify, over what is stated of them.
+  calibrate::StatedSpread spread;  ///< Spread of the marks that verify, compared with what is stated of them.
 
   /// The marks that verify are within the limit, and do not speak against what is stated of the table.
   [[nodiscard]] bool within(double limit_mm) const { return after.max_mm <= limit_mm; }

@@ -34,7 +34,7 @@ vision::CameraCalibration kerfCamera(const fs::path& machine, const machine_file
   return *cameras.kerf;
 }
 
-/// Of every file that gives a key, wherever they lie.
+/// Digest of every file that gives a key, wherever they lie.
 std::string digestOf(const machine_file::MachineFile& file, const std::vector<fs::path>& others) {
   std::set<std::string> paths;
   for (const auto& [key, place] : file.places) paths.insert(place.substr(0, place.rfind(':')));

@@ -24,8 +24,8 @@ class HeadEvidenceError : public std::runtime_error {
 /// What is known of a head before anything is measured, and how its marks are made.
 struct HeadSetup {
   std::filesystem::path machine;     ///< Its file, absolute.
-  std::string name;                  ///< Of the machine.
-  vision::CameraCalibration camera;  ///< Of the kerf camera.
+  std::string name;                  ///< Name of the machine.
+  vision::CameraCalibration camera;  ///< Identity and calibration of the kerf camera.
   calibrate::NominalHead nominal;    ///< The controller's formula.
   /// The data sheet: what the controller is told, and the drawing of the mirrors. Nothing of the lens but its
   /// focal length.
@@ -37,7 +37,7 @@ struct HeadSetup {
   double off_mm{};          ///< The uncorrected beam may land this far beside; room is left for it.
   std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.
   std::filesystem::path table_file;         ///< Empty: none.
-  std::string digest;                       ///< Of all files that say so.
+  std::string digest;                       ///< Digest of all files that say so.
   /// What encoders, lens and board may do beyond the model, HeadTolerances::unmodelled_share.
   double unmodelled_share{calibrate::HeadTolerances{}.unmodelled_share};
 };

@@ -21,7 +21,7 @@ namespace kerfbench::head_service {
 struct MeasuredMark {
   calibrate::WantedMark wanted;
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Where it lies.
-  /// Of p_W_mm: its own, without that of the sheet's pose.
+  /// Covariance of p_W_mm: its own, without that of the sheet's pose.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
 
   [[nodiscard]] Eigen::Vector2d error_mm() const { return p_W_mm - wanted.p_W_mm; }
@@ -29,10 +29,10 @@ struct MeasuredMark {
 
 /// A sheet of a job, as its pictures show it.
 struct MeasuredSheet {
-  std::string digest;  ///< Of all that it depends on; see sheetOnTwin().
+  std::string digest;  ///< Digest of all that it depends on; see sheetOnTwin().
   std::vector<MeasuredMark> marks;
-  /// Of where the sheet was taken to lie: what that error shifts (x, y, mm) and turns (rad, about W's origin)
-  /// all marks by.
+  /// Covariance of where the sheet was taken to lie: what that error shifts (x, y, mm) and turns (rad, about
+  /// W's origin) all marks by.
   Eigen::Matrix3d pose_covariance{Eigen::Matrix3d::Zero()};
   int missing{};      ///< Wanted, not found.
   int false_marks{};  ///< Found more than once, or of no mark of the job.
@@ -67,8 +67,8 @@ std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& shee
                                                        const std::optional<calibrate::AimGrid>& table,
                                                        int number);
 
-/// Of measuredText(); belongs into a digest of what was measured, so that what an older program wrote is
-/// measured again.
+/// Version of measuredText(); belongs into a digest of what was measured, so that what an older program wrote
+/// is measured again.
 inline constexpr int kMeasuredVersion = 2;
 /// As YAML; numbers read back to the last bit.
 std::string measuredText(const MeasuredSheet& sheet);

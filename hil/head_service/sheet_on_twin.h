@@ -27,7 +27,7 @@ struct TwinBench {
 
 struct SheetRequest {
   calibrate::MarkJob job;
-  int sheet{};                   ///< Of this calibration; each has pictures of its own noise.
+  int sheet{};  ///< Number of the sheet in this calibration; each has pictures with noise of its own.
   std::filesystem::path folder;  ///< For the files of this sheet.
   std::filesystem::path table;   ///< That the controller uses; empty: none.
 };

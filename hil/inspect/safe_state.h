@@ -25,8 +25,8 @@ struct SafeStateDemand {
 struct SafeStateEvidence {
   SafeStateDemand demand;
   std::vector<GateInterval> gates;  ///< In order of time.
-  double last_pulse_s{};            ///< Of any axis; < 0: none.
-  double end_s{};                   ///< Of the recording.
+  double last_pulse_s{};            ///< Time of the last pulse of any axis; < 0: none.
+  double end_s{};                   ///< End of the recording.
   std::vector<ControllerState> reports;
   std::vector<PulseTiming> pulses;
   /// None: the controller could not be asked, because the line to it is dead.

@@ -32,7 +32,7 @@ struct Conclusion {
   controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
   bool moves_frames{};                ///< It goes into the results folder.
-  /// Of a run that was to be stopped, without pulses and gates.
+  /// For a run that was to be stopped, without pulses and gates.
   std::optional<inspect::SafeStateEvidence> safe_state;
 };
 /// From a run, live or replayed, to the verdict: looks, measures, judges, writes the results folder and tells

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Of the model, at the middle of an exposure.
+/// Place of the model's spot, at the middle of an exposure.
 struct ModelSpot {
   double mid_s{};
   Vector2d p_W_mm{Vector2d::Zero()};
@@ -65,7 +65,7 @@ std::vector<report::SpotParting> spotPartings(const vision::SpotTrack& track,
                                               const std::vector<inspect::CutResult>& cuts) {
   std::vector<report::SpotParting> partings;
   if (exposures.empty()) return partings;
-  constexpr double kStep_s = 10e-6;  // Of the model's machine, a sample each.
+  constexpr double kStep_s = 10e-6;  // Step of the model's machine, a sample each.
   const std::vector<ModelSpot> spots =
       spotsOf(exposures, kStep_s * static_cast<double>(exposures.front().samples.size()));
   for (const inspect::CutResult& cut : cuts) {

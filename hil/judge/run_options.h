@@ -18,7 +18,7 @@ struct RunOptions {
   int jobs{1};
   bool quiet{};
   bool timing{};
-  bool pictures{true};            ///< Of the machine, in the report.
+  bool pictures{true};            ///< Whether the report has pictures of the machine.
   std::filesystem::path bin_dir;  ///< Where kerfbench and its children are.
   std::string command_line;       ///< As typed, for the report.
 };

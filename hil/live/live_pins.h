@@ -17,7 +17,7 @@ namespace kerfbench::live {
 struct LivePins {
   /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
   source::PinCapture captured;
-  source::LagMeter lag, switch_lag;  ///< Of the driven edges against their plan; see GpioLiveRecord.
+  source::LagMeter lag, switch_lag;  ///< Lag of the driven edges behind their plan; see GpioLiveRecord.
 };
 
 /// How many edges were driven and how late, for people.

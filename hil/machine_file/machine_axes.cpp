@@ -22,7 +22,7 @@ constexpr double kMaxResonance_hz = twin::kMostPerStep / twin::MachineModel::kSt
 
 struct Names {
   const char* step;
-  double step_unit;  // Of the key in the description's unit.
+  double step_unit;  // Unit of the key in the description's unit.
   double step_max;
   const char* inertia;
   double inertia_min, inertia_max;

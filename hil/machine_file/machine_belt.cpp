@@ -34,7 +34,7 @@ void readSheet(base::YamlReader sheet, twin::BeltDescription& belt) {
   belt.sheet_drag_n = {drag[0], drag[1]};
 }
 
-// Of the feet: by the frequency at which the frame swings on them, or as it is.
+// Stiffness of the feet: by the frequency at which the frame swings on them, or as it is.
 std::vector<double> readFeet(base::YamlReader& frame, double mass_kg) {
   const bool direct = frame.has("stiffness_n_mm");
   if (direct && frame.has("resonance_hz"))

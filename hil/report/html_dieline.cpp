@@ -52,7 +52,7 @@ void lineTo(std::string& path, const Eigen::Vector2d& p, bool move) {
 
 void drawMeasured(const vision::EntityKerf& kerf, const dieline::Entity& entity, double limit_mm,
                   std::size_t stride, Drawing& drawing) {
-  // Of each group of `stride` stations the worst one is kept: decimation must not hide it.
+  // The worst of each group of `stride` stations is kept: decimation must not hide it.
   std::optional<Eigen::Vector2d> last;
   std::size_t last_bin = kLimitBins;
   bool missing_open = false;

@@ -46,7 +46,7 @@ struct SpotParting {
   int entity{};  ///< -1: none.
   double mean_x_mm{}, mean_y_mm{};
   double worst_mm{}, worst_s{};
-  std::vector<double> time_s{};        ///< Of each frame; never empty.
+  std::vector<double> time_s{};        ///< Time of each frame; never empty.
   std::vector<double> x_mm{}, y_mm{};  ///< Measured less the model's.
 };
 
@@ -57,7 +57,7 @@ struct ModelFacts {
   std::string twin;           ///< "reference", "fast".
   std::vector<SampledValue> sampled;
   std::vector<LostStepsNote> lost_steps;  ///< By time.
-  std::vector<SpotParting> partings;      ///< Of a real spot camera's frames, by cut.
+  std::vector<SpotParting> partings;      ///< Where frames of a real spot camera and the model part, by cut.
 };
 
 /// "The machine lost steps: galvo_x 8 at 1.234 s (first of 3)."; empty if it lost none.

@@ -23,7 +23,7 @@ struct CutSheet {
   /// The truth: for reports and tests, never for a measurement.
   twin::SampledMachine sampled;
   std::unique_ptr<ModelMachine> machine;
-  std::string summary;  ///< Of the job as planned, one line.
+  std::string summary;  ///< Summary of the job as planned, one line.
   RecordedRun run;
 };
 

@@ -16,7 +16,7 @@ namespace kerfbench::run {
 namespace {
 
 constexpr double kOnSheet_mm = 0.01;
-// Of the model of the gantry, behind the hold-back.
+// Step of the model of the gantry, behind the hold-back.
 constexpr double kLimitSwitch_s = 0.005;
 
 /// Signal, direction or level, count of the encoder.
@@ -71,12 +71,12 @@ class EdgeIndex {
   std::map<Kind, std::vector<double>> times_;
 };
 
-/// Of one signal.
+/// Lags of one signal.
 struct Strays {
   std::size_t edges{};
   std::size_t astray{};
   double first_s{};
-  double worst_s{};  ///< Of those that have one of their kind at all.
+  double worst_s{};  ///< Worst lag of those that have one of their kind at all.
 };
 using StraysOf = std::map<Signal, Strays>;
 

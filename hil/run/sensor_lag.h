@@ -19,7 +19,7 @@ namespace kerfbench::run {
 struct SensorLag {
   source::LagMeter
       lag;  ///< Driven less due, of the edges that have found each other; without limit switches.
-  source::LagMeter switch_lag;  ///< Of these, which are as late as pins are known.
+  source::LagMeter switch_lag;  ///< Lag of these, which are as late as pins are known.
   std::vector<std::string>
       problems;  ///< Edges that were not driven in time, or that the machine did not make.
 };

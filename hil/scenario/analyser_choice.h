@@ -21,7 +21,7 @@ struct AnalyserChoice {
   std::string place;   ///< "file:line: firmware.driver".
   std::uint64_t samplerate_hz{};
   std::string rate_place;
-  std::vector<std::pair<std::string, std::string>> settings;  ///< Of the driver, by sigrok's names.
+  std::vector<std::pair<std::string, std::string>> settings;  ///< Settings of the driver, by sigrok's names.
   std::vector<PinLine> lines;                                 ///< By names of channels.
   double quiet_s{};
 };

@@ -27,7 +27,7 @@ struct SpotCameraChoice {
   double light_error_s{};   ///< The laser's light begins and ends at most so long after its gate.
   double max_clock_s{};     ///< The camera's clock must be known at least as well.
   std::map<std::string, std::string> places;  ///< Setting to "file:line: cameras.spot.key".
-  std::string place;                          ///< Of the device.
+  std::string place;                          ///< Place of the device.
 };
 
 /// Where the kerf's pictures come from.

@@ -12,8 +12,8 @@
 
 namespace kerfbench::scenario {
 
-/// Of what a machine file says of a camera's lens, mount and size: 16 hex digits. Another camera, or one that
-/// was moved, has another.
+/// Digest of what a machine file says of a camera's lens, mount and size: 16 hex digits. Another camera, or
+/// one that was moved, has another.
 std::string cameraFingerprint(const twin::CameraDescription& camera);
 
 /// What the bench knows of its cameras.

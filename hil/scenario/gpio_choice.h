@@ -31,9 +31,9 @@ struct GpioChoice {
   double stamp_err_s{};
   double quiet_s{};
   std::vector<PinLine> outputs;  ///< Inputs of the controller, which the bench drives.
-  std::string out_chip;          ///< Of `outputs`; path, name or label.
+  std::string out_chip;          ///< Chip of `outputs`; path, name or label.
   std::string out_place;
-  std::optional<double> max_lag_s;  ///< Of an edge that is driven; absent: from the belt's speed.
+  std::optional<double> max_lag_s;  ///< Most that an edge is driven late; absent: from the belt's speed.
   std::string uart;                 ///< Serial line to the controller; empty: none.
   std::string uart_place;
   double uart_wait_s{};  ///< After it was opened: some boards start anew then.

@@ -22,7 +22,7 @@ std::string markScenario(const calibrate::MarkJob& job, const std::filesystem::p
                          const MarkCutting& cutting) {
   if (job.p_SW_mm.y() != 0.0)
     throw std::invalid_argument("marks: a sheet on the belt does not lie aside: p_SW must have y = 0");
-  // Of a line by a round Gaussian spot: sqrt(2 / pi) E / w in its middle.
+  // Peak of a line by a round Gaussian spot: sqrt(2 / pi) E / w in its middle.
   const double energy_j_mm =
       kOverCut * kCutFluence_j_mm2 * cutting.beam_radius_mm * std::sqrt(0.5 * std::numbers::pi);
   std::string text = fmt::format(

@@ -24,11 +24,11 @@ struct ProvokeChoice {
     kFieldLeft      ///< The line takes a gantry's job out of the field (belt.profile says how).
   };
   Cause cause{Cause::kNone};
-  double at_s{};  ///< Of all but those of host and line speed.
+  double at_s{};  ///< Time of the cause; not for those of host and line speed.
   double open_for_s{0.02};
   std::string limit{"x"};
   std::string encoder_lines{"both"};
-  double share{};      ///< Of bytes damaged, or of the program that the host has.
+  double share{};      ///< Share of bytes damaged, or of the program that the host has.
   std::string expect;  ///< Name of the fault to be reported; empty: what fits the cause.
 };
 

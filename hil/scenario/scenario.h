@@ -66,14 +66,14 @@ struct Scenario {
   twin::BoardDescription board;
   PrintLayout print;
   double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
-  std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Of the line.
+  std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
   double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
                          ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;
-  std::optional<double> jump_radius_mm;  ///< Of the job; the machine's if absent.
+  std::optional<double> jump_radius_mm;  ///< Radius of the job's jumps; the machine's if absent.
   planner::PlannerFaults planner_faults;
   std::filesystem::path job_gcode;  ///< One unit, edited by hand; empty: the planner writes it.
   ProvokeChoice provoke;

@@ -17,7 +17,7 @@ void readDialog(base::YamlReader& firmware, FirmwareChoice& result) {
   }
 }
 
-/// Of a scenario with another source that this one extends.
+/// Passes over the keys of a scenario with another source that this one extends.
 void skipKeys(const base::YamlReader& firmware, const std::vector<const char*>& keys) {
   for (const char* key : keys) (void)firmware.has(key);
 }

@@ -13,7 +13,7 @@ namespace kerfbench::scenario {
 namespace {
 
 constexpr double kHuge = 1e9;
-constexpr std::size_t kMostPoints = 1000;  // Of a list.
+constexpr std::size_t kMostPoints = 1000;  // Longest list.
 
 const std::map<std::string, dieline::Process> kProcesses{{"cut", dieline::Process::kCut},
                                                          {"half-cut", dieline::Process::kHalfCut},

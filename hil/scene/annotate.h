@@ -14,7 +14,7 @@ namespace kerfbench::scene {
 /// A small picture in the upper right corner of the large one.
 struct Inset {
   std::vector<std::uint8_t> png;  ///< Empty: none.
-  std::optional<Viewpoint> view;  ///< Of the small picture, for its labels.
+  std::optional<Viewpoint> view;  ///< Viewpoint of the small picture, for its labels.
   std::vector<twin::SceneLabel> labels;
 };
 

@@ -12,7 +12,7 @@
 namespace kerfbench::scene {
 namespace {
 
-constexpr double kInsetShare = 0.26;  // Of the picture's width.
+constexpr double kInsetShare = 0.26;  // Share of the picture's width.
 // The machine keeps clear of the inset: it may reach under it, since it is lower there.
 constexpr double kInsetFree = 0.17;
 

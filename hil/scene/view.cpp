@@ -9,7 +9,8 @@
 namespace kerfbench::scene {
 namespace {
 
-// Of the wider side: a portrait lens, near enough for depth, far enough for straight proportions.
+// Field of view of the wider side: a portrait lens, near enough for depth, far enough for straight
+// proportions.
 constexpr double kHalfAngle_rad = 0.24;
 
 }  // namespace
@@ -38,8 +39,8 @@ Viewpoint Viewpoint::around(const std::vector<Eigen::Vector3d>& points_W_mm, con
   const std::array<Eigen::Vector3d, 2> axes{view.right_, view.up_};
   // From the place (s, -back) a point at (a, depth) is seen within the limits if
   // -low_reach (depth + back) <= a - s <= high_reach (depth + back).
-  Eigen::Vector2d least = Eigen::Vector2d::Constant(-1e300);  // Of s + high_reach back.
-  Eigen::Vector2d most = Eigen::Vector2d::Constant(1e300);    // Of s - low_reach back.
+  Eigen::Vector2d least = Eigen::Vector2d::Constant(-1e300);  // Least of s + high_reach back.
+  Eigen::Vector2d most = Eigen::Vector2d::Constant(1e300);    // Most of s - low_reach back.
   for (const Eigen::Vector3d& point : points_W_mm) {
     const Eigen::Vector3d q = point - centre;
     const double depth = q.dot(view.forward_);

@@ -26,7 +26,7 @@ std::string timeLimitWords(double time_limit_s, bool any_edge);
 inline constexpr const char* kTooManyEdgesWords = "more edges came than a recording holds";
 inline constexpr std::size_t kMostCapturedEdges = 50'000'000;
 
-/// Of a recording that is cut out of what was heard.
+/// Whether a recording that is cut out of what was heard.
 inline constexpr double kLeadBeforeEdges_s = 0.1;  ///< The machine is at rest.
 inline constexpr double kTailAfterEdges_s = 0.2;   ///< Mirrors swing out.
 

@@ -17,7 +17,7 @@ struct RegistrationMark {
 struct PrintedArea {
   Eigen::Vector2d p_SA_mm{Eigen::Vector2d::Zero()};  ///< Centre of the rectangle, in the frame S of its unit.
   Eigen::Vector2d size_mm{Eigen::Vector2d::Zero()};  ///< Along its own axes; > 0.
-  double angle_rad{};                                ///< Of its axes in S.
+  double angle_rad{};                                ///< Angle of its axes in S.
   double ink{1.0};                                   ///< 0 none … 1 as dark as a mark.
 };
 
@@ -30,8 +30,8 @@ struct PrintLayout {
   double
       eye_mark_x_mm{};  ///< Leading edge of the eye mark that the print-mark sensor sees, in S of the unit.
   double eye_mark_length_mm{5.0};       ///< Along x, upstream of the leading edge.
-  std::vector<RegistrationMark> marks;  ///< Of one unit.
-  std::vector<PrintedArea> areas{};     ///< Of one unit.
+  std::vector<RegistrationMark> marks;  ///< Marks of one unit.
+  std::vector<PrintedArea> areas{};     ///< Areas of one unit.
 };
 
 }  // namespace kerfbench

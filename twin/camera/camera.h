@@ -31,9 +31,10 @@ struct CameraDescription {
   double fx_px{}, fy_px{}, cx_px{}, cy_px{};
   std::array<double, 5> distortion{};
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};
-  int bits{8};               ///< Depth of the pictures: 8, 10 or 12. Grey is always of the 8-bit scale.
-  double psf_sigma_px{0.6};  ///< Of the whole blur, the pixel's own area (0.29) included; >= 0.
-  double read_noise{0.8};    ///< Grey levels, standard deviation.
+  int bits{8};  ///< Depth of the pictures: 8, 10 or 12. Grey is always of the 8-bit scale.
+  double psf_sigma_px{
+      0.6};  ///< Standard deviation of the whole blur, the pixel's own area (0.29) included; >= 0.
+  double read_noise{0.8};             ///< Grey levels, standard deviation.
   double full_well_electrons{10000};  ///< At grey level 255: sets the shot noise. Infinity: none.
   double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
   double frame_period_s{0.001};  ///< Spot camera only.
@@ -61,7 +62,7 @@ struct ExposureSample {
   double radius_mm{};                                ///< 1/e² radius; > 0 where power_w > 0.
   double power_w{};                                  ///< Mean over the part.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};  ///< Origin of the web's S (unit 0) in W.
-  double angle_rad{};                                ///< Of the web.
+  double angle_rad{};                                ///< Angle of the web.
 };
 struct Exposure {
   std::uint64_t sequence{};

@@ -35,8 +35,8 @@ struct EdgeRoughness {
 struct Plume {
   double share{};  ///< Its peak over the spot's that rests; [0, 1].
   Eigen::Vector2d offset_mm{
-      Eigen::Vector2d::Zero()};  ///< Of its middle from the spot in W; each in [-50, 50].
-  double sigma_mm{0.5};          ///< Of the Gaussian cloud; [0.01, 20].
+      Eigen::Vector2d::Zero()};  ///< Offset of its middle from the spot in W; each in [-50, 50].
+  double sigma_mm{0.5};          ///< Standard deviation of the Gaussian cloud; [0.01, 20].
   double
       flicker{};  ///< Relative standard deviation of `share` from frame to frame; [0, 2]. Never below zero.
   double wander_mm{};  ///< Standard deviation of the offset per axis from frame to frame; [0, 20].
@@ -51,7 +51,7 @@ struct UnevenLight {
 
 /// Pixels that are too bright, the same ones in every picture.
 struct HotPixels {
-  double share{};         ///< Of all pixels; [0, 0.01].
+  double share{};         ///< Share of all pixels; [0, 0.01].
   double gray{150.0};     ///< The brightest of them; each adds between a quarter of this and all; [0, 255].
   std::uint64_t seed{1};  ///< Which sensor it is.
 };

@@ -102,7 +102,7 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
                                     std::size_t by, std::vector<float>& light) const {
   const PlanePatch::Nodes p_V_mm = grid.nodes(bx, by);
   PlanePatch::Nodes corners;
-  Eigen::AlignedBox2d box;  // Of the block, in the spline's unit.
+  Eigen::AlignedBox2d box;  // Bounds of the block, in the spline's unit.
   for (std::size_t n = 0; n < corners.size(); ++n) {
     corners[n] = (X_NV * p_V_mm[n]) / Sheet::kCellMm;
     box.extend(corners[n]);

@@ -43,7 +43,7 @@ struct PrintShape {
   bool round{};
   Eigen::Vector2d centre_nodes;
   Eigen::Vector2d half_nodes;  ///< Half its size along its own axes.
-  double cos{1.0}, sin{0.0};   ///< Of its axes.
+  double cos{1.0}, sin{0.0};   ///< Cosine and sine of its axes' angle.
   float ink{1.0F};
 
   /// How far outside of its border, < 0 within.
@@ -93,7 +93,7 @@ struct Roughness {
   BoardField field_x, field_y;
   float rms_nodes{};
   double fields_per_node{};        ///< The spline's spacing over the fields'.
-  FieldWindow window_x, window_y;  ///< Of the block.
+  FieldWindow window_x, window_y;  ///< Windows of the block along x and y.
 
   Roughness(std::uint64_t board_seed, const EdgeRoughness& roughness)
       : field_x(board_seed, kStreamX, roughness.length_mm),

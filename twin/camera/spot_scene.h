@@ -59,7 +59,7 @@ struct AreaImage {
   PixelBox box;
   struct Place {
     Eigen::Vector2d p_WA_mm{Eigen::Vector2d::Zero()};
-    double cos{}, sin{};  ///< Of its own axes in W.
+    double cos{}, sin{};  ///< Cosine and sine of its own axes' angle in W.
   };
   std::vector<Place> places;
   Eigen::Vector2d half_mm{Eigen::Vector2d::Zero()};

@@ -11,9 +11,9 @@ namespace kerfbench::twin {
 
 /// A square marker in one white square of a target (ChArUco).
 struct TargetMarker {
-  int column{}, row{};  ///< Of its square.
+  int column{}, row{};  ///< Column and row of its square.
   std::vector<std::uint8_t>
-      white;  ///< Of each cell, row by row as printed, border included: 0 black, else white.
+      white;  ///< Colour of each cell, row by row as printed, border included: 0 black, else white.
 };
 
 /// A flat calibration target: a chessboard of black and white squares on white paper, with markers in its

@@ -30,7 +30,7 @@ class ExposureRecorder {
  private:
   double step_s_;
   std::uint64_t period_, length_;  ///< Steps.
-  std::uint64_t index_;            ///< Of the present step in its period.
+  std::uint64_t index_;            ///< Index of the present step in its period.
   std::uint64_t step_{0};          ///< Steps begun.
   std::uint64_t frame_{0};
   Exposure open_;

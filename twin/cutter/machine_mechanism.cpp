@@ -71,7 +71,7 @@ class Assembly {
   const MachineDescription& machine_;
   const WebDescription& web_;
   MachineMechanism result_;
-  int carrier_{-1};          ///< Of the head: frame or floor.
+  int carrier_{-1};          ///< Body that carries the head: frame or floor.
   double roller_load_nm_{};  ///< What the roller's drive bears at t = 0.
 };
 

@@ -39,7 +39,8 @@ struct MachineMechanism {
   struct PulseDrive {
     Axis axis{};
     double motor_per_step{};  ///< rad
-    double load_per_motor{};  ///< Of what LostSteps tells: rad, or mm of a slide or the belt.
+    double load_per_motor{};  ///< Unit of what LostSteps reports for a turn of the motor: rad, or mm of a
+                              ///< slide or the belt.
     double input_delay_s{};
   };
   std::vector<PulseDrive> pulse_drives;  ///< The description's first drives, in this order.

@@ -42,7 +42,7 @@ class MachineModel {
   /// What the encoder sees; accelerations are means over the last step.
   [[nodiscard]] double rollerSpeed_mm_s() const { return roller_.speed_mm_s; }
   [[nodiscard]] double rollerAcceleration_mm_s2() const { return roller_.acceleration_mm_s2; }
-  /// Of the board, slip on the belt included: what the mark sensor and the beam see.
+  /// Travel of the board, slip on the belt included: what the mark sensor and the beam see.
   [[nodiscard]] double sheetSpeed_mm_s() const { return sheet_.speed_mm_s; }
   [[nodiscard]] double sheetAcceleration_mm_s2() const { return sheet_.acceleration_mm_s2; }
   /// Where the beam meets the board's surface; nullopt when it misses it.
@@ -58,10 +58,10 @@ class MachineModel {
   };
   /// Which tooth a stepper's rotor is at, against the one it began with.
   struct ToothWatch {
-    std::size_t drive{};  ///< Of the mechanism, and of machine_.pulse_drives.
+    std::size_t drive{};  ///< Index of the drive in the mechanism, and in machine_.pulse_drives.
     std::size_t joint{};
     double pitch_rad{};
-    double offset_rad{};  ///< Of its command.
+    double offset_rad{};  ///< What is added to the drive's command.
     long long behind{};
   };
 

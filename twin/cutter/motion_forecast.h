@@ -28,7 +28,7 @@ struct MotionForecast {
     if (way <= 0.0) return 0.0;
     const double square = v * v + 2.0 * a * way;
     if (square < 0.0 || (v <= 0.0 && a <= 0.0)) return std::numeric_limits<double>::infinity();
-    // Of the two forms of the root the one without cancellation.
+    // The one of the two forms of the root without cancellation.
     return v > 0.0 ? 2.0 * way / (v + std::sqrt(square)) : (std::sqrt(square) - v) / a;
   }
   /// The first tick of (now, until] after it has passed `goal_mm`; `until` if it does not get there.

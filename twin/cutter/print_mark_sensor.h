@@ -35,7 +35,7 @@ class PrintMarkSensor {
   double first_mark_mm_;
   double max_jitter_mm_;
   CounterRandom random_;
-  /// Of unit 0's begin, unit 0's end, unit 1's begin, …: how many lie behind the sensor.
+  /// Counts unit 0's begin, unit 0's end, unit 1's begin, …: how many lie behind the sensor.
   long long passed_{0};
 };
 

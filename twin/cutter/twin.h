@@ -26,7 +26,7 @@ namespace kerfbench::twin {
 
 struct TwinOptions {
   Fidelity fidelity{Fidelity::kReference};
-  std::uint64_t seed{1};  ///< Of sensor jitter and laser noise.
+  std::uint64_t seed{1};  ///< Seed of sensor jitter and laser noise.
   /// Off: takeExposures() stays empty. For runs of hours whose frames nobody looks at.
   bool record_exposures{true};
 };
@@ -102,7 +102,7 @@ class Twin {
   bool record_exposures_;
   bool monitor_wired_;
   Tick now_{0};
-  std::uint64_t steps_{0};  ///< Of the machine, since t = 0.
+  std::uint64_t steps_{0};  ///< Steps of the machine, since t = 0.
   MachineModel model_;
   PinDecoder pins_;
   Laser laser_;
@@ -117,7 +117,7 @@ class Twin {
   Eigen::Vector2d gantry_before_mm_;  ///< One step ago.
 
   bool gate_open_{false};            ///< As the laser hears it.
-  std::vector<Emission> emissions_;  ///< Of the present step.
+  std::vector<Emission> emissions_;  ///< Emissions of the present step.
   double emitted_j_{0.0};            ///< Since t = 0.
   View view_;
   std::uint64_t viewed_step_{~0ULL};  ///< Number of steps done when view_ was taken.

@@ -15,7 +15,7 @@ struct AxisLoad {
   double per_motor{};         ///< m or rad of the load for each rad of the motor.
   double friction{};          ///< Dry friction that the motor has to overcome, N or N m.
   std::string friction_unit;  ///< "N" or "N m"
-  double most_step{};         ///< Of a pulse, in the unit of AxisDescription::step.
+  double most_step{};         ///< Largest step of a pulse, in the unit of AxisDescription::step.
   std::string step_unit;      ///< "rad" or "mm"
   double most_backlash{};     ///< Likewise.
   std::string backlash_unit;  ///< "rad" or "mm"

@@ -21,7 +21,7 @@ namespace kerfbench::twin {
 /// The frame that carries the head, on its feet: the gantry's reaction shakes it.
 struct FrameDescription {
   double mass_kg{};                       ///< Without the gantry's moving parts; > 0.
-  std::array<double, 2> stiffness_n_m{};  ///< Of all feet together, along x and y; > 0.
+  std::array<double, 2> stiffness_n_m{};  ///< Stiffness of all feet together, along x and y; > 0.
   std::array<double, 2> damping_n_s_m{};  ///< >= 0
 };
 
@@ -44,22 +44,22 @@ struct PrintMarkSensorDescription {
 struct PowerMonitorDescription {
   double quantum_j{5e-3};  ///< > 0
   double delay_s{1e-3};    ///< From emission to edge; at least the lockstep's quantum.
-  double scale{1.0};       ///< Of its calibration.
+  double scale{1.0};       ///< Scale of its calibration.
 };
 
 /// Conveyor: drive roller, belt, and the sheet that lies on it.
 struct BeltDescription {
   double roller_radius_mm{30.0};
   double roller_inertia_kg_m2{2e-3};  ///< With the line's motor, at the roller; without belt and feed. > 0.
-  double mass_kg{0.5};                ///< Of the belt; > 0.
+  double mass_kg{0.5};                ///< Mass of the belt; > 0.
   double stiffness_n_m{2e5};          ///< Between roller and belt, elastic creep; > 0.
   double damping_n_s_m{200.0};
-  FrictionDescription bed_friction;  ///< Of the belt on its bed, N.
-  double sheet_mass_kg{0.05};        ///< Of the board that lies on the belt; > 0.
+  FrictionDescription bed_friction;  ///< Friction of the belt on its bed, N.
+  double sheet_mass_kg{0.05};        ///< Mass of the board that lies on the belt; > 0.
   double sheet_friction{0.6};        ///< Coulomb coefficient of sheet on belt (vacuum counts as more); > 0.
   std::array<double, 2> sheet_drag_n{};  ///< What pulls at the sheet: a brush, a doctor blade; along x and y.
-  ServoDescription line_servo;           ///< Of the line's own drive, on the roller.
-  AxisDescription feed;                  ///< Of the drive that the controller's feed pulses move.
+  ServoDescription line_servo;           ///< Drive of the line itself, on the roller.
+  AxisDescription feed;                  ///< Drive that the controller's feed pulses move.
   EncoderDescription encoder;
   PrintMarkSensorDescription print_mark_sensor;
 };
@@ -70,11 +70,11 @@ struct ControllerDescription {
   double throw_mm{};
   double mirror_spacing_mm{};
   double mirror_step_rad{};
-  double focal_length_mm{};             ///< Of an f-theta lens; 0: a head without one.
+  double focal_length_mm{};             ///< Focal length of an f-theta lens; 0: a head without one.
   std::string correction_file{};        ///< Its table of what the head's formula leaves; empty: none.
-  double mirror_acceleration_rad_s2{};  ///< Of each mirror, mechanical; 0: never the limit.
+  double mirror_acceleration_rad_s2{};  ///< Acceleration of each mirror, mechanical; 0: never the limit.
   double gantry_step_mm{};
-  double jump_radius_mm{};  ///< Of the arcs of jumps; 0: straight jumps; -1: by the drawing's size.
+  double jump_radius_mm{};  ///< Radius of the arcs of jumps; 0: straight jumps; -1: by the drawing's size.
   std::array<double, 2> field_min_mm{};
   std::array<double, 2> field_max_mm{};
   double tracking_delay_s{};
@@ -82,9 +82,9 @@ struct ControllerDescription {
   double print_mark_sensor_x_mm{};
   double feed_step_mm{};
   double full_power_w{};
-  double power_quantum_j{};  ///< Of the power monitor; 0: the controller has none.
+  double power_quantum_j{};  ///< Quantum of the power monitor; 0: the controller has none.
   double power_delay_s{};
-  double laser_lag_s{};  ///< Of the power behind the controller's PWM.
+  double laser_lag_s{};  ///< Lag of the power behind the controller's PWM.
 };
 
 /// A laser die-cutter. Constant; what moves is in Twin.
@@ -119,7 +119,7 @@ struct WebDescription {
   PrintLayout print;
   BoardDescription board;
   double start_x_mm{};       ///< x_W of unit 0's origin S at t = 0.
-  double belt_speed_mm_s{};  ///< Of the line drive at t = 0; ignored when the controller feeds.
+  double belt_speed_mm_s{};  ///< Speed of the line drive at t = 0; ignored when the controller feeds.
   std::vector<SpeedPoint>
       belt_speed_changes;    ///< Later speeds of the line, see SpeedProfile; none: constant.
   bool fed_by_controller{};  ///< The feed pulses move the belt.

@@ -31,14 +31,15 @@ struct Imperfection {
 /// The defaults are those of a machine that service has just set up.
 struct ImperfectionSpread {
   // kStatic
-  double axis_tilt_rad{20e-6};      ///< Of each mirror axis, about each direction.
-  double surface_offset_mm{0.003};  ///< Of each mirror; what is left when the origin of the field is taught.
-  double zero_rad{5e-6};            ///< Of each mirror; 1 urad is 1 um at 500 mm.
-  double scale{20e-6};              ///< Relative, of each mirror and gantry axis.
-  double beam_offset_mm{0.005};     ///< In each direction; likewise.
-  double beam_tilt_rad{20e-6};      ///< About each direction.
-  double focus_mm{0.5};             ///< Height of the waist.
-  double squareness_rad{20e-6};     ///< Of the gantry.
+  double axis_tilt_rad{20e-6};  ///< Tilt of each mirror axis, about each direction.
+  double surface_offset_mm{
+      0.003};             ///< Offset of each mirror; what is left when the origin of the field is taught.
+  double zero_rad{5e-6};  ///< Zero of each mirror; 1 urad is 1 um at 500 mm.
+  double scale{20e-6};    ///< Relative, of each mirror and gantry axis.
+  double beam_offset_mm{0.005};  ///< In each direction; likewise.
+  double beam_tilt_rad{20e-6};   ///< About each direction.
+  double focus_mm{0.5};          ///< Height of the waist.
+  double squareness_rad{20e-6};  ///< Squareness of the gantry.
   double surface_height_mm{0.01};
   double surface_slope{20e-6};        ///< In each direction.
   double roller_radius{20e-6};        ///< Relative: the scale of encoder and feed.

@@ -9,8 +9,8 @@ namespace kerfbench::twin {
 struct MachinePose {
   double time_s{};
   double roller_mm{};       ///< Roller angle times radius: what the encoder sees.
-  double belt_travel_mm{};  ///< Of the belt's surface since t = 0.
-  Eigen::Vector2d sheet_slip_mm{Eigen::Vector2d::Zero()};  ///< Of the sheet on the belt.
+  double belt_travel_mm{};  ///< Travel of the belt's surface since t = 0.
+  Eigen::Vector2d sheet_slip_mm{Eigen::Vector2d::Zero()};  ///< Slip of the sheet on the belt.
   Eigen::Vector2d frame_mm{
       Eigen::Vector2d::Zero()};  ///< Displacement of the frame, and with it of head and gantry.
   Eigen::Vector2d gantry_mm{

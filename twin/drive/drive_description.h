@@ -69,10 +69,10 @@ struct AxisDescription {
   double load_per_motor{1.0};    ///< rad, or mm of a slide, of the load for each rad of the motor; > 0.
   double motor_inertia_kg_m2{};  ///< Rotor and what turns with it; > 0.
   double load_inertia{};         ///< kg m² of a mirror; kg that a slide moves; > 0. Not used by the feed.
-  double stiffness{};            ///< Of the transmission at the load, N m/rad or N/m; > 0.
+  double stiffness{};            ///< Stiffness of the transmission at the load, N m/rad or N/m; > 0.
   double stiffness_damping{};    ///< N m s/rad or N s/m; >= 0.
   double backlash{};             ///< Full play at the load, rad or mm; >= 0.
-  FrictionDescription friction;  ///< Of the load.
+  FrictionDescription friction;  ///< Friction of the load.
 };
 
 }  // namespace kerfbench::twin

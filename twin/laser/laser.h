@@ -12,7 +12,7 @@ namespace kerfbench::twin {
 /// A point of a tube's characteristic (S3: P_out = g(u), piecewise linear).
 struct PowerPoint {
   double demand{};  ///< u, 0…1.
-  double share{};   ///< Of full power, 0…1.
+  double share{};   ///< Share of full power, 0…1.
 };
 
 struct LaserDescription {

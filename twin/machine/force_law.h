@@ -44,7 +44,7 @@ struct FrictionLaw {
 struct ServoLaw {
   std::size_t joint{};
   std::size_t input{};
-  double offset{};            ///< Of the command, from the start.
+  double offset{};            ///< Offset of the command, from the start.
   double speed_per_error{};   ///< wn / (2 zeta)
   double torque_per_speed{};  ///< J 2 zeta wn
   double max_speed{}, max_torque{};
@@ -68,7 +68,7 @@ struct StepperLaw {
   bool supply_limited{};
   double supply_v{}, volt_per_speed{}, resistance{}, reactance_per_speed{}, current{};
 
-  [[nodiscard]] double pitch() const;  ///< Of a tooth, rad.
+  [[nodiscard]] double pitch() const;  ///< Pitch of a tooth, rad.
   /// The field's torque, detent included, damping not.
   [[nodiscard]] double fieldTorque(double q, double v, double u) const;
   /// Its linear part about tooth 0: a spring of holding * teeth.

@@ -41,7 +41,7 @@ struct JointDrive {
   std::size_t joint{};  ///< Revolute: the motor.
   DriveDescription drive;
   double inertia_kg_m2{};    ///< That a servo's gains refer to: motor and load, at the motor.
-  double start_command{};    ///< Of the input at t = 0, rad …
+  double start_command{};    ///< Command of the input at t = 0, rad …
   double start_speed{};      ///< … and rad/s: it has been going so for long.
   double start_torque_nm{};  ///< That the drive gives then. Its command is taken to be in the right place.
 };
@@ -77,7 +77,7 @@ class Mechanism {
   [[nodiscard]] const Eigen::MatrixXd& inverseMass() const { return inverse_mass_; }
   /// From Bullet, see gravityForces(). Not in law(): Bullet's own accelerations have it already.
   [[nodiscard]] const Eigen::VectorXd& gravity() const { return gravity_; }
-  /// Of each joint, see JointDescription.
+  /// Values of each joint, see JointDescription.
   [[nodiscard]] const std::vector<double>& mostSpeeds() const { return most_speeds_; }
   /// State at t = 0, as in ForceLaw.
   [[nodiscard]] std::vector<double> startState() const;

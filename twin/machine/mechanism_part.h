@@ -9,7 +9,8 @@ namespace kerfbench::twin {
 
 /// Some joints of a mechanism that nothing ties to the others: a mechanism of its own.
 struct MechanismPart {
-  std::vector<std::size_t> joints;  ///< Of the whole, ascending: the part's joint i is the whole's joints[i].
+  std::vector<std::size_t> joints;  ///< Joints in the numbering of the whole, ascending: the part's joint i
+                                    ///< is the whole's joints[i].
   std::vector<std::size_t> drives;  ///< Likewise for the inputs.
   ForceLaw law;                     ///< With the part's own numbers.
   Eigen::MatrixXd inverse_mass;

@@ -85,12 +85,13 @@ class PartFlow {
   /// x, then the constant 1, commands, and what the steppers' fields are beyond their springs. A step ruins
   /// what follows x in next_, and sets it anew in state_.
   std::vector<double> state_, next_;
-  std::vector<double> u_from_, u_to_;    ///< Of the step.
-  std::vector<double> u_begin_, u_end_;  ///< Of the stretch.
+  std::vector<double> u_from_, u_to_;    ///< Inputs at both ends of the step.
+  std::vector<double> u_begin_, u_end_;  ///< Inputs at both ends of the stretch.
   std::uint64_t key_{};                  ///< Regime of the state with commands u_key_.
   std::vector<double> u_key_;
   std::vector<Field> teeth_;
-  std::vector<ForceLaw::Piece> pieces_, kink_pieces_;  ///< Of all elements, of those with kinks; scratch.
+  std::vector<ForceLaw::Piece> pieces_,
+      kink_pieces_;  ///< Pieces of all elements, and of those with kinks; scratch.
   std::vector<std::unique_ptr<Regime>> regimes_;
   Regime* last_{nullptr};
   std::uint64_t halved_{0};

@@ -13,7 +13,7 @@ namespace kerfbench::twin {
 /// (p - p_WQ)ᵀ S⁻¹ (p - p_WQ) = 1 with S = (rx², correlation rx ry; correlation rx ry, ry²).
 struct BeamSpot {
   Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};
-  double height_mm{};  ///< Of the surface there.
+  double height_mm{};  ///< Height of the surface there.
   double radius_x_mm{};
   double radius_y_mm{};
   double correlation{};  ///< |.| < 1

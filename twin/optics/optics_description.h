@@ -30,7 +30,8 @@ struct LensDescription {
   /// Deviation from f theta, 1/rad² and 1/rad⁴. |.| <= 10, and the radius must grow with the field angle all
   /// the way to kMaxFieldAngle_rad.
   double k1{}, k2{};
-  std::array<double, 2> decentre_mm{};  ///< Of the principal point from the drawing, along Wx, Wy; |.| <= 50.
+  std::array<double, 2>
+      decentre_mm{};  ///< Offset of the principal point from the drawing, along Wx, Wy; |.| <= 50.
   /// The lens and its focal plane are turned about the principal point by this rotation vector along Wx, Wy.
   /// |.| <= 0.1.
   std::array<double, 2> tilt_rad{};

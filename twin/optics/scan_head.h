@@ -69,9 +69,9 @@ class ScanHead {
   };
   struct Lens {
     LensDescription description;
-    Eigen::Vector3d centre_mm;  ///< Of the focal plane.
+    Eigen::Vector3d centre_mm;  ///< Centre of the focal plane.
     Eigen::Vector3d axis;       ///< Downwards.
-    double most_sine{};         ///< Of the field angle.
+    double most_sine{};         ///< Largest sine of the field angle.
   };
   /// A straight ray with its place along the path: `path_mm` from the tube's side to p_W_mm.
   struct Ray {

@@ -81,8 +81,8 @@ struct Scene {
   std::vector<BeamPoint> beam;  ///< From the laser by way of the mirrors to the board; empty: it misses.
   bool beam_on{};               ///< Else `beam` is where it would go.
   std::vector<std::vector<Eigen::Vector3d>> burnt;  ///< Polylines on the board's surface, W, mm.
-  std::vector<SceneLabel> labels;                   ///< Of the whole: axes, scale bar.
-  std::vector<SceneLabel> head_labels;              ///< Of the head.
+  std::vector<SceneLabel> labels;                   ///< Labels of the whole: axes, scale bar.
+  std::vector<SceneLabel> head_labels;              ///< Labels of the head.
   double floor_z_mm{};
   Eigen::AlignedBox3d overall, head,
       sheet;  ///< What a picture of the whole, of the head, of the sheet holds.

@@ -10,7 +10,7 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kBeltThickness_mm = 2.0;
-constexpr double kMargin_mm = 8.0;    // Of board around what is printed and cut.
+constexpr double kMargin_mm = 8.0;    // Margin of board around what is printed and cut.
 constexpr double kEyeMark_mm = 10.0;  // Width across; the print's layout only gives the length.
 // A print stands so little above the board that it only hides it.
 constexpr double kPrintHeight_mm = 0.02;

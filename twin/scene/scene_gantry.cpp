@@ -11,12 +11,12 @@ namespace {
 // Flying optics: the tube lies still, across the line; a mirror at its end turns the beam along x, one on the
 // bridge turns it along y, one on the carriage turns it down.
 struct GantryLayout {
-  double rail_y_mm{};  // Of the two rails, ±.
+  double rail_y_mm{};  // Places of the two rails, ±.
   double rail_z_mm{};  // Upper face.
   double beam_z_mm{};  // Height of the beam.
   double rail_min_x_mm{}, rail_max_x_mm{};
   double tube_x_mm{};
-  double size_mm{};  // Of mirrors and of what holds them.
+  double size_mm{};  // Size of mirrors and of what holds them.
 };
 
 void addFlatMirror(SceneBuilder& build, const std::string& name, const Eigen::Vector3d& place_mm,

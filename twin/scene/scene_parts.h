@@ -10,7 +10,7 @@ namespace kerfbench::twin {
 /// Where the conveyor lies; the rest of the machine is built around it.
 struct ConveyorLayout {
   double min_x_mm{}, max_x_mm{};  ///< Axes of the two rollers.
-  double half_width_mm{};         ///< Of the belt, about y = 0.
+  double half_width_mm{};         ///< Half the width of the belt, about y = 0.
   double belt_z_mm{};             ///< Upper face of the belt: the board lies on it and ends at z = 0.
   double frame_y_mm{};            ///< Outer face of the side frames, ±.
   double frame_top_mm{};          ///< Upper edge of the side frames, z.

@@ -31,7 +31,7 @@ struct BoardDescription {
   /// last at (1, 1). Empty: the straight line from (0, 0) to (1, 1).
   std::vector<DepthPoint> depth_curve{};
   ScorchDescription scorch{};
-  double transmission{0.12};        ///< Of the back light through uncut board, 0…1.
+  double transmission{0.12};        ///< Transmission of the back light through uncut board, 0…1.
   double print_transmission{0.02};  ///< Through board under a registration mark.
 };
 

@@ -12,8 +12,8 @@
 namespace kerfbench::twin {
 namespace {
 
-/// Of the smallest radius. A part is laid down as one bell that carries the part's own length as variance,
-/// which leaves no ripple along a line and 2e-4 of the peak at its ends.
+/// Share of the smallest radius. A part is laid down as one bell that carries the part's own length as
+/// variance, which leaves no ripple along a line and 2e-4 of the peak at its ends.
 constexpr double kPartRadii = 0.5;
 constexpr double kMinRadiusMm = 0.03;  // For the length of a part only.
 constexpr double kFarMm = 1e6;
@@ -109,7 +109,7 @@ void Sheet::lay(const GaussianFootprint& bell, double energy_j) {
   const double minor = mean - spread;
   const double kept = 3.0 * minor;
   const double taken = mean + spread - kept;
-  const double cos2 = half / spread;  // Of twice the angle of the major axis.
+  const double cos2 = half / spread;  // Cosine of twice the angle of the major axis.
   const double sin2 = bell.covariance / spread;
   const Eigen::Vector2d axis(std::sqrt(0.5 * (1.0 + cos2)),
                              std::copysign(std::sqrt(0.5 * (1.0 - cos2)), sin2));

@@ -22,8 +22,8 @@ struct Footprint {
   Eigen::Vector2d p_SQ_mm{Eigen::Vector2d::Zero()};  ///< Centre on the web, in S of unit 0.
   double radius_x_mm{0.105};  ///< 1/e² radius along Sx, in (0, 100]; drawn no smaller than 0.031 mm.
   double radius_y_mm{0.105};
-  /// Of the two: an ellipse whose axes are not those of S (oblique incidence at a corner of the field); |.|
-  /// < 1.
+  /// Correlation of the two: an ellipse whose axes are not those of S (oblique incidence at a corner of the
+  /// field); |.| < 1.
   double correlation{};
 };
 

@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 /// A piece must have free way beside it as well: so far off. Tells a slot as wide as the kerf, in which the
 /// beam would run to and fro, from a path.
 constexpr double kBesideMm = 1e-7;
-/// Of requireClear().
+/// Limit of requireClear().
 constexpr double kTooNearMm = 1e-5;
 constexpr double kShortestMm = 1e-6;
 

@@ -40,13 +40,15 @@ struct LostStretch {
   std::vector<int> entities;
   Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Where it is deepest.
   double length_mm{};                             ///< Along the contour.
-  double depth_mm{};  ///< Of what stays between the contour and the nearest edge of the cut; infinite: all.
+  double depth_mm{};  ///< Depth of what stays between the contour and the nearest edge of the cut; infinite:
+                      ///< all.
 };
 
 /// One path of the beam's centre.
 struct BeamPath {
   std::vector<Segment> segments;
-  std::size_t contour{};  ///< Of the first segment: a path may run along several that lie close together.
+  std::size_t
+      contour{};  ///< Contour of its first segment: a path may run along several that lie close together.
 };
 
 struct Offset {

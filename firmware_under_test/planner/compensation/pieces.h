@@ -14,7 +14,7 @@ namespace kerfbench::planner {
 struct OffsetPiece {
   Segment curve;
   std::size_t contour{};
-  std::size_t segment{};  ///< Of the contour.
+  std::size_t segment{};  ///< Segment of the contour.
   double side{};          ///< +1: the beam runs to the left of the contour.
   bool joint{};           ///< Belongs to the joint at the segment's end.
 };

@@ -14,8 +14,8 @@ namespace kerfbench::planner {
 /// What is tried. Corners whose angles agree are one-point joints, so steps that do not divide each other's
 /// starts keep those apart.
 struct ProofGrid {
-  double fold_step_deg{7.5};  ///< Of alpha and beta, from half a step to 180°.
-  double turn_step_deg{2.5};  ///< Of joints in the plane.
+  double fold_step_deg{7.5};  ///< Step of alpha and beta, from half a step to 180°.
+  double turn_step_deg{2.5};  ///< Step of joints in the plane.
   std::vector<double> omegas_deg{90.0,  95.0,  110.0, 135.0, 160.0, 179.0, 179.98, 180.02, 181.0, 200.0,
                                  225.0, 250.0, 270.0, 280.0, 290.0, 300.0, 315.0,  330.0,  340.0, 349.9};
   std::vector<double> refused_deg{0.0,    1.0,   30.0,  60.0,  89.0,   89.99,
@@ -30,7 +30,7 @@ struct SpaceProofRow {
   std::size_t corners{};
   std::size_t drawn_back{};
   double nearest{};             ///< Least distance of the path from the contour.
-  double missed{};              ///< Of a free point of the strict offset from the path.
+  double missed{};              ///< Largest distance of a free point of the strict offset from the path.
   std::size_t most_points{};    ///< In either plane, the fold's not counted.
   std::size_t paper_corners{};  ///< Where the joint of the paper's text can be formed.
   double paper_nearest{};       ///< Up to Omega = 270°.

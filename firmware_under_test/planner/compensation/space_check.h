@@ -13,7 +13,7 @@ namespace kerfbench::planner {
 struct SpaceCorner {
   Eigen::Vector3d a, b, c;
   Eigen::Vector3d n1, n2;
-  Eigen::Vector3d along;   ///< Of the fold, on the beam's side.
+  Eigen::Vector3d along;   ///< Direction of the fold, on the beam's side.
   Eigen::Vector3d h1, h2;  ///< Into the half planes.
   Side side{Side::kLeft};
 

@@ -13,8 +13,8 @@ namespace kerfbench::planner {
 /// the last point is not used. A polyline whose last point is its first is closed.
 struct SpaceContour {
   std::vector<SpacePoint> points;
-  std::vector<int> file_lines;  ///< Of the points, for messages; may be empty.
-  Side side{Side::kLeft};       ///< Of the beam, seen from the head.
+  std::vector<int> file_lines;  ///< Lines of the points, for messages; may be empty.
+  Side side{Side::kLeft};       ///< Side of the beam, seen from the head.
 };
 
 struct SpaceLimits {
@@ -28,7 +28,7 @@ struct SpaceLimits {
 
 /// A joint as it was made.
 struct SpaceJointReport {
-  std::size_t point{};  ///< Of the contour: B.
+  std::size_t point{};  ///< Point of the contour: B.
   SpaceJoint joint{SpaceJoint::kPlanar};
   FoldCorner corner;
   int number{};

@@ -246,7 +246,7 @@ class Reader {
   }
 
   std::string faults_;
-  int count_{};  ///< Of faults; the text holds the first ones.
+  int count_{};  ///< Number of faults; the text holds the first ones.
   std::vector<Segment> path_;
   std::optional<int> motion_;
   std::optional<Vector2d> position_;

@@ -30,7 +30,7 @@ struct JumpSides {
 /// ends coincide with equal directions: then no way is needed. nullopt if circles on different sides overlap,
 /// which leaves them without the common tangent that the senses ask for.
 ///
-/// Of the four common tangents of two circles exactly one has the sense of rotation of the marks at both (S2,
+/// Exactly one of the four common tangents of two circles has the sense of rotation of the marks at both (S2,
 /// W1 and W2): that which leaves the first circle the way the beam goes round it and meets the second
 /// likewise.
 /// @throws std::invalid_argument unless radius_mm > 0.

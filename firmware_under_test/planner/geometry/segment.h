@@ -11,12 +11,12 @@ namespace kerfbench::planner {
 struct Segment {
   Eigen::Vector2d start_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d end_mm{Eigen::Vector2d::Zero()};
-  Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};  ///< Of an arc.
+  Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};  ///< Centre of an arc.
   double sweep_rad{};  ///< 0: straight; > 0 counter-clockwise; ±2 pi: full circle.
   bool jump{};         ///< G00.
   double z{};          ///< S4's laser word: 0 off, 1 cuts through.
-  int entity{-1};      ///< Of the dieline; -1 unknown.
-  int line{};          ///< Of the G-code; 0 if it has none.
+  int entity{-1};      ///< Entity of the dieline; -1 unknown.
+  int line{};          ///< Line of the G-code; 0 if it has none.
 
   [[nodiscard]] bool isArc() const { return sweep_rad != 0.0; }
   [[nodiscard]] bool isCircle() const;

@@ -45,7 +45,7 @@ class Axes {
   [[nodiscard]] double periodS() const { return machine_.target.periodS(); }
 
  private:
-  /// Of the head alone.
+  /// Steps of the head alone.
   [[nodiscard]] Eigen::Vector2d formulaAt(const Eigen::Vector2d& p_W_mm) const;
   [[nodiscard]] Eigen::Matrix2d formulaSlopes(const Eigen::Vector2d& p_W_mm) const;
   [[nodiscard]] const CorrectionTable* correction() const;

@@ -23,23 +23,25 @@ struct MachineParameters {
   double throw_mm{};                    ///< L: Y mirror to sheet; > 0.
   double mirror_spacing_mm{};           ///< d; >= 0.
   double mirror_step_rad{};             ///< Mechanical angle of one PUL; f-theta too.
-  double mirror_acceleration_rad_s2{};  ///< Of each mirror, mechanical; 0: never the limit. f-theta too.
+  double mirror_acceleration_rad_s2{};  ///< Acceleration of each mirror, mechanical; 0: never the limit.
+                                        ///< f-theta too.
   // Two mirrors and an f-theta lens: x = f 2θx, y = f 2θy; what the real one is off is the table's matter
   double focal_length_mm{};  ///< f; > 0.
   // Gantry
   double gantry_step_mm{};
   // All
-  std::shared_ptr<const CorrectionTable> correction{};  ///< Of what the formula leaves; none: nothing.
-  double field_min_mm[2]{};                             ///< Reach of the beam in W, x and y.
+  std::shared_ptr<const CorrectionTable>
+      correction{};          ///< Table of what the formula leaves; none: nothing is corrected.
+  double field_min_mm[2]{};  ///< Reach of the beam in W, x and y.
   double field_max_mm[2]{};
-  double tracking_delay_s{};        ///< Of mirrors or gantry; the belt is led, and the laser delayed, by it.
-  double encoder_count_mm{};        ///< Belt travel of one quadrature count.
+  double tracking_delay_s{};  ///< Delay of mirrors or gantry; the belt is led, and the laser delayed, by it.
+  double encoder_count_mm{};  ///< Belt travel of one quadrature count.
   double print_mark_sensor_x_mm{};  ///< In W.
   double feed_step_mm{};     ///< Belt travel of one feed PUL; 0: the controller does not drive the belt.
   double full_power_w{};     ///< At PWM duty 255/255.
   double power_quantum_j{};  ///< Energy for each edge of the power meter; 0: there is none.
   double power_delay_s{};    ///< Until it tells.
-  double laser_lag_s{};      ///< Of the power behind its control signal: it is sent earlier by this.
+  double laser_lag_s{};      ///< Lag of the power behind its control signal: it is sent earlier by this.
   Target target{};           ///< The controller.
   Drives drives{};           ///< What it must give them; an axis that is not there needs nothing.
 };
@@ -52,7 +54,7 @@ struct JobParameters {
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{450};
   double acceleration_mm_s2{20000};
-  double jump_acceleration_mm_s2{0};  ///< Of jumps and of the way back; 0: as of marks.
+  double jump_acceleration_mm_s2{0};  ///< Acceleration of jumps and of the way back; 0: as of marks.
   /// Radius of the arcs by which jumps leave one mark and meet the next (S2), so that the beam runs through
   /// without a stop; 0: straight jumps from rest to rest; kRadiusOfDrawing: paperRadiusMm().
   double jump_radius_mm{0};
@@ -69,7 +71,7 @@ struct JobParameters {
   double perforation_cut_mm{3.0};
   double perforation_gap_mm{1.0};
   int units{1};
-  double pitch_mm{};       ///< Of the units on the web; unit k lies at x_S = -k * pitch.
+  double pitch_mm{};       ///< Pitch of the units on the web; unit k lies at x_S = -k * pitch.
   double eye_mark_x_mm{};  ///< Leading edge of the eye mark in S of a unit.
   bool alternate{false};   ///< Odd units are cut in reverse (S0: the next cut runs back).
   /// The controller drives the belt with feed steps: the program is timed, waits for no mark and does not
@@ -80,7 +82,8 @@ struct JobParameters {
   bool stop_and_go{false};
   /// x_W of unit 0's origin while the belt rests: at belt speed 0, or before the feed starts.
   double web_start_x_mm{};
-  double feed_acceleration_mm_s2{500};  ///< Of the belt's ramps at start and end, feed_by_controller.
+  double feed_acceleration_mm_s2{
+      500};  ///< Acceleration of the belt's ramps at start and end, feed_by_controller.
   /// The order in which a dieline is cut: the shortest air path that is found, a walk to the nearest end, or
   /// as drawn. All but the last keep creases before cuts and holes before outlines.
   enum class Order { kShortest, kNearest, kDrawn };
@@ -112,7 +115,7 @@ struct PlannerFaults {
   int skip_entity{-1};          ///< Never cut; makeGcode leaves it out.
   int repeat_entity{-1};        ///< Cut twice; makeGcode writes it again at the end.
   bool no_mirror_limit{false};  ///< Nobody heeds MachineParameters::mirror_acceleration_rad_s2.
-  bool constant_power{false};   ///< Of each mark: that of its speed, ramps or not.
+  bool constant_power{false};   ///< Gives each mark the power of its speed, ramps or not.
   bool kerf_wrong_side{false};  ///< Compensation runs inside of outlines and outside of holes.
   /// Nobody checks that the head is back before the next unit: it comes late, and starts the cut late.
   bool return_unchecked{false};

@@ -16,7 +16,7 @@ inline constexpr double kMicrosecondsPerSecond = 1e6;
 struct Target {
   double tick_s{25e-6};
   int ticks_per_period{32};
-  int max_steps{31};  ///< Of an axis in a period.
+  int max_steps{31};  ///< Most steps of an axis in a period.
   int longest_delay_ticks{255};
   std::uint32_t baud{250'000};
   // Of PUL and DIR, never less than:
@@ -44,10 +44,10 @@ struct Target {
 /// From the block as it lies in images and in INFO, magic and all; nullopt if it is none that this planner
 /// knows.
 std::optional<Target> targetFrom(std::span<const std::uint8_t> block);
-/// Of a release image as below; nullopt if it holds no block.
+/// Reads a release image as below; nullopt if it holds no block.
 /// @throws PlanError if it cannot be read, or holds more than one.
 std::optional<Target> findTarget(const std::filesystem::path& image);
-/// Of a release image: Intel hex (.hex, .ihx), or any file that holds the block as it is.
+/// Reads a release image: Intel hex (.hex, .ihx), or any file that holds the block as it is.
 /// @throws PlanError if it cannot be read, or does not hold exactly one block.
 Target targetOfImage(const std::filesystem::path& image);
 /// "0.1.0+5992ccb820b1, avr: ticks of 25 us, 32 a period, …"

@@ -42,7 +42,7 @@ struct Options {
   std::string output;
   std::string entities, layers, processes;  ///< As typed; empty: all.
   std::string correction;                   ///< File of the table.
-  std::string image;                        ///< Of the controller; empty: the AVR release.
+  std::string image;                        ///< Release image of the controller; empty: the AVR release.
   planner::PowerOptions power;
   MachineParameters machine{.head = MachineParameters::Head::kTwoMirror,
                             .throw_mm = 500.0,

@@ -112,7 +112,7 @@ class Crossing {
 /// The cheapest way to one rung.
 struct Way {
   int total{kNever};
-  int periods{};       ///< Of the run that ends here.
+  int periods{};       ///< Periods of the run that ends here.
   std::size_t from{};  ///< Rung before it.
 };
 

@@ -33,7 +33,7 @@ class JerkProfile {
   [[nodiscard]] Speeds fastestTo(double v_mm_s) const;
   [[nodiscard]] Speeds slowestTo(double v_mm_s) const;
 
-  /// Of the fastest motion between the nodes told.
+  /// Duration of the fastest motion between the given nodes.
   [[nodiscard]] double shortestS(const Speeds& fast) const;
   /// Whether the slowest motion between the nodes told takes so long. It may take any time if it can rest.
   [[nodiscard]] bool canTake(const Speeds& slow, double total_s) const;

@@ -11,10 +11,10 @@ namespace {
 /// On an arc the acceleration is shared between the normal and the tangent: 0.8² + 0.6² = 1.
 constexpr double kNormalShare = 0.8;
 constexpr double kTangentShare = 0.6;
-/// Of the jerk on a line, and of that of a joint, which is across the path: 0.8² + 0.6² = 1.
+/// Shares of the jerk on a line, and of that of a joint, which is across the path: 0.8² + 0.6² = 1.
 constexpr double kLineJerkShare = 0.8;
 constexpr double kJointJerkShare = 0.6;
-/// Of the jerk on an arc: 0.5 + 0.3 along the path and 0.6 across it make 1.
+/// Shares of the jerk on an arc: 0.5 + 0.3 along the path and 0.6 across it make 1.
 constexpr double kBendJerkShare = 0.5;
 constexpr double kPathJerkShare = 0.3;
 constexpr double kCrossJerkShare = 0.6;

@@ -25,7 +25,7 @@ std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
   return i;
 }
 
-/// Of a line at the acceleration that no direction forbids.
+/// Time of a line at the acceleration that no direction forbids.
 Ramp rampOf(bool jump, const FlowLimits& limits) { return {limits.least(jump), limits.jerk_mm_s3}; }
 
 /// Time for a way at v0 at both ends, faster in between.

@@ -30,7 +30,7 @@ struct Ramp {
   /// The highest speed between two ends that leaves room for both ramps, at most `limit`; never below the
   /// ends.
   [[nodiscard]] double peakMmS(double length_mm, double v0_mm_s, double v1_mm_s, double limit_mm_s) const;
-  /// Of a change that begins at s0_mm.
+  /// Length of a change that begins at s0_mm.
   void addPhases(double v0_mm_s, double v1_mm_s, double s0_mm, std::vector<Phase>& phases) const;
 };
 

@@ -19,11 +19,12 @@ inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 struct FlowLimits {
   double mark_mm_s{};
   double jump_mm_s{};
-  double acceleration_mm_s2{};  ///< Of marks, its length as a vector.
+  double acceleration_mm_s2{};  ///< Acceleration of marks, its length as a vector.
   double jump_acceleration_mm_s2{};
-  /// Of each axis alone, along x and y: what the mirrors allow, see Axes::accelerationBox().
+  /// Acceleration of each axis alone, along x and y: what the mirrors allow, see Axes::accelerationBox().
   Eigen::Vector2d box_mm_s2{Eigen::Vector2d::Constant(1e12)};
-  double low_y_mm{-1e12}, high_y_mm{1e12};  ///< Of the field: jumps may not swing out of it.
+  double low_y_mm{-1e12},
+      high_y_mm{1e12};  ///< Ends of the field across the belt: jumps may not swing out of it.
   double period_s{};
   /// Path speed that the axes allow along a unit vector.
   std::function<double(const Eigen::Vector2d& direction)> axes_mm_s;
@@ -65,7 +66,7 @@ class SpeedProfile {
                                              double period_s) const;
   /// Infinite if the motion rests between two nodes.
   [[nodiscard]] double durationS(const Speeds& speeds) const;
-  /// Of all profiles between slow and fast the one that is cut off at one speed and takes `total_s`, which
+  /// The one of all profiles between slow and fast that is cut off at one speed and takes `total_s`, which
   /// must lie between the durations of the two.
   [[nodiscard]] Speeds realise(const Speeds& slow, const Speeds& fast, double total_s) const;
   /// Arc lengths at the end of each of `periods` equal times, the first 0 and the last the length.

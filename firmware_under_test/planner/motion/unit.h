@@ -15,8 +15,8 @@ namespace kerfbench::planner {
 struct Sample {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   double marked_mm{};  ///< Path in the period times Z; 0: laser off.
-  int line{};          ///< Of the G-code that is under way at the end of the period; 0 if it has none.
-  double z{};          ///< Of the mark; 0: laser off.
+  int line{};          ///< Line of the G-code that is under way at the end of the period; 0 if it has none.
+  double z{};          ///< Share of a cut's energy that the mark gets; 0: laser off.
 };
 
 /// A jump and the marks after it, up to the next jump: runs without a break, since the sheet cannot be waited
@@ -36,8 +36,8 @@ struct UnitPath {
   std::vector<Block> blocks;
   double belt_speed_mm_s{};
   double jump_length_mm{};      ///< Way with the laser off, between the marks.
-  double acceleration_mm_s2{};  ///< Of the beam along x while it catches up with the sheet.
-  double period_s{};            ///< Of the controller.
+  double acceleration_mm_s2{};  ///< Acceleration of the beam along x while it catches up with the sheet.
+  double period_s{};            ///< Period of the controller.
   [[nodiscard]] const Eigen::Vector2d& endS() const { return blocks.back().samples.back().p_S_mm; }
 };
 

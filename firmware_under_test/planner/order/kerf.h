@@ -16,7 +16,7 @@ inline constexpr double kLostMm = 0.01;
 struct Compensated {
   std::vector<Chain> chains;  ///< Cuts as the beam's centre runs; creases, half-cuts, perforations unchanged.
   std::vector<Contour> contours;   ///< The closed and open cuts that were compensated, as drawn.
-  Offset offset;                   ///< Of the contours.
+  Offset offset;                   ///< Offset of the contours.
   std::vector<std::string> notes;  ///< One sentence for each thing that a user should know.
 };
 

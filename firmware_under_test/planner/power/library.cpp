@@ -87,7 +87,7 @@ YamlReader opened(const std::filesystem::path& path, const char* kind) {
   return file;
 }
 
-/// Of points with faults a stand-in: finish() refuses the file.
+/// Stands for points with faults: finish() refuses the file.
 Curve curveOf(const Read& read) { return read.sound ? Curve(read.points) : Curve(); }
 
 }  // namespace

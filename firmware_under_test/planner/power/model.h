@@ -12,9 +12,9 @@ namespace kerfbench::planner {
 
 struct PowerWish {
   double spot_diameter_mm{0.2};  ///< d; 0.2 … 0.5 in the paper, 0.01 … 10 here.
-  double depth_mm{};             ///< Of cuts, Z1; >= 1e-4, no more than the material's greatest.
+  double depth_mm{};             ///< Depth of cuts, Z1; >= 1e-4, no more than the material's greatest.
   std::optional<double>
-      half_depth_mm{};  ///< Of creases and half-cuts; > 0, < depth_mm. None: Z times depth_mm.
+      half_depth_mm{};  ///< Depth of creases and half-cuts; > 0, < depth_mm. None: Z times depth_mm.
 };
 
 /// The chain of Wang, Li, Chen 2010: depth D → P_ua = f⁻¹(D) → P_out = P_ua F d → u = g⁻¹(P_out), within what

@@ -16,7 +16,7 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Of a correction table; a fifth of what a cut may be off.
+/// Coarsest that a correction table may be; a fifth of what a cut may be off.
 constexpr double kCoarsestMm = 0.01;
 /// The table against head and field.
 std::vector<std::string> correctionFaults(const MachineParameters& machine) {

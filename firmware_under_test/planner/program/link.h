@@ -67,7 +67,7 @@ class Link {
   std::vector<std::uint8_t> received_;  ///< Not yet a whole frame.
   std::vector<std::uint8_t> out_;       ///< What step() returns.
   double now_s_{};
-  double first_s_{-1.0};         ///< Of the first step().
+  double first_s_{-1.0};         ///< Time of the first step().
   std::optional<Target> found_;  ///< As the controller says of itself.
   std::size_t op_{};             ///< First operation not yet accepted.
   std::size_t ops_under_way_{};  ///< In the frame that waits for its answer.
@@ -75,7 +75,7 @@ class Link {
   std::vector<std::uint8_t> frame_;  ///< Waits for its answer; empty: none.
   std::uint8_t seq_{};
   double sent_s_{};
-  double asked_s_{};  ///< Of the last STATUS.
+  double asked_s_{};  ///< Time of the last STATUS.
   /// Job check (protocol.h) of what the controller has accepted, and with the frame that waits.
   struct Check {
     std::uint16_t a{1}, b{};
@@ -86,7 +86,7 @@ class Link {
     void appendTo(std::vector<std::uint8_t>& payload) const;
   };
   Check check_, check_under_way_;
-  std::optional<std::string> end_;  ///< Of ended().
+  std::optional<std::string> end_;  ///< What ended() says.
   double end_s_{};
   int repeats_{};
   bool refused_in_run_{false};  ///< A frame was refused while running: ask why before giving up.

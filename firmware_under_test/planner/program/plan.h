@@ -25,8 +25,8 @@ struct Plan {
   double cycle_time_s{};         ///< unit_time_s and the way back to where the next unit starts.
   double max_belt_speed_mm_s{};  ///< The highest at which this job, cut in this order, fits field and pitch.
   double belt_stop_mm_s{};       ///< The controller stops the job on a faster belt; 0: on none.
-  double cut_length_mm{};        ///< Of one unit, all marks.
-  double jump_length_mm{};       ///< Of one unit, between its marks.
+  double cut_length_mm{};        ///< Length of one unit, all marks.
+  double jump_length_mm{};       ///< Length of one unit, between its marks.
   double x_ref_mm{};             ///< x_W of unit 0's origin at its start.
 };
 

@@ -13,7 +13,8 @@ namespace kerfbench::calibrate {
 struct BundlePoint {
   Eigen::Vector2d p_B_mm;
   Eigen::Vector2d pixel;
-  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Identity()};  ///< Of the pixel, up to a factor of the view.
+  Eigen::Matrix2d covariance_px2{
+      Eigen::Matrix2d::Identity()};  ///< Covariance of the pixel, up to a factor of the view.
 };
 
 /// Lens as in CameraCalibration: fx fy cx cy, k1 k2 p1 p2 k3.
@@ -25,7 +26,7 @@ struct BundleLens {
 struct Bundle {
   BundleLens lens;
   std::vector<Eigen::Isometry3d> X_CB;           ///< Pose of the target in the camera, for each view.
-  std::vector<std::vector<BundlePoint>> points;  ///< Of each view.
+  std::vector<std::vector<BundlePoint>> points;  ///< Points of each view.
 };
 
 struct BundleResult {
@@ -33,10 +34,10 @@ struct BundleResult {
   std::vector<Eigen::Isometry3d> X_CB;
   std::vector<std::vector<Eigen::Vector2d>> residuals_px;  ///< Seen less modelled, of each point.
   std::vector<double> sigma_px;                            ///< RMS of the residuals of each view, per axis.
-  double rms_px{};                                         ///< Of all residuals, per axis.
+  double rms_px{};                                         ///< RMS of all residuals, per axis.
   bool settled{};
-  /// Of lens (9) and each view's pose (6: rotation vector, left-multiplied, rad; translation, mm), in this
-  /// order. Not finite where the views do not fix all of it.
+  /// Covariance of lens (9) and each view's pose (6: rotation vector, left-multiplied, rad; translation, mm),
+  /// in this order. Not finite where the views do not fix all of it.
   Eigen::MatrixXd covariance;
 };
 

@@ -22,7 +22,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kStartCorners = 150;  // Of each view, for the start.
+constexpr std::size_t kStartCorners = 150;  // Fewest corners of each view, for the start.
 constexpr double kOutlierSigmas = 6.0;
 constexpr double kMostOutliers = 0.01;  // Share of all corners.
 constexpr double kLeastTilt_rad = 10.0 * std::numbers::pi / 180.0;
@@ -83,7 +83,7 @@ double rounded(double value, double grid) { return grid * std::round(value / gri
 
 constexpr double kStartGridPx = 1e-2;
 constexpr double kStartGridMm = 1e-2;
-constexpr double kStartGrid = 1e-4;  ///< Of angles (rad) and distortion.
+constexpr double kStartGrid = 1e-4;  ///< Step of the first search, for angles (rad) and distortion.
 
 /// A start near enough for the bundle: OpenCV's, on some of the corners.
 Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) {
@@ -152,7 +152,7 @@ std::size_t dropOutliers(const BundleResult& result, std::vector<TargetView>& vi
   return dropped;
 }
 
-/// Of all corners, and in every view enough are left.
+/// Whether of all corners, and in every view enough are left.
 bool fewEnough(std::size_t outliers, const std::vector<TargetView>& views) {
   std::size_t left = 0;
   for (const TargetView& view : views) {
@@ -201,8 +201,8 @@ Isometry3d targetInPlane(const TargetPlace& place) {
   return X_PB;
 }
 
-/// Of lens and plane, from that of lens and the first view's target. The plane's origin moves with a turn of
-/// the target about the target's own.
+/// Covariance of lens and plane, from that of lens and the first view's target. The plane's origin moves with
+/// a turn of the target about the target's own.
 Eigen::Matrix<double, 15, 15> planeCovariance(const BundleResult& result, const Isometry3d& X_BP) {
   Eigen::Matrix<double, 15, 15> to_plane = Eigen::Matrix<double, 15, 15>::Identity();
   const Vector3d arm = result.X_CB.front().linear() * X_BP.translation();

@@ -33,7 +33,7 @@ struct CalibrationJob {
   int width_px{};  ///< That the pictures must have.
   int height_px{};
   std::string camera_id;
-  std::string date;         ///< Of the views, "2026-11-21".
+  std::string date;         ///< Date of the views, "2026-11-21".
   double max_rms_px{0.05};  ///< Residual of the corners per axis above which the target or the lens is not as
                             ///< modelled; (0, 10].
   std::vector<std::string> views;                      ///< Names; the first is the one in the plane.
@@ -46,9 +46,9 @@ struct CalibratedView {
   std::string name;
   std::vector<TargetCorner> corners;
   std::vector<Eigen::Vector2d> residuals_px;  ///< Seen less modelled, of each corner.
-  double sigma_px{};                          ///< Of a corner, per axis.
+  double sigma_px{};                          ///< Standard deviation of a corner, per axis.
   double blur_px{};
-  double tilt_rad{};  ///< Of the target against that of the first view.
+  double tilt_rad{};  ///< Tilt of the target against that of the first view.
 };
 
 struct CameraCalibrationResult {

@@ -21,7 +21,7 @@ using Matrix9 = Eigen::Matrix<double, kParameters, kParameters>;
 constexpr int kCornerRounds = 40;
 constexpr double kSettled_px = 1e-7;
 constexpr double kFar = 5.0;      // Sigmas from an edge beyond which the other one is all that counts.
-constexpr double kOutlier = 6.0;  // Of the window's noise.
+constexpr double kOutlier = 6.0;  // In units of the window's noise.
 constexpr double kMaxBlur_px = 6.0;
 
 double normalDensity(double u) { return std::exp(-0.5 * u * u) / std::sqrt(2.0 * std::numbers::pi); }

@@ -13,7 +13,7 @@ namespace kerfbench::calibrate {
 struct CornerGuess {
   Eigen::Vector2d pixel;    ///< Within about a pixel.
   Eigen::Vector2d along_x;  ///< Picture of the target's x axis there; any length.
-  Eigen::Vector2d along_y;  ///< Of its y axis.
+  Eigen::Vector2d along_y;  ///< Direction of its y axis.
   int radius_px{};          ///< The window's half side; nothing but the four squares may lie in it.
 };
 
@@ -23,7 +23,7 @@ struct TargetCornerFit {
   double blur_px{};   ///< Standard deviation of the Gaussian blur, the pixel's own area included.
   double contrast{};  ///< White less black, grey levels.
   double noise{};     ///< RMS of what the fit leaves, grey levels.
-  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Of the place, by that noise.
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Covariance of the place, by that noise.
 };
 
 /// Fits the corner by least squares: place, the two directions, blur, grey of both colours, and a light that

@@ -13,9 +13,9 @@ namespace kerfbench::calibrate {
 namespace {
 
 constexpr int kLeastContrast = 30;        // Grey levels between the 2nd and the 98th percentile.
-constexpr int kLeastWhite = 60;           // Of the 98th percentile.
+constexpr int kLeastWhite = 60;           // Least gray of the 98th percentile.
 constexpr double kMostSaturated = 0.005;  // Share of the pixels.
-// Of the steepest steps: a target has more edges than that, a few hot pixels are fewer.
+// Rank among the steepest steps: a target has more edges than that, a few hot pixels are fewer.
 constexpr double kSteepShare = 0.002;
 
 struct Histogram {

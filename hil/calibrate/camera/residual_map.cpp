@@ -11,7 +11,7 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kWidth = 760.0;  // Of the camera's picture in the drawing.
+constexpr double kWidth = 760.0;  // Width of the camera's picture in the drawing.
 constexpr double kTop = 70.0;
 constexpr double kLeft = 20.0;
 constexpr int kCellsAcross = 24;

@@ -14,7 +14,7 @@ namespace kerfbench::calibrate {
 /// One inner corner of the target where a picture shows it.
 struct TargetCorner {
   int column{},
-      row{};  ///< Of the square below and right of it, both >= 1: it is at square_mm * (column, row).
+      row{};  ///< Row of the square below and right of it, both >= 1: it is at square_mm * (column, row).
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Identity()};  ///< By the picture's noise.
 };

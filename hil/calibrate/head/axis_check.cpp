@@ -14,8 +14,8 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kAgreesShare = 0.2;    // Of the marks' spread: a mark this near agrees with a map.
-constexpr double kLeastAgreeing = 0.5;  // Of the marks, for the best map,
+constexpr double kAgreesShare = 0.2;    // Share of the marks' spread: a mark this near agrees with a map.
+constexpr double kLeastAgreeing = 0.5;  // Share of the marks, for the best map,
 constexpr double kLeastLead = 0.1;      // and by how many more than for the next; two at the least.
 constexpr double kThinnest = 0.05;      // Width over length of the aims.
 

@@ -15,7 +15,7 @@ namespace kerfbench::calibrate {
 /// or (y, x) if exchanged, and then either of its axes may run backwards.
 struct AxisMap {
   bool exchanged{};
-  bool x_backwards{};  ///< Of what the head makes of it, not of the command.
+  bool x_backwards{};  ///< Direction of what the head makes of it, not of the command.
   bool y_backwards{};
 
   [[nodiscard]] bool asTold() const { return !exchanged && !x_backwards && !y_backwards; }

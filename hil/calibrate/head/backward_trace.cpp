@@ -13,11 +13,11 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-/// Of x and y on the sheet by a vector, and by a number.
+/// Derivatives of x and y on the sheet by a vector, and by a number.
 using ByVector = Eigen::Matrix<double, 2, 3>;
 using ByNumber = Vector2d;
 
-constexpr int kTilts = 3;          // Of a mirror: what turns its normal,
+constexpr int kTilts = 3;          // Parameters of a mirror: what turns its normal,
 constexpr int kMirrorSurface = 3;  // and what follows in HeadParameter's order.
 constexpr int kMirrorZero = 4;
 constexpr int kMirrorScale = 5;
@@ -214,7 +214,7 @@ struct BackwardTrace::Head {
   HeadVector units;
   trace::Ray<double> laser;
   std::array<trace::Ray<double>, kBeam> by_beam;
-  Vector3d first_before_last;  ///< Of the mirrors, by their spacing.
+  Vector3d first_before_last;  ///< Place of the first mirror before the last, by their spacing.
   SlopedMirror first, last;
   std::optional<SlopedLens> lens;
   trace::Plane<double> plane;

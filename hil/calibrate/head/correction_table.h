@@ -17,14 +17,15 @@ struct CorrectionTableOptions {
   /// two of them, cubics through neighbouring sets of four differ by no more; > 0. The reference controller
   /// refuses 0.01.
   double cubics_differ_mm{0.005};
-  int least_nodes{9}, most_nodes{129};  ///< Of a side; 5 … 1025.
+  int least_nodes{9}, most_nodes{129};  ///< Fewest and most nodes of a side; 5 … 1025.
 };
 
 struct CorrectionTableResult {
   AimGrid grid;                     ///< Even, between its nodes as the controller reads it, nothing outside.
   double interpolation_error_mm{};  ///< Largest found, of the landing, over middles and edges of all cells.
   double largest_correction_mm{};
-  double largest_sigma_mm{};  ///< Of where the beam lands, in its worst direction, over the nodes; k = 1.
+  double largest_sigma_mm{};  ///< Largest standard deviation of where the beam lands, in its worst direction,
+                              ///< over the nodes; k = 1.
 };
 
 /// The table of this head: the coarsest of 2^k + 1 nodes a side whose surface is good enough.

@@ -91,7 +91,7 @@ class HeadFit {
   [[nodiscard]] std::optional<Spot> spotOf(const Eigen::Vector2d& aim_W_mm) const;
   /// What to aim at so that the beam lands at p_W, to 1e-9 mm; nullopt where no aim was found.
   [[nodiscard]] std::optional<Eigen::Vector2d> aimFor(const Eigen::Vector2d& p_W_mm) const;
-  /// Of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
+  /// Covariance of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
   [[nodiscard]] std::optional<Eigen::Matrix2d> covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const;
   /// Columns are independent, of variance 1: for aims p and q, modesAt(p) modesAt(q)^T is the covariance
   /// between both spots, mm².
@@ -106,7 +106,7 @@ class HeadFit {
   AxisMap axes_;
   HeadVector departures_{HeadVector::Zero()};
   std::optional<HeadSurface> surface_;
-  Eigen::MatrixX2d coefficients_mm_;  ///< Of the surface, for x and y.
+  Eigen::MatrixX2d coefficients_mm_;  ///< Coefficients of the surface, for x and y.
   /// Columns of L with L L^T = covariance of departures and coefficients (x, then y).
   Eigen::MatrixXd covariance_root_;
   std::vector<HeadParameterFinding> parameters_;

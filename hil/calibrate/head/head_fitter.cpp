@@ -20,15 +20,15 @@ constexpr int kWholeSteps = 20;
 constexpr int kDampedSteps = 200;
 constexpr double kFirstDamping = 1.0;  // As much as the tolerances: it holds back what the marks hold badly.
 constexpr double kLeastDamping = 0.01, kDampingFactor = 10.0;
-constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Of what a step promised.
-constexpr double kSettled = 1e-3;                       // Of a tolerance,
-constexpr double kLastStep = 3.0;                       // Of what is enough.
+constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Shares of what a step promised.
+constexpr double kSettled = 1e-3;                       // Share of a tolerance,
+constexpr double kLastStep = 3.0;                       // Multiple of what is enough.
 constexpr double kNearlySettled = 0.1;                  // and where it is only about false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;      // Later no mark comes back, so that the set must settle.
-constexpr double kMostTolerances = 3.0;  // Of so many parameters all are that far off never.
+constexpr double kMostTolerances = 3.0;  // So many parameters all are that far off never.
 
 }  // namespace
 

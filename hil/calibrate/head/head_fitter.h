@@ -59,7 +59,7 @@ class HeadFitter {
 
   /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
-  /// Of two rows for each mark, those of marks that are used.
+  /// Two rows for each mark, those of marks that are used.
   template <typename Rows>
   [[nodiscard]] Rows usedOf(const Rows& rows) const;
   /// Whitened: what is left of each mark, and how the fit's independent modes move it, two columns a mark.
@@ -90,11 +90,11 @@ class HeadFitter {
   Eigen::MatrixXd shared_;  ///< How what sheets share moves all marks, whitened: three columns a sheet.
   RowMatrix basis_values_;  ///< At all aims, a row each.
   std::optional<SurfacePrior> prior_;
-  WhitenedRows rows_;                             ///< Of all marks,
+  WhitenedRows rows_;                             ///< Rows of all marks,
   HeadVector linearised_at_{HeadVector::Zero()};  ///< at these scaled departures.
   std::vector<bool> lands_;
   std::optional<JointMarks> gathered_;
-  std::optional<JointSolver> solver_;  ///< Of them, from solve() until they change.
+  std::optional<JointSolver> solver_;  ///< Solver of these rows, from solve() until they change.
   JointSolution joint_;
   std::vector<HeadMarkFinding> findings_;
   double unmodelled_mm_{};  ///< Standard deviation of what the model cannot describe, before the fit.

@@ -14,8 +14,8 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kFewFalse = 2.0;     // Of any number of marks: two that were taken for each other.
-constexpr double kWorstShare = 0.25;  // Of the worst distance²: those are rejected together.
+constexpr double kFewFalse = 2.0;     // False marks among any number: two that were taken for each other.
+constexpr double kWorstShare = 0.25;  // Share of the worst distance²: those are rejected together.
 
 }  // namespace
 
@@ -72,7 +72,7 @@ bool HeadFitter::judge(bool may_return) {
   std::vector<double> distances;
   noise_chi2_ = 0.0;
   noise_freedom_ = 0.0;
-  // Of residual and modes, a column for each row of a mark.
+  // Residual and modes, a column for each row of a mark.
   Eigen::MatrixXd modes;
   Eigen::VectorXd residuals;
   predictMarks(residuals, modes);
@@ -84,7 +84,7 @@ bool HeadFitter::judge(bool may_return) {
     Eigen::Matrix2d predicted;
     predicted << modes.col(row).squaredNorm(), across, across, modes.col(row + 1).squaredNorm();
     finding.residual_mm = marks_[i].whitening_1_mm.inverse() * residual;
-    // Of a mark that was used the residual is smaller than what the others would leave: by leverage.
+    // The residual of a mark that was used is smaller than what the others would leave: by leverage.
     const double sign = used_[i] ? -1.0 : 1.0;
     finding.distance2 =
         lands_[i] ? distance2(residual, Eigen::Matrix2d::Identity() + sign * predicted) : INFINITY;

@@ -14,12 +14,13 @@ namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::size_t kMarksToBegin = 64;  // From which the others can be judged.
-constexpr double kStartShare = 1e-4;  // Of the field: marks of micrometres would hold the start where it is.
+constexpr double kStartShare =
+    1e-4;  // Share of the field: marks of micrometres would hold the start where it is.
 constexpr int kMostRobustPasses = 30;
 constexpr int kMostIterations = 50;
 constexpr int kRoughIterations = 5;
-constexpr double kFarInMisses = 10.0;  // Of the median mark: such a mark is of another place.
-constexpr double kFarInSigmas = 8.0;   // Of the median mark under Cauchy's loss.
+constexpr double kFarInMisses = 10.0;  // Multiple of the median mark's miss: such a mark is of another place.
+constexpr double kFarInSigmas = 8.0;   // Multiple of the median mark's sigma under Cauchy's loss.
 constexpr double kAreaMargin = 0.03;   // A table has one of 0.02.
 
 Eigen::Matrix2d whiteningOf(const Eigen::Matrix2d& covariance) {

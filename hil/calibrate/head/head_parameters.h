@@ -43,9 +43,9 @@ enum class HeadParameter : std::size_t {
   kLensK2,         ///< 1/rad⁴
   kLensDecentreX,  ///< mm; of the principal point.
   kLensDecentreY,  ///< mm
-  kLensTiltX,      ///< Of the lens's axis: its run along x and y for each mm downwards.
+  kLensTiltX,      ///< Tilt of the lens's axis: its run along x and y for each mm downwards.
   kLensTiltY,
-  kLensIncidence,  ///< Of incidence_ratio.
+  kLensIncidence,  ///< The lens's incidence_ratio.
 };
 inline constexpr std::size_t kHeadParameterCount = 32;
 /// The same as an index of matrices.

@@ -8,7 +8,7 @@
 namespace kerfbench::calibrate {
 namespace {
 
-/// Of all others nothing is to be worked out: lenses of a head that has none.
+/// All others need no work: lenses of a head that has none.
 std::vector<Eigen::Index> movingColumns(const WhitenedRows& rows) {
   const Eigen::Array<bool, 1, kHeadColumns + 1> moves = (rows.array() != 0.0).colwise().any();
   std::vector<Eigen::Index> columns;

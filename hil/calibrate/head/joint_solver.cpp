@@ -16,7 +16,7 @@ namespace {
 /// Before the marks: a head is its tolerances from the drawing, to this factor (1 sigma).
 const double kToleranceSpread = std::log(2.0);
 
-/// Of a lower triangular matrix: a third of the work of solving for all columns.
+/// Inverse of a lower triangular matrix: a third of the work of solving for all columns.
 Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& lower) {
   constexpr Eigen::Index kColumns = 32;
   const Eigen::Index n = lower.rows();
@@ -120,7 +120,7 @@ double toleranceFactor(const ModelInformation& model) {
   const Eigen::ArrayXd information = held.eigenvalues().array().max(0.0);
   const Eigen::ArrayXd gradient2 = (held.eigenvectors().transpose() * gradient).array().square();
   constexpr int kSteps = 32;       // Each way.
-  constexpr double kStep = 0.125;  // Of log2 of the factor.
+  constexpr double kStep = 0.125;  // Step in log2 of the factor.
   std::vector<double> factors2, logs;
   for (int step = -kSteps; step <= kSteps; ++step) {
     const double log2 = kStep * step;

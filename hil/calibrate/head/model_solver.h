@@ -14,7 +14,7 @@ namespace kerfbench::calibrate {
 
 /// A mark ready for fitting.
 struct WeighedMark {
-  Eigen::Vector2d angles_rad{Eigen::Vector2d::Zero()};  ///< Of the mirrors as wired.
+  Eigen::Vector2d angles_rad{Eigen::Vector2d::Zero()};  ///< Angles of the mirrors as wired.
   Eigen::Vector2d measured_W_mm{Eigen::Vector2d::Zero()};
   /// Turns a residual in mm into independent ones of variance 1.
   Eigen::Matrix2d whitening_1_mm{Eigen::Matrix2d::Identity()};

@@ -36,11 +36,11 @@ struct HeadObservation {
   /// head.
   Eigen::Vector2d aim_W_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d measured_W_mm{Eigen::Vector2d::Zero()};
-  /// Of measured_W_mm, what the marks do not share (k = 1); positive definite.
+  /// Covariance of measured_W_mm, what the marks do not share (k = 1); positive definite.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
   std::optional<SharedError> shared;  ///< What they do.
 
-  /// Of measured_W_mm, all of it.
+  /// Covariance of measured_W_mm, all of it.
   [[nodiscard]] Eigen::Matrix2d wholeCovariance_mm2() const {
     if (!shared) return covariance_mm2;
     return covariance_mm2 + shared->modes_mm * shared->modes_mm.transpose();

@@ -24,7 +24,7 @@ class SmoothBasis {
   }
 
   struct Values {
-    Eigen::VectorXd at;     ///< Of each function.
+    Eigen::VectorXd at;     ///< Value of each function.
     Eigen::MatrixX2d by_p;  ///< And its slopes, 1/mm.
   };
   [[nodiscard]] Values at(const Eigen::Vector2d& p_mm) const;

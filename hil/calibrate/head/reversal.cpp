@@ -19,7 +19,8 @@ namespace kerfbench::calibrate {
 namespace {
 
 constexpr std::size_t kLeastCommon = 5;
-constexpr double kMostMissPriors = 10.0;  // Of the median mark, as it is between two rigid views.
+constexpr double kMostMissPriors =
+    10.0;  // Multiple of the median mark's prior, as it is between two rigid views.
 constexpr int kShear = 2;
 
 std::string powerName(int u, int v) {

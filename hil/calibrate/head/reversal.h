@@ -20,7 +20,7 @@ struct SheetView {
 
 struct ReversalOptions {
   Eigen::AlignedBox2d camera_field_mm{};  ///< What the camera sees, in C; must hold all marks.
-  int degree{3};                          ///< Of the camera's error; 1 … 5.
+  int degree{3};                          ///< Degree of the camera's error; 1 … 5.
   double rejection_chance{0.05};          ///< That one good mark or more is rejected; in (0, 1).
   double most_false_share{0.1};           ///< More marks may not be rejected; in [0, 0.5).
   double prior_mm{0.02};  ///< Standard deviation of each of its terms at the field's rim; > 0.
@@ -39,13 +39,13 @@ class CameraError {
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
   /// By what the camera sees a mark off that is at p_C.
   [[nodiscard]] Eigen::Vector2d at_mm(const Eigen::Vector2d& p_C_mm) const;
-  /// Of at_mm, k = 1; where the views tell nothing, the prior.
+  /// Covariance of at_mm, k = 1; where the views tell nothing, the prior.
   [[nodiscard]] Eigen::Matrix2d covarianceAt_mm2(const Eigen::Vector2d& p_C_mm) const;
 
  private:
   friend class Reversal;
   explicit CameraError(const ReversalOptions& options);
-  /// Of each term at the field's rim 1 mm: what it moves a mark by.
+  /// For 1 mm of each term at the field's rim: what it moves a mark by.
   [[nodiscard]] Eigen::Matrix2Xd movesAt(const Eigen::Vector2d& p_C_mm) const;
   void set(const Eigen::VectorXd& values_mm, const Eigen::MatrixXd& covariance_mm2, double prior_mm);
 
@@ -65,7 +65,7 @@ struct ReversalResult {
   /// Each mark seen in any view, in the first view's frame, the camera's error taken off; of the covariance
   /// the part that marks do not share. What they share: camera.covarianceAt_mm2().
   std::vector<SeenMark> marks;
-  /// Of the sheet in each view from where it was in the first.
+  /// Motion of the sheet in each view from where it was in the first.
   std::vector<Eigen::Isometry2d> X_CS;
   std::size_t rejected{};  ///< Marks that contradict the other views.
   double noise_ratio{};    ///< Scatter over what was said, RMS.

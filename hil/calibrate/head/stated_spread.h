@@ -14,7 +14,7 @@ namespace kerfbench::calibrate {
 /// of a sheet share.
 struct StatedSpread {
   std::size_t marks{};    ///< That the fit says anything of.
-  std::size_t covered{};  ///< Of them, within the ellipse that is stated to hold 95 %.
+  std::size_t covered{};  ///< How many of them lie within the ellipse that is stated to hold 95 %.
   /// Errors over what is stated, RMS over the marks and both axes; 1 is expected.
   double ratio{};
   /// What `ratio` exceeds with a chance of 1 % if all that is stated holds. Far above 1 where the marks are
@@ -26,9 +26,9 @@ struct StatedSpread {
   [[nodiscard]] std::string words() const;
 };
 
-/// Of marks that were not fitted. The mean of squared distances (Mahalanobis, of two degrees of freedom each)
-/// is a weighted sum of chi-squares; its quantile is that of the one with the same mean and variance
-/// (Satterthwaite 1946), the variance by all covariances between the marks.
+/// Spread of marks that were not fitted. The mean of squared distances (Mahalanobis, of two degrees of
+/// freedom each) is a weighted sum of chi-squares; its quantile is that of the one with the same mean and
+/// variance (Satterthwaite 1946), the variance by all covariances between the marks.
 StatedSpread statedSpread(const HeadFit& fit, std::span<const HeadObservation> marks);
 
 }  // namespace kerfbench::calibrate

@@ -12,7 +12,8 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kMoved = 1e-4;  // Of its prior variance: all of them together change the evidence by 0.02.
+constexpr double kMoved =
+    1e-4;  // Share of its prior variance: all of them together change the evidence by 0.02.
 const double kLeastEvidence = std::log(20.0);
 constexpr double kLeastScore =
     3.0;  // Its square over four is about the evidence: below, no surface is tried.
@@ -71,7 +72,7 @@ class SurfaceInformation {
 
  private:
   const JointMarks& marks_;
-  Eigen::MatrixXd crossed_, information_;  ///< Of the latter the lower part.
+  Eigen::MatrixXd crossed_, information_;  ///< Sums over the marks; of the information the lower part alone.
   Eigen::VectorXd gradient_;
 };
 

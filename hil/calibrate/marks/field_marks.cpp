@@ -183,7 +183,7 @@ FieldPictures searchSheet(camera::TileSource& tiles, const vision::CameraCalibra
   scan.open_gray = options.open_gray;
   scan.threads = options.threads;
   PrintLayout layout;
-  layout.pitch_mm = 1.0;  // Of one unit alone: any will do.
+  layout.pitch_mm = 1.0;  // There is one unit alone: any will do.
   layout.marks = print;
 
   FieldPictures out;

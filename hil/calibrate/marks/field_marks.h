@@ -18,8 +18,8 @@ namespace kerfbench::calibrate {
 struct FieldMark {
   int number{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Its centre.
-  /// Of p_S_mm, mm², by noise, grid, texture and edges of its own arms: independent from mark to mark. What
-  /// all marks have in common is in FieldPictures::poseCovariance().
+  /// Covariance of p_S_mm, mm², by noise, grid, texture and edges of its own arms: independent from mark to
+  /// mark. What all marks have in common is in FieldPictures::poseCovariance().
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
   /// How it lies: directions of M, as drawn, to those in S as cut; about the Jacobian of what the head does
   /// wrong there. The unit matrix for a perfect head, det < 0 for a mirrored one.
@@ -40,18 +40,18 @@ struct FieldPictures {
   std::vector<FieldMark> marks;       ///< By number, then by place; doubled ones are all there.
   std::vector<DamagedMark> damaged;   ///< By place.
   int strays{};                       ///< Cuts that belong to no mark: scratches, dust, other work.
-  vision::UnitPose pose;              ///< Of the sheet on the table, by its printed marks.
+  vision::UnitPose pose;              ///< Pose of the sheet on the table, by its printed marks.
   std::vector<std::string> problems;  ///< Why nothing here may be used: no pose, unfit pictures.
 
-  /// Of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S, mm) and
-  /// turns (rad, about p_S, from x to y) them all by.
+  /// Error of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S,
+  /// mm) and turns (rad, about p_S, from x to y) them all by.
   [[nodiscard]] Eigen::Matrix3d poseCovarianceAbout(const Eigen::Vector2d& p_S_mm) const;
-  /// Of the shift that it makes at p_S alone.
+  /// Covariance of the shift that it makes at p_S alone.
   [[nodiscard]] Eigen::Matrix2d poseCovariance(const Eigen::Vector2d& p_S_mm) const;
 };
 
 struct FieldSearchOptions {
-  double size_mm{};         ///< Of the marks, as drawn.
+  double size_mm{};         ///< Size of the marks, as drawn.
   double open_gray{235.0};  ///< As KerfScanOptions.
   double beam_radius_mm{};
   int threads{1};  ///< The result is the same at any number.

@@ -26,7 +26,7 @@ constexpr double kWildest_mm = 0.02;  // RMS about the parabola: rougher is no l
 struct Reading {
   double along_mm{};
   double offset_mm{};
-  double noise_mm{};   ///< Of its own.
+  double noise_mm{};   ///< Noise of this stroke alone.
   double steady_mm{};  ///< In common with its neighbours.
   double width_mm{};
 };

@@ -46,7 +46,7 @@ void sortInRows(std::vector<Vector2d>& places_mm, const AlignedBox2d& field_mm) 
   });
 }
 
-constexpr std::size_t kEach = 10;  // Of so many places one is favoured, one on the rim.
+constexpr std::size_t kEach = 10;  // One of so many places is favoured, one on the rim.
 
 /// The nth draw over the field, or over its rim.
 Vector2d draw(const CounterRandom& random, std::uint64_t n, bool on_rim, const AlignedBox2d& field_mm) {

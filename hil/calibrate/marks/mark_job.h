@@ -29,10 +29,10 @@ struct MarkJobFault {
 
 /// Marks to be cut into one sheet, and what is needed to make sense of its pictures later.
 struct MarkJob {
-  std::string name;     ///< Of the job, for people.
+  std::string name;     ///< Name of the job, for people.
   std::string machine;  ///< Its name.
   std::string date;     ///< ISO 8601 day on which the job was planned.
-  double size_mm{};     ///< Of a mark; 4.5 … 100.
+  double size_mm{};     ///< Size of a mark; 4.5 … 100.
   /// Where the sheet lies under the head while it is cut: p_S = p_W + p_SW. Axes of W and S are parallel.
   Eigen::Vector2d p_SW_mm{Eigen::Vector2d::Zero()};
   std::vector<RegistrationMark> print;  ///< The printed marks of the sheet, two at least: they hold frame S.

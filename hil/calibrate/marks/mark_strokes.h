@@ -17,8 +17,8 @@ struct Stroke {
   Eigen::Vector2d half_mm{
       Eigen::Vector2d::Zero()};  ///< From the middle to one end, kerf's rounding included.
   double width_mm{};
-  double
-      from_middle_mm{};  ///< Of its picture: of a stroke seen in two, the one nearer to the middle is kept.
+  double from_middle_mm{};  ///< Distance from the middle of its picture: of a stroke seen in two, the one
+                            ///< nearer to the middle is kept.
 };
 
 /// All blobs that lie whole in the picture.

@@ -14,7 +14,7 @@ struct VerifyPlaces {
   int count{};
   double mark_size_mm{};
   std::vector<Eigen::Vector2d> marked;   ///< By which it was fitted: each new place is another.
-  std::vector<Eigen::Vector2d> middles;  ///< Of the table's cells, where it interpolates farthest.
+  std::vector<Eigen::Vector2d> middles;  ///< Middles of the table's cells, where it interpolates farthest.
   std::uint64_t seed{1};
 };
 

@@ -31,7 +31,7 @@ enum class Outside {
 /// nothing. W: x along belt travel, y across, mm, (0, 0) under the resting beam.
 class AimGrid {
  public:
-  static constexpr std::size_t kMostNodes = 1025;  ///< Of a side.
+  static constexpr std::size_t kMostNodes = 1025;  ///< Most nodes of a side.
 
   /// @param x_mm, y_mm places of columns and rows, ascending; distances need not be equal.
   /// @param d_mm y ascending, and for each y all x ascending.

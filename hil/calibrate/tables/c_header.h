@@ -17,7 +17,7 @@ struct CHeaderOptions {
   Value value{Value::kInt16};
   /// What one unit of dx, dy is, nm. 0: 1 nm for int32; for int16 the least that holds the largest value.
   std::uint32_t unit_nm{0};
-  std::string prefix{"KB_CORRECTION"};  ///< Of all names; capital letters, digits and '_'.
+  std::string prefix{"KB_CORRECTION"};  ///< Prefix of all names; capital letters, digits and '_'.
   /// An array of avr-gcc may not be larger than its int. Others bear more.
   std::size_t most_array_bytes{32767};
 };

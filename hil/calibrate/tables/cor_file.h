@@ -22,7 +22,7 @@ enum class CorVersion { k1, k2 };
 /// How the numbers of a .cor file are understood. The default is as glase's source documents order and sign,
 /// with cells of 1024 units.
 struct CorConvention {
-  enum class First { kDx, kDy };         ///< Of a pair.
+  enum class First { kDx, kDy };         ///< What comes first in a pair.
   enum class Fast { kX, kY };            ///< What runs from one pair to the next.
   enum class Sense { kSubtract, kAdd };  ///< How wrong the uncorrected point is, or the offset of the aim.
   First first{First::kDy};
@@ -35,8 +35,8 @@ struct CorConvention {
   std::optional<double> units_per_mm{};
 
   static CorConvention glase();     ///< dy first, y fast, subtracted, cells of 1000 units, 400 units/mm.
-  static CorConvention meerk40t();  ///< Of its nine-point writer: dx first, x fast, subtracted.
-  static CorConvention added();     ///< Of firmwares that look it up bilinearly: dx first, x fast, added.
+  static CorConvention meerk40t();  ///< As its nine-point writer: dx first, x fast, subtracted.
+  static CorConvention added();     ///< As firmwares that look it up bilinearly: dx first, x fast, added.
   /// In words.
   [[nodiscard]] std::string text() const;
 };

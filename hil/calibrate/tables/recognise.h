@@ -36,7 +36,7 @@ std::vector<TableReading> allReadings();
 AimGrid asRead(const AimGrid& grid, const TableReading& reading);
 
 struct RecogniseOptions {
-  double sigma_mm{0.02};       ///< Of a coordinate of a spot, k = 1; > 0. By ruler rather 0.1.
+  double sigma_mm{0.02};  ///< Standard deviation of a coordinate of a spot, k = 1; > 0. By ruler rather 0.1.
   double most_share{0.25};     ///< RMS of what is left may be this share of the spots' own error, or 3 sigma.
   double told_apart{25.0};     ///< By how much a rival's sum of squares must be larger, in variances.
   double reach_share{0.1};     ///< A spot may lie outside of the table by this share of its sides.
@@ -46,7 +46,7 @@ struct RecogniseOptions {
 /// How one reading fits.
 struct ReadingFit {
   TableReading reading;
-  double rms_mm{};  ///< Of the beam's distance from where it was wanted, with this table.
+  double rms_mm{};  ///< RMS of the beam's distance from where it was wanted, with this table.
 };
 
 struct Recognition {
@@ -54,7 +54,7 @@ struct Recognition {
   Verdict verdict{Verdict::kCannotBeTold};
   TableReading reading;          ///< The best; that of the file as read where it is as good.
   std::vector<ReadingFit> fits;  ///< All, best first.
-  double error_rms_mm{};         ///< Of the spots without correction.
+  double error_rms_mm{};         ///< RMS error of the spots without correction.
   std::size_t spots{};           ///< That were used.
   std::string text;              ///< The verdict with its numbers.
 };

@@ -23,8 +23,8 @@ struct TableLoss {
   AimDifference mid_cell;     ///< In the middles of the new cells.
   AimDifference rim;          ///< Along the new border, eight places a cell.
   AimDifference anywhere;     ///< Five by five places in each new cell, its border included.
-  std::size_t not_covered{};  ///< Of these places, where the original says nothing; not counted above.
-  double covered_share{};     ///< Of the original's area, by the new nodes.
+  std::size_t not_covered{};  ///< Places where the original says nothing; not counted above.
+  double covered_share{};     ///< Share of the original's area that the new nodes cover.
   /// Lines of what was found, the largest differences with their places.
   [[nodiscard]] std::string text() const;
 };

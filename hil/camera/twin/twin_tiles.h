@@ -15,13 +15,13 @@ namespace kerfbench::camera {
 
 struct TwinTileOptions {
   int threads{1};          ///< The tiles are the same at any number.
-  double overlap_mm{3.0};  ///< Of neighbouring tiles; >= 0 and less than the field of the camera.
+  double overlap_mm{3.0};  ///< Overlap of neighbouring tiles; >= 0 and less than the field of the camera.
   double border_mm{2.0};   ///< Around the boxes of interest; >= 0.
   /// Every unit is laid on the table a little askew, differently: up to this far in each direction and angle
   /// about the middle of the unit. Inspection must find it by its marks.
   double lay_shift_mm{1.0};
   double lay_angle_rad{0.3 * std::numbers::pi / 180.0};
-  double turn_rad{0.0};  ///< Of each unit besides, about its middle; within ±pi.
+  double turn_rad{0.0};  ///< Turn of each unit in addition, about its middle; within ±pi.
   std::uint64_t seed{1};
   /// Cover the whole bounds of each unit, marks included; else only tiles that meet a box of interest, blind
   /// to a stray cut elsewhere.

@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSquare_px = 50.0;
-constexpr double kMargin = 0.08;  // Of the target beyond the picture, a share of its side.
+constexpr double kMargin = 0.08;  // Margin of the target beyond the picture, a share of its side.
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kPlaneTurn_rad = 2.0 * kDegree;  // Corners then lie anywhere in their pixels.
 

@@ -17,8 +17,8 @@ namespace kerfbench::camera {
 /// 20 … 35° in all directions, near and far.
 struct TwinViews {
   calibrate::CalibrationTarget target;
-  calibrate::TargetPlace place;         ///< Of the target in the first view.
-  std::vector<Eigen::Isometry3d> X_CB;  ///< Of all views.
+  calibrate::TargetPlace place;         ///< Place of the target in the first view.
+  std::vector<Eigen::Isometry3d> X_CB;  ///< Poses of the camera in all views.
 };
 
 /// Squares of about 50 pixels, over the whole picture and beyond; coarser where the markers would not do.

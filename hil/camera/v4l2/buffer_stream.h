@@ -21,9 +21,10 @@ struct StreamEvent {
     kEnd,          ///< A recording is over.
   };
   Kind kind{Kind::kFrame};
-  BufferNote note{};                      ///< Of a frame.
-  std::span<const std::uint8_t> bytes{};  ///< Of a frame, in the stream's own memory, until the next call.
-  std::string words{};                    ///< Of anything else.
+  BufferNote note{};  ///< What the driver says of a frame.
+  std::span<const std::uint8_t>
+      bytes{};          ///< Bytes of a frame, in the stream's own memory, until the next call.
+  std::string words{};  ///< Description of anything else.
 };
 
 /// Buffers of a camera as its driver gives them, live or from a recording.

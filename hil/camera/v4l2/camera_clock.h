@@ -14,7 +14,7 @@ namespace kerfbench::camera {
 struct EdgeSighting {
   double edge_s{};        ///< On the clock of the pins.
   double dark_stamp_s{};  ///< The camera's stamp of the last frame before without the light.
-  double lit_stamp_s{};   ///< Of the first frame with it; later than the dark one.
+  double lit_stamp_s{};   ///< Stamp of the first frame with it; later than the dark one.
   double row_delay_s{};   ///< Rolling shutter: how much later the row where it is seen begins; else 0.
   /// Brightness of that frame as a share of one that is lit throughout, if it was measured; in [0, 1].
   std::optional<double> lit_share;
@@ -31,15 +31,15 @@ struct BeginSighting {
 /// What is known beforehand. The bounds are bounds, not standard deviations: what the fit tells rests on
 /// them.
 struct CameraClockOptions {
-  double exposure_s{};       ///< Of every frame; > 0.
+  double exposure_s{};       ///< Exposure of every frame; > 0.
   double stamp_jitter_s{};   ///< A stamp is off by at most this; >= 0.
   double edge_error_s{};     ///< The pins' stamps likewise; >= 0.
   double unseen_share{0.1};  ///< Light for less than this share of an exposure may go unseen; [0, 1].
-  double share_error{0.05};  ///< Of lit_share; [0, 1].
+  double share_error{0.05};  ///< Error of lit_share; [0, 1].
   /// Light comes on and goes off at once and is as strong all along, so that a dark frame had none but for
   /// unseen_share. fitLightClock() alone asks.
   bool is_light_hard{};
-  double max_drift{500e-6};        ///< Of one clock against the other; [0, 0.1]. Crystals: 100e-6 each.
+  double max_drift{500e-6};        ///< Drift of one clock against the other; [0, 0.1]. Crystals: 100e-6 each.
   double max_uncertainty_s{1e-3};  ///< More, anywhere between first and last sighting, is no answer; > 0.
 };
 

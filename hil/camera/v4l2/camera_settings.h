@@ -14,12 +14,12 @@ namespace kerfbench::camera {
 
 /// What a camera is asked for. What is not said stays as the driver has it.
 struct CameraSettings {
-  const PixelFormat* format{};  ///< Of pixelFormats(); required.
+  const PixelFormat* format{};  ///< One of pixelFormats(); required.
   int width_px{};
   int height_px{};
-  int bits{0};  ///< Of Y16 and SxxxX16: significant bits, 8 … 16; 0: all of the format's.
-  /// Of the shutter; the driver's own automatic is switched off. V4L2 counts it in 100 µs; what came of it is
-  /// in the outcomes.
+  int bits{0};  ///< Significant bits of Y16 and SxxxX16, 8 … 16; 0: all of the format's.
+  /// Exposure of the shutter; the driver's own automatic is switched off. V4L2 counts it in 100 µs; what came
+  /// of it is in the outcomes.
   std::optional<double> exposure_s{};
   std::optional<double> frame_rate_hz{};
   std::optional<std::int32_t> gain{};  ///< In the driver's units; its automatic is switched off.

@@ -36,7 +36,7 @@ class FrameRecordingWriter {
 
   /// Makes the folder. @throws std::system_error; std::invalid_argument if it holds anything.
   FrameRecordingWriter(std::filesystem::path folder, RecordedCamera camera);
-  /// Of kind kFrame. @throws std::system_error if the disk is full, say.
+  /// Takes an event of kind kFrame. @throws std::system_error if the disk is full, say.
   void add(const StreamEvent& frame);
   /// `ended`: in words, what ended it other than being asked to; empty otherwise. @throws std::system_error.
   void finish(const std::string& ended);
@@ -63,7 +63,7 @@ class FrameRecording final : public BufferStream {
   [[nodiscard]] std::size_t frames() const { return entries_.size(); }
   /// Why fewer came than were wanted, or empty.
   [[nodiscard]] const std::string& ended() const { return ended_; }
-  /// Of all that the recording is.
+  /// Digest of all that the recording is.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 
  private:

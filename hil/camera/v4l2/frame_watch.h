@@ -53,7 +53,7 @@ struct FrameIntegrity {
 
 struct WatchOptions {
   std::optional<double>
-      period_s{};           ///< Of frames; absent where a trigger makes them: gaps in time say nothing.
+      period_s{};  ///< Period of frames; absent where a trigger makes them: gaps in time say nothing.
   double max_ahead_s{0.1};  ///< vivid's stamps lie up to a frame in the future.
   double max_age_s{1.0};
   bool sensor_has_noise{true};  ///< False for test patterns and loops: equal pictures are no fault there.

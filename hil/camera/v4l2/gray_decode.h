@@ -12,7 +12,7 @@ namespace kerfbench::camera {
 
 /// How a driver lays out a frame.
 struct FrameLayout {
-  const PixelFormat* format{};  ///< Of pixelFormats().
+  const PixelFormat* format{};  ///< One of pixelFormats().
   int width_px{};               ///< > 0; even for YUYV and Bayer.
   int height_px{};              ///< > 0; even for Bayer.
   std::size_t stride_bytes{};   ///< From row to row; of no meaning for JPEG.

@@ -164,12 +164,12 @@ class LightFit {
   /// Where frames turn from dark to lit or back.
   struct Turn {
     double dark_s{}, lit_s{};  ///< Stamps.
-    double share{};            ///< Of light in the lit frame, to that of those next to it …
+    double share{};            ///< Share of light in the lit frame, compared with those next to it …
     double share_error{};      ///< … which differ by so much among themselves.
     [[nodiscard]] bool isBegin() const { return dark_s < lit_s; }
   };
 
-  /// Of frames from the `lit`th on, `step` after `step`.
+  /// Takes frames from the `lit`th on, `step` after `step`.
   [[nodiscard]] std::optional<Turn> turnAt(std::ptrdiff_t lit, std::ptrdiff_t step) const {
     constexpr std::ptrdiff_t kNext = 5;
     const auto count = static_cast<std::ptrdiff_t>(frames_.size());
@@ -233,7 +233,7 @@ class LightFit {
     }
   }
 
-  /// Of each stretch of time those that bound the clock most on either side.
+  /// Keeps for each stretch of time those that bound the clock most on either side.
   [[nodiscard]] std::vector<BeginSighting> telling(std::vector<BeginSighting> all) const {
     std::vector<BeginSighting> chosen;
     const auto take = [&](std::vector<BeginSighting> some, const auto& bound) {
@@ -298,7 +298,7 @@ class LightFit {
   double period_s_;
   const CameraClockOptions& options_;
   std::vector<double> lit_s_;
-  std::vector<Turn> turns_;  ///< Of a hard light.
+  std::vector<Turn> turns_;  ///< Instants at which a hard light goes on or off.
 };
 
 }  // namespace

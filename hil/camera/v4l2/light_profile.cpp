@@ -16,7 +16,7 @@ namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kFewest = 40;
-constexpr std::size_t kMostFrames = 4000;  // Of frames that are fitted …
+constexpr std::size_t kMostFrames = 4000;  // Most frames that are fitted …
 constexpr std::size_t kTried = 400;        // … and with which all places are tried.
 constexpr std::size_t kBlocks = 10;
 constexpr double kCoverage = 4.1;  // 99.7 % by Student's t of kBlocks - 1 degrees of freedom.
@@ -34,7 +34,7 @@ constexpr double kApart = 2.0;
 constexpr double kClearlyBrighter = 1.05;
 /// A neighbour that leaves up to so much more may be the true one: noise decides.
 constexpr double kRival = 1.15;
-/// Of how light varies what is asked for leaves no more than this: a strobe that shows single pulses shows
+/// How light varies with what is asked for leaves no more than this: a strobe that shows single pulses shows
 /// nothing of how many there are.
 constexpr double kUnexplained = 0.15;
 constexpr double kFinest_s = 1e-6;
@@ -142,7 +142,7 @@ class LightRegression {
     double late_s{}, swing_s{};
     Gains gains{Gains::Zero()};
     double left{};
-    double rivals_s{};  ///< Of best(): how far away another place fits nearly as well.
+    double rivals_s{};  ///< How far from best() another place fits nearly as well.
   };
 
   static double reachOf(const CameraClock& rough, const std::vector<FrameLight>& lit) {

@@ -12,7 +12,7 @@ namespace kerfbench::camera {
 /// What a frame tells of a light.
 struct FrameLight {
   double stamp_s{};  ///< The camera's.
-  double light{};    ///< Of the whole spot above its surroundings, in any unit; 0: dark.
+  double light{};    ///< Light of the whole spot above its surroundings, in any unit; 0: dark.
 
   [[nodiscard]] bool isLit() const { return light > 0.0; }
 };

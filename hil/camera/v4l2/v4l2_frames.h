@@ -15,7 +15,7 @@ namespace kerfbench::camera {
 
 /// Something that went wrong, with the time on the clock of the pins in which pictures are missing for it.
 struct CaptureIncident {
-  double from_s{};  ///< Of the last good frame before.
+  double from_s{};  ///< Stamp of the last good frame before.
   double to_s{};
   std::uint64_t sequence{};
   std::string words;
@@ -23,10 +23,10 @@ struct CaptureIncident {
 
 struct CaptureReport {
   std::uint64_t taken{};   ///< Frames that came, without those discarded at the start.
-  std::uint64_t good{};    ///< Of those, given out.
+  std::uint64_t good{};    ///< How many of those are good, and given out.
   std::uint64_t lost{};    ///< Missing in the driver's sequence.
   double worst_ahead_s{};  ///< How far a stamp lay after its frame's arrival, at most; 0 for none.
-  StampClock clock{StampClock::kUnknown};        ///< Of the last frame.
+  StampClock clock{StampClock::kUnknown};        ///< Clock of the last frame.
   std::uint64_t incidents{};                     ///< All of them.
   std::vector<CaptureIncident> first_incidents;  ///< The first 1000.
   std::string ended_early;  ///< Why fewer frames came than were asked for; empty if they all came.

@@ -23,7 +23,7 @@ class VideoCalls {
   /// Shared, for reading.
   virtual void* mmap(std::size_t length, int fd, std::int64_t offset) = 0;
   virtual int munmap(void* address, std::size_t length) = 0;
-  /// Of one descriptor; what happened goes to *revents.
+  /// Polls one descriptor; what happened goes to *revents.
   virtual int poll(int fd, short events, short* revents, int timeout_ms) = 0;
   /// CLOCK_MONOTONIC, which most drivers stamp by.
   virtual std::int64_t monotonicNs() = 0;

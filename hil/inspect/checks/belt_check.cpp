@@ -34,7 +34,7 @@ struct Parting {
   const LitFrame* first{};
   double drift_mm{};   ///< Sheet less belt, over the cut, by least squares.
   double sigma_mm{};   ///< By the scatter about that line.
-  double travel_mm{};  ///< Of the belt.
+  double travel_mm{};  ///< Travel of the belt.
 };
 
 std::optional<Parting> partingOf(const std::vector<BeltEdge>& edges, const LitFrames& lit,

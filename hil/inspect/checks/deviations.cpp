@@ -42,8 +42,8 @@ constexpr double kSigmaOfMad = 1.4826;
 // A width is the difference of two flanks, an offset their mean: twice as much if they erred each for itself;
 // what artefacts of known width show (`kerfbench gauge`).
 constexpr double kFlanks = 1.4;
-// Of what blur adds to a width: how well one kerf's shape tells it. How well the blur itself is known is
-// EntityKerf::widening_sigma_mm.
+// Share of what blur adds to a width: how well one kerf's shape tells it. How well the blur itself is known
+// is EntityKerf::widening_sigma_mm.
 constexpr double kOwnBlurShare = 0.032;
 // The same of one that lets only part of the light through, whose middle must tell how deep it is.
 constexpr double kShallowBlurShare = 0.06;

@@ -16,7 +16,7 @@ namespace {
 
 /// A single caliper tells depth to 1 % of itself, by the grid of pixels more than by their noise.
 constexpr double kBlock_mm = 1.0;
-constexpr std::size_t kBlocks = 5;  // Of one look at the depth: to 0.2 %.
+constexpr std::size_t kBlocks = 5;  // Blocks of one look at the depth: to 0.2 %.
 /// From a free end on: there the kerf is round, and no power could mend it. The beam that stops at an end
 /// leaves (1 + erf(sqrt 2 x / w)) / 2 of its energy at x from it: all but 0.4 % at x = w, which is 0.105 mm,
 /// and a caliper takes in 0.1 mm on either side. On short-lines, in the mean of two seeds, calipers are 20,
@@ -24,7 +24,7 @@ constexpr std::size_t kBlocks = 5;  // Of one look at the depth: to 0.2 %.
 /// the end, where one alone scatters by 1.1 %. Wang, Li, Chen 2010 except the start point too. What a loop on
 /// the power does until it has measured is judged: 0.5 % deeper over 2 mm there.
 constexpr double kEnd_mm = 0.3;
-constexpr double kMedianSquare = 0.4549;  // Of a standard normal value.
+constexpr double kMedianSquare = 0.4549;  // Median square of a standard normal value.
 
 struct Reading {
   double share{};       ///< Depth over the board's thickness.

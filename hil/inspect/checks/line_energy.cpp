@@ -12,10 +12,10 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-/// Of one look at the power: 30 ms at 100 mm/s. Nothing is left out: the first look begins where the gate
-/// opens and the last ends where it shuts. On short-lines the spot lets no shorter looks prove 1.47 %: over w
-/// it scatters by 0.42 % mm / w, and the first of all, faint yet, is known to 7 … 10 um only. At 2 mm the
-/// good AVR release would be at 1.12 ± 0.51 %, not proven; at 3 mm it is at 0.75 ± 0.29 %.
+/// Length of one look at the power: 30 ms at 100 mm/s. Nothing is left out: the first look begins where the
+/// gate opens and the last ends where it shuts. On short-lines the spot lets no shorter looks prove 1.47 %:
+/// over w it scatters by 0.42 % mm / w, and the first of all, faint yet, is known to 7 … 10 um only. At 2 mm
+/// the good AVR release would be at 1.12 ± 0.51 %, not proven; at 3 mm it is at 0.75 ± 0.29 %.
 constexpr double kWindow_mm = 3.0;
 /// Shorter steps of the spot are noise in part.
 constexpr double kStep_mm = 0.5;

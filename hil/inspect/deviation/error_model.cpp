@@ -16,7 +16,7 @@ constexpr double kLeastNoise_mm = 1e-5;
 constexpr double kMostCorrelated = 0.95;
 constexpr std::size_t kFewestDifferences = 30;
 constexpr double kClipped = 0.9850;       // Variance left by clipping a normal value at 3 sigma.
-constexpr double kMedianSquare = 0.4549;  // Of a standard normal value.
+constexpr double kMedianSquare = 0.4549;  // Median square of a standard normal value.
 
 /// Square root of a covariance, column by column; small negative eigenvalues are rounding.
 Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {

@@ -29,7 +29,7 @@ struct ReadingLine {
   int unit{};
   std::vector<std::size_t> caliper;  ///< Index in EntityKerf::calipers of each reading, ascending.
   std::vector<double> reading_mm;
-  std::vector<double> sigma_mm;  ///< Of the noise.
+  std::vector<double> sigma_mm;  ///< Standard deviation of the noise.
   std::vector<std::size_t>
       segment;             ///< First reading of each run of neighbouring stations; ends with size().
   double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
@@ -42,7 +42,7 @@ struct ReadingLine {
 
 struct ErrorModel {
   std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
-  Eigen::Index modes{};            ///< Of the camera's calibration.
+  Eigen::Index modes{};            ///< Modes of the camera's calibration.
   /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
   /// this model holds, such as a bump that is narrower than a window.
   double estimator_mm{};

@@ -13,20 +13,20 @@ namespace kerfbench::inspect {
 namespace {
 
 constexpr double kFar = 6.5;  // Sigmas: no value comes so far.
-constexpr int kSteps = 8;     // Of the integral over t.
-constexpr int kGrid = 160;    // Of the distribution.
+constexpr int kSteps = 8;     // Steps of the integral over t.
+constexpr int kGrid = 160;    // Points of the distribution.
 
 double normalCdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
 /// One side of one point: the noise must reach `distance` to lift it above w.
 struct Side {
-  double height;  ///< Of the estimate, counted positive towards this side.
+  double height;  ///< Height of the estimate, counted positive towards this side.
   double sigma;
   double angle;  ///< acos of the correlation with the point before.
-  bool first;    ///< Of a run of points that matter.
+  bool first;    ///< The first of a run of points that matter.
   double sign;
   const ExtremePoint* point;
-  double height_before, sigma_before;  ///< Of the point before.
+  double height_before, sigma_before;  ///< Height and noise of the point before.
 };
 
 /// P(Z1 <= a, Z2 > b) of normal values of correlation cos(angle).
@@ -83,7 +83,7 @@ double totalHazard(const std::vector<Side>& sides, double w) {
 struct Largest {
   double mean{};
   double variance{};            ///< In all.
-  Eigen::RowVectorXd gradient;  ///< Of the poses of all units, then of the camera.
+  Eigen::RowVectorXd gradient;  ///< Gradient by the poses of all units, then by the camera.
 };
 
 /// How the places of the shared errors of one line lie in those of all.

@@ -9,10 +9,11 @@ namespace kerfbench::inspect {
 
 /// One place of a line that may be the farthest off.
 struct ExtremePoint {
-  double likely{};            ///< Likely true deviation.
-  double seen{};              ///< What the smoother makes of it.
-  double sigma{};             ///< Standard uncertainty of the estimate by noise.
-  double correlation{};       ///< Of the noise with that of the point before; 0 for the first of a run.
+  double likely{};  ///< Likely true deviation.
+  double seen{};    ///< What the smoother makes of it.
+  double sigma{};   ///< Standard uncertainty of the estimate by noise.
+  double
+      correlation{};  ///< Correlation of the noise with that of the point before; 0 for the first of a run.
   Eigen::RowVectorXd shared;  ///< As ReadingLine::shared: by the line's own error, its unit's, the camera's.
 };
 
@@ -30,7 +31,8 @@ struct ExtremeBudget {
   double u_camera{};        ///< By errors that all share.
 };
 
-/// Of one line: that no value of its noise lies above w is taken as a Markov chain of neighbours,
+/// Distribution for one line: that no value of its noise lies above w is taken as a Markov chain of
+/// neighbours,
 ///
 ///     P(max <= w) = prod over runs: Phi(z_1) · prod (1 - P(Z_i-1 <= z_i-1, Z_i > z_i) / Phi(z_i-1)),
 ///     P(Z1 <= a, Z2 > b) = Phi(a) - Phi(min(a, b))

@@ -73,8 +73,8 @@ double LineSmoother::apply(const Window& window, const std::vector<double>& read
       .dot(Eigen::Map<const Eigen::VectorXd>(reading_mm.data() + window.first, n));
 }
 
-/// Of two estimates: sum of w_j sigma_j w_k sigma_k q^|j - k|. Two running sums, one from each end, hold what
-/// all readings of b on that side have in common with a reading of a.
+/// Covariance of two estimates: sum of w_j sigma_j w_k sigma_k q^|j - k|. Two running sums, one from each
+/// end, hold what all readings of b on that side have in common with a reading of a.
 double LineSmoother::covariance(const Window& a, const Window& b) const {
   const std::size_t begin = std::min(a.first, b.first);
   const std::size_t end = std::max(a.first + a.kernel->weight.size(), b.first + b.kernel->weight.size());

@@ -43,7 +43,7 @@ class LineSmoother {
  private:
   /// A parabola over readings -left … right.
   struct Kernel {
-    std::vector<double> weight;  ///< Of the readings, in its value at 0.
+    std::vector<double> weight;  ///< Weights of the readings in its value at 0.
     Eigen::MatrixXd rest;        ///< Turns readings into what the parabola leaves of them.
     double expected_rest{};      ///< Mean square of that for noise of sigma 1.
   };

@@ -13,9 +13,10 @@ namespace {
 
 constexpr Eigen::Index kCircle = 3;  // Size and centre.
 constexpr Eigen::Index kSeam = 2;    // Step and kink.
-constexpr double kPenalty = 2.0;     // Of a coefficient, in its noise (Mallows).
-constexpr double kBeyondSeam = 0.1;  // Of a reading next to it, what a kerf's round end brings from there.
-constexpr double kBelief = 6.0;      // Coefficients worth, in what the calipers say of their noise.
+constexpr double kPenalty = 2.0;     // Price of a coefficient, in its noise (Mallows).
+constexpr double kBeyondSeam =
+    0.1;                         // Share of a reading next to it, what a kerf's round end brings from there.
+constexpr double kBelief = 6.0;  // Coefficients worth, in what the calipers say of their noise.
 
 Eigen::Index columnsOf(int order) { return kCircle + kSeam + 2 * (order - 1); }
 /// First of a wave's two.

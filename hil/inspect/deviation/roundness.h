@@ -29,9 +29,9 @@ class Roundness {
   [[nodiscard]] bool isKnown() const { return order_ >= kLeastOrder; }
   [[nodiscard]] int order() const { return order_; }  ///< Waves to the turn that were fitted.
   [[nodiscard]] double asRead() const { return as_read_mm_; }
-  /// Of a likely truth: the fitted waves, each drawn in by what noise is likely to have added to it.
+  /// Range of a likely truth: the fitted waves, each drawn in by what noise is likely to have added to it.
   [[nodiscard]] double likely() const { return likely_mm_; }
-  /// Of the likely truth, measured with noise from `random` and these shared errors of its readings.
+  /// Range of the likely truth, measured with noise from `random` and these shared errors of its readings.
   [[nodiscard]] double simulated(const CounterRandom& random, const Eigen::VectorXd& shift_mm) const;
   /// Standard uncertainty by waves that are too weak to be fitted: each of the two extremes may miss the
   /// amplitude at which one just would have been, either way (rectangular).
@@ -57,7 +57,7 @@ class Roundness {
   Eigen::VectorXd likely_of_;  ///< Coefficients of the likely truth.
   int order_{};
   double step_mm_{};   ///< Where the line closes.
-  double noise_mm_{};  ///< Of each coefficient.
+  double noise_mm_{};  ///< Noise of each coefficient.
   double as_read_mm_{}, likely_mm_{}, noise_share_{};
 };
 

@@ -16,7 +16,7 @@ namespace kerfbench::inspect {
 /// Largest magnitude; NaN if any value is.
 double largestOf(const std::vector<double>& values);
 
-/// Of the values, about zero or about their mean.
+/// RMS of the values, about zero or about their mean.
 double sumOfSquares(const std::vector<double>& values, LineKind::Rms about);
 
 /// One line with all that simulated measurements of it need.
@@ -42,9 +42,9 @@ class SimulatedLine {
   std::vector<double> estimate_mm;   ///< Smoothed readings.
   std::vector<std::uint8_t> level;   ///< With which windows.
   std::vector<double> likely_mm;     ///< The likely truth.
-  double noise_share{};              ///< Of the estimates' noise variance that likely_mm still holds.
+  double noise_share{};              ///< Share of the estimates' noise variance that likely_mm still holds.
   double error_squares{};            ///< Expected sum of squares of the readings' errors.
-  std::vector<double> reading_mm;    ///< Of the last measure().
+  std::vector<double> reading_mm;    ///< Readings of the last measure().
   std::vector<double> simulated_mm;  ///< Those smoothed.
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kDraws = 1000;
-constexpr std::uint64_t kStreams = 4;  // Of random numbers, for each draw.
+constexpr std::uint64_t kStreams = 4;  // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 constexpr std::uint64_t kRoundStream = kHiddenStream + 1;  // And on, for each draw of each line.
 

@@ -12,7 +12,7 @@ namespace kerfbench::inspect {
 
 /// Worst and RMS deviation of a set of lines.
 struct DeviationEstimate {
-  Quantity worst;  ///< Of |deviation|.
+  Quantity worst;  ///< Worst |deviation|.
   Quantity rms;
   double worst_as_read{};      ///< Largest |estimate|, before the correction for being an extreme.
   double worst_u_smoothing{};  ///< Standard uncertainty by what smoothing does to peaks; part of worst.U.
@@ -26,11 +26,11 @@ struct DeviationResult {
   std::vector<std::string> layer_names;  ///< In order of first appearance.
   std::vector<DeviationEstimate> layers;
   DeviationEstimate all;
-  std::vector<Quantity> circularity;  ///< Of lines that are whole circles: range of radii about the
-                                      ///< least-squares centre (ISO 230-4); NaN for others.
+  std::vector<Quantity> circularity;  ///< Circularity of lines that are whole circles: range of radii about
+                                      ///< the least-squares centre (ISO 230-4); NaN for others.
   std::vector<Quantity> widths;       ///< Kerf width of each line; filled for lines of a kerf.
-  std::vector<double> width_own_U;    ///< Of that, without what the widths of all lines have in common.
-  UncertaintyBudget budget;           ///< Of all.worst.
+  std::vector<double> width_own_U;    ///< U of the width without what the widths of all lines have in common.
+  UncertaintyBudget budget;           ///< Budget of all.worst.
   double chance_beyond{};             ///< That the truth of all.worst lies above the limit.
 };
 
@@ -40,8 +40,8 @@ struct LineKind {
   std::string layer;
   Rms rms{Rms::kAboutZero};
   bool is_circle{};               ///< A whole circle.
-  std::vector<double> angle_rad;  ///< Of a circle: direction of each reading from its centre.
-  double window_rad{};            ///< Of a circle: what of it one reading is the mean over.
+  std::vector<double> angle_rad;  ///< Directions of a circle's readings from its centre.
+  double window_rad{};            ///< Angle of a circle over which one reading is the mean.
 };
 
 /// Largest and RMS deviation with their uncertainty.

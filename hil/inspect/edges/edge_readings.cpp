@@ -22,7 +22,7 @@ constexpr std::size_t kLegReadings = 5;
 constexpr double kFlanks = 1.4;
 constexpr double kOwnBlurShare = 0.032;
 
-constexpr double kAtCorner_mm = 0.02;  // Of ends that are drawn to touch.
+constexpr double kAtCorner_mm = 0.02;  // Distance of ends that count as touching.
 
 /// Edge of a corner's leg in the sense of the way through the corner.
 struct Leg {
@@ -30,7 +30,7 @@ struct Leg {
   double edge_mm{kNan};                             ///< Along it.
   double sigma_mm{kNan};
   double half_kerf_mm{kNan};
-  int side{};  ///< Of the kerf, +1 left of the way.
+  int side{};  ///< Side of the kerf, +1 left of the beam's direction.
 };
 
 int sideOf(const EdgeSides& sides, int entity) { return sides.side[static_cast<std::size_t>(entity)]; }
@@ -110,7 +110,7 @@ vision::KerfScan edgeScan(const vision::KerfScan& scan, const dieline::Dieline& 
     if (side == 0) continue;
     for (vision::Caliper& c : kerf.calipers) {
       if (!c.found) continue;
-      // Of a kerf without a width this is no number, and the evidence INVALID.
+      // For a kerf without a width this is no number, and the evidence INVALID.
       c.offset_mm = edgeOf(c, side);
     }
   }

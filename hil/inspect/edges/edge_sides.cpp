@@ -13,7 +13,7 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-constexpr double kMeet_mm = 0.02;  // Of ends that are drawn to touch, as the kerf scan has it.
+constexpr double kMeet_mm = 0.02;  // Distance of ends that count as touching, as the kerf scan has it.
 constexpr double kPolygonPitch_mm = 0.5;
 constexpr double kLeastSides = 24.0;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);

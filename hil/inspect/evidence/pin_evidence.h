@@ -12,7 +12,8 @@ struct GateInterval {
 /// An edge of the belt's encoder, as the pins showed it.
 struct BeltEdge {
   double time_s{};
-  double x_mm{};  ///< Of the belt since the start, by what the controller is told that a count is worth.
+  double
+      x_mm{};  ///< Travel of the belt since the start, by what the controller was told that a count is worth.
 };
 
 }  // namespace kerfbench::inspect

@@ -20,14 +20,15 @@ struct EntityResult {
                         ///< extreme of noisy readings; NaN if nothing was found.
   double worst_U_mm{};  ///< Expanded uncertainty of its magnitude (k = 2), as all U here.
   double worst_u{};     ///< Where, parameter of the curve.
-  double rms_mm{};      ///< Of the deviation, without what the readings' noise adds.
+  double rms_mm{};      ///< RMS of the deviation, without what the readings' noise adds.
   double rms_U_mm{};
   double
       coverage{};  ///< Share of stations burnt as the process asks, 0 … 1; of a perforation, the open share.
   double width_mm{};  ///< Mean, without outliers.
   double width_U_mm{};
-  double width_own_U_mm{};  ///< Of a comparison with the widths of other cuts: what they share is left out.
-  double circularity_mm{};  ///< Of a whole circle: range of radii about the least-squares centre (ISO 230-4).
+  double width_own_U_mm{};  ///< U of a comparison with the widths of other cuts: what they share is left out.
+  double circularity_mm{};  ///< Circularity of a whole circle: range of radii about the least-squares centre
+                            ///< (ISO 230-4).
   double circularity_U_mm{};
   double passes{};  ///< How often the spot went along it, from the spot camera: swept length / length.
 };
@@ -72,9 +73,9 @@ struct JointResult {
   Kind kind{};
   int unit{};
   int entity{};
-  int entity_out{};  ///< Of a corner: the entity that goes on; else the same.
+  int entity_out{};  ///< For a corner the entity that goes on; else the same.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
-  bool at_start{};  ///< Of an end.
+  bool at_start{};  ///< For an end: at the start of the entity.
   /// kCorner: how far the cut lies off the dieline there; kRounding, kOvershoot: how far off where its own
   /// legs would meet (CornerKerf). All >= 0. A gap is > 0, an overlap < 0. NaN if not found.
   Quantity mm;
@@ -88,9 +89,9 @@ struct InspectionResult {
   std::vector<EntityResult> entities;
   std::vector<LayerResult> layers;
   std::vector<JointResult> joints;
-  Quantity rms_mm;  ///< Of the deviation of all lines.
+  Quantity rms_mm;  ///< RMS of the deviation of all lines.
   std::vector<CutResult> cuts;
-  std::vector<UncertaintyBudget> budgets;  ///< Of the quantities that decide: path, stillness.
+  std::vector<UncertaintyBudget> budgets;  ///< Budgets of the quantities that decide: path, stillness.
   std::vector<std::string> problems;
   /// With Tolerances::edge: the scan as read at the wanted piece's edge, which is what was judged.
   std::optional<vision::KerfScan> edges;

@@ -20,7 +20,7 @@ struct LitFrame {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
   double sheet_x_mm{};                              ///< x_W of the origin of S.
   int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.
-  int left_entity{-1};    ///< Of a spot off every line: the one that its run had followed, or came back to.
+  int left_entity{-1};    ///< Line that the run of a spot off every line had followed, or came back to.
   double deviation_mm{};  ///< Along the left normal of either; NaN if there is none.
   double n_x{};           ///< x of that normal in W.
   double distance_mm{};   ///< To the nearest entity of any kind; kSearch_mm if there is none so near.

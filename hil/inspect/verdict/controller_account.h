@@ -17,8 +17,9 @@ struct ControllerAccount {
     long long seen{};  ///< Rising edges of PUL, each with the sense of DIR.
   };
   struct Belt {
-    long long told{};                  ///< Counts between its first and its last word.
-    long long seen_min{}, seen_max{};  ///< Of A and B, between the times at which it can have looked.
+    long long told{};  ///< Counts between its first and its last word.
+    long long seen_min{},
+        seen_max{};  ///< Least and most counts of A and B, between the times at which it can have looked.
   };
   bool told{};  ///< False: it was asked, or should have spoken, and did not.
   std::vector<Axis> axes;

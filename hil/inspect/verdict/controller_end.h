@@ -18,7 +18,7 @@ struct ControllerEnd {
   std::string fault{};      ///< Name of what it stopped for.
   std::string reason{};     ///< The same in words: "the belt is too fast for this job".
   bool of_release{};        ///< The release or its settings have to answer for that.
-  double last_pulse_s{-1};  ///< Of any axis, by the pins; < 0: none.
+  double last_pulse_s{-1};  ///< Time of the last pulse of any axis, by the pins; < 0: none.
 };
 
 /// What the release proved by stopping: its own words, beside pins that are at rest from then on.

@@ -10,7 +10,7 @@ struct Tolerances {
   /// number of others). Open cuts and other processes have no such edge and are judged by their centre.
   enum class Edge { kCentre, kOutside, kInside, kNesting };
   Edge edge{Edge::kCentre};
-  double path_mm{0.05};  ///< Of lines, corners and ends from the dieline.
+  double path_mm{0.05};  ///< Deviation of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
   double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.

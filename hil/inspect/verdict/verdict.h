@@ -35,8 +35,9 @@ struct Check {
 /// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN
 /// between, INVALID for NaN. Sets check.verdict and returns it.
 Verdict decide(Check& check);
-/// Of a decided check with an uncertainty: the risk of deciding wrongly (JCGM 106, 8 and 9), in one sentence;
-/// empty for others. Sets chance_beyond, if it is not known better, from a normal truth about the value.
+/// For a decided check with an uncertainty: the risk of deciding wrongly (JCGM 106, 8 and 9), in one
+/// sentence; empty for others. Sets chance_beyond, if it is not known better, from a normal truth about the
+/// value.
 std::string riskSentence(Check& check);
 /// INVALID without valid evidence or without any check; else FAIL if any check proves it, INVALID if one
 /// could not be measured, NOT PROVEN if any is; else PASS.

@@ -25,7 +25,7 @@ struct AnalyserDevice {
   std::string name;                   ///< Maker, model and version, as far as they are known.
   std::string serial;                 ///< May be empty.
   std::string conn;                   ///< "1.14" (USB bus and address), "/dev/ttyUSB0"; may be empty.
-  std::vector<std::string> channels;  ///< Of logic.
+  std::vector<std::string> channels;  ///< Names of its logic channels.
   std::string samplerates;            ///< For people: "1 Hz … 1000000000 Hz".
 };
 
@@ -43,7 +43,7 @@ struct AnalyserWish {
   std::string serial;  ///< Empty: any.
   std::uint64_t samplerate_hz{};
   std::vector<std::string> channels;  ///< Names; at most kMostChannels.
-  /// Of the driver, by sigrok's names: {"voltage_threshold", "1.2-1.2"}.
+  /// Settings of the driver, by sigrok's names: {"voltage_threshold", "1.2-1.2"}.
   std::vector<std::pair<std::string, std::string>> settings;
   ListenFor listen;
 };

@@ -10,10 +10,11 @@
 namespace kerfbench::source {
 
 struct AnalyserCaptureOptions {
-  AnalyserWish wish;                 ///< But for `listen`.
-  std::vector<Signal> signals;       ///< On each channel of the wish; outputs that `map` has.
-  double quiet_s{2.0};               ///< The job is over when no edge has come for this long; by samples.
-  double time_limit_s{60.0};         ///< Of the whole, waiting for the first edge included; by samples.
+  AnalyserWish wish;            ///< But for `listen`.
+  std::vector<Signal> signals;  ///< On each channel of the wish; outputs that `map` has.
+  double quiet_s{2.0};          ///< The job is over when no edge has come for this long; by samples.
+  double time_limit_s{
+      60.0};  ///< Limit of the whole capture, waiting for the first edge included; by samples.
   std::vector<Signal> low_at_start;  ///< As in GpioCaptureOptions.
 };
 

@@ -38,7 +38,7 @@ class SamplePacker {
 /// Until when an analyser is listened to.
 struct ListenFor {
   std::uint64_t quiet_samples{};  ///< After the first edge; > 0.
-  std::uint64_t limit_samples{};  ///< Of the whole; > 0.
+  std::uint64_t limit_samples{};  ///< Most samples of the whole capture; > 0.
 };
 
 /// Cuts a stream of runs off at the sample at which it is over, so that the same pins give the same recording

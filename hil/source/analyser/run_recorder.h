@@ -32,7 +32,7 @@ class RunRecorder {
   /// Where a recording lies in what was heard.
   struct Cut {
     std::int64_t origin{};  ///< Sample of tick 0; not after the first edge.
-    Tick start{};           ///< Of the levels at the start that are high; before the first edge.
+    Tick start{};           ///< Time of the levels that are high at the start; before the first edge.
     Tick end{};
   };
   /// What was heard so far, of `samplerate_hz`.
@@ -50,7 +50,7 @@ class RunRecorder {
   std::uint64_t first_edge_{};
   std::uint64_t last_edge_{};
   std::map<std::uint16_t, std::uint16_t> port_levels_;
-  std::vector<PinEvent> start_;    ///< Of the first sample.
+  std::vector<PinEvent> start_;    ///< Events that stand for the first sample's levels.
   std::vector<PinEvent> outputs_;  ///< By sample.
   std::vector<SensorEdge> sensors_;
 };

@@ -18,7 +18,7 @@ struct GpioCaptureOptions {
   std::vector<GpioWire> wires;  ///< Outputs that `map` has; one without a wire stays low.
   double stamp_err_s{};         ///< Declared bias and jitter of a time stamp.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long.
-  double time_limit_s{60.0};    ///< Of the whole, waiting for the first edge included.
+  double time_limit_s{60.0};    ///< Limit of the whole capture, waiting for the first edge included.
   /// High at the start these are a problem: pins are low before their first event, so a drive that counts
   /// rising edges would count one that was none.
   std::vector<Signal> low_at_start;

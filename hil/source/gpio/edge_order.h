@@ -20,8 +20,8 @@ struct LineEdge {
 
 /// What is wrong with the edges of a request; all zero: nothing.
 struct EdgeFaults {
-  std::uint64_t missing{};  ///< Numbers of the request that never came.
-  std::uint64_t dropped{};  ///< Of those the ones that the full buffer has cost: the line's numbers lack too.
+  std::uint64_t missing{};    ///< Numbers of the request that never came.
+  std::uint64_t dropped{};    ///< How many of those the full buffer has cost: the line's numbers lack too.
   std::uint64_t repeated{};   ///< Edges to the level that the line had already: two became one.
   std::uint64_t backwards{};  ///< Stamps before those of earlier edges.
   std::uint64_t worst_backwards_ns{};
@@ -79,7 +79,7 @@ class EdgeOrder {
   std::vector<std::uint64_t> line_stamp_ns_;
   std::uint64_t begin_ns_;
   std::uint64_t handed_ns_;  ///< Nothing at or before this may follow.
-  std::uint64_t stamp_ns_;   ///< Of the last edge placed.
+  std::uint64_t stamp_ns_;   ///< Stamp of the last edge placed.
   std::uint32_t next_{1};
   bool gap_{};
   std::uint64_t placed_{};

@@ -48,7 +48,7 @@ class EdgePlayer {
   std::shared_ptr<GpioSystem> system_;
   OutputLines lines_;
   std::deque<Planned> planned_;          ///< By `due_ns`.
-  std::vector<std::uint64_t> last_due_;  ///< Of each line.
+  std::vector<std::uint64_t> last_due_;  ///< Time of the last edge that each line was given.
   std::uint64_t last_put_ns_{};
 };
 

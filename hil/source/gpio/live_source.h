@@ -29,7 +29,7 @@ struct GpioLiveOptions {
   GpioCaptureOptions in;  ///< The controller's outputs. Its time limit is the caller's affair.
   std::filesystem::path out_chip;
   std::vector<GpioWire> out;          ///< The controller's inputs; may be empty.
-  std::vector<Signal> high_at_start;  ///< Of `out`, from before tick 0 on.
+  std::vector<Signal> high_at_start;  ///< Signals of `out` that are high from before tick 0 on.
   /// The job is started at the machine: it is over when no edge has come for in.quiet_s. If not, whoever
   /// talks to the controller knows when it is over.
   bool ends_when_quiet{};
@@ -42,8 +42,8 @@ struct GpioLiveRecord {
   std::vector<HeardBytes> uart;     ///< When they were read.
   std::vector<std::string> problems;
   std::vector<std::string> notes;  ///< As PinCapture's.
-  LagMeter lag;           ///< Of the output edges, against their plan; without those that answer to pins.
-  LagMeter switch_lag;    ///< Of these, which come kHoldBack_ns late by design.
+  LagMeter lag;           ///< Lag of the output edges behind their plan; without those that answer to pins.
+  LagMeter switch_lag;    ///< Lag of these, which come kHoldBack_ns late by design.
   std::uint64_t edges{};  ///< That came in.
 };
 
@@ -98,7 +98,7 @@ class GpioLiveSource final : public SignalSource {
   bool readEdges(std::uint64_t timeout_ns);
   void drain(std::uint64_t until_ns);
   void pumpUart();
-  /// Of the last bytes that the caller has.
+  /// Time of the last bytes that the caller has.
   [[nodiscard]] Tick uartHeard() const { return handed_bytes_ == 0 ? 0 : heard_[handed_bytes_ - 1].tick; }
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
@@ -111,7 +111,7 @@ class GpioLiveSource final : public SignalSource {
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;
   std::optional<EdgePlayer> player_;
-  std::map<PinId, std::size_t> out_line_;  ///< Of each pin that is driven.
+  std::map<PinId, std::size_t> out_line_;  ///< Line of each pin that is driven.
   struct Wish {
     std::size_t line{};
     bool level{};

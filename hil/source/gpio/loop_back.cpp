@@ -120,7 +120,7 @@ class LoopReader {
   std::uint64_t begin_ns_{};
   EdgeOrder order_;
   std::uint64_t cpu_begin_ns_;
-  std::uint64_t last_ns_;  ///< Of the last edge's read.
+  std::uint64_t last_ns_;  ///< Time at which the last edge was read.
   std::uint64_t cpu_ns_{};
   std::uint64_t worst_read_ns_{};
   std::vector<KernelEdge> read_;

@@ -23,7 +23,7 @@ struct LoopBackLines {
   LineWish beside;
 };
 
-/// Of many times the worst, what 95 % of them do not exceed, and the root of the mean square.
+/// The worst of many times, what 95 % of them do not exceed, and the root of the mean square.
 struct TimeSpread {
   std::uint64_t worst_ns{};
   std::uint64_t share95_ns{};
@@ -48,7 +48,7 @@ struct LoopBackStep {
   TimeSpread stamp_most;
   std::uint64_t worst_read_ns{};  ///< From stamp to read.
   std::int64_t worst_put_ns{};    ///< From plan to line, of the edges put out.
-  double cpu_share{};             ///< Of one processor, by the thread that reads.
+  double cpu_share{};             ///< Share of one processor, by the thread that reads.
 
   [[nodiscard]] bool held() const { return problems.empty(); }
   /// Whether the edges came as fast as they were asked for.

@@ -27,7 +27,7 @@ class PortEvents {
   }
 
   std::vector<PinId> pins_;
-  std::map<std::uint16_t, std::uint16_t> levels_;  ///< Of each port.
+  std::map<std::uint16_t, std::uint16_t> levels_;  ///< Levels of each port.
 };
 
 }  // namespace kerfbench::source

@@ -27,7 +27,7 @@ struct DrivenEdge {
 /// What became of a plan.
 struct DrivenTrain {
   std::vector<DrivenEdge> edges;  ///< Fewer than planned if the line cannot be driven that fast.
-  LagMeter lag;                   ///< Of `after_ns` against the plan.
+  LagMeter lag;                   ///< Lag of `after_ns` behind the plan.
   /// Edges in a second from the first to the last; 0 with fewer than two.
   [[nodiscard]] double rate_hz() const;
 };

@@ -24,7 +24,7 @@ constexpr Index kLeastPixels = 200;
 constexpr double kLeastNoise_gray = 0.3;
 constexpr double kClearlyShort = 0.8;  // of the squares that an arc leaves
 
-/// Of all that is asked, in sigmas.
+/// Bounds of all that is asked, in sigmas.
 double squaresOf(const CornerProblem& problem, const VectorXd& x) {
   VectorXd f(problem.values());
   problem(x, f);

@@ -54,13 +54,13 @@ class CornerModel {
  private:
   /// A place that light is asked for.
   struct Sample {
-    std::size_t index;  ///< Of sharp_.
+    std::size_t index;  ///< Index into sharp_.
     Eigen::Vector2f p_mm;
     float in_along_mm, in_beside_mm, out_along_mm, out_beside_mm;
   };
   void blur(double blur_px);
 
-  int columns_, rows_;  ///< Of samples.
+  int columns_, rows_;  ///< Columns and rows of samples.
   int pixel_columns_, pixel_rows_;
   std::vector<Sample> samples_;
   std::vector<float> sharp_, across_;

@@ -20,7 +20,7 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-/// Of the centre line where it is carried on before the corner.
+/// Offset of the centre line where it is carried on before the corner.
 Vector2d directionOf(const CornerLeg& leg) {
   return (leg.outwards + leg.slope * leftOf(leg.outwards)).normalized();
 }

@@ -12,7 +12,7 @@ namespace kerfbench::vision {
 struct CornerLeg {
   Eigen::Vector2d outwards{Eigen::Vector2d::UnitX()};  ///< Unit, away from the corner.
   double bend_per_mm{};                                ///< Curvature of the nominal curve, > 0 to the left.
-  double offset_mm{};         ///< Of the centre line where the nominal curve has its corner,
+  double offset_mm{};         ///< Offset of the centre line where the nominal curve has its corner,
   double slope{};             ///< how it changes with the length,
   double curvature_per_mm{};  ///< its second derivative
   double twist_per_mm2{};     ///< and its third; before the corner it runs straight on.

@@ -16,7 +16,7 @@ struct JointScene {
   const PlaneMotion* X_TS{};
   const KerfScanOptions* options{};
   const KerfPlan* plan{};
-  const std::vector<EntityKerf>* kerfs{};  ///< Of the unit, in the plan's order.
+  const std::vector<EntityKerf>* kerfs{};  ///< Kerfs of the unit, in the plan's order.
   LensBlur blur{kUsualBlur};
   int unit{};
 

@@ -28,9 +28,10 @@ constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 constexpr double kArcModelMm = 0.0003;
 constexpr double kLegsModelMm = 0.0003;
 constexpr double kRoundingModelMm = 0.0003;
-constexpr double kFlickerShare = 1.7;  // Of how far the legs' half widths flicker: the arc has fewer places.
-// Of where a leg ends that runs over. One that hardly stands out is none; told worst are those of about
-// 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
+constexpr double kFlickerShare =
+    1.7;  // Multiple of how far the legs' half widths flicker: the arc has fewer places.
+// Uncertainty of where a leg ends that runs over. One that hardly stands out is none; told worst are those of
+// about 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
 constexpr double kEndsNearShare = 1.0 / 3.0;  // of how far it runs over
 constexpr double kEndsFarMm2 = 3.8e-5;        // over how far it runs over
 constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it

@@ -84,7 +84,7 @@ std::uint8_t medianOf(std::vector<std::uint8_t> values) {
   return *middle;
 }
 
-/// Of a row of a table: whole registers.
+/// Part of a row of a table: whole registers.
 std::size_t strideFor(std::size_t columns) { return (columns + 31) / 32 * 32; }
 
 constexpr std::size_t kPerSide = kCell / kSampleStride;
@@ -111,7 +111,7 @@ class Samples {
     medians.resize(begin + columns_);
     for (std::size_t i = full; i < columns_; ++i) {
       const std::vector<std::uint8_t> values = partOf(i, rows);
-      // Of a sliver of a cell, all may lie under a spot: its neighbour knows better.
+      // All of a sliver of a cell may lie under a spot: its neighbour knows better.
       const bool sliver = values.size() < 4;
       if (sliver && i > 0 && rows > 1) {
         medians[begin + i] = medians[begin + i - 1];

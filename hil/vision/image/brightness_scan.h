@@ -27,7 +27,7 @@ class Background {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  /// Of the whole picture.
+  /// Median of the whole picture.
   [[nodiscard]] int median() const { return median_; }
   /// Standard deviation of one pixel of plain board.
   [[nodiscard]] double noise() const { return noise_; }

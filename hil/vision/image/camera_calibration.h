@@ -32,7 +32,8 @@ struct CameraCalibration {
   std::string camera_id{};  ///< Serial number or name; pictures of another camera must not be read with this.
   std::string date{};       ///< ISO 8601 day of the views, "2026-11-21".
   double rms_px{};          ///< Reprojection residual of all corners, per axis.
-  Eigen::AlignedBox2d area_mm{};  ///< Of plane P that the target covered: outside, map_u_mm says nothing.
+  Eigen::AlignedBox2d
+      area_mm{};  ///< Area of plane P that the target covered: outside, map_u_mm says nothing.
   /// How the map may be wrong, as independent standard normal draws e_k would show it: the covariance of the
   /// parameters of planeFromPixel, its columns scaled by their standard deviations. Order of the parameters:
   /// fx fy cx cy, k1 k2 p1 p2 k3, rotation vector of the plane (rad, left-multiplied), its translation (mm).

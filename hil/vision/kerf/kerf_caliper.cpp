@@ -18,7 +18,7 @@ constexpr double kLeastContrast = 0.03;  // of board to open kerf; less is dirt 
 constexpr std::array<double, 3> kLevels{0.4, 0.5, 0.6};
 
 struct Peak {
-  std::size_t first;  ///< Of the samples above half of its height.
+  std::size_t first;  ///< First sample above half of its height.
   std::size_t last;
 };
 

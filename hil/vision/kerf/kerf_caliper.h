@@ -11,7 +11,7 @@ struct KerfReading {
   double offset_mm{};
   double width_mm{};
   double brightness{};
-  double noise_mm{};  ///< Of the offset, as the noise of the pixels alone would make it.
+  double noise_mm{};  ///< Noise of the offset, as the noise of the pixels alone would make it.
   double top_gray{};
   double base_gray{};
   /// Left minus right at kBesidePx beyond the flanks, mirrored about the centre; NaN where hidden.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kDarkGray = 4;  // Less light through the board tells kerf from board no longer.
 constexpr double kSaturatedShare = 0.02;
-constexpr double kInk = 0.6;           // Of the radius: all ink within …
+constexpr double kInk = 0.6;           // Share of the radius: all ink within …
 constexpr double kBoard = 1.25;        // … all board from here to kOuterRim.
 constexpr double kMarkBlurPx = 0.015;  // Scatter of one mark of 100 px; counts as kBlurBelief marks.
 constexpr double kBlurBelief = 4.0;

@@ -18,7 +18,7 @@ constexpr int kFlankTopSamples = 24;
 constexpr double kReachPx = 7.0;   // beyond half a kerf
 constexpr double kSmoothMm = 1.0;  // along the curve, each way
 constexpr double kIndependentMm = 0.2;
-// Of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
+// Share of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
 // scorch.
 constexpr double kScorchBlur = 0.93;
 constexpr double kModelShare = 0.22;  // of the shift: what the model of scorch leaves

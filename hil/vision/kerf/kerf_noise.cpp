@@ -152,7 +152,7 @@ class Scatter {
 
   const KerfPlan& plan_;
   std::vector<Differences> all_;
-  std::vector<std::vector<Pool>> sums_;  ///< Of each entity, up to each difference.
+  std::vector<std::vector<Pool>> sums_;  ///< Sums of each entity, up to each difference.
   std::map<dieline::Process, Pool> of_process_;
 };
 

@@ -8,7 +8,7 @@ namespace kerfbench::vision {
 /// How a kerf looks in the picture.
 struct KerfLook {
   double half_width_mm{};  ///< At half height, as seen.
-  double brightness{1.0};  ///< Of its middle.
+  double brightness{1.0};  ///< Brightness of its middle.
   double board_gray{};
   double open_gray{};
   double beam_radius_mm{};  ///< 1/e²; 0: a round tool as wide as the kerf.
@@ -32,9 +32,9 @@ class KerfOutline {
   [[nodiscard]] double shareAt(double beyond_mm, double beside_mm) const;
   [[nodiscard]] int samplesOfLook() const;
   [[nodiscard]] double grayAt(double share) const;
-  /// Of the middle of a straight kerf.
+  /// Brightness of the middle of a straight kerf.
   [[nodiscard]] double seenTop(double peak) const;
-  /// Of a profile that falls outwards, blurred: where it crosses half way.
+  /// Half width of a profile that falls outwards, blurred: where it crosses half way.
   [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;
 
   KerfLook look_;

@@ -21,7 +21,7 @@ struct Station {
   double curvature_per_mm{};
   bool near_corner{};  ///< Within the clearance of a corner.
   std::size_t hidden_begin{};
-  std::size_t hidden_count{};  ///< Of EntityPlan::hidden_S_mm.
+  std::size_t hidden_count{};  ///< How many entries of EntityPlan::hidden_S_mm.
 };
 
 struct EntityPlan {
@@ -50,7 +50,7 @@ struct EntityEnd {
 struct PlannedCorner {
   EntityEnd in;
   EntityEnd out;
-  Eigen::Vector2d tangent_in{Eigen::Vector2d::UnitX()};   ///< Of the way, towards the corner.
+  Eigen::Vector2d tangent_in{Eigen::Vector2d::UnitX()};   ///< Direction of the beam towards the corner.
   Eigen::Vector2d tangent_out{Eigen::Vector2d::UnitX()};  ///< And away from it.
   double turn_rad{};
 };

@@ -28,7 +28,7 @@ struct CaliperWindow {
 struct PixelAcross {
   float across_mm{};
   float along_mm{};
-  float gray{};   ///< Of even light: the uneven light is taken out.
+  float gray{};   ///< Gray as under even light: the uneven light is taken out.
   float share{};  ///< How much of it lies between the ends of the window; (0, 1].
 };
 
@@ -44,7 +44,7 @@ struct Profile {
   double first_mm{};
   double step_mm{};
   double pixel_mm{};
-  double noise_gray{};              ///< Of one pixel, on the board.
+  double noise_gray{};              ///< Noise of one pixel, on the board.
   std::vector<PixelAcross> pixels;  ///< What it was made of.
 
   [[nodiscard]] std::size_t size() const { return gray.size(); }

@@ -28,7 +28,7 @@ struct TileView {
   std::optional<Background> background;
   double noise_gray{};
   std::vector<FoundMark> marks;  ///< In the camera's plane V.
-  LightField light;              ///< Of the back light; see shareLight().
+  LightField light;              ///< Back light over the field; see shareLight().
 };
 
 /// Looks at board and marks.

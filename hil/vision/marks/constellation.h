@@ -56,15 +56,16 @@ struct ConstellationQuery {
   int anchor_last_unit{};      ///< A seen mark is taken in turn for one of first_unit ... this unit.
   double max_angle_rad{0.03};  ///< Around expected.angle_rad.
   double tolerance_mm{0.5};
-  PlaneMotion expected;          ///< Of the web; S of unit 0.
-  double max_shift_mm{};         ///< From expected, at the mark itself; infinity where nothing is known.
-  bool prefer_least_advanced{};  ///< Of equally good ones: the smallest x, as for a web that just enters.
+  PlaneMotion expected;   ///< Motion that is expected of the web; S of unit 0.
+  double max_shift_mm{};  ///< From expected, at the mark itself; infinity where nothing is known.
+  bool
+      prefer_least_advanced{};  ///< Takes the smallest x of equally good ones, as for a web that just enters.
   /// Whether a mark at this place would have been seen; expected but unseen marks speak against a motion.
   std::function<bool(const Eigen::Vector2d& q_mm)> in_view;
 };
 
 struct Constellation {
-  PlaneMotion motion;  ///< Of the web.
+  PlaneMotion motion;  ///< Motion of the web.
   int matched{};
   int expected{};  ///< Marks of the layout that should be in view.
 };

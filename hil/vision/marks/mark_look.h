@@ -11,7 +11,7 @@ namespace kerfbench::vision {
 
 // Parts of measureMark(): what one look at a printed disc tells.
 
-inline constexpr double kOuterRim = 1.4;  ///< Of a disc's radius: all board out to here.
+inline constexpr double kOuterRim = 1.4;  ///< Ring of board, in radii of a disc: all board out to here.
 
 /// Gray of board and ink, and how the light changes over the picture: share per pixel of that at the disc's
 /// centre.
@@ -33,10 +33,10 @@ struct MarkLook {
   Eigen::Vector2d centroid;
   double area_px;
   MarkLevels levels;
-  double stained_share;    ///< Of the inner disc that is not ink.
-  double darkened_share;   ///< Of the outer ring that is not board.
+  double stained_share;    ///< Share of the inner disc that is not ink.
+  double darkened_share;   ///< Share of the outer ring that is not board.
   double worst_sector_px;  ///< Farthest that a piece of the edge lies off the circle.
-  double sigma_px;         ///< Of the centroid, per axis.
+  double sigma_px;         ///< Standard deviation of the centroid, per axis.
 };
 
 /// Where a disc should be, and how its picture is drawn out by the camera's tilt.

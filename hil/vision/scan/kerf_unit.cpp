@@ -69,7 +69,7 @@ bool seesOwn(const Profile& profile) {
   return least >= Profile::kLeastWeight && least >= kEvenly * most;
 }
 
-/// Of the kerf against the nominal curve, from the neighbours' offsets; 0 where one is missing.
+/// Slope of the kerf against the nominal curve, from the neighbours' offsets; 0 where one is missing.
 double slopeAt(const EntityKerf& kerf, std::size_t i) {
   if (i == 0 || i + 1 >= kerf.calipers.size()) return 0.0;
   const Caliper& before = kerf.calipers[i - 1];

@@ -32,7 +32,8 @@ void keepAngle(MotionFit& fit, std::span<const MarkPair> pairs, double angle_var
   fit.covariance += angle_variance * by_angle * by_angle.transpose();
 }
 
-/// Of the angle that a match of these discs tells: of their greatest distance, or nothing but its limits.
+/// Variance of the angle that a match of these discs tells: of their greatest distance, or nothing but its
+/// limits.
 double angleVarianceOf(const std::vector<FoundMark>& seen, double max_angle_rad) {
   double smallest = max_angle_rad * max_angle_rad / 3.0;
   for (const FoundMark& a : seen) {

@@ -40,12 +40,12 @@ class SheetTracker {
 
  private:
   struct UnitState {
-    PlaneMotion motion;       ///< Of S of the unit.
-    double angle_variance{};  ///< Of motion.angle_rad, rad².
+    PlaneMotion motion;       ///< Place of the unit's frame S.
+    double angle_variance{};  ///< Variance of motion.angle_rad, rad².
     double time_s{};
   };
 
-  /// Of the unit itself or of its freshest neighbour.
+  /// State of the unit itself or of its freshest neighbour.
   [[nodiscard]] UnitState predict(int unit, double time_s) const;
   [[nodiscard]] double looseness(int unit, double time_s) const;
   [[nodiscard]] bool markInView(const Eigen::Vector2d& p_mm, double diameter_mm) const;
@@ -67,8 +67,8 @@ class SheetTracker {
 
   const CameraCalibration& calibration_;
   const PrintLayout& print_;
-  double pitch_mm_;    ///< Of the pixels.
-  double speed_mm_s_;  ///< Of the web along x, as measured; nominal at first.
+  double pitch_mm_;    ///< Pitch of the pixels.
+  double speed_mm_s_;  ///< Speed of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
   double contrast_gray_{80.0};

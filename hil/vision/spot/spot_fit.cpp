@@ -21,7 +21,7 @@ constexpr double kEdgeSigmaPx = 0.7;
 
 // A bell this much longer than wide is fitted as a streak, too. A shorter streak is as good as a bell.
 constexpr double kStreakRatio = 1.2;
-constexpr double kFaint = 1e-5;  // Of a spot's height: plain board.
+constexpr double kFaint = 1e-5;  // Share of a spot's height: plain board.
 
 using Vector = SpotParameters::Vector;
 using Matrix = SpotParameters::Matrix;

@@ -25,10 +25,11 @@ struct DiscInPicture {
 /// exposure.
 struct SpotFit {
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Its middle.
-  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Of the estimated centre.
-  double long_sigma_px{};                                   ///< Of the light, along and across.
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Covariance of the estimated centre.
+  double long_sigma_px{};  ///< Standard deviation of the light along its longer axis.
   double short_sigma_px{};
-  double height_gray{};  ///< Of its brightest place above the board; more than 255 for a saturated spot.
+  double
+      height_gray{};  ///< Height of its brightest place above the board; more than 255 for a saturated spot.
   ShotEvidence shot;
   /// How the centre follows the grey of a pixel of the spot.
   struct Influence {

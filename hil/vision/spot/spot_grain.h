@@ -23,7 +23,7 @@ class BoardGrain {
   [[nodiscard]] Eigen::Matrix2d centreCovariance(const SpotFit& fit, const PixelNoise& noise) const;
 
  private:
-  static constexpr int kReach = 4;  ///< Of pixels that may have something in common.
+  static constexpr int kReach = 4;  ///< Reach within which pixels may have something in common.
   static constexpr int kSide = 2 * kReach + 1;
 
   [[nodiscard]] double at(int dc, int dr) const;

@@ -7,7 +7,7 @@ namespace kerfbench::vision {
 
 /// Noise of a pixel: read noise and, growing with the light, shot noise.
 struct PixelNoise {
-  double board_gray{};      ///< Of the plain board …
+  double board_gray{};      ///< Gray of the plain board …
   double board_variance{};  ///< … and the variance there, grey².
   double per_gray{};        ///< Variance for each grey of light; in [0, board_variance / board_gray].
 

@@ -25,7 +25,7 @@ constexpr int kSearchEvery = 20;        // frames, at most
 constexpr double kSearchEveryMm = 5.0;  // of belt, at most
 constexpr int kDarkGray = 8;
 constexpr double kSaturatedShare = 0.02;
-// Of all marks that should have been seen.
+// Shares of all marks that should have been seen.
 constexpr double kMissingShare = 0.2;
 constexpr double kMovedShare = 0.05;
 

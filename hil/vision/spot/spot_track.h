@@ -21,7 +21,7 @@ struct SheetPose {
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
   int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
   int expected{};        ///< Marks that lie well within the picture and not under the spot.
-  int moved{};           ///< Of those, seen, but not where the others let expect it: not used.
+  int moved{};           ///< Marks that were seen, but not where the others let expect them: not used.
   /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad². With one mark the angle is as
   /// uncertain as it was when last measured, and errs alike in all frames since. Without map_u_mm.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
@@ -50,7 +50,7 @@ struct FrameMeasurement {
 
 struct SpotTrackOptions {
   int threads{1};  ///< The result is the same at any number.
-  /// Of the belt, for telling the units apart between frames; from the scenario.
+  /// Speed of the belt, for telling the units apart between frames; from the scenario.
   double nominal_speed_mm_s{};
   /// Standard deviation of the light across its way, beyond which the picture is blurred, mm.
   double widest_spot_mm{0.3};

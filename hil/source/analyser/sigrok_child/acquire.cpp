@@ -185,7 +185,7 @@ void acquire(const AcquireRequest& request, const Sink& sink) {
   Reception reception(session.get(), bits, request.listen, sink);
   sr_session_datafeed_callback_add(session.get(), &Reception::receive, &reception);
   std::vector<std::string> notes = library.log().takeWarnings();
-  (void)library.log().takeErrors();  // Of drivers that tried something else first.
+  (void)library.log().takeErrors();  // Forgets what drivers said that tried something else first.
   // The first packets can come from within sr_session_start().
   sink(Frame::kStarted, describe(device));
   int code = sr_session_start(session.get());

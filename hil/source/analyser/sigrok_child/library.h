@@ -31,7 +31,7 @@ class Library {
  public:
   Library();
 
-  /// Of logic analysers, by name.
+  /// Drivers of logic analysers, by name.
   [[nodiscard]] std::vector<sr_dev_driver*> drivers() const;
   [[nodiscard]] sr_dev_driver* driver(const std::string& name) const;
   /// `conn` may be empty. Devices stay the driver's.
