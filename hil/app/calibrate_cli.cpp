@@ -73,7 +73,7 @@ void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions
       "Calibrate a scan head on the twin: marks are cut, found in the kerf camera's pictures, and the head "
       "is "
       "fitted;\n"
-      "its correction table is verified at places that were never marked. docs/how-to/calibrate-a-camera.md "
+      "its correction table is verified at places that were never marked. docs/how-to/calibrate-a-head.md "
       "says how.\n"
       "Exit code 0: the table is good; 1: not good enough; 3: the marks cannot be trusted; 65: bad input; "
       "75: by "

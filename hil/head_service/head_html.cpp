@@ -246,7 +246,8 @@ std::string made(const HeadPlan& plan, const HeadFacts& facts) {
          report::htmlRow("Limit", fmt::format("{:g} mm", plan.limit_mm)) +
          report::htmlRow("Seed", std::to_string(plan.seed)) + report::htmlRow("Kerf camera", facts.camera) +
          report::htmlRow("Date", plan.date) + report::htmlRow("Kerfbench", facts.version) +
-         "</tbody></table><p class=note>Same input, same bytes. docs/how-to/calibrate-a-camera.md says how to read this "
+         "</tbody></table><p class=note>Same input, same bytes. docs/how-to/calibrate-a-head.md says how to "
+         "read this "
          "page.</p>";
 }
 

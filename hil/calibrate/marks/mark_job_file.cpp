@@ -52,7 +52,7 @@ std::string markJobDigest(const MarkJob& job) { return base::sha256(body(job)); 
 std::string markJobText(const MarkJob& job) {
   return fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
-      "# Marks to be cut into a sheet, to calibrate a scan head: docs/how-to/calibrate-a-camera.md.\n"
+      "# Marks to be cut into a sheet, to calibrate a scan head: docs/how-to/calibrate-a-head.md.\n"
       "version: 1\n"
       "digest: '{}'   # Of all that follows: a job is not edited, but planned anew.\n"
       "{}",
