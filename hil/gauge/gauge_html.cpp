@@ -211,7 +211,8 @@ std::string gaugeHtml(const GaugeResult& result, const GaugeOptions& options, co
   html += header(result, options, facts) + claimSection(result);
   for (const GaugeSection& s : result.sections) html += sectionHtml(s);
   html += fmt::format(
-      "<h2>Again</h2><p><code>{}</code></p><p class=note>Same input, same bytes. docs/explanation/what-it-is-worth.md says how "
+      "<h2>Again</h2><p><code>{}</code></p><p class=note>Same input, same bytes. "
+      "docs/explanation/what-it-is-worth.md says how "
       "to read this page.</p>",
       report::escapeHtml(facts.command));
   return html.append(report::kHtmlPageEnd);

@@ -53,9 +53,9 @@ inline std::vector<std::string> cellsOf(const std::string& row) {
 /// A row of a table, by the headings of its columns.
 using Row = std::map<std::string, std::string>;
 
-/// The rows of all tables of a page whose first column is headed `heading`, by what stands in backticks in that
-/// column. A line `Prefix: `a.` `b.`` says with which prefixes the keys of the tables below it are read, up to
-/// the next heading of level two.
+/// The rows of all tables of a page whose first column is headed `heading`, by what stands in backticks in
+/// that column. A line `Prefix: `a.` `b.`` says with which prefixes the keys of the tables below it are read,
+/// up to the next heading of level two.
 inline std::map<std::string, Row> tableRows(const std::string& page, const std::string& heading) {
   std::istringstream text(pageText(page));
   std::map<std::string, Row> rows;

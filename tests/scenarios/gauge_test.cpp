@@ -57,7 +57,8 @@ TEST_F(GaugeLong, QuickShowsWhatTheInstrumentIsWorth) {
                              "%GRR", "ndc", "largest drift: budget and Monte-Carlo"}),
             "")
       << run.output;
-  // Not a bad cut may pass. Corners and ends are measured, and no check judges them: docs/explanation/what-it-is-worth.md.
+  // Not a bad cut may pass. Corners and ends are measured, and no check judges them:
+  // docs/explanation/what-it-is-worth.md.
   EXPECT_EQ(failing(result,
                     {"bad cuts that PASS: offset", "bad cuts that PASS: bump", "bad cuts that PASS: scale",
                      "bad cuts that PASS: rotation", "bad cuts that PASS: wave", "bad cuts that PASS: entity",

@@ -22,8 +22,8 @@ ProgramRun program(const std::string& name, const std::string& arguments);
 /// are cores.
 ProgramRun kerfbench(const std::string& arguments);
 
-/// A folder for the results of one test, empty at first, removed in the end. What verdicts lie in it is validated
-/// (tests/results).
+/// A folder for the results of one test, empty at first, removed in the end. What verdicts lie in it is
+/// validated (tests/results).
 class ScratchFolder {
  public:
   ScratchFolder();

@@ -56,7 +56,8 @@ double rulerLength(double most_mm) {
 std::string targetText(const CalibrationTarget& target) {
   return fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
-      "# Calibration target: docs/how-to/calibrate-a-camera.md. A chessboard with a marker of OpenCV's dictionary 5X5_1000 "
+      "# Calibration target: docs/how-to/calibrate-a-camera.md. A chessboard with a marker of OpenCV's "
+      "dictionary 5X5_1000 "
       "in\n"
       "# each white square. Measure the print over many squares, and correct square_mm and marker_mm.\n"
       "version: 1\n"

@@ -82,7 +82,8 @@ TEST_F(MachineKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
   for (const auto& [key, asked] : askedKeys()) {
     const auto found = page.find(key);
     if (!asked.range || found == page.end() || key == "version") continue;
-    EXPECT_EQ(found->second.at("range"), fmt::format("{:g} … {:g}", asked.range->min, asked.range->max)) << key;
+    EXPECT_EQ(found->second.at("range"), fmt::format("{:g} … {:g}", asked.range->min, asked.range->max))
+        << key;
     // Inside a drive the profile's value is the default; the catalogue's own keys are checked.
     if (key.find(".servo.") != std::string::npos || key.find(".stepper.") != std::string::npos) continue;
     const auto& fallback = asked.range->fallback;
