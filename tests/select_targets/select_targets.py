@@ -7,6 +7,7 @@ no test is selected. Ends with 1 if ctest or the build cannot be asked.
 """
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -18,13 +19,29 @@ def asked(command):
     return answer.stdout
 
 
+def commands(build):
+    """The words of each test's command, by its name. From the files that ctest reads: ctest itself leaves out the command of a
+    program that is not built yet."""
+    found = {}
+    for folder, _, files in os.walk(build):
+        if "CTestTestfile.cmake" not in files:
+            continue
+        with open(os.path.join(folder, "CTestTestfile.cmake"), encoding="utf-8") as file:
+            for name, words in re.findall(r"^add_test\(\[=*\[(.*?)\]=*\]\s+(.*)\)$", file.read(), re.MULTILINE):
+                found[name] = [re.sub(r"\\(.)", r"\1", word) for word in re.findall(r'"((?:[^"\\]|\\.)*)"', words)]
+    return found
+
+
 def main():
     build = os.path.realpath(sys.argv[1])
     selected = json.loads(asked(["ctest", "--test-dir", build, "--show-only=json-v1", *sys.argv[2:]]))
     made = {line.rsplit(": ", 1)[0] for line in asked(["ninja", "-C", build, "-t", "targets", "all"]).splitlines()}
+    command_of = commands(build)
     needed = set()
     for test in selected["tests"]:
-        wanted = list(test.get("command", []))
+        if test["name"] not in command_of:
+            sys.exit(f"{build}: the command of test {test['name']} is not where ctest has it")
+        wanted = list(command_of[test["name"]])
         for property in test.get("properties", []):
             if property["name"] == "REQUIRED_FILES":
                 wanted += property["value"]
