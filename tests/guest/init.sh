@@ -30,7 +30,6 @@ mount -t devtmpfs dev $root/dev
 mkdir -p $root/dev/pts
 mount -t devpts pts $root/dev/pts
 mount -t configfs config $root/sys/kernel/config
-mount -t tmpfs tmp $root/tmp
 mount -t tmpfs run $root/run
 mkdir $root/run/shared
 mount --bind /rw/shared $root/run/shared
