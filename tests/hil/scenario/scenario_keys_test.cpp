@@ -89,7 +89,10 @@ TEST_F(ScenarioKeys, ThePageHasEveryKeyThatTheProgramAsksFor) {
 
 TEST_F(ScenarioKeys, ThePageHasNoKeyThatNobodyAsksFor) {
   EXPECT_GT(page_.size(), 120U);
-  for (const auto& [key, row] : page_) EXPECT_TRUE(asked_.contains(key)) << key;
+  for (const auto& [key, row] : page_) {
+    // The reader itself looks for `extends`, before any key is asked for.
+    if (key != "extends") EXPECT_TRUE(asked_.contains(key)) << key;
+  }
 }
 
 TEST_F(ScenarioKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
