@@ -172,6 +172,7 @@ int gauge(const GaugeCommandOptions& options) {
   const gauge::GaugeSetup setup = readSetup(options.machine, facts);
   facts.command = options.command_line;
   if (!options.test_case.empty()) return repeatCase(setup, options, console);
+  judge::refuseForeignResults(options.results_dir, "gauge");
   console.say(fmt::format("gauge: {}, cameras {} and {}", setup.machine.name,
                           setup.kerf_calibration.camera_id, setup.spot_calibration.camera_id));
   const gauge::GaugeOptions asked = chosen(options);

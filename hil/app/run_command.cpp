@@ -12,6 +12,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/judge/conclude.h"
 #include "hil/judge/controller_evidence.h"
+#include "hil/judge/results_folder.h"
 #include "hil/judge/run_options.h"
 #include "hil/live/live_spot.h"
 #include "hil/live/real_pins.h"
@@ -57,6 +58,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   base::Stopwatch stopwatch;
   base::Console console(options.quiet);
   const scenario::Case test_case = caseWithOptions(scenario, options);
+  judge::refuseForeignResults(options.results_dir, test_case.scenario.name + "-replay");
   console.say(fmt::format("{}: {}, replayed from {}", test_case.scenario.name, test_case.scenario.title,
                           recording.string()));
   const twin::SampledMachine sampled = scenario::sampledMachine(test_case);
@@ -81,6 +83,7 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
   base::Console console(options.quiet);
   const scenario::Case test_case = caseWithOptions(path, options);
   const scenario::Scenario& scenario = test_case.scenario;
+  judge::refuseForeignResults(options.results_dir, scenario.name);
   console.say(fmt::format("{}: {}", scenario.name, scenario.title));
   live::refuseKerfPictures(test_case);
   if (scenario.firmware.onRealPins())

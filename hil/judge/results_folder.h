@@ -6,6 +6,15 @@
 
 namespace kerfbench::judge {
 
+/// File in each results folder that lists what a run wrote there, a path a line below a head line. Only a
+/// folder that has it, and nothing else, is replaced by a later run.
+inline constexpr const char* kResultsList = "kerfbench-results.txt";
+
+/// Refuses a place that holds what no run wrote, before anything runs: a later commit() would delete it.
+/// A place where nothing is, an empty folder and the results of an earlier run are fine.
+/// @throws base::InputError that names the place and what is there.
+void refuseForeignResults(const std::filesystem::path& parent, const std::string& name);
+
 /// A results folder that appears whole or not at all: everything is written beside its place, commit() swaps
 /// it in. Without commit() nothing is left.
 class ResultsFolder {
@@ -20,8 +29,9 @@ class ResultsFolder {
   [[nodiscard]] const std::filesystem::path& staging() const { return staging_; }
   /// Where it will be.
   [[nodiscard]] const std::filesystem::path& place() const { return place_; }
-  /// Puts the folder in its place; an older one there is replaced in one step, or on drives that cannot
-  /// exchange two names (many of a network) in two. @throws std::system_error; the older one stays then.
+  /// Adds kResultsList and puts the folder in its place; an older one there is replaced in one step, or on
+  /// drives that cannot exchange two names (many of a network) in two. @throws std::system_error, or as
+  /// refuseForeignResults() for what has come there meanwhile; the older one stays then.
   void commit();
 
  private:

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <exception>
 
 #include "hil/base/atomic_file.h"
@@ -65,22 +63,12 @@ std::string writeSession(const fs::path& path, const source::PinRecording& recor
   }
 }
 
-constexpr std::array kFiles{"pins.vcd", "pins.sr", "scenario.yaml"};
-
 /// The folder as a whole is put in place, so what else there is would go.
 fs::path outFolder(const CaptureOptions& options, const std::string& name) {
   const fs::path wanted = options.out.empty() ? fs::path("results") / (name + "-capture") : options.out;
   fs::path out = fs::absolute(wanted).lexically_normal();
   if (out.filename().empty()) out = out.parent_path();
-  if (fs::exists(out) && !fs::is_directory(out))
-    throw base::InputError(fmt::format("{}: is no folder, and the recording needs one", out.string()));
-  if (!fs::exists(out)) return out;
-  for (const auto& entry : fs::directory_iterator(out)) {
-    if (std::ranges::find(kFiles, entry.path().filename()) == kFiles.end())
-      throw base::InputError(
-          fmt::format("{}: has {}, which no capture wrote: name a folder that can be replaced", out.string(),
-                      entry.path().filename().string()));
-  }
+  judge::refuseForeignResults(out.parent_path(), out.filename().string());
   return out;
 }
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <system_error>
 
+#include "hil/base/input_error.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::judge {
@@ -42,8 +44,11 @@ TEST(ResultsFolder, ReplacesAnOlderOneWholly) {
 
 TEST(ResultsFolder, WithoutACommitTheOldOneStaysAndNothingIsLeft) {
   const base::TempFolder temp;
-  fs::create_directories(temp.path() / "label");
-  write(temp.path() / "label" / "old", "old");
+  {
+    ResultsFolder folder(temp.path(), "label");
+    write(folder.staging() / "old", "old");
+    folder.commit();
+  }
   {
     ResultsFolder folder(temp.path(), "label");
     write(folder.staging() / "half", "half");
@@ -51,6 +56,61 @@ TEST(ResultsFolder, WithoutACommitTheOldOneStaysAndNothingIsLeft) {
   EXPECT_EQ(base::contentOf(temp.path() / "label" / "old"), "old");
   EXPECT_FALSE(fs::exists(temp.path() / "label" / "half"));
   EXPECT_EQ(temp.entries(), 1);
+}
+
+/// What refuseForeignResults() says of `label` in the folder; empty if nothing.
+std::string refusal(const base::TempFolder& temp) {
+  try {
+    refuseForeignResults(temp.path(), "label");
+    return {};
+  } catch (const base::InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(ResultsFolder, DeletesNothingThatNoRunWrote) {
+  const base::TempFolder temp;
+  const fs::path place = temp.path() / "label";
+  EXPECT_EQ(refusal(temp), "");
+  write(place, "a file of somebody's");
+  EXPECT_NE(refusal(temp).find("is no folder"), std::string::npos) << refusal(temp);
+  fs::remove(place);
+  fs::create_directory(place);
+  EXPECT_EQ(refusal(temp), "");
+  write(place / "thesis.txt", "years of work");
+  EXPECT_NE(refusal(temp).find("is no results folder"), std::string::npos) << refusal(temp);
+  {
+    ResultsFolder folder(temp.path(), "label");
+    write(folder.staging() / "verdict.json", "{}");
+    EXPECT_THROW(folder.commit(), base::InputError);
+  }
+  EXPECT_EQ(base::contentOf(place / "thesis.txt"), "years of work");
+  EXPECT_EQ(temp.entries(), 1);
+}
+
+TEST(ResultsFolder, DeletesNothingThatWasPutBesideResultsLater) {
+  const base::TempFolder temp;
+  const fs::path place = temp.path() / "label";
+  {
+    ResultsFolder folder(temp.path(), "label");
+    fs::create_directory(folder.staging() / "spot");
+    write(folder.staging() / "spot" / "frames", "0");
+    write(folder.staging() / "verdict.json", "{}");
+    folder.commit();
+  }
+  EXPECT_EQ(refusal(temp), "");
+  write(place / "spot" / "note.txt", "mine");
+  EXPECT_NE(refusal(temp).find("holds 'spot/note.txt'"), std::string::npos) << refusal(temp);
+  fs::remove(place / "spot" / "note.txt");
+  fs::create_directory(place / "kept");
+  EXPECT_NE(refusal(temp).find("holds 'kept'"), std::string::npos) << refusal(temp);
+}
+
+TEST(ResultsFolder, ALinkIsNotReplaced) {
+  const base::TempFolder temp;
+  fs::create_directory(temp.path() / "elsewhere");
+  fs::create_directory_symlink(temp.path() / "elsewhere", temp.path() / "label");
+  EXPECT_NE(refusal(temp).find("is no folder"), std::string::npos) << refusal(temp);
 }
 
 TEST(ResultsFolder, OthersMayReadIt) {
