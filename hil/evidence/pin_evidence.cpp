@@ -42,27 +42,39 @@ std::vector<WatchedDrive> watchedDrives(const PinWiring& wiring) {
   return drives;
 }
 
-/// When a line was high.
-class GateWatch {
+/// Spans in which something was so.
+class SpanWatch {
  public:
   void level(double time_s, bool high) {
     if (high == open_) return;
     open_ = high;
     if (high) {
-      intervals_.push_back({time_s, time_s});
+      spans_.push_back({time_s, time_s});
     } else {
-      intervals_.back().off_s = time_s;
+      spans_.back().to_s = time_s;
     }
   }
-  std::vector<inspect::GateInterval> until(double end_s) {
-    if (open_) intervals_.back().off_s = end_s;
-    return std::move(intervals_);
+  std::vector<inspect::Span> until(double end_s) {
+    if (open_) spans_.back().to_s = end_s;
+    return std::move(spans_);
   }
 
  private:
-  std::vector<inspect::GateInterval> intervals_;
+  std::vector<inspect::Span> spans_;
   bool open_{false};
 };
+
+std::optional<std::vector<inspect::Span>> guardOpen(const source::PinRecording& recording) {
+  SpanWatch open;
+  bool was_closed = false;
+  for (const SensorEdge& edge : recording.sensors) {
+    if (edge.signal != Signal::kInterlock) continue;
+    was_closed = was_closed || edge.level;
+    if (was_closed) open.level(recording.rate.seconds(edge.tick), !edge.level);
+  }
+  if (!was_closed) return std::nullopt;
+  return open.until(recording.rate.seconds(recording.end));
+}
 
 std::vector<inspect::BeltEdge> beltEdges(const source::PinRecording& recording, double count_mm) {
   std::vector<inspect::BeltEdge> belt;
@@ -87,7 +99,9 @@ std::vector<double> powerEdges(const source::PinRecording& recording, double del
 PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& wiring) {
   std::vector<WatchedDrive> drives = watchedDrives(wiring);
   const std::optional<PinId> gate = wiring.signals.pin(Signal::kLaserGate);
-  GateWatch gate_watch;
+  const std::optional<PinId> pwm = wiring.signals.pin(Signal::kLaserPwm);
+  SpanWatch gates;
+  SpanWatch light;
   PortLevels ports;
   for (const PinEvent& event : recording.outputs) {
     ports.apply(event);
@@ -96,11 +110,17 @@ PinEvidence pinEvidence(const source::PinRecording& recording, const PinWiring& 
       if (drive.pul.port == event.port || drive.dir.port == event.port)
         drive.timer.levels(time_s, ports.high(drive.pul), ports.high(drive.dir));
     }
-    if (gate && gate->port == event.port) gate_watch.level(time_s, ports.high(*gate));
+    if (!gate) continue;
+    const bool open = ports.high(*gate);
+    gates.level(time_s, open);
+    light.level(time_s, open && (!pwm || ports.high(*pwm)));
   }
   PinEvidence result;
   for (const WatchedDrive& drive : drives) result.pulses.push_back(drive.timer.timing());
-  result.gates = gate_watch.until(recording.rate.seconds(recording.end));
+  const double end_s = recording.rate.seconds(recording.end);
+  for (const inspect::Span& span : gates.until(end_s)) result.gates.push_back({span.from_s, span.to_s});
+  result.light = light.until(end_s);
+  result.guard_open = guardOpen(recording);
   result.belt = beltEdges(recording, wiring.encoder_count_mm);
   result.power_edges_s = powerEdges(recording, wiring.power_meter_delay_s);
   return result;

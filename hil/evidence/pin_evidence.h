@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,13 @@ struct PinWiring {
 struct PinEvidence {
   std::vector<PulseTiming> pulses;           ///< One for each wired drive.
   std::vector<inspect::GateInterval> gates;  ///< By time; a gate that is open at the end closes there.
-  std::vector<inspect::BeltEdge> belt;       ///< By time.
-  std::vector<double> power_edges_s;         ///< By time; the meter's delay is taken off.
+  /// Spans in which the laser emits: gate and PWM are high; the gate alone where no PWM is wired. By time.
+  std::vector<inspect::Span> light;
+  /// Spans in which the interlock is open, after it was closed for the first time; by time. Absent: the
+  /// recording has no edge of it.
+  std::optional<std::vector<inspect::Span>> guard_open;
+  std::vector<inspect::BeltEdge> belt;  ///< By time.
+  std::vector<double> power_edges_s;    ///< By time; the meter's delay is taken off.
 };
 
 /// Reads a recording and nothing else: no model takes part, so an error in the twin's decoder cannot vouch

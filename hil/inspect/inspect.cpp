@@ -2,6 +2,7 @@
 #include "hil/inspect/inspect.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -42,11 +43,24 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 }
 
 /// What needs no camera.
-std::vector<Check> pinChecks(const Evidence& evidence) {
-  std::vector<Check> of_pins{checks::pulseTimingCheck(evidence)};
-  if (evidence.account) of_pins.push_back(checks::accountCheck(*evidence.account));
-  if (evidence.end) of_pins.push_back(checks::finishCheck(*evidence.end, evidence.gates));
-  return of_pins;
+std::vector<Finding> pinFindings(const Evidence& evidence) {
+  return {checks::pulseTimingCheck(evidence), checks::interlockCheck(evidence),
+          checks::accountFinding(evidence), checks::finishFinding(evidence)};
+}
+
+/// Takes back what judges nothing, for a reason that all have in common; what does not apply stays so.
+void withhold(std::vector<Finding>& findings, const std::string& reason) {
+  for (Finding& finding : findings) {
+    if (finding) finding = notJudged(*finding, reason);
+  }
+}
+
+void add(const Finding& finding, InspectionResult& result) {
+  if (finding) {
+    result.checks.push_back(*finding);
+  } else {
+    result.unjudged.push_back(finding.why());
+  }
 }
 
 /// What the cameras show, measured. With `edges` the evidence's kerf is an edgeScan().
@@ -90,50 +104,51 @@ Measured measured(const Evidence& evidence, const Tolerances& limits, const chec
 }
 
 /// Checks that need something burnt, something lit, or neither; in the order of the report.
-void addCameraChecks(const Measured& m, InspectionResult& result) {
-  const auto add = [&](auto check) {
-    if constexpr (requires { check.has_value(); }) {
-      if (check) result.checks.push_back(std::move(*check));
-    } else {
-      result.checks.push_back(std::move(check));
-    }
-  };
+std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& result) {
+  const Evidence& evidence = m.evidence;
+  const Tolerances& limits = m.limits;
+  const Check path = checks::pathCheck(evidence, limits, m.deviations);
+  std::vector<Finding> cut{m.edges == nullptr ? path : checks::edgeCheck(path, *m.edges, m.half_kerf_mm),
+                           checks::jointsCheck(evidence, limits, result.joints, result.entities)};
+  std::vector<Finding> lit{checks::stillnessCheck(limits, m.lit, m.stillness),
+                           checks::excursionCheck(limits, m.stillness),
+                           checks::beltCheck(evidence, limits, m.lit),
+                           checks::spotSeenCheck(evidence, m.lit),
+                           checks::spotPathCheck(evidence, limits, m.lit),
+                           checks::repeatCheck(evidence, limits, m.lit, result.entities),
+                           checks::dwellCheck(evidence, limits, m.lit)};
+  std::vector<Finding> form{checks::depthCheck(evidence, limits), checks::evenDepthCheck(evidence, limits),
+                            checks::perforationCheck(evidence, limits, result.entities),
+                            checks::kerfWidthCheck(evidence, limits, result.entities),
+                            checks::laserTimingCheck(evidence, limits, result.entities, m.edges)};
+  std::vector<Finding> light{checks::laserGateCheck(evidence, limits),
+                             checks::gateLagCheck(evidence, limits, m.lit),
+                             checks::lineEnergyCheck(evidence, limits, m.lit)};
   const bool blank = checks::isBlank(result.entities);
   const bool dark = m.lit.lit == 0;
-  if (!blank) {
-    Check path = checks::pathCheck(m.evidence, m.limits, m.deviations);
-    add(m.edges == nullptr ? path : checks::edgeCheck(path, *m.edges, m.half_kerf_mm));
-    add(checks::jointsCheck(m.evidence, m.limits, result.joints, result.entities));
+  if (blank) {
+    withhold(cut, "Nothing was cut along the dieline; see coverage.");
+    withhold(form, "Nothing was cut along the dieline; see coverage.");
   }
-  if (!(blank && dark)) {
-    add(checks::stillnessCheck(m.limits, m.lit, m.stillness));
-    add(checks::excursionCheck(m.limits, m.stillness));
-    add(checks::beltCheck(m.evidence, m.limits, m.lit));
-    add(checks::spotSeenCheck(m.evidence, m.lit));
-    add(checks::spotPathCheck(m.evidence, m.limits, m.lit));
+  if (blank && dark) {
+    withhold(lit, "Nothing was cut and no spot was seen; see coverage.");
+    withhold(light, "Nothing was cut and no spot was seen; see coverage.");
   }
-  add(checks::coverageCheck(m.evidence, m.limits, result.entities));
-  if (!(blank && dark)) add(checks::repeatCheck(m.evidence, m.limits, m.lit, result.entities));
-  if (!blank) {
-    add(checks::depthCheck(m.evidence, m.limits));
-    add(checks::evenDepthCheck(m.evidence, m.limits));
-    add(checks::perforationCheck(m.evidence, m.limits, result.entities));
-    add(checks::kerfWidthCheck(m.evidence, m.limits, result.entities));
-    add(checks::laserTimingCheck(m.evidence, m.limits, result.entities, m.edges));
-  }
-  add(checks::strayCheck(m.evidence, m.limits));
-  if (!(blank && dark)) {
-    add(checks::laserGateCheck(m.evidence, m.limits));
-    add(checks::gateLagCheck(m.evidence, m.limits, m.lit));
-    add(checks::lineEnergyCheck(m.evidence, m.limits, m.lit));
-  }
+  std::vector<Finding> all;
+  for (std::vector<Finding>* part : {&cut, &lit}) std::ranges::move(*part, std::back_inserter(all));
+  all.emplace_back(checks::coverageCheck(evidence, limits, result.entities));
+  std::ranges::move(form, std::back_inserter(all));
+  all.emplace_back(checks::strayCheck(evidence, limits));
+  std::ranges::move(light, std::back_inserter(all));
+  return all;
 }
 
 void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
                       InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
-  addCameraChecks(measured(evidence, limits, edges, result), result);
-  for (Check& check : pinChecks(evidence)) result.checks.push_back(std::move(check));
+  for (const Finding& finding : cameraFindings(measured(evidence, limits, edges, result), result))
+    add(finding, result);
+  for (const Finding& finding : pinFindings(evidence)) add(finding, result);
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
@@ -149,7 +164,7 @@ InspectionResult inspect(const Evidence& evidence, const Tolerances& limits) {
   append(result.problems, evidence.kerf.problems);
   if (evidence.gates.empty() && evidence.end && stoppedByItself(*evidence.end, evidence.gates)) {
     const bool sound = result.problems.empty();
-    result.checks = pinChecks(evidence);
+    for (const Finding& finding : pinFindings(evidence)) add(finding, result);
     result.verdict = combine(result.checks, sound);
     return result;
   }

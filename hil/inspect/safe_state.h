@@ -8,6 +8,7 @@
 #include "hil/inspect/inspect.h"
 #include "hil/inspect/verdict/controller_account.h"
 #include "hil/inspect/verdict/controller_state.h"
+#include "hil/inspect/verdict/tolerances.h"
 
 namespace kerfbench::inspect {
 
@@ -35,8 +36,6 @@ struct SafeStateEvidence {
   std::vector<std::string> problems;
 };
 
-/// Longest time from the cause, or the end of its window, to a dark laser.
-inline constexpr double kLaserOff_s = 100e-6;
 /// Where the cause can only be inferred: the laser must have been on this shortly before it, and the
 /// controller may have noticed so much earlier.
 inline constexpr double kInferredEarly_s = 0.02;

@@ -60,6 +60,9 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
   report.limits = scenario.limits;
   report.dieline = test_case.dieline;
   report.print = scenario.print;
+  const bool real_pictures = scenario.cameras.spot.is_real || !scenario.cameras.kerf.tiles.empty();
+  report.model_pictures = scenario.firmware.onRealPins() && !real_pictures;
+  report.calibrations_undated = real_pictures && scenario.date.empty();
   return report;
 }
 
@@ -76,7 +79,13 @@ void tell(const report::RunReport& report, const std::filesystem::path& folder, 
   if (const std::string stop = report::stopSentence(report.result); !stop.empty())
     console.result("  " + stop);
   for (const std::string& problem : report.result.problems) console.result("  INVALID: " + problem);
-  console.result(fmt::format("{}: {}", report.scenario, inspect::verdictName(report.result.verdict)));
+  for (const inspect::Unjudged& unjudged : report.result.unjudged) {
+    if (unjudged.applies)
+      console.say(fmt::format("  {:<10} {:<14} {}", "not judged", unjudged.name, unjudged.reason));
+  }
+  const std::string but = report::reservationsLine(report);
+  console.result(fmt::format("{}: {}{}", report.scenario, inspect::verdictName(report.result.verdict),
+                             but.empty() ? "" : " (" + but + ")"));
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
   console.say(fmt::format("digest: {}", report::digestOf(report)));
 }

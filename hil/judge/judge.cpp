@@ -10,6 +10,7 @@
 #include "hil/camera/tile_folder.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
+#include "hil/judge/missing_sensors.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
 #include "hil/judge/real_spot.h"
@@ -39,14 +40,21 @@ inspect::Evidence pinsAndWords(const scenario::Case& test_case, const run::Recor
   result.print = test_case.scenario.print;
   result.pulses = std::move(pins.pulses);
   result.gates = std::move(pins.gates);
+  result.light = std::move(pins.light);
+  result.guard_open = std::move(pins.guard_open);
   result.belt_count_mm = wiring.encoder_count_mm;
   result.belt = std::move(pins.belt);
   result.pin_u_s = pinUncertainty_s(run.recording);
   result.account = words.account;
   result.end = words.end;
+  result.words_expected = test_case.scenario.firmware.dialog == scenario::FirmwareChoice::Dialog::kKerfbench;
+  result.no_words = result.words_expected
+                        ? "The recording holds nothing that the controller said."
+                        : "Only the reference controller reports this (firmware.dialog: kerfbench).";
   result.power_edges_s = std::move(pins.power_edges_s);
   result.power_quantum_j = test_case.machine.power_monitor.quantum_j;
   append(run.problems, result);
+  append(missingSensors(test_case, run.recording, result), result);
   append(unprovenSteps(result.pulses, run.recording.rate.seconds(run.recording.stamp_err_ticks)), result);
   return result;
 }
@@ -146,9 +154,13 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
 
 Judgement judgeSafeState(const scenario::Case& test_case, const run::RecordedRun& run,
                          inspect::SafeStateEvidence evidence) {
+  evidence.pin_u_s = pinUncertainty_s(run.recording);
   evidence::PinEvidence pins = evidence::pinEvidence(run.recording, pinWiring(test_case));
   evidence.pulses = std::move(pins.pulses);
   evidence.gates = std::move(pins.gates);
+  for (std::string& problem :
+       unprovenSteps(evidence.pulses, run.recording.rate.seconds(run.recording.stamp_err_ticks)))
+    evidence.problems.push_back(std::move(problem));
   Judgement judgement;
   judgement.result = inspect::inspectSafeState(evidence);
   judgement.pulses = std::move(evidence.pulses);

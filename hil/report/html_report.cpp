@@ -32,7 +32,7 @@ th{color:var(--mute);font-weight:600;font-size:13px}
 .num{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 .hit{color:var(--fail);font-weight:650} small{color:var(--mute)}
 table.checks td:first-child{width:44%}.checks .num,.checks td.v{font-size:13px}table.checks td,table.checks th{padding:7px 6px}
-td.v{font-weight:700;white-space:nowrap} td .why{color:var(--mute);font-size:13px;display:block;margin-top:2px}
+td.v{font-weight:700;white-space:nowrap}td.mute{color:var(--mute);font-weight:400} td .why{color:var(--mute);font-size:13px;display:block;margin-top:2px}
 .note{color:var(--mute);font-size:13px;margin:6px 0 0}
 ul.problems{border-left:5px solid var(--inv);background:var(--card);padding:10px 10px 10px 30px;margin:12px 0}
 ul.lost{border-left-color:var(--np)}
@@ -103,6 +103,12 @@ std::string checkTable(const RunReport& report) {
         checkNumber(c, c.limit), c.u > 0.0 ? checkNumber(c, c.u) : "–",
         c.guard > 0.0 ? checkNumber(c, c.guard) : "–", gaugeSvg(c));
   }
+  for (const inspect::Unjudged& u : report.result.unjudged) {
+    html += fmt::format(
+        "<tr><td><b>{}</b> <small>{}</small><span class=why>{}</span><td class='v mute' colspan=6>{}</tr>",
+        escapeHtml(u.title), escapeHtml(u.name), escapeHtml(u.reason),
+        u.applies ? "not judged" : "not applicable");
+  }
   return html +
          "</tbody></table><p class=note>Rule (JCGM 106): PASS if the value is inside limit − w, FAIL if it "
          "is outside "
@@ -142,7 +148,7 @@ std::string entityTable(const RunReport& report) {
         std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", withU(e.worst_mm, e.worst_U_mm),
         withU(e.rms_mm, e.rms_U_mm),
         known && report.dieline.entities[index].process != dieline::Process::kPerforation &&
-                e.coverage < report.limits.min_coverage
+                e.uncut_mm > report.limits.uncut_mm
             ? " hit"
             : "",
         number(e.coverage, 100.0, 1), withU(e.width_mm, e.width_U_mm),
@@ -230,7 +236,7 @@ std::string htmlReport(const RunReport& report) {
     for (const std::string& problem : result.problems) list += "<li>" + escapeHtml(problem) + "</li>";
     page += htmlSection("Problems of the evidence", list + "</ul>");
   }
-  if (!result.checks.empty()) page += htmlSection("Checks", checkTable(report));
+  if (!result.checks.empty() || !result.unjudged.empty()) page += htmlSection("Checks", checkTable(report));
   page += htmlSection("The cut against the dieline", dielineFigures(report));
   page += htmlSection("Worst places", worstPlaces(report));
   page += htmlSection("Stillness along x, cut by cut", stillnessFigures(report));

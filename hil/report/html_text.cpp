@@ -135,6 +135,11 @@ std::string verdictSentence(const RunReport& report) {
             "no "
             "camera looked at the cut.",
             result.checks.size());
+      if (const std::string but = reservationsLine(report); !but.empty()) {
+        return fmt::format(
+            "All {} checks that were judged are proven good, measurement uncertainty included; but mind: {}.",
+            result.checks.size(), but);
+      }
       return fmt::format(
           "The release is good: all {} checks are proven good, measurement uncertainty included.",
           result.checks.size());

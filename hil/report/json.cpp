@@ -55,6 +55,16 @@ J checkJson(const inspect::Check& c) {
 }
 
 template <typename J>
+J unjudgedJson(const inspect::Unjudged& u) {
+  J j;
+  j["name"] = u.name;
+  j["title"] = u.title;
+  j["applies"] = u.applies;
+  j["reason"] = u.reason;
+  return j;
+}
+
+template <typename J>
 J entityJson(const inspect::EntityResult& e) {
   J j;
   j["unit"] = e.unit;
@@ -65,6 +75,7 @@ J entityJson(const inspect::EntityResult& e) {
   j["rms_mm"] = rounded(e.rms_mm);
   j["rms_U_mm"] = rounded(e.rms_U_mm);
   j["coverage"] = rounded(e.coverage);
+  j["uncut_mm"] = rounded(e.uncut_mm);
   j["width_mm"] = rounded(e.width_mm);
   j["width_U_mm"] = rounded(e.width_U_mm);
   j["circularity_mm"] = rounded(e.circularity_mm);
@@ -212,6 +223,9 @@ std::string digestOf(const RunReport& report) {
   for (const inspect::Check* c : sortedBy(result.checks, [](const inspect::Check& x) { return x.name; })) {
     root["checks"].push_back(checkJson<Json>(*c));
   }
+  for (const inspect::Unjudged* u :
+       sortedBy(result.unjudged, [](const inspect::Unjudged& x) { return x.name; }))
+    root["not_judged"].push_back({u->name, u->applies});
   for (const inspect::EntityResult* e : sortedBy(
            result.entities, [](const inspect::EntityResult& x) { return std::pair(x.unit, x.entity); })) {
     root["entities"].push_back(entityJson<Json>(*e));
@@ -265,6 +279,12 @@ std::string verdictJson(const RunReport& report) {
     j["explanation"] = c.explanation;
     root["checks"].push_back(std::move(j));
   }
+  root["not_judged"] = OrderedJson::array();
+  for (const inspect::Unjudged& u : result.unjudged)
+    root["not_judged"].push_back(unjudgedJson<OrderedJson>(u));
+  root["reservations"] = OrderedJson::array();
+  for (const Reservation& r : reservationsOf(report))
+    root["reservations"].push_back({{"kind", r.kind}, {"text", r.text}});
   root["entities"] = OrderedJson::array();
   for (const inspect::EntityResult& e : result.entities) {
     auto j = entityJson<OrderedJson>(e);

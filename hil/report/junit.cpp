@@ -37,6 +37,7 @@ void addProperties(const RunReport& report, pugi::xml_node suite) {
   property("imperfections", report.model.imperfections);
   property("twin", report.model.twin);
   if (!report.model.lost_steps.empty()) property("lost_steps", lostStepsSentence(report.model));
+  if (const std::string but = reservationsLine(report); !but.empty()) property("reservations", but);
   property("repeat_command", report.repeat_command);
 }
 
@@ -49,7 +50,8 @@ std::string junitXml(const RunReport& report) {
                          [&](const inspect::Check& c) { return ((c.verdict == verdicts) || ...); });
   };
   // Broken evidence has its own test case: no check alone shows it.
-  const auto tests = static_cast<long long>(result.checks.size()) + 1;
+  const auto skipped = static_cast<long long>(result.unjudged.size());
+  const auto tests = static_cast<long long>(result.checks.size()) + skipped + 1;
   const bool sound = result.problems.empty() && !result.checks.empty();
   const auto failures = static_cast<long long>(count(inspect::Verdict::kFail, inspect::Verdict::kNotProven));
   const auto errors = static_cast<long long>(count(inspect::Verdict::kInvalid)) + (sound ? 0 : 1);
@@ -66,6 +68,7 @@ std::string junitXml(const RunReport& report) {
     node.append_attribute("tests") = tests;
     node.append_attribute("failures") = failures;
     node.append_attribute("errors") = errors;
+    if (node == suite) node.append_attribute("skipped") = skipped;
     node.append_attribute("time") = fmt::format("{:.6f}", report.virtual_s).c_str();
   }
   addProperties(report, suite);
@@ -87,6 +90,10 @@ std::string junitXml(const RunReport& report) {
                     checkNumber(check, check.value), check.subject, checkNumber(check, check.limit),
                     checkNumber(check, check.u), checkNumber(check, check.guard));
     addOutcome(testCase(check.name), check.verdict, message, check.explanation);
+  }
+  for (const inspect::Unjudged& unjudged : result.unjudged) {
+    testCase(unjudged.name).append_child("skipped").append_attribute("message") =
+        fmt::format("{}: {}", unjudged.applies ? "not judged" : "not applicable", unjudged.reason).c_str();
   }
   std::ostringstream out;
   document.save(out, "  ");

@@ -66,6 +66,12 @@ std::string lostStepsSentence(const ModelFacts& model);
 /// Why the controller stopped by itself, as the check `finish` tells it; empty unless that is proven.
 std::string stopSentence(const inspect::InspectionResult& result);
 
+/// What narrows a PASS, or anything else that a verdict must not be read without.
+struct Reservation {
+  std::string kind;  ///< "wide_limit", "not_judged", "part_not_judged", "model_pictures", "calibration_age"
+  std::string text;  ///< A clause without a full stop, for people.
+};
+
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
   // What was run.
@@ -91,12 +97,20 @@ struct RunReport {
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
+  bool model_pictures{};        ///< The pins are real, and the pictures are the model's.
+  bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
   // What the wall clock and the host say.
   std::string host;
   std::string finished;  ///< Date and time of the end, for people.
   std::vector<base::StageTime> timing;
   std::vector<ReportPicture> pictures;
 };
+
+/// Limits wider than the defaults, checks that apply and were not judged, entities that were neither cut nor
+/// judged, and what stands between the pictures and a real sheet. Empty for a run that is judged in full.
+std::vector<Reservation> reservationsOf(const RunReport& report);
+/// The same in one line, "limits wider than …; not judged: …"; empty if there are none.
+std::string reservationsLine(const RunReport& report);
 
 /// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order
 /// of the entities, the model's own knowledge, the host, the paths and the time that the run took. Lengths

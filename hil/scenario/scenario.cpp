@@ -47,7 +47,8 @@ inspect::Tolerances readTolerances(base::YamlReader& checks) {
   };
   read("path_mm", 0.001, 10, tolerances.path_mm);
   read("stillness_mm", 0.001, 10, tolerances.stillness_mm);
-  read("min_coverage", 0.5, 1, tolerances.min_coverage);
+  read("uncut_mm", 0.05, 100, tolerances.uncut_mm);
+  read("cut_through_mm", 0.05, 100, tolerances.cut_through_mm);
   read("kerf_width_mm", 0.001, 10, tolerances.kerf_width_mm);
   read("even_depth_share", 0, 1, tolerances.even_depth_share);
   read("line_energy_j_mm", 0, 100, tolerances.line_energy_j_mm);

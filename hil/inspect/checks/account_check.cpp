@@ -5,12 +5,23 @@
 #include <cstdlib>
 #include <limits>
 
-#include "hil/inspect/verdict/controller_account.h"
+#include "hil/inspect/checks/checks.h"
 
 namespace kerfbench::inspect::checks {
 
+namespace {
+
+Check accountHead() { return {.name = "account", .title = "The controller is where it says", .unit = "steps"}; }
+
+}  // namespace
+
+Finding accountFinding(const Evidence& evidence) {
+  if (evidence.account) return accountCheck(*evidence.account);
+  return absentReport(evidence, accountHead());
+}
+
 Check accountCheck(const ControllerAccount& account) {
-  Check check{.name = "account", .title = "The controller is where it says", .unit = "steps"};
+  Check check = accountHead();
   check.limit = 0.0;
   if (!account.told) {
     check.value = std::numeric_limits<double>::quiet_NaN();

@@ -61,10 +61,16 @@ std::optional<Parting> partingOf(const std::vector<BeltEdge>& edges, const LitFr
 
 }  // namespace
 
-std::optional<Check> beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
+Finding beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   // Both ends of a cut lie between two counts.
   const double of_counts_mm = std::sqrt(2.0 / 12.0) * evidence.belt_count_mm;
-  if (evidence.belt.empty() || 2.0 * of_counts_mm > kCoarse * limits.stillness_mm) return std::nullopt;
+  Check check{.name = "belt", .title = "Sheet in the pictures and belt's encoder agree", .unit = "mm"};
+  if (evidence.belt.empty())
+    return notApplicable(check, "The belt's encoder did not turn: the sheet was at rest.");
+  if (2.0 * of_counts_mm > kCoarse * limits.stillness_mm)
+    return notJudged(check,
+                     fmt::format("A count of the encoder is {:g} mm: too coarse for a limit of {:g} mm.",
+                                 evidence.belt_count_mm, limits.stillness_mm));
   std::vector<Parting> partings;
   double apart_mm = 0.0;
   double travel_mm = 0.0;
@@ -75,14 +81,14 @@ std::optional<Check> beltCheck(const Evidence& evidence, const Tolerances& limit
     apart_mm += parting->drift_mm;
     travel_mm += parting->travel_mm;
   }
-  if (partings.empty()) return std::nullopt;
+  if (partings.empty())
+    return notJudged(check, "No cut has enough frames and travel of the belt to compare the two.");
   ExtremeEstimate extreme(partings.size());
   const Parting* worst = &partings.front();
   for (const Parting& p : partings) {
     extreme.add(p.drift_mm, std::hypot(p.sigma_mm, of_counts_mm));
     if (std::abs(p.drift_mm) > std::abs(worst->drift_mm)) worst = &p;
   }
-  Check check{.name = "belt", .title = "Sheet in the pictures and belt's encoder agree", .unit = "mm"};
   check.limit = limits.stillness_mm;
   check.value = extreme.value();
   check.u = check.guard = extreme.expandedU();

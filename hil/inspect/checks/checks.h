@@ -3,7 +3,7 @@
 
 // The parts of inspect(). Private to hil/inspect and its tests.
 
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +37,22 @@ bool isBurntAsAsked(const vision::Caliper& caliper, dieline::Process process);
 std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf, const dieline::Curve& curve,
                                                   double end_mm);
 
+/// A piece of a line between two of its stations.
+struct Stretch {
+  double from_mm{}, to_mm{};  ///< Its first and last station.
+  double length_mm{};         ///< What the light of its stations and of those beside them says; 0: none.
+};
+/// The longest piece whose stations are all `missing`. A caliper averages over 2 kWindowHalfMm of its line: a
+/// piece shorter than a quarter of that leaves no station missing, and is not seen.
+Stretch longestStretch(const std::vector<const vision::Caliper*>& stations,
+                       const std::function<bool(const vision::Caliper&)>& missing);
+/// True where nothing, or of a cut too little, was burnt.
+bool isUncut(const vision::Caliper& caliper, dieline::Process process);
+/// Among the stations that coverage counts.
+Stretch longestUncut(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits);
+/// Largest distance of two neighbouring stations, mm.
+double pitchOf(const vision::EntityKerf& kerf);
+
 /// Share of the inner stations that are burnt as the process asks.
 double coverageOf(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits);
 /// Deviation of all lines with its uncertainty; of an edgeScan(), with its sides.
@@ -55,31 +71,36 @@ std::vector<std::string> numberProblems(const Evidence& evidence, const Toleranc
 /// Holes in the kerf evidence, one sentence each.
 std::vector<std::string> kerfProblems(const Evidence& evidence);
 
-// Each check is decided and explained. nullopt: it does not apply to this dieline.
+// Each check is decided and explained, or says why it judges nothing of this job.
 Check pathCheck(const Evidence& evidence, const Tolerances& limits, const DeviationResult& deviations);
 Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities);
-std::optional<Check> depthCheck(const Evidence& evidence, const Tolerances& limits);
+Finding depthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Creases and half-cuts are as deep everywhere, by the light that comes through.
-std::optional<Check> evenDepthCheck(const Evidence& evidence, const Tolerances& limits);
+Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Energy per length of the marks, by power meter and spot camera.
-std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Tolerances& limits,
-                                     const LitFrames& lit);
-std::optional<Check> perforationCheck(const Evidence& evidence, const Tolerances& limits,
-                                      const std::vector<EntityResult>& entities);
+Finding lineEnergyCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
+Finding perforationCheck(const Evidence& evidence, const Tolerances& limits,
+                         const std::vector<EntityResult>& entities);
 Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
                      const std::vector<EntityResult>& entities);
 Check strayCheck(const Evidence& evidence, const Tolerances& limits);
-std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
-                                      const std::vector<EntityResult>& entities,
-                                      const EdgeSides* edges = nullptr);
+Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
+                         const std::vector<EntityResult>& entities, const EdgeSides* edges = nullptr);
 /// Corners by their distance from the dieline, free ends by how far they are too short or too long, closures
 /// by their gap; all against the limit of the path. An overlap at a closure lies on the dieline and is no
 /// deviation.
-std::optional<Check> jointsCheck(const Evidence& evidence, const Tolerances& limits,
-                                 const std::vector<JointResult>& joints,
-                                 const std::vector<EntityResult>& entities);
+Finding jointsCheck(const Evidence& evidence, const Tolerances& limits,
+                    const std::vector<JointResult>& joints, const std::vector<EntityResult>& entities);
 Check laserGateCheck(const Evidence& evidence, const Tolerances& limits);
+/// The laser's gate after the interlock opened, by the pins alone: off within kLaserOff_s, as in a safe
+/// state.
+Finding interlockCheck(const Evidence& evidence);
 Check pulseTimingCheck(const Evidence& evidence);
+/// What the controller reports of its place and of its end, held against the pins.
+Finding accountFinding(const Evidence& evidence);
+Finding finishFinding(const Evidence& evidence);
+/// A check of a report that the run does not have.
+Unjudged absentReport(const Evidence& evidence, const Check& check);
 
 }  // namespace kerfbench::inspect::checks

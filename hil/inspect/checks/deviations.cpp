@@ -152,6 +152,7 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolera
     e.rms_mm = d.rms.value;
     e.rms_U_mm = d.rms.U;
     e.coverage = coverageOf(evidence, kerf, limits);
+    e.uncut_mm = longestUncut(evidence, kerf, limits).length_mm;
     e.width_mm = deviations.widths[k].value;
     e.width_U_mm = deviations.widths[k].U;
     e.width_own_U_mm = deviations.width_own_U[k];

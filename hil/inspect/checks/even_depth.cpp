@@ -117,11 +117,12 @@ double sigmaOf(const std::vector<Row>& rows) {
 
 }  // namespace
 
-std::optional<Check> evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
-  if (!(limits.even_depth_share > 0.0)) return std::nullopt;
-  const std::vector<Chain> chains = chainsOf(evidence, limits.board_transmission);
-  if (chains.empty()) return std::nullopt;
+Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "even_depth", .title = "Creases and half-cuts are as deep everywhere", .unit = "share"};
+  if (!(limits.even_depth_share > 0.0))
+    return notApplicable(check, "The scenario does not order it (checks.even_depth_share).");
+  const std::vector<Chain> chains = chainsOf(evidence, limits.board_transmission);
+  if (chains.empty()) return notApplicable(check, "The dieline has no crease and no half-cut.");
   check.limit = limits.even_depth_share;
   const std::vector<Row> rows = rowsOf(chains);
   const double sigma = sigmaOf(rows) / std::sqrt(static_cast<double>(kBlocks));

@@ -76,13 +76,13 @@ void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>&
   stillness.worst_excursion_cut = of[found.all.line];
 }
 
-std::optional<Check> excursionCheck(const Tolerances& limits, const Stillness& stillness) {
+Finding excursionCheck(const Tolerances& limits, const Stillness& stillness) {
   const bool judged = std::any_of(stillness.cuts.begin(), stillness.cuts.end(),
                                   [](const CutResult& c) { return std::isfinite(c.drift_mm); });
-  if (!judged) return std::nullopt;
   Check check{.name = "stillness_peak",
               .title = "Beam at one place of the moving sheet, along x, all through each cut",
               .unit = "mm"};
+  if (!judged) return notJudged(check, "No cut shows x; see stillness_x.");
   const CutResult& worst = stillness.cuts[stillness.worst_excursion_cut];
   check.limit = limits.stillness_mm;
   check.value = stillness.worst_excursion_mm.value;

@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/inspect/evidence/evidence.h"
-#include "hil/inspect/evidence/results.h"
-#include "hil/inspect/verdict/controller_end.h"
+#include "hil/inspect/checks/checks.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -51,8 +49,23 @@ bool stoppedByItself(const ControllerEnd& end, const std::vector<GateInterval>& 
 
 namespace checks {
 
+namespace {
+
+Check finishHead() { return {.name = "finish", .title = "The controller finishes the job", .unit = "stops"}; }
+
+}  // namespace
+
+Unjudged absentReport(const Evidence& evidence, const Check& check) {
+  return {check.name, check.title, evidence.words_expected, evidence.no_words};
+}
+
+Finding finishFinding(const Evidence& evidence) {
+  if (evidence.end) return finishCheck(*evidence.end, evidence.gates);
+  return absentReport(evidence, finishHead());
+}
+
 Check finishCheck(const ControllerEnd& end, const std::vector<GateInterval>& gates) {
-  Check check{.name = "finish", .title = "The controller finishes the job", .unit = "stops"};
+  Check check = finishHead();
   check.limit = 0.0;
   check.value = std::numeric_limits<double>::quiet_NaN();
   if (stoppedByItself(end, gates)) {

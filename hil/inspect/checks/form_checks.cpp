@@ -22,6 +22,25 @@ bool isPartial(dieline::Process process) {
   return process == dieline::Process::kCrease || process == dieline::Process::kHalfCut;
 }
 
+/// The longest run of neighbouring stations that are open, mm: from half a station before the first to half a
+/// station behind the last.
+double longestOpen_mm(const std::vector<const vision::Caliper*>& stations) {
+  double longest_mm = 0.0;
+  for (std::size_t first = 0; first < stations.size(); ++first) {
+    if (!stations[first]->found || !isOpen(*stations[first])) continue;
+    std::size_t last = first;
+    while (last + 1 < stations.size() && stations[last + 1]->found && isOpen(*stations[last + 1])) ++last;
+    const double before_mm = first > 0 ? stations[first]->station_mm - stations[first - 1]->station_mm : 0.0;
+    const double behind_mm =
+        last + 1 < stations.size() ? stations[last + 1]->station_mm - stations[last]->station_mm : 0.0;
+    const double within_mm = stations[last]->station_mm - stations[first]->station_mm;
+    longest_mm = std::max(longest_mm, within_mm + 0.5 * std::min(before_mm, behind_mm));
+    longest_mm = std::max(longest_mm, 0.5 * std::max(before_mm, behind_mm));
+    first = last;
+  }
+  return longest_mm;
+}
+
 struct EndGap {
   double gap_mm{};
   double pitch_mm{};  ///< Distance of the two stations between which the kerf begins.
@@ -55,43 +74,35 @@ EndGap gapAt(const Range& from_end, const Distance& distanceOf, double threshold
 
 }  // namespace
 
-std::optional<Check> depthCheck(const Evidence& evidence, const Tolerances& limits) {
-  Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "share"};
-  check.limit = 1.0 - limits.min_coverage;
+Finding depthCheck(const Evidence& evidence, const Tolerances& limits) {
+  Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "mm"};
+  check.limit = limits.cut_through_mm;
   bool applies = false;
-  double open_mm = 0.0;
   for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
     const dieline::Entity& entity = entityOf(evidence, kerf.entity);
     if (!isPartial(entity.process)) continue;
     applies = true;
-    const auto judged = std::count_if(kerf.calipers.begin(), kerf.calipers.end(),
-                                      [](const vision::Caliper& c) { return !c.near_joint; });
-    if (judged == 0) continue;
-    const auto open = std::count_if(kerf.calipers.begin(), kerf.calipers.end(), [](const vision::Caliper& c) {
-      return !c.near_joint && c.found && isOpen(c);
-    });
-    const double share = static_cast<double>(open) / static_cast<double>(judged);
-    if (share > check.value) {
-      check.value = share;
-      check.u = 1.0 / static_cast<double>(judged);
-      check.subject = nameOf(kerf.unit, kerf.entity);
-      open_mm = share * dieline::lengthOf(entity.curve);
-    }
+    std::vector<const vision::Caliper*> stations;
+    for (const vision::Caliper& c : kerf.calipers)
+      if (!c.near_joint) stations.push_back(&c);
+    const double open_mm = longestOpen_mm(stations);
+    if (open_mm <= check.value) continue;
+    check.value = open_mm;
+    check.u = check.guard = std::min(0.5 * pitchOf(kerf), 0.5 * check.limit);
+    check.subject = nameOf(kerf.unit, kerf.entity);
   }
-  if (!applies) return std::nullopt;
+  if (!applies) return notApplicable(check, "The dieline has no crease and no half-cut.");
   decide(check);
   check.explanation =
       check.value == 0.0
           ? "No crease or half-cut lets the full light through."
-          : fmt::format(
-                "{} is cut through over {:.1f} % of its length, {:.1f} mm: its share of open stations is the "
-                "largest of all creases and half-cuts.",
-                check.subject, 100.0 * check.value, open_mm);
+          : fmt::format("{} is cut through over {:.2f} mm without a break, longer than any other.",
+                        check.subject, check.value);
   return check;
 }
 
-std::optional<Check> perforationCheck(const Evidence& evidence, const Tolerances& limits,
-                                      const std::vector<EntityResult>& entities) {
+Finding perforationCheck(const Evidence& evidence, const Tolerances& limits,
+                         const std::vector<EntityResult>& entities) {
   Check check{.name = "perforation", .title = "Teeth and bridges of perforations", .unit = "share"};
   const bool ordered = limits.perforation_open_share > 0.0;
   // Without an order for the pattern all that is sure is that it must have both teeth and bridges.
@@ -107,7 +118,7 @@ std::optional<Check> perforationCheck(const Evidence& evidence, const Tolerances
       check.subject = nameOf(e.unit, e.entity);
     }
   }
-  if (std::isnan(worst_share)) return std::nullopt;
+  if (std::isnan(worst_share)) return notApplicable(check, "The dieline has no perforation.");
   decide(check);
   check.explanation =
       fmt::format("The open share of {} is {:.1f} %, {}.", check.subject, 100.0 * worst_share,
@@ -188,8 +199,8 @@ bool hasJudgedEnds(const vision::EntityKerf& kerf, const dieline::Entity& entity
 
 }  // namespace
 
-std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
-                                      const std::vector<EntityResult>& entities, const EdgeSides* edges) {
+Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
+                         const std::vector<EntityResult>& entities, const EdgeSides* edges) {
   const double half_kerf_mm = edges != nullptr ? halfKerf(evidence.kerf, *edges) : 0.0;
   Check check{.name = "laser_timing",
               .title = "The laser burns from the first to the last point of each line",
@@ -221,7 +232,7 @@ std::optional<Check> laserTimingCheck(const Evidence& evidence, const Tolerances
       at_start = &gap == &gaps[0];
     }
   }
-  if (ends == 0) return std::nullopt;
+  if (ends == 0) return notApplicable(check, "No line of the dieline ends freely, so none can be short.");
   decide(check);
   check.explanation = check.value == 0.0 ? fmt::format("The kerf reaches all {} line ends.", ends)
                                          : fmt::format(

@@ -190,7 +190,8 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
 
 }  // namespace
 
-std::optional<Check> gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
+Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
+  Check check{.name = "gate_lag", .title = "The laser comes on as the beam sets off", .unit = "ms"};
   std::vector<Start> starts;
   for (const GateInterval& gate : evidence.gates) {
     const auto start = startOf(evidence, lit, gate);
@@ -202,8 +203,12 @@ std::optional<Check> gateLagCheck(const Evidence& evidence, const Tolerances& li
         std::abs(start->lag_s) - 4.0 * start->sigma_s - evidence.clock_bound_s > limits.gate_lag_s;
     if (usable || far_off) starts.push_back(*start);
   }
-  if (starts.empty()) return std::nullopt;
-  Check check{.name = "gate_lag", .title = "The laser comes on as the beam sets off", .unit = "ms"};
+  if (starts.empty())
+    return notJudged(
+        check, fmt::format("Of {} openings of the gate none is seen well enough: a start from rest or at "
+                           "full speed in at least {} frames is needed, and the clocks of camera and pins "
+                           "within {:g} ms.",
+                           evidence.gates.size(), kMinLagFrames, 0.5e3 * limits.gate_lag_s));
   check.limit = 1e3 * limits.gate_lag_s;
   ExtremeEstimate extreme(starts.size());
   std::vector<double> lags_ms;

@@ -66,9 +66,8 @@ std::string storyOf(const JointResult& j, const std::vector<JointResult>& joints
 
 }  // namespace
 
-std::optional<Check> jointsCheck(const Evidence& evidence, const Tolerances& limits,
-                                 const std::vector<JointResult>& joints,
-                                 const std::vector<EntityResult>& entities) {
+Finding jointsCheck(const Evidence& evidence, const Tolerances& limits,
+                    const std::vector<JointResult>& joints, const std::vector<EntityResult>& entities) {
   Check check{.name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};
   check.limit = limits.path_mm;
   std::vector<const JointResult*> judged;
@@ -81,7 +80,12 @@ std::optional<Check> jointsCheck(const Evidence& evidence, const Tolerances& lim
     if (decision != Judged::kYes) continue;
     (std::isfinite(j.mm.value) && std::isfinite(j.mm.U) ? judged : unseen).push_back(&j);
   }
-  if (judged.empty() && unseen.empty()) return std::nullopt;
+  if (judged.empty() && unseen.empty()) {
+    if (unlike == 0)
+      return notApplicable(check,
+                           "Nothing of the dieline that was cut has a corner, a free end or a closure.");
+    return notJudged(check, fmt::format("All {} corners are of two processes or of a perforation.", unlike));
+  }
   ExtremeEstimate extreme(judged.size());
   const JointResult* worst = nullptr;
   double none_beyond = 1.0;

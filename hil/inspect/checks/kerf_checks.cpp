@@ -2,6 +2,7 @@
 // Whether the cut is there: coverage, stray; holes in the evidence.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -9,6 +10,8 @@
 
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
+#include "hil/inspect/evidence/extreme.h"
+#include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
 
 namespace kerfbench::inspect::checks {
@@ -51,23 +54,12 @@ std::vector<std::string> uncertaintyProblems(const Evidence& evidence) {
   return problems;
 }
 
-/// The longest run of neighbouring stations that are not burnt as asked, for the explanation.
-struct Hole {
-  double from_mm{};
-  double to_mm{};
-};
-Hole longestHole(const vision::EntityKerf& kerf, dieline::Process process) {
-  Hole longest;
-  std::optional<double> start;
-  for (const vision::Caliper& c : kerf.calipers) {
-    if (isBurntAsAsked(c, process)) {
-      start.reset();
-      continue;
-    }
-    if (!start) start = c.station_mm;
-    if (c.station_mm - *start >= longest.to_mm - longest.from_mm) longest = {*start, c.station_mm};
-  }
-  return longest;
+/// Stations beyond a stretch whose calipers reach into it.
+constexpr std::size_t kBesideStretch = 2;
+
+/// Light at a station as a share of what is usual on its line.
+double lightShare(const vision::Caliper& caliper, double usual) {
+  return std::clamp(caliper.brightness / usual, 0.0, 1.0);
 }
 
 }  // namespace
@@ -78,6 +70,55 @@ bool isBurntAsAsked(const vision::Caliper& caliper, dieline::Process process) {
   if (!caliper.near_joint && !caliper.found) return false;
   if (process == dieline::Process::kCut || process == dieline::Process::kPerforation) return isOpen(caliper);
   return caliper.brightness >= kBurntBrightness && (caliper.near_joint || !isOpen(caliper));
+}
+
+Stretch longestStretch(const std::vector<const vision::Caliper*>& stations,
+                       const std::function<bool(const vision::Caliper&)>& missing) {
+  std::vector<double> burnt;
+  for (const vision::Caliper* c : stations)
+    if (!missing(*c)) burnt.push_back(c->brightness);
+  const double usual = burnt.empty() ? 1.0 : std::max(medianOf(std::move(burnt)), kBurntBrightness);
+  Stretch longest;
+  for (std::size_t first = 0; first < stations.size(); ++first) {
+    if (!missing(*stations[first])) continue;
+    std::size_t last = first;
+    while (last + 1 < stations.size() && missing(*stations[last + 1])) ++last;
+    // A caliper shows the mean of its length, so what its neighbours lack of light adds up to the missing
+    // piece.
+    double lacking_mm = 0.0;
+    const std::size_t from = first < kBesideStretch ? 0 : first - kBesideStretch;
+    const std::size_t to = std::min(last + kBesideStretch, stations.size() - 1);
+    for (std::size_t i = from; i < to; ++i) {
+      const double lacking = 2.0 - lightShare(*stations[i], usual) - lightShare(*stations[i + 1], usual);
+      lacking_mm += 0.5 * lacking * (stations[i + 1]->station_mm - stations[i]->station_mm);
+    }
+    // All along a line that lacks only part of its light every station counts.
+    const double span_mm = stations[last]->station_mm - stations[first]->station_mm - vision::kWindowHalfMm;
+    const double length_mm = std::max(lacking_mm, span_mm);
+    if (length_mm > longest.length_mm)
+      longest = {stations[first]->station_mm, stations[last]->station_mm, length_mm};
+    first = last;
+  }
+  return longest;
+}
+
+bool isUncut(const vision::Caliper& caliper, dieline::Process process) {
+  if (!caliper.near_joint && !caliper.found) return true;
+  const bool through = process == dieline::Process::kCut || process == dieline::Process::kPerforation;
+  return caliper.brightness < (through ? kOpenBrightness : kBurntBrightness);
+}
+
+Stretch longestUncut(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits) {
+  const dieline::Entity& entity = entityOf(evidence, kerf.entity);
+  return longestStretch(innerStations(kerf, entity.curve, limits.end_gap_mm),
+                        [&](const vision::Caliper& c) { return isUncut(c, entity.process); });
+}
+
+double pitchOf(const vision::EntityKerf& kerf) {
+  double pitch_mm = 0.0;
+  for (std::size_t i = 1; i < kerf.calipers.size(); ++i)
+    pitch_mm = std::max(pitch_mm, kerf.calipers[i].station_mm - kerf.calipers[i - 1].station_mm);
+  return pitch_mm;
 }
 
 std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf, const dieline::Curve& curve,
@@ -138,25 +179,19 @@ std::vector<std::string> kerfProblems(const Evidence& evidence) {
 
 Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities) {
-  Check check{.name = "coverage",
-              .title = "Every line is cut, over its whole length",
-              .unit = "share",
-              .upper = false};
+  Check check{.name = "coverage", .title = "Every line is cut, over its whole length", .unit = "mm"};
   check.value = kNan;
-  check.limit = limits.min_coverage;
+  check.limit = limits.uncut_mm;
   std::size_t judged = 0;
   std::size_t bad = 0;
   std::size_t worst = 0;
   for (std::size_t i = 0; i < entities.size(); ++i) {
-    if (evidence.dieline->entities[static_cast<std::size_t>(entities[i].entity)].process ==
-        dieline::Process::kPerforation) {
-      continue;
-    }
-    if (judged++ == 0 || entities[i].coverage < check.value) {
-      check.value = entities[i].coverage;
+    if (entityOf(evidence, entities[i].entity).process == dieline::Process::kPerforation) continue;
+    if (judged++ == 0 || entities[i].uncut_mm > check.value) {
+      check.value = entities[i].uncut_mm;
       worst = i;
     }
-    if (entities[i].coverage < limits.min_coverage) ++bad;
+    if (entities[i].uncut_mm > limits.uncut_mm) ++bad;
   }
   if (judged == 0) {
     check.explanation = "The dieline has no continuous line to judge.";
@@ -164,17 +199,14 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
     return check;
   }
   const vision::EntityKerf& kerf = evidence.kerf.entities[worst];
-  const dieline::Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)];
-  const auto inner = innerStations(kerf, entity.curve, limits.end_gap_mm);
-  // A count of stations resolves one station.
-  check.u = inner.empty() ? 0.0 : 1.0 / static_cast<double>(inner.size());
+  const dieline::Entity& entity = entityOf(evidence, kerf.entity);
+  // Where between two stations a piece begins and ends is known to a quarter of their distance each.
+  if (check.value > 0.0) check.u = check.guard = std::min(0.5 * pitchOf(kerf), 0.5 * check.limit);
   check.subject = nameOf(kerf.unit, kerf.entity);
   decide(check);
-  if (check.verdict == Verdict::kPass) {
-    check.explanation = fmt::format(
-        "All {} entities are burnt as their process asks; the least covered, {}, has {:.1f} % "
-        "of its {} stations.",
-        judged, check.subject, 100.0 * check.value, inner.size());
+  const double share = 100.0 * entities[worst].coverage;
+  if (check.value == 0.0) {
+    check.explanation = fmt::format("All {} entities are burnt over their whole length.", judged);
     return check;
   }
   if (isBlank(entities)) {
@@ -184,20 +216,20 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
             : "No line of the dieline was cut on any unit; what was burnt lies elsewhere, see stray.";
     return check;
   }
-  const Hole hole = longestHole(kerf, entity.process);
+  const Stretch hole = longestUncut(evidence, kerf, limits);
   check.explanation = fmt::format(
-      "{} of {} entities are not burnt over their whole length; the worst, {} ({}, {}), is at "
-      "{:.1f} %, its longest hole from station {:.2f} to {:.2f} mm of {:.2f} mm.",
-      bad, judged, check.subject, dieline::processName(entity.process), entity.origin, 100.0 * check.value,
-      hole.from_mm, hole.to_mm, dieline::lengthOf(entity.curve));
+      "{} of {} entities have an uncut piece of more than {:g} mm; the longest, {:.2f} mm, is on {} ({}, {}) "
+      "between station {:.2f} and {:.2f} mm of {:.2f} mm. {:.1f} % of that entity's stations are burnt.",
+      bad, judged, limits.uncut_mm, check.value, check.subject, dieline::processName(entity.process),
+      entity.origin, hole.from_mm, hole.to_mm, dieline::lengthOf(entity.curve), share);
   return check;
 }
 
 Check strayCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "stray", .title = "Nothing is burnt beside the dieline", .unit = "mm"};
   check.limit = limits.stray_mm;
-  // Blobs are counted in whole pixels.
-  check.u = evidence.kerf_calibration ? evidence.kerf_calibration->pitchMm() : kNan;
+  // Blobs are counted in whole pixels, at both ends.
+  check.u = check.guard = evidence.kerf_calibration ? evidence.kerf_calibration->pitchMm() : kNan;
   const vision::StrayCut* worst = nullptr;
   for (const vision::StrayCut& stray : evidence.kerf.strays) {
     if (!std::isfinite(stray.extent_mm)) check.value = kNan;

@@ -69,10 +69,10 @@ double energyAt(const std::vector<double>& edges_s, double quantum_j, double tim
 
 }  // namespace
 
-std::optional<Check> lineEnergyCheck(const Evidence& evidence, const Tolerances& limits,
-                                     const LitFrames& lit) {
-  if (!(limits.line_energy_j_mm > 0.0)) return std::nullopt;
+Finding lineEnergyCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   Check check{.name = "line_energy", .title = "Power follows the speed: energy per length", .unit = "share"};
+  if (!(limits.line_energy_j_mm > 0.0))
+    return notApplicable(check, "The scenario does not order it (checks.line_energy_j_mm).");
   check.limit = limits.line_energy_share;
   if (evidence.power_edges_s.empty()) {
     decide(check);

@@ -76,6 +76,36 @@ Check pulseTimingCheck(const Evidence& evidence) {
   return check;
 }
 
+Finding interlockCheck(const Evidence& evidence) {
+  Check check{.name = "interlock", .title = "The laser goes off when the guard opens", .unit = "ms"};
+  if (!evidence.guard_open) return notApplicable(check, "The pins show no interlock.");
+  check.limit = 1e3 * kLaserOff_s;
+  check.u = check.guard = 2.0 * std::sqrt(2.0) * 1e3 * evidence.pin_u_s;
+  double worst_s = 0.0;
+  double opened_s = 0.0;
+  for (const Span& open : *evidence.guard_open) {
+    for (const GateInterval& gate : evidence.gates) {
+      const double lit_until_s = std::min(gate.off_s, open.to_s);
+      if (gate.on_s >= open.to_s || lit_until_s <= open.from_s) continue;
+      if (lit_until_s - open.from_s <= worst_s) continue;
+      worst_s = lit_until_s - open.from_s;
+      opened_s = open.from_s;
+    }
+  }
+  check.value = 1e3 * worst_s;
+  decide(check);
+  if (evidence.guard_open->empty()) {
+    check.explanation = "The guard was closed all through the run.";
+  } else if (worst_s == 0.0) {
+    check.explanation = fmt::format("The guard was opened {} times, and the gate was off each time.",
+                                    evidence.guard_open->size());
+  } else {
+    check.explanation = fmt::format(
+        "The guard opened at {:.6f} s, and the gate was on until {:.4g} ms later.", opened_s, 1e3 * worst_s);
+  }
+  return check;
+}
+
 Check laserGateCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "laser_gate", .title = "The laser is dark while its gate is off", .unit = "ms"};
   check.limit = 1e3 * limits.gate_tail_s;

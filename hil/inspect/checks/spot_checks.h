@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "hil/inspect/evidence/evidence.h"
@@ -49,19 +48,23 @@ std::vector<std::string> frameProblems(const Evidence& evidence);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
 Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness);
-/// nullopt if no cut shows x: stillnessCheck() tells.
-std::optional<Check> excursionCheck(const Tolerances& limits, const Stillness& stillness);
+/// Largest distance from the mean place on the sheet, of all cuts that show x.
+Finding excursionCheck(const Tolerances& limits, const Stillness& stillness);
 /// The sheet's way over each cut by the pictures against that by the belt's encoder: INVALID where they part
-/// by more than the limit of stillness, for one of them is wrong. nullopt without an encoder, with one too
-/// coarse to tell, and where the belt stood.
-std::optional<Check> beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
+/// by more than the limit of stillness, for one of them is wrong. Not applicable where the belt stood; not
+/// judged with an encoder too coarse to tell.
+Finding beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 /// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand, or two in a row.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);
 
-/// Gate against the spot's own motion; nullopt if the camera is too slow to see a start.
-std::optional<Check> gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
+/// Light of the laser, by the pins, that falls on one place of the sheet, by the spot camera: as much as how
+/// long a piece of the job's own cuts gets. A beam that rests with the laser on burns a hole there.
+Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
+
+/// Gate against the spot's own motion; not judged if no start could be fitted.
+Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 
 }  // namespace kerfbench::inspect::checks

@@ -25,10 +25,16 @@ struct Evidence {
   vision::KerfScan kerf;
   std::vector<PulseTiming> pulses;
   std::vector<GateInterval> gates;
+  std::vector<Span> light;  ///< Spans in which gate and PWM let the laser emit; by time.
+  /// Spans in which the interlock was open; absent: the pins do not show it.
+  std::optional<std::vector<Span>> guard_open;
   std::vector<BeltEdge> belt;                ///< By time; empty without an encoder, or if the belt stood.
   double belt_count_mm{};                    ///< Travel of one count.
-  std::optional<ControllerAccount> account;  ///< None: nobody expects one (a recording, other firmware).
-  std::optional<ControllerEnd> end;  ///< None: nobody heard the controller, or nobody knows its words.
+  std::optional<ControllerAccount> account;  ///< Absent: see no_words.
+  std::optional<ControllerEnd> end;          ///< Absent: see no_words.
+  /// Why the controller's report is absent, in one sentence.
+  std::string no_words{"The run has no controller that reports."};
+  bool words_expected{};  ///< The controller of this job reports, so that an absent report is a gap.
   /// A power meter's pin: when it toggled, its delay taken off, and the energy that each edge stands for.
   std::vector<double> power_edges_s;
   double power_quantum_j{};

@@ -9,6 +9,12 @@ struct GateInterval {
   double off_s{};
 };
 
+/// A span of time in which a line was at one level.
+struct Span {
+  double from_s{};
+  double to_s{};
+};
+
 /// An edge of the belt's encoder, as the pins showed it.
 struct BeltEdge {
   double time_s{};

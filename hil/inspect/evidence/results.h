@@ -24,6 +24,9 @@ struct EntityResult {
   double rms_U_mm{};
   double
       coverage{};  ///< Share of stations burnt as the process asks, 0 … 1; of a perforation, the open share.
+  /// Longest piece that is not burnt, between the stations that coverage counts; 0: none. Of a perforation
+  /// its longest bridge.
+  double uncut_mm{};
   double width_mm{};  ///< Mean, without outliers.
   double width_U_mm{};
   double width_own_U_mm{};  ///< U of a comparison with the widths of other cuts: what they share is left out.
@@ -85,7 +88,8 @@ std::string_view jointName(JointResult::Kind kind);
 
 struct InspectionResult {
   Verdict verdict{Verdict::kInvalid};
-  std::vector<Check> checks;
+  std::vector<Check> checks;       ///< Those that were judged.
+  std::vector<Unjudged> unjudged;  ///< All others, in the order of the report.
   std::vector<EntityResult> entities;
   std::vector<LayerResult> layers;
   std::vector<JointResult> joints;

@@ -3,6 +3,9 @@
 
 namespace kerfbench::inspect {
 
+/// Longest time from an open guard, or from whatever else must stop a run, to a dark laser.
+inline constexpr double kLaserOff_s = 100e-6;
+
 /// What a cut may be off, and which checks a scenario asks for.
 struct Tolerances {
   /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
@@ -12,12 +15,14 @@ struct Tolerances {
   Edge edge{Edge::kCentre};
   double path_mm{0.05};  ///< Deviation of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
-  double min_coverage{0.99};   ///< Share of stations with a kerf, per entity.
-  double kerf_width_mm{0.05};  ///< Largest change of an entity's width from the width usual for its process.
-  double stray_mm{0.5};        ///< Longest stray cut allowed.
-  double end_gap_mm{0.15};     ///< Longest piece left uncut at the start or the end of an entity.
-  double passes{1.5};          ///< An entity along which the spot went more often than this was cut twice.
-  double gate_tail_s{0.002};   ///< Longest time the spot may be seen outside the laser gate.
+  double uncut_mm{0.15};        ///< Longest piece of a line, away from its ends, that is not burnt.
+  double cut_through_mm{0.15};  ///< Longest piece of a crease or half-cut that is cut through.
+  double kerf_width_mm{0.05};   ///< Largest change of an entity's width from the width usual for its process.
+  double stray_mm{0.5};         ///< Longest stray cut allowed.
+  double end_gap_mm{0.15};      ///< Longest piece left uncut at the start or the end of an entity.
+  double passes{1.5};           ///< An entity along which the spot went more often than this was cut twice.
+  double gate_tail_s{0.002};    ///< Longest time the spot may be seen outside the laser gate.
+  double dwell_mm{1.0};         ///< Light on one place, as that of so long a cut; see dwellCheck().
   double gate_lag_s{
       0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
   double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kerfbench::inspect {
@@ -31,6 +33,41 @@ struct Check {
   Verdict verdict{Verdict::kInvalid};
   std::string explanation{};  ///< One sentence a QA engineer understands.
 };
+
+/// A check that says nothing of a run, and why. A run names every check: each is judged, or one of these.
+struct Unjudged {
+  std::string name{};    ///< As Check::name.
+  std::string title{};   ///< For people.
+  bool applies{};        ///< True: the job has what it judges, and it could not be judged; false: it has not.
+  std::string reason{};  ///< One sentence a QA engineer understands.
+};
+
+/// What came of a check: a decided Check, or why there is none.
+class Finding {
+ public:
+  Finding(Check check) : check_(std::move(check)) {}         // NOLINT(google-explicit-constructor)
+  Finding(Unjudged unjudged) : why_(std::move(unjudged)) {}  // NOLINT(google-explicit-constructor)
+
+  [[nodiscard]] bool has_value() const { return check_.has_value(); }
+  explicit operator bool() const { return check_.has_value(); }
+  [[nodiscard]] const Check& operator*() const { return *check_; }
+  [[nodiscard]] const Check* operator->() const { return &*check_; }
+  /// Meaningful where there is no Check.
+  [[nodiscard]] const Unjudged& why() const { return why_; }
+
+ private:
+  std::optional<Check> check_;
+  Unjudged why_;
+};
+
+/// The job has nothing that this check judges. Name and title are taken from `check`.
+inline Unjudged notApplicable(const Check& check, std::string reason) {
+  return {check.name, check.title, false, std::move(reason)};
+}
+/// The job has it, and it could not be judged.
+inline Unjudged notJudged(const Check& check, std::string reason) {
+  return {check.name, check.title, true, std::move(reason)};
+}
 
 /// Decision rule of JCGM 106 with guard band: PASS inside limit - w, FAIL outside limit + w, NOT PROVEN
 /// between, INVALID for NaN. Sets check.verdict and returns it.

@@ -74,7 +74,7 @@ TEST(CoverageCheck, FindsAHoleAndNamesItsPlace) {
   const auto result = run.inspected();
   const Check& coverage = checkOf(result, "coverage");
   EXPECT_EQ(coverage.verdict, Verdict::kFail);
-  EXPECT_NE(coverage.explanation.find("from station 25.00 to 26.00 mm"), std::string::npos)
+  EXPECT_NE(coverage.explanation.find("between station 25.00 and 26.00 mm"), std::string::npos)
       << coverage.explanation;
 }
 
@@ -196,14 +196,82 @@ TEST(LaserTimingCheck, FindsAStartThatIsNotBurnt) {
             std::string::npos);
 }
 
+/// Dims the calipers of a line as a bridge of this length about a place does, seen over 0.2 mm each.
+void bridge(vision::EntityKerf& kerf, double middle_mm, double length_mm) {
+  for (vision::Caliper& c : kerf.calipers) {
+    const double from_mm = std::max(c.station_mm - 0.1, middle_mm - 0.5 * length_mm);
+    const double to_mm = std::min(c.station_mm + 0.1, middle_mm + 0.5 * length_mm);
+    c.brightness *= 1.0 - std::max(0.0, to_mm - from_mm) / 0.2;
+    if (c.brightness < 0.03) unburn(c);
+  }
+}
+
+/// A line of stations every 0.1 mm instead of the run's own.
+void refine(vision::EntityKerf& kerf) {
+  std::vector<vision::Caliper> fine;
+  for (std::size_t i = 0; i + 1 < kerf.calipers.size(); ++i) {
+    const vision::Caliper& a = kerf.calipers[i];
+    const vision::Caliper& b = kerf.calipers[i + 1];
+    const int pieces = static_cast<int>(std::ceil((b.station_mm - a.station_mm) / 0.1 - 1e-9));
+    for (int k = 0; k < pieces; ++k) {
+      const double t = static_cast<double>(k) / pieces;
+      vision::Caliper c = a;
+      c.station_mm += t * (b.station_mm - a.station_mm);
+      c.u += t * (b.u - a.u);
+      c.p_S_mm += t * (b.p_S_mm - a.p_S_mm);
+      c.p_V_mm += t * (b.p_V_mm - a.p_V_mm);
+      fine.push_back(c);
+    }
+  }
+  fine.push_back(kerf.calipers.back());
+  kerf.calipers = std::move(fine);
+}
+
+TEST(CoverageCheck, MeasuresABridgeWhateverTheLengthOfItsLine) {
+  for (const double length_mm : {0.1, 0.15, 0.2, 0.3, 0.7, 7.5}) {
+    for (const double middle_mm : {20.0, 20.03, 20.05}) {
+      SyntheticRun run;
+      vision::EntityKerf& kerf = run.kerf(0, kBottom);
+      refine(kerf);
+      bridge(kerf, middle_mm, length_mm);
+      const auto result = run.inspected();
+      const Check& coverage = checkOf(result, "coverage");
+      EXPECT_NEAR(coverage.value, length_mm, coverage.u) << length_mm << " at " << middle_mm;
+      const Verdict wanted = length_mm > 0.2 + 1e-9   ? Verdict::kFail
+                             : length_mm < 0.1 - 1e-9 ? Verdict::kPass
+                                                      : coverage.verdict;
+      EXPECT_EQ(coverage.verdict, wanted) << length_mm << " at " << middle_mm;
+      if (length_mm <= 0.15) continue;
+      EXPECT_NE(coverage.verdict, Verdict::kPass) << length_mm << " at " << middle_mm;
+    }
+  }
+}
+
+TEST(CoverageCheck, ALineThatIsDimAllAlongIsNotCut) {
+  SyntheticRun run;
+  for (vision::Caliper& c : run.kerf(0, kBottom).calipers) c.brightness = 0.7;
+  EXPECT_EQ(checkOf(run.inspected(), "coverage").verdict, Verdict::kFail);
+}
+
+TEST(DepthCheck, MeasuresTheLongestPieceThatIsCutThrough) {
+  SyntheticRun run;
+  auto& calipers = run.kerf(1, kCreaseLine).calipers;
+  for (std::size_t i = 50; i <= 54; ++i) calipers[i].brightness = 1.0;
+  const auto result = run.inspected();
+  const Check& depth = checkOf(result, "depth");
+  EXPECT_EQ(depth.verdict, Verdict::kFail);
+  EXPECT_NEAR(depth.value, 5 * 0.25, 0.01);
+  EXPECT_EQ(depth.subject, "unit 1, E5");
+  EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kPass) << "one cause, one check";
+}
+
 TEST(LaserTimingCheck, AShortGapIsNoMatterOfCoverage) {
   SyntheticRun run;
   run.limits.end_gap_mm = 0.3;
-  run.limits.min_coverage = 1.0;
   for (vision::Caliper* c :
        {&run.kerf(0, kCreaseLine).calipers.front(), &run.kerf(0, kCreaseLine).calipers.back()})
     unburn(*c);
-  EXPECT_EQ(checkOf(run.inspected(), "coverage").value, 1.0);
+  EXPECT_EQ(checkOf(run.inspected(), "coverage").value, 0.0);
 }
 
 TEST(LaserTimingCheck, SeesTheGapBehindANeighboursKerf) {

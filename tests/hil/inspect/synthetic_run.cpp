@@ -94,6 +94,8 @@ SyntheticRun::SyntheticRun() {
   }
   addKerf();
   addFrames();
+  for (const GateInterval& gate : evidence.gates) evidence.light.push_back({gate.on_s, gate.off_s});
+  evidence.guard_open.emplace();
   evidence.belt_count_mm = 0.01;
   const double end_mm = kBelt_mm_s * evidence.spot.frames.back().mid_s;
   for (int count = 1; 0.01 * count <= end_mm; ++count)
@@ -219,6 +221,12 @@ const Check& checkOf(const InspectionResult& result, std::string_view name) {
   const auto found = std::find_if(result.checks.begin(), result.checks.end(),
                                   [&](const Check& c) { return c.name == name; });
   if (found == result.checks.end()) throw std::out_of_range("no check named " + std::string(name));
+  return *found;
+}
+
+const Unjudged& unjudgedOf(const InspectionResult& result, std::string_view name) {
+  const auto found = std::ranges::find(result.unjudged, name, &Unjudged::name);
+  if (found == result.unjudged.end()) throw std::out_of_range("not among the unjudged: " + std::string(name));
   return *found;
 }
 

@@ -47,6 +47,8 @@ struct SyntheticRun {
 
 /// The check of that name. @throws std::out_of_range if there is none.
 const Check& checkOf(const InspectionResult& result, std::string_view name);
+/// The check of that name that was not judged. @throws std::out_of_range if there is none.
+const Unjudged& unjudgedOf(const InspectionResult& result, std::string_view name);
 bool hasCheck(const InspectionResult& result, std::string_view name);
 
 }  // namespace kerfbench::inspect::testing

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a verdict must not be read without.
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "hil/report/run_report.h"
+
+namespace kerfbench::report {
+namespace {
+
+using inspect::Tolerances;
+
+/// A limit that a scenario may set; the larger, the more a cut may be off.
+struct Limit {
+  const char* key;
+  const char* unit;
+  double Tolerances::*value;
+  double scale{1.0};
+};
+constexpr std::array kLimits{Limit{"path_mm", "mm", &Tolerances::path_mm},
+                             Limit{"stillness_mm", "mm", &Tolerances::stillness_mm},
+                             Limit{"uncut_mm", "mm", &Tolerances::uncut_mm},
+                             Limit{"cut_through_mm", "mm", &Tolerances::cut_through_mm},
+                             Limit{"kerf_width_mm", "mm", &Tolerances::kerf_width_mm},
+                             Limit{"stray_mm", "mm", &Tolerances::stray_mm},
+                             Limit{"gate_lag_ms", "ms", &Tolerances::gate_lag_s, 1e3},
+                             Limit{"line_energy_share", "", &Tolerances::line_energy_share}};
+
+std::string wideLimits(const Tolerances& limits) {
+  const Tolerances defaults;
+  std::string text;
+  for (const Limit& limit : kLimits) {
+    const double value = limits.*limit.value;
+    const double usual = defaults.*limit.value;
+    if (!(value > usual)) continue;
+    text += fmt::format("{}{} {:g} (default {:g})", text.empty() ? "" : ", ", limit.key, limit.scale * value,
+                        limit.scale * usual);
+  }
+  return text.empty() ? text : "limits wider than the defaults: " + text;
+}
+
+std::string unjudged(const inspect::InspectionResult& result) {
+  std::string text;
+  for (const inspect::Unjudged& check : result.unjudged)
+    if (check.applies) text += (text.empty() ? "" : ", ") + check.name;
+  return text.empty() ? text : "not judged: " + text;
+}
+
+std::string leftOut(const dieline::Dieline& dieline) {
+  const auto ignored = std::ranges::count_if(
+      dieline.entities, [](const dieline::Entity& e) { return e.process == dieline::Process::kIgnore; });
+  if (ignored == 0) return {};
+  return fmt::format("{} of {} entities of the drawing are neither cut nor judged", ignored,
+                     dieline.entities.size());
+}
+
+}  // namespace
+
+std::vector<Reservation> reservationsOf(const RunReport& report) {
+  std::vector<Reservation> all;
+  const auto add = [&](const char* kind, std::string text) {
+    if (!text.empty()) all.push_back({kind, std::move(text)});
+  };
+  add("wide_limit", wideLimits(report.limits));
+  add("not_judged", unjudged(report.result));
+  add("part_not_judged", leftOut(report.dieline));
+  add("model_pictures", report.model_pictures
+                            ? "the pins are real, but the pictures are of the model: no real cut was seen"
+                            : "");
+  add("calibration_age",
+      report.calibrations_undated ? "the scenario has no date, so no calibration can be too old" : "");
+  return all;
+}
+
+std::string reservationsLine(const RunReport& report) {
+  std::string line;
+  for (const Reservation& reservation : reservationsOf(report))
+    line += (line.empty() ? "" : "; ") + reservation.text;
+  return line;
+}
+
+}  // namespace kerfbench::report

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the pins alone prove of the laser, and a beam that rests while it works.
+#include <gtest/gtest.h>
+
+#include "tests/hil/inspect/synthetic_run.h"
+
+namespace kerfbench::inspect {
+namespace {
+
+using namespace testing;
+
+TEST(InterlockCheck, FailsWhereTheGateStaysOpenBehindAnOpenGuard) {
+  SyntheticRun run;
+  const GateInterval& gate = run.evidence.gates.at(2);
+  const double opened_s = 0.5 * (gate.on_s + gate.off_s);
+  run.evidence.guard_open->push_back({opened_s, opened_s + 1.0});
+  const auto result = run.inspected();
+  const Check& interlock = checkOf(result, "interlock");
+  EXPECT_EQ(interlock.verdict, Verdict::kFail);
+  EXPECT_EQ(result.verdict, Verdict::kFail);
+}
+
+TEST(InterlockCheck, PassesWhereTheLaserGoesOffInTime) {
+  SyntheticRun run;
+  const GateInterval& gate = run.evidence.gates.front();
+  run.evidence.guard_open->push_back({gate.off_s - 0.9 * kLaserOff_s, gate.off_s + 1e-4});
+  EXPECT_EQ(checkOf(run.inspected(), "interlock").verdict, Verdict::kPass);
+  run.evidence.guard_open->back().from_s = gate.off_s - 1.1 * kLaserOff_s;
+  EXPECT_EQ(checkOf(run.inspected(), "interlock").verdict, Verdict::kFail);
+}
+
+TEST(InterlockCheck, WithoutTheWireItDoesNotApply) {
+  SyntheticRun run;
+  run.evidence.guard_open.reset();
+  const auto result = run.inspected();
+  EXPECT_FALSE(hasCheck(result, "interlock"));
+  EXPECT_FALSE(unjudgedOf(result, "interlock").applies);
+  EXPECT_EQ(result.verdict, Verdict::kPass);
+}
+
+/// Lets the spot of the first cut rest at its place for some frames, all later ones so much later.
+void rest(SyntheticRun& run, std::size_t frames) {
+  auto& all = run.evidence.spot.frames;
+  const GateInterval gate = run.evidence.gates.front();
+  const auto at = std::ranges::find_if(
+      all, [&](const vision::FrameMeasurement& f) { return f.spot_W_mm && f.mid_s > gate.on_s + 0.05; });
+  ASSERT_NE(at, all.end());
+  const double wait_s = 1e-3 * static_cast<double>(frames);
+  const double from_s = at->mid_s;
+  const vision::FrameMeasurement still = *at;
+  for (auto later = at; later != all.end(); ++later) {
+    later->mid_s += wait_s;
+    later->sequence += frames;
+  }
+  std::vector<vision::FrameMeasurement> resting(frames, still);
+  for (std::size_t i = 0; i < frames; ++i) {
+    resting[i].mid_s += 1e-3 * static_cast<double>(i);
+    resting[i].sequence += i;
+  }
+  all.insert(at, resting.begin(), resting.end());
+  const auto delay = [&](double& time_s) { time_s += time_s > from_s ? wait_s : 0.0; };
+  for (GateInterval& g : run.evidence.gates) {
+    delay(g.on_s);
+    delay(g.off_s);
+  }
+  for (Span& s : run.evidence.light) {
+    delay(s.from_s);
+    delay(s.to_s);
+  }
+  run.evidence.belt.clear();
+}
+
+TEST(DwellCheck, FailsWhereTheBeamRestsWithTheLaserOn) {
+  SyntheticRun run;
+  rest(run, 50);
+  const auto result = run.inspected();
+  const Check& dwell = checkOf(result, "dwell");
+  EXPECT_EQ(dwell.verdict, Verdict::kFail);
+  EXPECT_NEAR(dwell.value, 50e-3 * 300.0, 1.0) << "50 ms at 300 mm/s";
+}
+
+TEST(DwellCheck, ARestInTheDarkDoesNoHarm) {
+  SyntheticRun run;
+  const double on_s = run.evidence.gates.front().on_s;
+  rest(run, 50);
+  // The PWM is at nought while the beam rests.
+  Span& first = run.evidence.light.front();
+  const double off_s = first.to_s;
+  first.to_s = on_s + 0.05;
+  run.evidence.light.insert(run.evidence.light.begin() + 1, Span{on_s + 0.101, off_s});
+  EXPECT_EQ(checkOf(run.inspected(), "dwell").verdict, Verdict::kPass);
+}
+
+TEST(DwellCheck, AFlawlessRunRestsNowhere) {
+  const SyntheticRun run;
+  EXPECT_LT(checkOf(run.inspected(), "dwell").value, 0.7);
+  EXPECT_EQ(checkOf(run.inspected(), "dwell").verdict, Verdict::kPass);
+}
+
+TEST(Unjudged, EachCheckIsJudgedOrListedWithItsReason) {
+  SyntheticRun run;
+  const auto result = run.inspected();
+  for (const char* name :
+       {"path",        "joints",     "coverage",     "depth",        "even_depth",  "line_energy",
+        "perforation", "kerf_width", "stray",        "laser_timing", "stillness_x", "stillness_peak",
+        "belt",        "spot_seen",  "spot_path",    "repeat",       "dwell",       "gate_lag",
+        "laser_gate",  "interlock",  "pulse_timing", "account",      "finish"}) {
+    const bool judged = hasCheck(result, name);
+    const auto listed = std::ranges::count(result.unjudged, name, &Unjudged::name);
+    EXPECT_EQ(listed, judged ? 0 : 1) << name;
+    if (judged) continue;
+    EXPECT_FALSE(unjudgedOf(result, name).reason.empty()) << name;
+  }
+}
+
+TEST(Unjudged, AnAbsentReportOfTheControllerIsToldApartFromOneThatNobodyExpects) {
+  SyntheticRun run;
+  EXPECT_FALSE(unjudgedOf(run.inspected(), "account").applies);
+  run.evidence.words_expected = true;
+  run.evidence.no_words = "The recording holds nothing that the controller said.";
+  const auto result = run.inspected();
+  EXPECT_TRUE(unjudgedOf(result, "account").applies);
+  EXPECT_TRUE(unjudgedOf(result, "finish").applies);
+  EXPECT_EQ(unjudgedOf(result, "finish").reason, run.evidence.no_words);
+}
+
+TEST(Unjudged, NothingCutLeavesOneCauseAndNoGuesses) {
+  SyntheticRun run;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) {
+      c.found = false;
+      c.brightness = 0.0;
+      c.offset_mm = c.width_mm = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kFail);
+  EXPECT_FALSE(hasCheck(result, "path"));
+  EXPECT_TRUE(unjudgedOf(result, "path").applies);
+}
+
+}  // namespace
+}  // namespace kerfbench::inspect
