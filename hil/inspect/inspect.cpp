@@ -143,16 +143,26 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
   return all;
 }
 
+/// A fault that no reading's value can argue away: a line is not there, or something is burnt elsewhere.
+bool isProvenByAbsence(const std::vector<Check>& checks) {
+  return std::ranges::any_of(checks, [](const Check& check) {
+    return check.verdict == Verdict::kFail && (check.name == "coverage" || check.name == "stray");
+  });
+}
+
 void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
                       InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
-  for (const Finding& finding : cameraFindings(measured(evidence, limits, edges, result), result))
-    add(finding, result);
+  const Measured m = measured(evidence, limits, edges, result);
+  const bool sound = result.problems.empty();
+  const std::vector<std::string> doubts = checks::doubtsOf(evidence, m.lit);
+  append(result.problems, doubts);
+  for (const Finding& finding : cameraFindings(m, result)) add(finding, result);
   for (const Finding& finding : pinFindings(evidence)) add(finding, result);
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
-  result.verdict = combine(result.checks, result.problems.empty());
+  result.verdict = combine(result.checks, sound && (doubts.empty() || isProvenByAbsence(result.checks)));
 }
 
 }  // namespace

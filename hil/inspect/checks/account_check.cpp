@@ -11,7 +11,9 @@ namespace kerfbench::inspect::checks {
 
 namespace {
 
-Check accountHead() { return {.name = "account", .title = "The controller is where it says", .unit = "steps"}; }
+Check accountHead() {
+  return {.name = "account", .title = "The controller is where it says", .unit = "steps"};
+}
 
 }  // namespace
 

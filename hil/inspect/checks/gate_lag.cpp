@@ -32,6 +32,11 @@ constexpr double kMaxChiSquare = 9.0;
 /// forty.
 constexpr double kClearlyBetter = 6.0;
 
+/// A line shorter than this may have no frame that is its own.
+constexpr double kShortest_mm = 1.0;
+/// An instant so far from the gate comes from a motion that was not seen, but guessed from later frames.
+constexpr double kFarthestLag_s = 0.05;
+
 struct Start {
   double lag_s{};  ///< Gate minus the instant at which the beam set off; > 0: the gate is late.
   double sigma_s{};
@@ -69,6 +74,26 @@ std::vector<const LitFrame*> framesOf(const LitFrames& lit, const GateInterval& 
     frames.push_back(&frame);
   }
   return frames;
+}
+
+/// Whether the cut may have begun on another line than `used`, from whose start (u = 0 or 1) the beam is seen
+/// to come: the camera's first frame of the cut lies on another, or a line too short for frames of its own
+/// ends there.
+bool beginsElsewhere(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate,
+                     const LitFrame& used, double start_u) {
+  auto first = std::ranges::lower_bound(lit.frames, gate.on_s, {}, &LitFrame::time_s);
+  while (first != lit.frames.end() && first->time_s <= gate.off_s && first->entity < 0) ++first;
+  if (first == lit.frames.end() || first->entity != used.entity || first->unit != used.unit) return true;
+  const auto& entities = evidence.dieline->entities;
+  const Eigen::Vector2d start_mm =
+      dieline::pointAt(entities[static_cast<std::size_t>(used.entity)].curve, start_u);
+  return std::ranges::any_of(entities, [&](const dieline::Entity& other) {
+    if (other.id == used.entity || other.process == dieline::Process::kIgnore) return false;
+    if (dieline::lengthOf(other.curve) > kShortest_mm) return false;
+    return std::ranges::any_of(std::array{0.0, 1.0}, [&](double u) {
+      return (dieline::pointAt(other.curve, u) - start_mm).norm() <= kMeet_mm;
+    });
+  });
 }
 
 /// How the beam sets off: from rest, speeding up evenly, s = a (t - t0)² / 2, or at once with its full speed,
@@ -155,6 +180,7 @@ std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, co
   const double third_u = dieline::nearestOn(curve, frames[2]->p_S_mm).u;
   const bool forward =
       dieline::isClosed(curve) ? third_u < 0.5 : third_u > dieline::nearestOn(curve, first.p_S_mm).u;
+  if (beginsElsewhere(evidence, lit, gate, first, forward ? 0.0 : 1.0)) return std::nullopt;
   // A line that ends in a corner is braked from its middle on.
   const double farthest_mm = std::min(stretch_mm, 0.4 * length_mm);
   std::vector<Place> places;
@@ -178,6 +204,7 @@ std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, co
   // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
   if ((ramp.chi_square <= worst_chi_square) == (dash.chi_square <= worst_chi_square)) return std::nullopt;
   const Fit& better = dash.chi_square < ramp.chi_square ? dash : ramp;
+  if (std::abs(better.t0_s) > kFarthestLag_s) return std::nullopt;
   return Start{-better.t0_s, better.sigma_s, first.unit, first.entity, gate.on_s};
 }
 

@@ -32,21 +32,14 @@ std::vector<std::string> uncertaintyProblems(const Evidence& evidence) {
   std::vector<std::string> problems;
   std::set<int> placed;
   for (const vision::UnitPose& pose : evidence.kerf.units) placed.insert(pose.unit);
-  const Eigen::AlignedBox2d& area_mm = evidence.kerf_calibration->area_mm;
-  std::size_t outside = 0;
   std::size_t unstated = 0;
   std::set<int> unplaced;
   for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
     for (const vision::Caliper& c : kerf.calipers) {
       if (!judgesOffset(c)) continue;
-      if (!area_mm.contains(c.p_V_mm)) ++outside;
       if (!(c.sigma_mm > 0.0) || !std::isfinite(c.sigma_mm)) ++unstated;
       if (!placed.contains(kerf.unit)) unplaced.insert(kerf.unit);
     }
-  }
-  if (outside > 0) {
-    problems.push_back(
-        fmt::format("{} readings lie outside the area that the kerf camera's calibration covers.", outside));
   }
   if (unstated > 0) problems.push_back(fmt::format("{} kerf readings state no uncertainty.", unstated));
   for (const int unit : unplaced)

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks/checks.h"
+#include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "twin/base/constants.h"
 
@@ -25,18 +26,7 @@ constexpr double kLiveAllowance_mm = 0.012;
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit) {
   std::vector<std::string> problems = evidence.spot.problems;
   for (std::string& problem : frameProblems(evidence)) problems.push_back(std::move(problem));
-  if (!evidence.spot_calibration) {
-    problems.emplace_back("There is no calibration of the spot camera.");
-  } else {
-    const auto outside = std::count_if(lit.frames.begin(), lit.frames.end(), [&](const LitFrame& f) {
-      const auto& spot_W_mm = evidence.spot.frames[f.frame].spot_W_mm;
-      return spot_W_mm && !evidence.spot_calibration->area_mm.contains(*spot_W_mm);
-    });
-    if (outside > 0) {
-      problems.push_back(fmt::format(
-          "In {} frames the spot lies outside the area that the spot camera's calibration covers.", outside));
-    }
-  }
+  if (!evidence.spot_calibration) problems.emplace_back("There is no calibration of the spot camera.");
   const auto unstated = std::count_if(lit.frames.begin(), lit.frames.end(),
                                       [](const LitFrame& f) { return !(f.sigma_mm > 0.0); });
   if (unstated > 0) problems.push_back(fmt::format("{} spots state no uncertainty.", unstated));
@@ -46,6 +36,32 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
                     lit.unplaced, lit.lit));
   }
   return problems;
+}
+
+std::vector<std::string> doubtsOf(const Evidence& evidence, const LitFrames& lit) {
+  std::vector<std::string> doubts;
+  if (evidence.spot_calibration) {
+    const auto outside = std::count_if(lit.frames.begin(), lit.frames.end(), [&](const LitFrame& f) {
+      const auto& spot_W_mm = evidence.spot.frames[f.frame].spot_W_mm;
+      return spot_W_mm && !evidence.spot_calibration->area_mm.contains(*spot_W_mm);
+    });
+    if (outside > 0) {
+      doubts.push_back(fmt::format(
+          "In {} frames the spot lies outside the area that the spot camera's calibration covers.", outside));
+    }
+  }
+  if (!evidence.kerf_calibration) return doubts;
+  std::size_t outside = 0;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    outside += static_cast<std::size_t>(std::ranges::count_if(kerf.calipers, [&](const vision::Caliper& c) {
+      return judgesOffset(c) && !evidence.kerf_calibration->area_mm.contains(c.p_V_mm);
+    }));
+  }
+  if (outside > 0) {
+    doubts.push_back(
+        fmt::format("{} readings lie outside the area that the kerf camera's calibration covers.", outside));
+  }
+  return doubts;
 }
 
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities) {

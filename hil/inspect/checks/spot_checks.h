@@ -47,6 +47,10 @@ FrameLosses lossesOf(const Evidence& evidence);
 std::vector<std::string> frameProblems(const Evidence& evidence);
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit);
 
+/// Readings outside of what the calibrations cover. They spoil a measured value; that a line is not there, or
+/// that something is burnt elsewhere, they do not.
+std::vector<std::string> doubtsOf(const Evidence& evidence, const LitFrames& lit);
+
 Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness);
 /// Largest distance from the mean place on the sheet, of all cuts that show x.
 Finding excursionCheck(const Tolerances& limits, const Stillness& stillness);

@@ -50,8 +50,9 @@ class Finding {
 
   [[nodiscard]] bool has_value() const { return check_.has_value(); }
   explicit operator bool() const { return check_.has_value(); }
-  [[nodiscard]] const Check& operator*() const { return *check_; }
-  [[nodiscard]] const Check* operator->() const { return &*check_; }
+  /// @throws std::bad_optional_access where there is no Check.
+  [[nodiscard]] const Check& operator*() const { return check_.value(); }
+  [[nodiscard]] const Check* operator->() const { return &check_.value(); }
   /// Meaningful where there is no Check.
   [[nodiscard]] const Unjudged& why() const { return why_; }
 

@@ -17,6 +17,8 @@ constexpr double kSameLineMm = 0.03;
 constexpr double kOwnApartMm = 0.65;  // along the own curve, from where it is a neighbour of itself
 constexpr double kMeetMm = 0.02;      // of ends that are drawn to touch
 constexpr double kAloneMm = 0.7;      // around a corner or a free end
+/// On a bend tighter than this a caliper's straight window holds more turn than line, as at a corner.
+constexpr double kTightestMm = 0.15;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -161,6 +163,29 @@ void findJoints(const SampleGrid& grid, const SampleGrid& end_grid, const std::v
   }
 }
 
+/// Fillets of next to no radius join lines without a corner, and are one to a caliper. A closed curve as
+/// small is a hole, which its own calipers measure.
+void markTightBends(double clearance_mm, std::vector<EntityPlan>& plans) {
+  SampleGrid bends(clearance_mm);
+  bool any = false;
+  for (const EntityPlan& plan : plans) {
+    if (plan.closed) continue;
+    for (const Station& s : plan.stations) {
+      if (std::abs(s.curvature_per_mm) * kTightestMm <= 1.0) continue;
+      bends.add({s.p_S_mm, s.tangent, s.curvature_per_mm, s.station_mm, 0});
+      any = true;
+    }
+  }
+  if (!any) return;
+  for (EntityPlan& plan : plans) {
+    for (Station& station : plan.stations) {
+      bends.around(station.p_S_mm, [&](const CurveSample& bend) {
+        if ((bend.p_S_mm - station.p_S_mm).norm() <= clearance_mm) station.near_corner = true;
+      });
+    }
+  }
+}
+
 }  // namespace
 
 KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& options) {
@@ -185,6 +210,7 @@ KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& option
   const std::vector<EntityEnd> ends = endsOf(plan.entities);
   for (std::size_t i = 0; i < ends.size(); ++i) end_grid.add({ends[i].p_S_mm, ends[i].outward, 0.0, 0.0, i});
   findJoints(grid, end_grid, ends, options.joint_clearance_mm, plan);
+  markTightBends(options.joint_clearance_mm, plan.entities);
   for (std::size_t i = 0; i < plan.entities.size(); ++i) {
     EntityPlan& own = plan.entities[i];
     for (Station& station : own.stations) hideOthers(station, i, own, grid, options.reach_mm);

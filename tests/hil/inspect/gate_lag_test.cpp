@@ -47,9 +47,15 @@ class Start {
   Start(const Start&) = delete;
   Start& operator=(const Start&) = delete;
 
+  /// Another line of the same dieline, on which no frame lies.
+  void add(dieline::Curve curve) {
+    const int id = static_cast<int>(dieline_.entities.size());
+    dieline_.entities.push_back({id, std::move(curve), dieline::Process::kCut, "CUT", "line 8: LINE"});
+  }
+
   /// `lag_s` > 0: the gate opens after the beam sets off.
-  std::optional<Check> seen(double lag_s, Motion motion = ramp, unsigned seed = 0, int frames = 1000,
-                            double pin_u_s = 0.0) {
+  Finding seen(double lag_s, Motion motion = ramp, unsigned seed = 0, int frames = 1000,
+               double pin_u_s = 0.0) {
     LitFrames lit;
     evidence_.pin_u_s = pin_u_s;
     evidence_.gates = {cut(lit, kGate_s, lag_s, motion, seed, frames)};
@@ -57,7 +63,7 @@ class Start {
   }
 
   /// Two cuts along the curve, one after the other.
-  std::optional<Check> seenTwice(double first_lag_s, double second_lag_s) {
+  Finding seenTwice(double first_lag_s, double second_lag_s) {
     LitFrames lit;
     evidence_.gates = {cut(lit, kGate_s, first_lag_s, ramp, 0, 1000)};
     evidence_.gates.push_back(cut(lit, evidence_.gates[0].off_s + 0.05, second_lag_s, ramp, 0, 1000));
@@ -99,6 +105,21 @@ class Start {
 
 const dieline::Curve kLine = dieline::LineCurve{{0, 0}, {40, 30}};
 const dieline::Curve kCircle = dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
+
+TEST(GateLag, AStartOnALineTooShortForFramesIsNotTakenForALateOneOnTheNext) {
+  Start start(kLine);
+  start.add(dieline::LineCurve{{-0.3, 0.0}, {0.0, 0.0}});
+  // The gate opened 2 ms before the beam came to the long line.
+  EXPECT_FALSE(start.seen(-0.002));
+  Start alone(kLine);
+  alone.add(dieline::LineCurve{{-20.0, 0.0}, {0.0, 0.0}});
+  EXPECT_EQ(alone.seen(-0.002)->verdict, Verdict::kFail) << "a neighbour that has frames of its own";
+}
+
+TEST(GateLag, WhatNoFrameCanHaveSeenIsNotGuessed) {
+  Start start(kLine);
+  EXPECT_FALSE(start.seen(0.3)) << start.seen(0.3)->explanation;
+}
 
 TEST(GateLag, FindsTheLagOnLinesAndCirclesEitherWay) {
   for (const dieline::Curve& curve : {kLine, kCircle}) {

@@ -22,7 +22,7 @@ TEST(Inspect, AFlawlessRunPassesEveryCheck) {
   }
   EXPECT_TRUE(result.problems.empty());
   EXPECT_EQ(result.verdict, Verdict::kPass);
-  EXPECT_EQ(result.checks.size(), 16U);
+  EXPECT_EQ(result.checks.size(), 18U);
 }
 
 TEST(Inspect, EveryKindOfBrokenEvidenceIsInvalid) {

@@ -22,7 +22,7 @@ TEST(InterlockCheck, FailsWhereTheGateStaysOpenBehindAnOpenGuard) {
 
 TEST(InterlockCheck, PassesWhereTheLaserGoesOffInTime) {
   SyntheticRun run;
-  const GateInterval& gate = run.evidence.gates.front();
+  const GateInterval& gate = run.evidence.gates.back();
   run.evidence.guard_open->push_back({gate.off_s - 0.9 * kLaserOff_s, gate.off_s + 1e-4});
   EXPECT_EQ(checkOf(run.inspected(), "interlock").verdict, Verdict::kPass);
   run.evidence.guard_open->back().from_s = gate.off_s - 1.1 * kLaserOff_s;
@@ -122,6 +122,22 @@ TEST(Unjudged, AnAbsentReportOfTheControllerIsToldApartFromOneThatNobodyExpects)
   EXPECT_TRUE(unjudgedOf(result, "account").applies);
   EXPECT_TRUE(unjudgedOf(result, "finish").applies);
   EXPECT_EQ(unjudgedOf(result, "finish").reason, run.evidence.no_words);
+}
+
+TEST(Doubts, DoNotOutweighALineThatIsNotThere) {
+  SyntheticRun run;
+  run.evidence.spot_calibration->area_mm =
+      Eigen::AlignedBox2d(Eigen::Vector2d(1e4, 1e4), Eigen::Vector2d(2e4, 2e4));
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+  for (vision::Caliper& c : run.kerf(1, kHole).calipers) {
+    c.found = false;
+    c.brightness = 0.0;
+    c.offset_mm = c.width_mm = std::numeric_limits<double>::quiet_NaN();
+  }
+  EXPECT_EQ(run.inspected().verdict, Verdict::kFail) << "a hole that is missing is missing";
+  EXPECT_FALSE(run.inspected().problems.empty());
+  run.evidence.problems.emplace_back("Gap in the pin stream at 1.2 s.");
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid) << "what was recorded is spoiled";
 }
 
 TEST(Unjudged, NothingCutLeavesOneCauseAndNoGuesses) {

@@ -245,7 +245,10 @@ TEST(JunitXml, CountsWhatItLists) {
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(junitXml(report).c_str()));
   const auto suite = document.select_node("/testsuites/testsuite").node();
-  EXPECT_EQ(suite.select_nodes("testcase").size(), report.result.checks.size() + 1);
+  EXPECT_EQ(suite.select_nodes("testcase").size(),
+            report.result.checks.size() + report.result.unjudged.size() + 1);
+  EXPECT_EQ(suite.attribute("skipped").as_uint(), report.result.unjudged.size());
+  EXPECT_EQ(suite.select_nodes("testcase/skipped").size(), report.result.unjudged.size());
   EXPECT_EQ(suite.attribute("tests").as_uint(), suite.select_nodes("testcase").size());
   EXPECT_EQ(suite.attribute("failures").as_uint(), suite.select_nodes("testcase/failure").size());
   EXPECT_EQ(suite.attribute("errors").as_uint(), suite.select_nodes("testcase/error").size());
@@ -260,6 +263,44 @@ TEST(JunitXml, CountsWhatItLists) {
   EXPECT_EQ(suite.select_nodes("testcase/error[@type='Invalid']").size(),
             counted(inspect::Verdict::kInvalid));
   EXPECT_EQ(suite.select_nodes("testcase[@name='pulse_timing']/failure[@type='Failure']").size(), 1U);
+}
+
+/// Kinds of the reservations of a report.
+std::vector<std::string> kindsOf(const RunReport& report) {
+  std::vector<std::string> kinds;
+  for (const Reservation& reservation : reservationsOf(report)) kinds.push_back(reservation.kind);
+  return kinds;
+}
+
+TEST(Reservations, AreNoneOfARunThatIsJudgedInFull) {
+  inspect::testing::SyntheticRun run;
+  run.dieline.entities.back().process = dieline::Process::kCut;
+  RunReport report = reportOf(run);
+  report.result.unjudged.clear();
+  EXPECT_THAT(kindsOf(report), ::testing::IsEmpty());
+}
+
+TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
+  inspect::testing::SyntheticRun run;
+  run.evidence.words_expected = true;
+  run.evidence.no_words = "The recording holds nothing that the controller said.";
+  RunReport report = reportOf(run);
+  ASSERT_EQ(report.result.verdict, inspect::Verdict::kPass);
+  report.limits.path_mm = 10.0;
+  report.model_pictures = true;
+  report.calibrations_undated = true;
+  EXPECT_THAT(kindsOf(report), ::testing::ElementsAre("wide_limit", "not_judged", "part_not_judged",
+                                                      "model_pictures", "calibration_age"));
+  const std::string sentence = verdictSentence(report);
+  EXPECT_THAT(sentence, Not(HasSubstr("The release is good")));
+  EXPECT_THAT(sentence, HasSubstr("path_mm 10 (default 0.05)"));
+  EXPECT_THAT(sentence, HasSubstr("not judged: account, finish"));
+  EXPECT_THAT(sentence, HasSubstr("1 of 8 entities of the drawing"));
+  EXPECT_THAT(htmlReport(report), HasSubstr("path_mm 10 (default 0.05)"));
+  EXPECT_THAT(junitXml(report), HasSubstr("path_mm 10 (default 0.05)"));
+  const auto json = nlohmann::json::parse(verdictJson(report));
+  EXPECT_EQ(json.at("reservations").size(), 5U);
+  EXPECT_EQ(json.at("reservations").at(0).at("kind"), "wide_limit");
 }
 
 TEST(JunitXml, BrokenEvidenceIsAnErrorEvenIfEveryCheckPasses) {
