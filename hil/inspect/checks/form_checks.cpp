@@ -34,8 +34,7 @@ double longestOpen_mm(const std::vector<const vision::Caliper*>& stations) {
     const double behind_mm =
         last + 1 < stations.size() ? stations[last + 1]->station_mm - stations[last]->station_mm : 0.0;
     const double within_mm = stations[last]->station_mm - stations[first]->station_mm;
-    longest_mm = std::max(longest_mm, within_mm + 0.5 * std::min(before_mm, behind_mm));
-    longest_mm = std::max(longest_mm, 0.5 * std::max(before_mm, behind_mm));
+    longest_mm = std::max(longest_mm, within_mm + 0.5 * (before_mm + behind_mm));
     first = last;
   }
   return longest_mm;
