@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFar_mm = 1e6;
 constexpr double kDegree = std::numbers::pi / 180.0;
-// Optical; mirrors of any make stop before. A lens says the same of itself.
+// Largest optical angle of the field; mirrors of any make stop before. A lens has the same limit.
 constexpr double kMostField_rad = LensDescription::kMaxFieldAngle_rad;
 
 using Kind = MachineDescription::Kind;
@@ -98,7 +98,7 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
 
   faults.positive("encoder.count", belt.encoder.count_mm, 1e3, "mm");
   faults.within("encoder.jitter", belt.encoder.jitter_counts, 0.0, 0.2, "counts");
-  // Beyond a tenth of the radius it is no mounting error any more.
+  // A runout larger than a tenth of the radius is not a mounting error any more.
   faults.within("encoder.runout", belt.encoder.runout_mm, 0.0, 0.1 * belt.roller_radius_mm, "mm");
   faults.within("encoder.runout_phase", belt.encoder.runout_phase_rad, -1e3, 1e3, "rad");
   faults.within("print_mark_sensor.x", belt.print_mark_sensor.x_mm, -kFar_mm, kFar_mm, "mm");
@@ -107,7 +107,7 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
                 std::max(10.0, print.eye_mark_length_mm), "mm");
 }
 
-// The line's own drive sits on the roller and pulls the belt.
+// Finds faults of the line's own drive, which sits on the roller and pulls the belt.
 void findLineFaults(FaultList& faults, const BeltDescription& belt, double speed_mm_s) {
   findServoFaults(faults, "line", belt.line_servo, MachineModel::kStep_s);
   const double radius_m = belt.roller_radius_mm / 1000.0;
@@ -131,7 +131,7 @@ void findFrameFaults(FaultList& faults, const FrameDescription& frame) {
   }
 }
 
-// Out of the head the beam goes where two mirrors and a lens can send it.
+// Requires that two mirrors and a lens can send the beam to the corner.
 void requireReach(FaultList& faults, const MachineDescription& machine, double corner_mm) {
   const auto& lens = machine.head.lens;
   if (lens) {
@@ -235,7 +235,7 @@ void findHeadFaults(FaultList& faults, const MachineDescription& machine) {
                      FaultList::text(machine.gantry_y.load_inertia) + " kg");
 }
 
-// What only the mechanism as a whole shows.
+// Finds the faults that only the mechanism as a whole shows.
 void findMechanismFaults(FaultList& faults, const MachineDescription& machine, const WebDescription& web) {
   try {
     Mechanism(mechanismOf(machine, web).description).requireSlowerThan(MachineModel::kStep_s);

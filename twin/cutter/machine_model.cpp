@@ -15,7 +15,7 @@ PulseCommand commandOf(const MachineMechanism& machine, Axis axis) {
   for (const MachineMechanism::PulseDrive& drive : machine.pulse_drives) {
     if (drive.axis == axis) return PulseCommand(drive.motor_per_step);
   }
-  return PulseCommand(0.0);  // Not fitted: pulses go nowhere.
+  return PulseCommand(0.0);  // The axis is not fitted: its pulses have no effect.
 }
 
 std::optional<ScanHead> headOf(const MachineDescription& machine) {

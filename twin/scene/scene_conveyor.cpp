@@ -10,9 +10,10 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kBeltThickness_mm = 2.0;
-constexpr double kMargin_mm = 8.0;    // Margin of board around what is printed and cut.
-constexpr double kEyeMark_mm = 10.0;  // Width across; the print's layout only gives the length.
-// A print stands so little above the board that it only hides it.
+constexpr double kMargin_mm = 8.0;  // Margin of board around what is printed and cut.
+// Width of the eye mark across; the print's layout only gives the length.
+constexpr double kEyeMark_mm = 10.0;
+// Height of print: so little above the board that it only hides it.
 constexpr double kPrintHeight_mm = 0.02;
 
 // Extent of one unit in its S.
@@ -30,7 +31,7 @@ Eigen::AlignedBox2d unitExtent(const PrintLayout& print, const SceneContent& con
 
 void extend(Eigen::AlignedBox3d& box, double x, double y, double z) { box.extend(Eigen::Vector3d(x, y, z)); }
 
-// A roller with the hubs that show its turn, the belt around it, and its shaft.
+// Adds a roller with the hubs that show its turn, the belt around it, and its shaft.
 void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius_mm,
                const ConveyorLayout& at) {
   const double z_mm = at.belt_z_mm - kBeltThickness_mm - radius_mm;
@@ -138,7 +139,7 @@ void addPrint(SceneBuilder& build, const PrintLayout& print, const Eigen::Aligne
   }
 }
 
-// Broken where it leaves the belt.
+// Adds the burnt paths, broken where they leave the belt.
 void addBurnt(Scene& scene, const SceneContent& content, const Eigen::AlignedBox2d& board,
               const Eigen::Vector2d& p_WS_mm) {
   for (const auto& path : content.burnt_S_mm) {
