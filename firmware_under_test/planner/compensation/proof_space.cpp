@@ -17,10 +17,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Lines long enough for the joints of all corners tried, in radii.
+/// Length of the lines in radii, enough for the joints of all corners tried.
 constexpr double kLength = 400.0;
 
-/// The paper's joint with the strict offsets before and behind it.
+/// Paper's joint with the strict offsets before and behind it.
 std::vector<SpacePoint> paperPoints(const SpaceCorner& corner, const PaperPath& paper, double radius_mm) {
   const double mirror = corner.side == Side::kLeft ? 1.0 : -1.0;
   const auto beside = [&](const Vector3d& p, const Vector3d& from, const Vector3d& to, const Vector3d& n) {

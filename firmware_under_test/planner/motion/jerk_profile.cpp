@@ -8,7 +8,7 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Longer than in planRun(): within a piece an S-curve must find room.
+/// Angle of an arc's piece, larger than in planRun(): an S-curve must find room within a piece.
 constexpr double kJerkPieceRad = 0.4;
 
 /// Highest speed at the other end of a piece that is entered, or left, with v.
@@ -17,7 +17,7 @@ double faster(const Piece& piece, double v) {
   return highest(v, top, [&](double w) { return piece.ramp.mostWayMm(v, w) - piece.length_mm; });
 }
 
-/// Lowest likewise.
+/// Lowest speed at the other end of a piece that is entered, or left, with v.
 double slower(const Piece& piece, double v) {
   const auto excess = [&](double drop) { return piece.ramp.mostWayMm(v, v - drop) - piece.length_mm; };
   return v - highest(0.0, v, excess);
@@ -86,7 +86,7 @@ JerkProfile::Course JerkProfile::courseOf(const Piece& piece, double v0_mm_s, do
     });
     return {0.0, low - drop, left(low - drop)};
   }
-  // One ramp; the more of what is left at the faster end, the higher the cut.
+  // The motion is one ramp; the more of the remaining length is at the faster end, the higher the cut.
   const double fast_mm = (cut_mm_s - low) / (high - low) * left(v1_mm_s);
   const double slow_mm = left(v1_mm_s) - fast_mm;
   return v0_mm_s < v1_mm_s ? Course{slow_mm, v1_mm_s, fast_mm} : Course{fast_mm, v1_mm_s, slow_mm};

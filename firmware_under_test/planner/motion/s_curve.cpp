@@ -21,7 +21,7 @@ double Ramp::wayMm(double v0_mm_s, double v1_mm_s) const {
 
 double Ramp::mostWayMm(double v0_mm_s, double v1_mm_s) const {
   if (jerk_mm_s3 <= 0.0) return wayMm(v0_mm_s, v1_mm_s);
-  // (w + v) sqrt((w - v)/j) has its maximum over v at w/3, (w² - v²)/2a + (w + v) a/2j at a²/2j.
+  // The maximum of (w + v) sqrt((w - v)/j) over v is at w/3, that of (w² - v²)/2a + (w + v) a/2j at a²/2j.
   const double high = std::max(v0_mm_s, v1_mm_s);
   const double longest = std::min(high / 3.0, acceleration_mm_s2 * acceleration_mm_s2 / (2.0 * jerk_mm_s3));
   return wayMm(std::max(std::min(v0_mm_s, v1_mm_s), longest), high);
