@@ -66,14 +66,14 @@ StripLine::View StripLine::view() const {
 
 double StripLine::emit(double begin_s) {
   // As Twin does: a step in which the gate moves is cut there.
-  const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double end_s = heard_s + MachineModel::kStep_s;
-  double from_s = heard_s;
+  const double input_time_s = begin_s - machine_.laser.gate_delay_s;
+  const double end_s = input_time_s + MachineModel::kStep_s;
+  double from_s = input_time_s;
   double energy_j = 0.0;
   const auto until = [&](double to_s) {
     if (to_s <= from_s) return;
     const double duty = pins_.pwm().meanOver(from_s, to_s);
-    energy_j += laser_.step(gate_open_ ? 1.0 : 0.0, duty, begin_s + (from_s - heard_s), to_s - from_s);
+    energy_j += laser_.step(gate_open_ ? 1.0 : 0.0, duty, begin_s + (from_s - input_time_s), to_s - from_s);
     from_s = to_s;
   };
   for (twin::EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {

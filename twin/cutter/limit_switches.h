@@ -25,7 +25,7 @@ class LimitSwitches {
   TickRate rate_;
   std::array<double, 2> min_mm_;
   std::array<double, 2> max_mm_;
-  std::array<bool, 2> told_{};  ///< State of each pin as the controller has received it.
+  std::array<bool, 2> sent_{};  ///< State of each pin as the controller has received it.
 };
 
 }  // namespace kerfbench::twin

@@ -150,11 +150,11 @@ void requireReach(FaultList& faults, const MachineDescription& machine, double c
 }
 
 void findFieldFaults(FaultList& faults, const MachineDescription& machine) {
-  const ControllerDescription& told = machine.controller;
+  const ControllerDescription& controller = machine.controller;
   double corner2_mm2 = 0.0;
   for (const auto& [name, i] : {std::pair("x", std::size_t{0}), std::pair("y", std::size_t{1})}) {
-    const double low_mm = told.field_min_mm.at(i);
-    const double high_mm = told.field_max_mm.at(i);
+    const double low_mm = controller.field_min_mm.at(i);
+    const double high_mm = controller.field_max_mm.at(i);
     faults.within(std::string("controller.field_min along ") + name, low_mm, -kFar_mm, kFar_mm, "mm");
     faults.within(std::string("controller.field_max along ") + name, high_mm, -kFar_mm, kFar_mm, "mm");
     faults.require(!(low_mm > high_mm),
@@ -175,20 +175,20 @@ void findFieldFaults(FaultList& faults, const MachineDescription& machine) {
   if (machine.kind == Kind::kTwoMirror) requireReach(faults, machine, std::sqrt(corner2_mm2));
 }
 
-void findControllerFaults(FaultList& faults, const ControllerDescription& told) {
+void findControllerFaults(FaultList& faults, const ControllerDescription& controller) {
   const auto notNegative = [&](const char* name, double value, const char* unit) {
     faults.within(std::string("controller.") + name, value, 0.0, kFar_mm, unit);
   };
-  notNegative("throw", told.throw_mm, "mm");
-  notNegative("mirror_spacing", told.mirror_spacing_mm, "mm");
-  notNegative("mirror_step", told.mirror_step_rad, "rad");
-  notNegative("gantry_step", told.gantry_step_mm, "mm");
-  notNegative("mirror_acceleration", told.mirror_acceleration_rad_s2, "rad/s²");
-  notNegative("tracking_delay", told.tracking_delay_s, "s");
-  notNegative("encoder_count", told.encoder_count_mm, "mm");
-  notNegative("feed_step", told.feed_step_mm, "mm");
-  notNegative("full_power", told.full_power_w, "W");
-  faults.within("controller.print_mark_sensor_x", told.print_mark_sensor_x_mm, -kFar_mm, kFar_mm, "mm");
+  notNegative("throw", controller.throw_mm, "mm");
+  notNegative("mirror_spacing", controller.mirror_spacing_mm, "mm");
+  notNegative("mirror_step", controller.mirror_step_rad, "rad");
+  notNegative("gantry_step", controller.gantry_step_mm, "mm");
+  notNegative("mirror_acceleration", controller.mirror_acceleration_rad_s2, "rad/s²");
+  notNegative("tracking_delay", controller.tracking_delay_s, "s");
+  notNegative("encoder_count", controller.encoder_count_mm, "mm");
+  notNegative("feed_step", controller.feed_step_mm, "mm");
+  notNegative("full_power", controller.full_power_w, "W");
+  faults.within("controller.print_mark_sensor_x", controller.print_mark_sensor_x_mm, -kFar_mm, kFar_mm, "mm");
 }
 
 void findCameraFaults(FaultList& faults, const char* name, const CameraDescription& camera) {

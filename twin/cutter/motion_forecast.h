@@ -23,14 +23,14 @@ struct MotionForecast {
   /// infinity if never.
   [[nodiscard]] double timeTo_s(double goal_mm, bool forward) const {
     const double sign = forward ? 1.0 : -1.0;
-    const double way = sign * (goal_mm - place_mm);
+    const double distance = sign * (goal_mm - place_mm);
     const double v = sign * speed_mm_s;
     const double a = sign * acceleration_mm_s2;
-    if (way <= 0.0) return 0.0;
-    const double square = v * v + 2.0 * a * way;
+    if (distance <= 0.0) return 0.0;
+    const double square = v * v + 2.0 * a * distance;
     if (square < 0.0 || (v <= 0.0 && a <= 0.0)) return std::numeric_limits<double>::infinity();
     // Root in the form without cancellation.
-    return v > 0.0 ? 2.0 * way / (v + std::sqrt(square)) : (std::sqrt(square) - v) / a;
+    return v > 0.0 ? 2.0 * distance / (v + std::sqrt(square)) : (std::sqrt(square) - v) / a;
   }
   /// First tick of (now, until] after the motion has passed `goal_mm`; `until` if it does not get there.
   [[nodiscard]] Tick tickAt(double goal_mm, bool forward, TickRate rate, Tick until) const {

@@ -137,27 +137,27 @@ void Twin::stepMachine() {
 
 void Twin::emit(double begin_s) {
   emissions_.clear();
-  const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double end_s = heard_s + MachineModel::kStep_s;
-  double from_s = heard_s;
+  const double input_time_s = begin_s - machine_.laser.gate_delay_s;
+  const double end_s = input_time_s + MachineModel::kStep_s;
+  double from_s = input_time_s;
   // A step in which the gate changes is divided there, so that its energy falls where the beam was.
   for (EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
     const double edge_s = edges.front_s();
     if (edge_s > from_s) {
-      emitPart(heard_s, from_s, edge_s);
+      emitPart(input_time_s, from_s, edge_s);
       from_s = edge_s;
     }
     gate_open_ = !gate_open_;
   }
-  emitPart(heard_s, from_s, end_s);
+  emitPart(input_time_s, from_s, end_s);
 }
 
-void Twin::emitPart(double heard_s, double from_s, double to_s) {
+void Twin::emitPart(double input_time_s, double from_s, double to_s) {
   const double duty = pins_.pwm().meanOver(from_s, to_s);
-  const bool begins = from_s == heard_s;
-  const bool ends = to_s == heard_s + MachineModel::kStep_s;
-  const double begin = begins ? 0.0 : (from_s - heard_s) / MachineModel::kStep_s;
-  const double end = ends ? 1.0 : (to_s - heard_s) / MachineModel::kStep_s;
+  const bool begins = from_s == input_time_s;
+  const bool ends = to_s == input_time_s + MachineModel::kStep_s;
+  const double begin = begins ? 0.0 : (from_s - input_time_s) / MachineModel::kStep_s;
+  const double end = ends ? 1.0 : (to_s - input_time_s) / MachineModel::kStep_s;
   const double part_s = begins && ends ? MachineModel::kStep_s : to_s - from_s;
   const double part_begin_s = time_s() + begin * MachineModel::kStep_s;
   const double energy_j = laser_.step(gate_open_ ? 1.0 : 0.0, duty, part_begin_s, part_s);

@@ -85,7 +85,7 @@ class Twin {
 
   void stepMachine();
   void emit(double begin_s);
-  void emitPart(double heard_s, double from_s, double to_s);
+  void emitPart(double input_time_s, double from_s, double to_s);
   const View& view();  ///< Beam and web at the end of the last step.
   void openChord();
   void closeChord();

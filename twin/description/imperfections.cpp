@@ -180,11 +180,11 @@ void drawDynamic(Drawing& draw, MachineDescription& machine, const ImperfectionS
 
 SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
                                  Preset preset, std::uint64_t seed) {
-  SampledMachine drawn{machine, {}};
-  Drawing draw(seed, drawn.imperfections);
-  if (preset != Preset::kIdeal) drawStatic(draw, drawn.machine, spread);
-  if (preset == Preset::kDynamic) drawDynamic(draw, drawn.machine, spread);
-  return drawn;
+  SampledMachine sampled{machine, {}};
+  Drawing draw(seed, sampled.imperfections);
+  if (preset != Preset::kIdeal) drawStatic(draw, sampled.machine, spread);
+  if (preset == Preset::kDynamic) drawDynamic(draw, sampled.machine, spread);
+  return sampled;
 }
 
 }  // namespace kerfbench::twin

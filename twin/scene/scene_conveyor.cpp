@@ -164,15 +164,15 @@ void addBurnt(Scene& scene, const SceneContent& content, const Eigen::AlignedBox
 ConveyorLayout conveyorLayout(const MachineDescription& machine, const WebDescription& web,
                               const SceneContent& content) {
   const bool gantry = machine.kind == MachineDescription::Kind::kGantry;
-  const ControllerDescription& told = machine.controller;
+  const ControllerDescription& controller = machine.controller;
   const Eigen::AlignedBox2d unit = unitExtent(web.print, content);
-  double reach_mm = std::max(std::abs(told.field_min_mm[1]), std::abs(told.field_max_mm[1]));
+  double reach_mm = std::max(std::abs(controller.field_min_mm[1]), std::abs(controller.field_max_mm[1]));
   if (!unit.isEmpty()) reach_mm = std::max({reach_mm, -unit.min().y(), unit.max().y()});
   ConveyorLayout at;
   at.half_width_mm = 1.08 * reach_mm + 6.0;
   const double sensor_x_mm = machine.belt.print_mark_sensor.x_mm;
-  const double low_mm = gantry ? machine.travel_min_mm[0] : told.field_min_mm[0];
-  const double high_mm = gantry ? machine.travel_max_mm[0] : told.field_max_mm[0];
+  const double low_mm = gantry ? machine.travel_min_mm[0] : controller.field_min_mm[0];
+  const double high_mm = gantry ? machine.travel_max_mm[0] : controller.field_max_mm[0];
   const double run_out_mm = 0.12 * (high_mm - low_mm) + 3.0 * machine.belt.roller_radius_mm;
   at.min_x_mm = std::min(sensor_x_mm, low_mm) - run_out_mm;
   at.max_x_mm = high_mm + run_out_mm;
