@@ -87,7 +87,7 @@ Turning turningOf(const Contour& contour, const std::vector<Interval>& run) {
 }
 
 /// Place of the beam's centre at a place of the contour.
-Vector2d beside(const Contour& contour, std::size_t segment, double s_mm, double radius_mm) {
+Vector2d centreAt(const Contour& contour, std::size_t segment, double s_mm, double radius_mm) {
   const Segment& source = contour.segments[segment];
   const Vector2d t = source.tangentAt(s_mm);
   const double side = contour.side == Side::kLeft ? 1.0 : -1.0;
@@ -136,8 +136,8 @@ LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
   }
   const Turning turning = turningOf(contour, run);
   // The beam touches both ends of a corner at once.
-  const Vector2d apart = beside(contour, run.front().segment, run.front().from_mm, radius_mm) -
-                         beside(contour, run.back().segment, run.back().to_mm, radius_mm);
+  const Vector2d apart = centreAt(contour, run.front().segment, run.front().from_mm, radius_mm) -
+                         centreAt(contour, run.back().segment, run.back().to_mm, radius_mm);
   const bool rounds =
       apart.norm() < kShallowMm && turning.away_rad < 1e-6 && turning.towards_rad < kSharpestRad + 1e-6;
   lost.kind = rounds ? LostStretch::Kind::kRounded : LostStretch::Kind::kNarrow;

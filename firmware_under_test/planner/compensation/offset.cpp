@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 
 /// Distance from a piece at which there must be free space as well. Distinguishes a slot as wide as the kerf,
 /// in which the beam would run to and fro, from a path.
-constexpr double kBesideMm = 1e-7;
+constexpr double kAlongsideMm = 1e-7;
 /// Limit of requireClear().
 constexpr double kTooNearMm = 1e-5;
 constexpr double kShortestMm = 1e-6;
@@ -53,8 +53,8 @@ std::vector<OffsetPiece> freeParts(const std::vector<OffsetPiece>& pieces, const
       const Vector2d p = piece.curve.at(middle);
       if (!isFree(obstacles, p, radius_mm)) return false;
       const Vector2d t = piece.curve.tangentAt(middle);
-      const Vector2d beside = p + piece.side * kBesideMm * Vector2d(-t.y(), t.x());
-      return isFree(obstacles, beside, radius_mm + 0.5 * kBesideMm);
+      const Vector2d alongside = p + piece.side * kAlongsideMm * Vector2d(-t.y(), t.x());
+      return isFree(obstacles, alongside, radius_mm + 0.5 * kAlongsideMm);
     };
     for (std::size_t k = 0; k + 1 < at.size();) {
       const std::size_t first = k;

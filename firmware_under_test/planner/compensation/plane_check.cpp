@@ -160,9 +160,9 @@ PlaneCheck checkPlane(const std::vector<Contour>& contours, const std::vector<st
   if (!closed) return check;
   // Where the beam may be, the contours wind round it as often as round a place just left of any of them.
   const Vector2d along = contour.front().b - contour.front().a;
-  const Vector2d beside =
+  const Vector2d left =
       0.5 * (contour.front().a + contour.front().b) + 1e-6 * Vector2d(-along.y(), along.x()).normalized();
-  const int wanted = windings(contour, beside);
+  const int wanted = windings(contour, left);
   for (std::size_t i = 0; i < path.size(); i += 7) {
     check.right_side = check.right_side && windings(contour, path[i].a) == wanted;
   }

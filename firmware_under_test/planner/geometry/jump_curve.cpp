@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 /// Turn and length below which an arc or a line is rounding: 1e-7 rad of 5 mm is half a nanometre.
 constexpr double kNoTurnRad = 1e-7;
-constexpr double kNoWayMm = 1e-9;
+constexpr double kNoLengthMm = 1e-9;
 /// Difference of distances below which centres are equally near.
 constexpr double kEqualMm = 1e-6;
 
@@ -76,9 +76,9 @@ std::optional<std::vector<Segment>> jumpOver(const JumpEnds& ends, double radius
   Vector2d along = ends.from_direction;  // Direction of the line.
   if (sides.first == sides.second) {
     // Two equal circles have no line: the beam turns until it points in the right direction.
-    along = apart_mm > kNoWayMm ? Vector2d(between / apart_mm) : ends.to_direction;
+    along = apart_mm > kNoLengthMm ? Vector2d(between / apart_mm) : ends.to_direction;
   } else {
-    if (apart_mm < 2.0 * radius_mm - kNoWayMm) return std::nullopt;
+    if (apart_mm < 2.0 * radius_mm - kNoLengthMm) return std::nullopt;
     // The line crosses that of the centres half-way: the sine of its angle with it is R over half the
     // distance.
     along = turned(between / apart_mm, sides.first * std::min(1.0, 2.0 * radius_mm / apart_mm));
@@ -96,7 +96,7 @@ std::optional<std::vector<Segment>> jumpOver(const JumpEnds& ends, double radius
     path.push_back(arc);
   };
   addArc(ends.from_mm, leaves, first, turnOf(ends.from_direction, along, sides.first));
-  if ((meets - leaves).norm() > kNoWayMm) path.push_back(jumpSegment(leaves, meets));
+  if ((meets - leaves).norm() > kNoLengthMm) path.push_back(jumpSegment(leaves, meets));
   addArc(meets, ends.to_mm, second, turnOf(along, ends.to_direction, sides.second));
   if (!path.empty()) {
     path.front().start_mm = ends.from_mm;

@@ -110,7 +110,7 @@ class Crossing {
 };
 
 /// Cheapest plan up to one rung.
-struct Way {
+struct Best {
   int total{kNever};
   int periods{};       ///< Periods of the run that ends here.
   std::size_t from{};  ///< Rung before it.
@@ -126,29 +126,29 @@ std::vector<std::vector<double>> planWith(std::span<const std::vector<Segment>> 
   for (const double v : highest) ladders.push_back(ladderBelow(v));
 
   std::vector<Crossing<Profile>> crossings;
-  std::vector<std::vector<Way>> ways{{Way{.total = 0}}};
+  std::vector<std::vector<Best>> bests{{Best{.total = 0}}};
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     crossings.emplace_back(profiles[i], ladders[i], ladders[i + 1]);
-    ways.emplace_back(ladders[i + 1].size());
+    bests.emplace_back(ladders[i + 1].size());
     const int least = crossings[i].leastPeriods(limits.period_s);
     for (std::size_t b = 0; b < ladders[i + 1].size(); ++b) {
-      Way& way = ways.back()[b];
+      Best& best = bests.back()[b];
       for (std::size_t a = 0; a < ladders[i].size(); ++a) {
-        const int before = ways[i][a].total;
-        if (before == kNever || before + least >= way.total) continue;
+        const int before = bests[i][a].total;
+        if (before == kNever || before + least >= best.total) continue;
         const int periods = crossings[i].periods(a, b, limits.period_s);
-        if (periods == kNever || before + periods >= way.total) continue;
-        way = {before + periods, periods, a};
+        if (periods == kNever || before + periods >= best.total) continue;
+        best = {before + periods, periods, a};
       }
     }
   }
-  if (ways.back()[0].total == kNever) return {};
+  if (bests.back()[0].total == kNever) return {};
   std::vector<std::vector<double>> stations(profiles.size());
   std::size_t rung = 0;
   for (std::size_t i = profiles.size(); i-- > 0;) {
-    const Way& way = ways[i + 1][rung];
-    stations[i] = crossings[i].stations(way.from, rung, way.periods, limits.period_s);
-    rung = way.from;
+    const Best& best = bests[i + 1][rung];
+    stations[i] = crossings[i].stations(best.from, rung, best.periods, limits.period_s);
+    rung = best.from;
   }
   return stations;
 }

@@ -12,7 +12,7 @@
 namespace kerfbench::planner {
 namespace {
 
-constexpr double kNoWayMm = 1e-9;
+constexpr double kNoLengthMm = 1e-9;
 constexpr double kRadiusShares[] = {1.0, 0.5, 0.25, 0.125};
 
 /// Index behind the run that begins at `first`. Runs end where the laser or the direction changes.
@@ -29,11 +29,11 @@ std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
 Ramp rampOf(bool jump, const FlowLimits& limits) { return {limits.least(jump), limits.jerk_mm_s3}; }
 
 /// Time of a line with speed v0 at both ends and more in between.
-double wayS(double length_mm, double v0, const FlowLimits& limits) {
+double travelTimeS(double length_mm, double v0, const FlowLimits& limits) {
   const Ramp ramp = rampOf(true, limits);
   const double peak = ramp.peakMmS(length_mm, v0, v0, limits.jump_mm_s);
   if (peak <= 0.0) return 0.0;
-  return 2.0 * ramp.durationS(v0, peak) + std::max(0.0, length_mm - 2.0 * ramp.wayMm(v0, peak)) / peak;
+  return 2.0 * ramp.durationS(v0, peak) + std::max(0.0, length_mm - 2.0 * ramp.travelMm(v0, peak)) / peak;
 }
 
 /// Time that marks lose by ending, or beginning, at v instead of at full speed.
@@ -53,7 +53,7 @@ double costS(const std::vector<Segment>& path, const FlowLimits& limits) {
   }
   double total_s = rampLossS(v, limits);
   for (const Segment& segment : path)
-    total_s += segment.isArc() ? segment.lengthMm() / v : wayS(segment.lengthMm(), v, limits);
+    total_s += segment.isArc() ? segment.lengthMm() / v : travelTimeS(segment.lengthMm(), v, limits);
   return total_s;
 }
 
@@ -74,7 +74,7 @@ bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
 std::optional<std::vector<Segment>> bestCurve(const JumpEnds& ends, double radius_mm,
                                               const FlowLimits& limits) {
   const double straight_mm = (ends.to_mm - ends.from_mm).norm();
-  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits);
+  double least_s = rampLossS(0.0, limits) + travelTimeS(straight_mm, 0.0, limits);
   std::optional<std::vector<Segment>> best;
   for (const double share : kRadiusShares) {
     const auto curve = smoothJump(ends, share * radius_mm);
@@ -142,7 +142,7 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
     } else {
       after_stop = run.rests = run.begins_block = true;
       const Segment jump = straightJump(path[i], path[end - 1]);
-      if (jump.lengthMm() > kNoWayMm) run.segments = {jump};
+      if (jump.lengthMm() > kNoLengthMm) run.segments = {jump};
     }
     if (!run.segments.empty()) runs.push_back(std::move(run));
     i = end;

@@ -9,7 +9,7 @@ namespace kerfbench::planner {
 struct Phase {
   double s_mm{}, v_mm_s{}, a_mm_s2{}, j_mm_s3{}, duration_s{};
 
-  [[nodiscard]] double wayMm(double t_s) const {
+  [[nodiscard]] double travelMm(double t_s) const {
     return t_s * (v_mm_s + t_s * (0.5 * a_mm_s2 + t_s * j_mm_s3 / 6.0));
   }
 };
@@ -22,11 +22,11 @@ struct Ramp {
 
   /// Duration and length of a change of speed; both kinds of ramp are symmetrical in time.
   [[nodiscard]] double durationS(double v0_mm_s, double v1_mm_s) const;
-  [[nodiscard]] double wayMm(double v0_mm_s, double v1_mm_s) const;
+  [[nodiscard]] double travelMm(double v0_mm_s, double v1_mm_s) const;
   /// Longest travel of all changes from the faster of these speeds to one that is not below the slower: never
   /// less than travelMm(), and not growing with the slower speed. An S-curve between w and rest is up to 9 %
   /// shorter than one between w and w/3.
-  [[nodiscard]] double mostWayMm(double v0_mm_s, double v1_mm_s) const;
+  [[nodiscard]] double mostTravelMm(double v0_mm_s, double v1_mm_s) const;
   /// Highest speed between two ends that leaves room for both ramps, at most `limit`; never below the ends.
   [[nodiscard]] double peakMmS(double length_mm, double v0_mm_s, double v1_mm_s, double limit_mm_s) const;
   /// Appends the phases of a change that begins at s0_mm.

@@ -15,11 +15,11 @@ using Eigen::Vector2d;
 
 /// Shares of the path's limits for x and y, in proportion to the distances. An axis that moves at all gets
 /// enough to brake the speed of the belt.
-Vector2d sharesOf(const Vector2d& way_mm) {
+Vector2d sharesOf(const Vector2d& move_mm) {
   constexpr double kLeast = 0.3;
-  const double length = way_mm.norm();
-  if (length < 1e-9 || std::abs(way_mm.y()) < 1e-9) return {1.0, 1.0};
-  const Vector2d raised = (way_mm.cwiseAbs() / length).cwiseMax(kLeast);
+  const double length = move_mm.norm();
+  if (length < 1e-9 || std::abs(move_mm.y()) < 1e-9) return {1.0, 1.0};
+  const Vector2d raised = (move_mm.cwiseAbs() / length).cwiseMax(kLeast);
   return raised / raised.norm();
 }
 
@@ -157,10 +157,10 @@ double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double perio
 
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
                   const JobParameters& job, const Axes& axes, double belt_speed_mm_s) {
-  const auto with = [&](const JobParameters& way,
+  const auto with = [&](const JobParameters& tried,
                         const std::vector<std::vector<bool>>& stops) -> SolveResult {
-    std::vector<UnitPath> paths = planPaths(path, way, axes, belt_speed_mm_s, stops);
-    if (!paths.empty()) return layOutAll(std::move(paths), machine, way, axes);
+    std::vector<UnitPath> paths = planPaths(path, tried, axes, belt_speed_mm_s, stops);
+    if (!paths.empty()) return layOutAll(std::move(paths), machine, tried, axes);
     return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
   };
   SolveResult result = with(job, {});

@@ -13,13 +13,13 @@ constexpr double kSpeedPieceRad = 0.1;
 double reachable(const Piece& piece, double v) {
   const double without_jerk = std::sqrt(v * v + 2.0 * piece.ramp.acceleration_mm_s2 * piece.length_mm);
   if (piece.ramp.jerk_mm_s3 <= 0.0) return without_jerk;
-  return highest(v, without_jerk, [&](double top) { return piece.ramp.wayMm(v, top) - piece.length_mm; });
+  return highest(v, without_jerk, [&](double top) { return piece.ramp.travelMm(v, top) - piece.length_mm; });
 }
 
 void addPhases(const Piece& piece, double v0, double v1, double s0_mm, std::vector<Phase>& phases) {
   const double peak = piece.ramp.peakMmS(piece.length_mm, v0, v1, piece.limit_mm_s);
-  const double up_mm = piece.ramp.wayMm(v0, peak);
-  const double level_mm = std::max(0.0, piece.length_mm - up_mm - piece.ramp.wayMm(peak, v1));
+  const double up_mm = piece.ramp.travelMm(v0, peak);
+  const double level_mm = std::max(0.0, piece.length_mm - up_mm - piece.ramp.travelMm(peak, v1));
   piece.ramp.addPhases(v0, peak, s0_mm, phases);
   phases.push_back({s0_mm + up_mm, peak, 0.0, 0.0, peak > 0.0 ? level_mm / peak : 0.0});
   piece.ramp.addPhases(peak, v1, s0_mm + up_mm + level_mm, phases);

@@ -127,7 +127,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
                                        const JobParameters& job) {
   if (!job.power) return {};
   struct Slow {
-    double way_mm{}, depth_mm{};
+    double length_mm{}, depth_mm{};
     int periods{};
   };
   std::map<double, Slow> by_z;
@@ -137,7 +137,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
       const PowerModel::Setting setting = powerSetting(sample, machine, job);
       if (setting.limit != PowerModel::Limit::kLeast) continue;
       Slow& slow = by_z[sample.z];
-      slow.way_mm += sample.marked_mm / sample.z;
+      slow.length_mm += sample.marked_mm / sample.z;
       slow.depth_mm = std::max(slow.depth_mm, setting.depth_mm);
       ++slow.periods;
     }
@@ -150,7 +150,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
                     "get up to {:.3f} mm "
                     "deep, {:g} mm are wanted",
                     z, job.power->speedsFor(wanted_mm).lowest_mm_s, job.power->laser().name,
-                    job.power->laser().least_w, slow.way_mm, slow.periods, slow.depth_mm, wanted_mm));
+                    job.power->laser().least_w, slow.length_mm, slow.periods, slow.depth_mm, wanted_mm));
   }
   return warnings;
 }

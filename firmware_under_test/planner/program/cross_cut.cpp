@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "firmware_under_test/planner/program/plan.h"
+
 namespace kerfbench::planner {
 namespace {
 
@@ -92,9 +94,9 @@ double CrossCut::continuousS(double pieces) const {
 std::optional<CrossCut> crossCutOf(const std::vector<Segment>& path, const MachineParameters& machine,
                                    const JobParameters& job) {
   if (path.size() != 1 || path.front().isArc() || job.stop_and_go || job.units < 2) return std::nullopt;
-  const Eigen::Vector2d way = path.front().end_mm - path.front().start_mm;
-  if (!(job.belt_speed_mm_s > 0.0) || std::abs(way.x()) > 0.01 * std::abs(way.y())) return std::nullopt;
-  return CrossCut{job.pitch_mm,        std::abs(way.y()),   machine.field_max_mm[0] - machine.field_min_mm[0],
+  const Eigen::Vector2d line = path.front().end_mm - path.front().start_mm;
+  if (!(job.belt_speed_mm_s > 0.0) || std::abs(line.x()) > 0.01 * std::abs(line.y())) return std::nullopt;
+  return CrossCut{job.pitch_mm,        std::abs(line.y()),  machine.field_max_mm[0] - machine.field_min_mm[0],
                   job.belt_speed_mm_s, job.mark_speed_mm_s, job.jump_speed_mm_s};
 }
 

@@ -155,9 +155,9 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
   const double period_s = axes.periodS();
   plan.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * period_s;
-  int way_back = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
-  if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job, period_s));
-  plan.cycle_time_s = plan.unit_time_s + way_back * period_s;
+  int return_periods = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
+  if (job.stop_and_go) return_periods = std::max(return_periods, feedOfPitchPeriods(job, period_s));
+  plan.cycle_time_s = plan.unit_time_s + return_periods * period_s;
   plan.x_ref_mm = layout.x_ref_mm;
   plan.jump_length_mm = solution.paths.front().jump_length_mm;
   for (const Segment& segment : path) {

@@ -87,8 +87,8 @@ class Writer {
   }
 
   void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
-    const Reposition way(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
-    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), nullptr, -1);
+    const Reposition move(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
+    for (int k = 1; k <= move.periods(); ++k) period(move.at(k), nullptr, -1);
   }
 
   void waitMark(std::int32_t offset) {

@@ -229,10 +229,11 @@ TEST(Jerk, AShorterWayIsNoReasonToGoTooFast) {
   for (const double high : {1.0, 30.0, 400.0}) {
     double before_mm = 1e300;
     for (double low = 0.0; low <= high; low += high / 64.0) {
-      EXPECT_GE(ramp.mostWayMm(low, high), ramp.wayMm(low, high));
-      EXPECT_LE(ramp.mostWayMm(low, high), before_mm * (1.0 + 1e-12));
-      EXPECT_LE(ramp.mostWayMm(low, high), 1.09 * std::max(ramp.wayMm(0.0, high), ramp.wayMm(low, high)));
-      before_mm = ramp.mostWayMm(low, high);
+      EXPECT_GE(ramp.mostTravelMm(low, high), ramp.travelMm(low, high));
+      EXPECT_LE(ramp.mostTravelMm(low, high), before_mm * (1.0 + 1e-12));
+      EXPECT_LE(ramp.mostTravelMm(low, high),
+                1.09 * std::max(ramp.travelMm(0.0, high), ramp.travelMm(low, high)));
+      before_mm = ramp.mostTravelMm(low, high);
     }
   }
 }
