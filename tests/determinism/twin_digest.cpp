@@ -18,7 +18,7 @@ using twin::Twin;
 
 struct Axes {
   Signal x, y;
-  double period_s;  ///< Of the pulses.
+  double period_s;  ///< Period of the pulses.
 };
 
 bool onMirrors(Machine machine) {
@@ -27,7 +27,8 @@ bool onMirrors(Machine machine) {
 
 Axes axesOf(Machine machine) {
   if (!onMirrors(machine)) return {Signal::kGantryXPul, Signal::kGantryYPul, 100e-6};
-  return {Signal::kGalvoXPul, Signal::kGalvoYPul, 40e-6};  // Too sudden a start for the steppers.
+  // Pulses whose start is too sudden for the steppers.
+  return {Signal::kGalvoXPul, Signal::kGalvoYPul, 40e-6};
 }
 
 /// A stepper too weak for its rotor, geared one to a hundred to the mirror.

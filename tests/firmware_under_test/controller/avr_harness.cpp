@@ -23,8 +23,8 @@ int main(int argc, char** argv) {
   constexpr int kPeriods = 2500;             // 2 s
   constexpr double kCountsPerPeriod = 32.0;  // 40 000 counts/s: edges of A at 20 kHz
 
-  // All axes, two of them at full speed with a turn now and then, power and gain each time: the longest
-  // operation.
+  // The program has all axes, two of them at full speed with a turn now and then, power and gain each time:
+  // the longest operation.
   kerfbench::planner::Program program;
   program.config.reserve(KB_CONFIG_LEN);
   putU32(program.config, static_cast<std::uint32_t>(std::lround(kCountsPerPeriod / 1.01 * 65536.0)));
@@ -104,10 +104,10 @@ int main(int argc, char** argv) {
     steps_good = steps_good && axis.position == want[a] && axis.steps > 0;
     timing_good = timing_good && axis.min_setup >= 80 && axis.min_hold >= 80 && axis.min_width >= 40;
   }
-  // 2500 periods at 1 % of 32 / 1.01 counts: the feed axis had to go this far, and back at the end.
+  // The feed axis had to go this far, and back at the end: 2500 periods at 1 % of 32 / 1.01 counts.
   const double belt_lead = kPeriods * kCountsPerPeriod * (1.0 - 1.0 / 1.01);
   std::printf("correction: at most %ld steps, belt lead %.1f counts\n", worst_correction, belt_lead);
-  // A DIR that is late costs steps too, so only the timing is asked of that one.
+  // A DIR that is late costs steps too: of that release only the timing is checked.
   if (expected_fault != "dir") {
     check((expected_fault == "steps") != steps_good, expected_fault.empty() ? "steps exact" : "steps lost");
   }
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
   if (expected_fault.empty()) {
     check(std::abs(static_cast<double>(worst_correction) - belt_lead) < 40.0,
           "the feed axis follows the belt");
-    // The interrupts of mark, encoder and UART may hold a tick up; the next must still find it done.
+    // The interrupts of mark, encoder and UART may delay a tick; the next must still find it done.
     check(bench.max_interval <= 400 + 300, "a tick is late by at most 300 cycles");
     check(bench.tick().longest <= 300, "the tick interrupt takes at most 300 cycles");
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drives of every kind on the AVR release: the planner's settings for what they need, a program that turns
-// round wherever it likes, the pins held against the drive's data sheet, steps counted. Linked with simavr,
-// hence the licence.
+// Drives of every kind on the AVR release: the planner's settings for their requirements, a program with
+// reversals anywhere, the pins held against the drive's data sheet, steps counted. Linked with simavr, hence
+// the licence.
 //
 //     avr_drives IMAGE.hex
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 using namespace kerfbench::avr_bench;
 using namespace kerfbench::planner;
 
-// fixtures/machines/drivers.yaml, and DIR the other way round.
+// Drives of fixtures/machines/drivers.yaml, and one with DIR inverted.
 const DriveNeeds kKinds[] = {
     {.name = "galvo-pul-dir", .setup_s = 5e-6, .hold_s = 5e-6, .width_s = 2.5e-6, .space_s = 2.5e-6},
     {.name = "DM556", .setup_s = 5e-6, .hold_s = 10e-6, .width_s = 2.5e-6, .space_s = 2.5e-6},
@@ -49,7 +49,7 @@ const DriveNeeds kKinds[] = {
 void run(const char* image, const DriveNeeds& drive) {
   Drives drives;
   drives.fill(drive);
-  drives[KB_GANTRY_Y] = {};  // and one that needs nothing beside them
+  drives[KB_GANTRY_Y] = {};  // The last drive has no requirements.
   check(driveFaults({}, drives).empty(), drive.name + ": can be served");
   const PulseSettings settings = pulsesFor({}, drives);
   std::printf(
@@ -85,7 +85,7 @@ void run(const char* image, const DriveNeeds& drive) {
   bench.invert_a = settings.invert_a;
   bench.invert_c = settings.invert_c;
   load(bench, image);
-  // A belt that nobody follows, for the load: 40 000 counts/s, half of it where ticks take longer.
+  // Nobody follows the belt, which is the load: 40 000 counts/s, half of it where ticks take longer.
   bench.encoder_period = settings.wide == 0 ? 400 : 800;
   startBelt(bench, 100000);
   Link link(program);
