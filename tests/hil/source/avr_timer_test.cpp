@@ -65,7 +65,7 @@ TEST(AvrTimer, PulsesAreExactInNumberAndPeriodAndBothAxesStayTogether) {
   ASSERT_EQ(rises.size(), 1000U);
   EXPECT_EQ(edgesOf(run.events, {0, 2}), rises);
   EXPECT_EQ(run.uart, "D");
-  // Two pins of one store are one event; 1 for DIR, 2 for each pulse.
+  // The pins of one store are one event; 1 for DIR, 2 for each pulse.
   EXPECT_EQ(run.events.size(), 2001U);
   EXPECT_EQ(run.events[1].changed, 0x05);
   EXPECT_EQ(run.events[1].level, 0x07);

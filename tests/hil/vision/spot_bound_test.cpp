@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spot's error against the Cramér-Rao bound, which is worked out from pictures of the model without
+// The spot's error compared with the Cramér-Rao bound, which is computed from pictures of the model without
 // noise: nothing of the estimator is in it.
 #include <cmath>
 #include <cstdio>
@@ -21,13 +21,13 @@ constexpr int kFrames = 600;
 
 struct Case {
   const char* name;
-  double gray{};  ///< Of the glow, at rest.
+  double gray{};  ///< Grey of the glow, at rest.
   Vector2d streak_mm{Vector2d::Zero()};
   std::function<void(twin::CameraDescription&)> apply = [](twin::CameraDescription&) {};
   bool beside_disc{};
 };
 
-/// What the light depends on: place, power, size and streak of the spot, and the board's light.
+/// Parameters of the light: place, power, size and streak of the spot, and the board's light.
 struct Light {
   Vector2d place_mm;
   Vector2d streak_mm;
@@ -42,7 +42,7 @@ twin::Exposure exposureOf(const Light& light, std::uint64_t sequence) {
   return exposure;
 }
 
-/// Mean variance per axis, mm², below which no unbiased estimate of the place can come.
+/// Lower bound of the mean variance per axis, mm², of any unbiased estimate of the place.
 double bound(const twin::CameraDescription& camera, const PrintLayout& print, const Light& at) {
   twin::CameraDescription clean = camera;
   clean.read_noise = 0.0;
@@ -106,7 +106,7 @@ Result measured(const Case& one) {
   one.apply(description);
   PrintLayout print = test::noPrint();
   if (one.beside_disc) {
-    // Enough marks for a pose, the spot beside the first.
+    // The marks are enough for a pose, the spot next to the first.
     for (const Vector2d& p : {Vector2d{4.0, 3.0}, {-4.0, 2.5}, {-4.0, -3.0}}) print.marks.push_back({p, 3.0});
   }
   const twin::SpotCamera camera(description, print, test::kGlowGrayPerW, 5);
@@ -164,8 +164,8 @@ void expectAtBound(const Case& one) {
   EXPECT_LT(r.told_mm, 1.1 * r.rms_mm) << one.name;
 }
 
-// 600 frames of two axes tell an RMS to 1 / sqrt(2 * 1200) = 2 % at one sigma: no estimate at the bound
-// misses 1.1 by chance, nor an honest sigma 0.9 ... 1.1.
+// An RMS over 600 frames of two axes is known to 1 / sqrt(2 * 1200) = 2 % at one sigma: no estimate at the
+// bound misses 1.1 by chance, nor an honest sigma 0.9 ... 1.1.
 TEST(SpotBound, AtRest) {
   expectAtBound({"at rest", 110.0});
   expectAtBound({"weak", 28.0});
