@@ -42,7 +42,7 @@ std::shared_ptr<const twin::Mechanism> pulledBelt(double force_n, double held_n)
   grip.joint = 1;
   grip.across = 2;
   grip.friction.coulomb = kMu * kSheet_kg * kG_m_s2;
-  grip.start_load = -held_n;  // Steady from the start: the force has pulled for long.
+  grip.start_load = -held_n;  // The load is steady from the start: the force has pulled for long.
   d.frictions = {grip};
   d.constant_forces = {{0, force_n}};
   return std::make_shared<twin::Mechanism>(std::move(d));
@@ -70,7 +70,7 @@ std::vector<double> slipsAt(double share_of_grip, const std::vector<double>& tim
 double coulombByHand_mm(const std::vector<double>& belt_mm, double limit_mm_s2) {
   double sheet_mm_s = 0.0, slip_mm = 0.0;
   for (std::size_t i = 1; i < belt_mm.size(); ++i) {
-    const double speed_mm_s = (belt_mm[i] - belt_mm[i - 1]) / kStep_s;  // In the middle of the step.
+    const double speed_mm_s = (belt_mm[i] - belt_mm[i - 1]) / kStep_s;  // Speed in the middle of the step.
     const double most_mm_s = limit_mm_s2 * kStep_s;
     sheet_mm_s += std::clamp(speed_mm_s - sheet_mm_s, -most_mm_s, most_mm_s);
     slip_mm += (speed_mm_s - sheet_mm_s) * kStep_s;
@@ -83,12 +83,13 @@ double preslidingByHand_mm(const std::vector<double>& belt_mm, const twin::BeltD
   constexpr double kPart_s = kStep_s / kParts;
   constexpr double kPresliding_mm = 1e-3;
   const double limit_mm_s2 = belt.sheet_friction * kG_m_s2 * kMetre_mm;
-  const double k = limit_mm_s2 / kPresliding_mm;  // Over the sheet's mass.
+  const double k = limit_mm_s2 / kPresliding_mm;  // Stiffness over the sheet's mass.
   const double c = std::sqrt(k / (1.0 + belt.sheet_mass_kg / belt.mass_kg));
   const auto speedAt = [&](std::size_t middle) { return (belt_mm[middle + 1] - belt_mm[middle]) / kStep_s; };
-  std::array<double, 3> y{};  // The sheet's speed, the bristle, the slip.
+  std::array<double, 3> y{};  // State: the sheet's speed, the bristle, the slip.
   for (std::size_t i = 0; i + 2 < belt_mm.size(); ++i) {
-    const double from_mm_s = speedAt(i), to_mm_s = speedAt(i + 1);  // Half a step late, like the sum of them.
+    // The means are half a step late, like their sum.
+    const double from_mm_s = speedAt(i), to_mm_s = speedAt(i + 1);
     for (int part = 0; part < kParts; ++part) {
       rk4Step(y, part * kPart_s, kPart_s, [&](double time_s, const auto& at, auto& rate) {
         const double over_mm_s = from_mm_s + (to_mm_s - from_mm_s) * time_s / kStep_s - at[0];
@@ -103,7 +104,7 @@ double preslidingByHand_mm(const std::vector<double>& belt_mm, const twin::BeltD
   return y[2];
 }
 
-// A line that speeds up from rest within 0.1 s, and what the sheet of the machine does.
+// A line that speeds up from rest within 0.1 s, and the motion of the machine's sheet.
 struct LineSlip {
   double twin_mm{}, presliding_mm{}, coulomb_mm{}, ideal_mm{};
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight coupled joints against equations of motion written by hand.
+// Eight coupled joints compared with equations of motion written by hand.
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -16,7 +16,7 @@ namespace {
 
 using Accelerations = twin::ReferenceSolver::Accelerations;
 
-// The truth at every 50 us, a multiple of every step that is tried.
+// Interval of the truth: every 100 us, a multiple of every step that is tried.
 constexpr double kLook_s = 100e-6;
 
 std::vector<EightJoints::Values> truthOver(double end_s, const EightJoints& machine) {

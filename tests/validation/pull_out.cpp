@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lost steps at the edge of pull-out, against an integrator by hand.
+// Lost steps at the edge of pull-out, compared with an integrator by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr double kPulse_rad = 2.0 * std::numbers::pi / 3200.0;
 constexpr double kAcceleration_rad_s2 = 1500.0;
 constexpr double kCalm_s = 0.15;
 
-// Up to the speed, 10 ms at it, and down again.
+// Profile up to the speed, 10 ms at it, and down again.
 struct Ramp {
   double top_rad_s{};
   Motion motion{Eigen::Vector2d::Zero()};
@@ -49,7 +49,7 @@ Ramp rampTo(double top_rad_s) {
   return ramp;
 }
 
-// Teeth that the rotor stayed behind when all is quiet.
+// Number of teeth that the rotor stayed behind at the end.
 long long slipped(const Ramp& ramp, double rotor_rad) {
   double command_rad = 0.0;
   for (const twin::StepEdge& edge : ramp.edges) command_rad += edge.direction * kPulse_rad;
@@ -126,13 +126,13 @@ struct Trial {
   std::string name;
   double step_s;
   twin::Fidelity fidelity;
-  int equal{};   ///< Of the ramps that are decided,
-  int of_all{};  ///< and of all.
+  int equal{};   ///< Number of decided ramps with equal counts.
+  int of_all{};  ///< Number of all ramps with equal counts.
 };
 
-// A rotor that slips over many teeth is caught by a hair, and whose hair has a structure of its own: the
-// count is a matter of the physics only if it stays when the holding torque changes by up to a thousandth, to
-// which no motor is known.
+// Truth of a ramp. A rotor that slips over many teeth is caught by a hair, and the hair has a structure of
+// its own: the count is a matter of the physics only if it stays when the holding torque changes by up to a
+// thousandth, a tolerance that no motor has.
 struct Truth {
   long long teeth{};
   bool decided{true};

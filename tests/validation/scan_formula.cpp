@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S4's formula (1) against the ray trace, and what happens when one of its assumptions breaks.
+// Formula (1) of S4 compared with the ray trace, and the errors when one of its assumptions breaks.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -51,14 +51,14 @@ void Track::moveTo(double place_mm, double top_mm_s, double acceleration_mm_s2) 
   if ((place_mm - (place_mm_ + brake_mm)) * speed_mm_s_ <= 0.0) speedUpTo(0.0, acceleration_mm_s2);
   const double way = place_mm - place_mm_;
   const double sense = way < 0.0 ? -1.0 : 1.0;
-  // Up to `peak` and down to rest: peak² / a - v² / 2a = way.
+  // The speed rises to `peak` and falls to rest: peak² / a - v² / 2a is the distance.
   const double peak =
       std::min(top_mm_s, std::sqrt(std::abs(way) * acceleration_mm_s2 + 0.5 * speed_mm_s_ * speed_mm_s_));
   const double ramps_mm = (peak * peak - 0.5 * speed_mm_s_ * speed_mm_s_) / acceleration_mm_s2;
   speedUpTo(sense * peak, acceleration_mm_s2);
   keepUntil(time_s_ + (std::abs(way) - ramps_mm) / std::max(peak, 1e-9));
   speedUpTo(0.0, acceleration_mm_s2);
-  place_mm_ = place_mm;  // free of rounding, however many moves follow
+  place_mm_ = place_mm;  // The place is free of rounding, however many moves follow.
 }
 
 void PulseTrain::appendUntil(double until_s, TickRate rate, std::vector<PinWrite>& writes) {

@@ -40,7 +40,7 @@ void mirrorFields(Fields& all, const std::string& name, const MirrorAlignment& m
   all[name + ".scale"] = mirror.scale;
 }
 
-// What a preset may touch, and some that it may not.
+// Fields that a preset may change, and some that it may not.
 Fields fieldsOf(const MachineDescription& m) {
   Fields all;
   all["head.throw"] = m.head.throw_mm;
@@ -117,7 +117,7 @@ std::set<std::string> changed(const MachineDescription& before, const MachineDes
 constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
-/// The usual spread, and that of a head that nobody has calibrated.
+/// Usual spread, with that of an uncalibrated head.
 constexpr ImperfectionSpread kUncalibrated = [] {
   ImperfectionSpread spread;
   spread.throw_mm = 2.0;
@@ -139,7 +139,8 @@ using Member = double ImperfectionSpread::*;
 struct Quantity {
   Member member;
   bool is_static;
-  std::set<std::string> mirrors;  ///< Fields that it touches on a machine with mirrors, on one with a gantry.
+  /// Fields that the quantity changes on a machine with mirrors, and below on one with a gantry.
+  std::set<std::string> mirrors;
   std::set<std::string> gantry;
 };
 

@@ -89,7 +89,7 @@ TEST(MachineFaults, AllAreListedAtOnceAndTheTwinThrowsThemAll) {
 }
 
 TEST(MachineFaults, WhatIsNotANumberIsFoundWhereverItStands) {
-  // Every double that a two-mirror machine and its web have, one at a time.
+  // The fields are all doubles of a two-mirror machine and its web, one at a time.
   using Field = std::function<double&(Machine&, Web&)>;
   std::vector<Field> fields;
   const auto add = [&fields](auto of) {
@@ -213,7 +213,7 @@ TEST(MachineFaults, MassesStiffnessesAndSizesMustBeOfThisWorld) {
 }
 
 TEST(MachineFaults, SpringsMustSwingSlowlyEnoughForTheStep) {
-  // A spring of the galvo's transmission that makes `hz` between motor and mirror.
+  // Stiffness of the galvo's transmission that gives `hz` between motor and mirror.
   const auto stiffnessFor = [](const AxisDescription& axis, double hz) {
     const double w = 2.0 * std::numbers::pi * hz;
     return w * w / (1.0 / axis.motor_inertia_kg_m2 + 1.0 / axis.load_inertia);

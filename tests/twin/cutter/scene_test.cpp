@@ -79,7 +79,7 @@ TEST(Scene, TheSheetAndItsMarksMoveWithTheBeltAndSlipOnIt) {
   for (std::size_t i = 0; i < 8; ++i) {
     expectNear(marks_after[i].X_WP.translation() - marks_before[i].X_WP.translation(), way);
   }
-  // x_W of unit 0's first mark is start + its own place.
+  // The place x_W of unit 0's first mark is start + its own place.
   EXPECT_NEAR(marks_before[0].X_WP.translation().x(), -40.0 - 55.0, 1e-12);
   EXPECT_NEAR(marks_before[4].X_WP.translation().x(), -40.0 - 55.0 - 70.0, 1e-12);
 }
@@ -175,7 +175,7 @@ TEST(Scene, TheBeamEndsOnTheBoardWhereChengsFormulaSays) {
   const double y = 500.0 * std::tan(2.0 * b);
   const double x = (std::sqrt(500.0 * 500.0 + y * y) + 15.0) * std::tan(2.0 * a);
   expectNear(scene.beam.back().p_W_mm, {x, y, 0.0}, 1e-6);
-  // It converges all the way, to the waist.
+  // The beam converges all the way to the waist.
   EXPECT_NEAR(scene.beam.back().radius_mm, 0.105, 1e-3);
   EXPECT_GT(scene.beam[2].radius_mm, 1.0);
   EXPECT_GE(scene.beam[1].radius_mm, scene.beam[2].radius_mm);

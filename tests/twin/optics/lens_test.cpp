@@ -70,7 +70,7 @@ TEST(Lens, DecentredItMovesTheFieldAndTiltedItTurnsTheFocalPlane) {
   const LensDescription telecentric{
       .focal_length_mm = 500.0, .tilt_rad = {0.0, 0.02}, .incidence_ratio = 0.0};
   for (const double side : {-1.0, 1.0}) {
-    const double waist_mm = -side * 150.0 * std::tan(0.02);  // About +Wy: +x goes down.
+    const double waist_mm = -side * 150.0 * std::tan(0.02);  // The turn is about +Wy: +x goes down.
     const auto in_focus = spotOf(telecentric, {side * 0.15, 0.0}, waist_mm, beam);
     const auto out_of_focus = spotOf(telecentric, {side * 0.15, 0.0}, -waist_mm, beam);
     ASSERT_TRUE(in_focus && out_of_focus);
@@ -90,7 +90,7 @@ TEST(Lens, KeepsAFlatFieldInFocus) {
     const auto lower = spotOf(telecentric, {angle, angle}, 0.0, beam);
     EXPECT_NEAR(lower.value().radius_x_mm, 0.1 * std::hypot(1.0, 0.2), 1e-12);
   }
-  // Oblique: the ray is longer by its cosine, and the ellipse stretched by it.
+  // The incidence is oblique: the ray is longer by its cosine, and the ellipse stretched by it.
   const LensDescription oblique{.focal_length_mm = 500.0};
   const auto spot = spotOf(oblique, {0.15, 0.0}, 0.0, beam);
   ASSERT_TRUE(spot);

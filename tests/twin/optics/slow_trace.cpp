@@ -21,7 +21,7 @@ Matrix3d turn(const Vector3d& rotation_rad) {
   return AngleAxisd(rotation_rad.norm(), rotation_rad.stableNormalized()).toRotationMatrix();
 }
 
-// The mirror's surface in H: turned about the axis through `place`, then moved along its own normal.
+// Surface of the mirror in H: turned about the axis through `place`, then moved along its own normal.
 Plane surfaceOf(const Vector3d& place, const Vector3d& axis, const Vector3d& rest, double angle,
                 double before_axis_mm) {
   const Vector3d normal = AngleAxisd(angle, axis).toRotationMatrix() * rest;
@@ -53,7 +53,7 @@ double distanceTo(const Board& board, const Line& ray) {
   return 0.5 * (near + far);
 }
 
-// The ray in the focal plane and its distance from there to the waist.
+// Ray in the focal plane and its distance from there to the waist.
 std::pair<Line, double> focused(const LensDescription& lens, double focus_z_mm, const Vector3d& direction) {
   Isometry3d X_WLens = Isometry3d::Identity();  // Lens frame: principal point, z up along the axis.
   X_WLens.translation() = Vector3d(lens.decentre_mm[0], lens.decentre_mm[1], lens.focal_length_mm);

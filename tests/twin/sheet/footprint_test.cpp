@@ -78,7 +78,8 @@ TEST_P(SlantedSpot, HasItsMomentsItsPeakAndAllItsEnergy) {
       EXPECT_LT((found.centre_mm - spot.p_SQ_mm).norm(), 1e-5);
       EXPECT_LT((found.covariance_mm2 - expected).norm(), 1e-3 * expected.norm());
       const double peak = gaussian(Vector2d::Zero(), expected, 2e-3);
-      const double share = std::abs(GetParam()) < 0.7 ? 1e-3 : 5e-3;  // 0.05 mm across, two and a half nodes.
+      // The footprint is 0.05 mm across, two and a half nodes.
+      const double share = std::abs(GetParam()) < 0.7 ? 1e-3 : 5e-3;
       EXPECT_NEAR(sheet.fluenceAt(spot.p_SQ_mm), peak, share * peak);
       for (double angle = 0.0; angle < 6.28; angle += 0.37) {
         const Vector2d p = 0.09 * Vector2d(std::cos(angle), std::sin(angle));
@@ -106,7 +107,7 @@ TEST(Slanted, KeepsItsEnergyHoweverSlimOrSmall) {
 }
 
 TEST(Slanted, IsTheSameAsAStraightOneSeenFromTheSide) {
-  // An ellipse of 0.14 and 0.09 along S's axes, and the same turned by 30 degrees.
+  // The ellipse has 0.14 and 0.09 along S's axes; the second is turned by 30 degrees.
   Sheet straight{BoardDescription{}};
   Sheet turned{BoardDescription{}};
   const Footprint plain{{0.5, 0.5}, 0.14, 0.09};
@@ -157,7 +158,7 @@ Footprint onArc(double radius_mm, double way_mm) {
   return {{0.0137 + radius_mm * std::cos(angle), radius_mm * std::sin(angle)}, 0.105, 0.105};
 }
 
-/// Chord length: the cut of an arc in chords against the same in steps of 3 um.
+/// Test by chord length: the cut of an arc in chords compared with one in steps of 3 um.
 class Chords : public testing::TestWithParam<double> {};
 
 TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {

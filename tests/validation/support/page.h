@@ -11,7 +11,8 @@ namespace kerfbench::validation {
 /// A finished study.
 struct Chapter {
   Section section;
-  bool clock{false};  ///< Stands under its own heading at the end: it differs from run to run.
+  /// True if the chapter stands under its own heading at the end: it differs from run to run.
+  bool clock{false};
 };
 
 /// Writes the page and, in the folder `validation` beside it, its pictures. Pictures there that the page no

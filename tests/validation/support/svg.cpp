@@ -219,7 +219,7 @@ namespace {
 
 constexpr double kCellW = 66.0, kCellH = 30.0, kSide = 116.0, kCellTop = 36.0;
 
-// The limit: a line between cells on its two sides.
+// Line of the limit between cells on its two sides.
 std::string limitLine(const CellPlot& plot) {
   const auto holds = [&](std::size_t r, std::size_t c) { return plot.value.at(r).at(c) <= plot.limit; };
   const auto line = [](double x1, double y1, double x2, double y2) {
