@@ -109,11 +109,11 @@ Section eightJoints(const Context& context) {
   section.atMost("gantry at 10 µs", at_10us.gantry_um, 1.0, "µm", 1e-7);
   section.atMost("spot at 10 µs, articulated bodies once a step", frozen_at_10us.spot_um, 1.0, "µm", 1e-7);
   section.figures.push_back({"eight-joints", "Largest error of the spot over the step",
-                             sampled(LinePlot{"Eight joints: largest error of the spot",
-                                              {"step, µs", true},
-                                              {"µm", true},
-                                              {line},
-                                              {{1.0, "1 µm"}}})});
+                             svgOf(LinePlot{"Eight joints: largest error of the spot",
+                                            {"step, µs", true},
+                                            {"µm", true},
+                                            {line},
+                                            {{1.0, "1 µm"}}})});
   return section;
 }
 

@@ -93,7 +93,7 @@ Section galvoStep(const Context&) {
   section.markdown += markdownTable({"solver's step, µs", "largest error, µm"}, rows);
   section.atMost("largest error at 10 µs", worst[1], 1.0, "µm");
   section.atLeast("order of convergence from 20 to 10 µs", std::log2(worst[2] / worst[1]), 3.7, "");
-  section.figures.push_back({"galvo-step", plot.title, sampled(plot)});
+  section.figures.push_back({"galvo-step", plot.title, svgOf(plot)});
   return section;
 }
 

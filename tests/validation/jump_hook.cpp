@@ -91,7 +91,7 @@ Figure pathFigure(const Hook& straight, const Hook& arcs, double jump_mm) {
   plot.lines.push_back({"straight jump at the galvo's limits, lit", straight.lit});
   plot.lines.push_back({"arc, straight, arc (S2), lit", arcs.lit});
   plot.lines.push_back({"the mark", {{0.0, 0.5 * jump_mm}, {-kMark_mm, 0.5 * jump_mm}}});
-  return {"jump-hook-path", plot.title, sampled(plot)};
+  return {"jump-hook-path", plot.title, svgOf(plot)};
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ Section jumpHook(const Context& context) {
   section.atMost("largest deviation with S2's arcs: not more than one pulse", worst_arcs, step_mm, "mm");
   LinePlot plot{
       "Hook of a jump", {"jump, mm", true}, {"hook, mm"}, {paper, limit, arcs}, {{0.05, "0.05 mm"}}};
-  section.figures.push_back({"jump-hook", "Hook over the length of the jump", sampled(plot)});
+  section.figures.push_back({"jump-hook", "Hook over the length of the jump", svgOf(plot)});
   return section;
 }
 

@@ -160,7 +160,7 @@ Section kerfDepth(const Context& context) {
   section.atMost("largest mean error of a cut, over the thickness", worst_mean, 0.01, "");
   section.atMost("power of the tube at rest against its curve g(u), over full power", powerCurveError(), 1e-6,
                  "", 1e-9);
-  section.figures.push_back({"kerf-depth", "Depth of straight cuts over power per area", sampled(plot)});
+  section.figures.push_back({"kerf-depth", "Depth of straight cuts over power per area", svgOf(plot)});
   return section;
 }
 

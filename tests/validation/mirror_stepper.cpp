@@ -145,7 +145,7 @@ Figure overReduction(const twin::MachineDescription& as_shipped, bool quick) {
     }
     plot.lines.push_back(std::move(line));
   }
-  return {"stepper-reduction", plot.title, sampled(plot)};
+  return {"stepper-reduction", plot.title, svgOf(plot)};
 }
 
 // Largest error of a motor at rest: the detent pulls it until the field, a spring of T_h N, holds it.
@@ -198,7 +198,7 @@ Section mirrorStepper(const Context& context) {
     rows.push_back({variant.says, fmt::format("{:.3f} mm", maps.back().best_mm),
                     fmt::format("{} of {}", maps.back().holds, maps.back().cells), maps.back().where,
                     fmt::format("{}", maps.back().losses)});
-    section.figures.push_back({variant.name, maps.back().plot.title, sampled(maps.back().plot)});
+    section.figures.push_back({variant.name, maps.back().plot.title, svgOf(maps.back().plot)});
   }
   section.markdown = fmt::format(
       "S4 replaces the galvos by steppers with subdivision drives and reports ±0.05 mm, without speed, motor "

@@ -160,7 +160,7 @@ Section pulseTrains(const Context& context) {
   LinePlot plot{
       "Trains of pulses: largest error of the spot", {"step, µs", true}, {"µm", true}, {}, {{1.0, "1 µm"}}};
   plot.lines.assign(lines.begin(), lines.end());
-  section.figures.push_back({"pulse-trains", plot.title, sampled(plot)});
+  section.figures.push_back({"pulse-trains", plot.title, svgOf(plot)});
   return section;
 }
 

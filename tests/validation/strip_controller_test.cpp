@@ -31,7 +31,7 @@ TEST(Track, AMoveEndsAtRestInItsPlace) {
         EXPECT_NEAR(piece->speed_mm_s, speed_mm_s, 1e-9);
         EXPECT_EQ(piece->begin_s, end_s);
         const double t = piece->end_s - piece->begin_s;
-        place_mm += piece->direction() * piece->way_mm(piece->end_s);
+        place_mm += piece->direction() * piece->distance_mm(piece->end_s);
         speed_mm_s += piece->acceleration_mm_s2 * t;
         EXPECT_LE(std::abs(speed_mm_s), 400.0 + 1e-9);
         end_s = piece->end_s;
@@ -68,7 +68,7 @@ TEST(PulseTrain, StaysWithinHalfAStepOfItsTrack) {
       while (copy.front() != nullptr && copy.front()->end_s < time_s - kRate.seconds(1)) copy.dropFront();
       ASSERT_NE(copy.front(), nullptr);
       const Track::Piece& piece = *copy.front();
-      const double place_mm = piece.place_mm + piece.direction() * piece.way_mm(time_s);
+      const double place_mm = piece.place_mm + piece.direction() * piece.distance_mm(time_s);
       const double middle = (static_cast<double>(count) + (dir ? 0.5 : -0.5)) * kStep_mm;
       EXPECT_NEAR(place_mm, middle, 1e-4) << "at " << time_s << " s";
       count += dir ? 1 : -1;

@@ -69,7 +69,7 @@ Figure headPath(const twin::MachineDescription& machine) {
       "strip-head-path",
       "The beam's way in the machine over one cycle of the continuous regime: with the strip while it cuts, "
       "straight back while the strip goes on (Fig. 5 of the paper).",
-      sampled(plot)};
+      svgOf(plot)};
 }
 
 Figure timesPlot(const std::vector<StripFigure>& figures) {
@@ -89,8 +89,7 @@ Figure timesPlot(const std::vector<StripFigure>& figures) {
     plot.lines.push_back(formula);
   }
   return {"strip-times",
-          "Dots: pieces of the twin. Lines: 9.478 n s and 3.478 + 6 n s (Fig. 7 of the paper).",
-          sampled(plot)};
+          "Dots: pieces of the twin. Lines: 9.478 n s and 3.478 + 6 n s (Fig. 7 of the paper).", svgOf(plot)};
 }
 
 /// Largest difference between cut times of the parts put together by hand and those of the whole twin.

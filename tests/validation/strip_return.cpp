@@ -132,7 +132,7 @@ Section stripReturn(const Context& context) {
       markdownTable({"ramps", "limit by the twin, mm/s", "by kinematics, mm/s", "start errors differ by, mm"},
                     rows);
   section.figures = {
-      {"strip-return", "Where the second cut starts if the head goes back at v_0.", sampled(plot)}};
+      {"strip-return", "Where the second cut starts if the head goes back at v_0.", svgOf(plot)}};
   return section;
 }
 

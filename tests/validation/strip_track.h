@@ -18,9 +18,9 @@ class Track {
     double place_mm{}, speed_mm_s{}, acceleration_mm_s2{};  ///< State at begin; the speed keeps its sign.
     [[nodiscard]] int direction() const;
     /// Distance from the piece's begin to a time in it, unsigned.
-    [[nodiscard]] double way_mm(double time_s) const;
+    [[nodiscard]] double distance_mm(double time_s) const;
     /// Time at which the piece has made this distance; the distance must lie in it.
-    [[nodiscard]] double timeOf_s(double way_mm) const;
+    [[nodiscard]] double timeOf_s(double distance_mm) const;
   };
 
   explicit Track(double place_mm) : place_mm_(place_mm) {}

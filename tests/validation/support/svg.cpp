@@ -179,7 +179,7 @@ std::string curve(const PlotLine& line, const PlotAxis& x_axis, const PlotAxis& 
 
 }  // namespace
 
-std::string sampled(const LinePlot& plot) {
+std::string svgOf(const LinePlot& plot) {
   Range x_range = rangeOf(plot, 0);
   Range y_range = rangeOf(plot, 1);
   if (plot.equal_scales) equalise(x_range, y_range);
@@ -242,7 +242,7 @@ std::string limitLine(const CellPlot& plot) {
 
 }  // namespace
 
-std::string sampled(const CellPlot& plot) {
+std::string svgOf(const CellPlot& plot) {
   const double width = kSide + kCellW * static_cast<double>(plot.columns.size()) + 20.0;
   const double height = 78.0 + kCellH * static_cast<double>(plot.rows.size()) + 20.0;
   std::string svg = head(width, height, plot.title);

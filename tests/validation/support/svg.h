@@ -46,7 +46,7 @@ struct CellPlot {
 };
 
 /// Plot as a whole SVG document, the same bytes for the same plot.
-std::string sampled(const LinePlot& plot);
-std::string sampled(const CellPlot& plot);
+std::string svgOf(const LinePlot& plot);
+std::string svgOf(const CellPlot& plot);
 
 }  // namespace kerfbench::validation
