@@ -56,8 +56,8 @@ class Tube {
     running_ = byte;
     running_lit_ = lit;
     asked_ = power;
-    while (told_ + static_cast<std::size_t>(delay_ticks_) < emitted_.size())
-      seen_ += dead_ ? (++told_, 0.0) : emitted_[told_++];
+    while (counted_ + static_cast<std::size_t>(delay_ticks_) < emitted_.size())
+      seen_ += dead_ ? (++counted_, 0.0) : emitted_[counted_++];
     return byte;
   }
   /// Power of the present period over the power in the program.
@@ -73,7 +73,7 @@ class Tube {
   double asked_{};
   double last_share_{1.0};
   double seen_{};
-  std::size_t told_{};
+  std::size_t counted_{};
   std::vector<double> emitted_;
 };
 
