@@ -78,8 +78,8 @@ TEST(TwinBeam, AGateThatMovesInsideAStepBurnsWhereTheBeamWasThen) {
     EXPECT_NEAR(burn.energy_j, 100.0 * (off_us - on_us) * 1e-6, 1e-6 * burn.energy_j + 1e-9);
     EXPECT_NEAR(burn.centre_mm.x(), place, 1e-4) << on_us;
     // The burn is a beam of sigma w/2 drawn out evenly over the travelled distance.
-    const double way = 4000.0 * (off_us - on_us) * 1e-6;
-    EXPECT_NEAR(burn.sigma_mm.x(), std::hypot(0.5 * 0.105, way / std::sqrt(12.0)), 4e-4) << on_us;
+    const double length = 4000.0 * (off_us - on_us) * 1e-6;
+    EXPECT_NEAR(burn.sigma_mm.x(), std::hypot(0.5 * 0.105, length / std::sqrt(12.0)), 4e-4) << on_us;
     EXPECT_NEAR(burn.sigma_mm.y(), 0.5 * 0.105, 4e-4) << on_us;
   }
 }

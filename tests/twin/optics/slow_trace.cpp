@@ -75,7 +75,7 @@ std::pair<Line, double> focused(const LensDescription& lens, double focus_z_mm, 
 }  // namespace
 
 SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
-                   const Eigen::Vector2d& mirror_rad, const Board& board, const Eigen::Vector2d& beside_mm) {
+                   const Eigen::Vector2d& mirror_rad, const Board& board, const Eigen::Vector2d& offset_mm) {
   const double turned_rad = head.y_mirror_first ? -0.5 * std::numbers::pi : 0.0;
   const Matrix3d R_WH = AngleAxisd(turned_rad, Vector3d::UnitZ()).toRotationMatrix();
   const MirrorAlignment& first = head.y_mirror_first ? head.y : head.x;
@@ -95,7 +95,7 @@ SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
 
   const Matrix3d R_HBeam = turn({0, beam.tilt_rad[0], beam.tilt_rad[1]});
   const Vector3d entry = first_place + Vector3d(0, beam.offset_mm[0], beam.offset_mm[1]) +
-                         R_HBeam * Vector3d(0, beside_mm[0], beside_mm[1]);
+                         R_HBeam * Vector3d(0, offset_mm[0], offset_mm[1]);
   SlowSpot spot;
   const Line laser(entry, R_HBeam * Vector3d::UnitX());
   const Line between = mirrored(laser, first_surface, spot.path_mm);

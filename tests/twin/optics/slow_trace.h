@@ -21,9 +21,9 @@ struct SlowSpot {
 
 /// Scan head by an independent trace from its description: poses as matrices, mirrors as hyperplanes, the
 /// board found by bisection. No line of it is shared with ScanHead. The beam must reach the board.
-/// `beside_mm`: displacement of the ray from the laser beam's axis, along Hy and Hz.
+/// `offset_mm`: displacement of the ray from the laser beam's axis, along Hy and Hz.
 SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
                    const Eigen::Vector2d& mirror_rad, const Board& board,
-                   const Eigen::Vector2d& beside_mm = Eigen::Vector2d::Zero());
+                   const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero());
 
 }  // namespace kerfbench::twin::test

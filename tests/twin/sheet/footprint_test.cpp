@@ -153,8 +153,8 @@ TEST(Slanted, MustBeAnEllipse) {
   }
 }
 
-Footprint onArc(double radius_mm, double way_mm) {
-  const double angle = way_mm / radius_mm;
+Footprint onArc(double radius_mm, double arc_mm) {
+  const double angle = arc_mm / radius_mm;
   return {{0.0137 + radius_mm * std::cos(angle), radius_mm * std::sin(angle)}, 0.105, 0.105};
 }
 
@@ -175,8 +175,8 @@ TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {
   };
   cut(fine, 0.003);
   cut(coarse, GetParam());
-  const auto crest = [&](const Sheet& sheet, double way_mm) {  // Centroid across the cut, from its circle.
-    const Vector2d on = onArc(radius_mm, way_mm).p_SQ_mm;
+  const auto crest = [&](const Sheet& sheet, double arc_mm) {  // Centroid across the cut, from its circle.
+    const Vector2d on = onArc(radius_mm, arc_mm).p_SQ_mm;
     const Vector2d out = (on - Vector2d(0.0137, 0.0)) / radius_mm;
     double sum = 0.0, moment = 0.0;
     for (double r = -0.25; r <= 0.25; r += 0.002) {
@@ -187,9 +187,9 @@ TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {
     return moment / sum;
   };
   const double shift_mm = GetParam() * GetParam() / (12.0 * radius_mm);
-  for (double way_mm = 0.35; way_mm < 0.85; way_mm += 0.0113) {
-    EXPECT_NEAR(crest(fine, way_mm) - crest(coarse, way_mm), shift_mm, 0.25 * shift_mm + 2e-6);
-    const Vector2d on = onArc(radius_mm, way_mm).p_SQ_mm;
+  for (double arc_mm = 0.35; arc_mm < 0.85; arc_mm += 0.0113) {
+    EXPECT_NEAR(crest(fine, arc_mm) - crest(coarse, arc_mm), shift_mm, 0.25 * shift_mm + 2e-6);
+    const Vector2d on = onArc(radius_mm, arc_mm).p_SQ_mm;
     EXPECT_NEAR(coarse.fluenceAt(on), fine.fluenceAt(on), 5e-4 * fine.fluenceAt(on));
   }
 }
