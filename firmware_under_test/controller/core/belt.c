@@ -7,9 +7,8 @@
 
 struct kb_belt kb_belt;
 
-enum {
-  KB_STANDING_PERIODS = KB_PERIODS_IN_MS(24)
-}; /* without an edge: slower than 1 mm/s at 0.01 mm a count */
+/* Periods without an edge after which the belt stands: slower than 1 mm/s at 0.01 mm a count. */
+enum { KB_STANDING_PERIODS = KB_PERIODS_IN_MS(24) };
 
 void kb_belt_init(void) {
   const uint8_t saved = kb_hal_lock();
