@@ -153,20 +153,4 @@ TEST(Names, AreTheFieldsOwn) {
   }
 }
 
-TEST(Names, CommentsCanBeReadWithoutTheirNeighbour) {
-  static const std::regex kFragment(R"(//[/<]* Of [a-z])");
-  for (const char* folder : {"hil", "twin", "firmware_under_test"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / folder)) {
-      const auto extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".c") continue;
-      std::ifstream file(entry.path());
-      int number = 0;
-      for (std::string line; std::getline(file, line);) {
-        ++number;
-        EXPECT_FALSE(std::regex_search(line, kFragment)) << entry.path() << ":" << number << ": " << line;
-      }
-    }
-  }
-}
-
 }  // namespace
