@@ -81,7 +81,7 @@ std::vector<PinEvent> pinsOf(Machine machine, const SignalMap& map, double lengt
 }
 
 void addSheet(const twin::Sheet& sheet, const twin::WebDescription& web, Fnv& hash) {
-  // The square lies within 16 mm of where the resting beam meets the web, and the belt's way from it.
+  // The square lies within 16 mm of where the resting beam meets the web, plus the belt's travel from there.
   constexpr int kBlock = 64;
   constexpr int kBlocks = static_cast<int>(16.0 / twin::Sheet::kCellMm) / kBlock + 1;
   const int middle = static_cast<int>(-web.start_x_mm / twin::Sheet::kCellMm) / kBlock;

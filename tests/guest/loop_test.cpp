@@ -90,7 +90,7 @@ TEST_F(LoopTest, FramesThatWereOverwrittenBeforeTheyWereReadAreMissed) {
   CameraReader reader(kLoop, grey(kWidth_px, kHeight_px), optionsFor(12));
   std::jthread camera([&] { writer.run(exposures(1, 40, kPeriod_ns)); });
   std::vector<Frame> frames = reader.take(4);
-  sleepUntil_ns(now_ns() + 20 * kPeriod_ns);  // Nobody reads.
+  sleepUntil_ns(now_ns() + 20 * kPeriod_ns);  // The frames have no reader meanwhile.
   const Taken taken = reader.takeAll();
   frames.insert(frames.end(), taken.frames.begin(), taken.frames.end());
   EXPECT_EQ(taken.report.ended_early, "");

@@ -31,7 +31,7 @@ class SimChip {
   void pull(std::uint32_t line, bool high);
   /// Level of a line that is driven as an output.
   [[nodiscard]] bool value(std::uint32_t line) const;
-  /// Takes the chip away, whoever uses it.
+  /// Takes the chip away, even if it is in use.
   void vanish();
 
  private:

@@ -35,7 +35,7 @@ class FilmedCut {
 
   /// Device with all frames(), each there 3 ms after its stamp.
   [[nodiscard]] std::unique_ptr<camera::FakeVideo> camera(double drift = 0.0) const;
-  /// Index in FakeVideo::frames of the frame that is on its way at a time of the pins.
+  /// Index in FakeVideo::frames of the frame that is pending at a time of the pins.
   [[nodiscard]] std::size_t frameAt(const camera::FakeVideo& camera, double pins_s) const;
   /// Begins of the exposures, on the clock of the pins.
   [[nodiscard]] std::vector<double> begins_s() const;

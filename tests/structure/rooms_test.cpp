@@ -94,7 +94,7 @@ TEST(Rooms, HaveNoCircle) {
 }
 
 TEST(Rooms, AreAllTheFoldersWithSources) {
-  // The two children are programs of their own, and the firmware is C without the house's rooms.
+  // The two children are programs of their own, and the firmware is C without the project's rooms.
   static const std::regex kOther(
       R"(hil/source/avr_child|hil/source/analyser/sigrok_child|hil/app|firmware_under_test/controller.*|firmware_under_test/planner/kerfplan)");
   const Graph graph = linked();

@@ -54,7 +54,7 @@ struct PinWrite {
 };
 
 /// PUL and DIR that follow a track to within half a step. The first pulse comes later than DIR by far more
-/// than any drive asks for, since every motion begins at rest.
+/// than any drive requires, since every motion begins at rest.
 class PulseTrain {
  public:
   PulseTrain(Signal pul, Signal dir, double step_mm, double place_mm)

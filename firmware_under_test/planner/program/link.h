@@ -89,7 +89,8 @@ class Link {
   std::optional<std::string> end_;  ///< Reason that ended() recorded.
   double end_s_{};
   int repeats_{};
-  bool refused_in_run_{false};  ///< True if a frame was refused while running: ask why before giving up.
+  /// True if a frame was refused while running: the state is requested before giving up.
+  bool refused_in_run_{false};
   bool resend_{false};
 };
 

@@ -53,7 +53,7 @@ TEST(AvrTimer, CountWrittenWhileStoppedIsWhereTheTimerStarts) {
   ASSERT_EQ(rises.size(), 19U);
   ASSERT_EQ(falls.size(), 19U);
   for (std::size_t i = 0; i < rises.size(); ++i) {
-    // 40 clocks of 8 cycles and the interrupt's way in; simavr on its own makes it 2048.
+    // The pulse has 40 clocks of 8 cycles and the entry of the interrupt; simavr on its own makes it 2048.
     EXPECT_GE(falls[i] - rises[i], 320U);
     EXPECT_LE(falls[i] - rises[i], 365U);
   }

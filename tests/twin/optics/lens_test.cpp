@@ -60,8 +60,8 @@ TEST(Lens, DecentredItMovesTheFieldAndTiltedItTurnsTheFocalPlane) {
   const Eigen::Vector2d moved = place(beside, {0.1, 0.12}) - place(straight, {0.1, 0.12});
   EXPECT_NEAR((moved - Eigen::Vector2d(1.5, -0.5)).norm(), 0.0, 1e-10);
 
-  // Turned about its principal point, the lens moves the spot at rest in second order only: the telecentric
-  // beam leaves along the lens's axis, f (tilt - tan tilt cos tilt …) beside.
+  // A lens that is turned about its principal point moves the spot at rest in second order only: the
+  // telecentric beam leaves along the lens's axis, displaced by f (tilt - tan tilt cos tilt …).
   const double tilt = 1e-3;
   const LensDescription tilted{.focal_length_mm = 500.0, .tilt_rad = {0.0, tilt}};
   EXPECT_LT(place(tilted, {0.0, 0.0}).norm(), 500.0 * tilt * tilt);

@@ -15,7 +15,7 @@ struct Chapter {
   bool clock{false};
 };
 
-/// Writes the page and, in the folder `validation` beside it, its pictures. Pictures there that the page no
+/// Writes the page and, in the folder `validation` next to it, its pictures. Pictures there that the page no
 /// longer shows are deleted.
 void writePage(const std::filesystem::path& page, const std::vector<Chapter>& chapters);
 

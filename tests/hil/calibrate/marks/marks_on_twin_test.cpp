@@ -30,7 +30,7 @@ using testing::IsEmpty;
 struct Field {
   const char* machine;
   double half_mm;  ///< Half the side of the field.
-  int grid;        ///< Marks each way.
+  int grid;        ///< Number of marks in each direction.
   double size_mm;  ///< Size of a mark.
   double beam_radius_mm;
   double print_mm;      ///< Distance of the print beyond the field.
