@@ -16,8 +16,9 @@ namespace kerfbench::board {
 /// a terminal of the kernel's (pty).
 class SimBoard final : public BoardPorts {
  public:
-  /// Opens the ports. @param chip folder of the chip, as /sys/devices/platform/gpio-sim.0/gpiochip1. @param
-  /// tty link to be made to the bench's end of the UART. @throws std::system_error with the path.
+  /// Opens the ports. @throws std::system_error with the path.
+  /// @param chip folder of the chip, as /sys/devices/platform/gpio-sim.0/gpiochip1.
+  /// @param tty link to be made to the bench's end of the UART.
   SimBoard(const std::filesystem::path& chip, const std::map<Signal, unsigned>& lines,
            std::filesystem::path tty);
   ~SimBoard() override;

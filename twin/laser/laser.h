@@ -50,8 +50,7 @@ class Laser {
   explicit Laser(const LaserDescription& description, std::uint64_t seed);
 
   /// Runs the tube in [begin_s, begin_s + step_s]; steps follow one another. Returns the energy emitted in
-  /// it, J:
-  /// the exact integral for a gate and a duty that are constant over the step.
+  /// it, J: the exact integral for a gate and a duty that are constant over the step.
   /// @param gate  share of the step in which the gate was open, 0…1.
   /// @param duty  mean of the PWM, 0…1: while the gate was open, or over the whole step if it was shut.
   double step(double gate, double duty, double begin_s, double step_s);

@@ -12,8 +12,8 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Makes one step from `begin_s`; one command for each drive, in the description's order. @throws
-  /// DivergenceError with the step's end and the joint whose numbers are out of bounds.
+  /// Makes one step from `begin_s`; one command for each drive, in the description's order.
+  /// @throws DivergenceError with the step's end and the joint whose numbers are out of bounds.
   virtual void step(double begin_s, std::span<const DriveCommand> commands) = 0;
 
   /// Joint positions and velocities at the end of the last step, rad or m and per second.
