@@ -19,7 +19,7 @@ using kerfbench::test::isWordCharacter;
 using kerfbench::test::sourceRoot;
 using kerfbench::test::textOf;
 
-constexpr std::string_view kTopFolders[] = {"twin", "firmware_under_test", "tests"};
+constexpr std::string_view kTopFolders[] = {"twin", "hil", "firmware_under_test", "tests"};
 
 /// A comment on one line, or the first line of a block comment.
 struct Comment {
