@@ -67,24 +67,25 @@ enum kb_fault {
   KB_FAULT_FIELD      /* the beam would leave its field */
 };
 
-/* What leads to KB_STOPPED, how soon, and what the axes do: docs/reference/controller.md. */
+/* Limits that lead to KB_STOPPED; their timing and the reaction of the axes: docs/reference/controller.md. */
 #define KB_SILENCE_MS 250UL /* a host repeats and asks more often than that */
 #define KB_SILENCE_PERIODS ((uint16_t)KB_PERIODS_IN_MS(KB_SILENCE_MS))
-#define KB_LINE_ERRORS_MAX 8U        /* framing errors, overruns, damaged frames */
-#define KB_ENCODER_WINDOW_COUNTS 16U /* of nominal travel, and 2 periods at least: a quarter must be seen */
-#define KB_ENCODER_ERRORS_MAX 8U     /* edges of A without a change of A, since START */
-#define KB_BELT_FAST_PERIODS ((uint8_t)KB_PERIODS_IN_MS(7)) /* in a row */
+#define KB_LINE_ERRORS_MAX 8U /* framing errors, overruns, damaged frames */
+/* nominal travel of a window, and at least 2 periods: a quarter must be seen */
+#define KB_ENCODER_WINDOW_COUNTS 16U
+#define KB_ENCODER_ERRORS_MAX 8U /* edges of A without a change of A, since START */
+#define KB_BELT_FAST_PERIODS ((uint8_t)KB_PERIODS_IN_MS(7)) /* periods in a row */
 
-/* Which request when. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and START
- * are refused while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in KB_DONE
- * and KB_STOPPED: a new program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK, from
- * any other state to KB_IDLE. A frame with the type and SEQ of the last one accepted since HELLO is answered
- * again and not executed again. A frame that pauses for more than 20 ms is forgotten. A configuration holds
- * for one START.
+/* States for requests. HELLO (unless running) and CONFIG empty the queue and lead to KB_IDLE; CONFIG and
+ * START are refused while running (KB_NAK_STATE), START also without a configuration or a queue, DATA in
+ * KB_DONE and KB_STOPPED: a new program begins with CONFIG. STOP leads from running to KB_STOPPED with KB_OK,
+ * from any other state to KB_IDLE. A frame with the type and SEQ of the last one accepted since HELLO is
+ * answered again and not executed again. A frame that pauses for more than 20 ms is forgotten. A
+ * configuration holds for one START.
  *
- * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload, of POWER's if there is one, and then of the
- * program, a += byte, b += a; the check is a | b << 16. So a frame that deceives the CRC, and one that only
- * one side believes to have been accepted, are refused before anything of them is run. */
+ * Job check: u16 a = 1, b = 0; for each byte of CONFIG's payload, of POWER's if there is one, and then of
+ * the program, a += byte, b += a; the check is a | b << 16. So a frame that passes the CRC by accident,
+ * and one that only one side believes to have been accepted, are refused before any of it is run. */
 #define KB_PROTOCOL_VERSION 3
 #define KB_CHECK_LEN 4
 #define KB_MARKS_MAX 8
@@ -101,13 +102,12 @@ enum kb_fault {
  * reference) and the nominal one n (which advances by config.nominal_per_period), and moves the follow axis
  * by the change of round((b - n) * gain / 4096) in addition to the program's own steps.
  *
- * In full: the period i ends at n = offset + (i + 1) * nominal, and the correction at its end is that of the
- * belt position predicted for that instant with its gain: at constant belt speed there is no lag. What does
- * not fit into KB_MAX_STEPS_PER_PERIOD beside the program's steps follows in the next periods. Before a
- * WAIT_MARK the reference is the belt at START. While a WAIT_MARK waits, and after END, the correction
- * returns to zero, so that at KB_DONE each axis is where the program's own steps have led it. Counts follow
- * from edges of A and the time since.
- */
+ * In detail: period i ends at n = offset + (i + 1) * nominal, and the correction at its end is that of the
+ * belt position predicted for that instant with its gain: at constant belt speed there is no lag. Steps
+ * that do not fit into KB_MAX_STEPS_PER_PERIOD together with the program's own follow in the next periods.
+ * Before a WAIT_MARK the reference is the belt at START. While a WAIT_MARK waits, and after END, the
+ * correction returns to zero, so that at KB_DONE each axis is where the program's own steps have led it.
+ * Counts follow from edges of A and the time since. */
 #define KB_OP_MOVE 0x80
 #define KB_OP_POWER 0x20
 #define KB_OP_GAIN 0x40
@@ -135,10 +135,10 @@ enum kb_op {
  * Then the field: i32 × 5 lowest and i32 × 5 highest step of each axis, as KB_STATE counts them. With the
  * laser on, no axis begins or ends a period beyond them: the controller stops before such a period. */
 #define KB_CONFIG_LEN 67
-#define KB_WIDE_TICKS_MAX 15 /* one less than a power of two */
+#define KB_WIDE_TICKS_MAX 15 /* most ticks; one less than a power of two */
 
 /* KB_POWER payload: u8 gain (1/256), u8 least and u8 most power, u16 ticks from the start of a period until
- * the meter tells of its energy (gate delay included), then of the powers 0, 16, … 240, 255 a u16 each:
+ * the meter's edges for its energy (gate delay included), then of the powers 0, 16, … 240, 255 a u16 each:
  * rising edges of the meter in a period, in 1/16; they must not fall. The controller counts modulo 256. */
 #define KB_POWER_POINTS 17
 #define KB_POWER_LEN (5 + 2 * KB_POWER_POINTS)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a release says of itself: a block of bytes that lies in each image as it is, so that a planner can
- * plan for the controller named by its image, and that INFO repeats, so that the host can tell whether this
- * is the controller it planned for.
+/* Description of a release: a block of bytes that lies unchanged in each image, so that a planner can plan
+ * for the controller named by its image. INFO repeats it, so that the host can tell whether this is the
+ * controller that it planned for.
  *
  * All integers little-endian, times in CPU cycles:
  *
@@ -14,11 +14,11 @@
  * - 17  u16 queue size; one byte less can be filled
  * - 19  u32 baud
  * - 23  u16 longest gate delay, ticks
- * - 25  u16 × 4 of PUL and DIR, never less than: DIR stable before PUL's edge and after it, PUL active and
- * idle
- * - 33  u16 by which a tick may be late, at most
+ * - 25  u16 × 4 shortest times of PUL and DIR: DIR stable before PUL's edge and after it, PUL active, PUL
+ *       idle
+ * - 33  u16 longest lateness of a tick
  * - 35  char[12] name of the time base, padded with zeros
- * - 47  char[32] version of the release, likewise
+ * - 47  char[32] version of the release, padded with zeros
  */
 #ifndef KERFBENCH_CONTROLLER_RELEASE_H
 #define KERFBENCH_CONTROLLER_RELEASE_H

@@ -3,7 +3,7 @@
  * them from the image or from INFO (release.h).
  *
  * A step tick of KB_TICK_CYCLES; an interpolation period of KB_TICKS_PER_PERIOD ticks, a power of two up to
- * 128; in it an axis makes at most KB_MAX_STEPS_PER_PERIOD steps, one in a tick. */
+ * 128; an axis makes at most KB_MAX_STEPS_PER_PERIOD steps in a period, one in a tick. */
 #ifndef KERFBENCH_CONTROLLER_TARGET_H
 #define KERFBENCH_CONTROLLER_TARGET_H
 
@@ -12,32 +12,32 @@
 #define KB_CPU_HZ 16000000UL
 
 #ifdef KB_TARGET_GALVO
-/* For digital galvos with PUL/DIR inputs of some MHz: ticks of 1 us, periods of 128 us. The interpolation of
- * the core on a processor that is fast enough for it, or in front of a pulse generator in logic; here on a
- * computer, where it takes no time. */
+/* Digital galvos with PUL/DIR inputs of some MHz: ticks of 1 us, periods of 128 us. The target stands for the
+ * core's interpolation on a processor that is fast enough for it, or in front of a pulse generator in logic;
+ * here it runs on a computer, where it takes no time. */
 #define KB_TARGET_NAME "galvo"
 #define KB_BAUD 2000000UL
 #define KB_TICK_CYCLES 16U
 #define KB_TICKS_PER_PERIOD 128U
-#define KB_QUEUE_SIZE 32768U /* one byte less can be filled */
+#define KB_QUEUE_SIZE 32768U /* size in bytes; one byte less can be filled */
 #define KB_TIME_CYCLES 16U
 #define KB_PWM_TICKS 8U
 #define KB_LASER_EVENTS 64U
-#define KB_SETUP_CYCLES 9U /* never less of PUL and DIR, see release.h */
+#define KB_SETUP_CYCLES 9U /* shortest times of PUL and DIR, see release.h */
 #define KB_HOLD_CYCLES 7U
 #define KB_WIDTH_CYCLES 7U
 #define KB_SPACE_CYCLES 9U
-#define KB_LATE_CYCLES 0U /* by which a tick may be late */
+#define KB_LATE_CYCLES 0U /* longest lateness of a tick */
 typedef uint16_t kb_ticks_t;
 #else
-/* What an ATmega2560 at 16 MHz bears: ticks of 25 us, periods of 0.8 ms. */
+/* ATmega2560 at 16 MHz at its limit: ticks of 25 us, periods of 0.8 ms. */
 #define KB_TARGET_NAME "avr"
 #define KB_BAUD 250000UL
 #define KB_TICK_CYCLES 400U
 #define KB_TICKS_PER_PERIOD 32U
 #define KB_QUEUE_SIZE 4096U
-#define KB_TIME_CYCLES 64U /* of the timer that stamps belt edges */
-#define KB_PWM_TICKS 1U    /* one bit of the laser's PWM */
+#define KB_TIME_CYCLES 64U /* unit of the timer that stamps belt edges */
+#define KB_PWM_TICKS 1U    /* ticks of one bit of the laser's PWM */
 #define KB_LASER_EVENTS 16U
 #define KB_SETUP_CYCLES 80U
 #define KB_HOLD_CYCLES 100U
@@ -54,7 +54,7 @@ typedef uint8_t kb_ticks_t;
        ? (kb_ticks_t)~0U                                          \
        : (KB_LASER_EVENTS - 1U) * KB_TICKS_PER_PERIOD)
 #define KB_PERIOD_CYCLES (1UL * KB_TICK_CYCLES * KB_TICKS_PER_PERIOD)
-/* Whole periods in this many milliseconds. */
+/* Number of whole periods in this many milliseconds. */
 #define KB_PERIODS_IN_MS(ms) ((ms) * (KB_CPU_HZ / 1000UL) / KB_PERIOD_CYCLES)
 
 #endif

@@ -69,9 +69,9 @@ void registerBulletBenchmarks(const RecordedRun& label) {
                                  })
         ->Unit(benchmark::kMillisecond);
   }
-  // First order: error = slope * step. The slope of the smallest step that can be waited for leads to the
-  // step at which the error would be the reference's; rounding, which a real run there would add, is not
-  // held against Bullet.
+  // The method is of first order: error = slope * step. The slope of the smallest step that can be waited for
+  // leads to the step at which the error would be the reference's. Rounding, which a real run there would
+  // add, is not held against Bullet.
   constexpr std::array kSteps_s{10e-6, 5e-6, 2e-6, 1e-6, 0.5e-6};
   double slope_mm_s = 0.0;
   std::printf("Bullet's stepSimulation on %zu joints, %g s of %s, largest error of the spot:\n",

@@ -5,8 +5,8 @@
 
 namespace kerfbench::benchmarks {
 
-/// What the first marks of a label cost, and how exact they are: the twin's model in both fidelities, and
-/// Bullet's stepSimulation as it comes and with the step that would make it as exact as the reference.
+/// Registers the cost and the accuracy of the first marks of a label: the twin's model in both fidelities,
+/// and Bullet's stepSimulation as it comes and with the step that would make it as exact as the reference.
 void registerBulletBenchmarks(const RecordedRun& label);
 
 }  // namespace kerfbench::benchmarks

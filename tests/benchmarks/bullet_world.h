@@ -9,9 +9,9 @@
 
 namespace kerfbench::benchmarks {
 
-/// What one would build without the twin's solvers: the same bodies and joints in a btMultiBodyDynamicsWorld,
-/// the same forces applied before each stepSimulation. First order in the step, whatever is done about it
-/// outside. Bullet's defaults that would falsify a machine (damping, velocity clamp, sleep) are off.
+/// A mechanism without the twin's solvers: the same bodies and joints in a btMultiBodyDynamicsWorld, the same
+/// forces applied before each stepSimulation. First order in the step, whatever is done outside. Bullet's
+/// defaults that would falsify a machine (damping, velocity clamp, sleep) are off.
 class BulletWorld {
  public:
   explicit BulletWorld(std::shared_ptr<const twin::Mechanism> mechanism);
@@ -19,7 +19,7 @@ class BulletWorld {
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;
 
-  /// One command for each drive, constant over the step.
+  /// Makes one step; one command for each drive, constant over the step.
   void step(double step_s, std::span<const double> commands);
   [[nodiscard]] std::span<const double> q() const { return {state_.data(), joints_}; }
 
@@ -28,7 +28,7 @@ class BulletWorld {
   std::shared_ptr<const twin::Mechanism> mechanism_;
   std::unique_ptr<World> world_;
   std::size_t joints_;
-  std::vector<double> state_;  ///< As twin::ForceLaw's.
+  std::vector<double> state_;  ///< State as in twin::ForceLaw.
   std::vector<double> force_, rate_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kerfbench-head-benchmarks: the fit of a scan head with covariance beside OpenCV's of a camera with standard
-// deviations, on the same number of points. Nothing is asserted.
+// kerfbench-head-benchmarks: the fit of a scan head with covariance, compared with OpenCV's of a camera with
+// standard deviations, on the same number of points. Nothing is asserted.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,16 +19,18 @@ namespace {
 
 using namespace calibrate::test;
 
-constexpr int kViews = 9;  // docs/how-to/calibrate-a-camera.md: what a camera is calibrated with.
+// Number of views of a camera's calibration, from docs/how-to/calibrate-a-camera.md.
+constexpr int kViews = 9;
 
-/// Of a sheet whose place is known to 0.4 µm, its turn to 2 µrad.
+/// Errors of the pose of a sheet whose place is known to 0.4 µm and its turn to 2 µrad.
 Eigen::Matrix<double, 2, 3> poseModesAt(const Eigen::Vector2d& p_mm) {
   Eigen::Matrix<double, 2, 3> modes;
   modes << 4e-4, 0.0, -2e-6 * p_mm.y(), 0.0, 4e-4, 2e-6 * p_mm.x();
   return modes;
 }
 
-/// `side` x `side` marks on one sheet, made with the correction of a sheet of 3 x 3 as the procedure does.
+/// Fits `side` x `side` marks on one sheet, made with the correction of a sheet of 3 x 3 as the procedure
+/// does.
 void fitHead(benchmark::State& state, calibrate::test::HeadKind kind, calibrate::test::Beyond beyond) {
   const calibrate::test::SimulatedHead head(kind, beyond, 1);
   calibrate::HeadFitOptions options;
@@ -52,8 +54,8 @@ struct Views {
   std::vector<std::vector<cv::Point2f>> pictures;
 };
 
-/// A flat target of n x n corners in nine poses, tilted by 20 ... 30 degrees, with the corner noise of a real
-/// picture.
+/// Views of a flat target of n x n corners in nine poses, tilted by 20 ... 30 degrees, with the corner noise
+/// of a real picture.
 Views viewsOf(int n) {
   const CounterRandom random(1, 99);
   const cv::Mat camera = (cv::Mat_<double>(3, 3) << 3000, 0, 900, 0, 3000, 900, 0, 0, 1);
@@ -80,7 +82,7 @@ Views viewsOf(int n) {
   return views;
 }
 
-/// As many points as `side` x `side` marks, in nine views.
+/// Calibrates a camera with as many points as `side` x `side` marks, in nine views.
 void calibrateCamera(benchmark::State& state) {
   cv::setNumThreads(1);
   const Views views = viewsOf(static_cast<int>(state.range(0)) / 3);
@@ -116,7 +118,7 @@ BENCHMARK(calibrateCamera)->Arg(6)->Arg(9)->Arg(18)->Arg(24)->Unit(benchmark::kM
 }  // namespace kerfbench::benchmarks
 
 int main(int argc, char** argv) {
-  kerfbench::base::keepFreedMemory();  // As `kerfbench` does; both sides gain.
+  kerfbench::base::keepFreedMemory();  // `kerfbench` does the same; both sides gain.
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

@@ -10,7 +10,7 @@
 
 namespace kerfbench::benchmarks {
 
-/// The pins of a real run, and the machine that it drives.
+/// Pins of a real run, with the machine that it drives.
 struct RecordedRun {
   std::string name;
   twin::MachineDescription machine;

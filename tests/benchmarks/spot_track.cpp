@@ -101,7 +101,7 @@ class Inputs {
   std::vector<double> values_;
 };
 
-/// Instants at which a command changes, delays included, and the samples' instants.
+/// Instants at which a command changes, delays included, and the instants of the samples.
 std::vector<double> instants(const Stretch& stretch, const Head& head) {
   std::vector<double> times;
   for (int k = 1; k * kSample_s <= stretch.length_s + 1e-12; ++k) times.push_back(k * kSample_s);

@@ -12,7 +12,7 @@
 
 namespace kerfbench::benchmarks {
 
-/// The first milliseconds of a two-mirror machine's marks, as steps of its drives, with t = 0 just before the
+/// First milliseconds of a two-mirror machine's marks, as steps of its drives, with t = 0 just before the
 /// first of them.
 struct Stretch {
   twin::MachineDescription machine;
@@ -25,10 +25,10 @@ Stretch stretchOf(const RecordedRun& run, double length_s);
 /// Spot in W every 10 us.
 using SpotTrack = std::vector<Eigen::Vector2d>;
 
-/// Runge-Kutta from pulse to pulse, 1 us at most: nothing is averaged.
+/// Track by Runge-Kutta from pulse to pulse, 1 us at most: nothing is averaged.
 SpotTrack exactTrack(const Stretch& stretch);
 SpotTrack twinTrack(const Stretch& stretch, twin::Fidelity fidelity);
-/// stepSimulation with the command's mean over each step. 10 us must be a multiple of `step_s`.
+/// Track by stepSimulation with the command's mean over each step. 10 us must be a multiple of `step_s`.
 SpotTrack bulletTrack(const Stretch& stretch, double step_s);
 
 /// Largest distance, mm.

@@ -23,7 +23,7 @@ void playRun(benchmark::State& state, const RecordedRun& run, double length_s, t
 
 void registerTwinBenchmarks(const RecordedRun& run) {
   const auto ideal = std::make_shared<const RecordedRun>(run);
-  // Backlash, slip, flutter, noise: what makes a step dear.
+  // Backlash, slip, flutter and noise make a step expensive.
   auto dynamic = std::make_shared<RecordedRun>(run);
   dynamic->machine = twin::drawImperfections(run.machine, {}, twin::Preset::kDynamic, 1).machine;
   const double whole_s = run.rate.seconds(run.end);

@@ -52,7 +52,7 @@ void Board::step(std::uint64_t now_ns) {
   ports_.send(batch_.uart);
 }
 
-/// An edge is seen at the end of its step: that is where the release gets it.
+/// Reads the inputs. An edge is seen at the end of its step: there the release gets it.
 void Board::lookAtInputs(Tick now) {
   for (auto& [signal, before] : inputs_) {
     const bool level = ports_.level(signal);

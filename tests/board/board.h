@@ -12,46 +12,46 @@
 
 namespace kerfbench::board {
 
-/// What a board has to do with the world; ns of one clock.
+/// Connections of a board with its surroundings; ns of one clock.
 class BoardPorts {
  public:
   virtual ~BoardPorts() = default;
   virtual std::uint64_t now_ns() = 0;
   virtual void sleepUntil(std::uint64_t at_ns) = 0;
-  /// Levels that come in on wires of sensors.
+  /// Level of a sensor's wire.
   virtual bool level(Signal sensor) = 0;
-  /// A level that goes out.
+  /// Sets the level of an output.
   virtual void put(Signal output, bool level) = 0;
-  /// Bytes that have come for the UART.
+  /// Bytes that have arrived at the UART.
   virtual std::vector<std::uint8_t> receive() = 0;
-  /// Bytes that it sends, maybe none; what does not go now goes with a later call.
+  /// Sends bytes, possibly none; bytes that cannot be sent now go with a later call.
   virtual void send(std::span<const std::uint8_t> bytes) = 0;
 };
 
 struct BoardOptions {
-  std::uint64_t step_ns{200'000};  ///< Inputs are looked at so often.
-  /// What goes out comes so much later than in the release; more than a step and what the release takes to
-  /// compute one, or distances between edges are not kept. The sheet moves on meanwhile.
+  std::uint64_t step_ns{200'000};  ///< Interval between two readings of the inputs.
+  /// Delay of the outputs behind the release; more than a step and the release's computing time for one, or
+  /// distances between edges are not kept. The sheet moves on meanwhile.
   std::uint64_t delay_ns{1'000'000};
   std::uint64_t run_ns{};
 };
 
-/// How well time was kept.
+/// Accuracy of the board's timing.
 struct BoardPace {
-  std::uint64_t strokes{};        ///< Edges that went out.
-  std::uint64_t worst_late_ns{};  ///< Behind their time, delay included.
-  std::uint64_t worst_step_ns{};  ///< Between two looks at the inputs.
-  bool halted{};                  ///< The release ended before its time.
+  std::uint64_t strokes{};        ///< Number of edges put out.
+  std::uint64_t worst_late_ns{};  ///< Largest lateness of an edge, beyond the delay.
+  std::uint64_t worst_step_ns{};  ///< Longest interval between two readings of the inputs.
+  bool halted{};                  ///< True if the release ended before its time.
 };
 
-/// A release as a controller board in real time: what its pins do goes out `delay_ns` later at the same
-/// distances, what comes in reaches it when it is seen.
+/// A release as a controller board in real time: the release's pins appear `delay_ns` later at the same
+/// distances; inputs reach the release when they are read.
 class Board {
  public:
-  /// Pins of the release by signal: outputs and inputs that are wired.
+  /// Makes a board. Pins of the release by signal: outputs and inputs that are wired.
   Board(source::SignalSource& release, const SignalMap& pins, const std::vector<Signal>& wired,
         BoardPorts& ports, const BoardOptions& options);
-  /// From now on, for options.run_ns.
+  /// Runs for options.run_ns.
   BoardPace run();
 
  private:
@@ -71,7 +71,7 @@ class Board {
   BoardPorts& ports_;
   BoardOptions options_;
   std::map<PinId, Signal> outputs_;
-  std::map<Signal, bool> inputs_;  ///< With their levels.
+  std::map<Signal, bool> inputs_;  ///< Wired inputs with their levels.
   source::Batch batch_;
   std::deque<Stroke> strokes_;
   std::uint64_t begin_ns_{};

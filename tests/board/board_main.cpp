@@ -35,7 +35,7 @@ struct BoardArguments {
 
 std::uint64_t nanoseconds(double time_us) { return static_cast<std::uint64_t>(1e3 * time_us); }
 
-/// "galvo_x_pul=4", and so on.
+/// Parses lines, "galvo_x_pul=4", and so on.
 std::map<Signal, unsigned> linesFrom(const std::vector<std::string>& words) {
   std::map<Signal, unsigned> lines;
   for (const std::string& word : words) {
@@ -48,8 +48,8 @@ std::map<Signal, unsigned> linesFrom(const std::vector<std::string>& words) {
   return lines;
 }
 
-/// For the release as well, which is a child. A board shares no processor with the bench; one that does has
-/// to go before it.
+/// Takes a priority, for the release as well, which is a child. A board shares no processor with the bench;
+/// one that does must have precedence over it.
 void takePriority(int priority) {
   if (priority == 0) return;
   sched_param parameters{};

@@ -20,10 +20,10 @@ constexpr PinId kPul{0, 0};
 constexpr PinId kDir{0, 1};
 constexpr PinId kMark{3, 3};
 
-/// A clock that goes on only while the board sleeps (or puts out, if that takes time).
+/// A clock that advances only while the board sleeps (or puts out, if that takes time).
 class ScriptedPorts : public BoardPorts {
  public:
-  std::vector<std::pair<std::uint64_t, bool>> mark;  ///< When it changes.
+  std::vector<std::pair<std::uint64_t, bool>> mark;  ///< Times at which the mark changes.
   std::vector<std::uint8_t> incoming, outgoing;
   std::vector<std::tuple<std::uint64_t, Signal, bool>> put_out;
   std::uint64_t put_takes_ns{};
@@ -48,7 +48,7 @@ class ScriptedPorts : public BoardPorts {
   std::uint64_t now_{kBegin};
 };
 
-/// A release by script, which answers what it hears.
+/// A scripted release, which answers what it receives.
 class ScriptedRelease : public source::SignalSource {
  public:
   std::vector<PinEvent> events;
@@ -94,7 +94,7 @@ class BoardTest : public testing::Test {
   BoardOptions options{.step_ns = 100'000, .delay_ns = 250'000, .run_ns = 2'000'000};
 };
 
-// 16 ticks are a microsecond.
+// One microsecond is 16 ticks.
 TEST_F(BoardTest, EdgesKeepTheirDistancesAndComeLaterByTheDelay) {
   release.events = {{160, 0, 2, 2, 0}, {400, 0, 1, 3, 0}, {560, 0, 3, 0, 0}, {600, 2, 1, 1, 0}};
   const BoardPace pace = run();

@@ -11,13 +11,14 @@
 
 namespace kerfbench::board {
 
-/// Ports of a board on a chip of the kernel's gpio-sim, through its files below sysfs: what goes out pulls
-/// lines ("…/sim_gpio4/pull"), what comes in are the levels of lines that somebody drives ("…/value"). The
-/// UART is a terminal of the kernel's (pty).
+/// Ports of a board on a chip of the kernel's gpio-sim, through its files below sysfs: outputs pull lines
+/// ("…/sim_gpio4/pull"), inputs are the levels of lines that another program drives ("…/value"). The UART is
+/// a terminal of the kernel's (pty).
 class SimBoard final : public BoardPorts {
  public:
+  /// Opens the ports. @throws std::system_error with the path.
   /// @param chip folder of the chip, as /sys/devices/platform/gpio-sim.0/gpiochip1.
-  /// @param tty link to be made to the bench's end of the UART. @throws std::system_error with the path.
+  /// @param tty link to be made to the bench's end of the UART.
   SimBoard(const std::filesystem::path& chip, const std::map<Signal, unsigned>& lines,
            std::filesystem::path tty);
   ~SimBoard() override;

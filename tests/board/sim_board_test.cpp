@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files are ordinary ones here, the terminal is the kernel's.
+// Test of SimBoard. The files are ordinary ones here, the terminal is the kernel's.
 #include "tests/board/sim_board.h"
 
 #include <fcntl.h>

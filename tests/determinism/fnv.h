@@ -7,7 +7,7 @@
 
 namespace kerfbench::determinism {
 
-/// FNV-1a, 64 bits, over the bits of what is added.
+/// Hash FNV-1a, 64 bits, over the bits of all that is added.
 class Fnv {
  public:
   void add(std::uint64_t value) {

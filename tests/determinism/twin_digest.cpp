@@ -18,7 +18,7 @@ using twin::Twin;
 
 struct Axes {
   Signal x, y;
-  double period_s;  ///< Of the pulses.
+  double period_s;  ///< Period of the pulses.
 };
 
 bool onMirrors(Machine machine) {
@@ -27,7 +27,8 @@ bool onMirrors(Machine machine) {
 
 Axes axesOf(Machine machine) {
   if (!onMirrors(machine)) return {Signal::kGantryXPul, Signal::kGantryYPul, 100e-6};
-  return {Signal::kGalvoXPul, Signal::kGalvoYPul, 40e-6};  // Too sudden a start for the steppers.
+  // Pulses whose start is too sudden for the steppers.
+  return {Signal::kGalvoXPul, Signal::kGalvoYPul, 40e-6};
 }
 
 /// A stepper too weak for its rotor, geared one to a hundred to the mirror.
@@ -80,7 +81,7 @@ std::vector<PinEvent> pinsOf(Machine machine, const SignalMap& map, double lengt
 }
 
 void addSheet(const twin::Sheet& sheet, const twin::WebDescription& web, Fnv& hash) {
-  // The square lies within 16 mm of where the resting beam meets the web, and the belt's way from it.
+  // The square lies within 16 mm of where the resting beam meets the web, plus the belt's travel from there.
   constexpr int kBlock = 64;
   constexpr int kBlocks = static_cast<int>(16.0 / twin::Sheet::kCellMm) / kBlock + 1;
   const int middle = static_cast<int>(-web.start_x_mm / twin::Sheet::kCellMm) / kBlock;

@@ -10,7 +10,7 @@
 
 namespace kerfbench::determinism {
 
-/// Machines that between them use every part of the twin.
+/// Machines that together use every part of the twin.
 enum class Machine { kMirrors, kMirrorsWithSteppers, kGantry, kGantryFed };
 inline constexpr Machine kMachines[] = {Machine::kMirrors, Machine::kMirrorsWithSteppers, Machine::kGantry,
                                         Machine::kGantryFed};
@@ -23,7 +23,7 @@ struct TwinRun {
   double length_s{0.1};
 };
 
-/// Bytes that a run of the twin leaves behind, each as a hash of every bit of every number.
+/// Results of a run of the twin, each as a hash of every bit of every number.
 struct Digest {
   std::uint64_t sheet{}, exposures{}, sensors{}, lost_steps{}, pose{};
   std::size_t burnt_bytes{}, exposure_count{}, edge_count{}, lost_count{};
@@ -34,9 +34,9 @@ struct Digest {
 Digest digestOf(const TwinRun& run);
 
 std::string nameOf(const TwinRun& run);
-/// One line, the same on every machine that computes the same.
+/// Digest as one line, the same on every machine that computes the same.
 std::string textOf(const Digest& digest);
-/// All machines, both fidelities, ideal and dynamic.
+/// Runs of all machines, in both fidelities, ideal and dynamic.
 std::vector<TwinRun> allRuns();
 
 }  // namespace kerfbench::determinism

@@ -17,14 +17,14 @@ inline std::filesystem::path referencePage(const std::string& name) {
   return std::filesystem::path(KERFBENCH_SOURCE_DIR) / "docs" / "reference" / name;
 }
 
-/// All of a page. @throws std::runtime_error if there is none.
+/// Text of a page. @throws std::runtime_error if there is none.
 inline std::string pageText(const std::string& name) {
   std::ifstream file(referencePage(name), std::ios::binary);
   if (!file) throw std::runtime_error("there is no " + referencePage(name).string());
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The words of a text that stand between two backticks.
+/// Words of a text between two backticks.
 inline std::vector<std::string> inBackticks(const std::string& text) {
   std::vector<std::string> words;
   for (auto begin = text.find('`'); begin != std::string::npos;) {
@@ -36,12 +36,12 @@ inline std::vector<std::string> inBackticks(const std::string& text) {
   return words;
 }
 
-/// The cells of a table's row, without the blanks around them.
+/// Cells of a table's row, without the blanks around them.
 inline std::vector<std::string> cellsOf(const std::string& row) {
   std::vector<std::string> cells;
   std::istringstream line(row);
   std::string cell;
-  std::getline(line, cell, '|');  // What stands before the first bar.
+  std::getline(line, cell, '|');  // The text before the first bar is no cell.
   while (std::getline(line, cell, '|')) {
     const auto begin = cell.find_first_not_of(' ');
     cells.push_back(begin == std::string::npos ? ""
@@ -53,9 +53,9 @@ inline std::vector<std::string> cellsOf(const std::string& row) {
 /// A row of a table, by the headings of its columns.
 using Row = std::map<std::string, std::string>;
 
-/// The rows of all tables of a page whose first column is headed `heading`, by what stands in backticks in
-/// that column. A line `Prefix: `a.` `b.`` says with which prefixes the keys of the tables below it are read,
-/// up to the next heading of level two.
+/// Rows of all tables of a page whose first column is headed `heading`, by the text in backticks in that
+/// column. A line `Prefix: `a.` `b.`` says with which prefixes the keys of the tables below it are read, up
+/// to the next heading of level two.
 inline std::map<std::string, Row> tableRows(const std::string& page, const std::string& heading) {
   std::istringstream text(pageText(page));
   std::map<std::string, Row> rows;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The product's own measurement of how many edges it reads and what their stamps are worth, on a loop-back of
-// two lines of the kernel's simulated chip. Its figures are those of the guest's time: instructions.
+// The product's own measurement of its edge rate and of the accuracy of its stamps, on a loop-back of two
+// lines of the kernel's simulated chip. Its figures are those of the guest's time: instructions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ class BenchTest : public testing::Test {
     ::unsetenv("LD_PRELOAD");
     ::unsetenv("KERFBENCH_JUMPER");
   }
-  /// From OUT to this line, for programs that are started from now on.
+  /// Connects OUT to this line, for programs that are started from now on.
   void plugJumper(std::uint32_t to) {
     ::setenv("KERFBENCH_JUMPER", chip.pullFile(to).c_str(), 1);
     ::setenv("LD_PRELOAD", KERFBENCH_GUEST_JUMPER, 1);

@@ -11,25 +11,25 @@
 namespace kerfbench::guest {
 
 camera::CameraSettings grey(int width_px, int height_px);
-/// So many frames; after half a second without one the camera has stopped.
+/// Options for this number of frames; a camera without a frame for half a second has stopped.
 camera::V4l2FrameOptions optionsFor(std::uint64_t frames);
 
-/// What a source gave out, and what it told, until it ended.
+/// Frames and reports of a source until it ended.
 struct Taken {
   std::vector<Frame> frames;
   camera::CaptureReport report;
   [[nodiscard]] std::vector<std::string> incidents() const;
 };
 
-/// The bench's way from a device to frames, with the camera's clock taken for the pins'.
+/// The bench's path from a device to frames, with the camera's clock taken for the pins'.
 class CameraReader {
  public:
-  /// Streams from here on. @throws as V4l2Stream.
+  /// Starts the stream. @throws as V4l2Stream.
   CameraReader(const std::string& path, const camera::CameraSettings& settings,
                const camera::V4l2FrameOptions& options);
-  /// So many good frames, or fewer at the end.
+  /// Takes `count` good frames, or fewer at the end.
   std::vector<Frame> take(std::size_t count) { return source_.nextBatch(count); }
-  /// To the end.
+  /// Takes all frames to the end.
   Taken takeAll();
 
  private:

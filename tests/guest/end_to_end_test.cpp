@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pins of real runs through the kernel's GPIO to a verdict. The releases run here and leave their pins; in
 // the guest those are played on a simulated chip and recorded from it (record_test.cpp); twin and verdict run
-// here again, on what was recorded, and once in the guest, where it takes minutes: both must have one digest.
+// here again, on the recording, and once in the guest, where it takes minutes: both must have one digest.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,13 +38,13 @@ class EndToEnd : public testing::Test {
     writeFilm(kRuns / "film", filmOf(part("plate-camera"), kRuns / "plate-part" / "pins.vcd"));
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_RECORD));
   }
-  /// A release whose pins the guest plays.
+  /// Runs a release whose pins the guest plays.
   static void run(const fs::path& scenario, int exit_code) {
     const test::ProgramRun done = test::kerfbench(fmt::format(
         "run '{}' --twin fast --no-pictures --results-dir '{}'", scenario.string(), kRuns.string()));
     ASSERT_EQ(done.exit_code, exit_code) << done.output;
   }
-  /// The triangle alone, of a scenario: what the guest's processor cuts on the twin and judges in a minute.
+  /// Scenario with the triangle alone: the guest's processor cuts it on the twin and judges it in a minute.
   static fs::path part(const std::string& scenario) {
     fs::path file = kRuns / (scenario + ".yaml");
     base::writeFileAtomically(file, fmt::format("extends: {}\nname: {}-part\nselect: {{entities: 4-6}}\n",
@@ -62,7 +62,7 @@ class EndToEnd : public testing::Test {
 TEST_F(EndToEnd, AGoodReleaseOnTheKernelsPinsPasses) {
   const test::ProgramRun done = replay("good.vcd", "good");
   EXPECT_EQ(done.exit_code, 0) << done.output;
-  // Stamps of the kernel are declared 10 us off, and the verdict knows it.
+  // The kernel's stamps are declared 10 us off, and the verdict takes account of it.
   EXPECT_THAT(done.output, AllOf(HasSubstr("PASS       pulse_timing"), HasSubstr("PASS       gate_lag")));
 }
 

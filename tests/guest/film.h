@@ -12,15 +12,15 @@ namespace kerfbench::guest {
 struct Film {
   int width_px{};
   int height_px{};
-  std::vector<std::uint64_t> at_ns;  ///< When each comes, ascending.
-  std::vector<std::uint8_t> pixels;  ///< Of all, one after the other.
+  std::vector<std::uint64_t> at_ns;  ///< Time of each picture, ascending.
+  std::vector<std::uint8_t> pixels;  ///< Pixels of all pictures, one after the other.
 
   [[nodiscard]] std::span<const std::uint8_t> picture(std::size_t index) const;
 };
 
-/// As film.txt and film.raw in this folder. @throws std::runtime_error.
+/// Writes film.txt and film.raw into this folder. @throws std::runtime_error.
 void writeFilm(const std::filesystem::path& folder, const Film& film);
-/// All of it into memory: in the guest, time runs on while it waits for the host's disk.
+/// Reads all of the film into memory: in the guest, time runs on while it waits for the host's disk.
 /// @throws std::runtime_error.
 Film readFilm(const std::filesystem::path& folder);
 

@@ -7,7 +7,7 @@
 
 namespace kerfbench::guest {
 
-/// What the twin's spot camera sees of recorded pins, each picture at its time on the clock of the pins.
+/// Film of recorded pins by the twin's spot camera, each picture at its time on the clock of the pins.
 Film filmOf(const std::filesystem::path& scenario, const std::filesystem::path& pins);
 
 }  // namespace kerfbench::guest

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the guest: what the twin's spot camera has seen of a run goes into a loopback device as a camera's
-// pictures, and is recorded from it as a run records its real camera. live_to_verdict_test.cpp made the
-// films.
+// Test in the guest: pictures by the twin's spot camera go into a loopback device as a camera's, and are
+// recorded from it as a run records its real camera. live_to_verdict_test.cpp made the films.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kRate_hz = 260;  // The machine file's.
+constexpr std::uint32_t kRate_hz = 260;  // Rate of the machine file.
 
 void recordFilm(const std::string& name) {
   const scenario::Case test_case = scenario::readCase(test::fixture("scenarios/pins/label-live-camera.yaml"),
@@ -35,11 +34,11 @@ void recordFilm(const std::string& name) {
       setRealTime(0, 40);
       camera.play(film);
     }).join();
-    // A reader is a frame behind; one that looked away longer would be told.
+    // A reader is a frame behind; a longer absence would be reported.
     sleepUntil_ns(now_ns() + 50'000'000);
     EXPECT_EQ(recorder.finish(), "");
     fmt::print("{}: {} pictures, {} recorded\n", name, film.at_ns.size(), recorder.frames());
-    // The first ones come while the bench's own code is still read from the host's disk.
+    // The first pictures come while the bench's own code is still read from the host's disk.
     EXPECT_GE(recorder.frames() + kRate_hz / 5, film.at_ns.size());
   }
   fs::copy(folder, fs::path("/run/shared") / name, fs::copy_options::recursive);

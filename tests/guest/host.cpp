@@ -9,7 +9,7 @@
 namespace kerfbench::guest {
 
 void skipWithoutQemu() {
-  constexpr int kSkipped = 77;  // SKIP_RETURN_CODE of CMakeLists.txt.
+  constexpr int kSkipped = 77;  // Value of SKIP_RETURN_CODE in CMakeLists.txt.
   if (std::system("command -v qemu-system-x86_64 >/dev/null") == 0) return;
   fmt::print("SKIPPED: qemu-system-x86_64 is not installed. Debian: qemu-system-x86\n");
   std::exit(kSkipped);

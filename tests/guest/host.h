@@ -5,9 +5,9 @@
 
 namespace kerfbench::guest {
 
-/// Ends the program with what CTest takes for a skipped test where there is no QEMU.
+/// Ends the program with the code of a skipped test where there is no QEMU.
 void skipWithoutQemu();
-/// Runs a guest by its command line; whether all went well in it.
+/// Runs a guest by its command line; true if all went well in it.
 bool runGuest(const std::string& command);
 
 }  // namespace kerfbench::guest

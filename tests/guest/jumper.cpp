@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A piece of wire for gpio-sim, whose lines are not joined to each other: loaded into a program by
-// LD_PRELOAD, it pulls a line of the simulated chip whenever the program drives its first output, within the
-// same call, as a wire would. KERFBENCH_JUMPER: the `pull` file of the line that follows.
+// A wire for gpio-sim, whose lines are not joined to each other: loaded into a program by LD_PRELOAD, it
+// pulls a line of the simulated chip whenever the program drives its first output, within the same call, as a
+// wire would. KERFBENCH_JUMPER: the `pull` file of the line that follows.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <linux/gpio.h>

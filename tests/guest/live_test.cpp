@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the guest: a release as a controller board on a simulated chip, and the bench live before it. It reads
-// the board's pins, drives its encoder, print mark and interlock from the model, and talks to it on its
-// terminal. live_to_verdict_test.cpp judges what comes out.
+// Test in the guest: a release as a controller board on a simulated chip, and the bench live before it. The
+// bench reads the board's pins, drives its encoder, print mark and interlock from the model, and talks to it
+// on its terminal. live_to_verdict_test.cpp judges the results.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,8 @@ const fs::path kBinaries = KERFBENCH_BINARY_DIR;
 class BoardProcess {
  public:
   BoardProcess(const fs::path& image, const fs::path& chip_in_sysfs, const std::string& tty) {
-    // Of the bench's own priority: below the kernel's interrupt threads, or they would merge edges.
+    // The board has the bench's own priority: below the kernel's interrupt threads, or they would merge
+    // edges.
     const std::string command = fmt::format(
         "'{}' --machine '{}' --image '{}' --chip '{}' --tty '{}' --priority 49 --step-us 150 --delay-us 400 "
         "--seconds 9 --line galvo_x_pul=0 galvo_x_dir=1 galvo_y_pul=2 galvo_y_dir=3 laser_gate=4 encoder_a=5 "
@@ -50,7 +51,7 @@ class BoardProcess {
   }
   BoardProcess(const BoardProcess&) = delete;
   BoardProcess& operator=(const BoardProcess&) = delete;
-  /// How well it kept its time, when its own is over.
+  /// Report of the board's timing, when its time is over.
   std::string finish() {
     const std::string pace = line();
     EXPECT_EQ(::pclose(pipe_), 0);
@@ -67,7 +68,7 @@ class BoardProcess {
   std::FILE* pipe_{};
 };
 
-/// Edges in the busiest second.
+/// Number of edges in the busiest second.
 int busiestSecond(const source::PinRecording& recording) {
   std::deque<const PinEvent*> second;
   int edges = 0;
@@ -82,7 +83,7 @@ int busiestSecond(const source::PinRecording& recording) {
   return most;
 }
 
-/// The recording goes to a file of this name for the host.
+/// Runs the bench; the recording goes to a file of this name for the host.
 void runLiveBefore(const std::string& image, const std::string& name) {
   SimChip chip("kerfbench-live",
                {"X_PUL", "X_DIR", "Y_PUL", "Y_DIR", "GATE", "ENC_A", "ENC_B", "MARK", "DOOR"});

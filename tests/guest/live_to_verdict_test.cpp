@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A live run on the kernel's pins, and before a camera of the kernel's, to a verdict. In the guest a release
-// is a board on a simulated chip and the bench runs live before it (live_test.cpp). What the twin's spot
-// camera sees of what was recorded is rendered here and, in the guest again, comes from a loopback device
+// is a board on a simulated chip and the bench runs live before it (live_test.cpp). The pictures of the
+// recording by the twin's spot camera are rendered here and, in the guest again, come from a loopback device
 // (filmed_test.cpp). The verdict is given here: in the guest's emulated processor twin and cameras take far
 // longer than the run itself.
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ class LiveToVerdict : public testing::Test {
     ASSERT_TRUE(runGuest(KERFBENCH_GUEST_FILMED));
   }
   static void TearDownTestSuite() {
-    // Half a gigabyte.
+    // The films have half a gigabyte.
     fs::remove_all(kFilms);
     for (const char* release : {"good", "bad"}) fs::remove_all(kShared / "filmed" / release);
   }

@@ -25,7 +25,7 @@ GrayImage numberedImage(int width_px, int height_px, std::uint32_t number) {
   GrayImage image(width_px, height_px);
   std::uint32_t at = 0;
   for (std::uint8_t& pixel : image.pixels) {
-    // Of the multiplier's upper bits, so that no two numbers share a picture.
+    // The pixel takes the multiplier's upper bits, so that no two numbers share a picture.
     pixel = static_cast<std::uint8_t>((number * 2'654'435'761U + at * 40'503U) >> 16U);
     ++at;
   }

@@ -11,33 +11,33 @@
 
 namespace kerfbench::guest {
 
-/// A picture that tells its number: every byte follows from it.
+/// A picture that shows its number: every byte follows from it.
 GrayImage numberedImage(int width_px, int height_px, std::uint32_t number);
 
 /// One picture of a camera.
 struct Exposure {
-  std::uint64_t at_ns{};  ///< After the start.
+  std::uint64_t at_ns{};  ///< Time after the start.
   std::uint32_t number{};
 };
-/// Numbers first … last, one each period.
+/// Pictures with numbers first … last, one each period.
 std::vector<Exposure> exposures(std::uint32_t first, std::uint32_t last, std::uint64_t period_ns);
 
-/// The writing side of a v4l2loopback device, 8-bit grey, from the start on ready for readers.
+/// Writing side of a v4l2loopback device, 8-bit grey, ready for readers from the start.
 class LoopWriter {
  public:
-  /// @throws std::system_error with path and call.
+  /// Opens the device. @throws std::system_error with path and call.
   LoopWriter(const std::string& path, int width_px, int height_px, std::uint32_t rate_hz);
   ~LoopWriter();
   LoopWriter(const LoopWriter&) = delete;
   LoopWriter& operator=(const LoopWriter&) = delete;
 
   void write(std::uint32_t number);
-  /// Of another size than was agreed on.
+  /// Writes a picture of another size than was agreed on.
   void write(const GrayImage& image);
   void write(std::span<const std::uint8_t> pixels);
-  /// Writes these in time.
+  /// Writes these pictures in time.
   void run(const std::vector<Exposure>& exposures);
-  /// The first picture now.
+  /// Writes a film; the first picture now.
   void play(const Film& film);
 
  private:

@@ -26,11 +26,11 @@ constexpr int kWidth_px = 160;
 constexpr int kHeight_px = 120;
 constexpr std::uint32_t kRate_hz = 30;
 constexpr std::uint64_t kPeriod_ns = 1'000'000'000 / kRate_hz;
-const std::string kLoop = "/dev/video20";  // As init.sh numbers them.
+const std::string kLoop = "/dev/video20";  // Device as init.sh numbers it.
 
 class LoopTest : public testing::Test {
  protected:
-  /// A reader of so many frames, and a camera that starts when the reader streams.
+  /// Records with a reader of `frames` frames, and a camera that starts when the reader streams.
   Taken record(std::uint64_t frames, const std::vector<Exposure>& script) {
     CameraReader reader(kLoop, grey(kWidth_px, kHeight_px), optionsFor(frames));
     std::jthread camera([&] { writer.run(script); });
@@ -65,7 +65,7 @@ TEST_F(LoopTest, FramesComeInSequenceAndToTheByte) {
   EXPECT_EQ(taken.report.ended_early, "");
   EXPECT_EQ(taken.report.good, 60U);
   ASSERT_EQ(taken.frames.size(), 60U);
-  expectNumbered(taken.frames, 2);  // The first is discarded.
+  expectNumbered(taken.frames, 2);  // The first picture is discarded.
   for (std::size_t i = 1; i < taken.frames.size(); ++i)
     EXPECT_NEAR(taken.frames[i].start_s - taken.frames[i - 1].start_s, 1.0 / kRate_hz, 1e-3) << i;
 }
@@ -90,7 +90,7 @@ TEST_F(LoopTest, FramesThatWereOverwrittenBeforeTheyWereReadAreMissed) {
   CameraReader reader(kLoop, grey(kWidth_px, kHeight_px), optionsFor(12));
   std::jthread camera([&] { writer.run(exposures(1, 40, kPeriod_ns)); });
   std::vector<Frame> frames = reader.take(4);
-  sleepUntil_ns(now_ns() + 20 * kPeriod_ns);  // Nobody reads.
+  sleepUntil_ns(now_ns() + 20 * kPeriod_ns);  // The frames have no reader meanwhile.
   const Taken taken = reader.takeAll();
   frames.insert(frames.end(), taken.frames.begin(), taken.frames.end());
   EXPECT_EQ(taken.report.ended_early, "");

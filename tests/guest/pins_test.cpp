@@ -34,7 +34,8 @@ constexpr std::uint32_t kPul = 0;
 constexpr std::uint32_t kDir = 1;
 constexpr std::uint32_t kGate = 2;
 
-/// Pulses of half_ns each way under an open gate, with a turn after every 50, DIR half_ns before the pulse.
+/// Pulses of half_ns high and low under an open gate, with a turn after every 50, DIR half_ns before the
+/// pulse.
 std::vector<Stroke> pulses(std::size_t count, std::uint64_t half_ns) {
   std::vector<Stroke> strokes{{0, kGate, true}};
   std::uint64_t at_ns = 0;
@@ -85,7 +86,7 @@ class PinsTest : public testing::Test {
     return std::ranges::any_of(captured.recording.outputs,
                                [](const PinEvent& event) { return (event.flags & PinEvent::kGap) != 0; });
   }
-  /// A problem of these words, and a gap that a replay of the recording finds.
+  /// Expects a problem of these words, and a gap that a replay of the recording finds.
   static void expectInvalid(const source::PinCapture& captured, const std::string& words) {
     EXPECT_THAT(captured.recording.problems, Contains(HasSubstr(words)));
     EXPECT_TRUE(hasGap(captured));
@@ -254,7 +255,7 @@ TEST_F(PinsTest, AUserWithoutPermissionIsToldWhatToDo) {
   EXPECT_THAT(notes, Contains(HasSubstr("no real-time priority")));
 }
 
-// The last: this kernel complains of the chip's lines still being in use, and leaks them.
+// This test is the last: this kernel complains of the chip's lines still being in use, and leaks them.
 TEST_F(PinsTest, AChipThatVanishesWhileItsLinesAreReadIsNoticed) {
   const std::vector<Stroke> strokes = pulses(100, 100'000);
   Player player(chip, strokes);

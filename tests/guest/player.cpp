@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kLook_ns = 1'000'000;
 constexpr std::uint64_t kSettle_ns = 5'000'000;  // A reader takes levels and clock once it has the lines.
-constexpr std::uint64_t kShortest_ns = 20'000;   // What is worth going to sleep for.
+constexpr std::uint64_t kShortest_ns = 20'000;   // Shortest time for which the player sleeps.
 
 void waitForListener(const SimChip& chip) {
   const auto is_heard = [](const source::GpioLineInfo& line) { return line.consumer == "kerfbench"; };

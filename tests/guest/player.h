@@ -11,7 +11,7 @@
 
 namespace kerfbench::guest {
 
-/// A level that a controller puts on a line, so long after its job began.
+/// A level that a controller puts on a line, at a time after its job began.
 struct Stroke {
   std::uint64_t at_ns{};
   std::uint32_t line{};
@@ -20,29 +20,30 @@ struct Stroke {
 };
 
 struct Played {
-  std::uint64_t begin_ns{};  ///< CLOCK_MONOTONIC.
+  std::uint64_t begin_ns{};  ///< Time of the begin on CLOCK_MONOTONIC.
   std::uint64_t end_ns{};
-  std::uint64_t worst_late_ns{};         ///< A stroke after its time.
-  std::vector<std::uint64_t> pulled_ns;  ///< When each stroke went out, just before the call.
-  /// Strokes in a second, as they came.
+  std::uint64_t worst_late_ns{};         ///< Largest lateness of a stroke.
+  std::vector<std::uint64_t> pulled_ns;  ///< Time of each stroke, just before the call.
+  /// Rate of the strokes as played.
   [[nodiscard]] double rate_hz(std::size_t strokes) const {
     return 1e9 * static_cast<double>(strokes) / static_cast<double>(end_ns - begin_ns);
   }
 };
 
 struct PlayerOptions {
-  /// Of SCHED_FIFO, 0 for none; above 50 strokes without a pause keep the kernel's interrupt threads from
-  /// running.
+  /// Priority of SCHED_FIFO, 0 for none; above 50 strokes without a pause keep the kernel's interrupt threads
+  /// from running.
   int real_time_priority{0};
-  std::function<void()> before{};  ///< Called in the player's thread when somebody listens, before the job.
+  /// Called in the player's thread when a reader has the lines, before the job.
+  std::function<void()> before{};
 };
 
-/// A controller in a thread of its own: it starts its job as soon as somebody listens to its lines.
+/// A controller in a thread of its own: it starts its job as soon as a reader has its lines.
 class Player {
  public:
-  /// `chip` must outlive this.
+  /// Makes a player; `chip` must outlive it.
   Player(SimChip& chip, std::vector<Stroke> strokes, PlayerOptions options = {});
-  /// Waits for the end of the job. @throws what went wrong in the thread.
+  /// Waits for the end of the job. @throws the exception of the thread.
   Played join();
 
  private:
@@ -56,10 +57,10 @@ class Player {
   std::jthread thread_;
 };
 
-/// CLOCK_MONOTONIC.
+/// Time on CLOCK_MONOTONIC.
 std::uint64_t now_ns();
 void sleepUntil_ns(std::uint64_t at_ns);
-/// SCHED_FIFO for the thread of this number (0: the one that calls). @throws std::system_error.
+/// Sets SCHED_FIFO for the thread of this number (0: the calling one). @throws std::system_error.
 void setRealTime(int thread, int priority);
 
 }  // namespace kerfbench::guest

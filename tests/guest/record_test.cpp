@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the guest: the program sees the chip and says what is wrong, and the pins of recorded releases, played
-// on its lines, are recorded as a live run would. end_to_end_test.cpp made the recordings, and judges what
-// comes out.
+// Test in the guest: the program lists the chip and reports what is wrong, and the pins of recorded releases,
+// played on its lines, are recorded as a live run would. end_to_end_test.cpp made the recordings, and judges
+// the results.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ using testing::IsEmpty;
 
 const fs::path kScenario = test::fixture("scenarios/pins/plate-on-pins.yaml");
 
-/// What a controller did on the lines of `wires`.
+/// Strokes of a controller on the lines of `wires`.
 std::vector<Stroke> strokesOf(const source::PinRecording& recording,
                               const std::vector<source::GpioWire>& wires, const SignalMap& map) {
   std::vector<Stroke> strokes;
@@ -73,7 +73,7 @@ class RecordTest : public testing::Test {
     EXPECT_EQ(captured.edges, strokes.size());
     const fs::path file = fs::path("/run/shared") / name;
     source::writeVcd(file, captured.recording, map);
-    // To the tick what the live run's model would get: a replay cannot have another digest.
+    // The pins equal those of the live run's model to the tick: a replay cannot have another digest.
     const source::PinRecording read = source::readVcd(file, map);
     EXPECT_EQ(read.rate, captured.recording.rate);
     EXPECT_EQ(read.stamp_err_ticks, captured.recording.stamp_err_ticks);
@@ -99,7 +99,7 @@ TEST_F(RecordTest, DoctorListsTheChipAsItIs) {
   EXPECT_EQ(names, chip.lineNames());
   for (const auto& finding : told.at("findings")) {
     const std::string text = finding.at("text");
-    // Nobody writes into the loopbacks here, and such a one has no format.
+    // The loopbacks have no writer here, and so no format.
     if (text.starts_with("/dev/video")) {
       EXPECT_THAT(text, HasSubstr("gives pictures in no format that can be read"));
     } else {
@@ -125,7 +125,7 @@ TEST_F(RecordTest, ThePinsOfAGoodReleaseAreRecorded) { record("pins-plate", "goo
 
 TEST_F(RecordTest, ThePinsOfAKnownBadReleaseAreRecorded) { record("pins-plate-gate-late", "bad.vcd"); }
 
-// As many drives of a network, /run/shared cannot exchange two names.
+// On many network drives /run/shared cannot exchange two names.
 TEST_F(RecordTest, ResultsReplaceOlderOnesOnADriveThatCannotExchangeNames) {
   for (const std::string round : {"first", "second"}) {
     judge::ResultsFolder folder("/run/shared/results", "label");
@@ -163,8 +163,8 @@ class Projector {
   std::jthread thread_;
 };
 
-// Readers of pins and frames, twin and verdict in one process before the kernel, as a user has them; the host
-// replays it.
+// Readers of pins and frames, twin and verdict run in one process before the kernel, as in a user's run; the
+// host replays it.
 TEST_F(RecordTest, ARunBeforePinsAndACameraGoesToItsVerdictHere) {
   const fs::path scenario = fs::path(KERFBENCH_GUEST_RUNS) / "plate-camera.yaml";
   const Film film = readFilm(fs::path(KERFBENCH_GUEST_RUNS) / "film");

@@ -85,7 +85,7 @@ void SimChip::remove() noexcept {
   std::error_code none;
   try {
     vanish();
-  } catch (const std::system_error&) {  // It has gone already, or was never made.
+  } catch (const std::system_error&) {  // The chip has gone already, or was never made.
   }
   const fs::path bank = config_ / "bank0";
   for (std::size_t i = 0; i < line_names_.size(); ++i) fs::remove(bank / ("line" + std::to_string(i)), none);

@@ -21,17 +21,17 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::string kVivid = "/dev/video30";  // As init.sh numbers it.
+const std::string kVivid = "/dev/video30";  // Device as init.sh numbers it.
 
 class VividTest : public testing::Test {
  protected:
-  /// Of a test pattern, which repeats.
+  /// Options for a test pattern, which repeats.
   static camera::V4l2FrameOptions noiseless(std::uint64_t frames) {
     camera::V4l2FrameOptions options = optionsFor(frames);
     options.watch.sensor_has_noise = false;
     return options;
   }
-  /// Sets a control while another reads, as anybody may.
+  /// Sets a control while another program reads, as any program may.
   static void control(const std::string& key, std::int32_t value = 1) {
     const std::vector<camera::CameraListing> cameras = camera::listCameras(camera::kernelVideoCalls());
     const auto camera = std::ranges::find(cameras, kVivid, &camera::CameraListing::path);
@@ -47,7 +47,7 @@ class VividTest : public testing::Test {
     settings.frame_rate_hz = 25.0;
     return settings;
   }
-  /// 0: a webcam, 1: HDMI (init.sh).
+  /// Selects the input; 0: a webcam, 1: HDMI (init.sh).
   static void selectInput(int input) {
     camera::VideoDevice(camera::kernelVideoCalls(), kVivid).require(VIDIOC_S_INPUT, &input, "VIDIOC_S_INPUT");
   }
@@ -101,7 +101,7 @@ TEST_F(VividTest, ADriverThatRefusesBuffersOrStreamingIsToldByCall) {
     } catch (const std::system_error& error) {
       EXPECT_THAT(error.what(), HasSubstr(kVivid + ": " + call));
     }
-    // And nothing is left behind that keeps the next one from it.
+    // The source leaves nothing behind that keeps the next one from reading.
     EXPECT_EQ(CameraReader(kVivid, settings, noiseless(3)).takeAll().report.good, 3U) << key;
   }
 }
@@ -142,7 +142,7 @@ TEST_F(VividTest, ASizeThatItHasNotIsRefusedWithWhatItWouldGive) {
   }
 }
 
-// The last: it does not come back.
+// This test is the last: the camera does not come back.
 TEST_F(VividTest, ACameraThatIsPulledOutEndsTheCapture) {
   CameraReader reader(kVivid, settings, noiseless(20));
   reader.take(5);

@@ -32,7 +32,7 @@ source::KernelAnswer WatchedSystem::poll(int fd, std::uint64_t timeout_ns, short
 }
 
 std::vector<int> interruptThreads() {
-  std::vector<std::pair<int, int>> threads;  // By the interrupt's number.
+  std::vector<std::pair<int, int>> threads;  // Threads by the interrupt's number.
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::ifstream file(entry.path() / "comm");
     std::string name;

@@ -13,7 +13,7 @@
 
 namespace kerfbench::guest {
 
-/// The real system, with a look at what passes, and a first wait for edges that lasts as long as the test
+/// The real system with a record of all edges, and a first wait for edges that lasts as long as the test
 /// wants: a reader that something else keeps from running.
 class WatchedSystem final : public source::GpioSystem {
  public:
@@ -33,9 +33,9 @@ class WatchedSystem final : public source::GpioSystem {
   source::KernelAnswer lockMemory() override { return real_->lockMemory(); }
   void leaveRealTime() override { real_->leaveRealTime(); }
 
-  /// Of the edges as they came from the kernel.
+  /// Numbers of the edges as they came from the kernel.
   [[nodiscard]] const std::vector<std::uint32_t>& numbers() const { return numbers_; }
-  /// From an edge's stamp until it was read.
+  /// Longest time from an edge's stamp until it was read.
   [[nodiscard]] std::uint64_t worstDelay_ns() const { return worst_delay_ns_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users get wrong: a clear message, the right exit code, nothing half-written.
+// Errors that users make: a clear message, the right exit code, no file left half-written.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 class BadInput : public testing::Test {
  protected:
-  // A scenario that extends the label job, with these lines of its own.
+  // Scenario that extends the label job, with these lines of its own.
   std::filesystem::path scenario(const std::string& lines) const {
     const auto path = scratch_.path() / "bad.yaml";
     std::ofstream(path) << "extends: " << fixture("scenarios/label-on-belt.yaml").string() << "\nname: bad\n"
@@ -95,7 +95,7 @@ TEST_F(BadInput, ABeltTooFastIs65AndTheHighestSpeedIsNamed) {
 }
 
 struct BadFirmware {
-  const char* image;  // From tests/hil/source/firmware.
+  const char* image;  // Image in tests/hil/source/firmware.
   const char* words;
 };
 

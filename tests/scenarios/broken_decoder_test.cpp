@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The judge reads the pins by itself: where the twin's decoder of PUL and DIR is wrong, the judge notices.
-// Broken are the pins that the twin gets to see; the recording has those of the release.
+// Only the twin's pins are falsified; the recording has those of the release.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -58,7 +58,7 @@ std::vector<PinEvent> eventsOf(std::vector<LineEdge> edges) {
   return events;
 }
 
-/// Each change of `dir` comes `late` ticks before the next rising edge of `pul`.
+/// Delays each change of `dir` to `late` ticks before the next rising edge of `pul`.
 std::vector<PinEvent> withLateDirection(const std::vector<PinEvent>& events, PinId pul, PinId dir,
                                         Tick late) {
   std::vector<LineEdge> edges = edgesOf(events);
@@ -71,7 +71,7 @@ std::vector<PinEvent> withLateDirection(const std::vector<PinEvent>& events, Pin
   return eventsOf(std::move(edges));
 }
 
-/// A decoder that overlooks a pulse now and then: its machine falls short of what the pins ask for.
+/// A decoder that overlooks a pulse now and then: its machine does less than the pins command.
 class OverlooksPulses final : public run::LockstepModel {
  public:
   OverlooksPulses(run::LockstepModel& model, PinId pul) : model_(model), pul_(pul) {}
@@ -102,7 +102,7 @@ class OverlooksPulses final : public run::LockstepModel {
 /// The strip's crosscut, cut by the reference release.
 class BrokenDecoder : public testing::Test {
  protected:
-  /// With `overlooks` the twin's decoder is broken.
+  /// Cuts the strip; with `overlooks` the twin's decoder is broken.
   void cut(bool overlooks) {
     const auto source = run::openRelease(case_.scenario.firmware, fs::path(KERFBENCH_BINARY_DIR) / "bin");
     twin_.emplace(scenario::sampledMachine(case_).machine, scenario::webOf(case_), source->info().rate,
@@ -151,7 +151,7 @@ TEST_F(BrokenDecoder, ThatForgivesALateDirectionDoesNotVouchForThePulses) {
                                              wired(Signal::kGantryYDir), run_.recording.rate.ticksAt(late_s));
   const judge::Judgement judgement = judged();
   EXPECT_EQ(verdictOf(judgement, "path"),
-            inspect::Verdict::kPass);  // The machine made of them what was meant.
+            inspect::Verdict::kPass);  // The machine made the intended cut of them.
   EXPECT_EQ(verdictOf(judgement, "pulse_timing"), inspect::Verdict::kFail);
   EXPECT_EQ(judgement.result.verdict, inspect::Verdict::kFail);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `calibrate head`, from marks that are cut to a table that is verified, by pictures.
+// Command `calibrate head`, from marks that are cut to a table that is verified, by pictures.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class CalibrateHead : public testing::Test {
   [[nodiscard]] std::string results(const std::string& name) const {
     return (scratch_.path() / name).string();
   }
-  /// A table that somebody works with.
+  /// A table in use.
   [[nodiscard]] fs::path oldTable() const {
     std::ofstream(scratch_.path() / "old.csv") << "old";
     return scratch_.path() / "old.csv";
@@ -44,7 +44,7 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
   EXPECT_EQ(last.at("after").at("marks"), 20);
   EXPECT_LT(last.at("after").at("max_mm"), 0.010);
   EXPECT_GT(last.at("after").at("max_mm"), 0.0);
-  EXPECT_GE(last.at("within_stated_95"), 17);  // Fewer by chance: 2 % at 95 %.
+  EXPECT_GE(last.at("within_stated_95"), 17);  // At 95 % there is a chance of 2 % for fewer.
   const std::string table = textOf(scratch_.path() / "live/correction.csv");
   EXPECT_THAT(table, HasSubstr("x_mm,y_mm,dx_mm,dy_mm"));
   const std::string page = textOf(scratch_.path() / "live/report.html");
@@ -59,13 +59,13 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
   EXPECT_THAT(again.output, HasSubstr("1-grid: measured before"));
   EXPECT_EQ(textOf(scratch_.path() / "live/head.json"), json);
 
-  // The table is too good for nobody, but not for this limit; what it shall replace stays.
+  // The table is good, but not for this limit; the table that it should replace stays.
   const fs::path old = oldTable();
   const ProgramRun strict = calibrate(live + fmt::format(" --limit-mm 0.0001 --out '{}'", old.string()));
   EXPECT_EQ(strict.exit_code, 1) << strict.output;
   EXPECT_EQ(textOf(old), "old");
 
-  // The same pictures give the same table; those of another sheet are told from them.
+  // The same pictures give the same table; those of another sheet are recognised.
   const fs::path sheets = scratch_.path() / "live";
   const auto pictures = [&](const char* sheet) {
     return calibrate(fmt::format("--job '{}' --pictures '{}' --results-dir '{}' --out '{}'",

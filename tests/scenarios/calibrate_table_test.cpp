@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `calibrate table`: what a file of correction is, which way round, and in other formats.
+// Command `calibrate table`: kind and orientation of a correction file, and its conversion to other formats.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ class CalibrateTable : public testing::Test {
     calibrate::writeTable(path(name), format, grid, {});
     return path(name);
   }
-  /// Nine marks without correction, as somebody measured them to 10 µm.
+  /// Nine marks without correction, measured by hand to 10 µm.
   [[nodiscard]] std::string nineMarks(const calibrate::SeededHead& head) const {
     std::string text = fmt::format("# mm_per_index: {}\n", kMmPerIndex);
     for (const calibrate::UncorrectedSpot& spot : head.nineSpots(0.01, 5)) {
@@ -67,13 +67,13 @@ TEST_F(CalibrateTable, TellsWhatAFileIs) {
   EXPECT_THAT(run.output, HasSubstr("33 x 33, x -50.0000 … 50.0000 mm"));
   EXPECT_THAT(run.output, HasSubstr("would tell it from all readings that are another table"));
 
-  // Of a few µm, nobody can tell.
+  // Corrections of a few µm are too small for nine marks.
   const AimGrid small = calibrate::SeededHead(8, kHalf_mm, 0.03)
                             .table(calibrate::evenly(-50, 50, 9), calibrate::evenly(-50, 50, 9));
   EXPECT_THAT(table(written(small, "small.csv")).output, HasSubstr("too symmetrical, or too small"));
 }
 
-/// "bilinear between nodes; outside linear", said around the place `at`.
+/// Rule in the output, "bilinear between nodes; outside linear", around the place `at`.
 std::string ruleSaidAt(const std::string& said, std::size_t at) {
   const std::size_t begin = said.rfind("; ", at) + 2;
   return said.substr(begin, said.find('\n', at) - begin);
@@ -89,13 +89,14 @@ TEST_F(CalibrateTable, EachFormatBecomesEachOtherAndTheLossIsTold) {
     const ProgramRun back = table(fmt::format("{} --out {}", path("t." + to), path("back." + to)));
     EXPECT_EQ(back.exit_code, 0) << back.output;
     EXPECT_THAT(back.output, HasSubstr(fmt::format("t.{0}: {0}\n", to)));
-    // What is said of a file when it is written is what is said of it when it is read.
+    // The output about a file is the same when it is written and when it is read.
     const std::size_t written_at = there.output.rfind(" between nodes");
     const std::size_t read_at = back.output.find(" between nodes");
     ASSERT_NE(written_at, std::string::npos);
     ASSERT_NE(read_at, std::string::npos);
     EXPECT_EQ(ruleSaidAt(there.output, written_at), ruleSaidAt(back.output, read_at)) << to;
-    // Bilinear between 33 x 33 nodes: 2 µm of a few mm; a quadratic through nine points: 200.
+    // The tolerance is for bilinear between 33 x 33 nodes: 2 µm of a few mm; a quadratic through nine points:
+    // 200.
     EXPECT_LT(apart_um("back." + to), to == "nine-points" ? 1000.0 : to == "grid-text" ? 10.0 : 2.0) << to;
   }
   const ProgramRun coarse = table(fmt::format("{} --nodes 5x5 --out {}", csv, path("coarse.csv")));
@@ -105,7 +106,7 @@ TEST_F(CalibrateTable, EachFormatBecomesEachOtherAndTheLossIsTold) {
 
 TEST_F(CalibrateTable, AForeignTableReadTheWrongWayRoundIsRecognisedAndRighted) {
   const std::string nine = nineMarks(head_);
-  // As the program reads it, it lies otherwise than it was meant.
+  // The program reads the file in another orientation than its author meant.
   const auto foreign = [&](const Eigen::Matrix2i& map, int sign, const std::string& name) {
     return written(calibrate::asRead(grid_, {map, sign * map}), name + ".csv");
   };
@@ -157,7 +158,7 @@ TEST_F(CalibrateTable, WhatTheMarksDoNotBearOutIsNotWritten) {
   EXPECT_THAT(other.output, HasSubstr("no reading fits"));
   EXPECT_EQ(textOf(out), "old");
 
-  // Barrel alone: as it is transposed so it is; but nine marks do not tell a mirrored one from a sign within
+  // A barrel alone equals its transpose; but nine marks do not distinguish a mirrored one from a sign within
   // 1 mm.
   const ProgramRun rough =
       table(fmt::format("{} --check {} --sigma-mm 1 --out {}", path("t.csv"), nineMarks(head_), out));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a calibration is for: a job fails on a head that is mounted and not calibrated, and passes with the
+// Purpose of a calibration: a job fails on a head that is mounted and not calibrated, and passes with the
 // table that `calibrate head` wrote for it.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ class CalibratedCarton : public testing::Test {
     EXPECT_EQ(run.exit_code, exit_code) << run.output;
     return verdictOf(scratch_.path() / name);
   }
-  /// The machine with a table and nothing else changed, and the same scenario on it.
+  /// Scenario on the machine with a table and no other change.
   [[nodiscard]] fs::path withTable(const fs::path& machine, const fs::path& table,
                                    const fs::path& scenario) const {
     std::ofstream(scratch_.path() / "machine.yaml")
@@ -36,7 +36,7 @@ class CalibratedCarton : public testing::Test {
                                             scenario.string());
     return corrected;
   }
-  /// On the AVR release without a table, then all of these with it.
+  /// Runs on the AVR release without a table, then all of these with it.
   void expectATableMends(const std::vector<fs::path>& scenarios) const;
   ScratchFolder scratch_;
 };
@@ -51,7 +51,7 @@ void CalibratedCarton::expectATableMends(const std::vector<fs::path>& scenarios)
   EXPECT_THAT(checksThat(before, "FAIL"), Contains("spot_path"));
   ASSERT_FALSE(before.at("model").at("sampled").empty());
 
-  // The same seed draws the same head.
+  // The calibration samples the same head by the same seed.
   const fs::path head = scratch_.path() / "head";
   const ProgramRun calibrated = kerfbench(fmt::format(
       "calibrate head --machine '{}' --seed 5 --results-dir '{}'", machine.string(), head.string()));

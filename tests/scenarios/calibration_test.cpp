@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `calibrate`, and what becomes of a run without a good calibration.
+// Command `calibrate`, and the verdict of a run without a good calibration.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ class Calibration : public testing::Test {
     return write("m.yaml", "extends: " + fixture("machines/two-mirror-linecutter.yaml").string() +
                                "\nname: m\n" + lines);
   }
-  /// The plate at rest, cut by that machine.
+  /// Cuts the plate at rest on that machine.
   ProgramRun plate(const std::string& machine_lines, const std::string& scenario_lines = "") const {
     const auto path = write("plate.yaml", "extends: " + fixture("scenarios/line-ok/plate.yaml").string() +
                                               "\nname: plate\nmachine: " + machine(machine_lines).string() +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/cli.md against what the programs say with --help.
+// Page docs/reference/cli.md compared with the programs' --help.
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -19,7 +19,7 @@ namespace {
 
 using Options = std::set<std::string>;
 
-/// The long options of the tables of each section, by the section's heading.
+/// Long options of the tables of each section, by the section's heading.
 std::map<std::string, Options> sectionsOfThePage() {
   std::istringstream page(docs::pageText("cli.md"));
   std::map<std::string, Options> sections;
@@ -58,7 +58,7 @@ std::vector<std::string> subcommandsIn(const std::string& help) {
   return commands;
 }
 
-/// Every command of a program and of its commands: "run", "calibrate head".
+/// Adds every command of a program and of its commands: "run", "calibrate head".
 void addCommands(const std::string& name, const std::string& prefix, std::map<std::string, Options>& said) {
   const std::string help = program(name, prefix + " --help").output;
   const auto commands = subcommandsIn(help);

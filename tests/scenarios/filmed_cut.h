@@ -19,32 +19,32 @@
 
 namespace kerfbench::test {
 
-/// A sheet that is cut on the twin before a spot camera of V4L2: what the twin's spot camera sees comes out
-/// of a fake device, whose clock is not that of the pins.
+/// A sheet that is cut on the twin before a spot camera of V4L2: the pictures of the twin's spot camera come
+/// out of a fake device, whose clock is not that of the pins.
 class FilmedCut {
  public:
-  static constexpr double kOffset_s = 7123.456789;  ///< Of the camera's clock before the pins'.
+  static constexpr double kOffset_s = 7123.456789;  ///< Lead of the camera's clock over the pins'.
 
-  /// By the scenario's release, or by pins that were recorded (VCD).
+  /// Cuts by the scenario's release, or by recorded pins (VCD).
   explicit FilmedCut(const std::filesystem::path& scenario);
   FilmedCut(const std::filesystem::path& scenario, const std::filesystem::path& pins);
 
-  /// What the twin's camera sees from a little before the first cut to a little after the last, on the clock
+  /// Frames of the twin's camera from a little before the first cut to a little after the last, on the clock
   /// of the pins.
   [[nodiscard]] std::vector<kerfbench::Frame> frames() const;
 
-  /// The device with all frames(), each there 3 ms after its stamp.
+  /// Device with all frames(), each there 3 ms after its stamp.
   [[nodiscard]] std::unique_ptr<camera::FakeVideo> camera(double drift = 0.0) const;
-  /// Index in FakeVideo::frames of the frame that is on its way at a time of the pins.
+  /// Index in FakeVideo::frames of the frame that is pending at a time of the pins.
   [[nodiscard]] std::size_t frameAt(const camera::FakeVideo& camera, double pins_s) const;
-  /// When exposures began, on the clock of the pins.
+  /// Begins of the exposures, on the clock of the pins.
   [[nodiscard]] std::vector<double> begins_s() const;
-  /// Middle of the longest cut.
+  /// Time of the middle of the longest cut.
   [[nodiscard]] double middleOfACut_s() const;
 
-  /// Records the device as the case asks for, until it falls silent. Returns why it ended.
+  /// Records the device with the options of the case, until it falls silent. Returns why it ended.
   std::string record(camera::FakeVideo& camera, const std::filesystem::path& folder) const;
-  /// What a replay makes of a recording.
+  /// Replay of a recording.
   [[nodiscard]] report::RunReport judged(const std::filesystem::path& recording, int jobs = 2) const;
 
   [[nodiscard]] const scenario::Case& theCase() const { return case_; }

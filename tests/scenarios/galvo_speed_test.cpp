@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controller's core with a time base for digital galvos: 2 m/s on a web at 500 mm/s, at no more than 3 um
-// a pulse.
+// Controller's core with a time base for digital galvos: 2 m/s on a web at 500 mm/s, at no more than 3 um a
+// pulse.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 namespace kerfbench::test {
 namespace {
 
-/// Most pulses of any axis within 128 us, as a rate in kHz, from the pins as recorded.
+/// Rate in kHz of the most pulses of any axis within 128 us, from the pins as recorded.
 double topRate_kHz(const std::filesystem::path& vcd) {
   constexpr double kWindow_s = 128e-6;
   std::map<std::string, std::deque<double>> recent;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command `gauge`: what the instrument is worth, from pixels.
+// Command `gauge`: the accuracy of the instrument, from pixels.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class Gauge : public testing::Test {
 /// One of the long proofs.
 class GaugeLong : public Gauge {};
 
-/// Of the claims with these words, those that do not hold.
+/// Claims with these words that do not hold.
 std::string failing(const nlohmann::json& json, const std::vector<std::string>& words) {
   std::string text;
   std::size_t seen = 0;
@@ -57,7 +57,7 @@ TEST_F(GaugeLong, QuickShowsWhatTheInstrumentIsWorth) {
                              "%GRR", "ndc", "largest drift: budget and Monte-Carlo"}),
             "")
       << run.output;
-  // Not a bad cut may pass. Corners and ends are measured, and no check judges them:
+  // No bad cut may pass. Corners and ends are measured, and no check judges them:
   // docs/explanation/what-it-is-worth.md.
   EXPECT_EQ(failing(result,
                     {"bad cuts that PASS: offset", "bad cuts that PASS: bump", "bad cuts that PASS: scale",

@@ -78,7 +78,7 @@ Cover coverOf(const std::vector<CalibratedHead>& heads) {
   if (cover.heads == 0) return cover;
   const auto n = static_cast<double>(cover.heads);
   cover.share /= n;
-  std::map<std::uint64_t, double> off;  // From the mean, of all heads of a seed.
+  std::map<std::uint64_t, double> off;  // Differences from the mean, of all heads of a seed.
   for (const CalibratedHead& head : heads) {
     if (head.error.empty() && head.places > 0) off[head.seed] += shareOf(head) - cover.share;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `calibrate head` with files of pictures and jobs that are damaged, and by hand.
+// Command `calibrate head` with files of pictures and jobs that are damaged, and with sheets cut by hand.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST_F(HeadPictures, AJobThatWasChangedOrIsNoneIsRefused) {
   writeText(path("marks.yaml"), "\x01\x02");
   refused(pictures, kBadInput, {"marks.yaml"}, path("marks.yaml"));
   refused(pictures, kBadInput, {"none.yaml: no such file"}, path("none.yaml"));
-  // The machine's name is in it.
+  // The job contains the machine's name.
   const ProgramRun other =
       kerfbench(fmt::format("calibrate head --machine '{}' --job '{}' --pictures '{}' --results-dir '{}'",
                             fixture("machines/two-mirror-300.yaml").string(), job().string(),

@@ -30,17 +30,17 @@ class HeadPictures : public testing::Test {
   static std::filesystem::path live() { return shared_->path() / "live"; }
   static std::filesystem::path job() { return live() / "1-grid/marks.yaml"; }
   [[nodiscard]] std::filesystem::path path(const std::string& name) const { return scratch_.path() / name; }
-  /// The clean sheet, to be spoiled.
+  /// Clean sheet, to be spoiled.
   static SpoiledSheet sheet() { return *clean_; }
-  /// The clean pictures, a copy.
+  /// Copy of the clean pictures.
   [[nodiscard]] std::filesystem::path copy(const std::string& name) const;
   [[nodiscard]] std::filesystem::path written(const SpoiledSheet& spoiled) const;
   [[nodiscard]] ProgramRun run(const std::filesystem::path& job_file, const std::filesystem::path& pictures,
                                const std::filesystem::path& out) const;
-  /// Refused with these words, and nothing is written or changed.
+  /// Expects a refusal with these words, and nothing written or changed.
   void refused(const std::filesystem::path& pictures, int exit_code, const std::vector<std::string>& words,
                const std::filesystem::path& job_file = job()) const;
-  /// By what the marks or the pictures show.
+  /// Expects a refusal because of the marks or the pictures.
   void refused(const SpoiledSheet& spoiled, const std::vector<std::string>& words) const;
 
   static constexpr int kGrid = 7;

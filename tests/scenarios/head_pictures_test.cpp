@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `calibrate head` from pictures that show something else than they should: it says what is wrong and leaves
-// the old table alone; a few marks that are missing or false change nothing that counts.
+// Command `calibrate head` with pictures that show something else than they should: it reports what is wrong
+// and leaves the old table alone; a few marks that are missing or false change nothing that counts.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST_F(HeadPictures, ThreeMarksMissingAndOneFalseLeaveTheTableWithinItsLimit) {
   EXPECT_THAT(got.output, HasSubstr("45 of 49 marks found"));
   EXPECT_THAT(got.output, HasSubstr("1 mark that disagrees with all others and left out: 24"));
 
-  // As far from the table of all marks as both may be from the truth.
+  // The distance to the table of all marks may be the sum of both errors.
   const auto live_json = nlohmann::json::parse(textOf(live() / "head.json"));
   const double clean_mm = live_json.at("iterations").back().at("after").at("max_mm");
   const calibrate::AimGrid table = head_service::readControllerTable(path("table.csv"));
@@ -54,7 +54,7 @@ TEST_F(HeadPictures, ASheetThatWasNotCutOrNotWholeIsRefused) {
   SpoiledSheet few = sheet();
   for (int number = 0; number < 30; ++number) few.erase(number);
   refused(few, {"only 19 of 49 marks can be used", "30 marks not found: 0, 1, 2"});
-  // Enough, but a table would reach far beyond them.
+  // The marks are enough, but a table would reach far beyond them.
   SpoiledSheet half = sheet();
   for (int number = 0; number < 14; ++number) half.erase(number);
   refused(half, {"a part of the field has no marks",
@@ -73,7 +73,7 @@ TEST_F(HeadPictures, ASheetThatWasCutTwiceIsRefused) {
 
 TEST_F(HeadPictures, SheetsThatAreMixedOrOfAnotherJobAreRefused) {
   refused(live() / "1-verify-1/pictures", kInvalid, {"20 of 20 marks found are none of the job's"});
-  // Pictures of both in one folder.
+  // One folder has pictures of both.
   const fs::path both = copy("both");
   std::string list = textOf(both / "tiles.yaml");
   for (const auto& file : fs::directory_iterator(live() / "1-verify-1/pictures")) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfbench-head-pixels: heads with hidden faults, calibrated on the twin from pictures as `calibrate head`
-// does it, as a table. Exit code 1 if a claim does not hold. What was measured before is not cut again.
+// does it, as a table. Exit code 1 if a claim does not hold. Earlier results are not cut again.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -23,7 +23,7 @@ using namespace kerfbench;
 using namespace kerfbench::test;
 namespace fs = std::filesystem;
 
-constexpr int kDensest = 17;  // Marks as large as `calibrate head` cuts them, whatever the grids.
+constexpr int kDensest = 17;  // Densest grid with marks as large as `calibrate head` cuts them.
 
 struct Options {
   std::uint64_t first_seed{1}, seeds{10};

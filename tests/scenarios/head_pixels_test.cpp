@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two heads of the proof from pixels, and what the proof would refuse.
+// Two heads of the proof from pixels, and results that the proof must refuse.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,9 +80,9 @@ TEST(HeadClaims, AnEllipseTooLargeOrTooSmallForManyHeadsIsToldAndOneOddHeadIsNot
   EXPECT_NEAR(coverOf(proof[0].heads).sigma, 0.02, 1e-12);  // Spread 0.2 / sqrt(10), over sqrt(10) heads.
   proof[0].heads.resize(9);
   for (CalibratedHead& head : proof[0].heads) head.covered = 400;
-  EXPECT_THAT(brokenClaims(proof), IsEmpty());  // Too few to tell.
+  EXPECT_THAT(brokenClaims(proof), IsEmpty());  // The seeds are too few.
 
-  // Too large after one iteration and too small after two is not right on average.
+  // A share that is too large after one iteration and too small after two is not right on average.
   proof = goodProof();
   proof.push_back(goodProof()[0]);
   for (CalibratedHead& head : proof[0].heads) head.covered = 400;
@@ -103,7 +103,7 @@ TEST(HeadClaims, HeadsOfOneSeedOnSeveralMachinesAreNoMoreProofThanOne) {
   EXPECT_NEAR(coverOf(four).sigma, coverOf(one).sigma, 1e-12);
   EXPECT_EQ(coverOf(four).seeds, 10U);
 
-  // Nine seeds are too few to tell, on however many machines.
+  // Nine seeds are too few, on any number of machines.
   auto proof = goodProof();
   proof[0].heads.resize(9);
   for (CalibratedHead& head : proof[0].heads) head.covered = 400;

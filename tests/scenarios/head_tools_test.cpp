@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside `calibrate head`: sheets cut by hand, the quick check, the reversal.
+// Tools of `calibrate head`: sheets cut by hand, the quick check, the reversal.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST_F(HeadTools, ByHandTheSameSheetsGiveTheSameTable) {
   ProgramRun last = run();
   int sheets = 0;
   for (; last.exit_code == kWaiting && sheets < 10; ++sheets) {
-    // The sheet that waits is the one without pictures.
+    // The waiting sheet is the one without pictures.
     for (const auto& sheet : fs::directory_iterator(by_hand)) {
       if (!sheet.is_directory() || fs::exists(sheet.path() / "pictures")) continue;
       const std::string name = sheet.path().filename().string();
@@ -63,7 +63,7 @@ TEST_F(HeadTools, ByHandTheSameSheetsGiveTheSameTable) {
       for (const char* file : {"NEXT.txt", "marks.dxf", "job.gcode", "program.txt", "print.svg", "run.yaml"})
         EXPECT_FALSE(textOf(sheet.path() / file).empty()) << file;
       EXPECT_EQ(fs::exists(sheet.path() / "table.csv"), name != "1-grid");
-      // Whoever cuts gets the very job that the twin got.
+      // The operator gets the very job that the twin got.
       ASSERT_EQ(textOf(sheet.path() / "marks.yaml"), textOf(calibrated() / name / "marks.yaml"));
       fs::copy(calibrated() / name / "pictures", sheet.path() / "pictures");
     }
@@ -82,7 +82,7 @@ TEST_F(HeadTools, ByHandTellsWrongPicturesAndWritesNoTable) {
   const ProgramRun wrong = kerfbench(command);
   EXPECT_EQ(wrong.exit_code, 3) << wrong.output;
   EXPECT_THAT(wrong.output, HasSubstr("another job's sheet"));
-  // The right ones in their place are taken.
+  // The right pictures in their place are accepted.
   fs::remove_all(path("by-hand/1-grid/pictures"));
   fs::copy(calibrated() / "1-grid/pictures", path("by-hand/1-grid/pictures"));
   const ProgramRun right = kerfbench(command);
@@ -108,13 +108,13 @@ TEST_F(HeadTools, ByHandForAnAvrControllerItsProgramIsPlanned) {
 }
 
 struct Drift {
-  const char* now;  ///< What the machine's file has since.
+  const char* now;  ///< Later lines of the machine's file.
   const char* what;
   double value;
 };
 
 TEST_F(HeadTools, TheQuickCheckSaysWhatHasDriftedAndByHowMuch) {
-  // 80 µrad of a mirror are 160 of the beam, at 125 mm (X) and 110 mm (Y).
+  // The beam turns by 160 µrad for 80 µrad of a mirror, at 125 mm (X) and 110 mm (Y).
   const std::vector<Drift> drifts{{"optics: {mirror_x: {zero_urad: 80}}", "zero of x", 2 * 80e-6 * 125},
                                   {"optics: {mirror_y: {zero_urad: -80}}", "zero of y", -2 * 80e-6 * 110},
                                   {"optics: {mirror_x: {scale: 1.0004}}", "gain of x", 0.0004},
@@ -197,7 +197,7 @@ TEST_F(HeadTools, TheQuickCheckRefusesACalibrationThatIsNone) {
   EXPECT_THAT(bad.output, HasSubstr("unmodelled_share: must be above 0"));
 }
 
-/// A camera that sees the whole sheet at once, so that its lens's error is one over the sheet.
+/// Tests with a camera that sees the whole sheet at once, so that its lens's error is one over the sheet.
 class Reversal : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -215,7 +215,7 @@ class Reversal : public testing::Test {
   static void TearDownTestSuite() { shared_.reset(); }
   static fs::path machine() { return shared_->path() / "wide.yaml"; }
 
-  /// From now on the bench believes in another decentring of the lens.
+  /// Changes the bench's configuration to another decentring of the lens.
   static void falsify() {
     std::string text = textOf(shared_->path() / "wide.camera.yaml");
     const auto line = text.find("distortion: [");
@@ -231,7 +231,7 @@ class Reversal : public testing::Test {
   [[nodiscard]] nlohmann::json json(const std::string& results) const {
     return nlohmann::json::parse(textOf(path(results) / "reversal.json"));
   }
-  /// Largest difference of what two results say of the head.
+  /// Largest difference of two results for the head.
   static double apart_mm(const nlohmann::json& a, const nlohmann::json& b) {
     double most = 0.0;
     for (std::size_t i = 0; i < a.at("head").size(); ++i) {
@@ -245,7 +245,7 @@ class Reversal : public testing::Test {
   }
 
   static constexpr double kHeight_mm = 500.0;
-  static constexpr double kDecentring = 6e-4;  // p1 of the lens
+  static constexpr double kDecentring = 6e-4;  // Decentring p1 of the lens.
   static std::unique_ptr<ScratchFolder> shared_;
   ScratchFolder scratch_;
 };
@@ -268,7 +268,7 @@ TEST_F(Reversal, TellsTheCamerasErrorFromTheHeads) {
   const ProgramRun bad = reversal(pictures("pictures-90"), "bad");
   ASSERT_EQ(bad.exit_code, 0) << bad.output;
   EXPECT_THAT(bad.output, HasSubstr("(dy: y^2, dx: x y, dy: x^2)"));
-  // Of a lens decentred by p1: dx = 2 p1 x y, dy = p1 (x² + 3 y²), 54 mm off the middle.
+  // Error of a lens decentred by p1: dx = 2 p1 x y, dy = p1 (x² + 3 y²), 54 mm off the middle.
   const double rim_mm = kDecentring * 54.0 * 54.0 / kHeight_mm;
   for (const auto& term : json("bad").at("terms")) {
     const std::string name = term.at("name");
@@ -279,10 +279,10 @@ TEST_F(Reversal, TellsTheCamerasErrorFromTheHeads) {
     const double sigma_mm = term.at("sigma_mm");
     EXPECT_NEAR(term.at("value_mm"), expected, 4.0 * sigma_mm + 0.05 * expected) << name;
   }
-  // What the head does is the same, whichever camera looks.
+  // The head's error is the same with any camera.
   EXPECT_LT(apart_mm(json("good"), json("bad")), 0.003);
 
-  // A sheet that does not lie as told is no view.
+  // A sheet in another position than stated is no view.
   const ProgramRun turned = reversal(pictures("pictures-180"), "turned");
   EXPECT_EQ(turned.exit_code, 3) << turned.output;
   EXPECT_THAT(turned.output, HasSubstr("the sheet is not turned so"));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Machines that cannot be: refused before anything runs, with everything that is wrong, and no trace of a
-// run.
+// Impossible machines: refused before anything runs, with everything that is wrong, and no trace of a run.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +23,7 @@ class HostileMachine : public testing::Test {
     std::ofstream(scratch_.path() / name) << content;
     return scratch_.path() / name;
   }
-  // Lines 2 and on are the caller's.
+  // Machine file; lines 2 and on are the caller's.
   [[nodiscard]] std::filesystem::path machine(const std::string& base, const std::string& lines) const {
     return file("bad.yaml", "extends: " + fixture("machines/" + base + ".yaml").string() + "\n" + lines);
   }
@@ -55,7 +54,7 @@ TEST_F(HostileMachine, EverythingThatIsWrongIsListedAtOnce) {
 }
 
 TEST_F(HostileMachine, ValuesThatAreFineAloneAndImpossibleTogetherAreNamedWithTheirLine) {
-  // A motor that cannot move its load, and a belt that swings faster than the model steps.
+  // The motor cannot move its load, and the belt swings faster than the model steps.
   const std::string said = refused("two-mirror",
                                    "galvo_x: {friction: {coulomb_n_m: 1}}\n"
                                    "belt: {mass_kg: 0.01, stiffness_n_mm: 1.0e+6}\n");
@@ -64,7 +63,7 @@ TEST_F(HostileMachine, ValuesThatAreFineAloneAndImpossibleTogetherAreNamedWithTh
 }
 
 TEST_F(HostileMachine, AServoThatSwingsUpIsNoMachine) {
-  // A current loop much too slow for the position loop around it.
+  // The current loop is much too slow for the position loop around it.
   EXPECT_THAT(refused("two-mirror", "galvo_y: {servo: {current_lag_us: 2000}}\n"),
               ContainsRegex("bad.yaml:2: galvo_y: servo, current loop and transmission together swing up"));
 }
@@ -79,13 +78,13 @@ TEST_F(HostileMachine, HugeListsAreRefusedAndNotRead) {
   for (int i = 0; i <= 5000; ++i)
     points += fmt::format("    - {{demand: {}, power: {}}}\n", i / 5000.0, i / 5000.0);
   EXPECT_THAT(refused("two-mirror", points), HasSubstr("laser.power_curve: has more than 100 points"));
-  // A megabyte of anything is no configuration.
+  // A megabyte of text is no configuration.
   EXPECT_THAT(refused("two-mirror", "# " + std::string(2U << 20U, 'x') + "\n"),
               HasSubstr("larger than 1 MiB"));
 }
 
 TEST_F(HostileMachine, NamesThatNamesStandForDoNotMultiply) {
-  // Ten aliases of ten aliases of …: a few lines that would be 10^9 numbers if anybody wrote them out.
+  // Ten aliases of ten aliases of …: a few lines that would be 10^9 numbers if written out.
   std::string bomb = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
   for (int i = 1; i < 10; ++i) {
     bomb += fmt::format("a{}: &a{} [", i, i);
@@ -109,7 +108,7 @@ TEST_F(HostileMachine, IsNotRunEither) {
 }
 
 TEST_F(HostileMachine, ASpreadThatDrawsAMachineThatCannotRunIsRefusedWithItsSeed) {
-  // Servos at the edge of what the step can follow: some seeds draw them over it.
+  // The servos are at the edge of what the step can follow: some seeds sample them over it.
   const auto edge = machine("two-mirror",
                             "galvo_x: {servo: {bandwidth_hz: 3180}, resonance_hz: 6300}\n"
                             "imperfections: {bandwidth_percent: 5}\n");
@@ -123,7 +122,7 @@ TEST_F(HostileMachine, ASpreadThatDrawsAMachineThatCannotRunIsRefusedWithItsSeed
         "run '{}' --imperfections dynamic --seed {} --time-limit 0.01 --no-pictures --results-dir "
         "'{}/results'",
         scenario.string(), seed, scratch_.path().string()));
-    if (run.exit_code == 3) continue;  // The time limit: this one ran.
+    if (run.exit_code == 3) continue;  // The time limit: this machine ran.
     EXPECT_EQ(run.exit_code, 65) << run.output;
     EXPECT_THAT(run.output,
                 HasSubstr(fmt::format("the machine that seed {} draws cannot run: galvo_x", seed)));

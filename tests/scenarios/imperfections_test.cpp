@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A machine as built: drawn by preset and seed, told in the report, the same again by the same seed.
+// A machine as built: sampled by preset and seed, described in the report, the same again by the same seed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 class Imperfections : public testing::Test {
  protected:
-  // The quickest job there is: a plate at rest.
+  // Runs the quickest job there is: a plate at rest.
   [[nodiscard]] nlohmann::json run(const std::string& name, const std::string& options) const {
     const auto result = kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' {}", plate(),
                                               (scratch_.path() / name).string(), options));
@@ -45,7 +45,7 @@ TEST_F(Imperfections, AreDrawnBySeedAndToldWithTheirUnits) {
   EXPECT_THAT(page, HasSubstr("Imperfections <b>dynamic</b>, seed 4, model <b>reference</b>"));
   EXPECT_THAT(page, HasSubstr("<td>" + drawn[0].at("name").get<std::string>() + "<td"));
 
-  // Another machine cuts otherwise; the same machine, from its recording, the same.
+  // A different machine cuts differently; the same machine, from its recording, in the same manner.
   EXPECT_NE(one.at("digest"), ideal.at("digest"));
   const auto replay = kerfbench(fmt::format(
       "replay '{}' --scenario '{}' --no-pictures --imperfections dynamic --seed 4 --results-dir '{}'",

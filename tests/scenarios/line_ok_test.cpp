@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Another house's firmware (tests/scenarios/firmware/linecutter.c), from its G-code to a verdict.
+// Firmware of another house (tests/scenarios/firmware/linecutter.c), from its G-code to a verdict.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,9 +19,9 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double kStepsPerUnit = 80.0;  // Of the firmware.
+constexpr double kStepsPerUnit = 80.0;  // Steps of the firmware for a unit.
 
-// Steps of each axis that a program asks for.
+// Steps of each axis in a program.
 std::map<std::string, long> stepsOf(const std::filesystem::path& gcode) {
   std::ifstream file(gcode);
   const std::array<std::string, 2> axes{"galvo_x", "galvo_y"};
@@ -42,7 +42,7 @@ std::map<std::string, long> stepsOf(const std::filesystem::path& gcode) {
 
 class LineOkFirmware : public testing::Test {
  protected:
-  // The plate scenario with these lines of its own.
+  // Runs the plate scenario with these lines of its own.
   ProgramRun run(const std::string& lines, const std::string& options = "") const {
     const auto path = scratch_.path() / "changed.yaml";
     std::ofstream(path) << "extends: " << plate().string() << "\nname: changed\n" << lines;
@@ -86,7 +86,7 @@ TEST_F(LineOkFirmware, AProgramThatCutsNothingIsInvalid) {
 }
 
 TEST_F(LineOkFirmware, AWrongDistanceOfTheHeadFailsByThePath) {
-  // The same program on a machine whose head hangs 2 mm lower than plate.py takes it to.
+  // The machine's head hangs 2 mm lower than plate.py assumes; the program is the same.
   std::ofstream(scratch_.path() / "low.yaml")
       << "extends: " << fixture("machines/two-mirror-linecutter.yaml").string()
       << "\nname: low\noptics: {throw_mm: 498}\n";

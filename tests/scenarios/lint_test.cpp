@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kerfbench lint: what is good is called good, what is bad is named with its place.
+// Command kerfbench lint: good files are accepted, faults are named with their place.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST_F(Lint, ALineDrawnTwiceIsNamedWithPlaceAndLayer) {
   EXPECT_THAT(result.output,
               AllOf(HasSubstr(path.string() + ": error at (20.000, "), HasSubstr("layer CUT")));
 
-  // A scenario that names it is as bad, and is not run either.
+  // A scenario that names the file is as bad, and is not run either.
   const auto scenario = file("s.yaml", "extends: " + fixture("scenarios/label-on-belt.yaml").string() +
                                            "\nname: twice\ndieline: twice.dxf\n");
   EXPECT_EQ(lint(scenario).exit_code, 65);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A spot camera on V4L2: a scripted device delivers what the twin's camera sees of a run.
+// A spot camera on V4L2: a scripted device delivers the pictures of the twin's camera in a run.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Cut once for all tests.
+/// Cut that is made once for all tests.
 const FilmedCut& goodCut() {
   static const FilmedCut cut(fixture("scenarios/native/label-camera.yaml"));
   return cut;
@@ -42,7 +42,7 @@ std::string problemsOf(const report::RunReport& report) {
   return text;
 }
 
-/// The good run, but for what `spoil` does to the camera.
+/// Report of the good run, with `spoil` applied to the camera.
 report::RunReport filmedWith(const std::function<void(FakeVideo&, std::size_t)>& spoil) {
   const ScratchFolder scratch;
   const auto camera = goodCut().camera();
@@ -60,7 +60,7 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
   EXPECT_EQ(live.result.verdict, Verdict::kPass) << problemsOf(live);
   EXPECT_EQ(report::digestOf(live), report::digestOf(goodCut().judged(folder, 2)));
 
-  // The program makes the same of pins and frames, up to what the controller said.
+  // The program gives the same result for pins and frames, up to the controller's words.
   const auto pins = scratch.path() / "pins.vcd";
   source::PinRecording recording = goodCut().run().recording;
   recording.uart.clear();
@@ -96,7 +96,7 @@ TEST(RealCamera, GivesABadReleaseAFail) {
   EXPECT_EQ(stillness->verdict, Verdict::kFail);
 }
 
-// Mode 2: a machine whose Y mirror rests 200 urad off, and a model that knows nothing of it.
+// Mode 2: a machine whose Y mirror rests 200 urad off, and a model without that error.
 TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
   const ScratchFolder scratch;
   std::ofstream(scratch.path() / "machine.yaml")
@@ -125,12 +125,12 @@ TEST(RealCamera, ShowsWhereTheMachineAndItsModelPart) {
     sum_mm += parting.at("frames").get<double>() * parting.at("mean_y_mm").get<double>();
   }
   ASSERT_GT(frames, 150.0) << replay.output;
-  // Twice the angle over the throw of 500 mm.
+  // The spot moves by twice the angle times the throw of 500 mm.
   EXPECT_NEAR(std::abs(sum_mm / frames), 0.2, 0.02);
   EXPECT_THAT(textOf(results / "report.html"), HasSubstr("Where machine and model part"));
 }
 
-// The light is soft: power follows the speed, so the gate alone tells no more than some milliseconds.
+// The light is soft: power follows the speed, so the gate alone gives no more than some milliseconds.
 TEST(RealCamera, IsRelatedToThePinsByTheLaserWithinTheBoundThatItTells) {
   const ScratchFolder scratch;
   const std::vector<double> begins_s = goodCut().begins_s();
@@ -267,7 +267,7 @@ TEST(RealCamera, IsRecordedInTheBackgroundUntilItIsAskedToStop) {
   EXPECT_EQ(recording.setup().exposure_s, 200e-6);
 }
 
-// Where a real run cannot be concluded.
+// The real run cannot be concluded.
 TEST(RealCamera, FramesAreKeptBesideThePinsIfTheyAreWhole) {
   const ScratchFolder scratch;
   const auto camera = goodCut().camera();
@@ -315,7 +315,7 @@ TEST(RealCamera, IsRefusedWithEveryReasonWhereItIsNotAsAskedFor) {
 TEST(RealCamera, IsRefusedWhereItMakesAnotherSettingOfIt) {
   const auto camera = goodCut().camera();
   camera->value_step = 3;
-  camera->controls.erase(camera->controls.begin());  // No automatic.
+  camera->controls.erase(camera->controls.begin());  // The camera has no automatic exposure.
   try {
     (void)live::openSpotCamera(goodCut().theCase(), *camera);
     FAIL();

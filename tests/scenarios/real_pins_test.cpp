@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
+// Edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
 #include "hil/live/real_pins.h"
 #include "hil/app/run_command.h"
 #include "hil/app/run_guarded.h"
@@ -99,16 +99,16 @@ class PinsToVerdict : public testing::Test {
             .quiet = true,
             .bin_dir = options().bin_dir};
   }
-  /// What capture recorded, judged. The exit code.
+  /// Judges the recording of capture; returns the exit code.
   int replay(const ReleasedPins& release, const char* firmware = kFirmware) const {
     return app::replayCommand(results_.path() / "heard" / "pins.vcd", release.scenario(firmware), {},
                               options());
   }
-  /// Not by EXPECT_EQ: to tell how long texts differ takes all memory.
+  /// Whether two files are equal. EXPECT_EQ would need all memory to describe how long texts differ.
   static bool same(const fs::path& a, const fs::path& b) {
     return !textOf(a).empty() && textOf(a) == textOf(b);
   }
-  /// A release's scenario with its kerf pictures in a folder, for `firmware`.
+  /// Scenario of a release with its kerf pictures in a folder, for `firmware`.
   fs::path photographed(const ReleasedPins& release, const char* firmware) const {
     fs::create_directories(photographs());
     const fs::path scenario = release.scenario(firmware);
@@ -117,7 +117,7 @@ class PinsToVerdict : public testing::Test {
     return scenario;
   }
   fs::path photographs() const { return results_.path() / "photographs"; }
-  /// Those of the sheet that this release cuts.
+  /// Makes the pictures of the sheet that this release cuts.
   void photograph(const ReleasedPins& release) const {
     scenario::Case test_case =
         scenario::readCase(release.scenario("{source: native, image: controller-native}"),
@@ -150,7 +150,7 @@ TEST_F(PinsToVerdict, ABadReleaseFails) {
   EXPECT_THAT(checksThat(verdict("bad-pins"), "FAIL"), Contains("path"));
 }
 
-// They are of an earlier sheet, which may have been a good one.
+// The pictures show an earlier sheet, which may have been a good one.
 TEST_F(PinsToVerdict, KerfPicturesFromBeforeTheCutAreRefusedBeforeAnythingIsOpened) {
   const auto kernel = good_->kernel();
   const auto scenario = photographed(*good_, kFirmware);
@@ -186,20 +186,20 @@ TEST_F(PinsToVerdict, KerfPicturesThatWereTakenOfTheSheetAreJudgedInAReplayThatT
                             .c_str()),
             0);
   EXPECT_THAT(versions, HasSubstr("sha256 of their sums " + textOf(sums).substr(0, 64)));
-  // The pins are good, and the sheet is not theirs.
+  // The pins are good, and the sheet belongs to others.
   photograph(*bad_);
   EXPECT_EQ(judged(), 1);
   EXPECT_NE(verdict("good-pins-replay").at("versions").dump(), versions);
 }
 
-// The sheet is cut, whatever becomes of the judge.
+// The sheet is cut, even if the judge fails.
 TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
   const auto brokenRun = [&] {
     base::Stopwatch stopwatch;
     base::Console console(true);
     scenario::Case test_case = scenario::readCase(good_->scenario(kFirmware), {});
     test_case.scenario.fidelity = twin::Fidelity::kFast;
-    // It breaks while the pins are heard: the judge comes later.
+    // The break comes while the pins are read: the judge comes later.
     const auto kernel = good_->kernel();
     kernel->before_poll = [&test_case, levels = kernel->before_poll](std::uint64_t now) {
       levels(now);
@@ -216,12 +216,12 @@ TEST_F(PinsToVerdict, ARunThatCannotBeConcludedKeepsItsRecordingForAReplay) {
   EXPECT_FALSE(fs::exists(results_.path() / "good-pins"));
   EXPECT_EQ(textOf(kept / "scenario.yaml"), textOf(good_->scenario(kFirmware)));
   EXPECT_EQ(app::replayCommand(kept / "pins.vcd", good_->scenario(kFirmware), {}, options()), 0);
-  // Evidence does not take the place of evidence.
+  // Later evidence does not replace earlier evidence.
   EXPECT_THAT(brokenRun(), HasSubstr(kept.string() + "-2"));
   EXPECT_TRUE(same(kept / "pins.vcd", results_.path() / "good-pins-capture-2" / "pins.vcd"));
 }
 
-// What was spoiled when it was heard cannot be made clean by way of a file.
+// Evidence that was spoiled when read cannot become clean through a file.
 TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
   constexpr std::uint32_t kMerged = 5000;
   EXPECT_EQ(run(*good_, good_->kernel(kMerged)), 3);
@@ -234,7 +234,7 @@ TEST_F(PinsToVerdict, AnEdgeThatIsMissingMakesRunAndCaptureAndReplayInvalid) {
   const auto replayed = verdict("good-pins-replay");
   EXPECT_EQ(replayed.at("problems"), live.at("problems"));
   EXPECT_EQ(replayed.at("digest"), live.at("digest"));
-  // Nor by the recording of the replay.
+  // The recording of the replay cannot make it clean either.
   EXPECT_TRUE(
       same(results_.path() / "good-pins-replay" / "pins.vcd", results_.path() / "good-pins" / "pins.vcd"));
 }
@@ -244,7 +244,7 @@ TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
   EXPECT_EQ(textOf(options.out / "scenario.yaml"), textOf(options.scenario));
   EXPECT_EQ(std::distance(fs::directory_iterator(options.out), {}), 2);
-  // A second one takes its place.
+  // A second recording takes its place.
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
 }
 
@@ -276,7 +276,7 @@ TEST_F(PinsToVerdict, ByAnAnalyserABadReleaseFails) {
 
 TEST_F(PinsToVerdict, AnAnalyserThatStopsByItselfMakesRunAndCaptureAndReplayInvalid) {
   live::RealPins real = analyser(*good_);
-  // All edges are there, but who knows that.
+  // All edges are there, but that is unknown.
   std::dynamic_pointer_cast<source::ScriptedAnalyser>(real.analysers)->runs.pop_back();
   EXPECT_EQ(runOn(real, good_->scenario(kAnalyser)), 3);
   const auto live = verdict("good-pins");
@@ -287,7 +287,7 @@ TEST_F(PinsToVerdict, AnAnalyserThatStopsByItselfMakesRunAndCaptureAndReplayInva
   EXPECT_EQ(verdict("good-pins-replay").at("digest"), live.at("digest"));
 }
 
-// libsigrok's demo driver, by the program as a user gets it: what it plays is no job.
+// The program runs libsigrok's demo driver as a user does: its pattern is no job.
 TEST_F(PinsToVerdict, TheDemoAnalyserEndsInvalidAndIsHeardEdgeByEdge) {
   const std::string firmware = replacedIn(replacedIn(kAnalyser, "fx2lafw", "demo"), "samplerate_hz: 24000000",
                                           "samplerate_hz: 4000000, settings: {pattern: incremental}");
@@ -304,7 +304,7 @@ TEST_F(PinsToVerdict, TheDemoAnalyserEndsInvalidAndIsHeardEdgeByEdge) {
   const auto capture = kerfbench(fmt::format("capture '{}' --time-limit 0.02 -o '{}/heard'",
                                              scenario.string(), results_.path().string()));
   EXPECT_EQ(capture.exit_code, 3) << capture.output;
-  // 80 000 samples of a number that counts up: bit i changes with each 2^i th.
+  // The samples are 80 000 numbers that count up: bit i changes with each 2^i th.
   for (const char* heard : {"galvo_x_pul         79999 edges", "galvo_x_dir         39999 edges",
                             "galvo_y_pul         19999 edges", "galvo_y_dir          9999 edges",
                             "laser_gate           4999 edges", "laser_pwm            2499 edges"})
@@ -332,7 +332,7 @@ TEST_F(PinsToVerdict, ACaptureBesideARealCameraSaysThatItHoldsNoFrames) {
                              HasSubstr(scenario.string() + " --frames FOLDER")));
 }
 
-// What sigrok-cli makes of the recording of a run is the same evidence, at the rate of its ticks and at a
+// The session that sigrok-cli makes of a recording is the same evidence, at the rate of its ticks and at a
 // lower one.
 TEST_F(PinsToVerdict, ASessionBySigrokIsJudgedAsTheRecordingIs) {
   if (std::system("command -v sigrok-cli >/dev/null 2>&1") != 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recording of a run is the run: replayed, repeated and read by other people's programs.
+// Recordings stand for their runs: replayed, repeated and read by other programs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(Recordings, GiveTheSameDigestRepeatedReplayedAndAtAnyNumberOfThreads) {
   const auto first = scratch.path() / "one" / "short-lines";
   const auto second = scratch.path() / "two" / "short-lines";
   EXPECT_EQ(digestOf(first), digestOf(second));
-  // The first has pictures, the second has none: they are no part of the digest.
+  // One verdict has pictures, the other has none: they are no part of the digest.
   for (const char* picture : {"machine.png", "board.png"}) {
     EXPECT_TRUE(std::filesystem::exists(first / picture)) << one.output;
     EXPECT_FALSE(std::filesystem::exists(second / picture));
@@ -59,7 +59,7 @@ struct Twice {
   std::filesystem::path replayed;
 };
 
-/// The scenario of that file run on the fast twin, and its recording replayed.
+/// Runs the scenario of that file on the fast twin, and replays its recording.
 Twice runAndReplay(const std::string& file, const std::string& name, const ScratchFolder& scratch) {
   const std::string scenario = fixture("scenarios/" + file).string();
   const std::string options =
@@ -74,7 +74,8 @@ Twice runAndReplay(const std::string& file, const std::string& name, const Scrat
   return twice;
 }
 
-/// The meter's pulses go into the recording as the controller got them, and what it did for them as pins.
+/// The recording contains the meter's pulses as the controller got them, and the controller's reaction as
+/// pins.
 TEST(Recordings, OfALoopOnTheMeasuredPowerAreJudgedAlike) {
   const ScratchFolder scratch;
   const auto check = [&](const Twice& twice, int exit_code, const char* line_energy) {
@@ -112,7 +113,7 @@ std::string outputOf(const std::string& command) {
 }
 
 struct Wires {
-  std::vector<std::string> names;  // In order of the file.
+  std::vector<std::string> names;  // Names in order of the file.
   std::vector<std::string> ids;
 };
 
@@ -180,8 +181,8 @@ TEST(Recordings, AreReadAlikeBySigrokAndGtkwave) {
   EXPECT_EQ(outputOf(fmt::format("vcd2fst '{}' '{}' 2>&1 >/dev/null", vcd, fst)), "");
   const std::string back = outputOf(fmt::format("fst2vcd '{}'", fst));
   const Wires wires = wiresOf(outputOf(fmt::format("head -c 4000 '{}'", vcd)));
-  // One sample a microsecond, though sigrok could take one a tick: no pulse is that short, and samples are
-  // large.
+  // The sample rate is one a microsecond, though sigrok could take one a tick: no pulse is that short, and
+  // samples are large.
   std::string samples = outputOf(fmt::format("sigrok-cli -I vcd:downsample=10000 -i '{}' -O binary", vcd));
   ASSERT_TRUE(samples.starts_with("META samplerate: 1000000\n"));
   samples.erase(0, samples.find('\n') + 1);

@@ -44,7 +44,7 @@ fs::path ReleasedPins::scenario(const std::string& firmware) const {
 }
 
 std::shared_ptr<source::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merged) const {
-  // Long after the lines are asked for.
+  // The first edge comes long after the lines are requested.
   constexpr std::uint64_t kFirst_ns = source::ScriptedKernel::kStart_ns + 500'000'000;
   auto kernel = std::make_shared<source::ScriptedKernel>();
   std::array<std::uint32_t, 8> line_seqno{};
@@ -60,7 +60,7 @@ std::shared_ptr<source::ScriptedKernel> ReleasedPins::kernel(std::uint32_t merge
       const bool high = (event.level >> pin.bit & 1U) != 0;
       levels = high ? levels | 1U << line : levels & ~(std::uint64_t{1} << line);
       ++seqno;
-      // Counted in the interrupt, but the line's thread never saw it.
+      // The edge was counted in the interrupt, but the line's thread never saw it.
       if (seqno == merged) continue;
       kernel->edge(stamp_ns, line, high, seqno, ++line_seqno.at(line), stamp_ns);
     }
@@ -80,7 +80,7 @@ std::vector<source::LevelRun> ReleasedPins::sampled(std::uint64_t samplerate_hz)
     done = std::max(done, sample);
   };
   for (const PinEvent& event : recording_.outputs) {
-    // The first sample that is not before the edge.
+    // The change shows in the first sample that is not before the edge.
     const double time_s = 0.5 + recording_.rate.seconds(event.tick - first);
     until(static_cast<std::uint64_t>(std::ceil(time_s * static_cast<double>(samplerate_hz))));
     for (std::uint32_t line = 0; line < wired().size(); ++line) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong on purpose, and ends in a safe state; and releases that do not care.
+// Provoked faults that end in a safe state, and releases that ignore them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::string subjectOf(const nlohmann::json& verdict, const std::string& check) {
   return "no such check";
 }
 
-/// fixtures/scenarios/safe/FILE.yaml, and the fault that the controller names.
+/// Runs fixtures/scenarios/safe/FILE.yaml, and expects the fault that the controller reports.
 void reaches(const std::string& file, const std::string& report) {
   const ScratchFolder scratch;
   const auto run = runHere(fmt::format("safe/{}.yaml", file), scratch);

@@ -38,7 +38,7 @@ ProgramRun kerfbench(const std::string& arguments) {
 
 namespace {
 
-/// Copies of all verdicts below a folder, for the test verdict_schema (tests/results).
+/// Copies all verdicts below a folder, for the test verdict_schema (tests/results).
 void keepVerdicts(const fs::path& folder) {
   const char* const kept = std::getenv("KERFBENCH_VERDICTS");
   if (kept == nullptr) return;

@@ -9,7 +9,7 @@
 
 namespace kerfbench::test {
 
-/// What a user would see of one call of the program.
+/// Visible result of one call of the program.
 struct ProgramRun {
   int exit_code{};
   std::string output;  ///< Standard output and standard error.
@@ -17,13 +17,12 @@ struct ProgramRun {
 
 /// Runs a program of the build with these arguments in a shell, as a user would.
 ProgramRun program(const std::string& name, const std::string& arguments);
-/// The program of all commands.
-/// A run and a replay have one thread, unless they say how many: ctest runs as many tests at a time as there
-/// are cores.
+/// Runs the program of all commands. A run and a replay have one thread, unless the arguments say how many:
+/// ctest runs as many tests at a time as there are cores.
 ProgramRun kerfbench(const std::string& arguments);
 
-/// A folder for the results of one test, empty at first, removed in the end. What verdicts lie in it is
-/// validated (tests/results).
+/// A folder for the results of one test, empty at first, removed in the end. Its verdicts are validated
+/// (tests/results).
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -37,7 +36,7 @@ class ScratchFolder {
 };
 
 std::filesystem::path fixture(const std::string& name);
-/// All of a file; empty if there is none.
+/// Text of a file; empty if there is none.
 std::string textOf(const std::filesystem::path& path);
 nlohmann::json verdictOf(const std::filesystem::path& results);
 /// Names of the checks with this verdict.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `kerfbench show`, as a user calls it.
+// Command `kerfbench show`, as a user calls it.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

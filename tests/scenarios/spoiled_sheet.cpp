@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
-constexpr double kBeside = 2.1;  // halves of what is erased: board, and no other mark
+constexpr double kBeside = 2.1;  // Reach of an erased area in halves of the mark: board, and no other mark.
 
 cv::Mat matOf(GrayImage& image) { return {image.height, image.width, CV_8UC1, image.pixels.data()}; }
 
@@ -111,7 +111,7 @@ void SpoiledSheet::paste(int number, const Vector2d& by_mm, const std::vector<ca
     const cv::Rect to = shownIn(picture, shownIn(picture, box) + shift);
     if (to.empty()) continue;
     cv::Mat part = picture(to);
-    // Light comes through what is cut: the brighter of both.
+    // The brighter picture wins: light comes through cuts.
     cv::max(part, before(to - shift), part);
   }
 }

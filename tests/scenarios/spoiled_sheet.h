@@ -17,30 +17,30 @@
 
 namespace kerfbench::test {
 
-/// The pictures of a sheet of field marks as `calibrate head --keep-pictures` wrote them, to be spoiled and
-/// written elsewhere. What is done to a mark is done in every picture that shows it.
+/// Pictures of a sheet of field marks as `calibrate head --keep-pictures` wrote them, to be spoiled and
+/// written elsewhere. A change of a mark applies to every picture that shows it.
 class SpoiledSheet {
  public:
-  /// @param sheet with marks.yaml and pictures/.
+  /// Reads a sheet. @param sheet with marks.yaml and pictures/.
   SpoiledSheet(const std::filesystem::path& sheet, const head_service::HeadSetup& setup);
 
   [[nodiscard]] std::size_t size() const { return tiles_.size(); }
   [[nodiscard]] std::vector<int> numbers() const;
-  /// As if it had never been cut: board from beside it.
+  /// Erases a mark, as if it had never been cut: board from next to it.
   void erase(int number);
-  /// Cut once more, there.
+  /// Cuts a mark once more, displaced.
   void again(int number, const Eigen::Vector2d& by_mm);
-  /// Cut there instead.
+  /// Moves a mark.
   void move(int number, const Eigen::Vector2d& by_mm);
-  /// A board on which nothing is printed.
+  /// Erases all print of the board.
   void erasePrint();
-  /// Any picture, from 0.
+  /// Changes any picture, counted from 0.
   void change(std::size_t tile, const std::function<void(cv::Mat&)>& how);
   void changeAll(const std::function<void(cv::Mat&)>& how);
-  /// Where the camera is said to have stood.
+  /// Shifts the stated place of the camera.
   void shift(std::size_t tile, const Eigen::Vector2d& by_mm) { tiles_.at(tile).p_TV_mm += by_mm; }
 
-  /// All pictures and tiles.yaml.
+  /// Writes all pictures and tiles.yaml.
   void write(const std::filesystem::path& folder) const;
 
  private:

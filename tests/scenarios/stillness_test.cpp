@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A strip that is cut while it runs (Hu, Hu, Jiang 2014): errors of known size, seen by the spot camera, told
-// from zero and from each other. Figures are held against their own uncertainty, U = 2 sigma.
+// A strip that is cut while it runs (Hu, Hu, Jiang 2014): errors of known size, seen by the spot camera,
+// distinguished from zero and from each other. Figures are compared with their own uncertainty, U = 2 sigma.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr double kBelt_mm_s = 200.0;
-/// A step of the gantry along x: the controller rounds what it adds for the belt to whole ones, and so any
-/// constant offset is one of these off at most, and always the same within a cut.
+/// Step of the gantry along x: the controller rounds what it adds for the belt to whole steps, so any
+/// constant offset is one of these at most, and always the same within a cut.
 constexpr double kStep_mm = 0.0125;
 
 struct Figure {
@@ -31,7 +31,7 @@ struct Figure {
 
 class StripStillness : public testing::Test {
  protected:
-  /// On the native build and the fast twin.
+  /// Runs on the native build and the fast twin.
   nlohmann::json run(const std::string& scenario, int exit_code, const std::string& more = "") const {
     const auto path = scratch_.path() / "strip.yaml";
     std::ofstream(path) << "extends: " << fixture("scenarios/" + scenario).string()
@@ -61,7 +61,7 @@ class StripStillness : public testing::Test {
                   1e3 * c.at("excursion_U_mm").get<double>());
     }
   }
-  /// One alone, or two: the head goes forth and back.
+  /// Number of pieces: one alone, or two, for which the head goes forth and back.
   std::size_t pieces_{1};
   ScratchFolder scratch_;
 
@@ -75,8 +75,8 @@ class StripStillnessLong : public StripStillness {
   StripStillnessLong() { pieces_ = 2; }
 };
 
-// A flawless run drifts by nothing that can be told from zero. Its constant offset is real: the kerf camera,
-// which knows nothing of the spot camera, sees the same.
+// Expects a drift of zero within its uncertainty. The constant offset of a flawless run is real: the kerf
+// camera, which shares nothing with the spot camera, sees the same.
 void StripStillness::expectZeroAndAnOffset() const {
   const auto good = run("native/strip-crosscut.yaml", 0);
   print("flawless", good);
@@ -101,8 +101,9 @@ void StripStillness::expectZeroAndAnOffset() const {
   }
 }
 
-// A count of the encoder is 0.1 % more than told: what is believed of the belt's way falls short by 1 - 1
-// / 1.001 of it, in the cut and on the way from the print mark to its middle.
+// Expects a drift of a scale error. A count of the encoder is 0.1 % more than configured: the assumed travel
+// of the belt falls short by 1 - 1 / 1.001 of it, in the cut and on the travel from the print mark to its
+// middle.
 void StripStillness::expectADriftOfAScale() const {
   const auto verdict = run("faults/strip-encoder-scale.yaml", 1);
   print("0.1 % scale", verdict);
@@ -123,7 +124,8 @@ TEST_F(StripStillness, ABeltOfVaryingSpeedIsFollowedByTheEncoder) {
   EXPECT_EQ(verdict.at("verdict"), "PASS");
 }
 
-// The strip is up to 1.76 mm ahead of its mean motion, 1.0 s after the cut begins, and even at the ends.
+// Expects a bow: the strip is up to 1.76 mm ahead of its mean motion, 1.0 s after the cut begins, and even at
+// the ends.
 void StripStillness::expectABow() const {
   const auto verdict = run("faults/strip-mean-speed.yaml", 1);
   print("mean speed", verdict);
@@ -132,7 +134,7 @@ void StripStillness::expectABow() const {
   for (std::size_t i = 0; i < pieces_; ++i) {
     const auto& c = cut(verdict, i);
     EXPECT_EQ(c.at("frames").get<int>(), 88 + static_cast<int>(i)) << "also where the spot has left its line";
-    // Peaks about zero: the bow and the constant offset of a flawless run, which is less than a step.
+    // The peaks are about zero: the bow and the constant offset of a flawless run, which is less than a step.
     EXPECT_NEAR(c.at("peak_mm").get<double>(), 1.76 + 0.01, c.at("peak_U_mm").get<double>() + 0.1);
   }
   std::ifstream file(scratch_.path() / "strip" / "report.html", std::ios::binary);
@@ -151,7 +153,7 @@ TEST_F(StripStillnessLong, A10thOfAPercentOfEncoderScaleIsADrift) { expectADrift
 TEST_F(StripStillness, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy) { expectABow(); }
 TEST_F(StripStillnessLong, TheMeanSpeedOfABeltOfVaryingSpeedFailsAndThePlotShowsWhy) { expectABow(); }
 
-/// Machine lines under cameras.spot.
+/// Runs with machine lines under cameras.spot.
 class RefusedRuns : public StripStillness {
  protected:
   nlohmann::json filmed(const std::string& spot_keys, int exit_code) const {

@@ -15,7 +15,7 @@ namespace {
 
 using testing::Contains;
 
-/// As shipped, or the same claim in a fraction of the time: a single unit on the fast twin.
+/// Length of a run: as shipped, or the same claim in a fraction of the time, a single unit on the fast twin.
 enum Length { kAsShipped, kOneUnit };
 
 ProgramRun runOf(const std::string& scenario, Length length, const ScratchFolder& scratch) {
@@ -38,7 +38,7 @@ void passes(const std::string& scenario, Length length = kAsShipped) {
   std::printf("%s", run.output.c_str());
 }
 
-/// fixtures/scenarios/faults/NAME.yaml, and the check that must fail.
+/// Runs fixtures/scenarios/faults/NAME.yaml, and expects this check to fail.
 void failsBy(const std::string& name, const std::string& check, Length length = kAsShipped) {
   const ScratchFolder scratch;
   const ProgramRun run = runOf("faults/" + name + ".yaml", length, scratch);

@@ -38,7 +38,7 @@ std::vector<fs::path> pages() {
   return found;
 }
 
-/// The text without fenced and inline code: what looks like a link there is none.
+/// Text without fenced and inline code: brackets in code are no links.
 std::string proseOf(const std::string& page) {
   std::istringstream lines(page);
   std::string prose;
@@ -70,7 +70,7 @@ std::vector<std::string> targetsOf(const std::string& page) {
   return targets;
 }
 
-/// The anchor of a heading as forges make it: lower case, without punctuation, hyphens for blanks.
+/// Anchor of a heading as forges make it: lower case, without punctuation, hyphens for blanks.
 std::string anchorOf(const std::string& heading) {
   std::string anchor;
   for (const char c : heading) {
@@ -98,7 +98,7 @@ bool isElsewhere(const std::string& target) {
          target.starts_with("data:");
 }
 
-/// What is wrong with a link of a page, nothing if it leads to a file or heading that exists.
+/// Fault of a link of a page; nullopt if it leads to a file or heading that exists.
 std::optional<std::string> brokenLink(const fs::path& page, const std::string& text,
                                       const std::string& target) {
   const std::size_t hash = target.find('#');
@@ -150,7 +150,7 @@ std::vector<Constant> constantsOf(const std::string& page) {
   return constants;
 }
 
-/// The source without blanks and without what follows //.
+/// Source without blanks and without comments after //.
 std::string denseOf(const std::string& source) {
   std::istringstream lines(source);
   std::string dense;

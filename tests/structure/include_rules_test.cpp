@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The include graph is the design: what may know what. A new rule belongs here, not in a review.
+// The include graph is the design: rules about which room may use which. A new rule belongs here, not in a
+// review.
 #include <gtest/gtest.h>
 
 #include "tests/structure/source_text.h"
@@ -18,8 +19,8 @@ namespace fs = std::filesystem;
 using kerfbench::test::sourceRoot;
 
 struct Include {
-  std::string file;    // From the root of the project.
-  std::string target;  // As written between the quotes or brackets.
+  std::string file;    // Path from the root of the project.
+  std::string target;  // Text between the quotes or brackets.
 };
 
 std::vector<fs::path> sources() {
@@ -88,7 +89,7 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
             "");
 }
 
-// The head's calibration is held against the twin's optics, and its tables are run by the planner: what it
+// The head's calibration is compared with the twin's optics, and its tables are run by the planner: code
 // shared with either would cancel its own error.
 TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
   EXPECT_EQ(offenders([](const Include& i) {
@@ -101,8 +102,8 @@ TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
             "");
 }
 
-// Gauge knows the model's truth, to measure the measurement's error by it. Nothing that judges a run may ask
-// it.
+// Gauge contains the model's truth, to measure the measurement's error by it. Code that judges a run may not
+// use it.
 TEST(IncludeRules, OnlyTheProgramAsksTheGauge) {
   EXPECT_EQ(offenders([](const Include& i) {
               return in(i.target, "hil/gauge") && !in(i.file, "hil/gauge") &&
@@ -118,7 +119,7 @@ TEST(IncludeRules, TheFirmwareAndItsPlannerKnowNothingOfTheTwin) {
       "");
 }
 
-// And the house's strict YAML, which judges nothing.
+// The planner may also use the strict YAML of hil/base, which judges nothing.
 TEST(IncludeRules, OfTheBenchThePlannerUsesTheDielineAlone) {
   EXPECT_EQ(
       offenders([](const Include& i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One name, one thing. Two types, or two functions with the same parameters, that share a qualified name are
-// the same to the linker, which then takes either.
+// Every name has one meaning. Two types, or two functions with the same parameters, that share a qualified
+// name are the same to the linker, which then takes either.
 #include <gtest/gtest.h>
 
 #include "tests/structure/source_text.h"
@@ -48,8 +48,8 @@ std::string typesOf(const std::string& parameters) {
   return text;
 }
 
-/// What a file defines at namespace scope with external linkage, as clang-format lays it out: it begins in
-/// the first column, and a namespace's end says so.
+/// Definitions of a file at namespace scope with external linkage, as clang-format lays them out: each begins
+/// in the first column, and a namespace's end says so.
 std::vector<Definition> definitionsIn(const fs::path& path, const std::string& file) {
   static const std::regex kOpen(R"(^(?:inline )?namespace ([\w:]+) \{)");
   static const std::regex kClose(R"(^\}  // namespace( [\w:]+)?$)");
@@ -57,7 +57,7 @@ std::vector<Definition> definitionsIn(const fs::path& path, const std::string& f
   static const std::regex kFunction(
       R"(^(?!static |using |typedef |friend |return )[\w:<>,&*\[\] ]*?[\w>&*] ?\b(\w+)\((.*)\)(?: const)?(?: noexcept)? \{)");
   std::vector<Definition> found;
-  std::vector<std::string> scopes;  // "" is an anonymous one.
+  std::vector<std::string> scopes;  // Open namespaces; "" is an anonymous one.
   std::ifstream stream(path);
   std::smatch match;
   std::string statement;
@@ -88,7 +88,7 @@ std::vector<Definition> definitionsIn(const fs::path& path, const std::string& f
   return found;
 }
 
-/// Two adapters to one library, of which a build has one.
+/// True for one of two adapters to a library, of which a build has one.
 bool isAlternative(const std::string& file) { return file == "hil/source/gpio/chips_libgpiod2.cpp"; }
 
 TEST(Names, AreDefinedOnce) {
@@ -131,8 +131,7 @@ TEST(Names, OfTwoDefinitionsAreSeenToBeTheSame) {
   fs::remove(path);
 }
 
-/// Words of an earlier vocabulary, which only the house knew. In two parts, so that this file has none of
-/// them.
+/// Retired words of an earlier vocabulary. They are in two parts, so that this file has none of them.
 TEST(Names, AreTheFieldsOwn) {
   const std::vector<std::string> retired{
       std::string("Controller") + "Ear",   std::string("hear") + "Controller",
@@ -150,22 +149,6 @@ TEST(Names, AreTheFieldsOwn) {
       const std::string text{std::istreambuf_iterator<char>(stream), {}};
       for (const std::string& word : retired)
         EXPECT_EQ(text.find(word), std::string::npos) << entry.path().string() << ": " << word;
-    }
-  }
-}
-
-TEST(Names, CommentsCanBeReadWithoutTheirNeighbour) {
-  static const std::regex kFragment(R"(//[/<]* Of [a-z])");
-  for (const char* folder : {"hil", "twin", "firmware_under_test"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / folder)) {
-      const auto extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".c") continue;
-      std::ifstream file(entry.path());
-      int number = 0;
-      for (std::string line; std::getline(file, line);) {
-        ++number;
-        EXPECT_FALSE(std::regex_search(line, kFragment)) << entry.path() << ":" << number << ": " << line;
-      }
     }
   }
 }

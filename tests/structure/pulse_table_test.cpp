@@ -44,7 +44,7 @@ std::size_t rowsOf(const std::string& text) {
   return rows;
 }
 
-/// True where the name is followed by an argument list, or stands in one as the name of an interrupt does.
+/// True where the name is followed by an argument list, or is in one as the name of an interrupt is.
 bool holdsFunction(const std::string& source, const std::string& function) {
   for (std::size_t at = source.find(function); at != std::string::npos; at = source.find(function, at + 1)) {
     const char before = at > 0 ? source[at - 1] : ' ';
@@ -58,7 +58,7 @@ TEST(PulseTable, NamesFilesThatHoldTheFunctionBesideThem) {
   const std::string page = textOf(sourceRoot() / "ARCHITECTURE.md");
   const std::vector<Hop> hops = hopsOf(page);
   EXPECT_GT(hops.size(), 30U);
-  // Heading and rule; every other row was understood.
+  // Two rows are heading and rule; every other row was understood.
   EXPECT_EQ(rowsOf(page), hops.size() + 2);
   for (const Hop& hop : hops) {
     const auto path = sourceRoot() / hop.file;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rooms of the house: what CMake links is what the sources include, nothing goes in circles, the picture
-// in ARCHITECTURE.md is this one, and only few rooms may hold the model.
+// Rooms of the project: CMake links what the sources include, no links form a circle, the picture in
+// ARCHITECTURE.md is this one, and only few rooms may hold the model.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Graph graphFrom(const std::string& text) {
 
 Graph linked() { return graphFrom(textOf(fs::path(KERFBENCH_BINARY_DIR) / "rooms.txt")); }
 
-/// By the includes of the files that lie in the room's own folder.
+/// Graph by the includes of the files that lie in the room's own folder.
 Graph included(const Graph& rooms) {
   static const std::regex kInclude(R"re(^\s*#\s*include\s*"([^"]+)/[^"/]+")re");
   Graph graph;
@@ -94,7 +94,7 @@ TEST(Rooms, HaveNoCircle) {
 }
 
 TEST(Rooms, AreAllTheFoldersWithSources) {
-  // The two children are programs of their own, and the firmware is C without the house's rooms.
+  // The two children are programs of their own, and the firmware is C without the project's rooms.
   static const std::regex kOther(
       R"(hil/source/avr_child|hil/source/analyser/sigrok_child|hil/app|firmware_under_test/controller.*|firmware_under_test/planner/kerfplan)");
   const Graph graph = linked();
@@ -120,7 +120,7 @@ TEST(Rooms, ThatMeasureAndJudgeReachNothingOfTheTwinButItsBase) {
   }
 }
 
-/// The project's headers that a file includes, directly or by way of others.
+/// Project headers that a file includes, directly or through others.
 std::set<std::string> includedBy(const std::string& path) {
   static const std::regex kInclude(R"re(#include "([^"]+)")re");
   std::set<std::string> seen;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ std::shared_ptr<const twin::Mechanism> pulledBelt(double force_n, double held_n)
   grip.joint = 1;
   grip.across = 2;
   grip.friction.coulomb = kMu * kSheet_kg * kG_m_s2;
-  grip.start_load = -held_n;  // Steady from the start: the force has pulled for long.
+  grip.start_load = -held_n;  // The load is steady from the start: the force has pulled for long.
   d.frictions = {grip};
   d.constant_forces = {{0, force_n}};
   return std::make_shared<twin::Mechanism>(std::move(d));
@@ -70,7 +71,7 @@ std::vector<double> slipsAt(double share_of_grip, const std::vector<double>& tim
 double coulombByHand_mm(const std::vector<double>& belt_mm, double limit_mm_s2) {
   double sheet_mm_s = 0.0, slip_mm = 0.0;
   for (std::size_t i = 1; i < belt_mm.size(); ++i) {
-    const double speed_mm_s = (belt_mm[i] - belt_mm[i - 1]) / kStep_s;  // In the middle of the step.
+    const double speed_mm_s = (belt_mm[i] - belt_mm[i - 1]) / kStep_s;  // Speed in the middle of the step.
     const double most_mm_s = limit_mm_s2 * kStep_s;
     sheet_mm_s += std::clamp(speed_mm_s - sheet_mm_s, -most_mm_s, most_mm_s);
     slip_mm += (speed_mm_s - sheet_mm_s) * kStep_s;
@@ -83,12 +84,13 @@ double preslidingByHand_mm(const std::vector<double>& belt_mm, const twin::BeltD
   constexpr double kPart_s = kStep_s / kParts;
   constexpr double kPresliding_mm = 1e-3;
   const double limit_mm_s2 = belt.sheet_friction * kG_m_s2 * kMetre_mm;
-  const double k = limit_mm_s2 / kPresliding_mm;  // Over the sheet's mass.
+  const double k = limit_mm_s2 / kPresliding_mm;  // Stiffness over the sheet's mass.
   const double c = std::sqrt(k / (1.0 + belt.sheet_mass_kg / belt.mass_kg));
   const auto speedAt = [&](std::size_t middle) { return (belt_mm[middle + 1] - belt_mm[middle]) / kStep_s; };
-  std::array<double, 3> y{};  // The sheet's speed, the bristle, the slip.
+  std::array<double, 3> y{};  // State: the sheet's speed, the bristle, the slip.
   for (std::size_t i = 0; i + 2 < belt_mm.size(); ++i) {
-    const double from_mm_s = speedAt(i), to_mm_s = speedAt(i + 1);  // Half a step late, like the sum of them.
+    // The means are half a step late, like their sum.
+    const double from_mm_s = speedAt(i), to_mm_s = speedAt(i + 1);
     for (int part = 0; part < kParts; ++part) {
       rk4Step(y, part * kPart_s, kPart_s, [&](double time_s, const auto& at, auto& rate) {
         const double over_mm_s = from_mm_s + (to_mm_s - from_mm_s) * time_s / kStep_s - at[0];
@@ -103,7 +105,7 @@ double preslidingByHand_mm(const std::vector<double>& belt_mm, const twin::BeltD
   return y[2];
 }
 
-// A line that speeds up from rest within 0.1 s, and what the sheet of the machine does.
+// A line that speeds up from rest within 0.1 s, and the motion of the machine's sheet.
 struct LineSlip {
   double twin_mm{}, presliding_mm{}, coulomb_mm{}, ideal_mm{};
 };
@@ -129,6 +131,68 @@ LineSlip lineSlip(const twin::MachineDescription& machine, double share, twin::F
 
 std::string slipText(double slip_mm) { return fmt::format("{:.4f}", std::abs(slip_mm)); }
 
+/// Errors of the law alone, with the table of its slips.
+struct LawErrors {
+  double creep_mm{0.0}, slip_mm{0.0};
+  std::string table;
+};
+
+LawErrors lawErrors(double hold_s) {
+  LawErrors errors;
+  std::vector<std::vector<std::string>> rows;
+  constexpr double kSlide_s = 0.5;
+  for (const auto fidelity : {twin::Fidelity::kReference, twin::Fidelity::kFast}) {
+    for (const double share : {0.5, 0.9, 0.999}) {
+      const auto slips = slipsAt(share, {0.2, hold_s}, fidelity);
+      raiseTo(errors.creep_mm, std::abs(slips[1] - slips[0]));
+      rows.push_back({nameOf(fidelity), fmt::format("{:g}", share), fmt::format("{:g}", hold_s),
+                      figureText(std::abs(slips[1]), 1e-9), "holds",
+                      figureText(std::abs(slips[1] - slips[0]), 1e-9)});
+    }
+    for (const double share : {1.01, 1.5, 3.0}) {
+      const double ideal_mm = 0.5 * (share - 1.0) * kMu * kG_m_s2 * kSlide_s * kSlide_s * kMetre_mm;
+      const double found_mm = slipsAt(share, {kSlide_s}, fidelity)[0];
+      raiseTo(errors.slip_mm, std::abs(found_mm - ideal_mm));
+      rows.push_back({nameOf(fidelity), fmt::format("{:g}", share), fmt::format("{:g}", kSlide_s),
+                      fmt::format("{:.5f}", found_mm), fmt::format("{:.5f}", ideal_mm),
+                      figureText(std::abs(found_mm - ideal_mm), 1e-9)});
+    }
+  }
+  errors.table = markdownTable(
+      {"solver", "a / (mu g)", "time, s", "slip", "closed form", "difference (below 1: creep)"}, rows);
+  return errors;
+}
+
+/// Slips on the machine's belt, as a table and a plot, with the largest error.
+struct LineSlips {
+  double error_mm{0.0};
+  std::string table;
+  LinePlot plot;
+};
+
+LineSlips lineSlips(const twin::MachineDescription& machine, bool quick) {
+  LineSlips slips;
+  std::vector<std::vector<std::string>> rows;
+  PlotLine twin_line{"twin", {}, false, true}, ideal_line{"ideal belt", {}, true, false};
+  const std::vector<double> shares =
+      quick ? std::vector{0.5, 1.5} : std::vector{0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0};
+  for (const double share : shares) {
+    const LineSlip slip = lineSlip(machine, share, twin::Fidelity::kReference);
+    raiseTo(slips.error_mm, std::abs(slip.twin_mm - slip.presliding_mm));
+    rows.push_back({fmt::format("{:g}", share), slipText(slip.twin_mm), slipText(slip.presliding_mm),
+                    slipText(slip.coulomb_mm), fmt::format("{:.4f}", slip.ideal_mm)});
+    twin_line.points.emplace_back(share, slip.twin_mm);
+    ideal_line.points.emplace_back(share, slip.ideal_mm);
+  }
+  slips.table = markdownTable(
+      {"a / (mu g)", "slip of the twin, mm", "by hand", "without presliding", "ideal belt"}, rows);
+  slips.plot = {"Slip of the sheet while the line speeds up",
+                {"acceleration over mu g"},
+                {"slip, mm"},
+                {twin_line, ideal_line}};
+  return slips;
+}
+
 }  // namespace
 
 Section beltFriction(const Context& context) {
@@ -143,28 +207,8 @@ Section beltFriction(const Context& context) {
       "g) "
       "t². Slip in mm.\n\n",
       kMu);
-  std::vector<std::vector<std::string>> rows;
-  double creep = 0.0, slip_error = 0.0;
-  constexpr double kSlide_s = 0.5;
-  for (const auto fidelity : {twin::Fidelity::kReference, twin::Fidelity::kFast}) {
-    for (const double share : {0.5, 0.9, 0.999}) {
-      const auto slips = slipsAt(share, {0.2, hold_s}, fidelity);
-      raiseTo(creep, std::abs(slips[1] - slips[0]));
-      rows.push_back({nameOf(fidelity), fmt::format("{:g}", share), fmt::format("{:g}", hold_s),
-                      figureText(std::abs(slips[1]), 1e-9), "holds",
-                      figureText(std::abs(slips[1] - slips[0]), 1e-9)});
-    }
-    for (const double share : {1.01, 1.5, 3.0}) {
-      const double ideal_mm = 0.5 * (share - 1.0) * kMu * kG_m_s2 * kSlide_s * kSlide_s * kMetre_mm;
-      const double found_mm = slipsAt(share, {kSlide_s}, fidelity)[0];
-      raiseTo(slip_error, std::abs(found_mm - ideal_mm));
-      rows.push_back({nameOf(fidelity), fmt::format("{:g}", share), fmt::format("{:g}", kSlide_s),
-                      fmt::format("{:.5f}", found_mm), fmt::format("{:.5f}", ideal_mm),
-                      figureText(std::abs(found_mm - ideal_mm), 1e-9)});
-    }
-  }
-  section.markdown += markdownTable(
-      {"solver", "a / (mu g)", "time, s", "slip", "closed form", "difference (below 1: creep)"}, rows);
+  const LawErrors law = lawErrors(hold_s);
+  section.markdown += law.table;
 
   const auto machine = machine_file::readMachine(context.source_dir / "fixtures/machines/two-mirror.yaml");
   section.markdown += fmt::format(
@@ -173,29 +217,12 @@ Section beltFriction(const Context& context) {
       "that "
       "follows the ramp exactly,\n½ (a - mu g) T² a / (mu g).\n\n",
       machine.belt.sheet_friction);
-  rows.clear();
-  double line_error = 0.0;
-  PlotLine twin_line{"twin", {}, false, true}, ideal_line{"ideal belt", {}, true, false};
-  const std::vector<double> shares =
-      quick ? std::vector{0.5, 1.5} : std::vector{0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0};
-  for (const double share : shares) {
-    const LineSlip slip = lineSlip(machine, share, twin::Fidelity::kReference);
-    raiseTo(line_error, std::abs(slip.twin_mm - slip.presliding_mm));
-    rows.push_back({fmt::format("{:g}", share), slipText(slip.twin_mm), slipText(slip.presliding_mm),
-                    slipText(slip.coulomb_mm), fmt::format("{:.4f}", slip.ideal_mm)});
-    twin_line.points.emplace_back(share, slip.twin_mm);
-    ideal_line.points.emplace_back(share, slip.ideal_mm);
-  }
-  section.markdown += markdownTable(
-      {"a / (mu g)", "slip of the twin, mm", "by hand", "without presliding", "ideal belt"}, rows);
-  section.atMost("creep of a sheet that holds", creep, 1e-6, "mm", 1e-9);
-  section.atMost("slip of a sheet that slides, against the closed form", slip_error, 0.005, "mm");
-  section.atMost("slip on the machine's belt, against the law by hand", line_error, 0.005, "mm");
-  section.figures.push_back({"belt-friction", "Slip of the sheet while the line speeds up",
-                             sampled(LinePlot{"Slip of the sheet while the line speeds up",
-                                              {"acceleration over mu g"},
-                                              {"slip, mm"},
-                                              {twin_line, ideal_line}})});
+  const LineSlips line = lineSlips(machine, quick);
+  section.markdown += line.table;
+  section.atMost("creep of a sheet that holds", law.creep_mm, 1e-6, "mm", 1e-9);
+  section.atMost("slip of a sheet that slides, against the closed form", law.slip_mm, 0.005, "mm");
+  section.atMost("slip on the machine's belt, against the law by hand", line.error_mm, 0.005, "mm");
+  section.figures.push_back({"belt-friction", line.plot.title, svgOf(line.plot)});
   return section;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight coupled joints against equations of motion written by hand.
+// Eight coupled joints compared with equations of motion written by hand.
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -16,7 +16,7 @@ namespace {
 
 using Accelerations = twin::ReferenceSolver::Accelerations;
 
-// The truth at every 50 us, a multiple of every step that is tried.
+// Interval of the truth: every 100 us, a multiple of every step that is tried.
 constexpr double kLook_s = 100e-6;
 
 std::vector<EightJoints::Values> truthOver(double end_s, const EightJoints& machine) {
@@ -109,11 +109,11 @@ Section eightJoints(const Context& context) {
   section.atMost("gantry at 10 µs", at_10us.gantry_um, 1.0, "µm", 1e-7);
   section.atMost("spot at 10 µs, articulated bodies once a step", frozen_at_10us.spot_um, 1.0, "µm", 1e-7);
   section.figures.push_back({"eight-joints", "Largest error of the spot over the step",
-                             sampled(LinePlot{"Eight joints: largest error of the spot",
-                                              {"step, µs", true},
-                                              {"µm", true},
-                                              {line},
-                                              {{1.0, "1 µm"}}})});
+                             svgOf(LinePlot{"Eight joints: largest error of the spot",
+                                            {"step, µs", true},
+                                            {"µm", true},
+                                            {line},
+                                            {{1.0, "1 µm"}}})});
   return section;
 }
 

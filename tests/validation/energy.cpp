@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a solver does to energy that nothing takes away, over ten seconds.
+// Change of energy by a solver, in systems that conserve it, over ten seconds.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -40,8 +40,8 @@ std::shared_ptr<const twin::Mechanism> massOnSpring(double hz, double speed_m_s)
 }
 
 struct Drift {
-  double worst{};  ///< Of the energy, over its first value.
-  double off_m{};  ///< Of the closed form, at the end.
+  double worst{};  ///< Largest change of the energy, over its first value.
+  double off_m{};  ///< Difference from the closed form at the end.
 };
 
 template <typename EnergyFn, typename PlaceFn>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fast solver against the reference: machines x motions x presets.
+// The fast solver compared with the reference: machines x motions x presets.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

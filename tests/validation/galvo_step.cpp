@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step of a galvo's servo against its closed form.
+// Step of a galvo's servo compared with its closed form.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -39,7 +39,7 @@ std::shared_ptr<const twin::Mechanism> galvo() {
   return std::make_shared<twin::Mechanism>(std::move(d));
 }
 
-// Share of the step that is made.
+// Completed share of the step.
 double closedForm(double time_s) {
   const double wn = 2.0 * std::numbers::pi * kNatural_hz;
   const double root = std::sqrt(1.0 - kZeta * kZeta);
@@ -93,7 +93,7 @@ Section galvoStep(const Context&) {
   section.markdown += markdownTable({"solver's step, µs", "largest error, µm"}, rows);
   section.atMost("largest error at 10 µs", worst[1], 1.0, "µm");
   section.atLeast("order of convergence from 20 to 10 µs", std::log2(worst[2] / worst[1]), 3.7, "");
-  section.figures.push_back({"galvo-step", plot.title, sampled(plot)});
+  section.figures.push_back({"galvo-step", plot.title, svgOf(plot)});
   return section;
 }
 

@@ -28,7 +28,7 @@ enum class Jump { kStraight, kArcs };
 // A mark along +x, a jump of `jump_mm` along +y, a mark back along -x.
 Motion markJumpMark(Jump kind, double jump_mm, double jump_mm_s) {
   const double radius_mm = std::min(kRadius_mm, 0.5 * jump_mm);
-  const double mark_mm_s = std::sqrt(kAcceleration_mm_s2 * radius_mm);  // What the arc allows.
+  const double mark_mm_s = std::sqrt(kAcceleration_mm_s2 * radius_mm);  // Speed that the arc allows.
   const Vector2d b(0.0, -0.5 * jump_mm);
   const Vector2d c(0.0, 0.5 * jump_mm);
   const Speeds constant{mark_mm_s, mark_mm_s, mark_mm_s};
@@ -52,15 +52,16 @@ Motion markJumpMark(Jump kind, double jump_mm, double jump_mm_s) {
 }
 
 struct Hook {
-  double end_mm{}, start_mm{};  ///< Of the first mark, of the second.
+  double end_mm{}, start_mm{};  ///< Distances of the first mark's end and the second mark's start.
   std::vector<Vector2d> lit;
   [[nodiscard]] double worst_mm() const { return std::max(end_mm, start_mm); }
 };
 
-// The laser is told of the mirrors' tracking delay, as the controller is, and of nothing else.
+// Hook of a run. The laser is delayed by the mirrors' tracking delay, as by the controller, and by nothing
+// else.
 Hook hookOf(const twin::MachineDescription& machine, const Motion& motion) {
   constexpr double kTail_s = 5e-3;
-  constexpr double kNear_mm = 5.0;  // Of the mark's jump end.
+  constexpr double kNear_mm = 5.0;  // Distance from the mark's end at the jump.
   const auto run = runMachine(machine, restingWeb(), motion, kTail_s, twin::Fidelity::kReference);
   const auto lit_s = motion.lit_s();
   const double delay_s = machine.controller.tracking_delay_s;
@@ -90,7 +91,7 @@ Figure pathFigure(const Hook& straight, const Hook& arcs, double jump_mm) {
   plot.lines.push_back({"straight jump at the galvo's limits, lit", straight.lit});
   plot.lines.push_back({"arc, straight, arc (S2), lit", arcs.lit});
   plot.lines.push_back({"the mark", {{0.0, 0.5 * jump_mm}, {-kMark_mm, 0.5 * jump_mm}}});
-  return {"jump-hook-path", plot.title, sampled(plot)};
+  return {"jump-hook-path", plot.title, svgOf(plot)};
 }
 
 }  // namespace
@@ -142,7 +143,7 @@ Section jumpHook(const Context& context) {
   section.atMost("largest deviation with S2's arcs: not more than one pulse", worst_arcs, step_mm, "mm");
   LinePlot plot{
       "Hook of a jump", {"jump, mm", true}, {"hook, mm"}, {paper, limit, arcs}, {{0.05, "0.05 mm"}}};
-  section.figures.push_back({"jump-hook", "Hook over the length of the jump", sampled(plot)});
+  section.figures.push_back({"jump-hook", "Hook over the length of the jump", svgOf(plot)});
   return section;
 }
 

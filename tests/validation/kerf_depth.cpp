@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S3: the depth of a straight cut is D = f(P_ua), P_ua = P / (F d).
+// Depth of a straight cut by S3: D = f(P_ua), P_ua = P / (F d).
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +22,7 @@ constexpr double kRadius_mm = 0.105;
 constexpr double kStep_s = 10e-6;
 constexpr double kCut_mm = 4.0;
 
-// Shaped as S3's figure 1: steep first, then saturating. The threshold is that of board.
+// Board with a curve like S3's figure 1: steep first, then saturating. The threshold is that of board.
 twin::BoardDescription board() {
   twin::BoardDescription result;
   result.thickness_mm = 0.4;
@@ -32,8 +32,8 @@ twin::BoardDescription board() {
   return result;
 }
 
-// f of S3, on P_ua in J/mm² (W/mm over mm/s): straight pieces between the points. A Gaussian spot of 1/e²
-// radius w, d = 2 w, leaves 2 sqrt(2/pi) P_ua on the line's centre.
+// Function f of S3, on P_ua in J/mm² (W/mm over mm/s): straight pieces between the points. A Gaussian spot of
+// 1/e² radius w, d = 2 w, leaves 2 sqrt(2/pi) P_ua on the line's centre.
 double paperDepth(const twin::BoardDescription& board, double p_ua_j_mm2) {
   const double share = 2.0 * std::sqrt(2.0 / std::numbers::pi) * p_ua_j_mm2 / board.cut_fluence_j_mm2;
   const auto& f = board.depth_curve;
@@ -61,10 +61,10 @@ DepthError cutOnce(const Cut& cut) {
   tube.full_power_w = cut.power_w;
   twin::Laser laser(tube, 1);
   double now_s = 0.0;
-  // A tube that has long come up: what follows is the sheet's matter alone.
+  // The tube has long come up: the rest is a property of the sheet alone.
   for (; now_s < 100.0 * tube.rise_time_s; now_s += kStep_s) laser.step(1.0, now_s, kStep_s);
   const Eigen::Vector2d along(std::cos(cut.turn_rad), std::sin(cut.turn_rad));
-  const Eigen::Vector2d start(3.137, -2.719);  // On no node of the map.
+  const Eigen::Vector2d start(3.137, -2.719);  // The start is on no node of the map.
   const auto at = [&](double travel_mm) {
     Footprint spot;
     spot.p_SQ_mm = start + travel_mm * along;
@@ -92,7 +92,7 @@ DepthError cutOnce(const Cut& cut) {
 
 double powerCurveError() {
   twin::LaserDescription tube;
-  tube.full_power_w = 80.0;  // The tube of S3's figure 2.
+  tube.full_power_w = 80.0;  // Tube of S3's figure 2.
   tube.power_curve = {{0.0, 0.0}, {0.2, 0.33}, {0.4, 0.6}, {0.6, 0.8}, {0.8, 0.93}, {1.0, 1.0}};
   double worst = 0.0;
   for (int i = 0; i <= 50; ++i) {
@@ -160,7 +160,7 @@ Section kerfDepth(const Context& context) {
   section.atMost("largest mean error of a cut, over the thickness", worst_mean, 0.01, "");
   section.atMost("power of the tube at rest against its curve g(u), over full power", powerCurveError(), 1e-6,
                  "", 1e-9);
-  section.figures.push_back({"kerf-depth", "Depth of straight cuts over power per area", sampled(plot)});
+  section.figures.push_back({"kerf-depth", "Depth of straight cuts over power per area", svgOf(plot)});
   return section;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what the twin is worth and writes it down. Exit: 0 all claims hold, 1 one does not, 2 it broke.
+// Measures the accuracy of the twin and writes it down. Exit: 0 all claims hold, 1 one does not, 2 it broke.
 #include <algorithm>
 #include <cstdio>
 #include <exception>

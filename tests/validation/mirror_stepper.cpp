@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S4 turns its mirrors by steppers with subdivision drives and says ±0.05 mm. Where does that hold?
+// Mirrors by steppers with subdivision drives, as in S4, which states ±0.05 mm: where this holds.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,12 +20,12 @@ using Eigen::Vector2d;
 
 constexpr double kLimit_mm = 0.05;
 constexpr double kRadius_mm = 10.0;
-constexpr double kRunUp_mm = 5.0;  // From rest to the mark's speed.
+constexpr double kRunUp_mm = 5.0;  // Length from rest to the mark's speed.
 
 struct Variant {
   std::string name, says;
   bool detent{};
-  double ratio{1.0};  ///< Of the mirror over the motor.
+  double ratio{1.0};  ///< Ratio of the mirror over the motor.
 };
 
 twin::MachineDescription built(const twin::MachineDescription& as_shipped, const Variant& variant,
@@ -82,9 +82,9 @@ Worst worstOf(const twin::MachineDescription& machine, double speed_mm_s) {
 struct Map {
   CellPlot plot;
   double best_mm{INFINITY};
-  double slow_fine_mm{};  ///< At the slowest speed, the finest subdivision.
+  double slow_fine_mm{};  ///< Error at the slowest speed and the finest subdivision.
   int holds{}, losses{}, cells{};
-  std::string where;  ///< The fastest cell that holds.
+  std::string where;  ///< Fastest cell that holds.
 };
 
 Map mapOf(const twin::MachineDescription& as_shipped, const Variant& variant,
@@ -128,7 +128,7 @@ Map mapOf(const twin::MachineDescription& as_shipped, const Variant& variant,
   return map;
 }
 
-// How far the worst mark is off behind a reduction, at 16 microsteps and one speed.
+// Figure of the worst mark's error behind a reduction, at 16 microsteps and one speed.
 Figure overReduction(const twin::MachineDescription& as_shipped, bool quick) {
   constexpr int kSubdivision = 16;
   LinePlot plot{fmt::format("With detent, {} microsteps, behind a reduction", kSubdivision),
@@ -145,10 +145,10 @@ Figure overReduction(const twin::MachineDescription& as_shipped, bool quick) {
     }
     plot.lines.push_back(std::move(line));
   }
-  return {"stepper-reduction", plot.title, sampled(plot)};
+  return {"stepper-reduction", plot.title, svgOf(plot)};
 }
 
-// What a motor at rest may be off by: the detent pulls it until the field, a spring of T_h N, holds it.
+// Largest error of a motor at rest: the detent pulls it until the field, a spring of T_h N, holds it.
 double detentError_mm(const twin::MachineDescription& machine) {
   const auto& stepper = std::get<twin::StepperDescription>(machine.galvo_x.drive);
   const double off_rad = stepper.detent_torque_nm / (stepper.holding_torque_nm * stepper.rotor_teeth);
@@ -156,8 +156,8 @@ double detentError_mm(const twin::MachineDescription& machine) {
          std::hypot(machine.head.throw_mm + machine.head.mirror_spacing_mm, machine.head.throw_mm);
 }
 
-// What rounding to pulses may do, swing included: half a pulse, and the sawtooth's first harmonic pulse / pi
-// at the worst of all pulse rates, amplified by the resonance's 1 / (2 zeta), in both axes.
+// Largest error of rounding to pulses, swing included: half a pulse, and the sawtooth's first harmonic pulse
+// / pi at the worst of all pulse rates, amplified by the resonance's 1 / (2 zeta), in both axes.
 double roundingError_mm(const twin::MachineDescription& machine, double pulse_mm) {
   const auto& stepper = std::get<twin::StepperDescription>(machine.galvo_x.drive);
   const double inertia = machine.galvo_x.motor_inertia_kg_m2 + machine.galvo_x.load_inertia;
@@ -198,7 +198,7 @@ Section mirrorStepper(const Context& context) {
     rows.push_back({variant.says, fmt::format("{:.3f} mm", maps.back().best_mm),
                     fmt::format("{} of {}", maps.back().holds, maps.back().cells), maps.back().where,
                     fmt::format("{}", maps.back().losses)});
-    section.figures.push_back({variant.name, maps.back().plot.title, sampled(maps.back().plot)});
+    section.figures.push_back({variant.name, maps.back().plot.title, svgOf(maps.back().plot)});
   }
   section.markdown = fmt::format(
       "S4 replaces the galvos by steppers with subdivision drives and reports ±0.05 mm, without speed, motor "

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lost steps at the edge of pull-out, against an integrator by hand.
+// Lost steps at the edge of pull-out, compared with an integrator by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -30,7 +32,7 @@ constexpr double kPulse_rad = 2.0 * std::numbers::pi / 3200.0;
 constexpr double kAcceleration_rad_s2 = 1500.0;
 constexpr double kCalm_s = 0.15;
 
-// Up to the speed, 10 ms at it, and down again.
+// Profile up to the speed, 10 ms at it, and down again.
 struct Ramp {
   double top_rad_s{};
   Motion motion{Eigen::Vector2d::Zero()};
@@ -49,7 +51,7 @@ Ramp rampTo(double top_rad_s) {
   return ramp;
 }
 
-// Teeth that the rotor stayed behind when all is quiet.
+// Number of teeth that the rotor stayed behind at the end.
 long long slipped(const Ramp& ramp, double rotor_rad) {
   double command_rad = 0.0;
   for (const twin::StepEdge& edge : ramp.edges) command_rad += edge.direction * kPulse_rad;
@@ -116,8 +118,8 @@ long long slippedOfTwin(const Ramp& ramp, double step_s, twin::Fidelity fidelity
   for (long long i = 0; i < steps; ++i) {
     const double begin_s = static_cast<double>(i) * step_s;
     const double mean = command.meanOver(begin_s, static_cast<double>(i + 1) * step_s);
-    const twin::DriveCommand told{mean, mean, mean};
-    solver->step(begin_s, {&told, 1});
+    const twin::DriveCommand input{mean, mean, mean};
+    solver->step(begin_s, {&input, 1});
   }
   return slipped(ramp, solver->q()[0]);
 }
@@ -126,13 +128,13 @@ struct Trial {
   std::string name;
   double step_s;
   twin::Fidelity fidelity;
-  int equal{};   ///< Of the ramps that are decided,
-  int of_all{};  ///< and of all.
+  int equal{};   ///< Number of decided ramps with equal counts.
+  int of_all{};  ///< Number of all ramps with equal counts.
 };
 
-// A rotor that slips over many teeth is caught by a hair, and whose hair has a structure of its own: the
-// count is a matter of the physics only if it stays when the holding torque changes by up to a thousandth, to
-// which no motor is known.
+// Truth of a ramp. A rotor that slips over many teeth is caught by a hair, and the hair has a structure of
+// its own: the count is a matter of the physics only if it stays when the holding torque changes by up to a
+// thousandth, a tolerance that no motor has.
 struct Truth {
   long long teeth{};
   bool decided{true};
@@ -146,39 +148,47 @@ Truth truthOf(const Ramp& ramp) {
   return truth;
 }
 
-}  // namespace
+constexpr double kLow_rad_s = 104.0, kHigh_rad_s = 112.0;
 
-Section pullOut(const Context& context) {
-  const int ramps = context.effort == Effort::kQuick ? 5 : 33;
-  constexpr double kLow_rad_s = 104.0, kHigh_rad_s = 112.0;
+/// Counts over all ramps, with a row of the table for each.
+struct Counts {
   std::vector<Trial> trials{{"reference, 5 µs", 5e-6, twin::Fidelity::kReference},
                             {"reference, 10 µs", 10e-6, twin::Fidelity::kReference},
                             {"reference, 20 µs", 20e-6, twin::Fidelity::kReference},
                             {"fast, 10 µs", 10e-6, twin::Fidelity::kFast}};
   PlotLine truth{"integrator by hand, 0.2 µs", {}, true, false};
   PlotLine reference{"reference solver, 10 µs", {}, false, true};
-  int with_loss = 0;
-  int decided = 0;
+  int with_loss{0};
+  int decided{0};
   std::vector<std::vector<std::string>> rows;
-  for (int i = 0; i < ramps; ++i) {
-    const Ramp ramp = rampTo(kLow_rad_s + (kHigh_rad_s - kLow_rad_s) * i / (ramps - 1));
-    const Truth by_hand = truthOf(ramp);
-    decided += by_hand.decided ? 1 : 0;
-    with_loss += by_hand.decided && by_hand.teeth != 0 ? 1 : 0;
-    truth.points.emplace_back(ramp.top_rad_s, 4.0 * static_cast<double>(by_hand.teeth));
-    std::vector<std::string> row{fmt::format("{:.2f}", ramp.top_rad_s),
-                                 std::to_string(4 * by_hand.teeth) + (by_hand.decided ? "" : " by a hair")};
-    for (Trial& trial : trials) {
-      const long long found = slippedOfTwin(ramp, trial.step_s, trial.fidelity);
-      trial.equal += by_hand.decided && found == by_hand.teeth ? 1 : 0;
-      trial.of_all += found == by_hand.teeth ? 1 : 0;
-      row.push_back(std::to_string(4 * found));
-      if (trial.step_s == 10e-6 && trial.fidelity == twin::Fidelity::kReference) {
-        reference.points.emplace_back(ramp.top_rad_s, 4.0 * static_cast<double>(found));
-      }
+};
+
+void add(Counts& counts, const Ramp& ramp) {
+  const Truth by_hand = truthOf(ramp);
+  counts.decided += by_hand.decided ? 1 : 0;
+  counts.with_loss += by_hand.decided && by_hand.teeth != 0 ? 1 : 0;
+  counts.truth.points.emplace_back(ramp.top_rad_s, 4.0 * static_cast<double>(by_hand.teeth));
+  std::vector<std::string> row{fmt::format("{:.2f}", ramp.top_rad_s),
+                               std::to_string(4 * by_hand.teeth) + (by_hand.decided ? "" : " by a hair")};
+  for (Trial& trial : counts.trials) {
+    const long long found = slippedOfTwin(ramp, trial.step_s, trial.fidelity);
+    trial.equal += by_hand.decided && found == by_hand.teeth ? 1 : 0;
+    trial.of_all += found == by_hand.teeth ? 1 : 0;
+    row.push_back(std::to_string(4 * found));
+    if (trial.step_s == 10e-6 && trial.fidelity == twin::Fidelity::kReference) {
+      counts.reference.points.emplace_back(ramp.top_rad_s, 4.0 * static_cast<double>(found));
     }
-    rows.push_back(std::move(row));
   }
+  counts.rows.push_back(std::move(row));
+}
+
+}  // namespace
+
+Section pullOut(const Context& context) {
+  const int ramps = context.effort == Effort::kQuick ? 5 : 33;
+  Counts counts;
+  for (int i = 0; i < ramps; ++i)
+    add(counts, rampTo(kLow_rad_s + (kHigh_rad_s - kLow_rad_s) * i / (ramps - 1)));
   Section section;
   section.title = "Lost steps at the edge of pull-out";
   section.markdown = fmt::format(
@@ -190,25 +200,28 @@ Section pullOut(const Context& context) {
       "steps of 0.2 µs. {} ramps are decided: by hand, no\nchange of the holding torque by up to a "
       "thousandth "
       "changes the count. The others are marked: the rotor is caught by a hair.\n\n",
-      ramps, kAcceleration_rad_s2, kLow_rad_s, kHigh_rad_s, decided);
+      ramps, kAcceleration_rad_s2, kLow_rad_s, kHigh_rad_s, counts.decided);
   std::vector<std::string> head{"top speed, rad/s", "by hand"};
-  for (const Trial& trial : trials) head.push_back(trial.name);
-  section.markdown += markdownTable(head, rows);
-  for (const Trial& trial : trials) {
-    section.atLeast("decided ramps with the same count as by hand: " + trial.name, trial.equal, decided, "");
+  for (const Trial& trial : counts.trials) head.push_back(trial.name);
+  section.markdown += markdownTable(head, counts.rows);
+  for (const Trial& trial : counts.trials) {
+    section.atLeast("decided ramps with the same count as by hand: " + trial.name, trial.equal,
+                    counts.decided, "");
   }
   section.markdown += "Equal counts of all ramps, decided or not: ";
-  for (const Trial& trial : trials) {
-    section.markdown +=
-        fmt::format("{}{} {} of {}", &trial == trials.data() ? "" : ", ", trial.name, trial.of_all, ramps);
+  for (const Trial& trial : counts.trials) {
+    section.markdown += fmt::format("{}{} {} of {}", &trial == counts.trials.data() ? "" : ", ", trial.name,
+                                    trial.of_all, ramps);
   }
   section.markdown += ".\n\n";
-  section.atLeast("decided ramps that lose steps", with_loss, std::max(1, ramps / 6), "");
-  section.atLeast("decided ramps that lose none", decided - with_loss, std::max(1, ramps / 6), "");
-  section.figures.push_back(
-      {"pull-out", "Full steps lost over the ramp's top speed",
-       sampled(LinePlot{
-           "Lost steps at the edge of pull-out", {"top speed, rad/s"}, {"full steps"}, {truth, reference}})});
+  section.atLeast("decided ramps that lose steps", counts.with_loss, std::max(1, ramps / 6), "");
+  section.atLeast("decided ramps that lose none", counts.decided - counts.with_loss, std::max(1, ramps / 6),
+                  "");
+  section.figures.push_back({"pull-out", "Full steps lost over the ramp's top speed",
+                             svgOf(LinePlot{"Lost steps at the edge of pull-out",
+                                            {"top speed, rad/s"},
+                                            {"full steps"},
+                                            {counts.truth, counts.reference}})});
   return section;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the integrator is told of a train of pulses: its mean over the step, its edges, or a sample.
+// Input of the integrator for a train of pulses: its mean over the step, its edges, or a sample.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,7 @@ using Trains = std::array<Edges, EightJoints::kDrives>;
 // One pulse: belt and gantry 12.5 um, stepper 1/16 of 1.8 degrees, galvo 12.5 urad.
 constexpr EightJoints::Command kPulse{12.5e-6 / 0.03, 12.5e-6, 12.5e-6, 1.9634954084936207e-3, 12.5e-6};
 constexpr double kLook_s = 100e-6;
-constexpr double kEdgeSlack_s = 1e-9;  // Edges lie on the grid, but for rounding.
+constexpr double kEdgeSlack_s = 1e-9;  // Rounding of edges on the grid.
 
 Trains trainsOver(double end_s) {
   Trains trains;
@@ -46,7 +46,7 @@ class Staircase {
     }
     return command_;
   }
-  /// The next edge of any train; infinity if there is none.
+  /// Next edge of any train; infinity if there is none.
   [[nodiscard]] double nextEdge_s() const {
     double next_s = INFINITY;
     for (std::size_t i = 0; i < trains_.size(); ++i) {
@@ -160,7 +160,7 @@ Section pulseTrains(const Context& context) {
   LinePlot plot{
       "Trains of pulses: largest error of the spot", {"step, µs", true}, {"µm", true}, {}, {{1.0, "1 µm"}}};
   plot.lines.assign(lines.begin(), lines.end());
-  section.figures.push_back({"pulse-trains", plot.title, sampled(plot)});
+  section.figures.push_back({"pulse-trains", plot.title, svgOf(plot)});
   return section;
 }
 

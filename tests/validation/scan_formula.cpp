@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S4's formula (1) against the ray trace, and what happens when one of its assumptions breaks.
+// Formula (1) of S4 compared with the ray trace, and the errors when one of its assumptions breaks.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -120,7 +120,7 @@ Figure fieldMap(const std::string& name, const std::string& says, const Head& h)
       plot.text.back().push_back(fmt::format("{:.3f}", off));
     }
   }
-  return {name, plot.title, sampled(plot)};
+  return {name, plot.title, svgOf(plot)};
 }
 
 Figure diagonal(const std::vector<Break>& shown) {
@@ -141,7 +141,7 @@ Figure diagonal(const std::vector<Break>& shown) {
     }
     plot.lines.push_back(std::move(line));
   }
-  return {"scan-formula-diagonal", plot.title, sampled(plot)};
+  return {"scan-formula-diagonal", plot.title, svgOf(plot)};
 }
 
 double worstAgainstFormula(int half) {
@@ -180,7 +180,7 @@ Section scanFormula(const Context& context) {
   Section section;
   section.title = "Formula (1) of S4 against the ray trace";
   section.markdown = fmt::format(
-      "The formula is exact for a head as sampled. The table breaks one assumption at a time: L = 500 mm, d "
+      "The formula is exact for a head as drawn. The table breaks one assumption at a time: L = 500 mm, d "
       "= "
       "15 "
       "mm, the mirrors\nat the angles that the formula asks for, field ±{:g} mm, {} places; deviation after "

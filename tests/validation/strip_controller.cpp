@@ -22,7 +22,7 @@ double StripJob::ramps_s(int pieces) const {
 double StripJob::cycle_s() const {
   const double a = gantry_acceleration_mm_s2;
   const double outside_s = run_up_mm / cut_mm_s;
-  const double together_s = width_mm / cut_mm_s + 2.0 * outside_s;  // at the speed of the line
+  const double together_s = width_mm / cut_mm_s + 2.0 * outside_s;  // Time at the speed of the line.
   Track x(0.0);
   x.speedUpTo(feed_mm_s, a);
   x.keepUntil(x.time_s() + together_s);
@@ -70,7 +70,8 @@ void StripController::planCut() {
   const double outside_s = job_.run_up_mm / job_.cut_mm_s;
   const double line_s = cut_ * job_.length_mm / v;
   const double ready_s = free_s_ + std::max(v, job_.cut_mm_s) / a;
-  const double level_s = std::max(line_s + 0.5 * catch_up_s, ready_s);  // with the line, at its speed
+  // Time at which the head is with the line, at its speed.
+  const double level_s = std::max(line_s + 0.5 * catch_up_s, ready_s);
   planCrossing(level_s + outside_s);
   Track& x = x_.track();
   x.keepUntil(level_s - catch_up_s);

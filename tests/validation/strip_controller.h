@@ -14,26 +14,26 @@ namespace kerfbench::validation {
 struct StripJob {
   enum class Regime { kStopAndGo, kContinuous };
   Regime regime{Regime::kContinuous};
-  double width_mm{800.0};     ///< y0
-  double length_mm{1200.0};   ///< L
-  double feed_mm_s{200.0};    ///< v_x
-  double cut_mm_s{230.0};     ///< v_y
-  double return_mm_s{400.0};  ///< v_0
+  double width_mm{800.0};     ///< Width y0.
+  double length_mm{1200.0};   ///< Length L of a piece.
+  double feed_mm_s{200.0};    ///< Feed v_x.
+  double cut_mm_s{230.0};     ///< Cutting speed v_y.
+  double return_mm_s{400.0};  ///< Return speed v_0.
   double gantry_acceleration_mm_s2{2500.0};
-  double feed_acceleration_mm_s2{500.0};  ///< Stop-and-go: of the belt.
-  /// Way across before and behind the strip at full speed, in which the servos settle; the laser is lit in
-  /// the half next to the strip.
+  double feed_acceleration_mm_s2{500.0};  ///< Acceleration of the belt, in stop-and-go.
+  /// Distance across before and behind the strip at full speed, in which the servos settle; the laser is lit
+  /// in the half next to the strip.
   double run_up_mm{2.0};
 
   /// The paper's times without any ramp: 9.478 n s and 3.478 + 6 n s for its example.
   [[nodiscard]] double formula_s(int pieces) const;
-  /// What ramps and run-ups add to it for the n-th piece, if the head is back in time.
+  /// Time that ramps and run-ups add to it for the n-th piece, if the head is back in time.
   [[nodiscard]] double ramps_s(int pieces) const;
-  /// From the start of a continuous cut to the start of the next if the head never waits: the paper's
+  /// Time from the start of a continuous cut to the start of the next if the head never waits: the paper's
   /// (y0/v_y)(1 + v_x/v_0), and with all ramps.
   [[nodiscard]] double idealCycle_s() const { return width_mm / cut_mm_s * (1.0 + feed_mm_s / return_mm_s); }
   [[nodiscard]] double cycle_s() const;
-  /// The smallest v_0 of (v_x/v_y)(v_x/v_0 + 1) y0 <= L.
+  /// Smallest v_0 of (v_x/v_y)(v_x/v_0 + 1) y0 <= L.
   [[nodiscard]] double returnLimit_mm_s() const;
 };
 
@@ -45,12 +45,12 @@ struct StripJob {
 /// (stop-and-go).
 class StripController {
  public:
-  /// Along y, of the n-th cut.
+  /// Sense along y of the n-th cut.
   static double sense(int cut) { return cut % 2 == 1 ? 1.0 : -1.0; }
 
   StripController(const StripJob& job, const twin::MachineDescription& machine, TickRate rate);
 
-  /// All pin events in (last `until`, until].
+  /// Appends all pin events in (last `until`, until].
   void advance(Tick until, std::vector<PinEvent>& events);
 
  private:
@@ -69,7 +69,7 @@ class StripController {
   PulseTrain x_, y_, feed_;
   std::deque<GateChange> gate_;
   int cut_{0};
-  double free_s_{0.0};  ///< The head is back and at rest, or the belt may go.
+  double free_s_{0.0};  ///< Time from which the head is back and at rest, or the belt may go.
   std::vector<PinWrite> writes_;
   std::vector<std::uint16_t> ports_;
   bool started_{false};

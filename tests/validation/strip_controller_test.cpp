@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motion generator, checked for itself: its pulses are what its tracks say.
+// Test of the motion generator by itself: its pulses are those of its tracks.
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -31,7 +31,7 @@ TEST(Track, AMoveEndsAtRestInItsPlace) {
         EXPECT_NEAR(piece->speed_mm_s, speed_mm_s, 1e-9);
         EXPECT_EQ(piece->begin_s, end_s);
         const double t = piece->end_s - piece->begin_s;
-        place_mm += piece->direction() * piece->way_mm(piece->end_s);
+        place_mm += piece->direction() * piece->distance_mm(piece->end_s);
         speed_mm_s += piece->acceleration_mm_s2 * t;
         EXPECT_LE(std::abs(speed_mm_s), 400.0 + 1e-9);
         end_s = piece->end_s;
@@ -63,12 +63,12 @@ TEST(PulseTrain, StaysWithinHalfAStepOfItsTrack) {
       dir = write.level;
       dir_tick = write.tick;
     } else if (write.level) {
-      EXPECT_GT(kRate.seconds(write.tick - dir_tick), 100e-6);  // a DM556 wants 5 us
+      EXPECT_GT(kRate.seconds(write.tick - dir_tick), 100e-6);  // A DM556 needs 5 us.
       const double time_s = kRate.seconds(write.tick) + 0.5 * kRate.seconds(1);
       while (copy.front() != nullptr && copy.front()->end_s < time_s - kRate.seconds(1)) copy.dropFront();
       ASSERT_NE(copy.front(), nullptr);
       const Track::Piece& piece = *copy.front();
-      const double place_mm = piece.place_mm + piece.direction() * piece.way_mm(time_s);
+      const double place_mm = piece.place_mm + piece.direction() * piece.distance_mm(time_s);
       const double middle = (static_cast<double>(count) + (dir ? 0.5 : -0.5)) * kStep_mm;
       EXPECT_NEAR(place_mm, middle, 1e-4) << "at " << time_s << " s";
       count += dir ? 1 : -1;
@@ -83,7 +83,7 @@ TEST(StripJob, ThePapersExample) {
   EXPECT_NEAR(job.returnLimit_mm_s(), 275.9, 0.05);
   EXPECT_NEAR(job.formula_s(100), 603.5, 0.03);
   job.regime = StripJob::Regime::kStopAndGo;
-  EXPECT_NEAR(job.formula_s(100), 950.0, 2.2);  // the paper rounds 9.478 to 9.5
+  EXPECT_NEAR(job.formula_s(100), 950.0, 2.2);  // The paper rounds 9.478 to 9.5.
 }
 
 TEST(StripJob, WithoutRampsTheCycleIsThePapers) {
@@ -93,7 +93,7 @@ TEST(StripJob, WithoutRampsTheCycleIsThePapers) {
   EXPECT_NEAR(job.cycle_s(), job.idealCycle_s(), 1e-5);
 }
 
-/// All that the pins do in a time, whatever the quanta.
+/// All pin events of a time, with any quanta.
 std::vector<PinEvent> eventsOf(const StripJob& job, Tick quantum, double length_s) {
   twin::MachineDescription machine;
   machine.gantry_x.step = machine.gantry_y.step = machine.belt.feed.step = kStep_mm;

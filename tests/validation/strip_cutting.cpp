@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S0: pieces off a strip, stop-and-go and continuous, timed by the model.
+// Pieces off a strip by S0, stop-and-go and continuous, timed by the model.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -26,7 +26,7 @@ StripJob jobOf(Regime regime) {
   return job;
 }
 
-/// What formula and ramps leave unexplained: the drives' lag.
+/// Time that formula and ramps leave unexplained: the drives' lag.
 double unexplained_s(const StripFigure& figure) {
   const StripJob job = jobOf(figure.regime);
   return figure.cut_s - job.formula_s(figure.pieces) - job.ramps_s(figure.pieces);
@@ -47,9 +47,9 @@ std::string table(const std::vector<StripFigure>& figures) {
                        rows);
 }
 
-/// The beam's way in W over one cycle, two pieces, every millisecond.
+/// Path of the beam in W over one cycle, two pieces, every millisecond.
 Figure headPath(const twin::MachineDescription& machine) {
-  constexpr int kEach = 200;  // steps of 10 us
+  constexpr int kEach = 200;  // Number of steps of 10 us.
   StripLine line(machine, jobOf(Regime::kContinuous), Fidelity::kFast);
   line.nextPiece();
   PlotLine path{"beam", {}, true, false};
@@ -69,7 +69,7 @@ Figure headPath(const twin::MachineDescription& machine) {
       "strip-head-path",
       "The beam's way in the machine over one cycle of the continuous regime: with the strip while it cuts, "
       "straight back while the strip goes on (Fig. 5 of the paper).",
-      sampled(plot)};
+      svgOf(plot)};
 }
 
 Figure timesPlot(const std::vector<StripFigure>& figures) {
@@ -89,8 +89,7 @@ Figure timesPlot(const std::vector<StripFigure>& figures) {
     plot.lines.push_back(formula);
   }
   return {"strip-times",
-          "Dots: pieces of the twin. Lines: 9.478 n s and 3.478 + 6 n s (Fig. 7 of the paper).",
-          sampled(plot)};
+          "Dots: pieces of the twin. Lines: 9.478 n s and 3.478 + 6 n s (Fig. 7 of the paper).", svgOf(plot)};
 }
 
 /// Largest difference between cut times of the parts put together by hand and those of the whole twin.

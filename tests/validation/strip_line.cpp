@@ -14,7 +14,7 @@ using twin::BeamSpot;
 using twin::MachineModel;
 
 constexpr Tick kQuantum = 8000;  // 0.5 ms
-/// Burnt at either end of a cut: more than the beam reaches.
+/// Length that is burnt at either end of a cut; more than the beam reaches.
 constexpr double kBurntEnd_mm = 2.0;
 
 bool crossed(double before, double now, double goal) { return (before - goal) * (now - goal) <= 0.0; }
@@ -65,15 +65,15 @@ StripLine::View StripLine::view() const {
 }
 
 double StripLine::emit(double begin_s) {
-  // As Twin does: a step in which the gate moves is cut there.
-  const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double end_s = heard_s + MachineModel::kStep_s;
-  double from_s = heard_s;
+  // A step in which the gate moves is divided there, as in Twin.
+  const double input_time_s = begin_s - machine_.laser.gate_delay_s;
+  const double end_s = input_time_s + MachineModel::kStep_s;
+  double from_s = input_time_s;
   double energy_j = 0.0;
   const auto until = [&](double to_s) {
     if (to_s <= from_s) return;
     const double duty = pins_.pwm().meanOver(from_s, to_s);
-    energy_j += laser_.step(gate_open_ ? 1.0 : 0.0, duty, begin_s + (from_s - heard_s), to_s - from_s);
+    energy_j += laser_.step(gate_open_ ? 1.0 : 0.0, duty, begin_s + (from_s - input_time_s), to_s - from_s);
     from_s = to_s;
   };
   for (twin::EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
@@ -89,7 +89,7 @@ void StripLine::step() {
   const double energy_j = emit(begin_s);
   model_.step(begin_s);
   ++steps_;
-  // The spot costs as much as the dynamics, and beside the strip nobody asks for it.
+  // The spot costs as much as the dynamics, and outside of the strip it is not needed.
   const double y = StripController::sense(number_) * model_.pose().gantry_mm.y();
   if (!watcher_ && y < -0.5 * job_.width_mm - kBurntEnd_mm) {
     last_.reset();
@@ -106,7 +106,7 @@ void StripLine::follow(const View& before, const View& now, double energy_j) {
   const double edge_mm = 0.5 * job_.width_mm;
   const double y_before = sense * before.spot.p_WQ_mm.y();
   const double y = sense * now.spot.p_WQ_mm.y();
-  // On the sheet, from the line of this cut and from the strip's middle.
+  // Place on the sheet, from the line of this cut and from the strip's middle.
   const auto onSheet = [line_mm = number_ * job_.length_mm](const View& view) {
     const BeamSpot& spot = view.spot;
     return twin::Footprint{{spot.p_WQ_mm.x() - view.web_mm + line_mm, spot.p_WQ_mm.y()},
@@ -118,7 +118,7 @@ void StripLine::follow(const View& before, const View& now, double energy_j) {
   const double x = footprint.p_SQ_mm.x();
   if (crossed(y_before, y, -edge_mm)) piece_.near_mm = x;
   if (crossed(y_before, y, edge_mm)) piece_.far_mm = x;
-  // Outwards it still runs out of the cut before.
+  // The beam still runs outwards, out of the cut before.
   if (y > y_before && std::abs(y) < edge_mm) {
     if (energy_j > 0.0) {
       piece_.worst_mm = std::max(piece_.worst_mm, std::abs(x));
@@ -132,7 +132,7 @@ void StripLine::follow(const View& before, const View& now, double energy_j) {
   if (y > edge_mm - 0.5 && sheet_.depthAt({x, sense * edge_mm}) >= 1.0) {
     off_ = true;
     piece_.cut_s = time_s();
-    if (y < edge_mm) piece_.far_mm = x;  // the kerf runs ahead of the beam's middle
+    if (y < edge_mm) piece_.far_mm = x;  // The kerf runs ahead of the beam's middle.
   }
 }
 

@@ -17,26 +17,27 @@ namespace kerfbench::validation {
 
 inline constexpr TickRate kStripRate{1, 16'000'000};
 
-/// How a piece came off the strip.
+/// Result of cutting a piece off the strip.
 struct CutPiece {
-  double cut_s{};        ///< When the kerf had reached the strip's far edge in full depth, to 10 us.
-  double near_mm{};      ///< x of the cut off its line at the strip's near edge, on the sheet; + downstream.
-  double far_mm{};       ///< And at the far edge.
+  double cut_s{};  ///< Time at which the kerf had reached the strip's far edge in full depth, to 10 us.
+  /// Distance x of the cut from its line at the strip's near edge, on the sheet; + downstream.
+  double near_mm{};
+  double far_mm{};       ///< Distance x of the cut from its line at the far edge.
   double worst_mm{};     ///< Largest |x| off the line while the laser was lit inside the strip.
-  double unlit_mm{};     ///< Way across the strip without energy.
+  double unlit_mm{};     ///< Length across the strip without energy.
   double energy_j_mm{};  ///< Mean energy per length across the strip.
 };
 
-/// The strip machine put together from the twin's own parts, as Twin does it, but for one thing: of each cut
-/// only the ends are burnt into a sheet, and each piece gets a new one. So ten thousand pieces take no more
-/// memory than one. (Twin keeps the whole web, 8 MB a cut, and a sheet ends 1 km from its origin.)
+/// The strip machine composed of the twin's own parts, as Twin does it, with one difference: only the ends of
+/// each cut are burnt into a sheet, and each piece gets a new one. So ten thousand pieces take no more memory
+/// than one. (Twin keeps the whole web, 8 MB a cut, and a sheet ends 1 km from its origin.)
 class StripLine {
  public:
   StripLine(const twin::MachineDescription& machine, const StripJob& job, twin::Fidelity fidelity);
 
   /// Runs until one more piece is off. @throws std::runtime_error if none comes off for three cycles.
   CutPiece nextPiece();
-  /// Called after every step with time and the beam's place in W.
+  /// Sets a watcher, which is called after every step with time and the beam's place in W.
   void watch(std::function<void(double time_s, const Eigen::Vector2d& p_WQ_mm)> watcher) {
     watcher_ = std::move(watcher);
   }
@@ -45,7 +46,7 @@ class StripLine {
  private:
   struct View {
     twin::BeamSpot spot;
-    double web_mm{};  ///< x_W of the web's origin.
+    double web_mm{};  ///< Place x_W of the web's origin.
   };
 
   void readPins();
@@ -65,15 +66,15 @@ class StripLine {
   std::vector<PinEvent> events_;
   Tick now_{0};
   std::uint64_t steps_{0};
-  int number_{1};  ///< Of the cut under way.
+  int number_{1};  ///< Number of the cut under way.
   bool off_{false};
   bool gate_open_{false};
   CutPiece piece_;
-  std::optional<View> last_;  ///< None while nobody looks.
+  std::optional<View> last_;  ///< Last view; none while it is not needed.
   std::function<void(double, const Eigen::Vector2d&)> watcher_;
 };
 
-/// What the strip is made of, and how it runs in this regime.
+/// Material of the strip, and its web in this regime.
 twin::BoardDescription stripBoard();
 twin::WebDescription stripWeb(const StripJob& job);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S0's long run: thousands of pieces in both regimes, on the fast twin. An hour or two for ten thousand.
+// Long run of S0: thousands of pieces in both regimes, on the fast twin. An hour or two for ten thousand.
 #include <cstdio>
 #include <exception>
 #include <string>

@@ -45,7 +45,7 @@ twin::MachineDescription stripMachine(const std::filesystem::path& source_dir) {
   feed.step = 0.0125;
   feed.load_per_motor = 0.1;
   feed.motor_inertia_kg_m2 = 4e-4;
-  // 150 Hz between motor and roller, 2 % of critical.
+  // The coupling has 150 Hz between motor and roller, 2 % of critical.
   const double motor_kg_m2 = feed.motor_inertia_kg_m2 / (feed.load_per_motor * feed.load_per_motor);
   const double roller_kg_m2 = machine.belt.roller_inertia_kg_m2;
   const double both_kg_m2 = motor_kg_m2 * roller_kg_m2 / (motor_kg_m2 + roller_kg_m2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// S0's constraint: how slowly the head may go back.
+// Constraint of S0: the lowest speed of the head's return.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -23,14 +23,14 @@ StripJob jobOf(double return_mm_s, double acceleration_mm_s2) {
   return job;
 }
 
-/// How far upstream of its line the second cut starts: the first that a way back comes before.
+/// Distance upstream of its line at which the second cut starts, the first one after a return.
 double startError_mm(const twin::MachineDescription& machine, const StripJob& job) {
   StripLine line(machine, job, twin::Fidelity::kFast);
   line.nextPiece();
   return -line.nextPiece().near_mm;
 }
 
-/// The same by kinematics: the strip goes on while the head is late.
+/// Start error by kinematics: the strip goes on while the head is late.
 double lateness_mm(const StripJob& job, double cycle_s) {
   return std::max(0.0, job.feed_mm_s * cycle_s - job.length_mm);
 }
@@ -49,9 +49,9 @@ double limit_mm_s(const Late& late) {
 
 struct Ramps {
   double acceleration_mm_s2{};
-  double limit_mm_s{};            ///< By the twin.
-  double kinematic_limit_mm_s{};  ///< By cycle_s().
-  double worst_difference_mm{};   ///< Of start errors, twin against kinematics.
+  double limit_mm_s{};            ///< Limit by the twin.
+  double kinematic_limit_mm_s{};  ///< Limit by cycle_s().
+  double worst_difference_mm{};   ///< Largest difference of start errors, twin against kinematics.
   double worst_above_mm{};        ///< Largest start error above the limit.
 };
 
@@ -132,7 +132,7 @@ Section stripReturn(const Context& context) {
       markdownTable({"ramps", "limit by the twin, mm/s", "by kinematics, mm/s", "start errors differ by, mm"},
                     rows);
   section.figures = {
-      {"strip-return", "Where the second cut starts if the head goes back at v_0.", sampled(plot)}};
+      {"strip-return", "Where the second cut starts if the head goes back at v_0.", svgOf(plot)}};
   return section;
 }
 

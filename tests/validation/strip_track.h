@@ -9,18 +9,18 @@
 
 namespace kerfbench::validation {
 
-/// Where an axis is told to be: pieces of constant acceleration in a row. Pieces that were pulsed are
+/// Commanded motion of an axis: pieces of constant acceleration in a row. Pieces that were pulsed are
 /// dropped, so a track of any length takes little memory.
 class Track {
  public:
   struct Piece {
     double begin_s{}, end_s{};
-    double place_mm{}, speed_mm_s{}, acceleration_mm_s2{};  ///< At begin; the speed keeps its sign.
+    double place_mm{}, speed_mm_s{}, acceleration_mm_s2{};  ///< State at begin; the speed keeps its sign.
     [[nodiscard]] int direction() const;
-    /// Way from its begin to a time in it, unsigned.
-    [[nodiscard]] double way_mm(double time_s) const;
-    /// When it has made this way; the way must lie in it.
-    [[nodiscard]] double timeOf_s(double way_mm) const;
+    /// Distance from the piece's begin to a time in it, unsigned.
+    [[nodiscard]] double distance_mm(double time_s) const;
+    /// Time at which the piece has made this distance; the distance must lie in it.
+    [[nodiscard]] double timeOf_s(double distance_mm) const;
   };
 
   explicit Track(double place_mm) : place_mm_(place_mm) {}
@@ -28,10 +28,10 @@ class Track {
   /// Goes on at the present speed.
   void keepUntil(double time_s);
   void speedUpTo(double speed_mm_s, double acceleration_mm_s2);
-  /// From the present speed to rest at a place, no faster than this.
+  /// Moves from the present speed to rest at a place, no faster than this.
   void moveTo(double place_mm, double top_mm_s, double acceleration_mm_s2);
 
-  /// Of the last piece's end.
+  /// Time of the last piece's end.
   [[nodiscard]] double time_s() const { return time_s_; }
   [[nodiscard]] double place_mm() const { return place_mm_; }
 
@@ -54,21 +54,21 @@ struct PinWrite {
 };
 
 /// PUL and DIR that follow a track to within half a step. The first pulse comes later than DIR by far more
-/// than any drive asks for, since every motion begins at rest.
+/// than any drive requires, since every motion begins at rest.
 class PulseTrain {
  public:
   PulseTrain(Signal pul, Signal dir, double step_mm, double place_mm)
       : pul_(pul), dir_(dir), step_mm_(step_mm), track_(place_mm) {}
 
   [[nodiscard]] Track& track() { return track_; }
-  /// Appends what the pins do before `until_s`; the falling edge of the last pulse may lie after it.
+  /// Appends the pins' writes before `until_s`; the falling edge of the last pulse may lie after it.
   void appendUntil(double until_s, TickRate rate, std::vector<PinWrite>& writes);
 
  private:
   Signal pul_, dir_;
   double step_mm_;
   Track track_;
-  long long count_{0};  ///< Steps from the axis's zero.
+  long long count_{0};  ///< Number of steps from the axis's zero.
   bool dir_level_{false};
   double last_edge_s_{-1.0};
 };

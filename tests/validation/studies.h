@@ -8,10 +8,10 @@
 
 namespace kerfbench::validation {
 
-/// How much of a study is run: all that the page shows, or what a test has time for.
+/// Amount of a study that is run: all that the page shows, or as much as a test has time for.
 enum class Effort { kFull, kQuick };
 
-/// What every study is given.
+/// Arguments of every study.
 struct Context {
   Effort effort{Effort::kFull};
   std::filesystem::path source_dir;  ///< The repository, for fixtures/.
@@ -19,9 +19,10 @@ struct Context {
 
 /// One chapter of VALIDATION.md. Its figures come from its own runs, now.
 struct Study {
-  const char* name;  ///< For --only, e.g. "galvo-step".
+  const char* name;  ///< Name for --only, e.g. "galvo-step".
   Section (*run)(const Context& context);
-  bool clock{false};  ///< Measures time: its part of the page differs from run to run and stands at its end.
+  /// True if the study measures time: its part of the page differs from run to run and stands at its end.
+  bool clock{false};
 };
 
 /// All studies in the page's order: the one table to add to.

@@ -11,12 +11,12 @@
 
 namespace kerfbench {
 
-/// A grey image, row-major without padding. Pixel centres are at integer coordinates, as in OpenCV:
-/// pixel (0, 0) covers [-0.5, 0.5] in both directions.
+/// A grey image, row-major without padding. Pixel centres are at integer coordinates, as in OpenCV: pixel
+/// (0, 0) covers [-0.5, 0.5] in both directions.
 ///
-/// Grey is always told in units of the 8-bit scale, whatever the depth: level n of a picture of 10 bits is
-/// grey n / 4, of 12 bits n / 16. A picture of more than 8 bits keeps its levels and, made once, the same
-/// picture rounded to 8 bits: what scans a whole picture reads `pixels`, what measures reads gray().
+/// Grey is in units of the 8-bit scale at every depth: level n of a picture of 10 bits is grey n / 4, of 12
+/// bits n / 16. A picture of more than 8 bits keeps its levels and holds the same picture rounded to 8 bits,
+/// computed once: code that scans a whole picture reads `pixels`, code that measures reads gray().
 struct GrayImage {
   int width{};
   int height{};
@@ -35,12 +35,12 @@ struct GrayImage {
   [[nodiscard]] std::span<std::uint8_t> row(int r) {
     return std::span(pixels).subspan(index(0, r), static_cast<std::size_t>(width));
   }
-  /// As finely as the picture knows it, in units of the 8-bit scale; up to 256 - 1 / levelsPerGray().
+  /// Grey at the picture's full depth, in units of the 8-bit scale; up to 256 - 1 / levelsPerGray().
   [[nodiscard]] double gray(int column, int row) const {
     const std::size_t i = index(column, row);
     return bits == 8 ? pixels[i] : static_cast<double>(levels[i]) / levelsPerGray();
   }
-  /// Levels to a unit of the 8-bit scale: 1, 4 or 16.
+  /// Number of levels in a unit of the 8-bit scale: 1, 4 or 16.
   [[nodiscard]] int levelsPerGray() const { return 1 << (bits - 8); }
 
  private:

@@ -5,8 +5,8 @@
 
 namespace kerfbench {
 
-/// Time of pins: an integer count at an exact rational rate, because a cycle of
-/// 62.5 ns is not a whole number of nanoseconds.
+/// Time of pins: an integer count at an exact rational rate. A cycle of 62.5 ns is not a whole number of
+/// nanoseconds.
 using Tick = std::uint64_t;
 
 /// Seconds per tick as the exact ratio num / den (16 MHz AVR: 1 / 16 000 000).
@@ -14,7 +14,7 @@ struct TickRate {
   std::uint64_t num{1};
   std::uint64_t den{16'000'000};
 
-  /// Seconds from tick 0; exact to double rounding.
+  /// Time since tick 0 in seconds; exact to double rounding.
   [[nodiscard]] constexpr double seconds(Tick tick) const {
     return static_cast<double>(tick) * static_cast<double>(num) / static_cast<double>(den);
   }

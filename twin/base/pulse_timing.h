@@ -7,18 +7,18 @@
 
 namespace kerfbench {
 
-/// What a PUL/DIR drive asks of its pulses, as its data sheet gives it (LinuxCNC's
-/// stepper-timing table uses the same four times).
+/// Requirements of a PUL/DIR drive on its pulses, as its data sheet gives them. LinuxCNC's stepper-timing
+/// table uses the same four times.
 struct DriverProfile {
   std::string name;
   bool active_edge_rising{true};  ///< The edge of PUL that steps.
-  double setup_s{};               ///< DIR stable before the active edge; >= 0.
-  double hold_s{};                ///< DIR stable after the active edge; >= 0.
-  double width_s{};               ///< PUL at the active level at least this long; >= 0.
-  double space_s{};               ///< PUL at the idle level at least this long; >= 0.
+  double setup_s{};               ///< Time that DIR is stable before the active edge; >= 0.
+  double hold_s{};                ///< Time that DIR is stable after the active edge; >= 0.
+  double width_s{};               ///< Shortest time of PUL at the active level; >= 0.
+  double space_s{};               ///< Shortest time of PUL at the idle level; >= 0.
 };
 
-/// What was seen of one PUL/DIR pair over a run. Times in s; infinity while nothing was seen.
+/// Observed timing of one PUL/DIR pair over a run. Times in s; infinity while nothing was observed.
 struct PulseTiming {
   std::string axis;  ///< "galvo_x", …
   DriverProfile profile;

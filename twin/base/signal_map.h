@@ -10,7 +10,7 @@
 
 namespace kerfbench {
 
-/// What a pin means. Outputs of the controller first, its inputs (sensors) after.
+/// Meaning of a pin. Outputs of the controller come first, its inputs (sensors) after them.
 enum class Signal : std::size_t {
   kGalvoXPul,
   kGalvoXDir,
@@ -22,15 +22,15 @@ enum class Signal : std::size_t {
   kGantryYDir,
   kFeedPul,
   kFeedDir,
-  kLaserGate,  ///< High: the laser may emit.
-  kLaserPwm,   ///< Duty is the power demand u in 0…1.
+  kLaserGate,  ///< Laser enable; high: the laser may emit.
+  kLaserPwm,   ///< Power demand u in 0…1, as the duty.
   kEncoderA,
   kEncoderB,   ///< Quadrature of the belt's roller; A leads B when the belt runs along +Wx.
-  kPrintMark,  ///< High while a printed eye mark is under the sensor.
+  kPrintMark,  ///< Print-mark sensor; high while a printed eye mark is under it.
   kLimitX,
-  kLimitY,        ///< High at the end of travel of the gantry.
-  kInterlock,     ///< High: guard closed, the laser may be armed.
-  kPowerMonitor,  ///< Toggles for each quantum of energy that the laser has emitted.
+  kLimitY,        ///< Limit switch; high at the end of travel of the gantry.
+  kInterlock,     ///< Guard; high: closed, the laser may be armed.
+  kPowerMonitor,  ///< Power meter; toggles for each quantum of energy that the laser has emitted.
   kCount
 };
 inline constexpr std::size_t kSignalCount = static_cast<std::size_t>(Signal::kCount);
@@ -38,11 +38,11 @@ inline constexpr std::size_t kSignalCount = static_cast<std::size_t>(Signal::kCo
 /// True for a pin that the bench drives (a sensor), false for one that the controller drives.
 constexpr bool isSensor(Signal signal) { return signal >= Signal::kEncoderA && signal < Signal::kCount; }
 
-/// The name used in machine files, VCD files and reports, e.g. "galvo_x_pul".
+/// Name of a signal in machine files, VCD files and reports, e.g. "galvo_x_pul".
 std::string_view signalName(Signal signal);
 std::optional<Signal> signalFromName(std::string_view name);
 
-/// Which pin carries which signal; a signal without a pin is not wired.
+/// Assignment of signals to pins; a signal without a pin is not wired.
 class SignalMap {
  public:
   void assign(Signal signal, PinId pin) { pins_.at(static_cast<std::size_t>(signal)) = pin; }
@@ -54,7 +54,7 @@ class SignalMap {
   std::array<std::optional<PinId>, kSignalCount> pins_{};
 };
 
-/// A level that the bench puts on an input pin of the controller.
+/// Level that the bench puts on an input pin of the controller.
 struct SensorEdge {
   Tick tick{};
   Signal signal{};

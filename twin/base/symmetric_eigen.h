@@ -15,8 +15,8 @@ struct SymmetricEigen {
   /// Reads A's lower triangle alone.
   explicit SymmetricEigen(const Eigen::Matrix<double, N, N>& matrix);
 
-  Eigen::Matrix<double, N, 1> values;   ///< In ascending order.
-  Eigen::Matrix<double, N, N> vectors;  ///< Column k belongs to value k; of length 1.
+  Eigen::Matrix<double, N, 1> values;   ///< Eigenvalues in ascending order.
+  Eigen::Matrix<double, N, N> vectors;  ///< Eigenvectors: column k belongs to value k and has length 1.
 };
 
 extern template struct SymmetricEigen<2>;

@@ -9,8 +9,8 @@
 namespace kerfbench::twin {
 namespace {
 
-// White noise in a cubic B-spline is correlated as the B-spline of degree seven: 1/e at this many nodes, and
-// its variance along one axis is that spline's middle.
+// White noise in a cubic B-spline is correlated as the B-spline of degree seven: 1/e at this many nodes. The
+// variance along one axis is that spline's middle.
 constexpr double kLengthInNodes = 1.184695871;
 constexpr double kVariance = 151.0 / 315.0;
 
@@ -48,7 +48,7 @@ double BoardField::at(const Eigen::Vector2d& p_mm) const {
 }
 
 void FieldWindow::fill(const BoardField& field, const Eigen::AlignedBox2d& box_nodes) {
-  // One node more than the spline needs: a patch may bulge a little between its corners.
+  // The spline needs one node less: a patch may bulge a little between its corners.
   column_ = static_cast<int>(std::floor(box_nodes.min().x())) - 2;
   row_ = static_cast<int>(std::floor(box_nodes.min().y())) - 2;
   const int columns = static_cast<int>(std::floor(box_nodes.max().x())) + 4 - column_;

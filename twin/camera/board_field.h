@@ -14,9 +14,10 @@
 
 namespace kerfbench::twin {
 
-/// A random pattern fixed to the board: a pure function of seed, stream and place. Zero mean, RMS 1 (4 % more
-/// on the nodes of its lattice, 4 % less between them, each way), normal, never beyond 7.8, and
-/// smooth: a uniform cubic B-spline over white noise. Its correlation falls to 1/e at the length given.
+/// A random pattern fixed to the board: a pure function of seed, stream and place. It has zero mean, RMS 1
+/// (4 % more on the nodes of its lattice, 4 % less between them, in each direction), is normal, never beyond
+/// 7.8, and smooth: a uniform cubic B-spline over white noise. Its correlation falls to 1/e at the given
+/// length.
 class BoardField {
  public:
   static constexpr double kLimit = 7.8;
@@ -25,7 +26,7 @@ class BoardField {
 
   /// Spacing of the lattice, mm.
   [[nodiscard]] double nodePitch_mm() const { return pitch_mm_; }
-  /// Coefficients [column, column + columns) x [row, row + rows), row-major, into `out`.
+  /// Copies the coefficients [column, column + columns) x [row, row + rows), row-major, into `out`.
   void copyNodes(int column, int row, int columns, int rows, std::span<float> out) const;
   [[nodiscard]] double at(const Eigen::Vector2d& p_mm) const;
 
@@ -37,12 +38,12 @@ class BoardField {
 /// Coefficients of a field around a small piece of board.
 class FieldWindow {
  public:
-  /// Takes what lies around a box of the board, given in spacings of the lattice.
+  /// Copies the coefficients around a box of the board, given in spacings of the lattice.
   void fill(const BoardField& field, const Eigen::AlignedBox2d& box_nodes);
   /// Place of the first coefficient, in spacings of the lattice; at() counts from there.
   [[nodiscard]] Eigen::Vector2d origin() const { return {column_, row_}; }
   [[nodiscard]] float at(float x, float y, const SplineWeightTable& weights) const {
-    // Through int: the processor has no instruction from float to size_t.
+    // Conversion through int: the processor has no instruction from float to size_t.
     const int column = static_cast<int>(x);
     const int row = static_cast<int>(y);
     const float* const around = nodes_.data() + ((row - 1) * stride_ + (column - 1));
@@ -56,7 +57,7 @@ class FieldWindow {
   std::vector<float> nodes_;
 };
 
-/// The field as a small piece of a picture shows it.
+/// Draws the field as a small piece of a picture shows it.
 class FieldPainter {
  public:
   explicit FieldPainter(const BoardField& field) : field_(field) {}

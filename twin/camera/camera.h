@@ -32,16 +32,16 @@ struct CameraDescription {
   std::array<double, 5> distortion{};
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};
   int bits{8};  ///< Depth of the pictures: 8, 10 or 12. Grey is always of the 8-bit scale.
-  double psf_sigma_px{
-      0.6};  ///< Standard deviation of the whole blur, the pixel's own area (0.29) included; >= 0.
-  double read_noise{0.8};             ///< Grey levels, standard deviation.
-  double full_well_electrons{10000};  ///< At grey level 255: sets the shot noise. Infinity: none.
+  /// Standard deviation of the whole blur, the pixel's own area (0.29) included; >= 0.
+  double psf_sigma_px{0.6};
+  double read_noise{0.8};             ///< Standard deviation, grey levels.
+  double full_well_electrons{10000};  ///< Electrons at grey level 255; sets the shot noise. Infinity: none.
   double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
-  double frame_period_s{0.001};  ///< Spot camera only.
-  double exposure_s{50e-6};      ///< Spot camera only; in (0, frame_period_s].
+  double frame_period_s{0.001};  ///< Time between exposures; spot camera only.
+  double exposure_s{50e-6};      ///< Exposure time; spot camera only; in (0, frame_period_s].
 
-  /// Which piece of board is looked at: texture and roughness. Pictures by another seed of the camera, but of
-  /// the same board, differ in noise alone.
+  /// Seed of the piece of board in view: texture and roughness. Pictures with another camera seed, but of the
+  /// same board, differ in noise alone.
   std::uint64_t board_seed{1};
   BoardTexture texture{};
   EdgeRoughness roughness{};
@@ -51,16 +51,16 @@ struct CameraDescription {
   FrameLink link{};
 };
 
-/// Everything that is wrong with a description, or what is printed, in one line; empty when nothing is.
+/// Everything that is wrong with a description or with the print, in one line; empty when nothing is.
 std::string faultsOf(const CameraDescription& camera);
 std::string faultsOf(const PrintLayout& print);
 
-/// What the spot camera needs to know of one exposure: states at a few instants inside it, evenly spaced.
-/// Sample i of n stands for the i-th of n equal parts of the exposure, as at the middle of that part.
+/// State of the spot camera's scene at one instant of an exposure; instants are evenly spaced. Sample i of n
+/// stands for the i-th of n equal parts of the exposure, as at the middle of that part.
 struct ExposureSample {
-  Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};  ///< Spot.
+  Eigen::Vector2d p_WQ_mm{Eigen::Vector2d::Zero()};  ///< Centre of the spot.
   double radius_mm{};                                ///< 1/e² radius; > 0 where power_w > 0.
-  double power_w{};                                  ///< Mean over the part.
+  double power_w{};                                  ///< Mean power over the part.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};  ///< Origin of the web's S (unit 0) in W.
   double angle_rad{};                                ///< Angle of the web.
 };
@@ -70,22 +70,22 @@ struct Exposure {
   std::vector<ExposureSample> samples;  ///< >= 1
 };
 
-/// What becomes of a frame on its way to the bench.
+/// Fate of a frame between the camera and the bench.
 struct FrameFate {
   bool dropped{};
   double stamp_error_s{};  ///< Added to its time stamp.
 };
 
-/// Renders what the spot camera sees: board, printed marks of every unit in view, the glowing spot smeared
-/// over the exposure, blur, shot and read noise (drawn from seed and sequence: any frame can be rendered
-/// alone, in any order, from any thread).
+/// Renders the spot camera's picture: board, printed marks of every unit in view, the glowing spot smeared
+/// over the exposure, blur, shot noise and read noise. Noise is sampled from seed and sequence, so any frame
+/// can be rendered alone, in any order, from any thread.
 ///
 /// The spot glows as a Gaussian of half its radius. `glow_gray_per_w` is the grey level per watt that it adds
-/// at the centre of a spot that rests, as imaged; a spot that moves spreads the same light along its way.
-/// Levels above the top of the scale saturate. Noise is fresh for each frame around the print and the spot;
-/// elsewhere each row of plain board is cut from a long prepared strip of noise at a place of its own, drawn
-/// for each row of each frame: nothing repeats in a frame or from frame to frame but, rarely, a part of a
-/// row. With uneven light, or grain everywhere, the whole frame is drawn afresh.
+/// at the centre of a spot at rest, as imaged; a moving spot spreads the same light along its path. Levels
+/// above the top of the scale saturate. Noise is fresh for each frame around the print and the spot.
+/// Elsewhere each row of plain board is cut from a long prepared strip of noise at its own place, sampled for
+/// each row of each frame: nothing repeats in a frame or between frames, except rarely a piece of a row. With
+/// uneven light, or grain everywhere, the whole frame is rendered afresh.
 ///
 /// Immutable; copies share the strip.
 class SpotCamera {
@@ -95,7 +95,7 @@ class SpotCamera {
              std::uint64_t seed);
   /// @throws std::invalid_argument for an exposure without samples or with values that are not finite.
   [[nodiscard]] Frame render(const Exposure& exposure) const;
-  /// By the description's link; render() itself neither drops nor delays.
+  /// Fate of a frame under the description's link; render() itself neither drops nor delays.
   [[nodiscard]] FrameFate fateOf(std::uint64_t sequence) const;
   [[nodiscard]] const CameraDescription& description() const;
 
@@ -104,30 +104,31 @@ class SpotCamera {
   std::shared_ptr<const Model> model_;
 };
 
-/// The piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was
-/// parted from it: nothing that was burnt there is seen.
+/// Piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was cut off
+/// before: nothing that was burnt there is seen.
 struct PieceSpan {
   double min_x_S_mm{-std::numeric_limits<double>::infinity()};
   double max_x_S_mm{std::numeric_limits<double>::infinity()};
 };
 
-/// Renders back-lit tiles of one unit laid on the inspection table. Depth d of the burn lets the share
-/// transmission^(1 - d) of the light through, print_transmission^(1 - d) under a mark.
+/// Renders back-lit tiles of one unit on the inspection table. A burn of depth d transmits the share
+/// transmission^(1 - d) of the light, and print_transmission^(1 - d) under a mark.
 ///
-/// Noise is drawn from seed, unit and place of the tile: a tile is the same however often and wherever it is
-/// rendered. Another seed with the same board_seed is another look at the same board. Immutable, so safe to
-/// share between threads.
+/// Noise is sampled from seed, unit and place of the tile: a tile is the same however often and wherever it
+/// is rendered. Another seed with the same board_seed is another look at the same board. Immutable, so safe
+/// to share between threads.
 class KerfCamera {
  public:
   /// @throws std::invalid_argument that names everything wrong.
   KerfCamera(const CameraDescription& camera, const PrintLayout& print, std::uint64_t seed);
 
-  /// p_TV_mm: shift of the camera over the table. X_TS: how the unit's frame S_k lies on the table.
+  /// Picture of one tile. p_TV_mm: shift of the camera over the table. X_TS: place of the unit's frame S_k on
+  /// the table.
   [[nodiscard]] GrayImage render(const Sheet& sheet, int unit, const Eigen::Vector2d& p_TV_mm,
                                  const Eigen::Isometry2d& X_TS, const PieceSpan& piece = {}) const;
   [[nodiscard]] const CameraDescription& description() const;
   [[nodiscard]] const PrintLayout& print() const;
-  /// The largest upright box of the camera's plane V, roughly, that lies within the picture.
+  /// Largest upright box of the camera's plane V, approximately, that lies within the picture.
   [[nodiscard]] Eigen::AlignedBox2d field() const;
 
  private:

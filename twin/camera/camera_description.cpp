@@ -10,7 +10,7 @@ bool within(double value, double least, double most) { return value >= least && 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 bool notNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
-/// Collects what is wrong: "camera: this; that".
+/// Collects faults: "camera: this; that".
 class Faults {
  public:
   explicit Faults(const char* subject) : subject_(subject) {}

@@ -26,7 +26,8 @@ double varianceOf(const std::vector<double>& taps) {
   return variance;
 }
 
-/// out[x] for x in [begin, end) of a row or of several columns at once: taps over neighbours `step` apart.
+/// Computes out[x] for x in [begin, end) of a row, or of several columns at once: taps over neighbours `step`
+/// apart.
 void convolve(const float* in, std::ptrdiff_t step, int count, const std::vector<float>& taps, float* out) {
   for (int x = 0; x < count; ++x) out[x] = taps[0] * in[x];
   for (std::size_t i = 1; i < taps.size(); ++i) {
@@ -85,8 +86,8 @@ void GaussianBlur::apply(std::vector<float>& light, int width, int height, const
     }
   }
 
-  // Across into `smeared`, then down back into `light`. Next to a border the nearest pixel stands for those
-  // outside.
+  // The first pass goes across into `smeared`, the second down and back into `light`. Next to a border the
+  // nearest pixel stands for those outside.
   std::vector<float> smeared = light;
   std::vector<float> padded;
   const int far = reach();

@@ -25,8 +25,8 @@ constexpr double kFarMm = 1e6;
 constexpr std::uint64_t kKerfGrainStream = 1;
 constexpr std::uint64_t kTileSeed = 0x3a8f05c5d2b17e49ULL;
 
-/// Copies the window's nodes; those whose `effect_nodes` further on lies off the piece are zero. False if
-/// there is nothing above `limit_j_mm2`.
+/// Copies the window's nodes; nodes whose `effect_nodes` further on lies off the piece are set to zero. False
+/// if there is nothing above `limit_j_mm2`.
 bool fill(Window& window, const TileJob& job, double effect_nodes, double limit_j_mm2) {
   const auto columns = static_cast<std::size_t>(window.columns);
   window.nodes.resize(columns * static_cast<std::size_t>(window.rows));
@@ -61,7 +61,7 @@ struct KerfCamera::Model {
   SplineWeightTable weights;
 
   Model(const CameraDescription& camera_, const PrintLayout& print_, std::uint64_t seed_);
-  /// Draws one block into `light`; false if it is plain board.
+  /// Renders one block into `light`; false if it is plain board.
   bool renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV, std::size_t bx, std::size_t by,
                    std::vector<float>& light) const;
   template <class Painter>
@@ -107,7 +107,7 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
     corners[n] = (X_NV * p_V_mm[n]) / Sheet::kCellMm;
     box.extend(corners[n]);
   }
-  // One node more than the spline needs: a patch may bulge a little between its corners.
+  // The spline needs one node less: a patch may bulge a little between its corners.
   const int margin = job.rough ? job.rough->reachNodes() : 0;
   Window& burn = job.burn;
   burn.column = static_cast<int>(std::floor(box.min().x())) - 2 - margin;
@@ -256,7 +256,7 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
                              const Eigen::Isometry2d& X_TS, const PieceSpan& piece) const {
   const Model& model = *model_;
   if (unit < 0 || unit >= model.print.units) throw std::invalid_argument("KerfCamera::render: no such unit");
-  // Sk of the unit in S of unit 0, where the sheet keeps its burns; N is that frame too.
+  // Origin of the unit's frame Sk in S of unit 0, where the sheet keeps its burns; N is that frame too.
   const Vector2d p_SSk_mm(-unit * model.print.pitch_mm, 0.0);
   const Eigen::Isometry2d X_NV =
       Eigen::Translation2d(p_SSk_mm) * X_TS.inverse() * Eigen::Translation2d(p_TV_mm);

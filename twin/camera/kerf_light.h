@@ -14,11 +14,11 @@
 #include "twin/camera/spline_weights.h"
 #include "twin/sheet/sheet.h"
 
-/// How much of the back light a burnt sheet lets through at a place: of use to KerfCamera alone.
+/// Transmission of the back light through a burnt sheet; of use to KerfCamera alone.
 namespace kerfbench::twin {
 
-/// Grey level of the back light through board that took a share of the fluence that cuts, where uncut board
-/// lets `transmission` through.
+/// Grey level of the back light through board that absorbed a share of the fluence that cuts, where uncut
+/// board transmits `transmission`.
 class LightTable {
  public:
   LightTable(const Sheet& sheet, double transmission) {
@@ -46,7 +46,7 @@ struct PrintShape {
   double cos{1.0}, sin{0.0};   ///< Cosine and sine of its axes' angle.
   float ink{1.0F};
 
-  /// How far outside of its border, < 0 within.
+  /// Distance outside of the border; < 0 within.
   [[nodiscard]] double outside(double x, double y) const {
     const double dx = x - centre_nodes.x();
     const double dy = y - centre_nodes.y();
@@ -62,15 +62,14 @@ struct Window {
   std::vector<float> nodes;
 };
 
-/// The 4 x 4 nodes of a window around a place, given from the window's first node, and where it lies between
-/// them.
+/// The 4 x 4 nodes of a window around a place, given by the window's first node, and the place between them.
 struct Around {
   const float* nodes;
   std::size_t stride;
   float x, y;
 
   Around(const float* window, std::size_t columns, float place_x, float place_y) : stride(columns) {
-    // Through int: the processor has no instruction from float to size_t.
+    // Conversion through int: the processor has no instruction from float to size_t.
     const int column = static_cast<int>(place_x);
     const int row = static_cast<int>(place_y);
     nodes =
@@ -80,7 +79,7 @@ struct Around {
   }
 };
 
-/// What discolours the board, in the spline's own unit.
+/// Discolouration of the board, in the spline's own unit.
 struct Scorch {
   bool fitted{};
   Eigen::Vector2d shift_nodes{Eigen::Vector2d::Zero()};
@@ -88,11 +87,11 @@ struct Scorch {
   float darkening{};
 };
 
-/// Displaces the places where depth is read, in the spline's own unit.
+/// Displacement of the places where depth is read, in the spline's own unit.
 struct Roughness {
   BoardField field_x, field_y;
   float rms_nodes{};
-  double fields_per_node{};        ///< The spline's spacing over the fields'.
+  double fields_per_node{};        ///< Spacing of the spline over that of the fields.
   FieldWindow window_x, window_y;  ///< Windows of the block along x and y.
 
   Roughness(std::uint64_t board_seed, const EdgeRoughness& roughness)
@@ -114,7 +113,7 @@ struct Roughness {
   static constexpr std::uint64_t kStreamY = 4;
 };
 
-/// What the blocks of one tile share, and scratch.
+/// Data that the blocks of one tile share, and scratch.
 struct TileJob {
   const Sheet& sheet;
   LightTable board;
@@ -125,7 +124,7 @@ struct TileJob {
   std::vector<PrintShape> print_shapes;
   Scorch scorch;
   Window burn;
-  Window charred;  ///< What scorched the block: the burn's window less the shift.
+  Window charred;  ///< Coefficients that scorched the block: the burn's window less the shift.
   std::vector<PrintShape> near;
   std::optional<Roughness> rough;
 };
@@ -152,7 +151,7 @@ class BlockPainter {
     }
   }
   [[nodiscard]] Eigen::Vector2d origin() const { return {job_.burn.column, job_.burn.row}; }
-  /// The place counts from the first node of the burn's window.
+  /// Grey of a place that counts from the first node of the burn's window.
   [[nodiscard]] float at(float x, float y) const {
     if constexpr (kRough) {
       const Eigen::Vector2f off = displacement(x, y);
@@ -163,7 +162,7 @@ class BlockPainter {
   }
 
  private:
-  /// Print and scorch of a place, depth of another beside it.
+  /// Grey from print and scorch at a place and from depth at another place near it.
   [[nodiscard]] float grayOf(float x, float y, float depth_x, float depth_y) const {
     const float share =
         burn_ == nullptr ? 0.0F : share_per_fluence_ * fluence(Around(burn_, columns_, depth_x, depth_y));
@@ -204,7 +203,7 @@ class BlockPainter {
   }
 
   /// Share of a sample around the place that is cut through. Light jumps where the scorched board ends:
-  /// points alone would put that edge up to half a sample off.
+  /// sampled points alone would misplace that edge by up to half a sample.
   [[nodiscard]] float through(float share, const Around& place) const {
     const float slope_x =
         splineValue(place.nodes, place.stride, splineSlopeWeights(place.x), weights_.at(place.y));
@@ -224,7 +223,7 @@ class BlockPainter {
   float share_per_fluence_;
   double sample_nodes_;
   float to_field_x_{}, to_field_y_{};
-  float to_charred_x_, to_charred_y_;  ///< From the burn's window to that of what scorched it.
+  float to_charred_x_, to_charred_y_;  ///< Shift from the burn's window to that of what scorched it.
 };
 
 }  // namespace kerfbench::twin

@@ -8,25 +8,25 @@
 
 namespace kerfbench::twin {
 
-/// What lamp, lens and sensor do to whole pictures of light: uneven light and hot pixels.
+/// Effect of lamp, lens and sensor on whole pictures of light: uneven light and hot pixels.
 class PictureShading {
  public:
   explicit PictureShading(const CameraDescription& camera);
 
   struct HotPixel {
     int x{}, y{};
-    float gray{};  ///< What it adds.
+    float gray{};  ///< Grey that the pixel adds.
   };
 
   /// True if light is the same all over the picture.
   [[nodiscard]] bool even() const { return !lamp_ && !lens_; }
-  /// On a whole picture of light that the lamp throws: board and print, not the glowing spot.
+  /// Shades a whole picture of light that the lamp throws: board and print, not the glowing spot.
   void shadeByLamp(std::span<float> picture) const;
-  /// On a whole picture of all light.
+  /// Shades a whole picture of all light.
   void shadeByLens(std::span<float> picture) const;
-  /// Comes last, on a whole picture.
+  /// Adds the hot pixels to a whole picture; the last step.
   void addHotPixels(std::span<float> picture) const;
-  /// In order of row and column, each once.
+  /// Hot pixels in order of row and column, each once.
   [[nodiscard]] const std::vector<HotPixel>& hotPixels() const { return hot_; }
 
  private:

@@ -10,15 +10,16 @@
 
 namespace kerfbench::twin {
 
-/// A picture cut into blocks, and what of the plane each of them sees.
+/// A picture cut into blocks, and the piece of the plane that each of them sees.
 class PlaneGrid {
  public:
-  /// Pixels [x0, x1) x [y0, y1).
+  /// A block of pixels [x0, x1) x [y0, y1).
   struct Block {
     int x0{}, x1{}, y0{}, y1{};
   };
 
-  /// Blocks of at most block_px each way. @throws std::invalid_argument if a pixel does not see the plane.
+  /// Makes blocks of at most block_px in each direction. @throws std::invalid_argument if a pixel does not
+  /// see the plane.
   PlaneGrid(const PlaneProjection& projection, int width_px, int height_px, int block_px);
 
   [[nodiscard]] std::size_t columns() const { return edges_x_.size() - 1; }

@@ -80,7 +80,7 @@ std::optional<Eigen::Vector2d> PlaneProjection::planePointOf(const Eigen::Vector
     const Slopes image = distort(slopes);
     const Eigen::Vector2d miss = target - image.value;
     Eigen::Vector2d step = image.derivative.inverse() * miss;
-    // Never across the fold, where the other branch begins.
+    // Steps never cross the fold, where the other branch begins.
     for (int halvings = 0; halvings < 30 && !((slopes + step).squaredNorm() < fold_slope2_); ++halvings)
       step *= 0.5;
     slopes += step;

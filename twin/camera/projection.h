@@ -24,12 +24,11 @@ class PlaneProjection {
  public:
   explicit PlaneProjection(const CameraDescription& camera);
 
-  /// The pixel of a point; nullopt behind the camera or beyond the fold.
+  /// Pixel of a point; nullopt behind the camera or beyond the fold.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixelOf(const Eigen::Vector2d& p_P_mm) const;
-  /// d(pixel)/d(p_P), px/mm.
+  /// Jacobian d(pixel)/d(p_P), px/mm.
   [[nodiscard]] Eigen::Matrix2d jacobianAt(const Eigen::Vector2d& p_P_mm) const;
-  /// The point seen at a pixel, by Newton's method to 1e-13 of a slope; nullopt where the ray misses the
-  /// plane.
+  /// Point seen at a pixel, by Newton's method to 1e-13 of a slope; nullopt where the ray misses the plane.
   [[nodiscard]] std::optional<Eigen::Vector2d> planePointOf(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -46,7 +45,7 @@ class PlaneProjection {
   double fold_slope2_;  ///< s where the radial part folds; infinity if never.
 };
 
-/// A biquadratic stand-in for planePointOf() over a small rectangle of pixels: right to 1e-6 mm over a few
+/// A biquadratic stand-in for planePointOf() over a small rectangle of pixels: exact to 1e-6 mm over a few
 /// dozen pixels.
 class PlanePatch {
  public:

@@ -37,8 +37,8 @@ std::array<float, kQuantiles> makeQuantiles() {
 }
 
 /// Four pixels share 64 random bits, 16 each, of which the lower 12 are used.
-void drawNormals(const std::array<float, kQuantiles>& table, const CounterRandom& random, std::uint64_t index,
-                 std::size_t count, float* out) {
+void sampleNormals(const std::array<float, kQuantiles>& table, const CounterRandom& random,
+                   std::uint64_t index, std::size_t count, float* out) {
   std::size_t i = 0;
   while (i < count) {
     std::uint64_t bits = random.bits((index + i) / 4);
@@ -73,7 +73,7 @@ void SensorNoise::exposeAs(std::span<const float> light, const CounterRandom& ra
   std::array<float, kChunk> normal;
   for (std::size_t begin = 0; begin < light.size(); begin += kChunk) {
     const std::size_t count = std::min(kChunk, light.size() - begin);
-    drawNormals(table, random, first_index + begin, count, normal.data());
+    sampleNormals(table, random, first_index + begin, count, normal.data());
     const float* const in = light.data() + begin;
     Level* const to = out + begin;
     for (std::size_t i = 0; i < count; ++i) {

@@ -8,7 +8,7 @@
 
 namespace kerfbench::twin {
 
-/// splineWeights() at 1024 places between two nodes, ready to be looked up.
+/// Table of splineWeights() at 1024 places between two nodes.
 class SplineWeightTable {
  public:
   SplineWeightTable() {

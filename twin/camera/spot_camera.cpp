@@ -19,14 +19,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kStripPixels = std::size_t{1} << 18U;
-constexpr std::uint64_t kStripStream = ~std::uint64_t{0} - 3;  // Above every sequence number.
+constexpr std::uint64_t kStripStream = ~std::uint64_t{0} - 3;  // Stream above every sequence number.
 constexpr std::uint64_t kRowSeed = 0x5f3c1d2e9b8a7061ULL;
 constexpr std::uint64_t kLinkSeed = 0xb05a7e1946c3d82fULL;
 constexpr std::uint64_t kSpotGrainStream = 1;
 constexpr std::uint64_t kGlowStream = 2;
 constexpr int kPiecePx = 32;
 
-/// Plain board: a long strip of noise, of which each row of a frame takes a piece.
+/// Plain board: a long strip of noise; each row of a frame takes a piece of it.
 template <typename Level>
 class NoiseStrip {
  public:
@@ -89,7 +89,7 @@ struct SpotCamera::Model {
   PictureShading shading;
   std::optional<BoardField> grain;
   std::optional<BoardField> glow_texture;
-  std::optional<PlaneGrid> grid;  ///< For grain all over the picture.
+  std::optional<PlaneGrid> grid;  ///< Grid for grain all over the picture.
   std::optional<NoiseStrip<std::uint8_t>> strip8;
   std::optional<NoiseStrip<std::uint16_t>> strip16;
 
@@ -98,7 +98,7 @@ struct SpotCamera::Model {
   [[nodiscard]] bool drawsAll() const {
     return !shading.even() || (grain && camera.texture.grain_everywhere);
   }
-  /// `box` is the whole picture if all of it is drawn.
+  /// Adds grain to `light`. `box` is the whole picture if all of it is rendered.
   void addGrain(const SpotScene& scene, const PixelBox& box, std::vector<float>& light) const;
   void addHotPixels(const PixelBox& box, std::vector<float>& light) const;
   void addGlow(const SpotScene& scene, const PixelBox& box, std::vector<float>& light) const;
@@ -223,7 +223,7 @@ std::vector<Level> SpotCamera::Model::expose(const Exposure& exposure,
   }
   const CounterRandom random(seed, exposure.sequence);
   if (strip) {
-    // Those in a box are drawn again with it.
+    // Hot pixels in a box are added again when the box is rendered.
     for (const PictureShading::HotPixel& pixel : shading.hotPixels()) {
       const std::size_t place =
           static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(camera.width_px) +
@@ -251,7 +251,7 @@ SpotCamera::SpotCamera(const CameraDescription& camera, const PrintLayout& print
     if (!more.empty()) faults += (faults.empty() ? "" : "; ") + more;
   };
   add(faultsOf(print));
-  // Also refuses NaN.
+  // The condition also refuses NaN.
   if (!(camera.exposure_s > 0.0 && camera.exposure_s <= camera.frame_period_s))
     add("exposure_s must be in (0, frame_period_s]");
   if (!(glow_gray_per_w >= 0.0 && std::isfinite(glow_gray_per_w))) add("glow_gray_per_w must be >= 0");

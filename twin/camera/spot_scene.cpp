@@ -21,7 +21,7 @@ constexpr double kSpotPad_px = 12.0;
 constexpr double kFaintGray = 0.02;
 constexpr std::uint64_t kPlumeSeed = 0x2d94b8f1c6e7035aULL;
 
-/// How far `place` moves during the part of the exposure for which sample i stands.
+/// Distance that `place` moves during the part of the exposure for which sample i stands.
 template <typename Place>
 Vector2d travelDuring(const std::vector<ExposureSample>& samples, std::size_t i, Place place) {
   const std::size_t last = samples.size() - 1;
@@ -54,8 +54,8 @@ void mergeOverlapping(std::vector<PixelBox>& boxes) {
   }
 }
 
-/// Where the edge of a disc passes at any of its places: nearer to their middle all places cover, further off
-/// none does.
+/// Region where the edge of a disc passes at any of its places: nearer to their middle all places cover,
+/// further off none does.
 struct RingOfEdges {
   RingOfEdges(const std::vector<Vector2d>& places_mm, double radius_mm, double blur_mm)
       : middle_mm(places_mm[places_mm.size() / 2]) {
@@ -163,7 +163,7 @@ std::vector<WebPose> SpotStage::webPoses(const Exposure& exposure) const {
     poses.push_back(poseAt(p_WS_mm, angle_rad));
     return poses;
   }
-  // The same number for each sample: each stands for the same time.
+  // Every sample gets the same number of parts: each stands for the same time.
   const int parts = partsFor(travel_mm / static_cast<double>(samples.size()), 0.5 * mm_per_px_);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Vector2d travel = travelDuring(samples, i, place);
@@ -215,7 +215,7 @@ void SpotStage::addAreas(SpotScene& scene, int unit) const {
     AreaImage image;
     image.half_mm = 0.5 * print.size_mm;
     image.ink = print.ink;
-    // An area may be larger than the picture and its centre far out of sight, where the lens tells nothing.
+    // An area may be larger than the picture and its centre far out of sight, where the projection fails.
     Eigen::AlignedBox2d bounds_W;
     for (const WebPose& pose : scene.web) {
       const double angle_rad = pose.angle_rad + print.angle_rad;

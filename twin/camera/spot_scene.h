@@ -16,7 +16,7 @@
 
 namespace kerfbench::twin {
 
-/// Pixels [x0, x1) x [y0, y1).
+/// A box of pixels [x0, x1) x [y0, y1).
 struct PixelBox {
   int x0{}, y0{}, x1{}, y1{};
   [[nodiscard]] bool empty() const { return x0 >= x1 || y0 >= y1; }
@@ -30,7 +30,7 @@ struct PixelBox {
   }
 };
 
-/// Where the web was at one instant.
+/// Place of the web at one instant.
 struct WebPose {
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
@@ -46,7 +46,7 @@ struct WebPose {
   }
 };
 
-/// The light of one printed mark: a blurred disc, smeared over the places where the web was.
+/// Light of one printed mark: a blurred disc, smeared over the places where the web was.
 struct MarkImage {
   PixelBox box;
   std::vector<Eigen::Vector2d> p_WM_mm;  ///< Centres during the exposure.
@@ -54,12 +54,12 @@ struct MarkImage {
   double px_per_mm{};
 };
 
-/// The light of other print: a blurred rectangle, smeared likewise.
+/// Light of other print: a blurred rectangle, smeared like the marks.
 struct AreaImage {
   PixelBox box;
   struct Place {
     Eigen::Vector2d p_WA_mm{Eigen::Vector2d::Zero()};
-    double cos{}, sin{};  ///< Cosine and sine of its own axes' angle in W.
+    double cos{}, sin{};  ///< Cosine and sine of the rectangle's angle in W.
   };
   std::vector<Place> places;
   Eigen::Vector2d half_mm{Eigen::Vector2d::Zero()};
@@ -75,7 +75,7 @@ struct Blob {
   double gray{};
 };
 
-/// What of an exposure falls on which pixels.
+/// Contents of an exposure and the pixels that they cover.
 struct SpotScene {
   std::vector<WebPose> web;  ///< Instants of equal weight; >= 1.
   std::vector<MarkImage> marks;
@@ -84,7 +84,7 @@ struct SpotScene {
   std::vector<Blob> plume;
   /// Boxes around everything but plain board, none of which meets another.
   [[nodiscard]] std::vector<PixelBox> boxes() const;
-  /// Around all of the glow and the plume; empty if the laser was dark.
+  /// Box around all of the glow and the plume; empty if the laser was dark.
   [[nodiscard]] PixelBox glowBox() const;
 };
 
@@ -101,8 +101,8 @@ class SpotStage {
   [[nodiscard]] const PlaneProjection& projection() const { return projection_; }
 
  private:
-  /// Share of light that a straight edge leaves `distance` blur sigmas outside of it: the normal
-  /// distribution's tail.
+  /// Share of light that remains `distance` blur sigmas outside of a straight edge: the normal distribution's
+  /// tail.
   class BlurredEdge {
    public:
     BlurredEdge();
@@ -118,7 +118,7 @@ class SpotStage {
   [[nodiscard]] std::vector<WebPose> webPoses(const Exposure& exposure) const;
   void addMarks(SpotScene& scene, int unit) const;
   void addAreas(SpotScene& scene, int unit) const;
-  /// cloud_sigma_mm: of the Gaussian; 0: half the spot's own radius.
+  /// Blobs of light for the glow. cloud_sigma_mm: size of the Gaussian; 0: half the spot's own radius.
   [[nodiscard]] std::vector<Blob> blobs(const Exposure& exposure, double gray_per_w, double cloud_sigma_mm,
                                         const Eigen::Vector2d& offset_mm) const;
   [[nodiscard]] std::vector<Blob> plumeOf(const Exposure& exposure) const;
@@ -141,7 +141,7 @@ class SpotStage {
 /// 0.5) / (x1 - x0); nullopt if one sees nothing.
 std::optional<PlanePatch::Nodes> nodesOf(const PlaneProjection& projection, const PixelBox& box);
 
-/// Calls visit(piece) for pieces of a box, none larger than `side` pixels each way.
+/// Calls visit(piece) for pieces of a box, none larger than `side` pixels in either direction.
 template <typename Visit>
 void forEachPiece(const PixelBox& box, int side, const Visit& visit) {
   for (int y = box.y0; y < box.y1; y += side) {

@@ -12,13 +12,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kReach = 4.5;  // Sigmas; beyond lie 4e-6 of a Gaussian.
+constexpr double kReach = 4.5;  // Reach in sigmas; 4e-6 of a Gaussian lie beyond.
 
 double upTo(double sigmas) { return 0.5 * std::erfc(-sigmas / std::numbers::sqrt2); }
 
-/// What correlation adds to the share of a bivariate Gaussian below (a, b), against upTo(a) * upTo(b):
-/// 1/(2 pi) times the integral of exp(-(a² + b² - 2 a b sin t) / (2 cos² t)) for t from 0 to
-/// asin(correlation) (Drezner and Wesolowsky 1990), by Gauss and Legendre with six points.
+/// Share that correlation adds to a bivariate Gaussian below (a, b), against upTo(a) * upTo(b): 1/(2 pi)
+/// times the integral of exp(-(a² + b² - 2 a b sin t) / (2 cos² t)) for t from 0 to asin(correlation)
+/// (Drezner and Wesolowsky 1990), by Gauss and Legendre with six points.
 double addedByCorrelation(double a, double b, double correlation) {
   constexpr std::array<double, 3> kNode{0.2386191860831969, 0.6612093864662645, 0.9324695142031521};
   constexpr std::array<double, 3> kWeight{0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
@@ -88,7 +88,7 @@ std::size_t TargetPattern::Lines::below(double place_mm) const {
   return line;
 }
 
-/// What is printed, square by square.
+/// The print, square by square.
 class TargetPattern::Print {
  public:
   explicit Print(const TargetBoard& board)

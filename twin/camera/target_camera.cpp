@@ -21,7 +21,7 @@ using Eigen::Vector2d;
 constexpr int kTargetBlockPx = 16;
 constexpr std::uint64_t kTargetSeed = 0x94b1c36e0d75fa28ULL;
 
-/// Pixels [x0, x1) x [y0, y1).
+/// A block of pixels [x0, x1) x [y0, y1).
 struct Block {
   int x0{}, x1{}, y0{}, y1{};
 };
@@ -46,7 +46,7 @@ class View {
       if (point) nodes[n] = *point;
       whole = point.has_value();
     }
-    // Where the plane ends within the block, every pixel is asked for itself.
+    // Where the plane ends within the block, every pixel is projected on its own.
     const std::optional<PlanePatch> patch = whole ? std::optional<PlanePatch>(nodes) : std::nullopt;
     const Eigen::Matrix2d middle = whole ? covarianceAt(nodes[4]) : Eigen::Matrix2d::Identity();
     for (int y = block.y0; y < block.y1; ++y) {
@@ -65,7 +65,7 @@ class View {
   }
 
  private:
-  /// What one pixel's blur is on the board.
+  /// Covariance on the board of one pixel's blur.
   [[nodiscard]] Eigen::Matrix2d covarianceAt(const Vector2d& p_B_mm) const {
     const Eigen::Matrix2d mm_per_px = projection_.jacobianAt(p_B_mm).inverse();
     return variance_px2_ * mm_per_px * mm_per_px.transpose();

@@ -27,7 +27,7 @@ double BeltEncoder::reading_mm(double travel_mm) const {
 double BeltEncoder::travelAt_mm(double reading) const {
   if (encoder_.runout_mm == 0.0) return reading;
   double travel_mm = reading;
-  // Newton's method: from an error of a tenth of the radius four steps reach 1e-13 mm.
+  // Newton's method needs four steps to reach 1e-13 mm from an error of a tenth of the radius.
   for (int i = 0; i < 4; ++i) {
     const double slope =
         1.0 + encoder_.runout_mm / radius_mm_ * std::cos(travel_mm / radius_mm_ + encoder_.runout_phase_rad);

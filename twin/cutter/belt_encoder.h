@@ -14,19 +14,16 @@ namespace kerfbench::twin {
 
 /// Quadrature encoder on the belt's roller: turns the roller's travel into edges of A and B, one quantum
 /// ahead. Edges join without gap or repetition: each forecast continues from the last edge that was sent, and
-/// what a forecast missed by a fraction of a count comes out right in the next.
+/// an error of a forecast by a fraction of a count is made good in the next.
 ///
-/// A disc that is mounted off centre reads, for a travel s of a roller of radius R,
-///
-///     s + runout (sin(s/R + phase) - sin(phase))
-///
-/// and its line k stands at reading (k + jitter_k) count_mm: the same place whenever the belt passes it.
+/// A disc with an eccentric mounting reads, for a travel s of a roller of radius R,
 class BeltEncoder {
  public:
-  /// No edge is further from its place than this, so that edges never change order.
+  /// Largest displacement of an edge from its place; keeps the order of edges.
   static constexpr double kMaxJitter_counts = 0.4;
 
-  /// `encoder` without faults (see faultsOf). A and B are low at the start, wherever between two lines it is.
+  /// Makes the encoder. `encoder` has no faults (see faultsOf). A and B are low at the start, wherever
+  /// between two lines the belt is.
   BeltEncoder(TickRate rate, const EncoderDescription& encoder, double roller_radius_mm, std::uint64_t seed);
 
   /// Appends the edges in (roller.now, until], by tick. `roller`: travel of the roller's surface since t = 0.
@@ -43,7 +40,7 @@ class BeltEncoder {
   double radius_mm_;
   CounterRandom random_;
   long long first_;  ///< Count at the start, where A and B are low.
-  long long count_;  ///< Count that the controller has been told.
+  long long count_;  ///< Count that the controller has received.
 };
 
 }  // namespace kerfbench::twin

@@ -5,8 +5,8 @@ namespace kerfbench::twin {
 
 void Burner::close(const Footprint& to) {
   sheet_.burn(from_, to, energy_j_);
-  const double way_mm = (to.p_SQ_mm - from_.p_SQ_mm).norm();
-  const double fitting = kChord_mm * steps_ / std::max(way_mm, kChord_mm / kMostSteps);
+  const double path_mm = (to.p_SQ_mm - from_.p_SQ_mm).norm();
+  const double fitting = kChord_mm * steps_ / std::max(path_mm, kChord_mm / kMostSteps);
   planned_ = std::clamp(static_cast<int>(fitting), 1, std::min(kMostSteps, 2 * planned_));
   energy_j_ = 0.0;
   steps_ = 0;

@@ -7,10 +7,10 @@
 
 namespace kerfbench::twin {
 
-/// Burns the way of a lit beam into the sheet. Steps that follow each other are handed over as the chord of
-/// their way, so that one look at the beam and one burn do for several; Sheet::burn says what that changes.
-/// How many steps make a chord follows from the beam's speed in the last one: about kChord_mm of way, and
-/// so few that a beam at rest cannot run far in them (20 steps of 10 us at 150 m/s²: 3 um).
+/// Burns the path of a lit beam into the sheet. Consecutive steps are burnt as one chord of their path, so
+/// that one computation of the beam and one burn serve several steps; Sheet::burn states the effect. The
+/// number of steps in a chord follows from the beam's speed in the last chord: about kChord_mm of path, and
+/// few enough that a beam at rest cannot move far within them (20 steps of 10 us at 150 m/s²: 3 um).
 class Burner {
  public:
   static constexpr double kChord_mm = 0.02;
@@ -19,24 +19,25 @@ class Burner {
   explicit Burner(const BoardDescription& board) : sheet_(board) {}
 
   [[nodiscard]] bool chordOpen() const { return open_; }
-  /// A chord begins here; none may be open.
+  /// Begins a chord; none may be open.
   void open(const Footprint& from) {
     from_ = from;
     open_ = true;
   }
-  /// A further step of the chord, while the beam delivered this. True: it is to be closed at its end.
+  /// Adds a step to the chord, in which the beam delivered this energy. True: the chord is to be closed at
+  /// the step's end.
   bool add(double energy_j) {
     energy_j_ += energy_j;
     return ++steps_ >= planned_;
   }
-  /// The chord ends here.
+  /// Ends the chord here and burns it.
   void close(const Footprint& to);
-  /// The chord ends where the beam misses the board: what it delivered went elsewhere.
+  /// Ends the chord where the beam misses the board: its energy went elsewhere.
   void drop();
-  /// A part of a step by itself.
+  /// Burns a part of a step on its own.
   void burn(const Footprint& from, const Footprint& to, double energy_j) { sheet_.burn(from, to, energy_j); }
 
-  /// Without what is in an open chord.
+  /// The sheet without what is in an open chord.
   [[nodiscard]] const Sheet& sheet() const { return sheet_; }
 
  private:

@@ -9,29 +9,30 @@
 
 namespace kerfbench::twin {
 
-/// Records what the spot camera will see: a sample for each step of the machine in which its shutter is open.
-/// Memory, until they are taken: 64 bytes for each such step and 64 for each exposure.
+/// Records the scene of the spot camera: a sample for each step of the machine in which its shutter is open.
+/// Memory, until the exposures are taken: 64 bytes for each such step and 64 for each exposure.
 class ExposureRecorder {
  public:
-  /// Shutter and frame period in whole steps, at least one.
+  /// Makes a recorder with shutter and frame period in whole steps, at least one.
   ExposureRecorder(const CameraDescription& camera, double step_s);
 
-  /// To be called once for each step, in order: true if the shutter is open in it. Then record() must follow.
+  /// Begins the next step; to be called once for each step, in order. True if the shutter is open in it: then
+  /// record() must follow.
   bool nextStep() {
     index_ = index_ + 1 == period_ ? 0 : index_ + 1;
     ++step_;
     return index_ < length_;
   }
-  /// What happened in the step that nextStep() has begun.
+  /// Records the state in the step that nextStep() has begun.
   void record(const ExposureSample& sample);
   /// Exposures that have ended; each is handed out once.
   std::vector<Exposure> take() { return std::exchange(ended_, {}); }
 
  private:
   double step_s_;
-  std::uint64_t period_, length_;  ///< Steps.
+  std::uint64_t period_, length_;  ///< Frame period and exposure in steps.
   std::uint64_t index_;            ///< Index of the present step in its period.
-  std::uint64_t step_{0};          ///< Steps begun.
+  std::uint64_t step_{0};          ///< Number of steps begun.
   std::uint64_t frame_{0};
   Exposure open_;
   std::vector<Exposure> ended_;

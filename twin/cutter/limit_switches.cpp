@@ -13,9 +13,9 @@ void LimitSwitches::predict(const std::array<MotionForecast, 2>& gantry, Tick un
     const double end_mm = axis.placeAfter_mm(rate_.seconds(until - axis.now));
     const bool beyond_max = end_mm > max_mm_.at(i);
     const bool tripped = beyond_max || end_mm < min_mm_.at(i);
-    if (tripped == told_.at(i)) continue;
-    told_.at(i) = tripped;
-    // Which of the two switches: the one that it ran onto, or the one that it came from.
+    if (tripped == sent_.at(i)) continue;
+    sent_.at(i) = tripped;
+    // Selects one of the two switches: the one that the axis ran onto, or the one that it came from.
     const bool at_max =
         tripped ? beyond_max
                 : std::abs(axis.place_mm - max_mm_.at(i)) < std::abs(axis.place_mm - min_mm_.at(i));

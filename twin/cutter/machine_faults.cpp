@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFar_mm = 1e6;
 constexpr double kDegree = std::numbers::pi / 180.0;
-// Optical; mirrors of any make stop before. A lens says the same of itself.
+// Largest optical angle of the field; mirrors of any make stop before. A lens has the same limit.
 constexpr double kMostField_rad = LensDescription::kMaxFieldAngle_rad;
 
 using Kind = MachineDescription::Kind;
@@ -98,7 +98,7 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
 
   faults.positive("encoder.count", belt.encoder.count_mm, 1e3, "mm");
   faults.within("encoder.jitter", belt.encoder.jitter_counts, 0.0, 0.2, "counts");
-  // Beyond a tenth of the radius it is no mounting error any more.
+  // A runout larger than a tenth of the radius is not a mounting error any more.
   faults.within("encoder.runout", belt.encoder.runout_mm, 0.0, 0.1 * belt.roller_radius_mm, "mm");
   faults.within("encoder.runout_phase", belt.encoder.runout_phase_rad, -1e3, 1e3, "rad");
   faults.within("print_mark_sensor.x", belt.print_mark_sensor.x_mm, -kFar_mm, kFar_mm, "mm");
@@ -107,7 +107,7 @@ void findBeltFaults(FaultList& faults, const BeltDescription& belt, const PrintL
                 std::max(10.0, print.eye_mark_length_mm), "mm");
 }
 
-// The line's own drive sits on the roller and pulls the belt.
+// Finds faults of the line's own drive, which sits on the roller and pulls the belt.
 void findLineFaults(FaultList& faults, const BeltDescription& belt, double speed_mm_s) {
   findServoFaults(faults, "line", belt.line_servo, MachineModel::kStep_s);
   const double radius_m = belt.roller_radius_mm / 1000.0;
@@ -131,7 +131,7 @@ void findFrameFaults(FaultList& faults, const FrameDescription& frame) {
   }
 }
 
-// Out of the head the beam goes where two mirrors and a lens can send it.
+// Requires that two mirrors and a lens can send the beam to the corner.
 void requireReach(FaultList& faults, const MachineDescription& machine, double corner_mm) {
   const auto& lens = machine.head.lens;
   if (lens) {
@@ -150,11 +150,11 @@ void requireReach(FaultList& faults, const MachineDescription& machine, double c
 }
 
 void findFieldFaults(FaultList& faults, const MachineDescription& machine) {
-  const ControllerDescription& told = machine.controller;
+  const ControllerDescription& controller = machine.controller;
   double corner2_mm2 = 0.0;
   for (const auto& [name, i] : {std::pair("x", std::size_t{0}), std::pair("y", std::size_t{1})}) {
-    const double low_mm = told.field_min_mm.at(i);
-    const double high_mm = told.field_max_mm.at(i);
+    const double low_mm = controller.field_min_mm.at(i);
+    const double high_mm = controller.field_max_mm.at(i);
     faults.within(std::string("controller.field_min along ") + name, low_mm, -kFar_mm, kFar_mm, "mm");
     faults.within(std::string("controller.field_max along ") + name, high_mm, -kFar_mm, kFar_mm, "mm");
     faults.require(!(low_mm > high_mm),
@@ -175,20 +175,20 @@ void findFieldFaults(FaultList& faults, const MachineDescription& machine) {
   if (machine.kind == Kind::kTwoMirror) requireReach(faults, machine, std::sqrt(corner2_mm2));
 }
 
-void findControllerFaults(FaultList& faults, const ControllerDescription& told) {
+void findControllerFaults(FaultList& faults, const ControllerDescription& controller) {
   const auto notNegative = [&](const char* name, double value, const char* unit) {
     faults.within(std::string("controller.") + name, value, 0.0, kFar_mm, unit);
   };
-  notNegative("throw", told.throw_mm, "mm");
-  notNegative("mirror_spacing", told.mirror_spacing_mm, "mm");
-  notNegative("mirror_step", told.mirror_step_rad, "rad");
-  notNegative("gantry_step", told.gantry_step_mm, "mm");
-  notNegative("mirror_acceleration", told.mirror_acceleration_rad_s2, "rad/s²");
-  notNegative("tracking_delay", told.tracking_delay_s, "s");
-  notNegative("encoder_count", told.encoder_count_mm, "mm");
-  notNegative("feed_step", told.feed_step_mm, "mm");
-  notNegative("full_power", told.full_power_w, "W");
-  faults.within("controller.print_mark_sensor_x", told.print_mark_sensor_x_mm, -kFar_mm, kFar_mm, "mm");
+  notNegative("throw", controller.throw_mm, "mm");
+  notNegative("mirror_spacing", controller.mirror_spacing_mm, "mm");
+  notNegative("mirror_step", controller.mirror_step_rad, "rad");
+  notNegative("gantry_step", controller.gantry_step_mm, "mm");
+  notNegative("mirror_acceleration", controller.mirror_acceleration_rad_s2, "rad/s²");
+  notNegative("tracking_delay", controller.tracking_delay_s, "s");
+  notNegative("encoder_count", controller.encoder_count_mm, "mm");
+  notNegative("feed_step", controller.feed_step_mm, "mm");
+  notNegative("full_power", controller.full_power_w, "W");
+  faults.within("controller.print_mark_sensor_x", controller.print_mark_sensor_x_mm, -kFar_mm, kFar_mm, "mm");
 }
 
 void findCameraFaults(FaultList& faults, const char* name, const CameraDescription& camera) {
@@ -235,7 +235,7 @@ void findHeadFaults(FaultList& faults, const MachineDescription& machine) {
                      FaultList::text(machine.gantry_y.load_inertia) + " kg");
 }
 
-// What only the mechanism as a whole shows.
+// Finds the faults that only the mechanism as a whole shows.
 void findMechanismFaults(FaultList& faults, const MachineDescription& machine, const WebDescription& web) {
   try {
     Mechanism(mechanismOf(machine, web).description).requireSlowerThan(MachineModel::kStep_s);

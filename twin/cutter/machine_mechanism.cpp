@@ -14,7 +14,7 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
-// Inertia of bodies that never turn: without effect, and Bullet wants one.
+// Inertia of bodies that never turn: without effect, but Bullet requires one.
 constexpr double kUnused_kg_m2 = 0.1;
 // Speeds that no machine has: 10 million rpm, and Mach 3.
 constexpr double kMostTurn_rad_s = 1e6;
@@ -72,7 +72,7 @@ class Assembly {
   const WebDescription& web_;
   MachineMechanism result_;
   int carrier_{-1};          ///< Body that carries the head: frame or floor.
-  double roller_load_nm_{};  ///< What the roller's drive bears at t = 0.
+  double roller_load_nm_{};  ///< Torque that the roller's drive bears at t = 0.
 };
 
 void Assembly::addFrame() {
@@ -117,7 +117,7 @@ void Assembly::addConveyor() {
   grip.start_load_across = held * belt.sheet_drag_n[1];
   result_.description.frictions.push_back(bed);
   result_.description.frictions.push_back(grip);
-  // What pulls at the sheet pulls, over the belt's coordinate, at all that stands on the belt.
+  // Forces on the sheet act, over the belt's coordinate, on all that stands on the belt.
   result_.description.constant_forces = {{result_.belt, belt.sheet_drag_n[0]},
                                          {result_.sheet_x, belt.sheet_drag_n[0]},
                                          {result_.sheet_y, belt.sheet_drag_n[1]}};
@@ -190,8 +190,8 @@ void Assembly::addMirrors() {
     const AxisDescription& description = axisOf(machine_, axis);
     const Vector3d place_m = place_mm / kMetre_mm;
     const std::size_t motor = addMotor(axis, carrier_, place_m, direction);
-    // A sibling of its motor, not a child: balanced rotors on one axis feel each other by the coupling alone,
-    // and absolute angles allow any ratio.
+    // The load is a sibling of its motor, not a child: balanced rotors on one axis feel each other by the
+    // coupling alone, and absolute angles allow any ratio.
     const std::size_t load =
         rotor(std::string(nameOf(axis)) + ".mirror", carrier_, place_m, direction, description.load_inertia);
     const double ratio = description.load_per_motor;

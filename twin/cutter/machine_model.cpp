@@ -15,7 +15,7 @@ PulseCommand commandOf(const MachineMechanism& machine, Axis axis) {
   for (const MachineMechanism::PulseDrive& drive : machine.pulse_drives) {
     if (drive.axis == axis) return PulseCommand(drive.motor_per_step);
   }
-  return PulseCommand(0.0);  // Not fitted: pulses go nowhere.
+  return PulseCommand(0.0);  // The axis is not fitted: its pulses have no effect.
 }
 
 std::optional<ScanHead> headOf(const MachineDescription& machine) {
@@ -65,8 +65,8 @@ double MachineModel::lineCommand_rad(double time_s) const {
 void MachineModel::step(double begin_s) {
   for (std::size_t i = 0; i < machine_.pulse_drives.size(); ++i) {
     const MachineMechanism::PulseDrive& drive = machine_.pulse_drives[i];
-    const double heard_s = begin_s - drive.input_delay_s;
-    const double mean = command(drive.axis).meanOver(heard_s, heard_s + kStep_s);
+    const double input_time_s = begin_s - drive.input_delay_s;
+    const double mean = command(drive.axis).meanOver(input_time_s, input_time_s + kStep_s);
     inputs_[i] = {mean, mean, mean};
   }
   if (machine_.line_drive) {

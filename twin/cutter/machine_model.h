@@ -20,34 +20,35 @@
 
 namespace kerfbench::twin {
 
-/// Conveyor, frame, gantry or mirrors with their drives: the moving part of the twin, in steps of fixed
+/// The moving part of the twin: conveyor, frame, gantry or mirrors with their drives, in steps of fixed
 /// length. A pulse acts through the area mean of its input over a step.
 class MachineModel {
  public:
   static constexpr double kStep_s = 10e-6;
 
-  /// @throws std::invalid_argument for a machine that cannot be, or one too fast for the step.
+  /// Puts the machine together. @throws std::invalid_argument for an impossible machine, or one too fast for
+  /// the step.
   MachineModel(const MachineDescription& machine, const WebDescription& web,
                Fidelity fidelity = Fidelity::kReference);
 
-  /// Commands that pulses write to.
+  /// Command that an axis's pulses write to.
   [[nodiscard]] PulseCommand& command(Axis axis) { return commands_[static_cast<std::size_t>(axis)]; }
-  /// One step from `begin_s`, the end of the last; every pulse before its end must be in the commands.
+  /// Makes one step from `begin_s`, the end of the last; every pulse before its end must be in the commands.
   /// @throws DivergenceError with time and joint.
   void step(double begin_s);
 
-  // All that follows is at the end of the last step.
+  // The functions below give the state at the end of the last step.
 
   [[nodiscard]] MachinePose pose() const;
-  /// What the encoder sees; accelerations are means over the last step.
+  /// Speed of the roller's surface, as the encoder sees it; accelerations are means over the last step.
   [[nodiscard]] double rollerSpeed_mm_s() const { return roller_.speed_mm_s; }
   [[nodiscard]] double rollerAcceleration_mm_s2() const { return roller_.acceleration_mm_s2; }
-  /// Travel of the board, slip on the belt included: what the mark sensor and the beam see.
+  /// Speed of the board, slip on the belt included, as the mark sensor and the beam see it.
   [[nodiscard]] double sheetSpeed_mm_s() const { return sheet_.speed_mm_s; }
   [[nodiscard]] double sheetAcceleration_mm_s2() const { return sheet_.acceleration_mm_s2; }
-  /// Where the beam meets the board's surface; nullopt when it misses it.
+  /// Place where the beam meets the board's surface; nullopt when it misses it.
   [[nodiscard]] std::optional<BeamSpot> spot() const;
-  /// All so far, by time; of steps in the same 10 us by axis.
+  /// All lost steps so far, by time; by axis if within the same 10 us.
   [[nodiscard]] const std::vector<LostSteps>& lostSteps() const { return lost_; }
 
  private:
@@ -56,12 +57,12 @@ class MachineModel {
     double acceleration_mm_s2{};
     void follow(double speed_now_mm_s);
   };
-  /// Which tooth a stepper's rotor is at, against the one it began with.
+  /// Tooth of a stepper's rotor, relative to the one it began with.
   struct ToothWatch {
     std::size_t drive{};  ///< Index of the drive in the mechanism, and in machine_.pulse_drives.
     std::size_t joint{};
     double pitch_rad{};
-    double offset_rad{};  ///< What is added to the drive's command.
+    double offset_rad{};  ///< Offset that is added to the drive's command.
     long long behind{};
   };
 

@@ -53,7 +53,7 @@ PinDecoder::PinDecoder(const MachineDescription& machine, const WebDescription& 
 }
 
 void PinDecoder::decode(const PinEvent& event, MachineModel& model) {
-  if (event.port >= ports_.size()) return;  // A port without any of the machine's signals.
+  if (event.port >= ports_.size()) return;  // The port has none of the machine's signals.
   const auto changed = static_cast<std::uint16_t>(ports_[event.port] ^ event.level);
   if (changed == 0) return;
   ports_[event.port] = event.level;

@@ -14,24 +14,24 @@
 
 namespace kerfbench::twin {
 
-/// The machine's end of the controller's wires: writes to ports become steps of the axes, and what gate and
-/// PWM ask of the laser. Nothing grows with the length of a run.
+/// The machine's end of the controller's wires: turns writes to ports into steps of the axes, and into gate
+/// and PWM of the laser. Its memory does not grow with the length of a run.
 class PinDecoder {
  public:
   PinDecoder(const MachineDescription& machine, const WebDescription& web, TickRate rate);
 
-  /// Events by tick; steps that are certain by then go to the model's commands.
+  /// Decodes an event; events come by tick. Steps that are certain by then go to the model's commands.
   void decode(const PinEvent& event, MachineModel& model);
-  /// No event until this tick.
+  /// States that there is no event until this tick.
   void settle(Tick now, MachineModel& model);
 
-  /// The PWM's share of the time; a PWM that nobody wired is always high.
+  /// Duty of the laser's PWM; a PWM that is not wired is always high.
   [[nodiscard]] LevelTracker& pwm() { return pwm_; }
-  /// When the gate opened or closed, in turn; whoever reads them takes them away.
+  /// Times at which the gate opened or closed, in turn; the reader removes them.
   [[nodiscard]] EdgeQueue& gateEdges() { return gate_edges_; }
 
  private:
-  /// A pin that nobody wired has an empty mask: it is low for ever.
+  /// Port and bit of a signal. A pin that is not wired has an empty mask: it is low for ever.
   struct Wire {
     std::uint16_t port{};
     std::uint16_t mask{};
@@ -48,7 +48,7 @@ class PinDecoder {
   TickRate rate_;
   std::vector<Input> inputs_;
   Wire gate_wire_, pwm_wire_;
-  std::vector<std::uint16_t> ports_;  ///< Levels now.
+  std::vector<std::uint16_t> ports_;  ///< Present levels of the ports.
   LevelTracker pwm_;
   EdgeQueue gate_edges_;
 };

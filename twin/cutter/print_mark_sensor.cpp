@@ -25,7 +25,7 @@ PrintMarkSensor::PrintMarkSensor(TickRate rate, const PrintMarkSensorDescription
       first_mark_mm_(first_mark_mm),
       max_jitter_mm_(0.4 * nearestNeighbour_mm(print)),
       random_(seed ^ kMarkSeed, 0) {
-  // Marks that have passed before the start were never seen.
+  // Marks that passed before the start were never seen.
   while (passed_ < 2LL * print_.units && edge_mm(passed_ + 1) < 0) passed_ += 2;
 }
 
@@ -43,7 +43,8 @@ double PrintMarkSensor::edge_mm(long long edge) const {
 void PrintMarkSensor::predict(const MotionForecast& sheet, Tick until, std::vector<SensorEdge>& edges) {
   const double end_mm = sheet.placeAfter_mm(rate_.seconds(until - sheet.now));
   const auto send = [&](long long edge, double place_mm, bool forward) {
-    // Even edges are a mark's begin: under it after passing forward, before it after passing back.
+    // Even edges are a mark's begin: the mark is under the sensor after passing forwards, and before it after
+    // passing backwards.
     edges.push_back(
         {sheet.tickAt(place_mm, forward, rate_, until), Signal::kPrintMark, (edge % 2 == 0) == forward});
   };

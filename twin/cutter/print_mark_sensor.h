@@ -13,13 +13,15 @@
 
 namespace kerfbench::twin {
 
-/// Sees each unit's printed eye mark come and go, one quantum ahead; joins forecasts as BeltEncoder does.
+/// Sensor that sees each unit's printed eye mark come and go, one quantum ahead; it joins forecasts as
+/// BeltEncoder does.
 ///
-/// An edge of the print is seen where it really is, plus a jitter of its own that is the same whenever the
-/// edge passes (at most 0.4 of the way to its neighbour); backwards it is seen later by the hysteresis.
+/// An edge of the print is seen at its real place, plus a jitter of its own that is the same whenever the
+/// edge passes (at most 0.4 of the distance to its neighbour); backwards it is seen later by the hysteresis.
 class PrintMarkSensor {
  public:
-  /// `first_mark_mm`: travel of the sheet at which the leading edge of unit 0's eye mark reaches the sensor.
+  /// Makes the sensor. `first_mark_mm`: travel of the sheet at which the leading edge of unit 0's eye mark
+  /// reaches the sensor.
   PrintMarkSensor(TickRate rate, const PrintMarkSensorDescription& sensor, const PrintLayout& print,
                   double first_mark_mm, std::uint64_t seed);
 
@@ -35,7 +37,7 @@ class PrintMarkSensor {
   double first_mark_mm_;
   double max_jitter_mm_;
   CounterRandom random_;
-  /// Counts unit 0's begin, unit 0's end, unit 1's begin, …: how many lie behind the sensor.
+  /// Number of edges behind the sensor, counting unit 0's begin, unit 0's end, unit 1's begin, …
   long long passed_{0};
 };
 

@@ -97,7 +97,8 @@ std::vector<SensorEdge> Twin::predictSensors(Tick until) {
 }
 
 std::uint64_t Twin::wholeSteps(Tick tick) const {
-  // Exact: whole seconds' worth of `num` first, so that nothing overflows within a century.
+  // The product is exact: whole seconds' worth of `num` come first, so that nothing overflows within a
+  // century.
   const std::uint64_t whole = tick / rate_.den;
   const std::uint64_t rest = tick % rate_.den;
   return whole * rate_.num * kStepsPerSecond + rest * rate_.num * kStepsPerSecond / rate_.den;
@@ -107,7 +108,7 @@ void Twin::advance(Tick until, std::span<const PinEvent> events) {
   for (const PinEvent& event : events) pins_.decode(event, model_);
   now_ = until;
   pins_.settle(until, model_);
-  // Only whole steps: what is left over belongs to the next quantum, so that quanta leave no trace.
+  // Only whole steps are made: the remainder belongs to the next quantum, so that quanta leave no trace.
   const std::uint64_t end = wholeSteps(until);
   while (steps_ < end) {
     if (steps_ + 1 == end) gantry_before_mm_ = model_.pose().gantry_mm;
@@ -122,7 +123,8 @@ void Twin::stepMachine() {
   const bool whole = emissions_.size() == 1 && emissions_[0].begin == 0.0 && emissions_[0].end == 1.0;
   const bool parts = !emissions_.empty() && !whole;
   if (burner_.chordOpen() && !whole) closeChord();
-  // Where the beam is costs as much as half of the dynamics: nobody asks while it is dark or amid a chord.
+  // The beam's place costs as much as half of the dynamics: it is not computed while the beam is dark or amid
+  // a chord.
   View before;
   if (exposing || parts) before = view();
   if (whole && !burner_.chordOpen()) openChord();
@@ -135,27 +137,27 @@ void Twin::stepMachine() {
 
 void Twin::emit(double begin_s) {
   emissions_.clear();
-  const double heard_s = begin_s - machine_.laser.gate_delay_s;
-  const double end_s = heard_s + MachineModel::kStep_s;
-  double from_s = heard_s;
-  // A step in which the gate moves is cut there, so that its energy falls where the beam was.
+  const double input_time_s = begin_s - machine_.laser.gate_delay_s;
+  const double end_s = input_time_s + MachineModel::kStep_s;
+  double from_s = input_time_s;
+  // A step in which the gate changes is divided there, so that its energy falls where the beam was.
   for (EdgeQueue& edges = pins_.gateEdges(); edges.front_s() < end_s; edges.pop()) {
     const double edge_s = edges.front_s();
     if (edge_s > from_s) {
-      emitPart(heard_s, from_s, edge_s);
+      emitPart(input_time_s, from_s, edge_s);
       from_s = edge_s;
     }
     gate_open_ = !gate_open_;
   }
-  emitPart(heard_s, from_s, end_s);
+  emitPart(input_time_s, from_s, end_s);
 }
 
-void Twin::emitPart(double heard_s, double from_s, double to_s) {
+void Twin::emitPart(double input_time_s, double from_s, double to_s) {
   const double duty = pins_.pwm().meanOver(from_s, to_s);
-  const bool begins = from_s == heard_s;
-  const bool ends = to_s == heard_s + MachineModel::kStep_s;
-  const double begin = begins ? 0.0 : (from_s - heard_s) / MachineModel::kStep_s;
-  const double end = ends ? 1.0 : (to_s - heard_s) / MachineModel::kStep_s;
+  const bool begins = from_s == input_time_s;
+  const bool ends = to_s == input_time_s + MachineModel::kStep_s;
+  const double begin = begins ? 0.0 : (from_s - input_time_s) / MachineModel::kStep_s;
+  const double end = ends ? 1.0 : (to_s - input_time_s) / MachineModel::kStep_s;
   const double part_s = begins && ends ? MachineModel::kStep_s : to_s - from_s;
   const double part_begin_s = time_s() + begin * MachineModel::kStep_s;
   const double energy_j = laser_.step(gate_open_ ? 1.0 : 0.0, duty, part_begin_s, part_s);

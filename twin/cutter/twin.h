@@ -27,15 +27,15 @@ namespace kerfbench::twin {
 struct TwinOptions {
   Fidelity fidelity{Fidelity::kReference};
   std::uint64_t seed{1};  ///< Seed of sensor jitter and laser noise.
-  /// Off: takeExposures() stays empty. For runs of hours whose frames nobody looks at.
+  /// Records exposures for takeExposures(). Off: none, for runs of hours whose frames nobody needs.
   bool record_exposures{true};
 };
 
-/// The whole die-cutter: pins in, sensor edges out, a burnt sheet and what cameras need in the end.
+/// The whole die-cutter: pins in, sensor edges out, a burnt sheet and the cameras' scenes in the end.
 /// Deterministic: the state depends on description, options, pin events and their ticks alone, neither on the
 /// length of the quanta nor on predictSensors().
 ///
-/// Memory over long runs: what is burnt (Sheet::bytes()), one entry for each lost step, and exposures until
+/// Memory over long runs: the burnt sheet (Sheet::bytes()), one entry for each lost step, and exposures until
 /// they are taken (1.3 KiB for each of 200 us: 4.8 GB an hour at 1000 frames/s). Nothing else grows.
 class Twin {
  public:
@@ -46,24 +46,23 @@ class Twin {
   /// Edges of the controller's inputs in (now, until], by tick: encoder, print mark, limits, interlock, power
   /// monitor.
   std::vector<SensorEdge> predictSensors(Tick until);
-  /// Edges of the power monitor that are predicted further ahead than this may come late; infinity if nobody
-  /// wired it.
+  /// Longest quantum for which no edge of the power monitor comes late; infinity if the monitor is not wired.
   [[nodiscard]] double longestQuantum_s() const;
-  /// Goes on to `until`; `events` are all pin events of the controller in (now, until], by tick.
+  /// Advances to `until`; `events` are all pin events of the controller in (now, until], by tick.
   /// @throws DivergenceError
   void advance(Tick until, std::span<const PinEvent> events);
 
-  /// What is burnt so far. Good until the next advance(). Where it is asked for while the beam is lit a chord
-  /// ends early (see Burner): the same sheet to 1e-3 of its peak, but not to the last bit.
+  /// Sheet as burnt so far, valid until the next advance(). A call while the beam is lit ends a chord early
+  /// (see Burner): the sheet is the same to 1e-3 of its peak, but not to the last bit.
   [[nodiscard]] const Sheet& sheet();
   /// Exposures of the spot camera that have ended; each is handed out once.
   std::vector<Exposure> takeExposures() { return exposures_.take(); }
-  /// Steppers that the load has pulled over, by time.
+  /// Lost steps of steppers that the load has pulled over, by time.
   [[nodiscard]] const std::vector<LostSteps>& lostSteps() const { return model_.lostSteps(); }
-  /// Where everything is at the end of the last whole step.
+  /// Place of every part at the end of the last whole step.
   [[nodiscard]] MachinePose pose() const { return model_.pose(); }
 
-  /// The model's own knowledge, for tests that measure the measurement. Nothing that judges may use it.
+  /// Truth of the model, for tests that measure the measurement. Nothing that judges may use it.
   struct Truth {
     double time_s{};
     double belt_travel_mm{};
@@ -78,7 +77,7 @@ class Twin {
     std::optional<BeamSpot> spot;
     Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   };
-  /// What the laser emits from one share of a step to another.
+  /// Emission of the laser from one share of a step to another.
   struct Emission {
     double begin{}, end{1.0};
     double energy_j{};
@@ -86,8 +85,8 @@ class Twin {
 
   void stepMachine();
   void emit(double begin_s);
-  void emitPart(double heard_s, double from_s, double to_s);
-  const View& view();  ///< At the end of the last step.
+  void emitPart(double input_time_s, double from_s, double to_s);
+  const View& view();  ///< Beam and web at the end of the last step.
   void openChord();
   void closeChord();
   void burnParts(const View& before, const View& after);
@@ -102,7 +101,7 @@ class Twin {
   bool record_exposures_;
   bool monitor_wired_;
   Tick now_{0};
-  std::uint64_t steps_{0};  ///< Steps of the machine, since t = 0.
+  std::uint64_t steps_{0};  ///< Number of machine steps since t = 0.
   MachineModel model_;
   PinDecoder pins_;
   Laser laser_;
@@ -113,12 +112,12 @@ class Twin {
   PrintMarkSensor mark_sensor_;
   LimitSwitches limits_;
   PowerMonitor monitor_;
-  bool predicting_{false};            ///< Somebody wants sensors.
-  Eigen::Vector2d gantry_before_mm_;  ///< One step ago.
+  bool predicting_{false};            ///< True once predictSensors() was called.
+  Eigen::Vector2d gantry_before_mm_;  ///< Place of the gantry one step ago.
 
-  bool gate_open_{false};            ///< As the laser hears it.
+  bool gate_open_{false};            ///< State of the gate as it reaches the laser, after the gate delay.
   std::vector<Emission> emissions_;  ///< Emissions of the present step.
-  double emitted_j_{0.0};            ///< Since t = 0.
+  double emitted_j_{0.0};            ///< Energy emitted since t = 0.
   View view_;
   std::uint64_t viewed_step_{~0ULL};  ///< Number of steps done when view_ was taken.
 };

@@ -11,7 +11,7 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kMostServoPerStep = 0.2;  // As ServoDescription says.
+constexpr double kMostServoPerStep = 0.2;  // Limit that ServoDescription states.
 constexpr double kLeastLoadShare = 0.5;
 
 std::string hertz(double w_rad_s) { return FaultList::text(w_rad_s / kTurn) + " Hz"; }
@@ -40,7 +40,7 @@ void findStepperFaults(FaultList& faults, const std::string& name, const Stepper
                   std::numeric_limits<double>::infinity(), step_s);
 }
 
-// Torque that the motor needs to keep the load moving against dry friction.
+// Requires the torque that the motor needs to keep the load moving against dry friction.
 void requireStrength(FaultList& faults, const std::string& name, const AxisDescription& axis,
                      const AxisLoad& load) {
   const double needed_nm = load.friction * load.per_motor;
@@ -58,7 +58,7 @@ void requireStrength(FaultList& faults, const std::string& name, const AxisDescr
 
 void requireResolved(FaultList& faults, const std::string& what, double stiffness, double mass_a,
                      double mass_b, double step_s) {
-  // What cannot be by itself has been named where it stands.
+  // Impossible values have been reported elsewhere.
   if (!(stiffness > 0.0 && mass_a > 0.0 && mass_b > 0.0)) return;
   const double w = std::sqrt(stiffness * (1.0 / mass_a + 1.0 / mass_b));
   if (w * step_s <= kMostPerStep) return;
@@ -94,7 +94,7 @@ void requireQuietServo(FaultList& faults, const std::string& name, const ServoDe
                               ", less than half of the " + hertz(wn) + " of the servo that is to carry it");
     return;
   }
-  // Motor angle and speed, load angle and speed, torque.
+  // States: motor angle and speed, load angle and speed, torque.
   Eigen::Matrix<double, 5, 5> rates = Eigen::Matrix<double, 5, 5>::Zero();
   const double inertia = plant.motor_inertia + plant.load_inertia;
   // Without a current loop's lag the torque follows at once: much faster than anything else here.

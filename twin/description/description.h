@@ -20,7 +20,7 @@ namespace kerfbench::twin {
 
 /// The frame that carries the head, on its feet: the gantry's reaction shakes it.
 struct FrameDescription {
-  double mass_kg{};                       ///< Without the gantry's moving parts; > 0.
+  double mass_kg{};                       ///< Mass without the gantry's moving parts; > 0.
   std::array<double, 2> stiffness_n_m{};  ///< Stiffness of all feet together, along x and y; > 0.
   std::array<double, 2> damping_n_s_m{};  ///< >= 0
 };
@@ -29,52 +29,54 @@ struct FrameDescription {
 struct EncoderDescription {
   double count_mm{0.01};   ///< Belt travel of one count (four a line); > 0.
   double jitter_counts{};  ///< Standard deviation of each edge's place, in counts; 0 … 0.2.
-  double runout_mm{};      ///< Eccentric mounting: amplitude of the error once a turn, of belt travel.
+  double runout_mm{};      ///< Amplitude of the error of belt travel once a turn, from an eccentric mounting.
   double runout_phase_rad{};
 };
 
-/// Sees the printed eye mark of each unit.
+/// Sensor of the printed eye mark of each unit.
 struct PrintMarkSensorDescription {
   double x_mm{};           ///< Place in W.
   double jitter_mm{};      ///< Standard deviation of the place where an edge is seen.
-  double hysteresis_mm{};  ///< Backwards an edge is seen so much later.
+  double hysteresis_mm{};  ///< Delay of an edge that is seen backwards, of sheet travel.
 };
 
-/// Counts of a power meter behind a mirror: it toggles a pin for each quantum of emitted energy.
+/// Power meter behind a mirror: toggles a pin for each quantum of emitted energy.
 struct PowerMonitorDescription {
   double quantum_j{5e-3};  ///< > 0
-  double delay_s{1e-3};    ///< From emission to edge; at least the lockstep's quantum.
+  double delay_s{1e-3};    ///< Time from emission to edge; at least the lockstep's quantum.
   double scale{1.0};       ///< Scale of its calibration.
 };
 
 /// Conveyor: drive roller, belt, and the sheet that lies on it.
 struct BeltDescription {
   double roller_radius_mm{30.0};
-  double roller_inertia_kg_m2{2e-3};  ///< With the line's motor, at the roller; without belt and feed. > 0.
-  double mass_kg{0.5};                ///< Mass of the belt; > 0.
-  double stiffness_n_m{2e5};          ///< Between roller and belt, elastic creep; > 0.
+  /// Inertia with the line's motor, at the roller; without belt and feed. > 0.
+  double roller_inertia_kg_m2{2e-3};
+  double mass_kg{0.5};        ///< Mass of the belt; > 0.
+  double stiffness_n_m{2e5};  ///< Elastic creep between roller and belt; > 0.
   double damping_n_s_m{200.0};
   FrictionDescription bed_friction;  ///< Friction of the belt on its bed, N.
   double sheet_mass_kg{0.05};        ///< Mass of the board that lies on the belt; > 0.
   double sheet_friction{0.6};        ///< Coulomb coefficient of sheet on belt (vacuum counts as more); > 0.
-  std::array<double, 2> sheet_drag_n{};  ///< What pulls at the sheet: a brush, a doctor blade; along x and y.
+  std::array<double, 2> sheet_drag_n{};  ///< Pull at the sheet along x and y: a brush, a doctor blade.
   ServoDescription line_servo;           ///< Drive of the line itself, on the roller.
   AxisDescription feed;                  ///< Drive that the controller's feed pulses move.
   EncoderDescription encoder;
   PrintMarkSensorDescription print_mark_sensor;
 };
 
-/// What the reference controller is told of this machine: the data sheet, not the truth. A difference from
-/// the rest of the description is an error of commissioning that the bench must see.
+/// Configuration of the reference controller for this machine: the data sheet, not the truth. A difference
+/// from the rest of the description is an error of commissioning that the bench must see.
 struct ControllerDescription {
   double throw_mm{};
   double mirror_spacing_mm{};
   double mirror_step_rad{};
   double focal_length_mm{};             ///< Focal length of an f-theta lens; 0: a head without one.
-  std::string correction_file{};        ///< Its table of what the head's formula leaves; empty: none.
+  std::string correction_file{};        ///< Correction table of what the head's formula leaves; empty: none.
   double mirror_acceleration_rad_s2{};  ///< Acceleration of each mirror, mechanical; 0: never the limit.
   double gantry_step_mm{};
-  double jump_radius_mm{};  ///< Radius of the arcs of jumps; 0: straight jumps; -1: by the drawing's size.
+  /// Radius of the arcs of jumps; 0: straight jumps; -1: chosen by the size of the drawing.
+  double jump_radius_mm{};
   std::array<double, 2> field_min_mm{};
   std::array<double, 2> field_max_mm{};
   double tracking_delay_s{};
@@ -87,22 +89,22 @@ struct ControllerDescription {
   double laser_lag_s{};  ///< Lag of the power behind the controller's PWM.
 };
 
-/// A laser die-cutter. Constant; what moves is in Twin.
+/// A laser die-cutter. Constant; the moving state is in Twin.
 struct MachineDescription {
   enum class Kind { kTwoMirror, kGantry };
   std::string name;
   Kind kind{Kind::kTwoMirror};
   SignalMap signals;
-  std::optional<FrameDescription> frame;  ///< Absent: the head stands on rock.
+  std::optional<FrameDescription> frame;  ///< The frame; absent: the head does not move.
   // Two mirrors
   ScanHeadDescription head;
   AxisDescription galvo_x, galvo_y;
   // Gantry
   AxisDescription gantry_x, gantry_y;
-  double squareness_rad{};                ///< Gantry y leans towards -x by this.
-  std::array<double, 2> travel_min_mm{};  ///< Limit switches trip beyond.
+  double squareness_rad{};                ///< Lean of gantry y towards -x.
+  std::array<double, 2> travel_min_mm{};  ///< Lower ends of travel; limit switches trip beyond.
   std::array<double, 2> travel_max_mm{};
-  // All
+  // All machines
   BeltDescription belt;
   BeamDescription beam;
   SurfaceDescription surface;
@@ -114,15 +116,15 @@ struct MachineDescription {
   ControllerDescription controller;
 };
 
-/// What runs through the machine.
+/// The web that runs through the machine.
 struct WebDescription {
   PrintLayout print;
   BoardDescription board;
   double start_x_mm{};       ///< x_W of unit 0's origin S at t = 0.
   double belt_speed_mm_s{};  ///< Speed of the line drive at t = 0; ignored when the controller feeds.
-  std::vector<SpeedPoint>
-      belt_speed_changes;    ///< Later speeds of the line, see SpeedProfile; none: constant.
-  bool fed_by_controller{};  ///< The feed pulses move the belt.
+  /// Later speeds of the line, see SpeedProfile; none: constant.
+  std::vector<SpeedPoint> belt_speed_changes;
+  bool fed_by_controller{};  ///< True if the controller's feed pulses move the belt.
 };
 
 }  // namespace kerfbench::twin

@@ -10,27 +10,26 @@
 
 namespace kerfbench::twin {
 
-/// Collects what is wrong with a description, each fault a sentence with the value and its unit. NaN is
-/// always wrong.
+/// Collects faults of a description, each a sentence with the value and its unit. NaN is always a fault.
 class FaultList {
  public:
   void require(bool fine, const std::string& fault) {
     if (!fine) faults_.push_back(fault);
   }
-  /// In [least, most].
+  /// Requires a value in [least, most].
   void within(const std::string& name, double value, double least, double most, const std::string& unit) {
     require(value >= least && value <= most,
             name + " must be in [" + text(least) + ", " + text(most) + "]" + is(value, unit));
   }
-  /// In (0, most].
+  /// Requires a value in (0, most].
   void positive(const std::string& name, double value, double most, const std::string& unit) {
     require(value > 0.0 && value <= most, name + " must be in (0, " + text(most) + "]" + is(value, unit));
   }
-  /// Above zero; infinity stands for none.
+  /// Requires a value above zero; infinity stands for no limit.
   void limit(const std::string& name, double value, const std::string& unit) {
     require(value > 0.0, name + " must be > 0" + is(value, unit));
   }
-  /// Faults that another check has found, "a; b".
+  /// Takes over faults that another check has found, "a; b".
   void take(const std::string& where, const std::string& joined) {
     for (std::size_t begin = 0; begin < joined.size();) {
       const std::size_t end = std::min(joined.find("; ", begin), joined.size());

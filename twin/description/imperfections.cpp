@@ -27,7 +27,7 @@ class Drawing {
   void add(double& field, const std::string& name, double sigma, const char* unit) {
     change(field, sigma * normal(name), name, unit);
   }
-  /// Where less than nothing cannot be.
+  /// Adds an absolute value, where negative values are impossible.
   void addHalf(double& field, const std::string& name, double sigma, const char* unit) {
     change(field, std::abs(sigma * normal(name)), name, unit);
   }
@@ -39,7 +39,7 @@ class Drawing {
   void addNoise(double& field, const std::string& name, double level, const char* unit) {
     change(field, std::hypot(field, level) - field, name, unit);
   }
-  /// amplitude sin(x + phase) gets another sine of the same frequency.
+  /// Adds another sine of the same frequency to amplitude sin(x + phase).
   void addSine(double& amplitude, double& phase_rad, const std::string& name, double sigma) {
     if (sigma == 0.0) return;
     const double in_phase = sigma * normal(name + "_cos");
@@ -90,14 +90,16 @@ void drawHead(Drawing& draw, ScanHeadDescription& head, const ImperfectionSpread
   draw.add(head.lens->tilt_rad[1], "lens.tilt_y", spread.lens_tilt_rad, "rad");
 }
 
-// A lead screw or a toothed belt whose pitch is off: the motor turns as it is told, the slide goes elsewhere.
+// Changes the pitch of a lead screw or a toothed belt: the motor turns as commanded, the slide goes
+// elsewhere.
 void drawPitch(Drawing& draw, AxisDescription& axis, const std::string& name, double sigma) {
   const double factor = draw.relative(name + ".scale", sigma);
   axis.step *= factor;
   axis.load_per_motor *= factor;
 }
 
-// A larger roller carries more belt past for each count and for each pulse of the feed.
+// Changes the roller's radius. A larger roller carries more belt past for each count and for each pulse of
+// the feed.
 void drawRoller(Drawing& draw, BeltDescription& belt, double sigma) {
   const double factor = draw.relative("belt.roller_radius", sigma);
   belt.roller_radius_mm *= factor;
@@ -178,11 +180,11 @@ void drawDynamic(Drawing& draw, MachineDescription& machine, const ImperfectionS
 
 SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
                                  Preset preset, std::uint64_t seed) {
-  SampledMachine drawn{machine, {}};
-  Drawing draw(seed, drawn.imperfections);
-  if (preset != Preset::kIdeal) drawStatic(draw, drawn.machine, spread);
-  if (preset == Preset::kDynamic) drawDynamic(draw, drawn.machine, spread);
-  return drawn;
+  SampledMachine sampled{machine, {}};
+  Drawing draw(seed, sampled.imperfections);
+  if (preset != Preset::kIdeal) drawStatic(draw, sampled.machine, spread);
+  if (preset == Preset::kDynamic) drawDynamic(draw, sampled.machine, spread);
+  return sampled;
 }
 
 }  // namespace kerfbench::twin

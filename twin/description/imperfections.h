@@ -9,74 +9,75 @@
 
 namespace kerfbench::twin {
 
-/// How far a machine is from its drawing.
+/// Kinds of deviation of a machine from its description.
 enum class Preset {
-  kIdeal,    ///< As described.
-  kStatic,   ///< Alignment, squareness, scale: what a set-up leaves behind and does not change any more.
-  kDynamic,  ///< And lag, backlash, slip, flutter, noise, drift.
+  kIdeal,    ///< The machine as described.
+  kStatic,   ///< Alignment, squareness, scale: errors that a set-up leaves behind and that stay constant.
+  kDynamic,  ///< Errors of kStatic, with lag, backlash, slip, flutter, noise and drift.
 };
 
 /// One value that a preset has changed.
 struct Imperfection {
-  std::string name;  ///< E.g. "galvo_x.zero".
-  double value{};    ///< What was added to the description's value, or its relative change (unit "relative").
+  std::string name;  ///< Name of the quantity, e.g. "galvo_x.zero".
+  double value{};    ///< Change of the description's value, absolute or relative (unit "relative").
   std::string unit;
 };
 
-/// How large the imperfections of a machine are, all >= 0. A value is one standard deviation of a normal
-/// distribution around what the description says; where one letter says so it is
-///   h  half-normal: the absolute value of such a draw is added, since less than nothing cannot be;
+/// Sizes of a machine's imperfections, all >= 0. A value is one standard deviation of a normal distribution
+/// around the description's value, except where a letter says so:
+///   h  half-normal: the absolute value of a sample is added, since negative values are impossible;
 ///   v  a vector: two normal components of this standard deviation are added to amplitude and phase;
 ///   n  a level of noise, the same on every machine, which adds to the description's by the sum of squares.
 /// The defaults are those of a machine that service has just set up.
 struct ImperfectionSpread {
   // kStatic
   double axis_tilt_rad{20e-6};  ///< Tilt of each mirror axis, about each direction.
-  double surface_offset_mm{
-      0.003};             ///< Offset of each mirror; what is left when the origin of the field is taught.
+  /// Offset of each mirror that remains when the origin of the field is taught.
+  double surface_offset_mm{0.003};
   double zero_rad{5e-6};  ///< Zero of each mirror; 1 urad is 1 um at 500 mm.
-  double scale{20e-6};    ///< Relative, of each mirror and gantry axis.
-  double beam_offset_mm{0.005};  ///< In each direction; likewise.
-  double beam_tilt_rad{20e-6};   ///< About each direction.
+  double scale{20e-6};    ///< Relative scale of each mirror and gantry axis.
+  /// Offset of the beam in each direction that remains when the origin is taught.
+  double beam_offset_mm{0.005};
+  double beam_tilt_rad{20e-6};   ///< Tilt of the beam about each direction.
   double focus_mm{0.5};          ///< Height of the waist.
   double squareness_rad{20e-6};  ///< Squareness of the gantry.
   double surface_height_mm{0.01};
-  double surface_slope{20e-6};        ///< In each direction.
-  double roller_radius{20e-6};        ///< Relative: the scale of encoder and feed.
+  double surface_slope{20e-6};        ///< Slope of the surface in each direction.
+  double roller_radius{20e-6};        ///< Relative radius of the roller: the scale of encoder and feed.
   double mark_sensor_mm{0.005};       ///< Place of the print-mark sensor.
-  double power{0.01};                 ///< Relative, of the tube.
-  double power_monitor_scale{0.005};  ///< Relative.
+  double power{0.01};                 ///< Relative power of the tube.
+  double power_monitor_scale{0.005};  ///< Relative scale of the power monitor.
   // kDynamic
-  double bandwidth{0.01};       ///< Relative, of each servo: its tracking delay.
-  double backlash_rad{0.2e-6};  ///< h; of each mirror: the seat of a clamp, a galvo has no gear.
-  double backlash_mm{0.002};    ///< h; of each gantry axis.
-  double flutter_mm{0.01};      ///< v
-  double flutter_hz{12.0};      ///< Not drawn: how fast a board flutters that rests in the description.
-  double curl_1_mm{1e-6};       ///< In each direction.
-  double sheet_friction{0.05};  ///< Relative, of the sheet on the belt: where it slips.
-  double encoder_jitter_counts{0.03};  ///< n
-  double encoder_runout_mm{0.002};     ///< v
-  double mark_jitter_mm{0.002};        ///< n
-  double power_noise{0.01};            ///< n; relative.
-  double power_drift{0.01};            ///< Relative.
-  double gate_delay_s{2e-6};           ///< h
-  // kStatic as well, of a scan head that nobody has calibrated: none on a machine that is set up.
-  double throw_mm{0.0};           ///< Last mirror to work plane.
-  double mirror_spacing_mm{0.0};  ///< Between the mirrors' axes.
-  double focal_length{0.0};       ///< Relative, of the lens, if there is one; so are the next.
+  double bandwidth{0.01};       ///< Relative bandwidth of each servo: its tracking delay.
+  double backlash_rad{0.2e-6};  ///< h: backlash of each mirror, in the seat of a clamp; a galvo has no gear.
+  double backlash_mm{0.002};    ///< h: backlash of each gantry axis.
+  double flutter_mm{0.01};      ///< v: amplitude of the flutter.
+  double flutter_hz{12.0};  ///< Not sampled: flutter frequency of a board whose description has no flutter.
+  double curl_1_mm{1e-6};   ///< Curl in each direction.
+  double sheet_friction{0.05};  ///< Relative friction of the sheet on the belt; decides where it slips.
+  double encoder_jitter_counts{0.03};  ///< n: jitter of the encoder's edges.
+  double encoder_runout_mm{0.002};     ///< v: runout of the encoder.
+  double mark_jitter_mm{0.002};        ///< n: jitter of the print-mark sensor.
+  double power_noise{0.01};            ///< n: relative noise of the power.
+  double power_drift{0.01};            ///< Relative drift of the power.
+  double gate_delay_s{2e-6};           ///< h: delay of the gate.
+  // kStatic as well: errors of an uncalibrated scan head; zero on a machine that is set up.
+  double throw_mm{0.0};           ///< Distance from last mirror to work plane.
+  double mirror_spacing_mm{0.0};  ///< Distance between the mirrors' axes.
+  double focal_length{0.0};       ///< Relative focal length of the lens, if there is one.
   double lens_k1{0.0};            ///< Deviation from f theta, 1/rad².
-  double lens_decentre_mm{0.0};   ///< In each direction.
-  double lens_tilt_rad{0.0};      ///< About each direction.
+  double lens_decentre_mm{0.0};   ///< Decentring of the lens in each direction.
+  double lens_tilt_rad{0.0};      ///< Tilt of the lens about each direction.
 };
 
 struct SampledMachine {
   MachineDescription machine;
-  std::vector<Imperfection> imperfections;  ///< All that were drawn, in a fixed order; empty for kIdeal.
+  std::vector<Imperfection> imperfections;  ///< All sampled values, in a fixed order; empty for kIdeal.
 };
 
-/// Draws a machine around its description: a pure function of its arguments. What the controller is told
-/// stays as it is. Each quantity has a random stream of its own, chosen by its name: a quantity or a machine
-/// part that is added never changes what the others draw, and doubling a spread doubles its draws.
+/// Samples a machine around its description: a pure function of its arguments. The controller's configuration
+/// stays as it is. Each quantity has a random stream of its own, chosen by its name: adding a quantity or a
+/// machine part never changes the samples of the others, and doubling a spread doubles its deviations.
 SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
                                  Preset preset, std::uint64_t seed);
 

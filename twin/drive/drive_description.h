@@ -16,11 +16,12 @@ namespace kerfbench::twin {
 ///
 /// Without limits this is J (wn² (command - q) + 2 zeta wn (ff * command velocity - qd)): without feedforward
 /// the axis trails a constant speed by the time 2 zeta / wn, the "tracking error" of a galvo's data sheet.
-/// J is what the loop is tuned for: motor and load at the motor, with belt and sheet where it moves them.
+/// J is the inertia that the loop is tuned for: motor and load at the motor, with belt and sheet where it
+/// moves them.
 struct ServoDescription {
-  double natural_frequency_rad_s{};     ///< wn; > 0 and below 0.2 / integrator step.
-  double damping{0.7};                  ///< zeta; 0.1 … 5.
-  double velocity_feedforward{};        ///< ff: 0: pure tracking delay; 1: none at constant speed.
+  double natural_frequency_rad_s{};  ///< wn; > 0 and below 0.2 / integrator step.
+  double damping{0.7};               ///< zeta; 0.1 … 5.
+  double velocity_feedforward{};     ///< Feedforward ff; 0: pure tracking delay; 1: none at constant speed.
   double feedforward_filter_s{0.5e-3};  ///< First-order filter of the command's velocity; > 0 if ff > 0.
   double max_torque{std::numeric_limits<double>::infinity()};  ///< Current limit, N m (motor); > 0.
   double max_speed{std::numeric_limits<double>::infinity()};   ///< Speed limit, rad/s (motor); > 0.
@@ -50,8 +51,8 @@ using DriveDescription = std::variant<ServoDescription, StepperDescription>;
 /// Dry and viscous friction of a guide or a bearing. Below the dry limit it holds like a stiff spring and
 /// never creeps; it slides with exactly the limit.
 struct FrictionDescription {
-  double coulomb{};         ///< N m, or N of a slide; >= 0.
-  double viscous{};         ///< N m s/rad, or N s/m; >= 0.
+  double coulomb{};         ///< Dry friction, N m, or N of a slide; >= 0.
+  double viscous{};         ///< Viscous friction, N m s/rad, or N s/m; >= 0.
   double presliding{1e-6};  ///< Give before it breaks loose, rad or m; > 0.
 };
 
@@ -65,12 +66,13 @@ struct FrictionDescription {
 struct AxisDescription {
   DriverProfile profile;
   DriveDescription drive;
-  double step{};  ///< One PUL at the load, nominal: rad of a mirror; mm of a slide or of the belt; > 0.
-  double load_per_motor{1.0};    ///< rad, or mm of a slide, of the load for each rad of the motor; > 0.
-  double motor_inertia_kg_m2{};  ///< Rotor and what turns with it; > 0.
-  double load_inertia{};         ///< kg m² of a mirror; kg that a slide moves; > 0. Not used by the feed.
-  double stiffness{};            ///< Stiffness of the transmission at the load, N m/rad or N/m; > 0.
-  double stiffness_damping{};    ///< N m s/rad or N s/m; >= 0.
+  /// Nominal step of one PUL at the load: rad of a mirror; mm of a slide or of the belt; > 0.
+  double step{};
+  double load_per_motor{1.0};  ///< Motion of the load for each rad of the motor: rad, or mm of a slide; > 0.
+  double motor_inertia_kg_m2{};  ///< Inertia of the rotor and all that turns with it; > 0.
+  double load_inertia{};  ///< Inertia: kg m² of a mirror; kg that a slide moves; > 0. Not used by the feed.
+  double stiffness{};     ///< Stiffness of the transmission at the load, N m/rad or N/m; > 0.
+  double stiffness_damping{};    ///< Damping of the transmission, N m s/rad or N s/m; >= 0.
   double backlash{};             ///< Full play at the load, rad or mm; >= 0.
   FrictionDescription friction;  ///< Friction of the load.
 };

@@ -7,12 +7,12 @@
 
 namespace kerfbench::twin {
 
-/// The position that a PUL/DIR input commands, as its mean over each step of the integrator. Sampling it
-/// instead would misplace a spot by a hundred micrometres (measured); the area mean is exact for any edge
+/// Position that a PUL/DIR input commands, as its mean over each step of the integrator. A sample instead of
+/// the mean would misplace a spot by a hundred micrometres (measured); the area mean is exact for any edge
 /// times.
 class PulseCommand {
  public:
-  /// `step` in the joint's unit, rad or m.
+  /// Makes a command; `step` is in the joint's unit, rad or m.
   explicit PulseCommand(double step) : step_(step) {}
 
   [[nodiscard]] std::vector<StepEdge>& incoming() { return edges_; }

@@ -11,10 +11,11 @@ struct SpeedPoint {
   double speed_mm_s{};
 };
 
-/// How fast a line runs: constant up to t = 0, linear from point to point, constant after the last.
+/// Speed of a line over time: constant up to t = 0, linear from point to point, constant after the last.
 class SpeedProfile {
  public:
-  /// @throws std::invalid_argument unless all times are > 0 and ascend, and all values are finite.
+  /// Makes a profile. @throws std::invalid_argument unless all times are > 0 and ascend, and all values are
+  /// finite.
   explicit SpeedProfile(double start_speed_mm_s, const std::vector<SpeedPoint>& changes = {});
 
   [[nodiscard]] double speed_mm_s(double time_s) const;
@@ -29,7 +30,7 @@ class SpeedProfile {
   [[nodiscard]] const Knot& knotBefore(double time_s) const;
   [[nodiscard]] double acceleration_mm_s2(const Knot& from) const;
 
-  std::vector<Knot> knots_;  ///< The first is t = 0.
+  std::vector<Knot> knots_;  ///< Knots of the profile; the first is t = 0.
 };
 
 }  // namespace kerfbench::twin

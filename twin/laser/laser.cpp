@@ -8,7 +8,7 @@
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kDark = 1e-6;  // Share of full power: less is none.
+constexpr double kDark = 1e-6;  // Share of full power below which there is none.
 
 bool isPowerCurve(const std::vector<PowerPoint>& curve) {
   if (curve.empty()) return true;

@@ -16,19 +16,20 @@ struct PowerPoint {
 };
 
 struct LaserDescription {
-  double full_power_w{100.0};  ///< At demand 1; > 0.
+  double full_power_w{100.0};  ///< Power at demand 1; > 0.
   double rise_time_s{20e-6};   ///< Time constant of the tube's first-order response upwards; >= 0.
-  double fall_time_s{20e-6};   ///< And downwards; >= 0.
-  double gate_delay_s{0.0};  ///< From the pins to the tube's demand; >= 0. Applied by whoever reads the pins.
-  /// g: ascending in both, from (0, 0) to (1, 1). Empty: the straight line. The demand that it maps is the
-  /// mean over `demand_filter_s`: a tube follows the duty of its PWM, not each pulse. Below a tube's
-  /// threshold the share may stay at 0, so shares need not ascend strictly.
+  double fall_time_s{20e-6};   ///< Time constant of the tube's first-order response downwards; >= 0.
+  /// Delay from the pins to the tube's demand; >= 0. Applied by the reader of the pins.
+  double gate_delay_s{0.0};
+  /// Characteristic g: ascending in both, from (0, 0) to (1, 1). Empty: the straight line. The demand that it
+  /// maps is the mean over `demand_filter_s`: a tube follows the duty of its PWM, not each pulse. Below a
+  /// tube's threshold the share may stay at 0, so shares need not ascend strictly.
   std::vector<PowerPoint> power_curve{};
   double demand_filter_s{0.0};       ///< Time constant of the supply's PWM filter; >= 0.
   double noise{};                    ///< Relative standard deviation of the power; 0 … 0.3.
   double noise_correlation_s{1e-3};  ///< Correlation time of the noise; 1e-5 … 1e4.
-  double drift{};                    ///< Relative change of power that warming up brings in the end; > -1.
-  double drift_time_s{600.0};        ///< Its time constant; > 0.
+  double drift{};                    ///< Relative change of power by warming up, in the end; > -1.
+  double drift_time_s{600.0};        ///< Time constant of warming up; > 0.
 };
 
 /// Everything that is wrong with a laser, in one line; empty when nothing is.
@@ -39,33 +40,33 @@ std::string faultsOf(const LaserDescription& laser);
 /// The supply smooths the PWM (first order, demand_filter_s); the gate enables the tube and is not smoothed:
 /// it blanks at once. The tube goes towards gate * g(smoothed duty) * full power, first order, with one time
 /// constant upwards and another downwards. Noise (Ornstein-Uhlenbeck) and warming up, 1 - exp(-t/T) of the
-/// drift, scale what comes out.
+/// drift, scale the power.
 ///
 /// Deterministic: the noise is a function of seed and time, so how the time is cut into steps changes nothing
 /// but the mean over each step that gate, duty and smoothed duty are given by.
 class Laser {
  public:
-  /// @throws std::invalid_argument that names every value out of range.
+  /// Makes a tube. @throws std::invalid_argument that names every value out of range.
   explicit Laser(const LaserDescription& description, std::uint64_t seed);
 
-  /// The tube in [begin_s, begin_s + step_s]; steps follow one another. Returns the energy emitted in it, J:
-  /// the exact integral for a gate and a duty that are constant over the step.
+  /// Runs the tube in [begin_s, begin_s + step_s]; steps follow one another. Returns the energy emitted in
+  /// it, J: the exact integral for a gate and a duty that are constant over the step.
   /// @param gate  share of the step in which the gate was open, 0…1.
   /// @param duty  mean of the PWM, 0…1: while the gate was open, or over the whole step if it was shut.
   double step(double gate, double duty, double begin_s, double step_s);
-  /// For a tube without a gate of its own: `demand` is the duty, and the gate is open.
+  /// Runs a tube without a gate of its own: `demand` is the duty, and the gate is open.
   double step(double demand, double begin_s, double step_s) { return step(1.0, demand, begin_s, step_s); }
-  [[nodiscard]] double power_w() const { return power_w_; }  ///< At the end of the last step.
+  [[nodiscard]] double power_w() const { return power_w_; }  ///< Power at the end of the last step.
 
  private:
-  /// What the last step's length makes of the time constants.
+  /// Factors that follow from the last step's length and the time constants.
   struct Decay {
     double step_s{-1.0};
-    double rise{}, fall{}, filter{};  ///< exp(-step / time constant)
-    double filter_mean{};             ///< What is left of the filter's lag on the mean over the step.
+    double rise{}, fall{}, filter{};  ///< Factors exp(-step / time constant).
+    double filter_mean{};             ///< Remainder of the filter's lag on the mean over the step.
   };
 
-  /// Warming up between two places of a fixed grid of times: a straight line, 2e-6 of the drift off.
+  /// Warming up between two points of a fixed grid of times: a straight line, 2e-6 of the drift off.
   struct Warmth {
     double begin_s{0.0}, end_s{-1.0};
     double at_begin{}, slope_1_s{};

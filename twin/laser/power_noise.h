@@ -12,11 +12,11 @@ namespace kerfbench::twin {
 /// takes 2 % off the standard deviation of a momentary value and nothing off that of slower changes.
 class PowerNoise {
  public:
-  /// deviation >= 0; correlation_s > 0.
+  /// Makes the noise; deviation >= 0, correlation_s > 0.
   PowerNoise(double deviation, double correlation_s, std::uint64_t seed);
   [[nodiscard]] bool silent() const { return deviation_ == 0.0; }
-  /// Mean over [begin_s, end_s], 0 <= begin_s < end_s. Going on costs little, one normal number a knot;
-  /// going back starts again from 0.
+  /// Mean over [begin_s, end_s], 0 <= begin_s < end_s. Later intervals cost little, one normal number a knot;
+  /// an earlier one starts again from 0.
   double meanOver(double begin_s, double end_s);
 
  private:
@@ -26,9 +26,9 @@ class PowerNoise {
   CounterRandom random_;
   double deviation_;
   double knots_per_s_;
-  double keep_, fresh_;  ///< From knot to knot: what is left of the old, and the weight of the new.
+  double keep_, fresh_;  ///< Factors from knot to knot: weight of the old value, and of the new one.
   std::int64_t knot_{-1};
-  double left_{0.0}, right_{0.0};  ///< At knot_ and at the next; standard deviation 1.
+  double left_{0.0}, right_{0.0};  ///< Values at knot_ and at the next; standard deviation 1.
 };
 
 }  // namespace kerfbench::twin

@@ -6,7 +6,7 @@
 
 namespace kerfbench::twin {
 
-/// The model has left the realm of numbers: its run says nothing about a firmware.
+/// Divergence of the model: its numbers are out of bounds, so its run says nothing about a firmware.
 class DivergenceError : public std::runtime_error {
  public:
   DivergenceError(double time_s, const std::string& joint)

@@ -10,18 +10,19 @@
 
 namespace kerfbench::twin {
 
-/// Exact propagation of what is linear, part by part, see PartFlow. Masses come from Bullet and forces from
-/// the same ForceLaw as the reference's.
+/// Solver with exact propagation of the linear part of the mechanism, part by part, see PartFlow. Masses come
+/// from Bullet and forces from the same ForceLaw as the reference's.
 class FastSolver final : public Solver {
  public:
-  /// @throws std::invalid_argument if the mechanism is too fast for the step, or a part too large.
+  /// Makes the solver. @throws std::invalid_argument if the mechanism is too fast for the step, or a part too
+  /// large.
   FastSolver(std::shared_ptr<const Mechanism> mechanism, double step_s);
 
   void step(double begin_s, std::span<const DriveCommand> commands) override;
 
   [[nodiscard]] std::span<const double> q() const override { return q_; }
   [[nodiscard]] std::span<const double> v() const override { return v_; }
-  /// Steps of all parts in which a force had a kink.
+  /// Number of steps of all parts in which a force had a kink.
   [[nodiscard]] std::uint64_t halved() const;
 
  private:

@@ -19,7 +19,7 @@ double stretch(const SpringLaw& s, const double* q) {
 }
 double stretching(const SpringLaw& s, const double* v) { return s.ratio_a * v[s.a] + s.ratio_b * v[s.b]; }
 
-// How far the flank of a side (+1 or -1) is pressed in; positive for +1, negative for -1.
+// Depth by which the flank of a side (+1 or -1) is pressed in; positive for +1, negative for -1.
 double pressed(const SpringLaw& s, int side, const double* q) { return stretch(s, q) - side * s.half_play; }
 
 int touching(const SpringLaw& s, const double* q, const double* v) {
@@ -70,7 +70,7 @@ void addFriction(const FrictionLaw& f, int side, const double* v, const double* 
   force[f.joint] -= f.viscous * v[f.joint];
   if (f.plane) force[f.across] -= f.viscous * v[f.across];
   if (f.limit == 0) return;
-  if (side == 0) {  // It holds: the bristle goes with the joint.
+  if (side == 0) {  // The friction holds: the bristle moves with the joint.
     force[f.joint] -= held(f, v, aux);
     rate[f.bristle] = v[f.joint];
     if (!f.plane) return;
@@ -93,7 +93,7 @@ void addFriction(const FrictionLaw& f, int side, const double* v, const double* 
   rate[f.bristle + 1] = (share * across - f.stiffness * aux[f.bristle + 1]) / f.damping;
 }
 
-/// Which limits a servo is at: as observed from its state, or as a piece of the affine law says.
+/// Limits that a servo is at: as observed from its state, or as given by a piece of the affine law.
 struct ServoSides {
   bool observed;
   int speed{0};
@@ -101,8 +101,8 @@ struct ServoSides {
 };
 
 struct ServoState {
-  double q, v, u;     // Place and speed of the joint, command.
-  const double* aux;  // Filter and current.
+  double q, v, u;     // Joint position and speed, and command.
+  const double* aux;  // Auxiliary states: filter and current.
 };
 
 void addServo(const ServoLaw& s, const ServoSides& sides, const ServoState& state, double* force,

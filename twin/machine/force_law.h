@@ -16,8 +16,8 @@ namespace kerfbench::twin {
 /// slides are not affine.
 
 /// Spring and damper with play on the stretch s = ratio_a q_a + ratio_b q_b + rest. With play, a flank that
-/// is pressed in by d gives clamp(k d + c d', 0, 2 k d): it never pulls, and the damper doesn't hit out when
-/// they meet. Pieces: 0 between the flanks, ±1 at one of them, ±2 while the upper limit holds.
+/// is pressed in by d gives clamp(k d + c d', 0, 2 k d): it never pulls, and the damper does not jerk when
+/// the flanks meet. Pieces: 0 between the flanks, ±1 at one of them, ±2 while the upper limit holds.
 struct SpringLaw {
   std::size_t a{}, b{};
   double ratio_a{}, ratio_b{};
@@ -26,21 +26,21 @@ struct SpringLaw {
   double rest{};
 };
 
-/// Spring and damper in series with a slider: the force is k z + c v, never more than the dry limit, and
-/// what the slider doesn't give is the bristle's: z' = (force - k z) / c. It holds without creep, breaks
-/// loose at exactly the limit and slides with exactly the limit. With `across` the two directions share one
-/// limit.
+/// Spring and damper in series with a slider: the force is k z + c v, never more than the dry limit; the
+/// motion that the slider does not take is the bristle's: z' = (force - k z) / c. It holds without creep,
+/// breaks loose at exactly the limit and slides with exactly the limit. With `across` the two directions
+/// share one limit.
 struct FrictionLaw {
   std::size_t joint{};
   std::size_t across{};
-  std::size_t bristle{};  ///< Auxiliary state z; that of `across` is the next.
-  bool plane{};           ///< With `across`.
-  double limit{};         ///< 0: viscous only, without a bristle.
+  std::size_t bristle{};  ///< Index of auxiliary state z; that of `across` is the next.
+  bool plane{};           ///< True if the friction acts along `across` as well.
+  double limit{};         ///< Dry limit; 0: viscous only, without a bristle.
   double stiffness{}, damping{};
   double viscous{};
 };
 
-/// See ServoDescription.
+/// Closed position loop of a servo drive, see ServoDescription.
 struct ServoLaw {
   std::size_t joint{};
   std::size_t input{};
@@ -48,15 +48,15 @@ struct ServoLaw {
   double speed_per_error{};   ///< wn / (2 zeta)
   double torque_per_speed{};  ///< J 2 zeta wn
   double max_speed{}, max_torque{};
-  bool limited{};  ///< One of them is finite.
+  bool limited{};  ///< True if one of the limits is finite.
   double feedforward{};
-  double filter_s{};  ///< With feedforward: auxiliary state z' = (u - z) / filter.
+  double filter_s{};  ///< Time constant of the feedforward's filter: auxiliary state z' = (u - z) / filter_s.
   std::size_t filter{};
-  double lag_s{};  ///< > 0: auxiliary state is the torque.
+  double lag_s{};  ///< Lag of the current loop; > 0: an auxiliary state is the torque.
   std::size_t current{};
 };
 
-/// See StepperDescription.
+/// Field of a stepper, see StepperDescription.
 struct StepperLaw {
   std::size_t joint{};
   std::size_t input{};
@@ -69,9 +69,9 @@ struct StepperLaw {
   double supply_v{}, volt_per_speed{}, resistance{}, reactance_per_speed{}, current{};
 
   [[nodiscard]] double pitch() const;  ///< Pitch of a tooth, rad.
-  /// The field's torque, detent included, damping not.
+  /// Torque of the field, detent included, damping not.
   [[nodiscard]] double fieldTorque(double q, double v, double u) const;
-  /// Its linear part about tooth 0: a spring of holding * teeth.
+  /// Linear part of the field's torque about tooth 0: a spring of holding * teeth.
   [[nodiscard]] double springTorque(double q, double u) const { return -holding * teeth * (q - u - offset); }
 };
 
@@ -91,19 +91,19 @@ class ForceLaw {
   std::vector<StepperLaw> steppers;
   std::vector<ConstantForce> constants;
 
-  using Piece = std::int8_t;  ///< -1, 0 or +1; of a play -2 … +2.
+  using Piece = std::int8_t;  ///< Piece of an element: -1, 0 or +1; of a play -2 … +2.
 
   [[nodiscard]] std::size_t stateSize() const { return 2 * joints + auxiliaries; }
   [[nodiscard]] std::size_t pieceCount() const {
     return springs.size() + frictions.size() + 2 * servos.size();
   }
 
-  /// Forces on the joints and rates of the auxiliary states, from state and commands.
+  /// Computes forces on the joints and rates of the auxiliary states from state and commands.
   void evaluate(const double* x, const double* u, double* force, double* rate) const;
-  /// In which piece each element is.
+  /// Finds the piece that each element is in.
   void observe(const double* x, const double* u, Piece* pieces) const;
-  /// As evaluate(), but in these pieces whatever the state is, and with the springs of the steppers for their
-  /// fields: affine in x and u. Not for pieces where isAffine() is false.
+  /// Computes as evaluate(), but in these pieces whatever the state is, and with the springs of the steppers
+  /// in place of their fields: affine in x and u. Not for pieces where isAffine() is false.
   void evaluateAffine(const double* x, const double* u, const Piece* pieces, double* force,
                       double* rate) const;
   [[nodiscard]] bool isAffine(const Piece* pieces) const;

@@ -8,8 +8,8 @@
 namespace kerfbench::twin {
 namespace {
 
-// Binary exponents of a scaling that makes rows and columns alike large (Osborne 1960). Powers of two round
-// nothing.
+// Binary exponents of a scaling that makes rows and columns equally large (Osborne 1960). Powers of two cause
+// no rounding.
 std::vector<int> balancing(const Eigen::MatrixXd& matrix) {
   const auto n = static_cast<std::size_t>(matrix.rows());
   std::vector<int> exponent(n, 0);
@@ -57,12 +57,12 @@ Eigen::MatrixXd matrixExponential(const Eigen::MatrixXd& matrix) {
   }
   int halvings = 0;
   (void)std::frexp(norm, &halvings);
-  halvings = std::max(0, halvings + 1);  // Norm below a half.
+  halvings = std::max(0, halvings + 1);  // The norm is then below a half.
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) small(i, j) = std::ldexp(small(i, j), -halvings);
   }
   // Squaring e^x - 1 in place of e^x keeps the small entries' digits: (1 + s)² - 1 = 2 s + s².
-  constexpr int kTerms = 16;  // 0.5^17 / 17! < 1e-19.
+  constexpr int kTerms = 16;  // Error bound: 0.5^17 / 17! < 1e-19.
   Eigen::MatrixXd term = small;
   Eigen::MatrixXd less_one = small;
   for (int k = 2; k <= kTerms; ++k) {
@@ -89,7 +89,7 @@ LinearFlow::LinearFlow(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, doubl
   if (padded_ > kMostRows) throw std::invalid_argument("LinearFlow: too many states");
   const Eigen::Index n = A.rows();
   const Eigen::Index inputs = B.cols();
-  // The inputs as states over s: dw/ds = r, dr/ds = p, dp/ds = 0, where s² has p = 2.
+  // The inputs are states over s: dw/ds = r, dr/ds = p, dp/ds = 0, where s² has p = 2.
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n + 3 * inputs, n + 3 * inputs);
   all.topLeftCorner(n, n) = step_s * A;
   all.block(0, n, n, inputs) = step_s * B;

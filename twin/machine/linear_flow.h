@@ -22,10 +22,10 @@ class LinearFlow {
   LinearFlow(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double step_s);
 
   [[nodiscard]] std::size_t states() const { return states_; }
-  /// `state_and_inputs`: x, then w(0). `next` gets x(h) for constant inputs; it has room for states() rounded
-  /// up to a multiple of kRows and must not overlap.
+  /// Computes x(h) for constant inputs into `next`. `state_and_inputs`: x, then w(0). `next` has room for
+  /// states() rounded up to a multiple of kRows and must not overlap.
   void advance(const double* state_and_inputs, double* next) const;
-  /// Adds to `next` what r and c of input i do.
+  /// Adds to `next` the effect of r of input i.
   void addRamp(std::size_t input, double ramp, double* next) const { add(ramp_, input, ramp, next); }
   void addBend(std::size_t input, double bend, double* next) const { add(bend_, input, bend, next); }
 

@@ -135,7 +135,7 @@ std::vector<double> Mechanism::startState() const {
 }
 
 void Mechanism::requireSlowerThan(double step_s) const {
-  // Both flanks of a play and all holding frictions at once: the stiffest that it gets.
+  // The mechanism is stiffest with both flanks of each play in contact and all frictions holding.
   std::vector<ForceLaw::Piece> pieces(law_.pieceCount(), 0);
   for (std::size_t i = 0; i < law_.springs.size(); ++i) pieces[i] = law_.springs[i].half_play > 0 ? 1 : 0;
   const AffineRate rate = affineRate(law_, inverse_mass_, pieces.data());
@@ -143,7 +143,7 @@ void Mechanism::requireSlowerThan(double step_s) const {
   for (Eigen::Index k = 0; k < rate.A.rows(); ++k) {
     const double rate_1_s = std::abs(solver.eigenvalues()[k]);
     if (rate_1_s * step_s <= 1.0) continue;
-    // The joint with the largest share of the kinetic energy in this motion.
+    // The joint in the message has the largest share of the kinetic energy in this motion.
     std::size_t joint = 0;
     double most = -1.0;
     for (std::size_t i = 0; i < law_.joints; ++i) {

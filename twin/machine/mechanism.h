@@ -18,35 +18,36 @@ namespace kerfbench::twin {
 struct CouplingDescription {
   std::size_t a{};
   double ratio_a{1.0};
-  std::optional<std::size_t> b;  ///< Absent: the parent of a.
+  std::optional<std::size_t> b;  ///< Second joint; absent: the parent of a.
   double ratio_b{};
   double stiffness{};   ///< N/m or N m/rad of that sum; > 0.
   double damping{};     ///< >= 0
-  double play{};        ///< In all; >= 0.
-  double start_load{};  ///< Force that it bears at t = 0 with all joints at zero, positive like a stretch.
+  double play{};        ///< Full play; >= 0.
+  double start_load{};  ///< Force at t = 0 with all joints at zero, positive like a stretch.
 };
 
-/// Friction between a joint's body and its parent's, in `across` as well if that is given: then both
-/// directions share one dry limit, as of a sheet on a belt.
+/// Friction between a joint's body and its parent's. If `across` is given both directions share one dry
+/// limit, as of a sheet on a belt.
 struct JointFriction {
   std::size_t joint{};
   std::optional<std::size_t> across;
   FrictionDescription friction;
-  /// Dry friction's load at t = 0, along joint and across: what it holds, or the limit if it slides.
+  /// Dry friction's load at t = 0, along joint and across: the force that it holds, or the limit if it
+  /// slides.
   double start_load{}, start_load_across{};
 };
 
 struct JointDrive {
-  std::string name;     ///< E.g. "galvo_x".
-  std::size_t joint{};  ///< Revolute: the motor.
+  std::string name;     ///< Name of the axis, e.g. "galvo_x".
+  std::size_t joint{};  ///< Joint of the motor; revolute.
   DriveDescription drive;
-  double inertia_kg_m2{};    ///< That a servo's gains refer to: motor and load, at the motor.
-  double start_command{};    ///< Command of the input at t = 0, rad …
-  double start_speed{};      ///< … and rad/s: it has been going so for long.
-  double start_torque_nm{};  ///< That the drive gives then. Its command is taken to be in the right place.
+  double inertia_kg_m2{};    ///< Inertia that a servo's gains refer to: motor and load, at the motor.
+  double start_command{};    ///< Command of the input at t = 0, rad.
+  double start_speed{};      ///< Speed of the command at t = 0, rad/s; constant for a long time before.
+  double start_torque_nm{};  ///< Torque of the drive at t = 0. Its command is consistent with it.
 };
 
-/// Bodies, joints and all that acts between them. SI units: m, rad, N, N m.
+/// Bodies, joints and all elements that act between them. SI units: m, rad, N, N m.
 struct MechanismDescription {
   std::vector<JointDescription> joints;
   std::vector<CouplingDescription> couplings;
@@ -61,29 +62,30 @@ struct DriveCommand {
   double begin{}, middle{}, end{};
 };
 
-/// The equations of motion of a machine: M(q) dv/dt = forces(q, v, auxiliary states, commands). Constant; a
+/// Equations of motion of a machine: M(q) dv/dt = forces(q, v, auxiliary states, commands). Constant; a
 /// solver has the state.
 ///
 /// Joints are slides and balanced rotors whose axes keep their direction, so the mass matrix is constant and
-/// there are no terms of velocity. Nothing relies on that but the solvers that say so.
+/// there are no terms of velocity. Only the solvers that say so rely on that.
 class Mechanism {
  public:
-  /// @throws std::invalid_argument with everything that is wrong.
+  /// Builds the equations. @throws std::invalid_argument with everything that is wrong.
   explicit Mechanism(MechanismDescription description);
 
   [[nodiscard]] const MechanismDescription& description() const { return description_; }
   [[nodiscard]] const ForceLaw& law() const { return law_; }
-  /// From Bullet, see inverseMassMatrix().
+  /// Inverse mass matrix from Bullet, see inverseMassMatrix().
   [[nodiscard]] const Eigen::MatrixXd& inverseMass() const { return inverse_mass_; }
-  /// From Bullet, see gravityForces(). Not in law(): Bullet's own accelerations have it already.
+  /// Gravity forces from Bullet, see gravityForces(). They are not in law(): Bullet's own accelerations have
+  /// them already.
   [[nodiscard]] const Eigen::VectorXd& gravity() const { return gravity_; }
-  /// Values of each joint, see JointDescription.
+  /// Largest plausible speed of each joint, see JointDescription.
   [[nodiscard]] const std::vector<double>& mostSpeeds() const { return most_speeds_; }
   /// State at t = 0, as in ForceLaw.
   [[nodiscard]] std::vector<double> startState() const;
 
-  /// @throws std::invalid_argument that names the joint if an eigenvalue of the linear mechanism is beyond
-  /// 1 / step: neither solver would follow it.
+  /// Checks the step. @throws std::invalid_argument that names the joint if an eigenvalue of the linear
+  /// mechanism is beyond 1 / step: neither solver would follow it.
   void requireSlowerThan(double step_s) const;
 
  private:
@@ -99,7 +101,7 @@ class Mechanism {
   std::vector<double> auxiliary_start_;
 };
 
-/// The affine law in these pieces: rate of the state = A x + B u + c.
+/// Affine law in these pieces: rate of the state = A x + B u + c.
 struct AffineRate {
   Eigen::MatrixXd A, B;
   Eigen::VectorXd c;

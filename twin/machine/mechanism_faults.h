@@ -7,8 +7,8 @@ namespace kerfbench::twin {
 
 struct MechanismDescription;
 
-/// Everything that is wrong with a description, "galvo_x: damping must be in 0.1 … 5; …"; empty if it is
-/// fine.
+/// Everything that is wrong with a description, "galvo_x: damping must be in 0.1 … 5; …"; empty if nothing
+/// is.
 std::string faultsOf(const MechanismDescription& description);
 
 }  // namespace kerfbench::twin

@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Index at(std::size_t index) { return static_cast<Eigen::Index>(index); }
 
-// Which joints can ever move: those that do at the start, and those that a force reaches.
+// Joints that can ever move: those that move at the start, and those that a force reaches.
 class Reach {
  public:
   explicit Reach(const Mechanism& mechanism)
@@ -61,7 +61,7 @@ class Reach {
   std::vector<bool> moves_, forced_;
 };
 
-// For each joint the lowest joint of its part.
+// Finds for each joint the lowest joint of its part.
 std::vector<std::size_t> groupsOf(const Mechanism& mechanism, const std::vector<bool>& moves) {
   const ForceLaw& law = mechanism.law();
   std::vector<std::size_t> group(law.joints);
@@ -135,7 +135,7 @@ class PartMaker {
 
   void addSprings() {
     for (SpringLaw s : whole_.springs) {
-      // A spring forces both its ends: either both move or none.
+      // A spring forces both its ends: either both move or neither.
       if (!take(s.a) || !take(s.b)) continue;
       part_.law.springs.push_back(s);
     }

@@ -7,18 +7,18 @@
 
 namespace kerfbench::twin {
 
-/// Some joints of a mechanism that nothing ties to the others: a mechanism of its own.
+/// A group of joints of a mechanism that nothing ties to the others: a mechanism of its own.
 struct MechanismPart {
-  std::vector<std::size_t> joints;  ///< Joints in the numbering of the whole, ascending: the part's joint i
-                                    ///< is the whole's joints[i].
-  std::vector<std::size_t> drives;  ///< Likewise for the inputs.
-  ForceLaw law;                     ///< With the part's own numbers.
+  /// Joints in the numbering of the whole, ascending: joint i of the part is joints[i] of the whole.
+  std::vector<std::size_t> joints;
+  std::vector<std::size_t> drives;  ///< Inputs in the numbering of the whole, ascending.
+  ForceLaw law;                     ///< Forces within the part, with the part's own indices.
   Eigen::MatrixXd inverse_mass;
   std::vector<double> start;  ///< State at t = 0.
 };
 
-/// The parts of a mechanism, by their first joint. Joints that nothing can ever move, such as a frame without
-/// a gantry or a sheet across a belt that pulls only along, are in none of them.
+/// Splits a mechanism into its parts, ordered by their first joint. Joints that nothing can ever move, such
+/// as a frame without a gantry or a sheet across a belt that pulls only along, are in none of them.
 std::vector<MechanismPart> partsOf(const Mechanism& mechanism);
 
 }  // namespace kerfbench::twin

@@ -11,7 +11,7 @@
 
 namespace kerfbench::twin {
 
-// The float build freezes joints with an inertia below 1.2e-7 kg m² without a word: every galvo mirror.
+// The float build freezes joints with an inertia below 1.2e-7 kg m², without a message: every galvo mirror.
 static_assert(sizeof(btScalar) == 8, "Kerfbench needs Bullet in double precision (bullet-float64)");
 
 namespace {
@@ -60,7 +60,7 @@ Multibody::Multibody(const std::vector<JointDescription>& joints) : bodies_(std:
     }
   }
   mb.finalizeMultiDof();
-  // Defaults that would brake a running belt and clip a galvo's step.
+  // Bullet's defaults would brake a running belt and clip a galvo's step.
   mb.setLinearDamping(0);
   mb.setAngularDamping(0);
   mb.setMaxCoordinateVelocity(1e12);
@@ -86,7 +86,7 @@ void Multibody::accelerations(std::span<const double> q, std::span<const double>
     mb.setJointPos(i, q[index]);
     mb.setJointVel(i, v[index]);
   }
-  mb.clearForcesAndTorques();  // Wipes gravity as well, so it is added by hand.
+  mb.clearForcesAndTorques();  // The call erases gravity as well, so it is added by hand.
   for (int i = 0; i < n; ++i) {
     mb.addJointTorque(i, force[static_cast<std::size_t>(i)]);
     mb.addLinkForce(i, b.gravity * mb.getLinkMass(i));
@@ -149,7 +149,7 @@ Eigen::VectorXd gravityForces(Multibody& body) {
   std::vector<double> fall(n, 0.0);
   body.accelerations(zero, zero, zero, fall);
   const auto size = static_cast<Eigen::Index>(n);
-  // A joint that falls freely does so at g: what is far below that is rounding.
+  // A joint in free fall accelerates at g: values far below that are rounding.
   constexpr double kRounding = 1e-9;
   constexpr double kG_m_s2 = 9.80665;
   Eigen::VectorXd acceleration = Eigen::Map<const Eigen::VectorXd>(fall.data(), size);

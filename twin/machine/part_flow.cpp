@@ -9,10 +9,11 @@
 namespace kerfbench::twin {
 namespace {
 
-constexpr std::uint64_t kPieces = 5;  // -2 … 2 of each element: a regime's key counts them as digits.
+// Number of pieces, -2 … 2 of each element: a regime's key counts them as digits.
+constexpr std::uint64_t kPieces = 5;
 constexpr std::size_t kMostDigits = 27;
 constexpr std::size_t kMostSteppers = 4;
-constexpr int kRungeKuttaHalvings = 3;  // Stretches that Runge-Kutta does are step / 8 or shorter.
+constexpr int kRungeKuttaHalvings = 3;  // Runge-Kutta takes stretches of step / 8 or shorter.
 
 }  // namespace
 
@@ -151,7 +152,7 @@ double PartFlow::beyondSpring(const StepperLaw& law, double q, double v) {
 }
 
 void PartFlow::addFields(const LinearFlow& flow, double step_s) {
-  // All from the predicted state, so that no stepper of a part comes before another.
+  // All values come from the predicted state, so that no stepper of a part precedes another.
   std::array<double, kMostSteppers> ramp{};
   std::array<double, kMostSteppers> bend{};
   for (std::size_t i = 0; i < teeth_.size(); ++i) {

@@ -32,22 +32,22 @@ class PartFlow {
   [[nodiscard]] const double* q() const { return state_.data(); }
   [[nodiscard]] const double* v() const { return state_.data() + part_.law.joints; }
 
-  /// `commands` of the whole mechanism.
+  /// Makes one step; `commands` are those of the whole mechanism.
   void step(std::span<const DriveCommand> commands);
 
-  /// Steps so far that were halved: each costs as much as a dozen others.
+  /// Number of steps so far that were halved: each costs as much as a dozen others.
   [[nodiscard]] std::uint64_t halved() const { return halved_; }
 
  private:
   struct Field {
     double pitch{};
-    long long tooth{};  ///< That the linear spring is about.
+    long long tooth{};  ///< Tooth about which the linear spring acts.
   };
   struct Regime {
     std::uint64_t key{};
     bool affine{};
-    std::array<std::unique_ptr<LinearFlow>, kHalvings + 1>
-        flows;  ///< By halvings of the step; made when met.
+    /// Flows by halvings of the step; made when needed.
+    std::array<std::unique_ptr<LinearFlow>, kHalvings + 1> flows;
   };
   /// Share of a step that is advanced at once.
   struct Stretch {
@@ -57,10 +57,10 @@ class PartFlow {
   };
 
   void findKinks();
-  /// The pieces as one number, see setPieces().
+  /// Pieces as one number, see setPieces().
   [[nodiscard]] std::uint64_t regimeAt(const double* x, const double* u);
   [[nodiscard]] std::uint64_t regimeNow();
-  /// nullptr where the part is not affine.
+  /// Flow of a regime; nullptr where the part is not affine.
   const LinearFlow* flowOf(std::uint64_t key, int halvings);
   Regime& regimeOf(std::uint64_t key);
   void setPieces(std::uint64_t key);
@@ -80,22 +80,22 @@ class PartFlow {
   MechanismPart part_;
   double step_s_;
   std::size_t states_;
-  ForceLaw kinked_;                 ///< Those elements of the part's law that have pieces …
-  std::vector<std::size_t> kinks_;  ///< … and the places of these among all pieces.
-  /// x, then the constant 1, commands, and what the steppers' fields are beyond their springs. A step ruins
-  /// what follows x in next_, and sets it anew in state_.
+  ForceLaw kinked_;                 ///< Elements of the part's law that have pieces.
+  std::vector<std::size_t> kinks_;  ///< Places of these elements' pieces among all pieces.
+  /// State x, then the constant 1, commands, and the excess of the steppers' fields over their springs. A
+  /// step ruins all after x in next_, and sets it anew in state_.
   std::vector<double> state_, next_;
   std::vector<double> u_from_, u_to_;    ///< Inputs at both ends of the step.
   std::vector<double> u_begin_, u_end_;  ///< Inputs at both ends of the stretch.
   std::uint64_t key_{};                  ///< Regime of the state with commands u_key_.
   std::vector<double> u_key_;
   std::vector<Field> teeth_;
-  std::vector<ForceLaw::Piece> pieces_,
-      kink_pieces_;  ///< Pieces of all elements, and of those with kinks; scratch.
+  /// Pieces of all elements, and of those with kinks; scratch.
+  std::vector<ForceLaw::Piece> pieces_, kink_pieces_;
   std::vector<std::unique_ptr<Regime>> regimes_;
   Regime* last_{nullptr};
   std::uint64_t halved_{0};
-  // Runge-Kutta's scratch.
+  // Scratch of Runge-Kutta.
   std::array<std::vector<double>, 4> rates_;
   std::vector<double> stage_, force_, u_stage_;
 };

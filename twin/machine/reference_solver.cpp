@@ -12,7 +12,7 @@ void requireSane(const Mechanism& mechanism, std::span<const double> q, std::spa
                  double time_s) {
   const std::vector<double>& most = mechanism.mostSpeeds();
   for (std::size_t i = 0; i < v.size(); ++i) {
-    // Written so that NaN is beyond.
+    // The condition is written so that NaN is beyond.
     if (std::abs(v[i]) <= most[i] && std::isfinite(q[i])) continue;
     throw DivergenceError(time_s, mechanism.description().joints[i].name);
   }
@@ -57,7 +57,7 @@ void ReferenceSolver::step(double begin_s, std::span<const DriveCommand> command
   stepBy(begin_s, step_s_, commands);
 }
 
-// A command within a step: the parabola through its begin, middle and end.
+// Commands within a step: the parabola through begin, middle and end.
 void ReferenceSolver::commandsAt(std::span<const DriveCommand> commands, double share,
                                  std::vector<double>& u) const {
   for (std::size_t i = 0; i < commands.size(); ++i) {

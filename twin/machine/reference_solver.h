@@ -16,28 +16,28 @@ class ReferenceSolver final : public Solver {
  public:
   enum class Accelerations {
     /// Articulated bodies at the first stage of a step, M^-1 of that configuration times the change of force
-    /// at the others. Exact for a Mechanism, whose mass matrix is constant, at half the price.
+    /// at the others. Exact for a Mechanism, whose mass matrix is constant, at half the cost.
     kOnceAStep,
-    kEveryStage,  ///< Assumes nothing.
+    kEveryStage,  ///< Articulated bodies at every stage; assumes nothing.
   };
 
   static constexpr int kHalvings = 5;
 
-  /// @throws std::invalid_argument if the mechanism is too fast for the step.
+  /// Makes the solver. @throws std::invalid_argument if the mechanism is too fast for the step.
   ReferenceSolver(std::shared_ptr<const Mechanism> mechanism, double step_s,
                   Accelerations accelerations = Accelerations::kOnceAStep);
 
   void step(double begin_s, std::span<const DriveCommand> commands) override;
-  /// A step of another length, not above the solver's own.
+  /// Makes a step of another length, not above the solver's own.
   void stepBy(double begin_s, double step_s, std::span<const DriveCommand> commands);
 
   [[nodiscard]] std::span<const double> q() const override { return {x_.data(), n_}; }
   [[nodiscard]] std::span<const double> v() const override { return {x_.data() + n_, n_}; }
-  /// For tests: the whole state, see ForceLaw.
+  /// Whole state, see ForceLaw; for tests.
   [[nodiscard]] std::span<double> state() { return x_; }
 
  private:
-  /// From a share of the commands' step on; step_s is the length of this stretch.
+  /// Advances from a share of the commands' step on; step_s is the length of this stretch.
   void advance(std::span<const DriveCommand> commands, double from_share, int halvings, double step_s);
   void rungeKutta(double step_s);
   void commandsAt(std::span<const DriveCommand> commands, double share, std::vector<double>& u) const;

@@ -12,8 +12,8 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// One step from `begin_s`; one command for each drive, in the description's order.
-  /// @throws DivergenceError with the step's end and the joint that has left the realm of numbers.
+  /// Makes one step from `begin_s`; one command for each drive, in the description's order.
+  /// @throws DivergenceError with the step's end and the joint whose numbers are out of bounds.
   virtual void step(double begin_s, std::span<const DriveCommand> commands) = 0;
 
   /// Joint positions and velocities at the end of the last step, rad or m and per second.
@@ -21,7 +21,8 @@ class Solver {
   [[nodiscard]] virtual std::span<const double> v() const = 0;
 };
 
-/// @throws DivergenceError for the first joint whose speed is beyond its bound, or whose state is not finite.
+/// Checks a state. @throws DivergenceError for the first joint whose speed is beyond its bound, or whose
+/// state is not finite.
 void requireSane(const Mechanism& mechanism, std::span<const double> q, std::span<const double> v,
                  double time_s);
 

@@ -14,7 +14,8 @@ std::optional<BeamSpot> BeamCaustic::spotOn(const Surface& surface, double time_
   if (!point) return std::nullopt;
   const double distance_mm = (point->height_mm - ray.p_W_mm.z()) / k.z();
   const Eigen::Vector2d& slope = point->slope;
-  const double into = slope.dot(k.head<2>()) - k.z();  // -k·(-slope, 1): > 0 from above.
+  // Cosine towards the surface, -k·(-slope, 1); > 0 from above.
+  const double into = slope.dot(k.head<2>()) - k.z();
   const double into2 = into * into;
   const bool steep_enough = into > 0 && into2 >= flattest * flattest * (1.0 + slope.squaredNorm());
   if (!(distance_mm >= ray.start_mm) || !steep_enough) return std::nullopt;
@@ -23,7 +24,8 @@ std::optional<BeamSpot> BeamCaustic::spotOn(const Surface& surface, double time_
   const double m_xx = 1.0 + slope.x() * slope.x() - along.x() * along.x();
   const double m_yy = 1.0 + slope.y() * slope.y() - along.y() * along.y();
   const double m_xy = slope.x() * slope.y() - along.x() * along.y();
-  const double share = squaredRadius_mm2(distance_mm - ray.waist_mm) / into2;  // into² is the determinant.
+  // The divisor into² is the determinant.
+  const double share = squaredRadius_mm2(distance_mm - ray.waist_mm) / into2;
   BeamSpot spot{point->p_WQ_mm, point->height_mm, std::sqrt(share * m_yy), std::sqrt(share * m_xx), 0.0};
   spot.correlation = -share * m_xy / (spot.radius_x_mm * spot.radius_y_mm);
   if (!(spot.p_WQ_mm.squaredNorm() < INFINITY)) return std::nullopt;

@@ -18,7 +18,7 @@ std::string text(double value) {
   return buffer.data();
 }
 
-// Collects what is out of range; NaN is in no range.
+// Collects values that are out of range; NaN is in no range.
 class Faults {
  public:
   explicit Faults(std::string owner) : owner_(std::move(owner)) {}
@@ -51,7 +51,7 @@ void check(Faults& faults, const std::string& name, const MirrorAlignment& mirro
   faults.within(name + ".scale", mirror.scale, 0.5, 2.0);
 }
 
-// The least slope of t (1 + k1 t² + k2 t⁴) for t up to the largest field angle.
+// Smallest slope of t (1 + k1 t² + k2 t⁴) for t up to the largest field angle.
 double leastGrowth(const LensDescription& lens) {
   const double most = LensDescription::kMaxFieldAngle_rad * LensDescription::kMaxFieldAngle_rad;
   const auto growth = [&](double t2) { return 1.0 + t2 * (3.0 * lens.k1 + t2 * 5.0 * lens.k2); };

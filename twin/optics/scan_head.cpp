@@ -10,7 +10,7 @@
 namespace kerfbench::twin {
 namespace {
 
-// H's axes in W as columns.
+// Axes of H in W as columns.
 Eigen::Matrix3d orientationOf(const ScanHeadDescription& head) {
   if (!head.y_mirror_first) return Eigen::Matrix3d::Identity();
   Eigen::Matrix3d R_WH;
@@ -74,7 +74,7 @@ ScanHead::ScanHead(const ScanHeadDescription& head, const BeamDescription& beam)
 
 bool ScanHead::reflect(Ray& ray, const Mirror& mirror, double motor_rad, double least_mm) {
   const double angle = mirror.alignment.zero_rad + mirror.alignment.scale * motor_rad;
-  const Eigen::Vector3d normal =  // Rodrigues.
+  const Eigen::Vector3d normal =  // Normal by Rodrigues' formula.
       mirror.along + std::cos(angle) * mirror.across + std::sin(angle) * mirror.quarter;
   const double approach = ray.direction.dot(normal);
   if (!(approach <= -kFlattest)) return false;

@@ -35,24 +35,24 @@ class ScanHead {
  public:
   /// Cosine of the flattest incidence on a mirror and on the board that still counts: 84 degrees.
   static constexpr double kFlattest = 0.1;
-  /// The last mirror may meet the beam this far before the first, mm: with a spacing near zero the mirrors of
-  /// the formula stand inside each other.
+  /// Largest distance, mm, by which the last mirror may meet the beam before the first: with a spacing near
+  /// zero the mirrors of the formula stand inside each other.
   static constexpr double kOverlap_mm = 10.0;
 
-  /// @throws std::invalid_argument with all of faultsOf(head) and faultsOf(beam).
+  /// Makes a head. @throws std::invalid_argument with all of faultsOf(head) and faultsOf(beam).
   ScanHead(const ScanHeadDescription& head, const BeamDescription& beam);
 
-  /// A point of each mirror's axis, about which it is misaligned, and the axis as misaligned, in W. A mirror
+  /// Point of each mirror's axis, about which it is misaligned, and the axis as misaligned, in W. A mirror
   /// turns by a positive angle about its axis, right-handed.
   [[nodiscard]] const Eigen::Vector3d& xMirrorPlace_mm() const { return xMirror().place_mm; }
   [[nodiscard]] const Eigen::Vector3d& yMirrorPlace_mm() const { return yMirror().place_mm; }
   [[nodiscard]] const Eigen::Vector3d& xMirrorAxis() const { return xMirror().axis; }
   [[nodiscard]] const Eigen::Vector3d& yMirrorAxis() const { return yMirror().axis; }
 
-  /// The spot on the board. `mirror_rad`: angles of the X and Y motor's encoders; each mirror's zero and
-  /// scale are applied here. `head_shift_mm`: displacement of frame, tube and head along Wx and Wy.
-  /// nullopt if a mirror doesn't get the beam or not to the board: turned too far, out of the lens's field,
-  /// too flat, no meeting with the surface; or an argument that is not finite.
+  /// Spot on the board. `mirror_rad`: angles of the X and Y motor's encoders; each mirror's zero and scale
+  /// are applied here. `head_shift_mm`: displacement of frame, tube and head along Wx and Wy. nullopt if a
+  /// mirror does not receive the beam or does not send it to the board: turned too far, out of the lens's
+  /// field, too flat, no intersection with the surface; or an argument that is not finite.
   [[nodiscard]] std::optional<BeamSpot> spotAt(const Eigen::Vector2d& mirror_rad,
                                                const Eigen::Vector2d& head_shift_mm, const Surface& surface,
                                                double time_s) const;
@@ -61,16 +61,16 @@ class ScanHead {
   struct Mirror {
     Eigen::Vector3d place_mm;
     Eigen::Vector3d axis;
-    Eigen::Vector3d along;    ///< The normal at rest: its part along the axis,
-    Eigen::Vector3d across;   ///< the rest of it,
-    Eigen::Vector3d quarter;  ///< and that a quarter turn later.
+    Eigen::Vector3d along;    ///< Component along the axis of the normal at rest.
+    Eigen::Vector3d across;   ///< Component across the axis of the normal at rest.
+    Eigen::Vector3d quarter;  ///< Component `across` after a quarter turn.
     MirrorAlignment alignment;
-    Eigen::Index motor{};  ///< 0 X, 1 Y.
+    Eigen::Index motor{};  ///< Index of the motor: 0 X, 1 Y.
   };
   struct Lens {
     LensDescription description;
     Eigen::Vector3d centre_mm;  ///< Centre of the focal plane.
-    Eigen::Vector3d axis;       ///< Downwards.
+    Eigen::Vector3d axis;       ///< Direction of the axis, downwards.
     double most_sine{};         ///< Largest sine of the field angle.
   };
   /// A straight ray with its place along the path: `path_mm` from the tube's side to p_W_mm.
@@ -86,15 +86,16 @@ class ScanHead {
   [[nodiscard]] std::optional<ChiefRay> throughLens(const Eigen::Vector3d& direction) const;
 
   bool y_first_;
-  std::array<Mirror, 2> mirrors_;  ///< As the beam meets them.
-  Ray laser_;                      ///< Beside the first mirror's axis; its path is counted from there.
+  std::array<Mirror, 2> mirrors_;  ///< Mirrors in the order in which the beam meets them.
+  Ray laser_;  ///< Laser beam near the first mirror's axis; its path is counted from there.
   std::optional<Lens> lens_;
   double focus_z_mm_;
   double waist_path_mm_;
   BeamCaustic caustic_;
 };
 
-/// A beam straight down from a gantry at p_W, or as offset and tilted in `beam`. nullopt as of ScanHead.
+/// Spot of a beam straight down from a gantry at p_W, with the offset and tilt in `beam`. nullopt as for
+/// ScanHead.
 std::optional<BeamSpot> gantrySpot(const Eigen::Vector2d& p_W_mm, const BeamDescription& beam,
                                    const Surface& surface, double time_s);
 

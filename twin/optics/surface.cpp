@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMostSteps = 50;
 constexpr double kClose_mm = 0.5e-12;
-constexpr double kSmall_mm = 1e-3;  // A step over which the slope changes linearly.
+constexpr double kSmall_mm = 1e-3;  // Step over which the slope changes linearly.
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
 bool isZero(const std::array<double, 2>& pair) { return pair[0] == 0 && pair[1] == 0; }
@@ -76,8 +76,8 @@ std::optional<SurfacePoint> Surface::meet(const Eigen::Vector2d& foot_W_mm, cons
     const double rate = 1.0 - local.slope.dot(run);
     const double step = (local.height_mm - z) / rate;
     z += step;
-    // What is left after a step of Newton's method, by Kantorovich's theorem: no look at the new place
-    // needed.
+    // Bound on the error after a step of Newton's method, by Kantorovich's theorem: the surface at the new
+    // place need not be computed.
     const double left_mm = most_bend / std::abs(rate) * step * step;
     if (std::abs(step) <= kSmall_mm && left_mm <= kClose_mm) {
       return SurfacePoint{foot_W_mm + z * run, z, local.slope + step * local.bend_1_mm.cwiseProduct(run)};

@@ -10,7 +10,7 @@
 namespace kerfbench::twin {
 namespace {
 
-// A round length near a fifth of what the picture spans.
+// A round length near a fifth of the span of the picture.
 double scaleBar_mm(double span_mm) {
   double bar_mm = 1.0;
   for (const double next_mm : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4}) {
@@ -21,7 +21,7 @@ double scaleBar_mm(double span_mm) {
 
 std::string lengthText(double mm) { return std::to_string(std::lround(mm)) + " mm"; }
 
-// On the floor before the machine, in five fields.
+// Adds a scale bar of five fields on the floor before the machine.
 void addScaleBar(SceneBuilder& build, double bar_mm, const Eigen::Vector3d& corner) {
   const double width_mm = bar_mm / 12.0;
   for (int i = 0; i < 5; ++i) {
@@ -33,7 +33,7 @@ void addScaleBar(SceneBuilder& build, double bar_mm, const Eigen::Vector3d& corn
   build.scene().labels.push_back({lengthText(bar_mm), end});
 }
 
-// W's axes as directions: at W's origin they would stand in the beam.
+// Adds W's axes as directions: at W's origin they would stand in the beam.
 void addAxes(SceneBuilder& build, double length_mm, const Eigen::Vector3d& origin) {
   const std::array<Material, 3> materials{Material::kAxisX, Material::kAxisY, Material::kAxisZ};
   const std::array<const char*, 3> names{"x", "y", "z"};

@@ -13,10 +13,10 @@
 
 namespace kerfbench::twin {
 
-/// What a part looks like.
+/// Look of a part.
 enum class Material {
-  kSteel,      ///< Turned: rollers, shafts.
-  kAluminium,  ///< Profiles and plates.
+  kSteel,      ///< Turned steel: rollers, shafts.
+  kAluminium,  ///< Aluminium profiles and plates.
   kPaint,      ///< Painted frame.
   kDark,       ///< Motors, sensors, rubber.
   kBelt,
@@ -24,7 +24,7 @@ enum class Material {
   kBoard,
   kPrint,
   kMirror,
-  kGlass,  ///< Windows and housings that are shown cut open.
+  kGlass,  ///< Glass: windows and housings that are shown cut open.
   kTube,   ///< Glass of the laser; the discharge is seen in it.
   kAxisX,
   kAxisY,
@@ -32,12 +32,12 @@ enum class Material {
   kLight,  ///< The light half of a scale bar.
 };
 
-/// Centred at its frame's origin.
+/// A box, centred at its frame's origin.
 struct Box {
   Eigen::Vector3d size_mm{Eigen::Vector3d::Zero()};
   double edge_radius_mm{};  ///< 0: sharp edges; below half of the smallest side.
 };
-/// About z of its frame, centred; a tube if it has a bore.
+/// A cylinder about z of its frame, centred; a tube if it has a bore.
 struct Cylinder {
   double radius_mm{};
   double length_mm{};
@@ -48,7 +48,7 @@ struct Disc {
   Eigen::Vector2d radius_mm{Eigen::Vector2d::Zero()};
   double thickness_mm{};
 };
-/// About z of its frame: radius at the origin, none at z = length.
+/// A cone about z of its frame: full radius at the origin, zero at z = length.
 struct Cone {
   double radius_mm{};
   double length_mm{};
@@ -56,9 +56,9 @@ struct Cone {
 
 /// A rigid part of the machine, or of what lies on it.
 struct ScenePart {
-  std::string name;  ///< E.g. "x mirror". Parts of one kind share a name ("belt hole").
+  std::string name;  ///< Name, e.g. "x mirror". Parts of one kind share a name ("belt hole").
   Material material{};
-  Eigen::Isometry3d X_WP{Eigen::Isometry3d::Identity()};  ///< Lengths in mm.
+  Eigen::Isometry3d X_WP{Eigen::Isometry3d::Identity()};  ///< Pose of the part in W; lengths in mm.
   std::variant<Box, Cylinder, Disc, Cone> shape;
 };
 
@@ -78,29 +78,30 @@ struct Scene {
   std::string machine;
   double time_s{};
   std::vector<ScenePart> parts;
-  std::vector<BeamPoint> beam;  ///< From the laser by way of the mirrors to the board; empty: it misses.
-  bool beam_on{};               ///< Else `beam` is where it would go.
+  /// Path of the beam from the laser over the mirrors to the board; empty: it misses the board.
+  std::vector<BeamPoint> beam;
+  bool beam_on{};  ///< True if the laser is lit; otherwise `beam` is the path that it would take.
   std::vector<std::vector<Eigen::Vector3d>> burnt;  ///< Polylines on the board's surface, W, mm.
   std::vector<SceneLabel> labels;                   ///< Labels of the whole: axes, scale bar.
   std::vector<SceneLabel> head_labels;              ///< Labels of the head.
   double floor_z_mm{};
-  Eigen::AlignedBox3d overall, head,
-      sheet;  ///< What a picture of the whole, of the head, of the sheet holds.
-  /// Along which way to look at the head, to see the faces of its mirrors; length 1.
+  /// Extent of a picture of the whole, of the head and of the sheet.
+  Eigen::AlignedBox3d overall, head, sheet;
+  /// Direction in which to look at the head, to see the faces of its mirrors; length 1.
   Eigen::Vector3d head_view{Eigen::Vector3d::UnitY()};
 };
 
-/// What a scene shows beside the machine itself.
+/// Content of a scene besides the machine itself.
 struct SceneContent {
   bool beam_on{};
   /// Paths burnt so far, in S of unit 0: they move with the sheet.
   std::vector<std::vector<Eigen::Vector2d>> burnt_S_mm;
-  /// What a unit of the sheet holds beside its printed marks, in its S; empty: nothing.
+  /// Extent of a unit of the sheet besides its printed marks, in its S; empty: none.
   Eigen::AlignedBox2d unit_S_mm;
 };
 
-/// Pure function of its arguments. The sheet lies at web.start_x_mm + belt travel + slip; board beyond the
-/// ends of the belt is left out.
+/// Builds the scene: a pure function of its arguments. The sheet lies at web.start_x_mm + belt travel + slip;
+/// board beyond the ends of the belt is left out.
 Scene sceneOf(const MachineDescription& machine, const WebDescription& web, const MachinePose& pose,
               const SceneContent& content = {});
 

@@ -10,9 +10,10 @@ namespace kerfbench::twin {
 namespace {
 
 constexpr double kBeltThickness_mm = 2.0;
-constexpr double kMargin_mm = 8.0;    // Margin of board around what is printed and cut.
-constexpr double kEyeMark_mm = 10.0;  // Width across; the print's layout only gives the length.
-// A print stands so little above the board that it only hides it.
+constexpr double kMargin_mm = 8.0;  // Margin of board around what is printed and cut.
+// Width of the eye mark across; the print's layout only gives the length.
+constexpr double kEyeMark_mm = 10.0;
+// Height of print: so little above the board that it only hides it.
 constexpr double kPrintHeight_mm = 0.02;
 
 // Extent of one unit in its S.
@@ -30,7 +31,7 @@ Eigen::AlignedBox2d unitExtent(const PrintLayout& print, const SceneContent& con
 
 void extend(Eigen::AlignedBox3d& box, double x, double y, double z) { box.extend(Eigen::Vector3d(x, y, z)); }
 
-// A roller with the hubs that show its turn, the belt around it, and its shaft.
+// Adds a roller with the hubs that show its turn, the belt around it, and its shaft.
 void addRoller(SceneBuilder& build, double x_mm, double angle_rad, double radius_mm,
                const ConveyorLayout& at) {
   const double z_mm = at.belt_z_mm - kBeltThickness_mm - radius_mm;
@@ -138,7 +139,7 @@ void addPrint(SceneBuilder& build, const PrintLayout& print, const Eigen::Aligne
   }
 }
 
-// Broken where it leaves the belt.
+// Adds the burnt paths, broken where they leave the belt.
 void addBurnt(Scene& scene, const SceneContent& content, const Eigen::AlignedBox2d& board,
               const Eigen::Vector2d& p_WS_mm) {
   for (const auto& path : content.burnt_S_mm) {
@@ -163,15 +164,15 @@ void addBurnt(Scene& scene, const SceneContent& content, const Eigen::AlignedBox
 ConveyorLayout conveyorLayout(const MachineDescription& machine, const WebDescription& web,
                               const SceneContent& content) {
   const bool gantry = machine.kind == MachineDescription::Kind::kGantry;
-  const ControllerDescription& told = machine.controller;
+  const ControllerDescription& controller = machine.controller;
   const Eigen::AlignedBox2d unit = unitExtent(web.print, content);
-  double reach_mm = std::max(std::abs(told.field_min_mm[1]), std::abs(told.field_max_mm[1]));
+  double reach_mm = std::max(std::abs(controller.field_min_mm[1]), std::abs(controller.field_max_mm[1]));
   if (!unit.isEmpty()) reach_mm = std::max({reach_mm, -unit.min().y(), unit.max().y()});
   ConveyorLayout at;
   at.half_width_mm = 1.08 * reach_mm + 6.0;
   const double sensor_x_mm = machine.belt.print_mark_sensor.x_mm;
-  const double low_mm = gantry ? machine.travel_min_mm[0] : told.field_min_mm[0];
-  const double high_mm = gantry ? machine.travel_max_mm[0] : told.field_max_mm[0];
+  const double low_mm = gantry ? machine.travel_min_mm[0] : controller.field_min_mm[0];
+  const double high_mm = gantry ? machine.travel_max_mm[0] : controller.field_max_mm[0];
   const double run_out_mm = 0.12 * (high_mm - low_mm) + 3.0 * machine.belt.roller_radius_mm;
   at.min_x_mm = std::min(sensor_x_mm, low_mm) - run_out_mm;
   at.max_x_mm = high_mm + run_out_mm;

@@ -8,11 +8,11 @@
 namespace kerfbench::twin {
 namespace {
 
-// Flying optics: the tube lies still, across the line; a mirror at its end turns the beam along x, one on the
-// bridge turns it along y, one on the carriage turns it down.
+// Layout of flying optics: the tube lies still, across the line; a mirror at its end turns the beam along x,
+// one on the bridge turns it along y, one on the carriage turns it down.
 struct GantryLayout {
   double rail_y_mm{};  // Places of the two rails, ±.
-  double rail_z_mm{};  // Upper face.
+  double rail_z_mm{};  // Height of the rails' upper face.
   double beam_z_mm{};  // Height of the beam.
   double rail_min_x_mm{}, rail_max_x_mm{};
   double tube_x_mm{};
@@ -63,7 +63,7 @@ void addBridge(SceneBuilder& build, const GantryLayout& at, double x_mm, const E
     build.box("bridge", Material::kPaint, p(-2.1 * s, y - 0.5 * s, z), p(0.1 * s, y + 0.5 * s, z + 0.4 * s),
               3.0);
   }
-  // What holds the mirror, behind it.
+  // The bracket stands behind the mirror.
   build.box("bridge", Material::kAluminium, p(0.26 * s, at.rail_y_mm + 0.02 * s, z),
             p(0.46 * s, at.rail_y_mm + 0.5 * s, z + 1.75 * s), 1.0);
   build.box("bridge", Material::kAluminium, p(-2.0 * s, at.rail_y_mm + 0.02 * s, z + 0.2 * s),
@@ -76,7 +76,7 @@ void addBridge(SceneBuilder& build, const GantryLayout& at, double x_mm, const E
             p(-0.8 * s, -at.rail_y_mm - 0.6 * s, z + 1.4 * s), 3.0);
 }
 
-// The head hangs at the bridge's front; its nozzle is glass, so that the beam is seen to its end.
+// Adds the head at the bridge's front; its nozzle is glass, so that the beam is seen to its end.
 void addCarriage(SceneBuilder& build, const GantryLayout& at, const Eigen::Vector2d& p_mm,
                  const Eigen::Vector3d& shift_mm) {
   const double s = at.size_mm;
@@ -118,7 +118,7 @@ void addTube(SceneBuilder& build, const GantryLayout& at, const ConveyorLayout& 
               {at.tube_x_mm - r, y - 0.4 * at.size_mm, build.scene().floor_z_mm},
               {at.tube_x_mm + r, y + 0.4 * at.size_mm, under - 1.2 * r}, 3.0);
   }
-  // Post of the corner mirror.
+  // The box is the post of the corner mirror.
   build.box("tube bridge", Material::kAluminium, {at.tube_x_mm - 0.6 * r, at.rail_y_mm + 0.2 * r, under - r},
             {at.tube_x_mm - 0.2 * r, at.rail_y_mm + 0.6 * r, at.beam_z_mm}, 1.0);
   for (const double y : {start + 0.2 * (end - start), end - 0.2 * (end - start)}) {

@@ -10,7 +10,7 @@
 namespace kerfbench::twin {
 namespace {
 
-// The head's frame H of ScanHead, displaced with the machine's frame.
+// Frame H of ScanHead, displaced with the machine's frame.
 struct HeadFrame {
   Eigen::Matrix3d R_WH;
   Eigen::Vector3d shift_mm;
@@ -28,14 +28,14 @@ struct Mirror {
   Eigen::Vector3d place_mm;
   Eigen::Vector3d axis;
   Eigen::Vector3d normal;
-  Eigen::Vector2d radius_mm;  // Along the axis, across it.
+  Eigen::Vector2d radius_mm;  // Radii along the axis and across it.
 };
 
 const Eigen::Vector3d kDown(0.0, 0.0, -1.0);
-constexpr double kTubeGap = 3.4;  // Between tube and head, in radii of the tube.
+constexpr double kTubeGap = 3.4;  // Gap between tube and head, in radii of the tube.
 double tubeRadius_mm(double throw_mm) { return std::clamp(0.042 * throw_mm, 12.0, 40.0); }
 
-// R_WH is a quarter turn: a box stays a box.
+// A box in H. R_WH is a quarter turn: a box stays a box.
 struct HeadBox {
   Eigen::Vector3d a, b;  // Two corners, in H.
   double edge_mm{0.0};
@@ -49,7 +49,7 @@ void headBox(SceneBuilder& build, const HeadFrame& H, const std::string& name, M
   build.box(name, material, p.cwiseMin(q), p.cwiseMax(q), edge_mm);
 }
 
-// The normal of a mirror that at rest turns `in` into `out`, after its motor has turned it.
+// Normal of a mirror that at rest turns `in` into `out`, after its motor has turned it.
 Eigen::Vector3d turnedNormal(const Eigen::Vector3d& in, const Eigen::Vector3d& out,
                              const Eigen::Vector3d& axis, const MirrorAlignment& alignment,
                              double motor_rad) {
@@ -78,13 +78,13 @@ void addMirror(SceneBuilder& build, const Mirror& mirror, const Eigen::Vector3d&
 }
 
 struct Housing {
-  Eigen::Vector3d min, max;  // In H.
+  Eigen::Vector3d min, max;  // Corners in H.
 };
 
-// Two walls and the floor: towards the reader, and above, the head is cut open.
+// Adds two walls and the floor: towards the reader, and above, the head is cut open.
 void addHousing(SceneBuilder& build, const HeadFrame& H, const Housing& h, double size_mm) {
   const double wall = 0.12 * size_mm;
-  const double w = 1.6 * size_mm;  // Half the opening that the beam leaves by.
+  const double w = 1.6 * size_mm;  // Half of the opening for the leaving beam.
   const auto& [a, b] = h;
   const auto plate = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
     headBox(build, H, "scan head", Material::kAluminium, {p, q});
@@ -98,10 +98,10 @@ void addHousing(SceneBuilder& build, const HeadFrame& H, const Housing& h, doubl
   headBox(build, H, "window", Material::kGlass, {{-w, -w, a.z() + 0.3 * wall}, {w, w, a.z() + 0.7 * wall}});
 }
 
-// Tube, the rail that carries it and the head, and the column behind the conveyor.
+// Place of the tube, the rail that carries it and the head, and the column behind the conveyor.
 struct TubePlace {
   double d_mm, L_mm;  // Spacing of the mirrors, throw.
-  double tube_mm;     // Length.
+  double tube_mm;     // Length of the tube.
 };
 
 void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h, const TubePlace& place,
@@ -111,7 +111,7 @@ void addTubeAndColumn(SceneBuilder& build, const HeadFrame& H, const Housing& h,
   const double gap = kTubeGap * radius;
   const double end = h.min.x() - gap;
   const double start = end - tube_mm;
-  const double inside = 0.2 * radius;  // The glass ends within its flanges.
+  const double inside = 0.2 * radius;  // Radius of the glass, which ends within its flanges.
   build.cylinder("laser tube", Material::kTube, H.at(start + inside, -d_mm, L_mm),
                  H.at(end - inside, -d_mm, L_mm), radius);
   for (const double x : {start, end}) {

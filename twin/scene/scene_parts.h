@@ -7,14 +7,14 @@
 
 namespace kerfbench::twin {
 
-/// Where the conveyor lies; the rest of the machine is built around it.
+/// Place of the conveyor; the rest of the machine is built around it.
 struct ConveyorLayout {
   double min_x_mm{}, max_x_mm{};  ///< Axes of the two rollers.
   double half_width_mm{};         ///< Half the width of the belt, about y = 0.
-  double belt_z_mm{};             ///< Upper face of the belt: the board lies on it and ends at z = 0.
-  double frame_y_mm{};            ///< Outer face of the side frames, ±.
-  double frame_top_mm{};          ///< Upper edge of the side frames, z.
-  double eye_mark_y_mm{};         ///< Where the print mark sensor looks, and eye marks are printed.
+  double belt_z_mm{};      ///< Height of the belt's upper face. The board lies on it and ends at z = 0.
+  double frame_y_mm{};     ///< Outer face of the side frames, ±.
+  double frame_top_mm{};   ///< Upper edge of the side frames, z.
+  double eye_mark_y_mm{};  ///< Place y of the print mark sensor and of the eye marks.
 };
 
 /// Adds parts to a scene.
@@ -49,11 +49,12 @@ class SceneBuilder {
 Eigen::Isometry3d frameAlong(const Eigen::Vector3d& origin_mm, const Eigen::Vector3d& z,
                              const Eigen::Vector3d& along);
 
-/// Long and wide enough for the machine's field and the board.
+/// Lays out a conveyor long and wide enough for the machine's field and the board.
 ConveyorLayout conveyorLayout(const MachineDescription& machine, const WebDescription& web,
                               const SceneContent& content);
 
-// Each adds its parts, grows scene.overall, and sets what is its own (beam, scene.head, scene.sheet).
+// Adds parts of the machine; each function grows scene.overall and sets its own fields (beam, scene.head,
+// scene.sheet).
 void addConveyor(SceneBuilder& build, const MachineDescription& machine, const MachinePose& pose,
                  const ConveyorLayout& at);
 void addBoard(SceneBuilder& build, const WebDescription& web, const SceneContent& content,

@@ -9,18 +9,18 @@ namespace kerfbench::twin {
 
 /// A point of a material's depth curve (S3: D = f(P_ua), piecewise linear).
 struct DepthPoint {
-  double fluence_share{};  ///< Fluence over cut_fluence_j_mm2.
-  double depth_share{};    ///< Depth over the board's thickness.
+  double fluence_share{};  ///< Fluence, relative to cut_fluence_j_mm2.
+  double depth_share{};    ///< Depth, relative to the board's thickness.
 };
 
-/// Discoloured board beside the kerf. Air that blows across carries it to one side.
+/// Discolouration of the board near the kerf. Air that blows across carries it to one side.
 struct ScorchDescription {
-  double fluence_j_mm2{};            ///< Board that took this much is fully scorched; 0: no scorch.
-  double darkening{0.3};             ///< Share of the light that full scorch takes away; 0…1.
-  std::array<double, 2> shift_mm{};  ///< The scorch lies off the burn by this: asymmetric; |.| <= 1.
+  double fluence_j_mm2{};            ///< Fluence that scorches board fully; 0: no scorch.
+  double darkening{0.3};             ///< Share of the light that full scorch absorbs; 0…1.
+  std::array<double, 2> shift_mm{};  ///< Displacement of the scorch from the burn: asymmetry; |.| <= 1.
 };
 
-/// The board and how a CO2 beam eats it.
+/// The board and its reaction to a CO2 beam.
 struct BoardDescription {
   double thickness_mm{0.4};
   /// Energy per area (J/mm²), summed over all passes, at which the board is just cut through. For a line of
@@ -31,8 +31,9 @@ struct BoardDescription {
   /// last at (1, 1). Empty: the straight line from (0, 0) to (1, 1).
   std::vector<DepthPoint> depth_curve{};
   ScorchDescription scorch{};
-  double transmission{0.12};        ///< Transmission of the back light through uncut board, 0…1.
-  double print_transmission{0.02};  ///< Through board under a registration mark.
+  double transmission{0.12};  ///< Transmission of the back light through uncut board, 0…1.
+  /// Transmission of the back light through board under a registration mark.
+  double print_transmission{0.02};
 };
 
 /// Everything that is wrong with a board, in one line; empty when nothing is.

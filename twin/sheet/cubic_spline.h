@@ -6,7 +6,7 @@
 
 namespace kerfbench::twin {
 
-/// Four floats at once; every processor that we build for has such registers.
+/// Four floats in one register, which every supported processor has.
 using Quad = float __attribute__((vector_size(16)));
 
 inline Quad loadQuad(const float* from) {
@@ -17,8 +17,7 @@ inline Quad loadQuad(const float* from) {
 inline void storeQuad(float* to, Quad quad) { std::memcpy(to, &quad, sizeof quad); }
 
 /// Weights of coefficients -1, 0, 1, 2 of the uniform cubic B-spline at t in [0, 1) between nodes 0 and 1.
-/// All are
-/// >= 0 and add up to one: the spline never overshoots its coefficients.
+/// All are >= 0 and add up to one: the spline never overshoots its coefficients.
 inline Quad splineWeights(float t) {
   const float s = 1.0F - t;
   const float outer_left = s * s * s * (1.0F / 6.0F);
@@ -36,11 +35,11 @@ inline Quad splineSlopeWeights(float t) {
   return Quad{outer_left, inner_left, -(outer_left + inner_left + outer_right), outer_right};
 }
 
-/// Variance of the cubic B-spline in node spacings squared: what it adds to a bell that was laid down as
-/// coefficients.
+/// Variance of the cubic B-spline in squared node spacings: the amount that the spline adds to a bell that
+/// was stored as coefficients.
 inline constexpr double kSplineVariance = 1.0 / 3.0;
 
-/// The spline over the 4 x 4 coefficients whose first is at `nodes`, rows `stride` apart.
+/// Value of the spline over the 4 x 4 coefficients whose first is at `nodes`, rows `stride` apart.
 inline float splineValue(const float* nodes, std::size_t stride, Quad weights_x, Quad weights_y) {
   const Quad column = loadQuad(nodes) * weights_y[0] + loadQuad(nodes + stride) * weights_y[1] +
                       loadQuad(nodes + 2 * stride) * weights_y[2] +

@@ -11,15 +11,15 @@ namespace kerfbench::twin {
 /// that cuts through. Immutable.
 class DepthCurve {
  public:
-  /// `board` without faults, see faultsOf().
+  /// Makes the curve of a board without faults, see faultsOf().
   explicit DepthCurve(const BoardDescription& board);
-  /// Burnt depth over thickness, 0…1, of board that took `fluence_j_mm2`.
+  /// Burnt depth over thickness, 0…1, of board that absorbed `fluence_j_mm2`.
   [[nodiscard]] double depthAt(double fluence_j_mm2) const;
-  /// The fluence that burns to `depth_share`; the threshold for 0 and less, cut_fluence_j_mm2 for 1 and more.
+  /// Fluence that burns to `depth_share`; the threshold for 0 and less, cut_fluence_j_mm2 for 1 and more.
   [[nodiscard]] double fluenceFor_j_mm2(double depth_share) const;
 
  private:
-  std::vector<DepthPoint> points_;  ///< Never fewer than two.
+  std::vector<DepthPoint> points_;  ///< Points of the curve; two or more.
   double cut_fluence_j_mm2_;
 };
 

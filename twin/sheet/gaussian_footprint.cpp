@@ -11,11 +11,11 @@ namespace {
 
 using Lanes = std::array<double, 4>;
 
-/// Below it the samples of a bell no longer add up evenly wherever it lies.
+/// Smallest variance of a bell whose samples still add up evenly wherever it lies.
 constexpr double kMinVariance = 0.25;
-/// From here on the samples add up to the integral to 1e-10.
+/// Variance from which on the samples add up to the integral to 1e-10.
 constexpr double kSmoothVariance = 1.2;
-/// Smaller ones would be denormal once multiplied, and slow.
+/// Smallest value that is sampled: smaller ones would be denormal once multiplied, and slow.
 constexpr double kNothing = 1e-12;
 
 Quad single(const Lanes& lanes) {
@@ -23,8 +23,8 @@ Quad single(const Lanes& lanes) {
               static_cast<float>(lanes[3])};
 }
 
-/// exp(linear i - square i²) at i = first, first + 1, …, four at a time: the ratio of neighbours itself
-/// changes by a constant factor.
+/// Values of exp(linear i - square i²) at i = first, first + 1, …, four at a time: the ratio of neighbours
+/// itself changes by a constant factor.
 class Parabola {
  public:
   Parabola(double square, double linear, int first) {
@@ -95,7 +95,7 @@ void SampledBell::sample(const GaussianFootprint& bell, double sum) {
   rows_.resize(
       static_cast<std::size_t>(static_cast<int>(std::floor(bell.centre.y() + reach_y)) + 1 - first_row_));
 
-  // The exponent of a whole node (i, j), both from the node that is nearest to the centre.
+  // Exponent of a whole node (i, j); i and j count from the node that is nearest to the centre.
   const double determinant = bell.variance_x * bell.variance_y - bell.covariance * bell.covariance;
   const double a = 0.5 * bell.variance_y / determinant;
   const double b = -0.5 * bell.covariance / determinant;

@@ -15,8 +15,8 @@ struct GaussianFootprint {
   double variance_x{}, variance_y{}, covariance{};
 };
 
-/// What a Gaussian is once it is laid down as coefficients of the cubic B-spline: narrower by what the spline
-/// adds, but no narrower than its samples can carry. Axes and centre stay.
+/// Bell whose coefficients of the cubic B-spline give `bell`: narrower by the spline's own variance, but no
+/// narrower than its samples can carry. Axes and centre stay.
 GaussianFootprint asSplineCoefficients(GaussianFootprint bell);
 
 /// A Gaussian sampled at whole nodes, row by row, ready to be added to the map:
@@ -28,7 +28,7 @@ GaussianFootprint asSplineCoefficients(GaussianFootprint bell);
 class SampledBell {
  public:
   static constexpr double kMaxCorrelation = 0.5;
-  /// How far out it is sampled, in standard deviations: 1e-5 of the peak, 3e-6 of the volume are beyond.
+  /// Reach of the samples in standard deviations: 1e-5 of the peak and 3e-6 of the volume are beyond.
   static constexpr double kReach = 4.8;
 
   /// Value at column first_column + 4 k + l of the row: columns[k][l] * start[l] * step^k.
@@ -40,7 +40,8 @@ class SampledBell {
   /// Samples `bell` so that all samples add up to `sum`, within 1e-5.
   void sample(const GaussianFootprint& bell, double sum);
 
-  [[nodiscard]] int firstColumn() const { return first_column_; }  ///< A multiple of four.
+  /// First column that is sampled; a multiple of four.
+  [[nodiscard]] int firstColumn() const { return first_column_; }
   [[nodiscard]] int firstRow() const { return first_row_; }
   [[nodiscard]] const std::vector<Quad>& columns() const { return columns_; }
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }

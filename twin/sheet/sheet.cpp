@@ -12,10 +12,10 @@
 namespace kerfbench::twin {
 namespace {
 
-/// Share of the smallest radius. A part is laid down as one bell that carries the part's own length as
-/// variance, which leaves no ripple along a line and 2e-4 of the peak at its ends.
+/// Length of a part as a share of the smallest radius. A part is burnt as one bell that carries the part's
+/// own length as variance, which leaves no ripple along a line and 2e-4 of the peak at its ends.
 constexpr double kPartRadii = 0.5;
-constexpr double kMinRadiusMm = 0.03;  // For the length of a part only.
+constexpr double kMinRadiusMm = 0.03;  // Smallest radius that counts for the length of a part.
 constexpr double kFarMm = 1e6;
 
 int floorDiv(int value, int divisor) {
@@ -36,7 +36,7 @@ double smallSquare_mm2(const Footprint& footprint) {
   return smaller_mm * smaller_mm * (1.0 - std::abs(footprint.correlation));
 }
 
-/// Into how many parts a move is cut.
+/// Number of parts into which a move is divided.
 int partsOf(const Footprint& from, const Footprint& to) {
   const double small_mm2 =
       std::max(std::min(smallSquare_mm2(from), smallSquare_mm2(to)), kMinRadiusMm * kMinRadiusMm);
@@ -44,7 +44,7 @@ int partsOf(const Footprint& from, const Footprint& to) {
   return parts2 <= 1.0 ? 1 : static_cast<int>(std::ceil(std::sqrt(parts2)));
 }
 
-/// The footprint smeared along `move_mm`; a line of length L has the variance L²/12 along itself.
+/// Footprint smeared along `move_mm`; a line of length L has the variance L²/12 along itself.
 GaussianFootprint smeared(const Footprint& footprint, const Eigen::Vector2d& move_mm) {
   constexpr double kNodesPerMm = 1.0 / Sheet::kCellMm;
   const Eigen::Vector2d centre = footprint.p_SQ_mm * kNodesPerMm;
@@ -101,8 +101,8 @@ void Sheet::lay(const GaussianFootprint& bell, double energy_j) {
   if (bell.covariance * bell.covariance <= kMost * bell.variance_x * bell.variance_y) {
     return add(bell, energy_j);
   }
-  // A slim ellipse is a row of plumper ones along its major axis, their energies a bell themselves. With the
-  // axes in the ratio sqrt 3 the correlation is kMaxCorrelation at most.
+  // A slim ellipse is burnt as a row of plumper ones along its major axis, whose energies form a bell. With
+  // the axes in the ratio sqrt 3 the correlation is kMaxCorrelation at most.
   const double half = 0.5 * (bell.variance_x - bell.variance_y);
   const double spread = std::sqrt(half * half + bell.covariance * bell.covariance);
   const double mean = 0.5 * (bell.variance_x + bell.variance_y);
@@ -219,7 +219,7 @@ bool Sheet::untouched(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& ma
 bool Sheet::below(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm,
                   double limit_j_mm2) const {
   const auto node = [](double mm) { return static_cast<int>(std::clamp(mm / kCellMm, -1e9, 1e9)); };
-  // Widened by the reach of the interpolation.
+  // The box is widened by the reach of the interpolation.
   const int first_x = node(min_S_mm.x()) - 2;
   const int first_y = node(min_S_mm.y()) - 2;
   const int last_x = node(max_S_mm.x()) + 2;
@@ -244,7 +244,7 @@ bool Sheet::below(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_
   const int tile_y1 = floorDiv(last_y, kTileNodes);
   const double boxes = (tile_x1 - tile_x0 + 1.0) * (tile_y1 - tile_y0 + 1.0);
   if (boxes > static_cast<double>(tiles_.size())) {
-    // A large box: cheaper to look at every tile there is.
+    // A large box has more places than there are tiles: every existing tile is tested.
     return std::ranges::none_of(tiles_, [&](const Tile& tile) {
       return tile.x >= tile_x0 && tile.x <= tile_x1 && tile.y >= tile_y0 && tile.y <= tile_y1 &&
              touchedIn(tile.x, tile.y, tile);

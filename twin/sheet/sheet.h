@@ -20,55 +20,54 @@ namespace kerfbench::twin {
 /// The beam on the sheet during a short time: an elliptical Gaussian.
 struct Footprint {
   Eigen::Vector2d p_SQ_mm{Eigen::Vector2d::Zero()};  ///< Centre on the web, in S of unit 0.
-  double radius_x_mm{0.105};  ///< 1/e² radius along Sx, in (0, 100]; drawn no smaller than 0.031 mm.
+  double radius_x_mm{0.105};  ///< Radius (1/e²) along Sx, in (0, 100]; burnt no smaller than 0.031 mm.
   double radius_y_mm{0.105};
-  /// Correlation of the two: an ellipse whose axes are not those of S (oblique incidence at a corner of the
+  /// Correlation of x and y: an ellipse whose axes are not those of S (oblique incidence at a corner of the
   /// field); |.| < 1.
   double correlation{};
 };
 
-/// The web as a map of absorbed energy, sparse: a uniform cubic B-spline whose coefficient (i, j) sits at
-/// p_S = (i, j) * kCellMm. A spot is laid down narrower by the spline's own variance (kCellMm²/3), so that
-/// the smooth surface is the spot: within 2e-4 of the peak for a radius of 0.1 mm, without any filter. The
-/// peak of a line cut at power P and speed F is sqrt(2/pi) P / (F w) for a round spot of radius w: with d = 2
-/// w that is 2 sqrt(2/pi) P_ua of S3.
+/// Absorbed energy on the web as a sparse map: a uniform cubic B-spline whose coefficient (i, j) sits at p_S
+/// = (i, j) * kCellMm. A spot is stored narrower by the spline's own variance (kCellMm²/3), so that the
+/// smooth surface is the spot: within 2e-4 of the peak for a radius of 0.1 mm, without any filter. The peak
+/// of a line cut at power P and speed F is sqrt(2/pi) P / (F w) for a round spot of radius w: with d = 2 w
+/// that is 2 sqrt(2/pi) P_ua of S3.
 ///
 /// Reading is const and safe from any number of threads while nobody burns. Memory: 4 KiB per burnt square of
 /// 0.64 mm, about 10 MB per metre of cut.
 class Sheet {
  public:
   static constexpr double kCellMm = 0.02;
-  /// Less depth than this counts as untouched: it changes a picture by less than a hundredth of a grey level.
+  /// Largest depth that counts as untouched: it changes a picture by less than a hundredth of a grey level.
   static constexpr double kUntouchedDepth = 1e-4;
 
-  /// @throws std::invalid_argument that names every value out of range.
+  /// Makes an unburnt sheet. @throws std::invalid_argument that names every value out of range.
   explicit Sheet(const BoardDescription& board);
 
-  /// The beam moved straight from `from` to `to` while it delivered `energy_j`, evenly. No energy, no burn.
-  /// All of the energy stays on the sheet, to 1e-5.
+  /// Burns a straight move of the beam from `from` to `to` with `energy_j`, delivered evenly. No energy, no
+  /// burn. All of the energy stays on the sheet, to 1e-5.
   ///
-  /// One bell is laid down for each half radius of the way, with the way's own variance, so a move of up to
-  /// half a radius costs as much as a spot that rests. Instead of many short moves the caller may hand over
-  /// their chord: on a straight line at even power nothing changes but the ends (2e-4 of the peak); a bend of
+  /// One bell is stored for each half radius of the path, with the variance of that length, so a move of up
+  /// to half a radius costs as much as a spot at rest. The caller may pass a chord instead of many short
+  /// moves: on a straight line at constant power nothing changes but the ends (2e-4 of the peak); a bend of
   /// radius R shifts the cut inwards by L²/(12 R) for chords of L, 0.02 µm for 10 µm at R = 0.5 mm; power
-  /// that rises within the chord is evened out over it.
-  /// @throws std::invalid_argument for values that are not finite, out of range (|p| > 1e6 mm).
+  /// that rises within the chord is averaged over it. @throws std::invalid_argument for values that are not
+  /// finite, out of range (|p| > 1e6 mm).
   void burn(const Footprint& from, const Footprint& to, double energy_j);
 
   /// Absorbed energy at a point, J/mm²; smooth (twice differentiable).
   [[nodiscard]] double fluenceAt(const Eigen::Vector2d& p_S_mm) const;
   /// Burnt depth over thickness, 0 untouched … 1 cut through.
   [[nodiscard]] double depthAt(const Eigen::Vector2d& p_S_mm) const;
-  /// How far the board is discoloured, 0 not at all … 1 fully: by the fluence that the air has blown here,
-  /// from p_S_mm - scorch.shift_mm. Always 0 for board without scorch.
+  /// Degree of discolouration, 0 none … 1 full: by the fluence that the air has blown here, from p_S_mm -
+  /// scorch.shift_mm. Always 0 for board without scorch.
   [[nodiscard]] double scorchAt(const Eigen::Vector2d& p_S_mm) const;
   [[nodiscard]] const BoardDescription& board() const { return board_; }
   [[nodiscard]] const DepthCurve& depthCurve() const { return depth_; }
   /// True if nothing was burnt within the box (deeper than kUntouchedDepth), nor scorched so that a picture
   /// shows more than that.
   [[nodiscard]] bool untouched(const Eigen::Vector2d& min_S_mm, const Eigen::Vector2d& max_S_mm) const;
-  /// Where no fluence is higher, board counts as not burnt, and board beside it (by scorch.shift_mm) as not
-  /// scorched.
+  /// Fluence up to which board counts as not burnt, and board displaced by scorch.shift_mm as not scorched.
   [[nodiscard]] double untouchedFluence_j_mm2() const { return untouched_burn_j_mm2_; }
   [[nodiscard]] double unscorchedFluence_j_mm2() const { return untouched_scorch_j_mm2_; }
 
@@ -77,14 +76,14 @@ class Sheet {
   float copyNodes(int column, int row, int columns, int rows, std::span<float> out) const;
   /// All energy on the sheet.
   [[nodiscard]] double energyJ() const;
-  /// What the map takes in memory.
+  /// Memory of the map.
   [[nodiscard]] std::size_t bytes() const { return tiles_.size() * sizeof(Tile); }
 
  private:
   static constexpr int kTileNodes = 32;
   struct Tile {
     alignas(16) std::array<float, static_cast<std::size_t>(kTileNodes* kTileNodes)> j_mm2{};
-    int x{}, y{};  ///< Its place, in tiles.
+    int x{}, y{};  ///< Place in tiles.
   };
   struct Recent {
     std::uint64_t key{};
@@ -114,9 +113,9 @@ class Sheet {
   DepthCurve depth_;
   double untouched_burn_j_mm2_;
   double untouched_scorch_j_mm2_;
-  std::deque<Tile> tiles_;  ///< In order of first touch: sums over it never depend on the hash.
+  std::deque<Tile> tiles_;  ///< Tiles in order of first touch: sums over them never depend on the hash.
   std::unordered_map<std::uint64_t, std::size_t> tile_index_;
-  std::array<Recent, 16> recent_{};  ///< Tiles lately burnt: a cut stays within a few for long.
+  std::array<Recent, 16> recent_{};  ///< Recently burnt tiles: a cut stays within a few for long.
   SampledBell sampled_;              ///< Scratch of add().
   std::vector<Span> spans_;
 };

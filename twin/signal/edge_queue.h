@@ -7,7 +7,7 @@
 
 namespace kerfbench::twin {
 
-/// Times of changes that somebody still has to look at, s, ascending.
+/// Times of changes that are still to be handled, s, ascending.
 class EdgeQueue {
  public:
   void push(double time_s) {
@@ -17,11 +17,11 @@ class EdgeQueue {
     }
     times_s_.push_back(time_s);
   }
-  /// Infinity while there is none.
+  /// Time of the first change; infinity while there is none.
   [[nodiscard]] double front_s() const {
     return next_ < times_s_.size() ? times_s_[next_] : std::numeric_limits<double>::infinity();
   }
-  /// There must be one.
+  /// Removes the first change; there must be one.
   void pop() {
     constexpr std::size_t kCompactAbove = 4096;
     if (++next_ <= kCompactAbove) return;

@@ -27,7 +27,7 @@ double LevelTracker::meanOverChanges(double begin_s, double end_s) {
     ++next_;
   }
   if (consumed_level_) high_s += end_s - from_s;
-  // A pin that changes all the time never leaves the list empty.
+  // The list is compacted from time to time: a pin that changes all the time never leaves it empty.
   constexpr std::size_t kCompactAbove = 4096;
   if (next_ > kCompactAbove) {
     changes_.erase(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(next_));

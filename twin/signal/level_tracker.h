@@ -7,18 +7,18 @@
 
 namespace kerfbench::twin {
 
-/// A single pin as something that integrates it sees it: the share of an interval in which it was high. Keeps
-/// only changes that were not asked for yet. Times in s, ascending.
+/// Integrates the level of a single pin: the share of an interval in which it was high. Keeps only the
+/// changes that were not queried yet. Times in s, ascending.
 class LevelTracker {
  public:
   void set(double time_s, bool level);
-  /// Share of the time in [begin, end] at which the pin was high. Intervals must be asked for in order,
-  /// without overlap, and after everything up to `end_s` is known.
+  /// Share of the time in [begin, end] at which the pin was high. Intervals must be queried in order, without
+  /// overlap, and after everything up to `end_s` is known.
   double meanOver(double begin_s, double end_s) {
     if (nextChange_s() >= end_s) return consumed_level_ ? 1.0 : 0.0;
     return meanOverChanges(begin_s, end_s);
   }
-  /// The first change beyond all intervals asked for so far; infinity while none is known.
+  /// First change beyond all intervals queried so far; infinity while none is known.
   [[nodiscard]] double nextChange_s() const { return next_s_; }
 
  private:

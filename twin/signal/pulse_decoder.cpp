@@ -15,10 +15,10 @@ PulseDecoder::PulseDecoder(DriverProfile profile)
     : profile_(std::move(profile)), active_(!profile_.active_edge_rising) {}
 
 void PulseDecoder::activeEdge(double time_s) {
-  // DIR has not reached the latch yet: the drive steps the old way.
+  // A late DIR has not reached the latch: the drive steps in the old direction.
   const bool latched = time_s - dir_s_ >= profile_.setup_s - kRounding_s;
   edge_s_ = time_s;
-  // After too short a pause the two pulses are one to the drive.
+  // A pause that is too short joins the two pulses to one.
   if (time_s - idle_s_ < profile_.space_s - kRounding_s) return;
   pending_ = true;
   pending_direction_ = (latched ? dir_ : old_dir_) ? 1 : -1;
@@ -38,7 +38,7 @@ void PulseDecoder::settle(double time_s, std::vector<StepEdge>& steps) {
 void PulseDecoder::levels(double time_s, bool pul, bool dir, std::vector<StepEdge>& steps) {
   settle(time_s, steps);
   const bool active = pul == profile_.active_edge_rising;
-  // Both in one port write: DIR has then no set-up time at all.
+  // A DIR that changes in the same port write as PUL has no set-up time at all.
   if (dir != dir_) {
     // A level that did not stand for the set-up time never reached the latch.
     if (time_s - dir_s_ >= profile_.setup_s - kRounding_s) old_dir_ = dir_;

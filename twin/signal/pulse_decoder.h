@@ -7,7 +7,7 @@
 
 namespace kerfbench::twin {
 
-/// A step that a drive takes.
+/// Step that a drive takes.
 struct StepEdge {
   double time_s{};
   int direction{};  ///< +1 (DIR high) or -1.
@@ -17,18 +17,19 @@ struct StepEdge {
 /// elsewhere (hil/evidence): here they only become steps.
 ///
 /// The drive latches DIR with the active edge of PUL. A DIR that changed less than the set-up time before the
-/// edge has not reached the latch yet: the drive steps the old way. A DIR that changes within the hold time
-/// after the edge comes too late to matter: the step is latched. The drive's input filter lets a pulse
-/// through once it has lasted width_s, so a step takes effect width_s after its active edge, and a shorter
-/// pulse never does; the same holds for the pause between two pulses (space_s). Time is in s and must not run
+/// edge has not reached the latch: the drive steps in the old direction. A DIR that changes within the hold
+/// time after the edge comes too late to matter: the step is latched. The drive's input filter passes a pulse
+/// once it has lasted width_s, so a step takes effect width_s after its active edge, and a shorter pulse
+/// never does; the same holds for the pause between two pulses (space_s). Time is in s and must not run
+/// backwards.
 /// backwards.
 class PulseDecoder {
  public:
   explicit PulseDecoder(DriverProfile profile);
 
-  /// Both levels from this time on; appends the steps that are certain by now.
+  /// Sets both levels from this time on; appends the steps that are certain by now.
   void levels(double time_s, bool pul, bool dir, std::vector<StepEdge>& steps);
-  /// No change until this time; a pulse that has lasted long enough becomes a step.
+  /// States that nothing changes until this time; a pulse that has lasted long enough becomes a step.
   void settle(double time_s, std::vector<StepEdge>& steps);
 
  private:
@@ -38,12 +39,12 @@ class PulseDecoder {
   DriverProfile profile_;
   bool active_;  ///< PUL is at its active level.
   bool dir_{false};
-  bool old_dir_{false};  ///< The last level of DIR before this that stood for the set-up time.
-  bool pending_{false};  ///< A pulse has begun and is not yet long enough to be a step.
+  bool old_dir_{false};  ///< Last level of DIR before this that stood for the set-up time.
+  bool pending_{false};  ///< True if a pulse has begun and is not yet long enough to be a step.
   int pending_direction_{};
-  double edge_s_{-1e9};  ///< Last active edge.
-  double idle_s_{-1e9};  ///< Last idle edge.
-  double dir_s_{-1e9};   ///< Last change of DIR.
+  double edge_s_{-1e9};  ///< Time of the last active edge.
+  double idle_s_{-1e9};  ///< Time of the last idle edge.
+  double dir_s_{-1e9};   ///< Time of the last change of DIR.
 };
 
 }  // namespace kerfbench::twin

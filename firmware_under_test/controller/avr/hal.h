@@ -27,7 +27,8 @@ static inline void kb_hal_unlock(uint8_t saved) {
 
 static inline void kb_hal_barrier(void) { __asm__ volatile("" ::: "memory"); }
 
-/* Ticks without pulses that stay active are the compare match A's, the longer ones with them B's. */
+/* Selects the interrupt of the ticks: compare match A for ticks without pulses that stay active, B for the
+ * longer ticks with them. */
 static inline void kb_hal_hold_pulses(bool hold) { TIMSK1 = hold ? _BV(OCIE1B) : _BV(OCIE1A); }
 
 static inline uint8_t kb_hal_inputs(void) { return PINL & 0x07U; }
@@ -40,7 +41,8 @@ static inline bool kb_hal_rx(uint8_t* byte) {
   return true;
 }
 
-enum { KB_RX_BACKLOG = 200 }; /* 8 ms behind the wire: some 2 ms later bytes would be overwritten */
+/* Bytes that may wait: 8 ms behind the wire; some 2 ms later bytes would be overwritten. */
+enum { KB_RX_BACKLOG = 200 };
 
 /* Framing errors and overruns since the last call. */
 static inline uint8_t kb_hal_rx_errors(void) {

@@ -19,8 +19,8 @@ ISR(TIMER1_COMPA_vect) {
     kb_engine.out_a = kb_engine.idle_a;
   }
 #endif
-  /* What lies between the end of the tick before, should this one have waited for it, and PUL is DIR's
-   * set-up: 5 us with this. */
+  /* Set-up time of DIR: from the end of the tick before, in case this one waited for it, to PUL. The
+   * instructions between make it 5 us. */
   const uint8_t inputs = PINL;
   const uint8_t out_c = kb_engine.out_c;
   __builtin_avr_delay_cycles(2);
@@ -31,7 +31,7 @@ ISR(TIMER1_COMPA_vect) {
   const uint8_t stepping_dirs = (uint8_t)(steps << 1);
   PORTA = steps | shown;
   PORTC = out_c;
-  __builtin_avr_delay_cycles(14); /* with the code around it 2 us, as measured */
+  __builtin_avr_delay_cycles(14); /* Delay of 2 us with the code around it, as measured. */
   shown = (uint8_t)((shown & ~stepping_dirs) | (kb_engine.out_a & stepping_dirs));
   PORTA = steps | shown;
 #else
@@ -51,7 +51,7 @@ ISR(TIMER1_COMPA_vect) {
   PORTC = (uint8_t)((out_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR)) | kb_engine.idle_c);
 }
 
-/* Instead of it while some axis needs pulses that stay active over ticks. */
+/* The longer tick, used while some axis needs pulses that stay active over ticks. */
 ISR(TIMER1_COMPB_vect) {
   const uint8_t inputs = PINL;
   const uint8_t out_c = kb_engine.out_c;
@@ -75,19 +75,21 @@ ISR(INT2_vect) {
 ISR(INT3_vect) { kb_belt_mark_edge(TCNT3); }
 
 ISR(USART0_RX_vect) {
-  if (UCSR0A & (_BV(FE0) | _BV(DOR0))) { /* of the byte that the next read takes */
+  if (UCSR0A & (_BV(FE0) | _BV(DOR0))) { /* Line errors of the byte that the next read takes. */
     kb_rx_errors = (uint8_t)(kb_rx_errors + 1U);
   }
   kb_rx_bytes[kb_rx_end++] = UDR0;
 }
 
 int main(void) {
-  /* The watchdog stays on over its own reset. 16 ms, reset only: with its interrupt on it would not reset a
-   * controller whose interrupts are off. Reset lets go of all pins; the gate's input needs a pull-down. */
+  /* The watchdog stays on over its own reset. Its period is 16 ms, reset only: with its interrupt on it would
+   * not reset a controller whose interrupts are off. Reset releases all pins; the gate's input needs a
+   * pull-down. */
   const uint8_t reset_cause = MCUSR;
   MCUSR = 0;
   wdt_enable(WDTO_15MS);
-  /* Edges before anything else: the level mode of reset would fire, and slows an emulator down. */
+  /* The edges are set before anything else: the level mode of reset would fire, and slows an emulator
+   * down. */
   EICRA = _BV(ISC20) | _BV(ISC31) | _BV(ISC30);
   DDRA = 0xFF;
   DDRC = KB_FEED_PUL | KB_FEED_DIR | KB_LASER_GATE | KB_LASER_PWM;
@@ -99,7 +101,7 @@ int main(void) {
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
 
-  TCCR3B = _BV(CS31) | _BV(CS30);             /* 64 cycles */
+  TCCR3B = _BV(CS31) | _BV(CS30);             /* clock / 64 */
   TCCR4B = _BV(CS42) | _BV(CS41) | _BV(CS40); /* rising edges of T4 */
   OCR1A = KB_TICK_CYCLES - 1U;
   OCR1B = KB_TICK_CYCLES - 1U;

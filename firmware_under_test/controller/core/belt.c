@@ -7,9 +7,8 @@
 
 struct kb_belt kb_belt;
 
-enum {
-  KB_STANDING_PERIODS = KB_PERIODS_IN_MS(24)
-}; /* without an edge: slower than 1 mm/s at 0.01 mm a count */
+/* Periods without an edge after which the belt stands: slower than 1 mm/s at 0.01 mm a count. */
+enum { KB_STANDING_PERIODS = KB_PERIODS_IN_MS(24) };
 
 void kb_belt_init(void) {
   const uint8_t saved = kb_hal_lock();
@@ -23,10 +22,10 @@ static int32_t wholeCount(uint8_t low) {
   return kb_belt.last_count + (int8_t)(uint8_t)(low - (uint8_t)(uint32_t)kb_belt.last_count);
 }
 
-/* The position at `time` from an edge, in 1/256 count. */
+/* Position at `time` from an edge, in 1/256 count. */
 static int32_t interpolate(const struct kb_edge* edge, uint16_t time, bool standing) {
-  /* An edge at count c means [c, c + 2) behind it when forwards, and the same edge passed backwards leaves c
-   * - 2. */
+  /* An edge at count c means that [c, c + 2) lies behind it when passed forwards; the same edge passed
+   * backwards leaves c - 2. */
   const int32_t count = wholeCount(edge->count) + (edge->backwards ? 2 : 0);
   const int32_t base = (int32_t)((uint32_t)count * 256U);
   if (standing) {
@@ -44,10 +43,10 @@ static int32_t interpolate(const struct kb_edge* edge, uint16_t time, bool stand
   int32_t part = forwards;
   if (part > 512) {
     part = 512;
-  } else if (part < -512 && age >= 0) { /* a belt that has just turned */
+  } else if (part < -512 && age >= 0) { /* the belt has just turned */
     part = -512;
-  } /* An edge later than the boundary, by more than one where the main loop was busy, leads back as far as it
-       is. */
+  } /* An edge later than the boundary, by more than one where the main loop was busy, leads back without a
+       limit. */
   return base + (edge->backwards ? -part : part);
 }
 
@@ -64,7 +63,7 @@ void kb_belt_update(uint16_t boundary_time) {
   }
   const bool standing = kb_belt.idle_periods >= KB_STANDING_PERIODS;
 #ifdef KB_DEFECT_BELT_LATE
-  /* Defect: where the belt was 100 us ago passes for where it is. */
+  /* Defect: the position of 100 us ago is taken for the present one. */
   const int32_t measured = interpolate(&edge, (uint16_t)(boundary_time - 1600U / KB_TIME_CYCLES), standing);
 #else
   const int32_t measured = interpolate(&edge, boundary_time, standing);
@@ -75,7 +74,8 @@ void kb_belt_update(uint16_t boundary_time) {
     kb_belt.position = measured;
     kb_belt.speed = 0;
   } else {
-    /* alpha 1/2, beta 1/8: settles in about ten periods; an acceleration of 1 m/s^2 lags by half a count. */
+    /* Filter with alpha 1/2, beta 1/8: settles in about ten periods; an acceleration of 1 m/s^2 lags by half
+     * a count. */
     kb_belt.position = (int32_t)((uint32_t)expected + (uint32_t)((residual + 1) >> 1));
     kb_belt.speed += residual * 32;
   }

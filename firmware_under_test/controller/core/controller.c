@@ -18,15 +18,15 @@ enum { KB_FRAME_PAUSE_PERIODS = KB_PERIODS_IN_MS(20) };
 static struct {
   uint8_t state;
   uint8_t fault;
-  uint8_t boundaries;    /* seen */
-  uint8_t quiet_periods; /* since the last byte */
-  uint8_t line_errors;   /* since the last frame accepted */
+  uint8_t boundaries;    /* boundaries seen */
+  uint8_t quiet_periods; /* periods since the last byte */
+  uint8_t line_errors;   /* line errors since the last frame accepted */
   uint16_t silent_periods;
 #ifdef KB_DEFECT_MAIN_STUCK
   bool stuck;
 #endif
   bool event_due;
-  bool answered; /* the two fields below hold */
+  bool answered; /* true if last_type and last_seq hold */
   uint8_t last_type;
   uint8_t last_seq;
 } c;
@@ -58,7 +58,7 @@ static void enter(uint8_t state, uint8_t fault) {
   }
 }
 
-/* Axes stand. What they were slowing down for came first, and is what people must know. */
+/* Stops once the axes stand. The fault that they slowed down for came first, and is reported. */
 static void stop(enum kb_fault fault) {
   const enum kb_fault first = kb_program_ramping();
   kb_program_halt();
@@ -168,7 +168,7 @@ static uint8_t start(const struct kb_frame* frame) {
   return 0;
 }
 
-/* Carries a request out; 0, or why not. */
+/* Executes a request; 0, or the reason of a refusal. */
 static uint8_t execute(const struct kb_frame* frame) {
   const bool bare = frame->type == KB_HELLO || frame->type == KB_STOP || frame->type == KB_STATUS;
   if (bare && frame->length != 0) {
@@ -211,8 +211,7 @@ static uint8_t execute(const struct kb_frame* frame) {
 
 static void answer(const struct kb_frame* frame) {
   uint8_t nak = frame->nak;
-  /* An answer that was lost makes the host repeat; what it asks for has been done. A repeat of data may not
-   * fit. */
+  /* A lost answer makes the host repeat a request that was executed. A repeat of data may not fit. */
   const bool repeated = (nak == 0 || nak == KB_NAK_FULL || nak == KB_NAK_CHECK) && c.answered &&
                         frame->type == c.last_type && frame->seq == c.last_seq && frame->type != KB_HELLO;
   if (repeated) {
@@ -241,7 +240,7 @@ static void answer(const struct kb_frame* frame) {
 static void receive(void) {
   uint8_t byte;
   struct kb_frame frame;
-  /* A few at a time: the next period must not wait for a burst. */
+  /* Only a few bytes are taken at a time: the next period must not wait for a burst. */
   if (kb_frame_take(4) != 0) {
     c.quiet_periods = 0;
     return;
@@ -254,7 +253,7 @@ static void receive(void) {
   }
 }
 
-/* What lets the axes slow down. */
+/* Watches for faults that let the axes slow down. */
 static void watch(void) {
   if (c.silent_periods < KB_SILENCE_PERIODS) {
     c.silent_periods++;
@@ -281,7 +280,7 @@ static void newPeriod(void) {
   kb_power_boundary(power_counter);
   kb_belt_update(boundary_time);
   lineErrors(kb_hal_rx_errors());
-  kb_hal_feed_watchdog(); /* both the tick and the main loop are alive */
+  kb_hal_feed_watchdog(); /* Both the tick and the main loop are alive. */
   if (c.quiet_periods < KB_FRAME_PAUSE_PERIODS) {
     c.quiet_periods++;
   } else {
@@ -289,7 +288,7 @@ static void newPeriod(void) {
     c.stuck = c.state == KB_RUNNING && kb_frame_begun();
 #endif
 #ifdef KB_DEFECT_LOG_WAITS
-    /* Defect: a frame that broke off is noted in an EEPROM, and the main loop waits until that is written. */
+    /* Defect: a broken frame is recorded in an EEPROM, and the main loop waits until that is written. */
     if (c.state == KB_RUNNING && kb_frame_begun()) {
       for (volatile uint16_t wait = 0; wait < 3000U; ++wait) {
       }
@@ -320,7 +319,7 @@ static void run(void) {
     stop(KB_FAULT_LATE);
     return;
   }
-  /* In this order: a boundary that came since newPeriod() has not been seen by the belt filter yet. */
+  /* The order matters: a boundary that came since newPeriod() has not been seen by the belt filter yet. */
   if (kb_engine.next_ready || c.boundaries != kb_engine.boundaries) {
     return;
   }
@@ -332,13 +331,13 @@ static void run(void) {
     kb_engine.demand = false;
     enter(KB_DONE, KB_OK);
   } else if (kb_engine.next_ready) {
-    kb_engine.demand = true; /* from the first period on */
+    kb_engine.demand = true; /* Demand begins with the first period. */
   }
 }
 
 void kb_controller_poll(void) {
 #ifdef KB_DEFECT_MAIN_STUCK
-  /* Defect: waits for the rest of a frame for ever. */
+  /* Defect: the main loop waits for the rest of a frame for ever. */
   if (c.stuck) {
 #ifdef KB_DEFECT_ALL_STUCK
     (void)kb_hal_lock();

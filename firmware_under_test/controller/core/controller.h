@@ -9,7 +9,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-/* KB_OK after power-on, or what made the controller start anew: KB_STOPPED then. */
+/* Starts the controller. KB_OK after power-on, or the cause of the reset, which leads to KB_STOPPED. */
 void kb_controller_init(enum kb_fault reset_cause);
 void kb_controller_poll(void);
 #ifdef __cplusplus

@@ -17,7 +17,7 @@ void kb_engine_init(void) {
   kb_hal_unlock(saved);
 }
 
-/* Levels of the next tick without new pulses. */
+/* Sets the levels of the next tick without new pulses. */
 static void rest(void) {
   const uint8_t held = kb_engine.held;
   kb_engine.out_a = kb_level_a(held);

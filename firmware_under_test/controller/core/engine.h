@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Step engine: what the timer interrupt does each tick, and the hand-over of the next period to it.
+/* Step engine: the work of the timer interrupt at each tick, and the hand-over of the next period to it.
  *
- * A tick: the interrupt first writes out what the tick before has worked out (PUL up; X and Y in one store),
- * then kb_tick_compute() works out the next, then lowers PUL, then writes DIR. So PUL is high for the length
- * of the computation, and a DIR that changes with a new period does so after the last PUL of the old one and
- * most of a tick before the first PUL of the new one.
+ * A tick: the interrupt first writes out the result of the tick before (PUL up; X and Y in one store), then
+ * kb_tick_compute() computes the next, then lowers PUL, then writes DIR. So PUL is high for the length of the
+ * computation, and a DIR that changes with a new period does so after the last PUL of the old one and most of
+ * a tick before the first PUL of the new one.
  *
  * An axis with m steps in a period of n ticks adds m 256 / n to an 8-bit accumulator each tick and steps when
  * it overflows: n ticks add 256 m, so the count is exact and the accumulator ends where it began. */
@@ -32,10 +32,10 @@ enum { KB_IN_LIMIT_X = 0x01, KB_IN_LIMIT_Y = 0x02, KB_IN_LIMITS = 0x03, KB_IN_IN
 
 struct kb_period {
   uint8_t inc[KB_AXES]; /* KB_INC_PER_STEP * steps */
-  uint8_t idle_a;       /* of port A: DIR, and PUL as it is between pulses */
+  uint8_t idle_a;       /* levels of port A between pulses: DIR and PUL */
   uint8_t idle_c;
   bool laser_changes;
-  kb_ticks_t laser_delay; /* ticks from the start of the period */
+  kb_ticks_t laser_delay; /* delay in ticks from the start of the period */
   uint8_t gate;           /* 0 or KB_LASER_GATE */
   uint8_t power;
 };
@@ -47,19 +47,19 @@ struct kb_laser_event {
 };
 
 struct kb_engine {
-  /* What the next tick writes first; then PUL falls but for what `held` was until then, and DIR is that of
-   * `idle`. */
+  /* Levels that the next tick writes first; then PUL falls except for what `held` was until then, and DIR is
+   * that of `idle`. */
   uint8_t out_a;
   uint8_t out_c;
   uint8_t idle_a; /* levels of PUL and DIR between pulses, in this period */
   uint8_t idle_c;
-  /* As configured. */
-  uint8_t wide;                        /* PUL of these stays active for wide_ticks; as `held` */
-  uint8_t wide_ticks;                  /* 1 … KB_WIDE_TICKS_MAX */
-  uint8_t held;                        /* PUL of port A, and KB_HELD_FEED */
-  uint8_t ends[KB_WIDE_TICKS_MAX + 1]; /* of `held`, those that the coming ticks end */
-  uint8_t ticks_left;                  /* of the period, including the next tick to be computed */
-  kb_ticks_t tick;                     /* counts all ticks, modulo its range */
+  /* Configuration. */
+  uint8_t wide;       /* mask of the axes whose PUL stays active for wide_ticks; bits as in `held` */
+  uint8_t wide_ticks; /* width in ticks, 1 … KB_WIDE_TICKS_MAX */
+  uint8_t held;       /* active pulses: PUL of port A, and KB_HELD_FEED */
+  uint8_t ends[KB_WIDE_TICKS_MAX + 1]; /* bits of `held` that each of the coming ticks clears */
+  uint8_t ticks_left;                  /* ticks left in the period, including the next tick to be computed */
+  kb_ticks_t tick;                     /* number of the tick, modulo its range */
   uint8_t gate;
   uint8_t power;
   uint8_t sigma;
@@ -71,12 +71,12 @@ struct kb_engine {
   uint8_t laser_end;
   uint8_t acc[KB_AXES];
   uint8_t inc[KB_AXES];
-  /* Between interrupt and main loop. */
+  /* Fields shared by interrupt and main loop. */
   bool next_ready;
-  bool demand; /* A period must be ready at each boundary. */
-  bool late;   /* One was not. */
+  bool demand; /* a period must be ready at each boundary */
+  bool late;   /* a demanded period was not ready */
   uint8_t boundaries;
-  uint16_t boundary_time; /* kb_hal_now() units */
+  uint16_t boundary_time; /* time in units of kb_hal_now() */
   struct kb_period next;
   struct kb_laser_event laser[KB_LASER_EVENTS];
 };
@@ -84,14 +84,15 @@ struct kb_engine {
 extern volatile struct kb_engine kb_engine;
 
 void kb_engine_init(void);
-/* Levels between pulses, and the pulses that stay active. Only while nothing moves. */
+/* Sets the levels between pulses, and the pulses that stay active. Only while nothing moves. */
 void kb_engine_configure(uint8_t idle_a, uint8_t idle_c, uint8_t wide, uint8_t wide_ticks);
-/* Main loop only, when !next_ready. */
+/* Offers the next period. Main loop only, when !next_ready. */
 void kb_engine_offer(const struct kb_period* period);
-/* Laser off and no laser event left, delayed or offered; takes effect in the tick at hand or the next. */
+/* Turns the laser off and removes all laser events, delayed or offered; takes effect in the present tick or
+ * the next. */
 void kb_engine_laser_off(void);
-/* Axes stand, laser off, offered period dropped. Returns the ticks of the current period that were really
- * output. */
+/* Stops the axes, turns the laser off and drops the offered period. Returns the ticks of the current period
+ * that were really output. */
 uint8_t kb_engine_halt(bool* next_dropped);
 
 /* Counts the tick that is to be computed; true where it is the first of a period. */
@@ -104,7 +105,7 @@ static inline bool kb_tick_begins_period(void) {
   return false;
 }
 
-/* The boundary of a period: called by the interrupt where kb_tick_begins_period(). */
+/* Boundary of a period: called by the interrupt where kb_tick_begins_period(). */
 static inline void kb_tick_boundary(uint16_t now) {
   volatile struct kb_engine* const e = &kb_engine;
   e->ticks_left = KB_TICKS_PER_PERIOD - 1U;
@@ -142,7 +143,7 @@ static inline void kb_tick_boundary(uint16_t now) {
   }
 }
 
-/* What a tick leaves, of `held` and `out_c` as they were before it worked out the next. */
+/* Levels after a tick, from `held` and `out_c` as they were before it computed the next. */
 static inline uint8_t kb_level_a(uint8_t held) { return (uint8_t)((held & KB_PUL_A) ^ kb_engine.idle_a); }
 static inline uint8_t kb_level_c(uint8_t held, uint8_t out_c) {
   const uint8_t laser = out_c & (uint8_t) ~(KB_FEED_PUL | KB_FEED_DIR);
@@ -167,7 +168,8 @@ static inline uint8_t kb_tick_pwm(void) {
   return bit;
 }
 
-/* Pulses that stay active: those that have their time behind them off, new ones on. Returns all of them. */
+/* Updates the pulses that stay active: ends those whose time is over, begins new ones. Returns all of
+ * them. */
 static inline uint8_t kb_tick_hold(uint8_t tick, uint8_t pulses) {
   volatile struct kb_engine* const e = &kb_engine;
   uint8_t held = e->held;
@@ -189,8 +191,8 @@ static inline uint8_t kb_tick_hold(uint8_t tick, uint8_t pulses) {
   return held;
 }
 
-/* Works out what the next tick writes. `holds`: there may be pulses that stay active. A constant, for a
- * target whose ticks have no time to ask. */
+/* Computes the levels of the next tick. `holds`: there may be pulses that stay active. The argument is a
+ * constant, for a target whose ticks have no time to test it. */
 static inline void kb_tick_compute(uint8_t inputs, bool holds) {
   volatile struct kb_engine* const e = &kb_engine;
   uint8_t pulses = 0;
@@ -224,7 +226,7 @@ static inline void kb_tick_compute(uint8_t inputs, bool holds) {
     e->power = e->laser[first].power;
     e->laser_first = (uint8_t)((first + 1U) & (KB_LASER_EVENTS - 1U));
 #if KB_PWM_TICKS > 1
-    if (e->power == 0 || !(e->out_c & KB_LASER_GATE)) { /* on with the gate, off at once */
+    if (e->power == 0 || !(e->out_c & KB_LASER_GATE)) { /* the PWM starts with the gate and stops at once */
       e->pwm_left = 0;
     }
 #endif

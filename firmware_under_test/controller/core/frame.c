@@ -12,7 +12,7 @@ static struct {
   uint8_t taken;
   uint8_t crc_low;
   uint16_t crc;
-  struct kb_check check; /* as it would be with this frame */
+  struct kb_check check; /* check including this frame */
   struct kb_frame frame;
 } rx;
 
@@ -21,9 +21,9 @@ struct kb_check kb_job_check;
 static uint8_t tx_bytes[KB_TX_SIZE];
 static uint8_t tx_first;
 static uint8_t tx_end;
-static uint8_t tx_sent; /* of the frame that goes out, without its CRC */
+static uint8_t tx_sent; /* bytes sent of the present frame, without its CRC */
 static uint8_t tx_length;
-static uint8_t tx_crc_bytes; /* still to follow */
+static uint8_t tx_crc_bytes; /* CRC bytes still to be sent */
 static uint16_t tx_crc;
 
 void kb_frame_init(void) {
@@ -47,7 +47,7 @@ static void atLength(uint8_t byte) {
   if (byte > (data ? KB_PAYLOAD_MAX : KB_SHORT_PAYLOAD) || (data && byte <= KB_CHECK_LEN)) {
     rx.frame.nak = KB_NAK_LENGTH;
   } else if (data && (uint16_t)(byte - KB_CHECK_LEN) > kb_queue_free()) {
-    rx.frame.nak = KB_NAK_FULL; /* known only once the CRC has proven the length */
+    rx.frame.nak = KB_NAK_FULL; /* sent only once the CRC has proven the length */
   }
   rx.state = byte == 0 ? KB_AT_CRC_LOW : KB_AT_PAYLOAD;
 }
@@ -107,7 +107,7 @@ bool kb_frame_byte(uint8_t byte, struct kb_frame* frame) {
       return false;
     case KB_AT_LENGTH:
       atLength(byte);
-      if (rx.frame.nak == KB_NAK_LENGTH) { /* no frame is that long: not ours, look for the next SYNC */
+      if (rx.frame.nak == KB_NAK_LENGTH) { /* no frame is that long: look for the next SYNC */
         rx.state = KB_AT_SYNC;
         *frame = rx.frame;
         return true;
@@ -157,8 +157,8 @@ bool kb_frame_send(uint8_t type, uint8_t seq, const uint8_t* payload, uint8_t le
   return true;
 }
 
-/* The CRC is worked out byte by byte as the frame goes out: done at once for a long answer, it was measured
- * to delay the next period beyond its time. */
+/* The CRC is computed byte by byte as the frame is sent: done at once for a long answer, it was measured to
+ * delay the next period beyond its time. */
 void kb_frame_pump(void) {
   if ((tx_first == tx_end && tx_sent < tx_length) || !kb_hal_tx_ready()) {
     return;

@@ -8,17 +8,17 @@
 
 #include "firmware_under_test/controller/protocol.h"
 
-enum { KB_SHORT_PAYLOAD = KB_CONFIG_LEN }; /* the longest but for KB_DATA */
+enum { KB_SHORT_PAYLOAD = KB_CONFIG_LEN }; /* longest payload of all types but KB_DATA */
 
 struct kb_frame {
   uint8_t type;
   uint8_t seq;
   uint8_t length;
-  uint8_t nak;                       /* 0, or why it cannot be accepted */
-  uint8_t payload[KB_SHORT_PAYLOAD]; /* of all types but KB_DATA, whose bytes wait in the queue */
+  uint8_t nak;                       /* reason of a refusal, or 0 */
+  uint8_t payload[KB_SHORT_PAYLOAD]; /* payload of all types but KB_DATA, whose bytes wait in the queue */
 };
 
-/* CRC-16/CCITT-FALSE, one byte further. */
+/* CRC-16/CCITT-FALSE, advanced by one byte. */
 static inline uint16_t kb_crc16(uint16_t crc, uint8_t byte) {
   uint8_t high = (uint8_t)(crc >> 8);
   const uint8_t low = (uint8_t)crc;
@@ -29,7 +29,7 @@ static inline uint16_t kb_crc16(uint16_t crc, uint8_t byte) {
   return (uint16_t)((uint16_t)(new_high << 8) | new_low);
 }
 
-/* The job check of protocol.h. */
+/* Job check of protocol.h. */
 struct kb_check {
   uint16_t a;
   uint16_t b;
@@ -40,7 +40,7 @@ static inline void kb_check_add(struct kb_check* check, uint8_t byte) {
   check->b = (uint16_t)(check->b + check->a);
 }
 
-/* Whether byte i of a check sent is as it should be. */
+/* Whether byte i of a received check is correct. */
 static inline bool kb_check_holds(const struct kb_check* check, uint8_t i, uint8_t byte) {
 #ifdef KB_DEFECT_CHECK_IGNORED
   /* Defect: "the CRC is enough". */
@@ -54,17 +54,17 @@ static inline bool kb_check_holds(const struct kb_check* check, uint8_t i, uint8
 #endif
 }
 
-/* Of what was accepted so far. */
+/* Check of all that was accepted so far. */
 extern struct kb_check kb_job_check;
 
 void kb_frame_init(void);
 /* Takes one byte; true once a frame is complete, with or without a reason to refuse it. */
 bool kb_frame_byte(uint8_t byte, struct kb_frame* frame);
-/* Takes program bytes of a KB_DATA frame under way straight from the UART, at most so many; how many it took.
- * What kb_frame_byte() would do with each, in a third of the time: nearly all bytes of a job come this way.
- */
+/* Takes program bytes of a KB_DATA frame under way straight from the UART, at most `most`; returns their
+ * number. The effect is that of kb_frame_byte() with each, in a third of the time: nearly all bytes of a job
+ * come through this function. */
 uint8_t kb_frame_take(uint8_t most);
-/* Takes the program bytes of the KB_DATA frame that came last into kb_job_check. */
+/* Adds the program bytes of the last KB_DATA frame to kb_job_check. */
 void kb_frame_commit(void);
 /* Whether a frame is under way. */
 bool kb_frame_begun(void);

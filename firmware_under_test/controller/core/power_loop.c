@@ -4,13 +4,14 @@
 #include <string.h>
 
 enum {
-  KB_RING = 16, /* periods; more than KB_POWER_DELAY_MAX ticks and what is compared */
+  /* ring length in periods; more than KB_POWER_DELAY_MAX ticks and the periods that are compared */
+  KB_RING = 16,
   KB_RING_MASK = KB_RING - 1,
   KB_TRIM_ONE = 16384,
   KB_TRIM_LEAST = KB_TRIM_ONE / 2,
   KB_TRIM_MOST = 32767,
   KB_COUNT = 16,            /* the table's unit is 1/16 edge */
-  KB_FEWEST = 4 * KB_COUNT, /* edges of a period that tell something */
+  KB_FEWEST = 4 * KB_COUNT, /* fewest edges of a period that can be evaluated */
   KB_SILENT_PERIODS = 4
 };
 
@@ -22,9 +23,9 @@ static struct {
   uint8_t least;
   uint8_t most;
   uint8_t delay_periods;
-  uint8_t delay_ticks; /* and so many */
+  uint8_t delay_ticks; /* ticks of the delay beyond delay_periods */
   uint16_t table[KB_POWER_POINTS];
-  uint16_t wanted[KB_RING]; /* of the periods, 1/16 edge; 0: dark. [at] runs now. */
+  uint16_t wanted[KB_RING]; /* wanted edges of each period, 1/16 edge; 0: dark; [at] runs now */
   uint8_t at;
   uint16_t offered;
   uint8_t counter;
@@ -72,7 +73,7 @@ uint16_t kb_power_trim(void) { return w.trim; }
 static uint16_t wantedAgo(uint8_t periods) { return w.wanted[(uint8_t)(w.at - periods) & KB_RING_MASK]; }
 
 static void learn(uint8_t measured) {
-  /* The period that has just ended saw the end of one and the start of the next. */
+  /* The period that has just ended saw the end of one wanted period and the start of the next. */
   const uint16_t later = wantedAgo((uint8_t)(w.delay_periods + 1U));
   const uint16_t earlier = wantedAgo((uint8_t)(w.delay_periods + 2U));
   const uint16_t before = wantedAgo((uint8_t)(w.delay_periods + 3U));
@@ -90,7 +91,7 @@ static void learn(uint8_t measured) {
   }
   w.silent = 0;
   int32_t error = (int32_t)wanted - (int32_t)measured * KB_COUNT;
-  /* A reading that says twice as much or more is no more believed than that. */
+  /* A reading of more than twice the wanted value counts as twice. */
   if (error < -(int32_t)wanted) {
     error = -(int32_t)wanted;
   }
@@ -111,7 +112,7 @@ void kb_power_boundary(uint8_t counter) {
   learn(measured);
 }
 
-/* Points lie at 0, 16, … 240 and 255. */
+/* Spacing of the table: points lie at 0, 16, … 240 and 255. */
 static uint8_t spanOf(uint8_t point) { return point == KB_POWER_POINTS - 2 ? 15 : 16; }
 
 static uint16_t tableAt(uint8_t power) {

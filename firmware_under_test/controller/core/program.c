@@ -10,7 +10,7 @@
 
 enum {
   KB_AXIS_MASK = 0x1F,
-  KB_DRY_TICKS = 8 /* Bytes may still come while more than this is left of the period. */
+  KB_DRY_TICKS = 8 /* bytes may still come while more than this is left of the period */
 };
 
 enum phase { KB_PHASE_RUN, KB_PHASE_STAND, KB_PHASE_MARK, KB_PHASE_RAMP, KB_PHASE_TAIL };
@@ -18,26 +18,27 @@ enum phase { KB_PHASE_RUN, KB_PHASE_STAND, KB_PHASE_MARK, KB_PHASE_RAMP, KB_PHAS
 static struct {
   struct kb_config config;
   bool configured;
-  bool careful; /* an axis may not turn at full speed */
+  bool careful; /* true if an axis may not turn at full speed */
   enum phase phase;
   enum kb_fault ramp_fault;
-  uint16_t periods_left; /* of STAND and TAIL */
-  int8_t steps[KB_AXES]; /* of the last period offered, correction included; RAMP slows them down */
+  uint16_t periods_left; /* periods left of STAND and TAIL */
+  int8_t steps[KB_AXES]; /* steps of the last period offered, correction included; RAMP slows them down */
   int8_t previous_steps[KB_AXES];
   int32_t position[KB_AXES];
-  bool outside;  /* of the field, at the end of the last period offered */
-  uint16_t room; /* steps that each axis was within it at least, when that was worked out, less those since */
-  int16_t owed[KB_AXES]; /* steps that a reversal has put off */
-  uint8_t dir_a;         /* logical, high: positive */
+  bool outside; /* true if outside of the field at the end of the last period offered */
+  /* least distance of any axis from the edge of the field when last computed, less the steps since */
+  uint16_t room;
+  int16_t owed[KB_AXES]; /* steps that a reversal has delayed */
+  uint8_t dir_a;         /* logical levels of DIR on port A; high: positive */
   uint8_t dir_c;
   uint8_t gate;
   uint8_t power;
-  /* Follow */
-  uint8_t follow; /* axis + 1, or 0 */
+  /* State of following. */
+  uint8_t follow; /* number of the following axis + 1, or 0 */
   int16_t gain;
   int16_t correction[KB_AXES];
   bool lags;
-  int32_t reference; /* belt position of n = 0, 1/256 count */
+  int32_t reference; /* belt position at n = 0, 1/256 count */
   uint32_t nominal;  /* n at the end of the period, 1/256 count, modulo 2^32 */
   uint8_t nominal_part;
   int32_t mark_offset;
@@ -50,7 +51,7 @@ void kb_program_init(void) {
 
 static const uint8_t dir_bits[KB_AXES] = {0x02, 0x08, 0x20, 0x80, KB_FEED_DIR};
 
-/* PUL of an axis among those that the engine holds. */
+/* Bit of an axis's PUL among those that the engine holds. */
 static uint8_t heldBits(uint8_t axes) {
   uint8_t bits = (axes & (uint8_t)(1U << KB_FEED)) ? KB_HELD_FEED : 0;
   for (uint8_t axis = 0; axis < KB_FEED; ++axis) {
@@ -76,8 +77,9 @@ void kb_program_configure(const struct kb_config* config) {
 
 bool kb_program_configured(void) { return p.configured; }
 
-/* Some axis ends the period beyond the field. Steps of a period all go one way, so between two ends within it
- * no axis is beyond. Far from the edges there is nothing to work out: no axis makes more steps than that. */
+/* Whether some axis ends the period beyond the field. Steps of a period all go in one direction, so between
+ * two ends within it no axis is beyond. Far from the edges nothing needs to be computed: no axis makes more
+ * steps than that. */
 static bool endsOutside(void) {
   if (p.room >= (uint8_t)KB_MAX_STEPS_PER_PERIOD) {
     p.room = (uint16_t)(p.room - (uint8_t)KB_MAX_STEPS_PER_PERIOD);
@@ -142,7 +144,7 @@ const struct kb_config* kb_program_config(void) { return &p.config; }
 
 int32_t kb_program_position(uint8_t axis) { return p.position[axis]; }
 
-/* Length of the operation at the head of the queue, or 0 where it is not all there or unknown. */
+/* Length of the operation at the head of the queue, or 0 where it is incomplete or unknown. */
 static uint8_t wholeOp(bool* unknown) {
   *unknown = false;
   if (kb_queue_empty()) {
@@ -189,7 +191,8 @@ static enum kb_fault takeMove(uint8_t op, bool* lit, uint8_t* power) {
   return KB_OK;
 }
 
-/* round((b - n) * gain / 4096) at the end of the period in preparation, the one after that which runs now. */
+/* Wanted correction, round((b - n) * gain / 4096), at the end of the period in preparation, which follows the
+ * present one. */
 static int16_t wantedCorrection(void) {
   const int32_t belt = (int32_t)((uint32_t)kb_belt_ahead(2) - (uint32_t)p.reference);
   const int32_t ahead = (int32_t)((uint32_t)belt - p.nominal);
@@ -209,7 +212,7 @@ static int16_t within(int16_t value, uint8_t most) {
   return value > most ? most : value < -(int16_t)most ? (int16_t) - (int16_t)most : value;
 }
 
-/* Keeps DIR's set-up and hold: few steps, and so late ones, beside a change of DIR. */
+/* Keeps DIR's set-up and hold: few steps, and therefore late ones, next to a change of DIR. */
 static void turnWithCare(void) {
   if (!p.careful) {
     return;
@@ -233,7 +236,7 @@ static void turnWithCare(void) {
   }
 }
 
-/* Adds the change of the corrections to the steps. True while one of them has not come to its end. */
+/* Adds the change of the corrections to the steps. True until all corrections have reached their goal. */
 static bool correct(bool referenced) {
   bool pending = false;
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {
@@ -287,7 +290,8 @@ static bool rampDown(void) {
   return moving;
 }
 
-/* The operations up to the next that takes time. KB_STEP_ON with *ready false: bytes are missing. */
+/* Interprets the operations up to the next that takes time. KB_STEP_ON with *ready false: bytes are
+ * missing. */
 static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fault* fault) {
   *ready = true;
   for (;;) {
@@ -309,7 +313,7 @@ static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fa
     }
     if (op == KB_OP_END) {
       p.phase = KB_PHASE_TAIL;
-      /* Until the last delayed laser event is out and the last period has run. */
+      /* The tail lasts until the last delayed laser event is out and the last period has run. */
       const uint16_t delay =
           p.config.gate_off_delay > p.config.gate_on_delay ? p.config.gate_off_delay : p.config.gate_on_delay;
       p.periods_left = (uint16_t)(delay / KB_TICKS_PER_PERIOD + 2U);
@@ -340,7 +344,8 @@ static enum kb_step interpret(bool* ready, bool* lit, uint8_t* power, enum kb_fa
   }
 }
 
-/* The mark has come, and at the start of the period in preparation the belt will be far enough beyond it. */
+/* True if the mark has come and the belt will be far enough beyond it at the start of the period in
+ * preparation. */
 static bool markReached(void) {
   int32_t mark;
   if (!kb_belt_mark(&mark)) {
@@ -386,7 +391,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       memcpy(p.steps, p.previous_steps, sizeof(p.steps));
       return KB_STEP_FAULT;
     }
-    if (p.phase == KB_PHASE_MARK && markReached()) { /* it waited already: no period is lost */
+    if (p.phase == KB_PHASE_MARK && markReached()) { /* the operation waited already: no period is lost */
       p.phase = KB_PHASE_RUN;
       memcpy(p.steps, p.previous_steps, sizeof(p.steps));
       return KB_STEP_ON;
@@ -432,7 +437,7 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
       break;
   }
   turnWithCare();
-  /* In the dark an axis may leave the field: it overshoots on its way back, or catches up. */
+  /* A dark axis may leave the field: it overshoots on its return, or catches up. */
   const bool before = p.outside;
   p.outside = endsOutside();
   if (lit && (before || p.outside)) {
@@ -446,7 +451,8 @@ enum kb_step kb_program_step(enum kb_fault* fault) {
 }
 
 void kb_program_halt(void) {
-  /* Steps of the period at hand that were not output, and all of the one that was offered. */
+  /* The positions are corrected for the steps of the present period that were not output, and for all steps
+   * of the offered one. */
   bool dropped;
   const uint8_t done_ticks = kb_engine_halt(&dropped);
   for (uint8_t axis = 0; axis < KB_AXES; ++axis) {

@@ -8,8 +8,8 @@
 #include "program.h"
 
 static struct {
-  uint32_t nominal; /* travel of the window so far, 16.16 counts */
-  int32_t from;     /* counts at its start */
+  uint32_t nominal; /* nominal travel of the window so far, 16.16 counts */
+  int32_t from;     /* counts at the window's start */
   uint8_t periods;
   uint8_t fast_periods;
 } w;
@@ -26,8 +26,7 @@ void kb_watch_start(void) {
   openWindow();
 }
 
-/* Counts of A and B that come to nothing: A silent; B silent, which counts A to and fro; A and B exchanged.
- */
+/* Whether the counts of A and B cancel: A silent; B silent, which counts A to and fro; A and B exchanged. */
 static bool encoderLost(uint32_t nominal_per_period) {
 #ifdef KB_DEFECT_ENCODER_TRUSTED
   /* Defect: an encoder does not fail. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The core on a computer: who links it gives these functions. One thread; interrupts are calls between polls.
- */
+/* The core on a computer: the program that links it provides these functions. One thread; interrupts are
+ * calls between polls. */
 #ifndef KERFBENCH_CONTROLLER_HAL_H
 #define KERFBENCH_CONTROLLER_HAL_H
 
@@ -17,7 +17,7 @@ extern "C" {
 #endif
 uint8_t kb_hal_inputs(void);
 bool kb_hal_rx(uint8_t* byte);
-/* Framing errors and overruns since the last call. */
+/* Number of framing errors and overruns since the last call. */
 uint8_t kb_hal_rx_errors(void);
 void kb_hal_feed_watchdog(void);
 bool kb_hal_tx_ready(void);

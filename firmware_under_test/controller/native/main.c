@@ -15,10 +15,10 @@
 
 enum {
 #ifdef KB_TARGET_GALVO
-  /* A pulse generator in logic: PUL high for 7 cycles of 62.5 ns, low for at least 9; DIR changes 8 before an
-     edge of PUL. */
-  KB_RISE_CYCLES = 1, /* tick to the first store */
-  KB_FALL_CYCLES = 8, /* to PUL low and DIR */
+  /* Timing of a pulse generator in logic: PUL high for 7 cycles of 62.5 ns, low for at least 9; DIR changes 8
+   * before an edge of PUL. */
+  KB_RISE_CYCLES = 1, /* cycles from the tick to the first store */
+  KB_FALL_CYCLES = 8, /* cycles from the tick to PUL low and DIR */
 #else
   KB_RISE_CYCLES = 50,
   KB_FALL_CYCLES = 157,
@@ -38,20 +38,20 @@ static struct {
   uint64_t next_tick;
   uint64_t next_byte; /* earliest end of the next byte on the wire to the controller */
   uint64_t tx_free;
-  uint64_t fed; /* the watchdog, last */
+  uint64_t fed; /* time at which the watchdog was last reset */
   uint8_t port_d;
   uint8_t port_l;
   bool power_level;
-  uint8_t power_edges; /* rising ones of the power meter */
-  uint8_t level[4];    /* of output ports, by number */
+  uint8_t power_edges; /* rising edges of the power meter */
+  uint8_t level[4];    /* levels of the output ports, by number */
   bool rx_full;
   uint8_t rx_errors;
   uint8_t rx_byte;
   uint64_t max_events;
-  struct kb_buffer drives; /* u64 tick, u8 port, u8 bit, u8 level */
-  struct kb_buffer rx;     /* on their way to the controller */
-  struct kb_buffer tx;     /* sent by it */
-  struct kb_buffer events; /* as on the wire; some may lie behind the watermark */
+  struct kb_buffer drives; /* levels to be driven: u64 tick, u8 port, u8 bit, u8 level */
+  struct kb_buffer rx;     /* bytes under way to the controller */
+  struct kb_buffer tx;     /* bytes from the controller */
+  struct kb_buffer events; /* events in the format of the wire; some may lie behind the watermark */
 } m;
 
 uint8_t kb_hal_inputs(void) { return m.port_l & 0x07U; }
@@ -63,7 +63,7 @@ bool kb_hal_rx(uint8_t* byte) {
   return full;
 }
 
-/* The wire is a pipe without framing errors; a byte not taken before the next is an overrun. */
+/* Line errors. The wire is a pipe without framing errors; a byte not taken before the next is an overrun. */
 uint8_t kb_hal_rx_errors(void) {
   const uint8_t errors = m.rx_errors;
   m.rx_errors = 0;
@@ -108,7 +108,7 @@ static void tick(void) {
   writePort(m.now + KB_FALL_CYCLES, KB_PORT_C, kb_level_c(held, out_c));
 }
 
-/* As the AVR's: all pins low, and a new start. */
+/* Watchdog like the AVR's: all pins low, and a new start. */
 static bool watchdogFires(void) {
   if (m.now - m.fed < KB_WATCHDOG_CYCLES) {
     return false;
@@ -163,7 +163,7 @@ static uint64_t pendingByte(void) {
   return m.next_byte;
 }
 
-/* Inputs before bytes before ticks, where they come at the same cycle. */
+/* Runs to `until`. Inputs come before bytes, and bytes before ticks, at the same cycle. */
 static void runUntil(uint64_t until) {
   for (;;) {
     const uint64_t drive = pendingDrive();
@@ -199,7 +199,7 @@ static void runUntil(uint64_t until) {
 }
 
 static void sendBatch(uint64_t until) {
-  /* Events come in order of time, and a few of the last tick may lie behind `until`. */
+  /* Events are in order of time, and a few of the last tick may lie behind `until`. */
   size_t ready = m.events.size / KB_EVENT_BYTES;
   while (ready > 0) {
     struct kb_buffer look = m.events;

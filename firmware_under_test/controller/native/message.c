@@ -78,7 +78,7 @@ void kb_skip_text(struct kb_buffer* buffer) {
   buffer->read += size;
 }
 
-/* All of it; 0 at a clean end before the first byte. */
+/* Reads `size` bytes; 0 at a clean end before the first byte. */
 static size_t readAll(uint8_t* to, size_t size) {
   size_t done = 0;
   while (done < size) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The child's end of hil/source/pin_stream.h: messages on descriptors 0 and 1. */
+/* Child's end of hil/source/pin_stream.h: messages on descriptors 0 and 1. */
 #ifndef KERFBENCH_CONTROLLER_NATIVE_MESSAGE_H
 #define KERFBENCH_CONTROLLER_NATIVE_MESSAGE_H
 
@@ -7,13 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Bytes that grow; also a cursor for reading. */
+/* Buffer of bytes that grows; also a cursor for reading. */
 struct kb_buffer {
   uint8_t* bytes;
   size_t size;
   size_t capacity;
   size_t read;
-  bool short_read; /* more was asked for than there was */
+  bool short_read; /* true if more was read than there was */
 };
 
 void kb_buffer_free(struct kb_buffer* buffer);

@@ -43,8 +43,8 @@ void requireSound(const Segment& segment, double join_mm) {
   }
 }
 
-/// One circle through both ends, which move along their radius, and the sweep that leads from one to the
-/// other.
+/// Corrects an arc to one circle through both ends, which move along their radius, and to the sweep that
+/// leads from one to the other.
 Segment trueArc(Segment arc) {
   const double r = arc.radiusMm();
   const Vector2d from = arc.start_mm - arc.centre_mm;
@@ -67,7 +67,7 @@ Segment bridge(const Segment& a, const Segment& b) {
   return line;
 }
 
-/// The segment turned and scaled a little so that its ends are these.
+/// Turns and scales the segment a little so that its ends are these.
 Segment pinned(const Segment& segment, const Vector2d& start, const Vector2d& end) {
   Segment moved = segment;
   moved.start_mm = start;
@@ -86,7 +86,7 @@ bool bearsPinning(const Segment& segment, double gap_mm) {
          (!segment.isArc() || chord > 0.5 * segment.radiusMm() || std::abs(segment.sweep_rad) < 1.0);
 }
 
-/// Makes a end where b starts; returns the line that has to go between them, if one has to.
+/// Moves the end of a to the start of b; returns the line that has to go between them, if one has to.
 std::optional<Segment> join(Segment& a, Segment& b, double join_mm) {
   const double gap = (b.start_mm - a.end_mm).norm();
   if (gap == 0.0) return std::nullopt;
@@ -141,7 +141,7 @@ bool isJoint(const Located& a, const Located& b, const Vector2d& p, bool closed)
   const double sa = a.begin_mm + stationMm(*a.segment, p);
   const double sb = b.begin_mm + stationMm(*b.segment, p);
   const double apart = std::abs(sa - sb);
-  // A short contour is not all joint.
+  // The limit keeps a short contour from being all joint.
   const double limit = std::min(kOneJointMm, 0.1 * a.contour_mm);
   return apart < limit || (closed && a.contour_mm - apart < limit);
 }

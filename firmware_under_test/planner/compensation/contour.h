@@ -9,7 +9,7 @@
 
 namespace kerfbench::planner {
 
-/// A list of what is wrong with a contour or a path ends after so many.
+/// Most faults that are listed for a contour or a path.
 inline constexpr std::size_t kMostFaults = 20;
 
 /// Side of a contour as seen along it.
@@ -28,19 +28,19 @@ class CompensationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// "E3", "E3 and E7", or the first four and how many more; "the contour" where there is no number.
+/// Names of entities: "E3", "E3 and E7", or the first four and how many more; "the contour" where there is no
+/// number.
 std::string entityNames(const std::vector<int>& entities);
-/// "E3 at (1.000, 2.000)"
+/// Name of a place, e.g. "E3 at (1.000, 2.000)".
 std::string placeName(const std::vector<int>& entities, const Eigen::Vector2d& p_mm);
 
-/// The contour without segments of no length and without gaps at its joints: ends are moved, a line goes
-/// between those that cannot be. A full circle, and a contour that says so, is closed.
-/// @throws CompensationError if a number is not finite, or an arc's radii differ or a joint gapes by more
-/// than `join_mm`.
+/// Removes segments of no length and gaps at joints: ends are moved, a line goes between those that cannot
+/// be. A full circle, and a contour that says so, is closed. @throws CompensationError if a number is not
+/// finite, or an arc's radii differ or a joint gapes by more than `join_mm`.
 Contour healed(Contour contour, double join_mm);
 
-/// Sentences for all places where contours cross, touch or run back over themselves or each other: inside
-/// and outside mean nothing there.
+/// Describes all places where contours cross, touch or run back over themselves or each other: inside and
+/// outside have no meaning there.
 std::vector<std::string> contactFaults(const std::vector<Contour>& contours);
 
 }  // namespace kerfbench::planner

@@ -39,7 +39,8 @@ void meetLineCircle(const Segment& line, const Segment& arc, std::vector<Vector2
   out.push_back(foot + half * u);
 }
 
-/// Seen from the smaller circle: from a centre kilometres away the half chord would be lost in rounding.
+/// Intersects two circles from the smaller one: from a centre kilometres away the half chord would be lost in
+/// rounding.
 void meetCircles(const Segment& one, const Segment& other, std::vector<Vector2d>& out) {
   const bool swap = one.radiusMm() > other.radiusMm();
   const Segment& a = swap ? other : one;
@@ -113,7 +114,7 @@ Eigen::AlignedBox2d boxOf(const Segment& segment) {
 
 double signedAreaMm2(const std::vector<Segment>& path) {
   double area = 0.0;
-  const Vector2d& o = path.front().start_mm;  // near by, so that nothing cancels
+  const Vector2d& o = path.front().start_mm;  // The reference point is near, so that nothing cancels.
   for (const Segment& segment : path) {
     area += 0.5 * cross(segment.start_mm - o, segment.end_mm - o);
     if (!segment.isArc()) continue;

@@ -10,7 +10,7 @@
 
 namespace kerfbench::planner {
 
-/// Curves that come nearer to each other than this touch.
+/// Distance below which curves touch.
 inline constexpr double kTouchMm = 1e-7;
 
 /// Distance of p from the nearest point of a line or an arc (whose two radii are equal).
@@ -19,8 +19,8 @@ double distanceMm(const Segment& segment, const Eigen::Vector2d& p_mm);
 /// Arc length of the point of the segment that lies nearest to p, which is on it or next to it.
 double stationMm(const Segment& segment, const Eigen::Vector2d& p_mm);
 
-/// The points where two segments cross or touch, and where a stretch that they share begins and ends. May
-/// name a point twice.
+/// Points where two segments cross or touch, and where a stretch that they share begins and ends. A point may
+/// be named twice.
 std::vector<Eigen::Vector2d> meetings(const Segment& a, const Segment& b);
 
 Eigen::AlignedBox2d boxOf(const Segment& segment);

@@ -21,7 +21,7 @@ struct Interval {
   double to_mm;
 };
 
-/// What no kept piece lies beside, segment by segment.
+/// Stretches of each segment that no kept piece runs along.
 std::vector<Interval> uncovered(const Contour& contour, std::size_t number,
                                 const std::vector<OffsetPiece>& kept, double radius_mm) {
   std::vector<std::vector<std::pair<double, double>>> covered(contour.segments.size());
@@ -31,7 +31,7 @@ std::vector<Interval> uncovered(const Contour& contour, std::size_t number,
     const auto whole = offsetOf(source, piece.side, radius_mm);
     const double scale = source.lengthMm() / whole->lengthMm();
     const double from = stationMm(*whole, piece.curve.start_mm);
-    // Stations know no end of a full circle other than its start.
+    // Stations have no end of a full circle other than its start.
     covered[piece.segment].emplace_back(from * scale, (from + piece.curve.lengthMm()) * scale);
   }
   std::vector<Interval> open;
@@ -68,7 +68,7 @@ std::vector<std::vector<Interval>> runs(const Contour& contour, const std::vecto
   return all;
 }
 
-/// How far a run turns, towards the beam and away from it.
+/// Turning of a run, towards the beam and away from it.
 struct Turning {
   double towards_rad{};
   double away_rad{};
@@ -86,8 +86,8 @@ Turning turningOf(const Contour& contour, const std::vector<Interval>& run) {
   return turning;
 }
 
-/// Where the beam's centre would be beside a place of the contour.
-Vector2d beside(const Contour& contour, std::size_t segment, double s_mm, double radius_mm) {
+/// Place of the beam's centre at a place of the contour.
+Vector2d centreAt(const Contour& contour, std::size_t segment, double s_mm, double radius_mm) {
   const Segment& source = contour.segments[segment];
   const Vector2d t = source.tangentAt(s_mm);
   const double side = contour.side == Side::kLeft ? 1.0 : -1.0;
@@ -103,7 +103,7 @@ double edgeDistance(const std::vector<Boxed>& paths, const Vector2d& p, double r
   return nearest - radius_mm;
 }
 
-/// The curves of which one may be the nearest to places no farther than `reach_mm` from p.
+/// Curves of which one may be the nearest to places no farther than `reach_mm` from p.
 std::vector<Boxed> candidates(const std::vector<Boxed>& paths, const Vector2d& p, double reach_mm) {
   const double bound = edgeDistance(paths, p, 0.0) + 2.0 * reach_mm;
   std::vector<Boxed> near;
@@ -136,8 +136,8 @@ LostStretch describe(const Contour& contour, const std::vector<Interval>& run,
   }
   const Turning turning = turningOf(contour, run);
   // The beam touches both ends of a corner at once.
-  const Vector2d apart = beside(contour, run.front().segment, run.front().from_mm, radius_mm) -
-                         beside(contour, run.back().segment, run.back().to_mm, radius_mm);
+  const Vector2d apart = centreAt(contour, run.front().segment, run.front().from_mm, radius_mm) -
+                         centreAt(contour, run.back().segment, run.back().to_mm, radius_mm);
   const bool rounds =
       apart.norm() < kShallowMm && turning.away_rad < 1e-6 && turning.towards_rad < kSharpestRad + 1e-6;
   lost.kind = rounds ? LostStretch::Kind::kRounded : LostStretch::Kind::kNarrow;

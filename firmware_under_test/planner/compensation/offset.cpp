@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A piece must have free way beside it as well: so far off. Tells a slot as wide as the kerf, in which the
-/// beam would run to and fro, from a path.
-constexpr double kBesideMm = 1e-7;
+/// Distance from a piece at which there must be free space as well. Distinguishes a slot as wide as the kerf,
+/// in which the beam would run to and fro, from a path.
+constexpr double kAlongsideMm = 1e-7;
 /// Limit of requireClear().
 constexpr double kTooNearMm = 1e-5;
 constexpr double kShortestMm = 1e-6;
@@ -42,7 +42,7 @@ std::vector<double> cuts(const Segment& curve, const std::vector<Boxed>& others)
   return at;
 }
 
-/// The parts of the pieces that have free way beside them.
+/// Parts of the pieces that have free space along them.
 std::vector<OffsetPiece> freeParts(const std::vector<OffsetPiece>& pieces, const std::vector<Boxed>& cutters,
                                    const std::vector<Boxed>& obstacles, double radius_mm) {
   std::vector<OffsetPiece> parts;
@@ -53,8 +53,8 @@ std::vector<OffsetPiece> freeParts(const std::vector<OffsetPiece>& pieces, const
       const Vector2d p = piece.curve.at(middle);
       if (!isFree(obstacles, p, radius_mm)) return false;
       const Vector2d t = piece.curve.tangentAt(middle);
-      const Vector2d beside = p + piece.side * kBesideMm * Vector2d(-t.y(), t.x());
-      return isFree(obstacles, beside, radius_mm + 0.5 * kBesideMm);
+      const Vector2d alongside = p + piece.side * kAlongsideMm * Vector2d(-t.y(), t.x());
+      return isFree(obstacles, alongside, radius_mm + 0.5 * kAlongsideMm);
     };
     for (std::size_t k = 0; k + 1 < at.size();) {
       const std::size_t first = k;
@@ -86,7 +86,7 @@ Boxed circleAbout(const Vector2d& p, double radius_mm) {
   return boxed(circle);
 }
 
-/// An open contour may be approached from its other side and its ends as well.
+/// Adds the back and the ends of an open contour, which may be approached from there as well.
 void addBackAndEnds(const Contour& contour, const std::vector<Boxed>& obstacles, double radius_mm,
                     std::vector<Boxed>& cutters) {
   Contour back = contour;
@@ -97,7 +97,7 @@ void addBackAndEnds(const Contour& contour, const std::vector<Boxed>& obstacles,
   cutters.push_back(circleAbout(contour.segments.back().end_mm, radius_mm));
 }
 
-/// The last word: no path leaves this house that comes too near.
+/// Refuses every path that comes too near; the last check.
 void requireClear(const std::vector<BeamPath>& paths, const std::vector<Boxed>& obstacles, double radius_mm) {
   for (const BeamPath& path : paths) {
     for (const Segment& segment : path.segments) {

@@ -9,26 +9,28 @@
 
 namespace kerfbench::planner {
 
-/// How the offsets of two neighbouring segments are joined (Chi et al. 2014, 1.1).
+/// Kinds of joints between the offsets of two neighbouring segments (Chi et al. 2014, 1.1).
 enum class JointKind {
-  kTangent,    ///< They meet by themselves.
-  kShortened,  ///< The corner opens to the beam's side: both end where they cross.
-  kExtended,   ///< It turns away by no more than 90°: both run on along their tangents until they meet.
-  kInserted,   ///< It turns away by more: an arc of the kerf's radius round the corner.
+  kTangent,    ///< Offsets that meet without change.
+  kShortened,  ///< Offsets that both end where they cross: the corner opens to the beam's side.
+  /// Offsets that run on along their tangents until they meet: the corner turns away by no more than 90°.
+  kExtended,
+  /// Offsets that an arc of the kerf's radius joins round the corner: the corner turns away by more.
+  kInserted,
 };
 const char* nameOf(JointKind kind);
 
-/// A joint of a contour, and what became of it.
+/// A joint of a contour, and its kind of offset.
 struct Joint {
   std::size_t contour{};
-  std::size_t segment{};  ///< The one that ends here.
+  std::size_t segment{};  ///< Segment that ends at the joint.
   Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
-  double turn_rad{};  ///< -pi … pi, > 0 to the left.
+  double turn_rad{};  ///< Turn, -pi … pi, > 0 to the left.
   JointKind kind{JointKind::kTangent};
 };
 
-/// A stretch of contour of which the beam leaves the edge uncut, for it cannot come nearer than its radius to
-/// the rest.
+/// A stretch of contour whose edge stays uncut, because the beam cannot come nearer than its radius to the
+/// rest.
 struct LostStretch {
   enum class Kind {
     kRounded,  ///< A corner or a curve towards the beam, turning by 150° at most: its inside is round.
@@ -38,17 +40,17 @@ struct LostStretch {
   Kind kind{Kind::kNarrow};
   std::size_t contour{};
   std::vector<int> entities;
-  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Where it is deepest.
-  double length_mm{};                             ///< Along the contour.
-  double depth_mm{};  ///< Depth of what stays between the contour and the nearest edge of the cut; infinite:
-                      ///< all.
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Deepest place.
+  double length_mm{};                             ///< Length along the contour.
+  /// Depth of the uncut remainder between the contour and the nearest edge of the cut; infinite: all.
+  double depth_mm{};
 };
 
 /// One path of the beam's centre.
 struct BeamPath {
   std::vector<Segment> segments;
-  std::size_t
-      contour{};  ///< Contour of its first segment: a path may run along several that lie close together.
+  /// Contour of its first segment: a path may run along several that lie close together.
+  std::size_t contour{};
 };
 
 struct Offset {
@@ -57,16 +59,16 @@ struct Offset {
   std::vector<LostStretch> lost;
 };
 
-/// Shallower than this is the rounding of numbers, and not told.
+/// Depth below which a lost stretch is a rounding error and is not reported.
 inline constexpr double kShallowMm = 1e-3;
 
-/// The paths of the beam's centre at `radius_mm` from the contours, on their sides.
+/// Offsets the contours: paths of the beam's centre at `radius_mm` from them, on their sides.
 ///
-/// The path is the border of the plane that the beam's centre may enter: never nearer than the radius to any
+/// The path is the border of the region that the beam's centre may enter: never nearer than the radius to any
 /// contour (to within 1e-5 mm), at the radius wherever that is possible, farther only at extended joints. It
-/// is put together from the offset of each segment and the joints, cut where they cross, of which the parts
-/// with free way beside them remain (as Held 1991 and later offset by arcs do). Closed contours act on each
-/// other, so their sides must fit: outlines and holes by nesting. Each open contour is on its own.
+/// is composed of the offset of each segment and the joints, cut where they cross; the parts with free space
+/// along them remain (as Held 1991 and later offset by arcs do). Closed contours act on each other, so their
+/// sides must fit: outlines and holes by nesting. Each open contour is independent.
 ///
 /// `contours` are healed(). @throws CompensationError that lists all faults: contours that touch or cross
 /// themselves or each other, and any path that does not close or comes too near after all.

@@ -45,7 +45,7 @@ Picture planePicture(const std::string& pair, double first, double second, Joint
   return {fmt::format("plane-{}-{}", pair, nameOf(kind)), title, sheet.finish()};
 }
 
-/// Seen along the bisector of the two axes: both half planes are foreshortened alike, AB's above the fold.
+/// View along the bisector of the two axes: both half planes are foreshortened alike, AB's above the fold.
 class FoldView {
  public:
   explicit FoldView(double omega_rad) : shrink_(std::sin(0.5 * omega_rad)) {}

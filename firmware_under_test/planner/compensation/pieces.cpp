@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A turn by less leaves no gap that matters between the offsets.
+/// Turn below which there is no gap that matters between the offsets.
 constexpr double kNoTurnMm = 1e-8;
 constexpr double kVanishedMm = 1e-9;
 
@@ -47,8 +47,9 @@ Legs legsOf(const Segment& a, const Segment& b, const Joint& joint, double side,
   return {lineLike(a, from, tip), lineLike(b, tip, to)};
 }
 
-/// True if all of a leg is clear of the contours. Its own corner is: the rest is sampled, with as much more
-/// distance as the samples lie apart for segments other than the two that meet here.
+/// True if all of a leg is clear of the contours. The leg is always clear of its own corner. The rest is
+/// sampled, with as much more distance as the samples are apart for segments other than the two that meet
+/// here.
 bool legIsFree(const Segment& leg, const Contour& own, std::size_t i, const std::vector<Boxed>& obstacles,
                double radius_mm) {
   constexpr int kSamples = 16;
@@ -147,7 +148,7 @@ Joint jointAfter(const Contour& contour, std::size_t i) {
   const Vector2d ta = a.tangentAt(a.lengthMm());
   const Vector2d tb = b.tangentAt(0.0);
   joint.turn_rad = std::atan2(cross(ta, tb), ta.dot(tb));
-  // At a cusp the tangents do not tell to which side the way back lies; the curvatures do.
+  // The tangents of a cusp do not show the side of the path back; the curvatures do.
   if (std::abs(joint.turn_rad) > kPi - 1e-7) {
     joint.turn_rad = curvature(a) + curvature(b) < 0.0 ? kPi : -kPi;
   }

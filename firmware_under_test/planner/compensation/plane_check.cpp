@@ -41,7 +41,7 @@ double distance(const Chord& chord, const Vector2d& p) {
   return (chord.a + t * u - p).norm();
 }
 
-/// Chords in square cells, to find those near a point.
+/// Chords in square cells, for a search near a point.
 class Grid {
  public:
   Grid(const std::vector<Chord>& chords, double cell_mm) : chords_(chords), cell_mm_(cell_mm) {
@@ -53,7 +53,8 @@ class Grid {
       }
     }
   }
-  /// The least distance, where it is below two cells; else infinity. Cells round p, from near to far.
+  /// Least distance, where it is below two cells; else infinity. The search goes through the cells round p
+  /// from near to far.
   [[nodiscard]] double nearest(const Vector2d& p) const {
     double best = std::numeric_limits<double>::infinity();
     const Cell c = cellOf(p);
@@ -84,7 +85,7 @@ class Grid {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
 
-/// Turns of the contours round p, in whole turns.
+/// Number of turns of the contours round p.
 int windings(const std::vector<Chord>& chords, const Vector2d& p) {
   int turns = 0;
   for (const Chord& chord : chords) {
@@ -106,7 +107,7 @@ bool isWhole(const std::vector<Segment>& path, bool closed) {
   return true;
 }
 
-/// Directed so that the beam belongs to the left.
+/// Chords directed so that the beam belongs to the left.
 std::vector<Chord> beamLeft(const std::vector<Contour>& contours, double longest_mm) {
   std::vector<Chord> chords;
   for (const Contour& contour : contours) {
@@ -159,9 +160,9 @@ PlaneCheck checkPlane(const std::vector<Contour>& contours, const std::vector<st
   if (!closed) return check;
   // Where the beam may be, the contours wind round it as often as round a place just left of any of them.
   const Vector2d along = contour.front().b - contour.front().a;
-  const Vector2d beside =
+  const Vector2d left =
       0.5 * (contour.front().a + contour.front().b) + 1e-6 * Vector2d(-along.y(), along.x()).normalized();
-  const int wanted = windings(contour, beside);
+  const int wanted = windings(contour, left);
   for (std::size_t i = 0; i < path.size(); i += 7) {
     check.right_side = check.right_side && windings(contour, path[i].a) == wanted;
   }

@@ -8,10 +8,10 @@
 
 namespace kerfbench::planner {
 
-/// What samples say of a beam path. Shares nothing with offsetContours() but the Segment: contours and paths
-/// become chords no more than 4e-6 mm off their curves, and distances are those between points and chords. So
-/// it cannot tell the sides of a wedge where they are no farther apart than that: it may call a place missed
-/// at the very tip of a cusp.
+/// Check of a beam path by samples. It shares nothing with offsetContours() but the Segment: contours and
+/// paths become chords no more than 4e-6 mm off their curves, and distances are those between points and
+/// chords. So it cannot distinguish the sides of a wedge where they are no farther apart than that: it may
+/// report a place as missed at the very tip of a cusp.
 struct PlaneCheck {
   std::size_t samples{};
   double nearest_mm{};   ///< Least distance of a path from a contour.
@@ -19,8 +19,9 @@ struct PlaneCheck {
   /// Largest distance from the path of any point that a strict offset has, and at which a beam 2 % wider
   /// would touch the contour at one place only: 0 for a path that is exact wherever it can be.
   double missed_mm{};
-  bool right_side{true};  ///< All of the path lies where the beam belongs (closed contours).
-  bool whole{true};       ///< Paths of closed contours are closed, and all without gaps beyond 1e-4 mm.
+  bool right_side{true};  ///< True if all of the path is on the beam's side (closed contours).
+  /// True if paths of closed contours are closed, and all are without gaps beyond 1e-4 mm.
+  bool whole{true};
 
   [[nodiscard]] bool holds(double radius_mm) const;
 };

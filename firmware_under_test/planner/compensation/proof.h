@@ -11,8 +11,7 @@
 
 namespace kerfbench::planner {
 
-/// What is tried. Corners whose angles agree are one-point joints, so steps that do not divide each other's
-/// starts keep those apart.
+/// Grid of corners to be tried. Corners with equal angles alpha and beta are one-point joints.
 struct ProofGrid {
   double fold_step_deg{7.5};  ///< Step of alpha and beta, from half a step to 180°.
   double turn_step_deg{2.5};  ///< Step of joints in the plane.
@@ -23,7 +22,7 @@ struct ProofGrid {
   std::vector<double> radii_mm{0.05, 0.11, 0.25};
 };
 
-/// Extremes over the corners of one case. Lengths in radii.
+/// Extremes over the corners of one case; lengths in radii.
 struct SpaceProofRow {
   int number{};  ///< 1 … 8; 0: one point.
   SpaceJoint joint{};
@@ -31,22 +30,22 @@ struct SpaceProofRow {
   std::size_t drawn_back{};
   double nearest{};             ///< Least distance of the path from the contour.
   double missed{};              ///< Largest distance of a free point of the strict offset from the path.
-  std::size_t most_points{};    ///< In either plane, the fold's not counted.
-  std::size_t paper_corners{};  ///< Where the joint of the paper's text can be formed.
-  double paper_nearest{};       ///< Up to Omega = 270°.
-  FoldCorner paper_worst;       ///< Where that is.
+  std::size_t most_points{};    ///< Most points in either plane, the fold's not counted.
+  std::size_t paper_corners{};  ///< Number of corners where the joint of the paper's text can be formed.
+  double paper_nearest{};       ///< Least distance of the paper's joint, up to Omega = 270°.
+  FoldCorner paper_worst;       ///< Corner with that distance.
   double paper_nearest_above{};
   double paper_missed{};
 };
 
 struct PlaneProofRow {
-  std::string pair;  ///< "line-arc"
+  std::string pair;  ///< Kinds of the two neighbours, e.g. "line-arc".
   JointKind kind{};
   std::size_t joints{};
   double nearest_mm{};  ///< Least of distance minus radius.
-  double farthest{};    ///< In radii.
+  double farthest{};    ///< Largest distance in radii.
   double missed_mm{};
-  std::size_t failed{};  ///< Checks that do not hold.
+  std::size_t failed{};  ///< Number of checks that failed.
 };
 
 struct Proof {
@@ -55,16 +54,16 @@ struct Proof {
   std::vector<PlaneProofRow> plane;
   std::size_t space_samples{};
   std::size_t plane_samples{};
-  std::size_t refused{};                ///< Corners beyond the limits that were refused, as they must be.
-  std::size_t not_refused{};            ///< And those that were not.
+  std::size_t refused{};      ///< Number of corners beyond the limits that were refused, as required.
+  std::size_t not_refused{};  ///< Number of corners beyond the limits that were not refused.
   std::vector<std::string> unexpected;  ///< Corners within the limits that were refused.
   [[nodiscard]] bool holds() const;
 };
 
-/// Tries all of the grid on both sides; checks by samples (plane_check.h, space_check.h).
+/// Tries the whole grid on both sides; checks by samples (plane_check.h, space_check.h).
 Proof prove(const ProofGrid& grid);
 
-/// The result as a page; `pictures` is the folder of the pictures as seen from it.
+/// Result as a page; `pictures` is the folder of the pictures as seen from it.
 std::string proofPage(const Proof& proof, const std::string& pictures);
 
 /// Pictures: name and SVG text, one for each case in space and each joint in the plane.
@@ -76,7 +75,7 @@ struct Picture {
 std::vector<Picture> planePictures();
 std::vector<Picture> spacePictures();
 
-/// Two neighbours that meet at the origin, the first along +x there; bulges are the arcs' sweeps, 0 a line.
+/// Two neighbours that meet at the origin, the first along +x there. The sweeps are those of arcs; 0: a line.
 Contour planeJoint(double turn_rad, double first_sweep_rad, double second_sweep_rad, Side side);
 
 }  // namespace kerfbench::planner

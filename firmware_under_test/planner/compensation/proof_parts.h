@@ -5,7 +5,7 @@
 
 namespace kerfbench::planner {
 
-/// The two halves of prove().
+/// Halves of prove().
 void proveSpace(Proof& proof);
 void provePlane(Proof& proof);
 

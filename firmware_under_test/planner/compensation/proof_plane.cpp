@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr double kFirstMm = 8.0;
 constexpr double kSecondMm = 6.0;
 
-/// From `start` to `end` with the given sweep.
+/// Segment from `start` to `end` with the given sweep.
 Segment pieceOf(const Vector2d& start, const Vector2d& end, double sweep_rad) {
   Segment piece;
   piece.start_mm = start;

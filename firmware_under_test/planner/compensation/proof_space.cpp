@@ -17,26 +17,26 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Lines long enough for the joints of all corners tried, in radii.
+/// Length of the lines in radii, enough for the joints of all corners tried.
 constexpr double kLength = 400.0;
 
-/// The paper's joint with the strict offsets before and behind it.
+/// Paper's joint with the strict offsets before and behind it.
 std::vector<SpacePoint> paperPoints(const SpaceCorner& corner, const PaperPath& paper, double radius_mm) {
   const double mirror = corner.side == Side::kLeft ? 1.0 : -1.0;
-  const auto beside = [&](const Vector3d& p, const Vector3d& from, const Vector3d& to, const Vector3d& n) {
+  const auto offset = [&](const Vector3d& p, const Vector3d& from, const Vector3d& to, const Vector3d& n) {
     return SpacePoint{p + mirror * radius_mm * n.cross((to - from).normalized()), n};
   };
   const auto at = [&](const Vector2d& p, const Vector3d& h, const Vector3d& n) {
     return SpacePoint{corner.b + p.x() * corner.along + p.y() * h, n};
   };
-  std::vector<SpacePoint> points{beside(corner.a, corner.a, corner.b, corner.n1)};
+  std::vector<SpacePoint> points{offset(corner.a, corner.a, corner.b, corner.n1)};
   for (const Vector2d& p : paper.first) points.push_back(at(p, corner.h1, corner.n1));
   points.push_back(at({paper.fold_mm, 0.0}, corner.h1, corner.n1));
   points.push_back(at({paper.fold_mm, 0.0}, corner.h2, corner.n2));
   for (auto p = paper.second.rbegin(); p != paper.second.rend(); ++p) {
     points.push_back(at(*p, corner.h2, corner.n2));
   }
-  points.push_back(beside(corner.c, corner.b, corner.c, corner.n2));
+  points.push_back(offset(corner.c, corner.b, corner.c, corner.n2));
   return points;
 }
 

@@ -92,10 +92,10 @@ SpaceCheck checkCorner(const SpaceCorner& corner, const std::vector<SpacePoint>&
     const Vector3d& to = first ? corner.b : corner.c;
     const double length = (to - from).norm();
     const Vector3d u = (to - from) / length;
-    const Vector3d beside = mirror * radius_mm * (first ? corner.n1 : corner.n2).cross(u);
+    const Vector3d offset = mirror * radius_mm * (first ? corner.n1 : corner.n2).cross(u);
     for (const double s : stations(length, first ? length : 0.0, radius_mm)) {
       ++check.samples;
-      const Vector3d p = from + s * u + beside;
+      const Vector3d p = from + s * u + offset;
       if ((p - corner.b).dot(first ? corner.h1 : corner.h2) < 0.0) continue;
       const double other = first ? pointToLine(p, corner.b, corner.c) : pointToLine(p, corner.a, corner.b);
       if (other < radius_mm * (1.0 + 1e-9)) continue;

@@ -37,7 +37,7 @@ std::optional<double> numberOf(const std::string& word) {
   return value;
 }
 
-/// The six numbers of a line, or what is wrong with it.
+/// Parses the six numbers of a line; returns what is wrong with it.
 std::string parsePoint(const std::vector<std::string>& words, SpacePoint& point) {
   if (words.size() != 6) return fmt::format("{} values instead of the six x y z i j k", words.size());
   std::array<double, 6> values{};

@@ -13,9 +13,9 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRight = 0.5 * std::numbers::pi;
-/// Crossings of the fold that are no farther apart than this part of the radius are one.
+/// Distance, in radii, below which crossings of the fold are one.
 constexpr double kSame = 1e-6;
-/// Points of a path that are; what is left out so shows in no distance.
+/// Distance, in radii, below which points of a path are one; the omission shows in no distance.
 constexpr double kMerged = 1e-9;
 
 /// One of the two lines at the fold, seen from its own half plane, and the direction of the other.
@@ -28,14 +28,14 @@ struct Leg {
         w(-std::cos(other), std::sin(other) * std::cos(omega_rad)) {}
   double own;
   double other;
-  Vector2d v;   ///< From B along this line.
-  Vector2d nu;  ///< Towards its offset.
-  Vector2d w;   ///< The other line's direction, as far as it lies in this plane.
+  Vector2d v;   ///< Direction from B along this line.
+  Vector2d nu;  ///< Direction towards the line's offset.
+  Vector2d w;   ///< Component of the other line's direction in this plane.
 
-  /// Outward normal of what is nearer than r to the other line, at a place on its border.
+  /// Outward normal, at a place on its border, of the region that is nearer than r to the other line.
   [[nodiscard]] Vector2d outward(const Vector2d& p) const { return p - p.dot(w) * w; }
-  /// The place of that border with the unit outward normal g: on the circle round B, or on the ellipse in
-  /// which the other line's cylinder meets this plane, p'(I - w w')p = 1.
+  /// Place of that border with the unit outward normal g: on the circle round B, or on the ellipse in which
+  /// the other line's cylinder meets this plane, p'(I - w w')p = 1.
   [[nodiscard]] Vector2d farthest(const Vector2d& g) const {
     if (g.dot(w) <= 0.0) return g;
     const Vector2d p = g + g.dot(w) / (1.0 - w.squaredNorm()) * w;
@@ -52,7 +52,7 @@ struct Tangent {
   Vector2d along;
 };
 
-/// Where two tangents meet; the place of the first if they are parallel.
+/// Intersection of two tangents; the place of the first if they are parallel.
 Vector2d meet(const Tangent& a, const Tangent& b) {
   const double det = a.along.x() * b.along.y() - a.along.y() * b.along.x();
   if (std::abs(det) < 1e-12 * a.along.norm() * b.along.norm()) return a.at;
@@ -60,8 +60,8 @@ Vector2d meet(const Tangent& a, const Tangent& b) {
   return a.at + (d.x() * b.along.y() - d.y() * b.along.x()) / det * a.along;
 }
 
-/// Tangents that divide the turn between two normals where it is more than a right angle, as it may be above
-/// Omega = 270° only: there the other line passes below this plane.
+/// Adds tangents that divide the turn between two normals where it is more than a right angle. This happens
+/// above Omega = 270° only: there the other line passes below this plane.
 void addBetween(const Leg& leg, const Vector2d& from, const Vector2d& to, std::vector<Tangent>& tangents) {
   double turn = std::atan2(from.y() * to.x() - from.x() * to.y(), from.dot(to));
   if (turn < -kSame) turn += 4.0 * kRight;
@@ -78,7 +78,7 @@ struct LegPath {
   bool drawn_back{};
 };
 
-/// From the end of the strict offset to the fold at x = fold, in units of the radius.
+/// Path from the end of the strict offset to the fold at x = fold, in units of the radius.
 LegPath legPath(const Leg& leg, double fold) {
   LegPath path;
   const double blocked = std::max(0.0, leg.nu.dot(leg.w)) / (1.0 - leg.v.dot(leg.w));
@@ -111,13 +111,13 @@ std::vector<Vector2d> scaled(std::vector<Vector2d> points, double radius_mm) {
   return points;
 }
 
-/// The paper's joint in the half plane of a line whose partner's offset meets the fold at the joint's point.
+/// Paper's joint in the half plane of a line whose partner's offset meets the fold at the joint's point.
 std::vector<Vector2d> paperLeg(SpaceJoint joint, const Leg& leg, double fold, bool& exists) {
   const Vector2d t(leg.nu.y(), -leg.nu.x());
   const Vector2d q(fold, 0.0);
   if (joint == SpaceJoint::kParallel) return {leg.nu, leg.nu + q.dot(t) * t};
   if (joint == SpaceJoint::kIntersection) return {leg.nu};
-  const double beyond = q.dot(leg.nu) - 1.0;  // of the fold point over the offset line
+  const double beyond = q.dot(leg.nu) - 1.0;  // Distance of the fold point over the offset line.
   exists = std::abs(beyond) <= 1.0;
   if (!exists) return {};
   const double along = -q.dot(t) + std::sqrt(1.0 - beyond * beyond);

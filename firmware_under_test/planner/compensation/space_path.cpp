@@ -20,19 +20,19 @@ using Eigen::Vector3d;
 
 constexpr double kNoFoldLengthMm = 1e-6;
 constexpr double kFoldTooNearMm = 1e-6;
-/// A line nearer to the fold's direction than this runs along it; a turn nearer to 180° turns back.
+/// Angles below which a line runs along the fold, and a turn is one by 180°.
 constexpr double kAlongRad = 0.1 * kDeg;
 
 struct Line {
   Vector3d a;
   Vector3d b;
-  Vector3d u;   ///< Unit, from a to b.
-  Vector3d n;   ///< Unit, perpendicular to u.
-  Vector3d nu;  ///< Unit, to the beam's side in the plane.
+  Vector3d u;   ///< Unit vector from a to b.
+  Vector3d n;   ///< Unit vector perpendicular to u.
+  Vector3d nu;  ///< Unit vector to the beam's side in the plane.
   double length{};
 };
 
-/// The beam's way round the end of one line and the begin of the next.
+/// Path of the beam round the end of one line and the begin of the next.
 struct Corner {
   double cut_first_mm{};
   double cut_second_mm{};
@@ -81,7 +81,7 @@ std::vector<Line> linesOf(const SpaceContour& contour, const SpaceLimits& limits
   return lines;
 }
 
-/// In one plane: shortened, extended, or two corners on tangents where it turns away by more than 90°.
+/// Corner in one plane: shortened, extended, or two corners on tangents where it turns away by more than 90°.
 Corner planeCorner(const Line& in, const Line& out, double radius_mm, double side) {
   Corner corner;
   corner.report.joint = SpaceJoint::kPlanar;
@@ -102,10 +102,10 @@ Corner planeCorner(const Line& in, const Line& out, double radius_mm, double sid
   return corner;
 }
 
-/// The two half planes at a fold, or why there is no way round.
+/// The two half planes at a fold, or the reason why no path leads round it.
 struct Fold {
-  Vector3d along;  ///< On the offsets' side.
-  Vector3d h1;     ///< From the fold into the plane of AB.
+  Vector3d along;  ///< Direction of the fold on the offsets' side.
+  Vector3d h1;     ///< Direction from the fold into the plane of AB.
   Vector3d h2;
   FoldCorner corner;
   std::string fault;
@@ -200,7 +200,7 @@ Corner cornerAt(const SpaceContour& contour, const MeetingLines& joint, double r
   return corner;
 }
 
-/// Pieces of path that come nearer than the radius to a line of the contour.
+/// Finds pieces of path that come nearer than the radius to a line of the contour.
 void checkClear(const SpaceContour& contour, const std::vector<Line>& lines, const SpacePath& path,
                 double radius_mm, std::vector<std::string>& faults) {
   for (std::size_t j = 0; j < lines.size(); ++j) {
@@ -242,7 +242,8 @@ void throwIfAny(std::vector<std::string> faults) {
 }  // namespace
 
 double distanceMm(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0, const Vector3d& b1) {
-  // Least of |r + s d1 - t d2| over the unit square: the border lines, and the inner minimum if it is inside.
+  // The least of |r + s d1 - t d2| over the unit square is on the border lines, or the inner minimum if it is
+  // inside.
   const Vector3d d1 = a1 - a0;
   const Vector3d d2 = b1 - b0;
   const Vector3d r = a0 - b0;

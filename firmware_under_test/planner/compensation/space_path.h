@@ -9,8 +9,8 @@
 
 namespace kerfbench::planner {
 
-/// Lines in space, one after the other. The axis of a point is that of the line which begins there; that of
-/// the last point is not used. A polyline whose last point is its first is closed.
+/// Lines in space, one after the other. The axis of a point belongs to the line that begins there; the axis
+/// of the last point is not used. A polyline whose last point is its first is closed.
 struct SpaceContour {
   std::vector<SpacePoint> points;
   std::vector<int> file_lines;  ///< Lines of the points, for messages; may be empty.
@@ -18,17 +18,18 @@ struct SpaceContour {
 };
 
 struct SpaceLimits {
-  double narrowest_deg{90.0};  ///< A free angle below it leaves no room for the head.
-  double planar_deg{0.01};     ///< Within so much of 180° two planes are one.
-  /// Above 360° less this the beam pierces the second plane while it cuts in the first. [The paper names the
-  /// limit and gives no figure.]
+  double narrowest_deg{90.0};  ///< Smallest free angle that leaves room for the head.
+  double planar_deg{0.01};     ///< Deviation from 180° within which two planes are one.
+  /// Difference to 360° within which the beam pierces the second plane while it cuts in the first. [The paper
+  /// names the limit and gives no figure.]
   double pierced_deg{10.0};
-  double askew_deg{0.5};  ///< An axis may be off the right angle to its line by this, and is made good.
+  /// Largest deviation of an axis from the right angle to its line; the axis is corrected.
+  double askew_deg{0.5};
 };
 
 /// A joint as it was made.
 struct SpaceJointReport {
-  std::size_t point{};  ///< Point of the contour: B.
+  std::size_t point{};  ///< Point B of the contour.
   SpaceJoint joint{SpaceJoint::kPlanar};
   FoldCorner corner;
   int number{};
@@ -42,11 +43,11 @@ struct SpacePath {
   std::vector<SpaceJointReport> joints;
 };
 
-/// The path of the beam at `radius_mm` from the contour, on its side, each line offset in the plane that its
-/// axis stands upon (Chi et al. 2014).
-/// @throws CompensationError that lists every place with its reason: free angles beyond the limits, axes that
-/// are no unit vectors, askew or on the other face, lines along a fold, of no length or too short for their
-/// joints, a line that turns back, and a path that comes nearer than the radius to any other line.
+/// Path of the beam at `radius_mm` from the contour, on its side, each line offset in the plane that its axis
+/// stands upon (Chi et al. 2014). @throws CompensationError that lists every place with its reason: free
+/// angles beyond the limits, axes that are no unit vectors, askew or on the other face, lines along a fold,
+/// of no length or too short for their joints, a line that turns back, and a path that comes nearer than the
+/// radius to any other line.
 SpacePath offsetInSpace(const SpaceContour& contour, double radius_mm, const SpaceLimits& limits = {});
 
 /// Least distance of two line segments.

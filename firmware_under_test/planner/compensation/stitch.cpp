@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Ends that belong together differ by a part too short to keep, or by as much as it takes two curves that
-/// leave each other tangentially to part by the slack of a distance.
+/// Largest distance between ends that belong together: a part too short to keep, or the length in which two
+/// curves that leave each other tangentially differ by the slack of a distance.
 constexpr double kStitchMm = 2e-4;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
@@ -21,8 +21,8 @@ struct Link {
   std::size_t to;
 };
 
-/// For each piece the one that goes on from its end; the nearest first, so that a short piece does not close
-/// on itself.
+/// Finds for each piece the one that goes on from its end; the nearest first, so that a short piece does not
+/// close on itself.
 std::vector<std::size_t> linked(const std::vector<OffsetPiece>& pieces) {
   std::vector<Link> links;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -50,7 +50,7 @@ bool goesStraightOn(const Segment& a, const Segment& b) {
   return ta.dot(tb) > 0.0 && std::abs(cross(ta, tb)) < 1e-9;
 }
 
-/// Closes what is left of the gaps and makes one line of a line and its extension.
+/// Closes the remaining gaps and makes one line of a line and its extension.
 std::vector<Segment> smoothed(const std::vector<Segment>& path, bool closed) {
   std::vector<Segment> out;
   for (Segment segment : path) {

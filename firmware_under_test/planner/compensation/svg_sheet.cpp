@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 std::string point(const Vector2d& p) { return fmt::format("{:.4f} {:.4f}", p.x() + 0.0, p.y() + 0.0); }
 
-/// Two halves of an arc, so that a full circle has ends that differ.
+/// Draws an arc as two halves, so that a full circle has ends that differ.
 std::string arcTo(const Segment& arc) {
   std::string text;
   const double r = arc.radiusMm();

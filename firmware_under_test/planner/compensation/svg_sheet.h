@@ -27,7 +27,7 @@ class SvgSheet {
   std::string words_;
 };
 
-/// Contours in black, beam paths in red, and what they burn.
+/// Picture of contours in black, beam paths in red, and what they burn.
 std::string kerfPicture(const std::vector<std::vector<Segment>>& contours,
                         const std::vector<std::vector<Segment>>& paths, double radius_mm);
 

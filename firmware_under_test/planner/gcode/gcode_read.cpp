@@ -19,14 +19,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRadiusMismatchMm = 0.005;
-/// Beyond this a coordinate is a slip of the pen, and its square would eat the decimals of a micrometre.
+/// Largest coordinate; beyond it is a typing error, and its square would eat the decimals of a micrometre.
 constexpr double kFarthestMm = 1e5;
 constexpr std::size_t kMostBytes = 64U << 20U;
-/// Marks and jumps; each takes a hundred bytes.
+/// Largest number of marks and jumps; each takes a hundred bytes.
 constexpr std::size_t kMostMoves = 500'000;
 constexpr int kMostFaults = 100;
 
-/// Foreign text for a message: short, and nothing that a terminal would obey.
+/// Foreign text for a message: short, and without control characters for a terminal.
 std::string shown(std::string_view text) {
   constexpr std::size_t kMost = 30;
   std::string out;
@@ -39,14 +39,14 @@ struct Word {
   double value{};
 };
 
-/// One line: upper case without blanks and comments, and what the comment said.
+/// A line in upper case without blanks and comments, and its comment.
 struct Line {
   int number{};
   std::string code;
   int entity{-1};
 };
 
-/// The id in a comment such as "E14 cut"; -1 if it begins otherwise.
+/// Entity in a comment such as "E14 cut"; -1 if it begins otherwise.
 int entityOf(std::string_view comment) {
   while (!comment.empty() && comment.front() == ' ') comment.remove_prefix(1);
   if (comment.size() < 2 || (comment.front() != 'E' && comment.front() != 'e')) return -1;
@@ -215,7 +215,7 @@ class Reader {
     segment.end_mm = {x.value_or(segment.start_mm.x()), y.value_or(segment.start_mm.y())};
     if (good && arc) good = sweep(segment, {i.value_or(0.0), j.value_or(0.0)});
     if (!good) {
-      // Keeps the faults of the lines after it to their own.
+      // The position keeps the faults of one line from causing others in the lines after it.
       if (x || y) position_ = segment.end_mm;
       return;
     }

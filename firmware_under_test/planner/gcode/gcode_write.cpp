@@ -47,7 +47,7 @@ std::string writeGcode(const std::vector<std::vector<Segment>>& pieces,
       const Vector2d start = rounded(segment.start_mm);
       const Vector2d end = rounded(segment.end_mm);
       const std::string comment = commentOf(segment, name_of);
-      // Shorter than the last decimal: its neighbours meet there anyway.
+      // A line shorter than the last decimal is left out: its neighbours meet there anyway.
       if (start == end && std::abs(segment.sweep_rad) < std::numbers::pi) continue;
       // Ends within 2 um are joined by the next line itself.
       const bool jump = !at || (start - *at).norm() > 0.002;

@@ -6,6 +6,6 @@
 namespace kerfbench::planner {
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kDeg = std::numbers::pi / 180.0;  ///< rad.
+inline constexpr double kDeg = std::numbers::pi / 180.0;  ///< Degree in rad.
 
 }  // namespace kerfbench::planner

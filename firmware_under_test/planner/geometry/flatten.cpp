@@ -11,21 +11,22 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Below this sagitta an arc is written as a line: half a unit of the fourth decimal.
+/// Sagitta below which an arc is written as a line: half a unit of the fourth decimal.
 constexpr double kFlatMm = 5e-5;
-/// Shorter chords are lines: the fourth decimal of the G-code would turn their tangents by more than a
-/// corner.
+/// Chord below which an arc is written as a line: the fourth decimal of the G-code would turn its tangents by
+/// more than a corner.
 constexpr double kShortestMm = 0.004;
 constexpr double kWidestArcRad = 2.0;
 constexpr int kDeepest = 30;
 
-/// The arc that leaves p along unit tangent t and ends at q.
+/// Arc that leaves p along unit tangent t and ends at q.
 Segment arcFrom(const Vector2d& p, const Vector2d& t, const Vector2d& q) {
   Segment arc;
   arc.start_mm = p;
   arc.end_mm = q;
   const Vector2d chord = q - p;
-  const double half = std::atan2(cross(t, chord), t.dot(chord));  // tangent-chord angle = half the sweep
+  // The tangent-chord angle is half the sweep.
+  const double half = std::atan2(cross(t, chord), t.dot(chord));
   const double sagitta_mm = 0.5 * chord.norm() * std::abs(std::tan(0.5 * half));
   if (sagitta_mm < kFlatMm) return arc;
   arc.sweep_rad = 2.0 * half;
@@ -44,7 +45,8 @@ std::array<Segment, 2> biarc(const Vector2d& p0, const Vector2d& t0, const Vecto
   const double vt = v.dot(t0 + t1);
   const double a = 2.0 * (1.0 - t0.dot(t1));
   const double root = std::sqrt(vt * vt + a * v.squaredNorm());
-  // The form without cancellation; the other one where the curve turns back by more than a right angle.
+  // The root has two forms: the one without cancellation is used, and the other where the curve turns back by
+  // more than a right angle.
   const double d = vt > 0.0 ? v.squaredNorm() / (vt + root) : (a > 1e-12 ? (root - vt) / a : 0.0);
   const Vector2d middle = 0.5 * (p0 + p1 + d * (t0 - t1));
   return {arcFrom(p0, t0, middle), arcFrom(p1, -t1, middle).reversed()};
@@ -69,7 +71,7 @@ void divide(const dieline::Curve& curve, double u0, double u1, double tolerance_
   double chords_mm = 0.0;
   Vector2d previous = p0;
   constexpr int kProbes = 16;
-  constexpr double kBetweenProbes = 0.9;  // leaves room for what lies between them
+  constexpr double kBetweenProbes = 0.9;  // Share that leaves room for deviations between the probes.
   for (int i = 1; i <= kProbes; ++i) {
     const Vector2d p = dieline::pointAt(curve, u0 + (u1 - u0) * i / kProbes);
     double distance_mm = distanceTo(pair[0], p);
@@ -112,7 +114,7 @@ std::vector<Segment> flatten(const dieline::Curve& curve, double tolerance_mm) {
     return {segment};
   }
   std::vector<Segment> out;
-  constexpr int kFirstParts = 4;  // so that no piece has more than one inflection
+  constexpr int kFirstParts = 4;  // Number of parts such that no piece has more than one inflection.
   for (int i = 0; i < kFirstParts; ++i) {
     divide(curve, double(i) / kFirstParts, double(i + 1) / kFirstParts, tolerance_mm, 0, out);
   }

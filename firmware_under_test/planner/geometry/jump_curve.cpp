@@ -14,15 +14,15 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Below these an arc or line is rounding: 1e-7 rad of 5 mm is half a nanometre.
+/// Turn and length below which an arc or a line is rounding: 1e-7 rad of 5 mm is half a nanometre.
 constexpr double kNoTurnRad = 1e-7;
-constexpr double kNoWayMm = 1e-9;
-/// Centres whose distances differ by less are equally near.
+constexpr double kNoLengthMm = 1e-9;
+/// Difference of distances below which centres are equally near.
 constexpr double kEqualMm = 1e-6;
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-/// Turned by an angle whose sine is given and whose cosine is not negative.
+/// Vector turned by an angle whose sine is given and whose cosine is not negative.
 Vector2d turned(const Vector2d& v, double sine) {
   return std::sqrt(std::max(0.0, 1.0 - sine * sine)) * v + sine * leftOf(v);
 }
@@ -73,13 +73,14 @@ std::optional<std::vector<Segment>> jumpOver(const JumpEnds& ends, double radius
   const Vector2d second = ends.to_mm + sides.second * radius_mm * leftOf(ends.to_direction);
   const Vector2d between = second - first;
   const double apart_mm = between.norm();
-  Vector2d along = ends.from_direction;  // of the line
+  Vector2d along = ends.from_direction;  // Direction of the line.
   if (sides.first == sides.second) {
-    // One circle twice: no line, the beam goes round until it points the right way.
-    along = apart_mm > kNoWayMm ? Vector2d(between / apart_mm) : ends.to_direction;
+    // Two equal circles have no line: the beam turns until it points in the right direction.
+    along = apart_mm > kNoLengthMm ? Vector2d(between / apart_mm) : ends.to_direction;
   } else {
-    if (apart_mm < 2.0 * radius_mm - kNoWayMm) return std::nullopt;
-    // The line crosses that of the centres at half way: its sine with it is R over half the distance.
+    if (apart_mm < 2.0 * radius_mm - kNoLengthMm) return std::nullopt;
+    // The line crosses that of the centres half-way: the sine of its angle with it is R over half the
+    // distance.
     along = turned(between / apart_mm, sides.first * std::min(1.0, 2.0 * radius_mm / apart_mm));
   }
   const Vector2d leaves = first - sides.first * radius_mm * leftOf(along);
@@ -95,7 +96,7 @@ std::optional<std::vector<Segment>> jumpOver(const JumpEnds& ends, double radius
     path.push_back(arc);
   };
   addArc(ends.from_mm, leaves, first, turnOf(ends.from_direction, along, sides.first));
-  if ((meets - leaves).norm() > kNoWayMm) path.push_back(jumpSegment(leaves, meets));
+  if ((meets - leaves).norm() > kNoLengthMm) path.push_back(jumpSegment(leaves, meets));
   addArc(meets, ends.to_mm, second, turnOf(along, ends.to_direction, sides.second));
   if (!path.empty()) {
     path.front().start_mm = ends.from_mm;

@@ -15,7 +15,8 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// 17 x 17 places over the field; its rim, where the distortion is worst, and the middle are among them.
+/// Grid of 17 x 17 places over the field; its rim, where the distortion is worst, and the middle are among
+/// them.
 std::vector<Vector2d> placesIn(const MachineParameters& machine) {
   constexpr int kParts = 16;
   std::vector<Vector2d> places;
@@ -62,7 +63,7 @@ Axes::Axes(const MachineParameters& machine, const PlannerFaults& faults)
   const double y_far = std::max(std::abs(machine.field_min_mm[1]), std::abs(machine.field_max_mm[1]));
   x_per_mm_ = 0.5 / nearest / machine.mirror_step_rad;
   y_per_mm_ = 0.5 / l / machine.mirror_step_rad;
-  // d/dy of half atan(x/D), D = sqrt(L² + y²) + d: it grows with |y|, and with |x| up to D.
+  // Derivative by y of half atan(x/D), D = sqrt(L² + y²) + d: it grows with |y|, and with |x| up to D.
   const double x_bound = std::min(x_far, nearest);
   x_per_y_mm_ = 0.5 * x_bound / (nearest * nearest + x_bound * x_bound) * y_far / std::hypot(l, y_far) /
                 machine.mirror_step_rad;
@@ -91,7 +92,8 @@ const CorrectionTable* Axes::correction() const {
   return faults_.no_pincushion ? nullptr : machine_.correction.get();
 }
 
-/// A table may bend anywhere, so the whole field is looked at, four places to a cell of most tables.
+/// Bounds the slopes by samples. A table may bend anywhere, so the whole field is sampled, four places to a
+/// cell of most tables.
 void Axes::boundSlopesBySampling() {
   constexpr int kParts = 128;
   constexpr double kBetween = 1.01;
@@ -113,7 +115,7 @@ Vector2d Axes::formulaAt(const Vector2d& p_W_mm) const {
   if (machine_.head == MachineParameters::Head::kGantry) return p_W_mm / machine_.gantry_step_mm;
   if (machine_.head == MachineParameters::Head::kFTheta)
     return p_W_mm / (2.0 * machine_.focal_length_mm) / machine_.mirror_step_rad;
-  // Cheng et al. 2014, eq. 2.
+  // Formula of Cheng et al. 2014, eq. 2.
   const double l = machine_.throw_mm;
   const double reach = faults_.no_pincushion ? l : std::hypot(l, p_W_mm.y()) + machine_.mirror_spacing_mm;
   return Vector2d(0.5 * std::atan(p_W_mm.x() / reach), 0.5 * std::atan(p_W_mm.y() / l)) /
@@ -179,7 +181,7 @@ double Axes::speedLimit(const Vector2d& direction, double belt_speed_mm_s) const
   const Vector2d budget = budgetPerS();
   const double belt_per_s = belt_speed_mm_s * x_per_mm_;
   if (belt_per_s >= budget.x()) return 0.0;
-  // |s ux + v| kx + s |uy| kxy <= budget, solved for s on both sides of the absolute value.
+  // Condition |s ux + v| kx + s |uy| kxy <= budget, solved for s on both sides of the absolute value.
   const double cross_rate = std::abs(direction.y()) * x_per_y_mm_;
   const double rate = direction.x() * x_per_mm_;
   double limit = budget.y() / std::max(std::abs(direction.y()) * y_per_mm_, 1e-12);

@@ -9,29 +9,30 @@
 
 namespace kerfbench::planner {
 
-/// Beam positions in W to axis steps: the planner's own inverse of the head, its correction table included.
+/// Converts beam positions in W to axis steps: the planner's own inverse of the head, its correction table
+/// included.
 class Axes {
  public:
   Axes(const MachineParameters& machine, const PlannerFaults& faults);
 
   /// Axis positions in steps, not rounded, for the beam at p_W.
   [[nodiscard]] Eigen::Vector2d stepsAt(const Eigen::Vector2d& p_W_mm) const;
-  /// Where the beam is when the machine wakes, all axes at step zero: W's origin, or with a correction table
-  /// the place that wants no steps. @throws PlanError if there is none.
+  /// Beam position at power-on, with all axes at step zero: W's origin, or with a correction table the place
+  /// that needs no steps. @throws PlanError if there is none.
   [[nodiscard]] Eigen::Vector2d wakesAt() const;
-  /// d(x steps)/d(x_W) at p_W, 1/mm.
+  /// Derivative d(x steps)/d(x_W) at p_W, 1/mm.
   [[nodiscard]] double xStepsPerMm(const Eigen::Vector2d& p_W_mm) const;
-  /// The highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while
-  /// the sheet moves along +x; the same everywhere in the field. 0 if the belt alone is too fast.
+  /// Highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while the
+  /// sheet moves along +x; the same everywhere in the field. 0 if the belt alone is too fast.
   [[nodiscard]] double speedLimit(const Eigen::Vector2d& direction, double belt_speed_mm_s) const;
-  /// d(steps)/d(p_W), 1/mm; row 0 is the x axis.
+  /// Jacobian d(steps)/d(p_W), 1/mm; row 0 is the x axis.
   [[nodiscard]] Eigen::Matrix2d stepsPerMm(const Eigen::Vector2d& p_W_mm) const;
   /// Accelerations on the sheet along x and y that together keep each mirror within its limit, whatever the
-  /// place in the field, while beam and sheet together move at up to `speed_mm_s`: the limit less what the
-  /// head's own distortion asks for at that speed, and for x less what y asks of it. Falls with speed, and
-  /// may come out negative: too fast. 1e12 without a limit.
+  /// place in the field, while beam and sheet together move at up to `speed_mm_s`: the limit less the share
+  /// of the head's own distortion at that speed, and for x less the share of y. Falls with speed, and may be
+  /// negative: too fast. 1e12 without a limit.
   [[nodiscard]] Eigen::Vector2d accelerationBox(double speed_mm_s) const;
-  /// The highest speed of the x axis, mm/s in W, and of the y axis.
+  /// Highest speed of the x axis, mm/s in W, and of the y axis.
   [[nodiscard]] Eigen::Vector2d axisLimits() const;
   /// Reach of the beam across, mm.
   [[nodiscard]] Eigen::Vector2d fieldY() const {
@@ -51,7 +52,7 @@ class Axes {
   [[nodiscard]] const CorrectionTable* correction() const;
   void boundSlopesBySampling();
 
-  /// Steps that x and y may be given, per second.
+  /// Budget of steps for x and y, per second.
   [[nodiscard]] Eigen::Vector2d budgetPerS() const;
 
   MachineParameters machine_;
@@ -60,10 +61,11 @@ class Axes {
   double x_per_mm_{};    ///< Largest |d(x steps)/dx| in the field.
   double x_per_y_mm_{};  ///< Largest |d(x steps)/dy|.
   double y_per_mm_{};
-  double y_per_x_mm_{};                   ///< Largest |d(y steps)/dx|; the formulas alone have none.
-  std::vector<Eigen::Vector2d> x_rates_;  ///< x steps per mm along x and along y, over the field.
-  Eigen::Vector2d bend_per_mm2_{
-      Eigen::Vector2d::Zero()};  ///< Largest second derivative of steps in the field.
+  double y_per_x_mm_{};  ///< Largest |d(y steps)/dx|; zero without a table.
+  /// Derivatives of the x steps along x and y, per mm, over the field.
+  std::vector<Eigen::Vector2d> x_rates_;
+  /// Largest second derivative of steps in the field.
+  Eigen::Vector2d bend_per_mm2_{Eigen::Vector2d::Zero()};
 };
 
 }  // namespace kerfbench::planner

@@ -25,7 +25,7 @@ constexpr std::uintmax_t kMostBytes = 128U << 20U;
 constexpr double kFarthestMm = 1e5;
 constexpr double kLargestValue = 1e6;
 
-/// Faults of a file, as many as anybody wants to read.
+/// Faults of a file, limited to a readable number.
 class Faults {
  public:
   explicit Faults(std::string name) : name_(std::move(name)) {}
@@ -82,7 +82,7 @@ bool readRow(std::string_view text, int line, Faults& faults, Row& row) {
   return count == 4;
 }
 
-/// Derivative at z of the polynomial through the nodes: weights by Fornberg (1988), for one derivative.
+/// Weights of the derivative at z of the polynomial through the nodes (Fornberg 1988), for one derivative.
 std::vector<double> slopeWeights(const std::vector<double>& nodes, std::size_t first, std::size_t count,
                                  double z) {
   std::vector<double> value(count, 0.0);
@@ -135,14 +135,14 @@ struct Hermite {
         slope{6 * u * (u - 1), 6 * u * (1 - u), 1 + u * (3 * u - 4), u * (3 * u - 2)} {}
 };
 
-/// The rows of a table's file, and whether its values are steps.
+/// Rows of a table's file, and whether its values are steps.
 struct RowsRead {
   std::vector<Row> rows;
   bool in_steps{false};
   int lines{0};
 };
 
-/// @returns whether the values are steps. Anything but a header ends the reading.
+/// Reads the header. @returns whether the values are steps. Anything but a header ends the reading.
 bool readHeader(std::string_view line, int number, Faults& faults) {
   std::string words;
   for (const char c : line) words += c == ' ' || c == '\t' ? "" : std::string(1, c);
@@ -178,7 +178,7 @@ RowsRead readRows(const std::string& text, Faults& faults, std::size_t most) {
   return read;
 }
 
-/// x of the nodes, by the first row of the grid.
+/// Coordinates x of the nodes, from the first row of the grid.
 std::vector<double> columnsOf(const std::vector<Row>& rows, Faults& faults) {
   std::vector<double> x;
   for (const Row& row : rows) {
@@ -217,7 +217,7 @@ CorrectionTable CorrectionTable::parse(const std::string& text, const std::strin
           fmt::format(
               "the grid wants the node ({:g}, {:g}) here, not ({:g}, {:g}): rows are complete, x ascends", x,
               table.y_.back(), row.value[0], row.value[1]));
-      break;  // all that follow would be out of step
+      break;  // all later nodes would be out of step
     }
     table.nodes_.push_back(
         {Vector2d(row.value[2], row.value[3]), Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero()});
@@ -245,8 +245,8 @@ CorrectionTable CorrectionTable::read(const std::string& path) {
   return parse({std::istreambuf_iterator<char>(file), {}}, path);
 }
 
-/// Slopes by the polynomial through five nodes, or all if there are fewer: the error of the surface is then
-/// of fourth order.
+/// Sets slopes by the polynomial through five nodes, or all if there are fewer: the error of the surface is
+/// then of fourth order.
 void CorrectionTable::setSlopes() {
   constexpr std::size_t kStencil = 5;
   const auto slopes = [&](const std::vector<double>& nodes, std::size_t i, const auto& at) {

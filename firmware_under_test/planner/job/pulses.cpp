@@ -15,10 +15,11 @@ static_assert(kAxes == KB_AXES);
 namespace {
 
 constexpr const char* kNames[kAxes] = {"galvo_x", "galvo_y", "gantry_x", "gantry_y", "feed"};
-/// Figures of data sheets are whole numbers of some unit; sums of them must not fail by a rounding.
+/// Slack for figures of data sheets, which are whole numbers of some unit; sums of them must not fail by a
+/// rounding.
 constexpr double kRounding = 1e-12;
 
-/// Ticks that a pulse of this width must stay, 0 if it may fall within its tick.
+/// Number of ticks that a pulse of this width must stay, 0 if it may fall within its tick.
 int widthTicks(const Target& target, double width_s) {
   if (width_s <= target.width_s + kRounding) return 0;
   return static_cast<int>(std::ceil((width_s + target.late_s - kRounding) / target.tick_s));

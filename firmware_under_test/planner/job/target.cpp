@@ -48,7 +48,7 @@ std::optional<unsigned> hexByte(const std::string& line, std::size_t at) {
   return static_cast<unsigned>(high * 16 + low);
 }
 
-/// Intel hex: the bytes in the order of their addresses, gaps left out.
+/// Bytes of an Intel hex file in the order of their addresses, gaps left out.
 Bytes bytesOfHex(const std::string& text, const std::string& name) {
   std::map<std::uint32_t, std::uint8_t> memory;
   std::uint32_t base = 0;

@@ -40,7 +40,7 @@ constexpr int kBroken = 2;
 struct Options {
   std::string input;
   std::string output;
-  std::string entities, layers, processes;  ///< As typed; empty: all.
+  std::string entities, layers, processes;  ///< Selections as typed; empty: all.
   std::string correction;                   ///< File of the table.
   std::string image;                        ///< Release image of the controller; empty: the AVR release.
   planner::PowerOptions power;
@@ -57,7 +57,7 @@ struct Options {
                             .feed_step_mm = 0.0,
                             .full_power_w = 200.0};
   JobParameters job{.cut_energy_j_per_mm = 0.3};
-  double strip_width_mm{800.0};  ///< For throughput.
+  double strip_width_mm{800.0};  ///< Width of the strip, for throughput.
 };
 
 bool isGcode(const std::string& path) {
@@ -141,7 +141,7 @@ std::string summaryOf(const Options& options, const planner::CheckResult& checke
   return text;
 }
 
-/// Everything wrong on standard error, or what the job takes.
+/// Prints all errors to standard error, or the demands of the job.
 int check(const Options& options, const std::string& gcode) {
   const planner::CheckResult checked = planner::checkJob(gcode, options.machine, options.job);
   for (const std::string& warning : checked.warnings) std::cerr << "warning: " << warning << '\n';
@@ -239,7 +239,7 @@ planner::CrossCut crossCut(const Options& options, double width_mm) {
           j.belt_speed_mm_s, j.mark_speed_mm_s, j.jump_speed_mm_s};
 }
 
-/// A command that takes a drawing or G-code.
+/// Adds a command that takes a drawing or G-code.
 CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const char* help, bool writes) {
   CLI::App* sub = app.add_subcommand(name, help);
   sub->add_option("DIELINE", options.input,
@@ -261,7 +261,7 @@ CLI::App* jobCommand(CLI::App& app, Options& options, const char* name, const ch
   return sub;
 }
 
-/// The commands, as parsed.
+/// Commands as parsed.
 struct Commands {
   const CLI::App* gcode;
   const CLI::App* program;
@@ -297,7 +297,7 @@ Commands addCommands(CLI::App& app, Options& options) {
   return {gcode, program, preview, order, addThroughput(app, options)};
 }
 
-/// The exit code.
+/// Runs the commands; returns the exit code.
 int run(const Commands& commands, Options& options) {
   if (!options.image.empty()) options.machine.target = planner::targetOfImage(options.image);
   if (commands.throughput->parsed()) {

@@ -9,14 +9,14 @@
 
 namespace kerfbench::planner {
 
-/// Options of a job that concern the kerf.
+/// Adds the options of a job that concern the kerf.
 void addKerfOptions(CLI::App& app, JobParameters& job);
 
-/// `kerfplan compensate`: beam paths beside a drawing or a contour in space.
+/// Command `kerfplan compensate`: beam paths along a drawing or a contour in space.
 class CompensateCommand {
  public:
   explicit CompensateCommand(CLI::App& app);
-  /// True if it was asked for, and is done.
+  /// Runs the command; true if it was given.
   bool run() const;
 
  private:
@@ -25,7 +25,7 @@ class CompensateCommand {
   std::shared_ptr<Options> options_;
 };
 
-/// `kerfplan prove-compensation`.
+/// Command `kerfplan prove-compensation`.
 class ProveCommand {
  public:
   explicit ProveCommand(CLI::App& app);

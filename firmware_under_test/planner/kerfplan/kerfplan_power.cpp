@@ -21,7 +21,7 @@ void addFault(std::string& faults, const std::string& fault) {
   faults += (faults.empty() ? "" : "\n") + fault;
 }
 
-/// Reads a file, or notes what is wrong with it.
+/// Reads a file, or records its faults.
 template <typename Library>
 std::optional<Library> read(Library (*reader)(const std::filesystem::path&), const std::string& file,
                             std::string& faults) {

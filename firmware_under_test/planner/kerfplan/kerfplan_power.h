@@ -12,21 +12,21 @@ namespace kerfbench::planner {
 
 struct PowerOptions {
   std::string material, laser;  ///< Files; both or none.
-  double depth_mm{};            ///< 0: not told.
-  double half_depth_mm{};       ///< 0: not told.
+  double depth_mm{};            ///< Depth of cuts; 0: not given.
+  double half_depth_mm{};       ///< Depth of half-cuts; 0: not given.
   double spot_diameter_mm{0.2};
 };
 
 void addPowerOptions(CLI::App& app, PowerOptions& options);
 
-/// Null if nothing of it was asked for. @throws PowerError that names all that is wrong.
+/// Power model of the options; null if none was given. @throws PowerError that names all that is wrong.
 std::shared_ptr<const PowerModel> powerModelOf(const PowerOptions& options);
 
-/// `kerfplan power`: the chain from speed to control signal as a table.
+/// Command `kerfplan power`: the chain from speed to control signal as a table.
 class PowerCommand {
  public:
   explicit PowerCommand(CLI::App& app);
-  /// True if it was asked for, and is done.
+  /// Runs the command; true if it was given.
   bool run() const;
 
  private:

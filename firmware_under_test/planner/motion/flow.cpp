@@ -9,8 +9,8 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Shares of the highest speed at a border of runs that are tried. The last is a stop, which always has an
-/// answer: between two stops a run may take as long as it likes.
+/// Shares of the highest speed at a border of runs that are tried. The last is a stop, which always has a
+/// solution: between two stops a run may take as long as it likes.
 constexpr double kLadder[] = {1.0,  0.98, 0.96, 0.93, 0.9,  0.86, 0.82, 0.77,
                               0.72, 0.65, 0.57, 0.47, 0.35, 0.2,  0.0};
 constexpr double kRounding = 1e-9;
@@ -24,7 +24,7 @@ std::vector<double> ladderBelow(double highest_mm_s) {
   return rungs;
 }
 
-/// What the joints of runs admit, the first and the last border being stops.
+/// Speeds that the joints of runs admit, the first and the last border being stops.
 std::vector<double> jointSpeeds(std::span<const std::vector<Segment>> runs, const std::vector<bool>& rests,
                                 const FlowLimits& limits) {
   std::vector<double> most(runs.size() + 1, 0.0);
@@ -38,7 +38,7 @@ std::vector<double> jointSpeeds(std::span<const std::vector<Segment>> runs, cons
   return most;
 }
 
-/// The highest speeds at the borders of runs: a pass forward and one backward.
+/// Highest speeds at the borders of runs: a pass forward and one backward.
 template <typename Profile>
 std::vector<double> borderSpeeds(const std::vector<Profile>& profiles, const std::vector<double>& most) {
   std::vector<double> highest(profiles.size() + 1, 0.0);
@@ -52,7 +52,7 @@ std::vector<double> borderSpeeds(const std::vector<Profile>& profiles, const std
   return highest;
 }
 
-/// One run between two borders: what each pair of rungs costs.
+/// Costs of one run between two borders, for each pair of rungs.
 template <typename Profile>
 class Crossing {
  public:
@@ -68,7 +68,7 @@ class Crossing {
     }
   }
 
-  /// No pair of rungs takes fewer.
+  /// Lower bound of the periods for all pairs of rungs.
   int leastPeriods(double period_s) {
     join(0, 0);
     return std::max(
@@ -109,8 +109,8 @@ class Crossing {
   typename Profile::Speeds fast_, slow_;
 };
 
-/// The cheapest way to one rung.
-struct Way {
+/// Cheapest plan up to one rung.
+struct Best {
   int total{kNever};
   int periods{};       ///< Periods of the run that ends here.
   std::size_t from{};  ///< Rung before it.
@@ -126,29 +126,29 @@ std::vector<std::vector<double>> planWith(std::span<const std::vector<Segment>> 
   for (const double v : highest) ladders.push_back(ladderBelow(v));
 
   std::vector<Crossing<Profile>> crossings;
-  std::vector<std::vector<Way>> ways{{Way{.total = 0}}};
+  std::vector<std::vector<Best>> bests{{Best{.total = 0}}};
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     crossings.emplace_back(profiles[i], ladders[i], ladders[i + 1]);
-    ways.emplace_back(ladders[i + 1].size());
+    bests.emplace_back(ladders[i + 1].size());
     const int least = crossings[i].leastPeriods(limits.period_s);
     for (std::size_t b = 0; b < ladders[i + 1].size(); ++b) {
-      Way& way = ways.back()[b];
+      Best& best = bests.back()[b];
       for (std::size_t a = 0; a < ladders[i].size(); ++a) {
-        const int before = ways[i][a].total;
-        if (before == kNever || before + least >= way.total) continue;
+        const int before = bests[i][a].total;
+        if (before == kNever || before + least >= best.total) continue;
         const int periods = crossings[i].periods(a, b, limits.period_s);
-        if (periods == kNever || before + periods >= way.total) continue;
-        way = {before + periods, periods, a};
+        if (periods == kNever || before + periods >= best.total) continue;
+        best = {before + periods, periods, a};
       }
     }
   }
-  if (ways.back()[0].total == kNever) return {};
+  if (bests.back()[0].total == kNever) return {};
   std::vector<std::vector<double>> stations(profiles.size());
   std::size_t rung = 0;
   for (std::size_t i = profiles.size(); i-- > 0;) {
-    const Way& way = ways[i + 1][rung];
-    stations[i] = crossings[i].stations(way.from, rung, way.periods, limits.period_s);
-    rung = way.from;
+    const Best& best = bests[i + 1][rung];
+    stations[i] = crossings[i].stations(best.from, rung, best.periods, limits.period_s);
+    rung = best.from;
   }
   return stations;
 }

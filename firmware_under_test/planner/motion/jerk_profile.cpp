@@ -8,24 +8,24 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Longer than in planRun(): within a piece an S-curve must find room.
+/// Angle of an arc's piece, larger than in planRun(): an S-curve must find room within a piece.
 constexpr double kJerkPieceRad = 0.4;
 
 /// Highest speed at the other end of a piece that is entered, or left, with v.
 double faster(const Piece& piece, double v) {
   const double top = std::sqrt(v * v + 2.0 * piece.ramp.acceleration_mm_s2 * piece.length_mm);
-  return highest(v, top, [&](double w) { return piece.ramp.mostWayMm(v, w) - piece.length_mm; });
+  return highest(v, top, [&](double w) { return piece.ramp.mostTravelMm(v, w) - piece.length_mm; });
 }
 
-/// Lowest likewise.
+/// Lowest speed at the other end of a piece that is entered, or left, with v.
 double slower(const Piece& piece, double v) {
-  const auto excess = [&](double drop) { return piece.ramp.mostWayMm(v, v - drop) - piece.length_mm; };
+  const auto excess = [&](double drop) { return piece.ramp.mostTravelMm(v, v - drop) - piece.length_mm; };
   return v - highest(0.0, v, excess);
 }
 
-double levelS(double way_mm, double v_mm_s) {
-  if (way_mm <= 0.0) return 0.0;
-  return v_mm_s > 0.0 ? way_mm / v_mm_s : kInfinite;
+double levelS(double length_mm, double v_mm_s) {
+  if (length_mm <= 0.0) return 0.0;
+  return v_mm_s > 0.0 ? length_mm / v_mm_s : kInfinite;
 }
 
 }  // namespace
@@ -71,8 +71,8 @@ JerkProfile::Course JerkProfile::courseOf(const Piece& piece, double v0_mm_s, do
   const double low = std::min(v0_mm_s, v1_mm_s);
   const double high = std::max(v0_mm_s, v1_mm_s);
   const auto left = [&](double middle) {
-    return std::max(0.0,
-                    piece.length_mm - piece.ramp.wayMm(v0_mm_s, middle) - piece.ramp.wayMm(middle, v1_mm_s));
+    return std::max(
+        0.0, piece.length_mm - piece.ramp.travelMm(v0_mm_s, middle) - piece.ramp.travelMm(middle, v1_mm_s));
   };
   if (cut_mm_s >= high) {
     const double peak =
@@ -81,12 +81,12 @@ JerkProfile::Course JerkProfile::courseOf(const Piece& piece, double v0_mm_s, do
   }
   if (cut_mm_s <= low) {
     const double drop = highest(0.0, low - cut_mm_s, [&](double d) {
-      return piece.ramp.mostWayMm(v0_mm_s, low - d) + piece.ramp.mostWayMm(low - d, v1_mm_s) -
+      return piece.ramp.mostTravelMm(v0_mm_s, low - d) + piece.ramp.mostTravelMm(low - d, v1_mm_s) -
              piece.length_mm;
     });
     return {0.0, low - drop, left(low - drop)};
   }
-  // One ramp; the more of what is left at the faster end, the higher the cut.
+  // The motion is one ramp; the more of the remaining length is at the faster end, the higher the cut.
   const double fast_mm = (cut_mm_s - low) / (high - low) * left(v1_mm_s);
   const double slow_mm = left(v1_mm_s) - fast_mm;
   return v0_mm_s < v1_mm_s ? Course{slow_mm, v1_mm_s, fast_mm} : Course{fast_mm, v1_mm_s, slow_mm};
@@ -129,14 +129,14 @@ std::vector<double> JerkProfile::stations(const Speeds& slow, const Speeds& fast
   const Speeds speeds = cutOff(slow, fast, high);
   std::vector<Phase> phases;
   double s_mm = 0.0;
-  const auto level = [&](double way_mm, double v_mm_s) {
-    if (way_mm <= 0.0) return;
-    phases.push_back({s_mm, v_mm_s, 0.0, 0.0, way_mm / v_mm_s});
-    s_mm += way_mm;
+  const auto level = [&](double length_mm, double v_mm_s) {
+    if (length_mm <= 0.0) return;
+    phases.push_back({s_mm, v_mm_s, 0.0, 0.0, length_mm / v_mm_s});
+    s_mm += length_mm;
   };
   const auto ramp = [&](const Ramp& how, double v0, double v1) {
     how.addPhases(v0, v1, s_mm, phases);
-    s_mm += how.wayMm(v0, v1);
+    s_mm += how.travelMm(v0, v1);
   };
   for (std::size_t i = 0; i < path_.pieces.size(); ++i) {
     const Piece& piece = path_.pieces[i];

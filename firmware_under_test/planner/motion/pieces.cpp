@@ -8,17 +8,17 @@
 namespace kerfbench::planner {
 namespace {
 
-/// On an arc the acceleration is shared between the normal and the tangent: 0.8² + 0.6² = 1.
+/// Share of the acceleration on an arc that is normal to it; the rest is tangential: 0.8² + 0.6² = 1.
 constexpr double kNormalShare = 0.8;
 constexpr double kTangentShare = 0.6;
-/// Shares of the jerk on a line, and of that of a joint, which is across the path: 0.8² + 0.6² = 1.
+/// Share of the jerk on a line; that of a joint is across the path: 0.8² + 0.6² = 1.
 constexpr double kLineJerkShare = 0.8;
 constexpr double kJointJerkShare = 0.6;
-/// Shares of the jerk on an arc: 0.5 + 0.3 along the path and 0.6 across it make 1.
+/// Share of the jerk on an arc: 0.5 + 0.3 along the path and 0.6 across it make 1.
 constexpr double kBendJerkShare = 0.5;
 constexpr double kPathJerkShare = 0.3;
 constexpr double kCrossJerkShare = 0.6;
-/// Directions between which the axes' limit is taken to run evenly.
+/// Angle between directions over which the axes' limit is taken as linear.
 constexpr double kLookRad = 0.1;
 
 double signedCurvature(const Segment& segment) {
@@ -32,7 +32,7 @@ Piece linePiece(const Segment& segment, const SpeedLimits& limits) {
           {limits.acceleration_mm_s2, kLineJerkShare * limits.jerk_mm_s3}};
 }
 
-/// The i-th of `count` equal parts of an arc.
+/// Part i of `count` equal parts of an arc.
 Piece arcPiece(const Segment& segment, int i, int count, const SpeedLimits& limits) {
   const double length_mm = segment.lengthMm();
   const double radius_mm = segment.radiusMm();
@@ -68,7 +68,7 @@ double jointSpeed(const Segment& before, const Segment& after, const SpeedLimits
                curvatureStepSpeed(std::abs(signedCurvature(after) - signedCurvature(before)), limits));
   const double turn = turnRad(before, after);
   if (turn <= 1e-9) return speed;
-  // The turn happens within one period: v * turn / T is its acceleration.
+  // The turn happens within one period: its acceleration is v * turn / T.
   speed = std::min(speed, limits.acceleration_mm_s2 * limits.period_s / turn);
   if (limits.jerk_mm_s3 <= 0.0) return speed;
   return std::min(speed, kJointJerkShare * limits.jerk_mm_s3 * limits.period_s * limits.period_s / turn);

@@ -26,20 +26,20 @@ struct Piece {
   Ramp ramp;
 };
 
-/// A run cut up so that each piece has limits of its own, and the highest speed at each border, ends
-/// included, as pieces and joints allow it: what may be reached from where is not looked at.
+/// A run cut into pieces with their own limits, and the highest speed at each border, ends included, that
+/// pieces and joints allow. Whether a speed can be reached from another is not considered.
 ///
-/// With a jerk J the samples, one a period T, keep it as a vector. On lines the path has 0.8 J. On an arc of
-/// radius R J/2 is for the bend, v³/R² <= J/2, and of the rest 0.3 J for the path and 0.6 J for what a path
-/// acceleration a does across it, 3 v a/R. A joint is a step of acceleration that no path of lines and arcs
-/// is without; what the drives get of it is what comes within one period: where the curvature changes by k,
-/// v² k/T <= 0.6 J, where a polyline turns by t, v t/T² <= 0.6 J.
+/// With a jerk limit J the samples, one a period T, keep it as a vector. On lines the path has 0.8 J. On an
+/// arc of radius R the bend has J/2, v³/R² <= J/2; of the rest the path has 0.3 J, and 0.6 J is for the
+/// effect of a path acceleration a across it, 3 v a/R. A joint is a step of acceleration, which no path of
+/// lines and arcs avoids; the drives receive the part of it that falls within one period: where the curvature
+/// changes by k, v² k/T <= 0.6 J, where a polyline turns by t, v t/T² <= 0.6 J.
 struct Pieces {
-  /// Arcs are cut into pieces of at most `piece_rad`.
+  /// Cuts a run; arcs are cut into pieces of at most `piece_rad`.
   Pieces(std::span<const Segment> run, const SpeedLimits& limits, double piece_rad);
 
   std::vector<Piece> pieces;
-  std::vector<double> cap_mm_s;  ///< One more than pieces.
+  std::vector<double> cap_mm_s;  ///< Highest speeds at the borders; one more than pieces.
   double length_mm{};
 };
 
@@ -47,7 +47,7 @@ struct Pieces {
 double jointSpeed(const Segment& before, const Segment& after, const SpeedLimits& limits);
 /// Highest speed on an arc.
 double bendSpeed(double radius_mm, const SpeedLimits& limits);
-/// Highest speed at which the curvature may change by so much; infinite without a limit of jerk.
+/// Highest speed at which the curvature may change by this much; infinite without a limit of jerk.
 double curvatureStepSpeed(double change_1_mm, const SpeedLimits& limits);
 
 }  // namespace kerfbench::planner

@@ -12,10 +12,10 @@
 namespace kerfbench::planner {
 namespace {
 
-constexpr double kNoWayMm = 1e-9;
+constexpr double kNoLengthMm = 1e-9;
 constexpr double kRadiusShares[] = {1.0, 0.5, 0.25, 0.125};
 
-/// Runs end where the laser or the direction changes.
+/// Index behind the run that begins at `first`. Runs end where the laser or the direction changes.
 std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
   std::size_t i = first + 1;
   while (i < path.size() && !path[first].jump && !path[i].jump && path[i].z == path[first].z &&
@@ -25,24 +25,24 @@ std::size_t runEnd(const std::vector<Segment>& path, std::size_t first) {
   return i;
 }
 
-/// Time of a line at the acceleration that no direction forbids.
+/// Ramp of a line at the acceleration that no direction forbids.
 Ramp rampOf(bool jump, const FlowLimits& limits) { return {limits.least(jump), limits.jerk_mm_s3}; }
 
-/// Time for a way at v0 at both ends, faster in between.
-double wayS(double length_mm, double v0, const FlowLimits& limits) {
+/// Time of a line with speed v0 at both ends and more in between.
+double travelTimeS(double length_mm, double v0, const FlowLimits& limits) {
   const Ramp ramp = rampOf(true, limits);
   const double peak = ramp.peakMmS(length_mm, v0, v0, limits.jump_mm_s);
   if (peak <= 0.0) return 0.0;
-  return 2.0 * ramp.durationS(v0, peak) + std::max(0.0, length_mm - 2.0 * ramp.wayMm(v0, peak)) / peak;
+  return 2.0 * ramp.durationS(v0, peak) + std::max(0.0, length_mm - 2.0 * ramp.travelMm(v0, peak)) / peak;
 }
 
-/// What marks lose by ending, and beginning, at v instead of running on at full speed.
+/// Time that marks lose by ending, or beginning, at v instead of at full speed.
 double rampLossS(double v, const FlowLimits& limits) {
   if (v >= limits.mark_mm_s) return 0.0;
   return rampOf(false, limits).durationS(v, limits.mark_mm_s) * (limits.mark_mm_s - v) / limits.mark_mm_s;
 }
 
-/// Estimate for one jump: arcs at the speed that their bend allows, the line faster.
+/// Estimated time of one jump: arcs at the speed that their bend allows, the line faster.
 double costS(const std::vector<Segment>& path, const FlowLimits& limits) {
   const SpeedLimits each = speedLimitsOf(limits, true);
   double v = std::min(limits.mark_mm_s, limits.jump_mm_s);
@@ -53,11 +53,11 @@ double costS(const std::vector<Segment>& path, const FlowLimits& limits) {
   }
   double total_s = rampLossS(v, limits);
   for (const Segment& segment : path)
-    total_s += segment.isArc() ? segment.lengthMm() / v : wayS(segment.lengthMm(), v, limits);
+    total_s += segment.isArc() ? segment.lengthMm() / v : travelTimeS(segment.lengthMm(), v, limits);
   return total_s;
 }
 
-/// Arcs swing out of the rectangle that holds both ends.
+/// True if an arc leaves the field. Arcs swing out of the rectangle that holds both ends.
 bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
   for (const Segment& segment : path) {
     if (!segment.isArc()) continue;
@@ -70,11 +70,11 @@ bool leavesField(const std::vector<Segment>& path, const FlowLimits& limits) {
   return false;
 }
 
-/// The curve to take, or nullopt: straight, with stops.
+/// Best curve for a jump; nullopt: straight, with stops.
 std::optional<std::vector<Segment>> bestCurve(const JumpEnds& ends, double radius_mm,
                                               const FlowLimits& limits) {
   const double straight_mm = (ends.to_mm - ends.from_mm).norm();
-  double least_s = rampLossS(0.0, limits) + wayS(straight_mm, 0.0, limits);
+  double least_s = rampLossS(0.0, limits) + travelTimeS(straight_mm, 0.0, limits);
   std::optional<std::vector<Segment>> best;
   for (const double share : kRadiusShares) {
     const auto curve = smoothJump(ends, share * radius_mm);
@@ -114,7 +114,7 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
                             const std::vector<bool>& stops) {
   std::vector<Run> runs;
   std::size_t jumps = 0;
-  bool after_stop = true;  // of the first run, and of a mark after a straight jump
+  bool after_stop = true;  // True for the first run, and for a mark after a straight jump.
   for (std::size_t i = 0; i < path.size();) {
     std::size_t end = runEnd(path, i);
     Run run;
@@ -129,7 +129,7 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
       i = end;
       continue;
     }
-    while (path[end].jump) ++end;  // ends with a mark
+    while (path[end].jump) ++end;  // The path ends with a mark.
     const Segment& before = path[i - 1];
     const Segment& after = path[end];
     const JumpEnds ends{before.end_mm, before.tangentAt(before.lengthMm()), after.start_mm,
@@ -142,7 +142,7 @@ std::vector<Run> smoothRuns(const std::vector<Segment>& path, double radius_mm, 
     } else {
       after_stop = run.rests = run.begins_block = true;
       const Segment jump = straightJump(path[i], path[end - 1]);
-      if (jump.lengthMm() > kNoWayMm) run.segments = {jump};
+      if (jump.lengthMm() > kNoLengthMm) run.segments = {jump};
     }
     if (!run.segments.empty()) runs.push_back(std::move(run));
     i = end;

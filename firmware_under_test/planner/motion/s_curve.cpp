@@ -14,17 +14,17 @@ double Ramp::durationS(double v0_mm_s, double v1_mm_s) const {
   return 2.0 * std::sqrt(change / jerk_mm_s3);
 }
 
-double Ramp::wayMm(double v0_mm_s, double v1_mm_s) const {
+double Ramp::travelMm(double v0_mm_s, double v1_mm_s) const {
   if (jerk_mm_s3 <= 0.0) return std::abs(v1_mm_s * v1_mm_s - v0_mm_s * v0_mm_s) / (2.0 * acceleration_mm_s2);
   return 0.5 * (v0_mm_s + v1_mm_s) * durationS(v0_mm_s, v1_mm_s);
 }
 
-double Ramp::mostWayMm(double v0_mm_s, double v1_mm_s) const {
-  if (jerk_mm_s3 <= 0.0) return wayMm(v0_mm_s, v1_mm_s);
-  // (w + v) sqrt((w - v)/j) has its maximum over v at w/3, (w² - v²)/2a + (w + v) a/2j at a²/2j.
+double Ramp::mostTravelMm(double v0_mm_s, double v1_mm_s) const {
+  if (jerk_mm_s3 <= 0.0) return travelMm(v0_mm_s, v1_mm_s);
+  // The maximum of (w + v) sqrt((w - v)/j) over v is at w/3, that of (w² - v²)/2a + (w + v) a/2j at a²/2j.
   const double high = std::max(v0_mm_s, v1_mm_s);
   const double longest = std::min(high / 3.0, acceleration_mm_s2 * acceleration_mm_s2 / (2.0 * jerk_mm_s3));
-  return wayMm(std::max(std::min(v0_mm_s, v1_mm_s), longest), high);
+  return travelMm(std::max(std::min(v0_mm_s, v1_mm_s), longest), high);
 }
 
 double Ramp::peakMmS(double length_mm, double v0_mm_s, double v1_mm_s, double limit_mm_s) const {
@@ -34,7 +34,7 @@ double Ramp::peakMmS(double length_mm, double v0_mm_s, double v1_mm_s, double li
   const double peak = std::max(least, std::min(limit_mm_s, without_jerk));
   if (jerk_mm_s3 <= 0.0) return peak;
   return highest(least, peak,
-                 [&](double top) { return wayMm(v0_mm_s, top) + wayMm(top, v1_mm_s) - length_mm; });
+                 [&](double top) { return travelMm(v0_mm_s, top) + travelMm(top, v1_mm_s) - length_mm; });
 }
 
 void Ramp::addPhases(double v0_mm_s, double v1_mm_s, double s0_mm, std::vector<Phase>& phases) const {
@@ -53,7 +53,7 @@ void Ramp::addPhases(double v0_mm_s, double v1_mm_s, double s0_mm, std::vector<P
   double v = v0_mm_s;
   const auto add = [&](double from_a, double jerk, double t) {
     phases.push_back({s_mm, v, from_a, jerk, t});
-    s_mm += phases.back().wayMm(t);
+    s_mm += phases.back().travelMm(t);
     v += t * (from_a + 0.5 * t * jerk);
   };
   add(0.0, sense * j, bow_s);
@@ -77,7 +77,7 @@ std::vector<double> stationsOf(const std::vector<Phase>& phases, int periods, do
     while (at + 1 < phases.size() && t_s > begun_s + phases[at].duration_s)
       begun_s += phases[at++].duration_s;
     const Phase& phase = phases[at];
-    stations.push_back(std::clamp(phase.s_mm + phase.wayMm(t_s - begun_s), stations.back(), total_mm));
+    stations.push_back(std::clamp(phase.s_mm + phase.travelMm(t_s - begun_s), stations.back(), total_mm));
   }
   stations.push_back(total_mm);
   return stations;

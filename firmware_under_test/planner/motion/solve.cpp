@@ -13,13 +13,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Shares of the path's limits for x and y: as the way goes, but an axis that moves at all gets enough to
-/// brake the speed of the belt.
-Vector2d sharesOf(const Vector2d& way_mm) {
+/// Shares of the path's limits for x and y, in proportion to the distances. An axis that moves at all gets
+/// enough to brake the speed of the belt.
+Vector2d sharesOf(const Vector2d& move_mm) {
   constexpr double kLeast = 0.3;
-  const double length = way_mm.norm();
-  if (length < 1e-9 || std::abs(way_mm.y()) < 1e-9) return {1.0, 1.0};
-  const Vector2d raised = (way_mm.cwiseAbs() / length).cwiseMax(kLeast);
+  const double length = move_mm.norm();
+  if (length < 1e-9 || std::abs(move_mm.y()) < 1e-9) return {1.0, 1.0};
+  const Vector2d raised = (move_mm.cwiseAbs() / length).cwiseMax(kLeast);
   return raised / raised.norm();
 }
 
@@ -31,8 +31,8 @@ AxisMove axisMove(int axis, const Vector2d& p0, double v0, const Vector2d& p1, c
   return {p0[axis], v0, p1[axis], speed, std::min(jumpAcceleration(job) * share, mirror)};
 }
 
-/// The controller keeps the marks that have passed the sensor and whose units have not begun; it holds only
-/// so many.
+/// Describes too many waiting marks. The controller keeps the marks that have passed the sensor and whose
+/// units have not begun; it holds only a limited number.
 std::optional<std::string> marksFault(const UnitLayout& layout, const MachineParameters& machine,
                                       const JobParameters& job) {
   const double behind_mm = layout.x_ref_mm - (machine.print_mark_sensor_x_mm - job.eye_mark_x_mm);
@@ -58,7 +58,7 @@ std::optional<std::string> pitchFault(const Solution& solution, int unit, const 
       job.pitch_mm, between_s, cycle * axes.periodS());
 }
 
-/// One path, or two if the job alternates; empty if the belt is too fast for the axes.
+/// Plans one path, or two if the job alternates; empty if the belt is too fast for the axes.
 std::vector<UnitPath> planPaths(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes,
                                 double belt_speed_mm_s, const std::vector<std::vector<bool>>& stops) {
   std::vector<UnitPath> paths;
@@ -157,15 +157,15 @@ double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double perio
 
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
                   const JobParameters& job, const Axes& axes, double belt_speed_mm_s) {
-  const auto with = [&](const JobParameters& way,
+  const auto with = [&](const JobParameters& tried,
                         const std::vector<std::vector<bool>>& stops) -> SolveResult {
-    std::vector<UnitPath> paths = planPaths(path, way, axes, belt_speed_mm_s, stops);
-    if (!paths.empty()) return layOutAll(std::move(paths), machine, way, axes);
+    std::vector<UnitPath> paths = planPaths(path, tried, axes, belt_speed_mm_s, stops);
+    if (!paths.empty()) return layOutAll(std::move(paths), machine, tried, axes);
     return {std::nullopt, fmt::format("the x axis makes no more than {:.1f} mm/s", axes.axisLimits().x())};
   };
   SolveResult result = with(job, {});
   if (result.solution || job.jump_radius_mm == 0.0) return result;
-  // At speed the sheet cannot be waited for: rest where the straight jumps have to wait.
+  // A moving beam cannot wait for the sheet: it rests where the straight jumps have to wait.
   JobParameters straight = job;
   straight.jump_radius_mm = 0.0;
   SolveResult held = with(straight, {});
@@ -182,8 +182,8 @@ SolveResult solve(const std::vector<Segment>& path, const MachineParameters& mac
 double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,
                     const JobParameters& job, const Axes& axes) {
   const auto feasible = [&](double v) { return solve(path, machine, job, axes, v).solution.has_value(); };
-  // From below, so that the answer does not lie beyond a gap: more speed need not always be worse, as a wait
-  // may vanish.
+  // The search goes upwards, so that the answer does not lie beyond a gap: more speed need not always be
+  // worse, as a wait may vanish.
   constexpr int kTries = 24;
   const double top = axes.axisLimits().x();
   const double ratio = std::pow(1000.0, 1.0 / kTries);

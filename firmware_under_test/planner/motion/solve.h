@@ -18,7 +18,7 @@ inline constexpr int kSparePeriods = 2;
 /// A move in W with the laser off that ends at rest; each axis takes its own least time.
 class Reposition {
  public:
-  /// From p0 with speed v0 along x to p1. Speed and acceleration along the way stay below the job's.
+  /// Plans the move from p0 with speed v0 along x to p1. Speed and acceleration stay below the job's.
   Reposition(const Eigen::Vector2d& p0_W_mm, double v0_mm_s, const Eigen::Vector2d& p1_W_mm,
              const JobParameters& job, const Axes& axes);
   [[nodiscard]] int periods() const;
@@ -30,10 +30,11 @@ class Reposition {
   double period_s_;
 };
 
-/// A job in time at one belt speed. Odd units differ from even ones if the job alternates.
+/// Timing of a job at one belt speed. Odd units differ from even ones if the job alternates.
 struct Solution {
-  std::vector<UnitPath> paths;      ///< One, or two if the job alternates.
-  std::vector<UnitLayout> layouts;  ///< Moving sheet: one for each path. Resting sheet: one for each unit.
+  std::vector<UnitPath> paths;  ///< Paths; one, or two if the job alternates.
+  /// Layouts. Moving sheet: one for each path. Resting sheet: one for each unit.
+  std::vector<UnitLayout> layouts;
   double belt_speed_mm_s{};
   [[nodiscard]] const UnitPath& pathOf(int unit) const { return paths[std::size_t(unit) % paths.size()]; }
   [[nodiscard]] const UnitLayout& layoutOf(int unit) const {
@@ -43,14 +44,14 @@ struct Solution {
 
 struct SolveResult {
   std::optional<Solution> solution;
-  std::string reason;  ///< The constraints that fail, if there is no solution.
+  std::string reason;  ///< Constraints that fail, if there is no solution.
 };
 
 /// Fits the path of one unit into field and pitch at a belt speed.
 SolveResult solve(const std::vector<Segment>& path, const MachineParameters& machine,
                   const JobParameters& job, const Axes& axes, double belt_speed_mm_s);
 
-/// The highest belt speed, to 0.1 %, up to which solve() has an answer at all the speeds tried; 0 if at none.
+/// Highest belt speed, to 0.1 %, up to which solve() has an answer at all the speeds tried; 0 if at none.
 double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& machine,
                     const JobParameters& job, const Axes& axes);
 
@@ -58,13 +59,13 @@ double maxBeltSpeed(const std::vector<Segment>& path, const MachineParameters& m
 inline double speedWhileCutting(const JobParameters& job) {
   return job.stop_and_go ? 0.0 : job.belt_speed_mm_s;
 }
-/// The highest speed of the controller's feed.
+/// Highest speed of the controller's feed.
 double feedLimit(const MachineParameters& machine);
-/// The belt's move by one pitch, from rest to rest.
+/// Move of the belt by one pitch, from rest to rest.
 AxisMove feedOfPitch(const JobParameters& job);
 int feedOfPitchPeriods(const JobParameters& job, double period_s);
 
-/// Way of the belt while the controller's feed speeds up.
+/// Travel of the belt while the controller's feed speeds up.
 double feedRampMm(double belt_speed_mm_s, const JobParameters& job, double period_s);
 int feedRampPeriods(double belt_speed_mm_s, const JobParameters& job, double period_s);
 

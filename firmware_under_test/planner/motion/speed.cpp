@@ -13,13 +13,13 @@ constexpr double kSpeedPieceRad = 0.1;
 double reachable(const Piece& piece, double v) {
   const double without_jerk = std::sqrt(v * v + 2.0 * piece.ramp.acceleration_mm_s2 * piece.length_mm);
   if (piece.ramp.jerk_mm_s3 <= 0.0) return without_jerk;
-  return highest(v, without_jerk, [&](double top) { return piece.ramp.wayMm(v, top) - piece.length_mm; });
+  return highest(v, without_jerk, [&](double top) { return piece.ramp.travelMm(v, top) - piece.length_mm; });
 }
 
 void addPhases(const Piece& piece, double v0, double v1, double s0_mm, std::vector<Phase>& phases) {
   const double peak = piece.ramp.peakMmS(piece.length_mm, v0, v1, piece.limit_mm_s);
-  const double up_mm = piece.ramp.wayMm(v0, peak);
-  const double level_mm = std::max(0.0, piece.length_mm - up_mm - piece.ramp.wayMm(peak, v1));
+  const double up_mm = piece.ramp.travelMm(v0, peak);
+  const double level_mm = std::max(0.0, piece.length_mm - up_mm - piece.ramp.travelMm(peak, v1));
   piece.ramp.addPhases(v0, peak, s0_mm, phases);
   phases.push_back({s0_mm + up_mm, peak, 0.0, 0.0, peak > 0.0 ? level_mm / peak : 0.0});
   piece.ramp.addPhases(peak, v1, s0_mm + up_mm + level_mm, phases);
@@ -32,7 +32,7 @@ std::vector<double> planRun(std::span<const Segment> run, const SpeedLimits& lim
   const std::vector<Piece>& pieces = cut.pieces;
   if (std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.limit_mm_s <= 0.0; }))
     return {};
-  std::vector<double> node_mm_s = cut.cap_mm_s;  // the highest speed at each border of pieces
+  std::vector<double> node_mm_s = cut.cap_mm_s;  // Highest speeds at the borders of pieces.
   node_mm_s.front() = node_mm_s.back() = 0.0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     node_mm_s[i + 1] = std::min(node_mm_s[i + 1], reachable(pieces[i], node_mm_s[i]));
@@ -47,7 +47,7 @@ std::vector<double> planRun(std::span<const Segment> run, const SpeedLimits& lim
     s_mm += pieces[i].length_mm;
   }
   const double total_s = durationOf(phases);
-  constexpr double kMostPeriods = 1e7;  // 320 MB of samples, beyond what may be planned
+  constexpr double kMostPeriods = 1e7;  // Most periods: 320 MB of samples, beyond what may be planned.
   if (!(total_s < kMostPeriods * limits.period_s)) return {};
   return stationsOf(phases, std::max(1, static_cast<int>(std::ceil(total_s / limits.period_s - 1e-9))),
                     cut.length_mm);
@@ -64,7 +64,7 @@ AxisMove::AxisMove(double x0_mm, double v0_mm_s, double x1_mm, double speed_mm_s
   };
   double level_mm = x1_mm - x0_mm - rampMm(peak_mm_s_);
   if (level_mm * sense < 0.0) {
-    // Too short for full speed: turn over where the way up and the way down add up to the distance.
+    // The distance is too short for full speed: the ramps meet where their lengths add up to it.
     const double square = sense * a * (x1_mm - x0_mm) + 0.5 * v0_mm_s * v0_mm_s;
     peak_mm_s_ = sense * std::sqrt(std::max(square, 0.0));
     level_mm = 0.0;

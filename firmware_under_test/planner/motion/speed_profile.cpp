@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kCentripetalShare = 0.8;
-/// Intervals: fine enough for the limits of a bend, and for a peak of speed on a short line.
+/// Angle of an interval: small enough for the limits of a bend, and for a peak of speed on a short line.
 constexpr double kIntervalRad = 0.08;
 constexpr double kIntervalMm = 0.4;
 constexpr int kMostOfALine = 24;
@@ -73,7 +73,7 @@ void SpeedProfile::add(const Segment& segment, double path_mm_s, const FlowLimit
 }
 
 double SpeedProfile::faster(const Interval& interval, double v_mm_s) const {
-  // The highest w' of w' - w <= 2 length h(w'), w = v², h the path acceleration that is left at w'.
+  // Highest w' of w' - w <= 2 length h(w'), w = v², h the path acceleration that is left at w'.
   const double w = v_mm_s * v_mm_s;
   const double twice = 2.0 * interval.length_mm;
   double most = kInfinite;

@@ -35,7 +35,7 @@ void addSamples(std::span<const Segment> run, const std::vector<double>& station
   samples.back().p_S_mm = run.back().end_mm;
 }
 
-/// Each run from rest to rest.
+/// Stations of each run from rest to rest.
 std::vector<std::vector<double>> restStations(const std::vector<Run>& runs, const FlowLimits& limits) {
   std::vector<std::vector<double>> stations;
   SpeedLimits each{0.0, 0.0, limits.period_s, limits.axes_mm_s, limits.jerk_mm_s3};
@@ -84,8 +84,8 @@ std::string nameOf(const Block& block) {
   return block.entity >= 0 ? fmt::format("E{}", block.entity) : fmt::format("G-code line {}", block.line);
 }
 
-/// Beta is x_W - x_S. One greedy pass from beta_1 at the first block; empty if a block meets the end of the
-/// field.
+/// One greedy pass from beta_1 at the first block, where beta is x_W - x_S. Empty if a block meets the end of
+/// the field.
 struct Pass {
   std::vector<int> waits;
   std::size_t stuck{};  ///< First block that does not fit; blocks.size() if all do.
@@ -112,7 +112,7 @@ class Layouter {
     return pass;
   }
 
-  /// The window of beta_1 in which no wait is needed; empty if first > second.
+  /// Window of beta_1 in which no wait is needed; empty if first > second.
   std::pair<double, double> withoutWaits() const {
     double from = -std::numeric_limits<double>::infinity();
     double to = std::numeric_limits<double>::infinity();
@@ -125,7 +125,7 @@ class Layouter {
     return {from, to};
   }
 
-  /// The latest beta_1 that leaves no block behind.
+  /// Latest beta_1 that leaves no block behind.
   double latest() const {
     double beta = std::numeric_limits<double>::infinity();
     for (auto it = unit_.blocks.rbegin(); it != unit_.blocks.rend(); ++it) {
@@ -223,8 +223,8 @@ LayoutResult layOut(const UnitPath& unit, const MachineParameters& machine, cons
   const double v = unit.belt_speed_mm_s;
   UnitLayout layout;
   layout.catch_up_periods = catchUpPeriods(v, unit.acceleration_mm_s2, unit.period_s);
-  const double catch_up_mm =
-      v * layout.catch_up_periods * unit.period_s;  // of the belt; the beam makes half of it
+  // Travel of the belt; the beam makes half of it.
+  const double catch_up_mm = v * layout.catch_up_periods * unit.period_s;
   const double lead_mm = v * machine.tracking_delay_s;
   const double low_mm = machine.field_min_mm[0] + machine.encoder_count_mm;
   const double high_mm = machine.field_max_mm[0] - bounds.play_mm;

@@ -14,23 +14,23 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A gain below this is rounding.
+/// Gain below which a change is rounding.
 constexpr double kGainMm = 1e-6;
 constexpr int kCircleStarts = 24;
-/// Segments of more pieces are not moved as one by Or-opt.
+/// Largest number of pieces that Or-opt moves as one.
 constexpr std::size_t kLongestMoved = 3;
-/// Pairs of pieces that a pass looks at: with many, those no farther apart in the order than that leaves.
+/// Pairs of pieces that a pass examines; with many pieces, only pairs that are close in the order.
 constexpr std::size_t kMostStopPairs = 1'500'000;
 constexpr int kDisturbances = 150;
-/// Larger orders are not disturbed: each new start costs a whole search.
+/// Largest order that is disturbed: each new start costs a whole search.
 constexpr std::size_t kMostDisturbed = 80;
 
-/// One way to run a chain.
+/// A variant of running a chain.
 struct Variant {
   Vector2d in_mm, out_mm;
-  std::size_t first{};  ///< Closed chain: the segment that it begins with.
-  double turned_rad{};  ///< Full circle: how far its start is turned.
-  bool backwards{};     ///< Open chain.
+  std::size_t first{};  ///< Segment that a closed chain begins with.
+  double turned_rad{};  ///< Turn of a full circle's start.
+  bool backwards{};     ///< True if an open chain is run backwards.
 };
 
 struct Visit {
@@ -95,7 +95,7 @@ class Search {
         Tour other = best;
         if (!disturb(other)) continue;
         const double limit_mm = best_mm - kGainMm;
-        // The way down may lead through orders that do not fit; the end of it must.
+        // Intermediate orders may not fit; the last one must.
         const auto asked = fits_;
         fits_ = {};
         descend(other);
@@ -118,7 +118,7 @@ class Search {
   [[nodiscard]] double gap(const Visit& a, const Visit& b) const {
     return (at(b).in_mm - at(a).out_mm).norm();
   }
-  /// Air before place i; none before the first and after the last.
+  /// Air before place i; zero before the first and after the last.
   [[nodiscard]] double gapBefore(const Tour& tour, std::size_t i) const {
     return i == 0 || i >= tour.size() ? 0.0 : gap(tour[i - 1], tour[i]);
   }
@@ -165,8 +165,8 @@ class Search {
     }
   }
 
-  /// The best variants for this order: exactly, by dynamic programming, where any order fits; else one by
-  /// one.
+  /// Chooses the best variants for this order: exactly, by dynamic programming, where any order fits; else
+  /// one by one.
   bool chooseStarts(Tour& tour) { return fits_ ? changeStarts(tour) : programStarts(tour); }
 
   bool programStarts(Tour& tour) {
@@ -219,7 +219,7 @@ class Search {
     for (std::size_t k = i; k <= j; ++k) tour[k] = turned(tour[k]);
   }
 
-  /// Turning [i, j] round keeps the ranks' sequence if they do not rise in it.
+  /// Reverses stretches [i, j]. A reversal keeps the ranks' sequence if they do not rise in the stretch.
   bool twoOpt(Tour& tour) {
     bool better = false;
     for (std::size_t i = 0; i < tour.size(); ++i) {
@@ -237,7 +237,7 @@ class Search {
     return better;
   }
 
-  /// Moves [i, j] to before place k, as it is or turned round.
+  /// Moves [i, j] to before place k, as it is or reversed.
   bool orOpt(Tour& tour) {
     bool better = false;
     for (std::size_t i = 0; i < tour.size(); ++i) {
@@ -301,7 +301,7 @@ class Search {
     return true;
   }
 
-  /// Three pieces change places with others of their rank's stretch, and begin elsewhere; false if nothing
+  /// Exchanges three pieces with others of their rank's stretch, and begins them elsewhere; false if nothing
   /// moved.
   bool disturb(Tour& tour) {
     bool moved = false;
@@ -319,7 +319,7 @@ class Search {
     return moved;
   }
 
-  /// Numerical Recipes' generator: any will do, but it must be the same everywhere.
+  /// Random number by Numerical Recipes' generator: any will do, but it must be the same everywhere.
   std::size_t next() {
     random_ = random_ * 1664525U + 1013904223U;
     return random_ >> 8;

@@ -11,18 +11,19 @@ namespace kerfbench::planner {
 /// A chain in its place in the order of cutting.
 struct Stop {
   Chain chain;
-  int rank{};  ///< What has a lower rank is cut before what has a higher one, as far as the order given does.
+  /// Rank: a chain of a lower rank is cut before one of a higher, as far as the given order does so.
+  int rank{};
 };
 
-/// Way with the laser off from the first mark to the last.
+/// Length of path with the laser off from the first mark to the last.
 double airPathMm(const std::vector<Stop>& order);
 
-/// Shortens the air path of an order by 2-opt, Or-opt, turning open chains round and beginning closed ones
+/// Shortens the air path of an order by 2-opt, Or-opt, reversing open chains and beginning closed ones
 /// elsewhere (at another corner, where a chain has any). No pair that is in the sequence of its ranks leaves
 /// it. Starts anew from disturbed orders, with a seed of its own: same input, same output.
 ///
-/// `fits` says whether an order can be cut, as on a moving sheet; it is asked for each better order, no more
-/// than `most_questions` times, and the order given is taken to fit. Empty: every order does.
+/// `fits` says whether an order can be cut, as on a moving sheet; it is called for each better order, no more
+/// than `most_questions` times, and the given order is taken to fit. Empty: every order does.
 std::vector<Stop> shortened(std::vector<Stop> order,
                             const std::function<bool(const std::vector<Stop>&)>& fits, int most_questions);
 

@@ -16,14 +16,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Leaves half of the 2 um that a curve may be off to the four decimals of the G-code.
+/// Tolerance of a flattened curve; leaves half of the 2 um for the four decimals of the G-code.
 constexpr double kFlattenMm = 0.001;
 
 double zOf(dieline::Process process, const JobParameters& job) {
   return process == dieline::Process::kHalfCut || process == dieline::Process::kCrease ? job.half_z : 1.0;
 }
 
-/// The unused chain that goes on from `last` with the smallest turn, in its right sense.
+/// Takes the unused chain that goes on from `last` with the smallest turn, in its right sense.
 std::optional<Chain> takeNext(std::vector<Chain>& pool, const Chain& so_far) {
   const Segment& last = so_far.segments.back();
   double best_turn = std::numeric_limits<double>::infinity();
@@ -86,7 +86,7 @@ std::vector<Vector2d> polygonOf(const Chain& chain) {
   return points;
 }
 
-/// Even-odd rule.
+/// Whether p is inside, by the even-odd rule.
 bool inside(const std::vector<Vector2d>& polygon, const Vector2d& p) {
   bool in = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -174,7 +174,7 @@ std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm) {
     for (int i = 0; i < dashes; ++i) {
       const double from_mm = std::max(s0_mm, i * pattern_mm * scale);
       const double to_mm = std::min(s1_mm, (i * pattern_mm + cut_mm) * scale);
-      // A sliver of a dash beyond a joint is not worth a G-code line.
+      // A sliver of a dash beyond a joint is too short for a G-code line.
       if (to_mm - from_mm > 1e-3) out.push_back(segment.part(from_mm - s0_mm, to_mm - s0_mm));
     }
     s0_mm = s1_mm;

@@ -9,28 +9,28 @@
 
 namespace kerfbench::planner {
 
-/// Ends nearer than this are the same point.
+/// Distance below which ends are the same point.
 inline constexpr double kJoinMm = 0.002;
 
 /// Connected entities of one process, end to end.
 struct Chain {
   dieline::Process process{dieline::Process::kCut};
   std::vector<Segment> segments;
-  int nesting{};  ///< Closed cut outlines around it.
+  int nesting{};  ///< Number of closed cut outlines around the chain.
 
   [[nodiscard]] const Eigen::Vector2d& start() const { return segments.front().start_mm; }
   [[nodiscard]] const Eigen::Vector2d& end() const { return segments.back().end_mm; }
   [[nodiscard]] bool closed() const { return (start() - end()).norm() < kJoinMm; }
 };
 
-/// Joins the entities; where several meet, the straightest way on is taken. Sets the nesting. With a kerf
-/// radius the cuts are those of the beam's centre (kerf.h, which says what it refuses). A closed chain begins
-/// at its most downstream corner, or joint if it has no corner.
+/// Joins the entities; where several meet, the straightest continuation is taken. Sets the nesting. With a
+/// kerf radius the cuts are those of the beam's centre (kerf.h, which states what it refuses). A closed chain
+/// begins at its most downstream corner, or joint if it has no corner.
 std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParameters& job,
                               const PlannerFaults& faults);
 
-/// Dashes along a path, beginning and ending with a cut if it is open; cut and gap are scaled by one factor
-/// to fit.
+/// Divides a path into dashes, beginning and ending with a cut if it is open; cut and gap are scaled by one
+/// factor to fit.
 std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm);
 
 }  // namespace kerfbench::planner

@@ -42,8 +42,8 @@ struct Choice {
   bool reverse{};
 };
 
-/// The next chain: on a moving sheet out of those that leave the field first, then the nearest end. Of lowest
-/// rank, in the whole unit or among those that leave first.
+/// Chooses the next chain: on a moving sheet from those that leave the field first, then the nearest end. The
+/// choice is among the lowest rank, in the whole unit or among those that leave first.
 Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks,
               const std::vector<double>& downstream, const Vector2d& p, bool moving,
               const OrderOptions& options) {
@@ -68,7 +68,8 @@ Choice nextOf(const std::vector<Chain>& pool, const std::vector<int>& ranks,
   double best_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < pool.size(); ++i) {
     if (!allowed[i]) continue;
-    // On a moving sheet an open chain is entered at its downstream end, unless both lie within the band.
+    // A moving sheet lets an open chain be entered at its downstream end, unless both ends lie within the
+    // band.
     const double lead_mm = pool[i].start().x() - pool[i].end().x();
     for (const bool reverse : {false, true}) {
       if (reverse && pool[i].closed()) continue;

@@ -18,25 +18,26 @@ struct OrderOptions {
   /// Keep creases before cuts and holes before outlines only among equals, rather than over the whole unit: a
   /// unit about as long as the field has left it before a second pass could begin.
   bool place_before_process{false};
-  /// Pieces whose downstream ends differ by no more than this count as equal, and the nearest comes first.
+  /// Largest difference of the downstream ends of pieces that count as equal; the nearest of these comes
+  /// first.
   double band_mm{1.0};
 
   bool operator==(const OrderOptions&) const = default;
 };
 
-/// Chains in the order of a greedy walk to the nearest end: creases, half-cuts and perforations before cuts,
-/// holes before outlines, and on a moving sheet what leaves the field first.
+/// Orders chains by a greedy walk to the nearest end: creases, half-cuts and perforations before cuts, holes
+/// before outlines, and on a moving sheet what leaves the field first.
 std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParameters& job,
                                const PlannerFaults& faults, const OrderOptions& options);
 
-/// Entities one after the other as they stand in the drawing, in their own sense.
+/// Keeps entities in the order and sense of the drawing.
 std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
                              const PlannerFaults& faults);
 
-/// What is cut without switching off; a perforation is one piece with gaps.
+/// Pieces that are cut without switching off; a perforation is one piece with gaps.
 std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job);
 
-/// The pieces of nearestOrder().
+/// Pieces of nearestOrder().
 std::vector<std::vector<Segment>> cutOrder(const dieline::Dieline& dieline, const JobParameters& job,
                                            const PlannerFaults& faults, const OrderOptions& options);
 

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr double kSameMm = 0.01;
 constexpr double kLeastMm = 0.05;
 constexpr std::size_t kMostFindings = 100;
-/// Bounds the time on drawings in which everything lies above everything.
+/// Largest number of pairs: bounds the time on drawings in which everything lies above everything.
 constexpr std::size_t kMostSegmentPairs = 50'000'000;
 
 struct Extent {
@@ -54,7 +54,7 @@ double overlapOfLines(const Segment& a, const Segment& b) {
 double overlapOfArcs(const Segment& a, const Segment& b) {
   if ((a.centre_mm - b.centre_mm).norm() + std::abs(a.radiusMm() - b.radiusMm()) > kSameMm) return 0.0;
   constexpr double kTurn = 2.0 * std::numbers::pi;
-  // Both counter-clockwise, from their first angle.
+  // The spans are counter-clockwise, from the arcs' first angles.
   const auto span = [&](const Segment& arc) {
     const Vector2d r = (arc.sweep_rad > 0.0 ? arc.start_mm : arc.end_mm) - arc.centre_mm;
     return std::pair(std::atan2(r.y(), r.x()), std::min(std::abs(arc.sweep_rad), kTurn));

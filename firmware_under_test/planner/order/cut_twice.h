@@ -8,8 +8,8 @@
 
 namespace kerfbench::planner {
 
-/// Marks that run along another one (within 0.01 mm, for more than 0.05 mm) and so are burnt twice: what a
-/// copied line of G-code does. One sentence for each, with both lines; the first hundred.
+/// Finds marks that run along another one (within 0.01 mm, for more than 0.05 mm) and so are burnt twice, as
+/// by a copied line of G-code. One sentence for each, with both lines; the first hundred.
 std::vector<std::string> cutTwice(const std::vector<Segment>& path);
 
 }  // namespace kerfbench::planner

@@ -20,7 +20,7 @@ std::vector<int> entitiesOf(const std::vector<Segment>& segments) {
   return entities;
 }
 
-/// The side of a closed cut that is waste: outside of an outline, inside of a hole.
+/// Side of a closed cut that is waste: outside of an outline, inside of a hole.
 Side wasteSide(const std::vector<Segment>& segments, int nesting) {
   const bool hole = nesting % 2 == 1;
   const bool counter_clockwise = signedAreaMm2(segments) > 0.0;
@@ -84,7 +84,7 @@ std::string sentenceOf(const LostStretch& lost, double radius_mm) {
                      place, 2.0 * radius_mm, lost.depth_mm, lost.length_mm);
 }
 
-/// Notes on what is lost; what must not be without consent goes to `faults`.
+/// Adds notes on what is lost; losses that need consent go to `faults`.
 void tell(const std::vector<LostStretch>& all, const JobParameters& job, std::vector<std::string>& notes,
           std::vector<std::string>& faults) {
   int rounded = 0;

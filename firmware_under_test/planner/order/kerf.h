@@ -10,27 +10,28 @@
 
 namespace kerfbench::planner {
 
-/// A narrow feature off by more than this is refused: a fifth of the ±0.05 mm of Cheng et al. 2014.
+/// Largest loss of a narrow feature; more is refused: a fifth of the ±0.05 mm of Cheng et al. 2014.
 inline constexpr double kLostMm = 0.01;
 
 struct Compensated {
-  std::vector<Chain> chains;  ///< Cuts as the beam's centre runs; creases, half-cuts, perforations unchanged.
-  std::vector<Contour> contours;   ///< The closed and open cuts that were compensated, as drawn.
+  /// Cuts along the path of the beam's centre; creases, half-cuts, perforations unchanged.
+  std::vector<Chain> chains;
+  std::vector<Contour> contours;   ///< Closed and open cuts that were compensated, as drawn.
   Offset offset;                   ///< Offset of the contours.
   std::vector<std::string> notes;  ///< One sentence for each thing that a user should know.
 };
 
-/// Beam paths by kerf_radius_mm beside the cuts, so that the edges of the cut lie on them: outside of
+/// Offsets the beam by kerf_radius_mm from the cuts, so that the edges of the cut lie on them: outside of
 /// outlines, inside of holes (closed cuts within an odd number of others), along open cuts as open_cuts says.
 ///
-/// What the beam is too wide for is never left out in silence: rounded inner corners and features that are
-/// lost are notes; a contour without any path, or a narrow feature off by more than kLostMm, is refused
-/// unless allow_lost_features.
-/// @throws PlanError that lists all of it, and cuts that touch or cross themselves or each other.
+/// What the beam is too wide for is never left out without a note: rounded inner corners and features that
+/// are lost are notes; a contour without any path, or a narrow feature off by more than kLostMm, is refused
+/// unless allow_lost_features. @throws PlanError that lists all of it, and cuts that touch or cross
+/// themselves or each other.
 Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
                        const PlannerFaults& faults = {});
 
-/// The same of a dieline whose chains are not joined yet.
+/// Compensates a dieline whose chains are not joined yet.
 Compensated compensate(const dieline::Dieline& dieline, const JobParameters& job);
 
 }  // namespace kerfbench::planner

@@ -8,7 +8,7 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Exact at both ends.
+/// Linear interpolation, exact at both ends.
 double between(double share, double from, double to) { return (1.0 - share) * from + share * to; }
 
 }  // namespace

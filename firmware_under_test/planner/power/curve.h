@@ -7,25 +7,26 @@
 
 namespace kerfbench::planner {
 
-/// A library, or a job asked of it, that cannot be used; what() has one line per fault.
+/// Fault of a library, or of a job for it; what() has one line per fault.
 class PowerError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One measured characteristic: straight lines between N+1 points, both ways (Wang, Li, Chen 2010, eq. 5 to
-/// 7).
+/// One measured characteristic: straight lines between N+1 points, in both directions (Wang, Li, Chen 2010,
+/// eq. 5 to 7).
 class Curve {
  public:
   struct Point {
     double x{}, y{};
   };
   Curve() = default;
-  /// @throws PowerError unless there are two points or more, finite and strictly rising in x and in y.
+  /// Makes a curve. @throws PowerError unless there are two points or more, finite and strictly rising in x
+  /// and in y.
   explicit Curve(std::vector<Point> points);
 
-  /// y at x; beyond the ends that of the end.
+  /// Value y at x; beyond the ends that of the end.
   [[nodiscard]] double at(double x) const;
-  /// x at y; nullopt outside least().y … greatest().y.
+  /// Value x at y; nullopt outside least().y … greatest().y.
   [[nodiscard]] std::optional<double> inverse(double y) const;
   [[nodiscard]] const Point& least() const { return points_.front(); }
   [[nodiscard]] const Point& greatest() const { return points_.back(); }

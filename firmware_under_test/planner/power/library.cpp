@@ -16,7 +16,7 @@ namespace {
 
 using base::YamlReader;
 
-/// Beyond every material and laser; keeps what is computed from the numbers a number.
+/// Largest value, beyond every material and laser; keeps all computed numbers finite.
 constexpr double kMost = 1e6;
 constexpr std::size_t kMostPoints = 1000;
 
@@ -48,7 +48,8 @@ bool isNumber(YamlReader& row, const char* key) {
   return end != text.c_str() && std::isfinite(value);
 }
 
-/// The points, each with its own line. What is no number is told once, and not compared with its neighbours.
+/// Reads the points, each with its own line. A value that is no number is reported once, and not compared
+/// with its neighbours.
 Read readPoints(YamlReader& file, const char* x_key, const char* y_key) {
   std::vector<YamlReader> rows = file.list("points");
   if (rows.size() < 2 || rows.size() > kMostPoints) {
@@ -87,7 +88,7 @@ YamlReader opened(const std::filesystem::path& path, const char* kind) {
   return file;
 }
 
-/// Stands for points with faults: finish() refuses the file.
+/// Replaces points with faults: finish() refuses the file.
 Curve curveOf(const Read& read) { return read.sound ? Curve(read.points) : Curve(); }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Takes what is no number for the least.
+/// Limits the power; NaN becomes the least.
 double within(double power_w, const PowerLimits& limits) {
   return power_w > limits.least_w ? std::min(power_w, limits.most_w) : limits.least_w;
 }

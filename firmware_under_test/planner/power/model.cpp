@@ -12,9 +12,9 @@ namespace kerfbench::planner {
 namespace {
 
 constexpr double kFullDuty = 255.0;
-/// Less is no cut.
+/// Depth below which there is no cut.
 constexpr double kLeastDepth_mm = 1e-4;
-/// G-code has four decimals.
+/// Difference of Z that G-code's four decimals do not show.
 constexpr double kSameZ = 5e-5;
 
 std::string depthFault(const char* name, double depth_mm, const Material& material) {

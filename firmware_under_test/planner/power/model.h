@@ -11,45 +11,45 @@
 namespace kerfbench::planner {
 
 struct PowerWish {
-  double spot_diameter_mm{0.2};  ///< d; 0.2 … 0.5 in the paper, 0.01 … 10 here.
+  double spot_diameter_mm{0.2};  ///< Spot diameter d; 0.2 … 0.5 in the paper, 0.01 … 10 here.
   double depth_mm{};             ///< Depth of cuts, Z1; >= 1e-4, no more than the material's greatest.
-  std::optional<double>
-      half_depth_mm{};  ///< Depth of creases and half-cuts; > 0, < depth_mm. None: Z times depth_mm.
+  /// Depth of creases and half-cuts; > 0, < depth_mm. None: Z times depth_mm.
+  std::optional<double> half_depth_mm{};
 };
 
 /// The chain of Wang, Li, Chen 2010: depth D → P_ua = f⁻¹(D) → P_out = P_ua F d → u = g⁻¹(P_out), within what
 /// the laser can do. Immutable, so safe to share between threads.
 class PowerModel {
  public:
-  /// @throws PowerError that names everything that cannot be had, and what can.
+  /// Makes the model. @throws PowerError that names everything that is impossible, and what is possible.
   PowerModel(Material material, LaserTube laser, const PowerWish& wish);
 
   enum class Limit { kNone, kLeast, kMost };
-  /// One speed.
+  /// Setting of the laser at one speed.
   struct Setting {
-    double p_ua_j_mm2{};        ///< That the wanted depth takes.
-    double wanted_w{};          ///< P_out for it.
-    double power_w{};           ///< Within the laser's limits.
-    double control{};           ///< u, in the laser's unit.
-    Limit limit{Limit::kNone};  ///< The one that the power is held at.
-    double depth_mm{};          ///< Reached by power_w.
+    double p_ua_j_mm2{};        ///< P_ua for the wanted depth.
+    double wanted_w{};          ///< Wanted power P_out.
+    double power_w{};           ///< Power within the laser's limits.
+    double control{};           ///< Control signal u, in the laser's unit.
+    Limit limit{Limit::kNone};  ///< Limit that the power is held at.
+    double depth_mm{};          ///< Depth reached by power_w.
   };
-  /// @param speed_mm_s F > 0. @throws std::domain_error.
+  /// Setting at a speed F > 0 and a depth. @throws std::domain_error.
   [[nodiscard]] Setting at(double speed_mm_s, double depth_mm) const;
 
-  /// Between these the wanted depth can be had.
+  /// Speeds between which the wanted depth is possible.
   struct Speeds {
     double lowest_mm_s{}, highest_mm_s{};
   };
   [[nodiscard]] Speeds speedsFor(double depth_mm) const;
 
-  /// The PWM byte nearest to u, never beyond the laser's limits.
+  /// PWM byte nearest to u, never beyond the laser's limits.
   [[nodiscard]] std::uint8_t byteFor(double control) const;
-  /// g of a PWM byte.
+  /// Power of a PWM byte: g.
   [[nodiscard]] double powerOf(std::uint8_t byte) const;
-  /// f of a power at a speed.
+  /// Depth of a power at a speed: f.
   [[nodiscard]] double depthBy(double power_w, double speed_mm_s) const;
-  /// Depth that Z asks for: 1 the cut's, half_z the half-cut's if one is told, else Z times the cut's.
+  /// Depth for Z: 1 the cut's, half_z the half-cut's if one is given, else Z times the cut's.
   [[nodiscard]] double depthOf(double z, double half_z) const;
 
   [[nodiscard]] const Material& material() const { return material_; }
@@ -63,10 +63,11 @@ class PowerModel {
   int least_byte_{}, most_byte_{};
 };
 
-/// Rows of speed, P_ua, P_out, u, PWM byte and the depth that this byte cuts, and between which speeds the
-/// depth can be had.
+/// Table with rows of speed, P_ua, P_out, u, PWM byte and the depth that this byte cuts, and the range of
+/// speeds at which the depth is possible.
 std::string powerTable(const PowerModel& model, double depth_mm, const std::vector<double>& speeds_mm_s);
-/// 1, 2, 5, 10 … mm/s, from just below to just above the speeds at which a depth can be had, and these two.
+/// Speeds 1, 2, 5, 10 … mm/s, from just below to just above the range at which a depth is possible, and its
+/// ends.
 std::vector<double> tableSpeeds(const PowerModel& model, double depth_mm);
 
 }  // namespace kerfbench::planner

@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector2d;
 using nlohmann::json;
 
-/// More periods than this are thinned: 160 s at 0.8 ms keep the page below 4 MB.
+/// Number of periods above which they are thinned: 160 s at 0.8 ms keep the page below 4 MB.
 constexpr std::size_t kMostSamples = 200'000;
 
 std::string escaped(std::string_view text) {
@@ -76,9 +76,9 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// The unit period by period, waits included.
+/// One unit period by period, waits included.
 struct Film {
-  std::vector<Sample> samples;  ///< The first is the start.
+  std::vector<Sample> samples;  ///< Samples; the first is the start.
   double period_s{};
 };
 
@@ -121,7 +121,7 @@ double fullPower(const MachineParameters& machine, const JobParameters& job) {
 json powersOf(const Film& film, const MachineParameters& machine, const JobParameters& job) {
   json list = json::array();
   for (const Sample& sample : film.samples) {
-    long share = 0;  // of full power, in 255ths
+    long share = 0;  // Share of full power, in 255ths.
     if (sample.marked_mm > 0.0) {
       const double byte = std::min(powerByte(sample, machine, job), 255.0);
       share = std::lround(job.power ? 255.0 * job.power->powerOf(static_cast<std::uint8_t>(byte)) /
@@ -134,7 +134,7 @@ json powersOf(const Film& film, const MachineParameters& machine, const JobParam
   return list;
 }
 
-/// [line, number of periods]…
+/// Runs as [line, number of periods]…
 json runsOf(const Film& film) {
   json list = json::array();
   for (std::size_t i = 1; i < film.samples.size();) {

@@ -18,7 +18,7 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Bounds the memory of a plan: 4.5 million periods.
+/// Longest unit; bounds the memory of a plan: 4.5 million periods.
 constexpr double kLongestUnitS = 3600.0;
 
 std::string nameOf(int entity, int line) {
@@ -35,7 +35,7 @@ void addLines(const std::string& text, std::vector<std::string>& lines) {
   }
 }
 
-/// A bound from above, as if every move began and ended at rest.
+/// Upper bound of the time, as if every move began and ended at rest.
 double longestS(const std::vector<Segment>& path, const JobParameters& job, const Axes& axes) {
   const double axis_mm_s = axes.axisLimits().minCoeff();
   double sum = 0.0;
@@ -127,7 +127,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
                                        const JobParameters& job) {
   if (!job.power) return {};
   struct Slow {
-    double way_mm{}, depth_mm{};
+    double length_mm{}, depth_mm{};
     int periods{};
   };
   std::map<double, Slow> by_z;
@@ -137,7 +137,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
       const PowerModel::Setting setting = powerSetting(sample, machine, job);
       if (setting.limit != PowerModel::Limit::kLeast) continue;
       Slow& slow = by_z[sample.z];
-      slow.way_mm += sample.marked_mm / sample.z;
+      slow.length_mm += sample.marked_mm / sample.z;
       slow.depth_mm = std::max(slow.depth_mm, setting.depth_mm);
       ++slow.periods;
     }
@@ -150,7 +150,7 @@ std::vector<std::string> powerWarnings(const UnitPath& unit, const MachineParame
                     "get up to {:.3f} mm "
                     "deep, {:g} mm are wanted",
                     z, job.power->speedsFor(wanted_mm).lowest_mm_s, job.power->laser().name,
-                    job.power->laser().least_w, slow.way_mm, slow.periods, slow.depth_mm, wanted_mm));
+                    job.power->laser().least_w, slow.length_mm, slow.periods, slow.depth_mm, wanted_mm));
   }
   return warnings;
 }
@@ -200,7 +200,7 @@ CheckResult checkJob(const std::string& gcode, const MachineParameters& machine,
             : fmt::format("the job fits at no belt speed, so not at {:g} mm/s: {}", v, reason));
   }
   auto unit = planUnit(path, job, axes, v);
-  if (!unit) unit = planUnit(path, job, axes, 0.0);  // what the laser lacks, it lacks on a resting sheet too
+  if (!unit) unit = planUnit(path, job, axes, 0.0);  // A weak laser is too weak on a resting sheet, too.
   if (unit) {
     add(powerFaults(*unit, machine, job));
     const std::vector<std::string> slow = powerWarnings(*unit, machine, job);
@@ -227,7 +227,7 @@ RoomNeeded roomNeeded(const Solution& solution, const std::vector<Segment>& path
     const UnitPath& unit = solution.pathOf(k);
     reach(layout.park_W_mm.x());
     reach(layout.end_W_mm.x());
-    // Back from the end, where the place on the belt is known.
+    // The search goes back from the end, where the place on the belt is known.
     double beta_mm = layout.end_W_mm.x() - unit.endS().x();
     for (std::size_t i = unit.blocks.size(); i-- > 0;) {
       const Block& block = unit.blocks[i];

@@ -11,25 +11,27 @@
 
 namespace kerfbench::planner {
 
-/// All that is wrong with a job, and what it takes of the machine if nothing is.
+/// Result of a check: all that is wrong with a job, and its demands on the machine if nothing is.
 struct CheckResult {
   std::vector<std::string> errors;    ///< One sentence each, with the line of the G-code where there is one.
-  std::vector<std::string> warnings;  ///< The job can be cut, but hardly as it was meant.
-  std::optional<Solution> solution;   ///< At the job's belt speed.
-  double max_belt_speed_mm_s{};       ///< As Plan's; 0 while the G-code or the parameters are unusable.
+  std::vector<std::string> warnings;  ///< Doubts: the job can be cut, but hardly as it was meant.
+  std::optional<Solution> solution;   ///< Solution at the job's belt speed.
+  /// Highest belt speed as in Plan; 0 while the G-code or the parameters are unusable.
+  double max_belt_speed_mm_s{};
 };
 
-/// Parameters, G-code, field, power, belt and pitch, everything at once. What needs the motion is looked at
+/// Checks parameters, G-code, field, power, belt and pitch, all at once. Checks that need the motion are made
 /// only if text and parameters are sound.
 CheckResult checkJob(const std::string& gcode, const MachineParameters& machine, const JobParameters& job,
                      const PlannerFaults& faults = {});
 
 /// Room that a solution takes of the field and of the pitch: S0's two constraints, ramps included.
 struct RoomNeeded {
-  double low_x_mm{}, high_x_mm{};  ///< x_W of the beam from park position to the last mark, all units.
-  double least_pitch_mm{};         ///< Moving sheet: what the belt runs in a cycle; else 0.
-  /// S0's closed form for a single straight cut across, without ramps: (v_x/v_y)(v_x/v_0 + 1) y0 and
-  /// v_x y0 / v_y.
+  /// Range of x_W of the beam from park position to the last mark, all units.
+  double low_x_mm{}, high_x_mm{};
+  double least_pitch_mm{};  ///< Travel of the belt in a cycle, on a moving sheet; else 0.
+  /// Closed form of S0 for a single straight cut across, without ramps: (v_x/v_y)(v_x/v_0 + 1) y0 and v_x y0
+  /// / v_y.
   struct ClosedForm {
     double least_pitch_mm{}, travel_mm{};
   };
@@ -45,8 +47,8 @@ std::vector<std::string> outsideAcross(const std::vector<Segment>& path, const M
 std::vector<std::string> powerFaults(const UnitPath& unit, const MachineParameters& machine,
                                      const JobParameters& job);
 
-/// Where a job with a power model marks so slowly that the laser's least power is too much: a sentence for
-/// each Z.
+/// Describes where a job with a power model marks so slowly that the laser's least power is too much: a
+/// sentence for each Z.
 std::vector<std::string> powerWarnings(const UnitPath& unit, const JobParameters& job);
 
 }  // namespace kerfbench::planner

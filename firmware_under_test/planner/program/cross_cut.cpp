@@ -8,18 +8,20 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "firmware_under_test/planner/program/plan.h"
+
 namespace kerfbench::planner {
 namespace {
 
 double highestByReach(const CrossCut& cut) { return cut.reach_mm * cut.cut_mm_s / cut.width_mm; }
 
-/// The positive root of v² / v_0 + v = L v_y / y0.
+/// Positive root of v² / v_0 + v = L v_y / y0.
 double highestByPiece(const CrossCut& cut) {
   const double v0 = cut.reposition_mm_s;
   return 0.5 * v0 * (std::sqrt(1.0 + 4.0 * cut.piece_mm * cut.cut_mm_s / (cut.width_mm * v0)) - 1.0);
 }
 
-/// Two plans of the same cut give what a further piece takes.
+/// Time until the first piece is cut, and time of each further piece.
 struct Planned {
   double first_s{};
   double each_s{};
@@ -34,7 +36,7 @@ Planned planned(const CrossCut& cut, const MachineParameters& machine, JobParame
   MachineParameters with_feed = machine;
   if (stop_and_go) {
     job.web_start_x_mm = std::clamp(0.0, machine.field_min_mm[0], machine.field_max_mm[0]);
-    // Whatever drives the belt here, the table asks how long it takes.
+    // The table needs a feed to time, whatever drives the belt in this job.
     if (!(with_feed.feed_step_mm > 0.0)) with_feed.feed_step_mm = cut.feed_mm_s / 2e4;
   }
   const double half_mm = 0.5 * cut.width_mm;
@@ -92,9 +94,9 @@ double CrossCut::continuousS(double pieces) const {
 std::optional<CrossCut> crossCutOf(const std::vector<Segment>& path, const MachineParameters& machine,
                                    const JobParameters& job) {
   if (path.size() != 1 || path.front().isArc() || job.stop_and_go || job.units < 2) return std::nullopt;
-  const Eigen::Vector2d way = path.front().end_mm - path.front().start_mm;
-  if (!(job.belt_speed_mm_s > 0.0) || std::abs(way.x()) > 0.01 * std::abs(way.y())) return std::nullopt;
-  return CrossCut{job.pitch_mm,        std::abs(way.y()),   machine.field_max_mm[0] - machine.field_min_mm[0],
+  const Eigen::Vector2d line = path.front().end_mm - path.front().start_mm;
+  if (!(job.belt_speed_mm_s > 0.0) || std::abs(line.x()) > 0.01 * std::abs(line.y())) return std::nullopt;
+  return CrossCut{job.pitch_mm,        std::abs(line.y()),  machine.field_max_mm[0] - machine.field_min_mm[0],
                   job.belt_speed_mm_s, job.mark_speed_mm_s, job.jump_speed_mm_s};
 }
 

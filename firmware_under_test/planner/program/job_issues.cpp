@@ -16,9 +16,9 @@
 namespace kerfbench::planner {
 namespace {
 
-/// Coarsest that a correction table may be; a fifth of what a cut may be off.
+/// Coarsest allowed correction table; a fifth of a cut's tolerance.
 constexpr double kCoarsestMm = 0.01;
-/// The table against head and field.
+/// Faults of the table against head and field.
 std::vector<std::string> correctionFaults(const MachineParameters& machine) {
   const CorrectionTable& table = *machine.correction;
   const Eigen::AlignedBox2d area = table.area_mm();
@@ -57,7 +57,7 @@ std::vector<std::string> correctionFaults(const MachineParameters& machine) {
   return faults;
 }
 
-/// What must hold of machine and job, section by section; every fault is kept.
+/// Checks machine and job, section by section; every fault is kept.
 class JobChecker {
  public:
   JobChecker(const MachineParameters& machine, const JobParameters& job) : machine_(machine), job_(job) {}
@@ -78,7 +78,7 @@ class JobChecker {
   void check(bool holds, const std::string& what) {
     if (!holds) faults_.push_back(what);
   }
-  // The upper bounds are beyond every machine; they keep what is computed from the numbers a number.
+  // The upper bounds are beyond every machine; they keep all computed numbers finite.
   void positive(double value, const char* name, double most = 1e6, double least = 0.0) {
     check(std::isfinite(value) && value > 0.0, fmt::format("{} must be > 0, but is {:g}", name, value));
     check(!(value > most), fmt::format("{} must be at most {:g}, but is {:g}", name, most, value));
@@ -149,12 +149,12 @@ class JobChecker {
   void checkPowerLoop() {
     check(job_.power != nullptr, "a loop on the measured power needs a material and a laser");
     positive(machine_.power_quantum_j, "power_quantum_j", 1e3, 1e-6);
-    // The controller looks back over so many ticks, the gate's delay and its own tick among them.
+    // The controller looks back over a limited number of ticks, the gate's delay and its own tick among them.
     const double longest_s = (KB_POWER_DELAY_MAX - 2) * machine_.target.tick_s;
     check(machine_.power_delay_s >= 0.0 && machine_.power_delay_s + machine_.tracking_delay_s <= longest_s,
           fmt::format("power_delay_s, {:g}, and tracking_delay_s must be in 0 … {:g} together",
                       machine_.power_delay_s, longest_s));
-    // The controller counts to 255, also of a tube that makes half as much again.
+    // The controller counts to 255, and also for a tube with half as much power again.
     const double full_w = job_.power == nullptr ? 0.0 : job_.power->laser().power.greatest().y;
     const double edges = full_w * machine_.target.periodS() / (2.0 * machine_.power_quantum_j);
     check(job_.power == nullptr || (edges >= 16.0 && edges <= 160.0 * (1.0 + 1e-9)),

@@ -8,7 +8,7 @@
 
 namespace kerfbench::planner {
 
-/// What is wrong with the two parameter sets, one sentence each; empty if they are usable.
+/// Faults of the two parameter sets, one sentence each; empty if they are usable.
 std::vector<std::string> jobIssues(const MachineParameters& machine, const JobParameters& job);
 
 }  // namespace kerfbench::planner

@@ -12,11 +12,13 @@ namespace {
 
 constexpr double kConnectTime_s = 2.0;
 constexpr double kReplyTime_s = KB_REPLY_TIMEOUT_MS * 1e-3;
-constexpr double kFullQueueTime_s = 0.010;  // twelve periods: some 60 bytes of a queue of 4096
-constexpr double kStateTime_s = 0.050;      // an EVENT could be lost on the line
-constexpr double kAccountTime_s = 0.250;    // for the answer to the last question
+// Time between STATUS requests while the queue is full: twelve periods, some 60 bytes of a queue of 4096.
+constexpr double kFullQueueTime_s = 0.010;
+constexpr double kStateTime_s =
+    0.050;  // Time between STATUS requests once all is sent: an EVENT could be lost.
+constexpr double kAccountTime_s = 0.250;  // Time for the answer to the last question.
 constexpr int kMaxRepeats = 20;
-constexpr std::size_t kOverhead = 6;  // SYNC TYPE SEQ LEN CRC CRC
+constexpr std::size_t kOverhead = 6;  // Overhead of a frame: SYNC TYPE SEQ LEN CRC CRC.
 
 std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
   unsigned crc = 0xFFFF;
@@ -183,7 +185,7 @@ std::optional<Link::Reply> Link::takeReply() {
         return reply;
       }
     }
-    received_.erase(received_.begin());  // not a frame: look for the next SYNC
+    received_.erase(received_.begin());  // The bytes are not a frame: look for the next SYNC.
   }
 }
 
@@ -233,7 +235,7 @@ void Link::accepted(std::size_t free_bytes) {
 
 void Link::refused(std::uint8_t reason) {
   if (end_) {
-    frame_.clear();  // whatever it was, it is late
+    frame_.clear();  // A late frame is dropped, whatever it was.
     return;
   }
   // The first three can come from noise on the line; the last heals as the queue empties.
@@ -248,7 +250,7 @@ void Link::refused(std::uint8_t reason) {
   }
 }
 
-/// Follows the answer to HELLO, whose sequence number it has; if it is lost, HELLO is said again.
+/// Follows the answer to HELLO, with its sequence number; if it is lost, HELLO is sent again.
 void Link::infoSeen(std::span<const std::uint8_t> payload) {
   constexpr std::size_t kBeforeBlock = 6;
   if (found_ || state_ != State::kConfiguring) return;
@@ -262,7 +264,7 @@ void Link::infoSeen(std::span<const std::uint8_t> payload) {
 
 void Link::stateSeen(std::uint8_t state, std::uint8_t fault) {
   if (state_ != State::kRunning && !(state_ == State::kLoading && !frame_.empty() && frame_[1] == KB_START)) {
-    return;  // of a program before this one
+    return;  // The frame belongs to an earlier program.
   }
   if (state == KB_STOPPED) {
     ended("the controller stopped: " + std::string(faultInWords(fault)));
@@ -275,7 +277,7 @@ void Link::stateSeen(std::uint8_t state, std::uint8_t fault) {
 }
 
 void Link::ended(std::string why) {
-  if (end_) return;  // the first word counts
+  if (end_) return;  // The first reason counts.
   end_ = std::move(why);
   end_s_ = now_s_;
 }

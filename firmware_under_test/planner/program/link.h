@@ -13,26 +13,26 @@
 
 namespace kerfbench::planner {
 
-/// Why a controller has stopped, for people: "its queue ran dry in the middle of the program". @param fault
+/// Reason of a controller's stop, for people: "its queue ran dry in the middle of the program". @param fault
 /// enum kb_fault.
 std::string_view faultInWords(std::uint8_t fault);
 
-/// The host half of protocol.h as a pure state machine: bytes and time in, bytes out. Says HELLO until
-/// answered, then CONFIG, fills the queue, START, keeps the queue full, waits for DONE. When the controller
-/// has done or stopped it is asked once more where axes and belt are (KB_STATE), for whoever listens on the
+/// Host half of protocol.h as a pure state machine: bytes and time in, bytes out. Sends HELLO until answered,
+/// then CONFIG, fills the queue, START, keeps the queue full, waits for DONE. When the controller has done or
+/// stopped it is asked once more for the positions of axes and belt (KB_STATE), for other readers of the
 /// line.
 class Link {
  public:
   enum class State { kConnecting, kConfiguring, kLoading, kRunning, kDone, kFailed };
   explicit Link(Program program);
 
-  /// Bytes from the controller and the time now (virtual seconds); returns bytes for it.
+  /// Takes bytes from the controller and the present time (virtual seconds); returns bytes for it.
   std::vector<std::uint8_t> step(std::span<const std::uint8_t> received, double now_s);
 
   [[nodiscard]] State state() const;
-  /// One sentence for people: why it failed, or how far it is.
+  /// State for people in one sentence: why it failed, or how far it is.
   [[nodiscard]] std::string message() const;
-  /// As the controller told in INFO; empty before.
+  /// Version from the controller's INFO; empty before.
   [[nodiscard]] std::string version() const { return found_ ? found_->version : std::string(); }
   /// Share of the program sent, 0 … 1.
   [[nodiscard]] double progress() const;
@@ -51,12 +51,12 @@ class Link {
   void refused(std::uint8_t reason);
   void infoSeen(std::span<const std::uint8_t> payload);
   void stateSeen(std::uint8_t state, std::uint8_t fault);
-  /// The controller has come to its end; an empty `why` is a success.
+  /// Records the end of the controller's run; an empty `why` is a success.
   void ended(std::string why);
-  /// Takes over what ended() was told.
+  /// Takes over the end that ended() recorded.
   void conclude();
   void fail(std::string why);
-  /// The next frame to send, or nothing to do now.
+  /// Sends the next frame, or nothing now.
   void sendNext();
   void send(std::uint8_t type, std::span<const std::uint8_t> payload);
   void sendData();
@@ -64,19 +64,19 @@ class Link {
   Program program_;
   State state_{State::kConnecting};
   std::string failure_;
-  std::vector<std::uint8_t> received_;  ///< Not yet a whole frame.
-  std::vector<std::uint8_t> out_;       ///< What step() returns.
+  std::vector<std::uint8_t> received_;  ///< Received bytes that are not yet a whole frame.
+  std::vector<std::uint8_t> out_;       ///< Bytes that step() returns.
   double now_s_{};
   double first_s_{-1.0};         ///< Time of the first step().
-  std::optional<Target> found_;  ///< As the controller says of itself.
+  std::optional<Target> found_;  ///< Controller as its INFO describes it.
   std::size_t op_{};             ///< First operation not yet accepted.
-  std::size_t ops_under_way_{};  ///< In the frame that waits for its answer.
+  std::size_t ops_under_way_{};  ///< Operations in the frame that waits for its answer.
   std::size_t free_bytes_{};
-  std::vector<std::uint8_t> frame_;  ///< Waits for its answer; empty: none.
+  std::vector<std::uint8_t> frame_;  ///< Frame that waits for its answer; empty: none.
   std::uint8_t seq_{};
   double sent_s_{};
   double asked_s_{};  ///< Time of the last STATUS.
-  /// Job check (protocol.h) of what the controller has accepted, and with the frame that waits.
+  /// Job check (protocol.h) of all that the controller has accepted, and with the frame that waits.
   struct Check {
     std::uint16_t a{1}, b{};
     void add(std::uint8_t byte) {
@@ -86,10 +86,11 @@ class Link {
     void appendTo(std::vector<std::uint8_t>& payload) const;
   };
   Check check_, check_under_way_;
-  std::optional<std::string> end_;  ///< What ended() says.
+  std::optional<std::string> end_;  ///< Reason that ended() recorded.
   double end_s_{};
   int repeats_{};
-  bool refused_in_run_{false};  ///< A frame was refused while running: ask why before giving up.
+  /// True if a frame was refused while running: the state is requested before giving up.
+  bool refused_in_run_{false};
   bool resend_{false};
 };
 

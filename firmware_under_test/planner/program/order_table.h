@@ -10,20 +10,20 @@
 
 namespace kerfbench::planner {
 
-/// What a drawing costs in one order.
+/// Cost of a drawing in one order.
 struct OrderCost {
   JobParameters::Order order{};
   int jumps{};
   double air_path_mm{};
-  std::optional<double> unit_time_s;  ///< Absent: it does not fit at the job's belt speed.
-  double max_belt_speed_mm_s{};       ///< 0 on a resting sheet.
+  std::optional<double> unit_time_s;  ///< Time of a unit; absent: it does not fit at the job's belt speed.
+  double max_belt_speed_mm_s{};       ///< Highest belt speed; 0 on a resting sheet.
 };
 
-/// Shortest, nearest, drawn. @throws PlanError if parameters or drawing are unusable.
+/// Costs of the orders shortest, nearest, drawn. @throws PlanError if parameters or drawing are unusable.
 std::vector<OrderCost> orderCosts(const dieline::Dieline& dieline, const MachineParameters& machine,
                                   JobParameters job);
 
-/// The same as a table to read.
+/// Table of orderCosts() for people.
 std::string orderTable(const dieline::Dieline& dieline, const MachineParameters& machine,
                        const JobParameters& job);
 

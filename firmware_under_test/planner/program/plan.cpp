@@ -30,12 +30,12 @@ void require(const MachineParameters& machine, const JobParameters& job) {
   if (!faults.empty()) throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
-/// Orders that are shorter must fit at this share of the belt speed as well.
+/// Share of the belt speed that shorter orders must fit as well.
 constexpr double kSpareSpeed = 1.1;
-/// Whether an order fits takes a plan of the whole unit.
+/// Most plans of the whole unit that test whether an order fits.
 constexpr int kMostQuestions = 300;
 
-/// Drawings that no sheet can hold, or of which there is too much to be put in order.
+/// Refuses drawings that no sheet can hold, or with too much to be put in order.
 void requireSane(const dieline::Dieline& dieline) {
   constexpr std::size_t kMostEntities = 20'000;
   constexpr double kFarthestMm = 1e5;
@@ -128,7 +128,7 @@ std::string makeGcode(const dieline::Dieline& dieline, const MachineParameters& 
     }
   }
   if (job.order != JobParameters::Order::kShortest || best_speed < job.belt_speed_mm_s) return best;
-  // The line may run faster than it is said to, so a shorter way must not cost all the room there was.
+  // The line may run faster than configured, so a shorter path must not cost all the room there was.
   const double spare_speed = std::min(best_speed, kSpareSpeed * job.belt_speed_mm_s);
   const auto fits = [&](const std::vector<Stop>& candidate) {
     const std::vector<Segment> path = withJumps(piecesOf(candidate, job));
@@ -155,9 +155,9 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
   const UnitLayout& next = solution.layoutOf(job.units > 1 ? 1 : 0);
   const double period_s = axes.periodS();
   plan.unit_time_s = (layout.catch_up_periods + layout.sheet_periods) * period_s;
-  int way_back = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
-  if (job.stop_and_go) way_back = std::max(way_back, feedOfPitchPeriods(job, period_s));
-  plan.cycle_time_s = plan.unit_time_s + way_back * period_s;
+  int return_periods = Reposition(layout.end_W_mm, v, next.park_W_mm, job, axes).periods();
+  if (job.stop_and_go) return_periods = std::max(return_periods, feedOfPitchPeriods(job, period_s));
+  plan.cycle_time_s = plan.unit_time_s + return_periods * period_s;
   plan.x_ref_mm = layout.x_ref_mm;
   plan.jump_length_mm = solution.paths.front().jump_length_mm;
   for (const Segment& segment : path) {
@@ -168,7 +168,7 @@ Plan planFromGcode(const std::string& gcode, const MachineParameters& machine, c
     throw PlanError(fmt::format("{} units of {:.3f} s are more than one program may hold ({:.0f} h)",
                                 job.units, plan.cycle_time_s, kMostPeriods * period_s / 3600.0));
   }
-  // A job at its highest speed must bear the little by which any line wavers.
+  // Margin for a job at its highest speed, which must bear the small speed variation of any line.
   constexpr double kWaver = 1.02;
   if (v > 0.0 && !job.feed_by_controller)
     plan.belt_stop_mm_s = std::max(plan.max_belt_speed_mm_s, kWaver * v);

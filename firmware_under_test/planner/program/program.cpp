@@ -20,14 +20,14 @@ namespace {
 using Eigen::Vector2d;
 using Op = std::vector<std::uint8_t>;
 
-/// The gain is sent anew when it is off by more than this share.
+/// Share of change above which the gain is sent anew.
 constexpr double kGainShare = 0.002;
 
 void append(Op& op, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) op.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// Writes periods and knows where the axes stand.
+/// Writes periods and keeps the positions of the axes.
 class Writer {
  public:
   Writer(const Axes& axes, const MachineParameters& machine, const JobParameters& job, double belt_speed_mm_s)
@@ -38,7 +38,7 @@ class Writer {
         period_s_(axes.periodS()),
         p_W_mm_(axes.wakesAt()) {}
 
-  /// One period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
+  /// Writes one period that ends with the beam at p_W; `mark` is on the sheet, if the laser is on.
   void period(const Vector2d& p_W_mm, const Sample* mark, int entity) {
     const Vector2d wanted = axes_.stepsAt(p_W_mm);
     int count[2];
@@ -56,7 +56,7 @@ class Writer {
     }
     for (int i = 0; i < 2; ++i) checkTurn(i, count[i], entity);
     std::uint8_t mask = 0;
-    Op op(1);  // the operation itself comes last, when its mask is known
+    Op op(1);  // The operation itself comes last, when its mask is known.
     const auto axis = [&](int number, int steps) {
       if (steps == 0) return;
       mask = static_cast<std::uint8_t>(mask | (1U << static_cast<unsigned>(number)));
@@ -87,8 +87,8 @@ class Writer {
   }
 
   void reposition(const Vector2d& to_W_mm, double v0_mm_s) {
-    const Reposition way(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
-    for (int k = 1; k <= way.periods(); ++k) period(way.at(k), nullptr, -1);
+    const Reposition move(p_W_mm_, v0_mm_s, to_W_mm, job_, axes_);
+    for (int k = 1; k <= move.periods(); ++k) period(move.at(k), nullptr, -1);
   }
 
   void waitMark(std::int32_t offset) {
@@ -119,8 +119,8 @@ class Writer {
   }
 
  private:
-  /// The firmware would put steps off so that DIR is set up and held as long as the drive needs: the beam
-  /// would be late.
+  /// Refuses a turn that the firmware would delay to set DIR up and hold it as long as the drive needs: the
+  /// beam would be late.
   void checkTurn(int axis, int count, int entity) {
     const int turn = axes_.pulses().turn_steps[static_cast<std::size_t>(axes_.firstAxis() + axis)];
     const int before = std::exchange(count_before_[axis], count);
@@ -171,12 +171,12 @@ class Writer {
   bool following_{false};
   double gain_{};
   double feed_speed_{}, feed_target_{}, feed_mm_{};
-  std::optional<int> pitch_period_;  // of the feed by one pitch that is under way
+  std::optional<int> pitch_period_;  // Period of the feed by one pitch that is under way.
   int pitches_{};
   long feed_steps_{};
 };
 
-/// A release that ignores the belt keeps the unit where it lay when it would have been half done.
+/// Layout for a release that ignores the belt: the unit stays where it lay when it would have been half done.
 UnitLayout frozen(const UnitPath& unit, UnitLayout layout, const MachineParameters& machine) {
   double low = unit.start_S_mm.x();
   double high = low;
@@ -191,7 +191,7 @@ UnitLayout frozen(const UnitPath& unit, UnitLayout layout, const MachineParamete
   return layout;
 }
 
-/// The periods from rest at the park position to the last mark.
+/// Writes the periods from rest at the park position to the last mark.
 void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, double x_ref_mm, double v,
                double tracking_delay_s) {
   const Vector2d park = writer.at();
@@ -218,7 +218,7 @@ void writeUnit(Writer& writer, const UnitPath& unit, const UnitLayout& layout, d
   }
 }
 
-/// As if the beam ran at its full speed everywhere, for whoever tells the laser its power.
+/// Path as if the beam ran at its full speed everywhere, for the laser's power.
 UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_s) {
   for (Block& block : path.blocks) {
     for (Sample& sample : block.samples) {
@@ -228,15 +228,15 @@ UnitPath withConstantPower(UnitPath path, double mark_speed_mm_s, double period_
   return path;
 }
 
-/// KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): of an integrator
-/// whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))).
+/// Payload of KB_POWER. The gain is 0.4 of that at which the loop would ring (planner/power/loop.h): for an
+/// integrator whose measurement is n periods late that is 2 sin(pi / (2 (2 n + 1))).
 std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, const JobParameters& job,
                                            unsigned gate_delay_ticks) {
   const Target& target = machine.target;
   const PowerModel& model = *job.power;
   const int ticks = static_cast<int>(gate_delay_ticks) + 1 +
                     static_cast<int>(std::lround(machine.power_delay_s / target.tick_s));
-  // A period is prepared while another runs, by what the one before that has measured.
+  // A period is prepared while another runs, from the measurement of the one before that.
   const double late = 2.0 + std::ceil(static_cast<double>(ticks) / target.ticks_per_period);
   const double gain = 0.8 * std::sin(std::numbers::pi / (2.0 * (2.0 * late + 1.0)));
   Op payload;
@@ -246,7 +246,7 @@ std::vector<std::uint8_t> powerLoopPayload(const MachineParameters& machine, con
   append(payload, static_cast<std::uint64_t>(ticks), 2);
   for (int i = 0; i < KB_POWER_POINTS; ++i) {
     const auto byte = static_cast<std::uint8_t>(std::min(16 * i, 255));
-    // Beneath its curve's first point a laser is not known; the loop never goes there.
+    // The laser's curve is unknown below its first point; the loop never goes there.
     const double edges = model.powerOf(byte) * target.periodS() / (2.0 * machine.power_quantum_j);
     append(payload, static_cast<std::uint64_t>(std::lround(16.0 * edges)), 2);
   }
@@ -257,13 +257,13 @@ struct Reach {
   Vector2d low, high;
 };
 
-/// Steps that hold the whole field. They grow along their own axis, with a table too, so that each is least
-/// and most on the rim; of the formulas in a corner or across the middle.
+/// Ranges of steps that hold the whole field. Steps grow along their own axis, with a table too, so that each
+/// is least and most on the rim; for the formulas in a corner or across the middle.
 Reach reachOf(const Axes& axes, const MachineParameters& machine) {
   constexpr int kParts = 128;
   const Vector2d low(machine.field_min_mm[0], machine.field_min_mm[1]);
   const Vector2d high(machine.field_max_mm[0], machine.field_max_mm[1]);
-  Reach reach{Vector2d::Zero(), Vector2d::Zero()};  // where it wakes
+  Reach reach{Vector2d::Zero(), Vector2d::Zero()};  // The range begins at the place of the beam at power-on.
   const auto hold = [&](const Vector2d& p_W_mm) {
     const Vector2d steps = axes.stepsAt(p_W_mm);
     reach.low = reach.low.cwiseMin(steps);
@@ -281,8 +281,8 @@ Reach reachOf(const Axes& axes, const MachineParameters& machine) {
   return reach;
 }
 
-/// Where the beam may be by KB_CONFIG. A line that wavers and an encoder that runs out of true move the axis
-/// that follows beside its plan, which may use the field to its edge.
+/// Appends the field of the beam for KB_CONFIG. Variations of the line's speed and runout of an encoder move
+/// the following axis away from its plan, which may use the field to its edge.
 void appendField(Op& config, const Axes& axes, const MachineParameters& machine, bool follows) {
   constexpr double kWaverMm = 0.5;
   const Reach reach = reachOf(axes, machine);
@@ -316,7 +316,7 @@ double powerByte(const Sample& sample, const MachineParameters& machine, const J
 
 namespace {
 
-/// How the web moves while a program runs, and what of it the program knows.
+/// Motion of the web while a program runs, and the speed that the program uses.
 struct WebMotion {
   WebMotion(const Solution& solution, const JobParameters& job, const PlannerFaults& faults)
       : v_mm_s(solution.belt_speed_mm_s),
@@ -326,10 +326,10 @@ struct WebMotion {
   double v_mm_s;
   bool moving;
   bool follows;
-  double seen_mm_s;  // What x' = x + v t is computed with.
+  double seen_mm_s;  // Speed in x' = x + v t.
 };
 
-/// The laser waits for the axes, less what it lags by itself; ticks.
+/// Delay of the laser in ticks: it waits for the axes, less its own lag.
 unsigned laserDelay(const MachineParameters& machine) {
   const double wait_s = std::max(0.0, machine.tracking_delay_s - machine.laser_lag_s);
   return static_cast<unsigned>(std::lround(wait_s / machine.target.tick_s));
@@ -341,7 +341,7 @@ std::vector<std::uint8_t> configuration(const WebMotion& web, const MachineParam
   const double counts_per_mm_s = web.moving ? axes.periodS() / machine.encoder_count_mm * 65536.0 : 0.0;
   append(config, static_cast<std::uint64_t>(std::llround(web.v_mm_s * counts_per_mm_s)), 4);
   const unsigned delay = laserDelay(machine);
-  for (const unsigned byte : {delay, delay, 0U})  // Idle power 0.
+  for (const unsigned byte : {delay, delay, 0U})  // The last value is the idle power, 0.
     config.push_back(static_cast<std::uint8_t>(byte));
   const double most = web.follows ? std::min(belt_stop_mm_s * counts_per_mm_s, 1e9) : 0.0;
   append(config, static_cast<std::uint64_t>(std::llround(most)), 4);
@@ -355,7 +355,7 @@ std::vector<std::uint8_t> configuration(const WebMotion& web, const MachineParam
   return config;
 }
 
-/// Writes the units of a job, each with its way to the start.
+/// Writes the units of a job, each with the move to its start.
 class UnitWriter {
  public:
   UnitWriter(Writer& writer, const WebMotion& web, const MachineParameters& machine, const JobParameters& job,
@@ -391,7 +391,7 @@ class UnitWriter {
   }
 
  private:
-  /// Timed: the unit starts at the first border of a period at which the web has come far enough.
+  /// Starts a timed unit: at the first border of a period at which the web has come far enough.
   void startFed(int unit, double planned_mm, UnitLayout& layout) {
     const double v = web_.v_mm_s;
     const double from_mm = job_.web_start_x_mm - unit * job_.pitch_mm + feedRampMm(v, job_, period_s_);
@@ -404,7 +404,7 @@ class UnitWriter {
     while (!writer_.feedAtTarget() || writer_.feedMm() < belt_mm - 1e-6) writer_.hold(1);
   }
 
-  /// The print mark starts the unit, a whole number of encoder counts later.
+  /// Starts a unit at its print mark, a whole number of encoder counts later.
   void startAtMark(double planned_mm, UnitLayout& layout) {
     const double seen_mm = machine_.print_mark_sensor_x_mm - job_.eye_mark_x_mm;
     const long offset = std::lround((planned_mm - seen_mm) / machine_.encoder_count_mm);

@@ -60,7 +60,7 @@ bool holds(const std::vector<std::pair<int, int>>& ranges, int id) {
   throw PlanError(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
-/// Faults of ranges that choose none of the ids.
+/// Finds ranges that choose none of the ids.
 void checkRanges(const Selection& selection, const std::set<int>& ids, std::vector<std::string>& faults) {
   for (const auto& [first, last] : selection.entities) {
     const auto found = ids.lower_bound(first);
@@ -72,7 +72,7 @@ void checkRanges(const Selection& selection, const std::set<int>& ids, std::vect
   }
 }
 
-/// The word after the entity in a comment such as "(E14 half-cut)".
+/// Process word after the entity in a comment such as "(E14 half-cut)".
 std::string processWordOf(std::string_view line, int entity) {
   const std::string text = lower(line);
   const std::string key = fmt::format("e{} ", entity);

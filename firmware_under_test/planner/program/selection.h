@@ -11,25 +11,25 @@
 
 namespace kerfbench::planner {
 
-/// What of a job is to be cut: an entity must be among those of each list that is not empty.
+/// Part of a job that is to be cut: an entity must be among those of each list that is not empty.
 struct Selection {
-  std::vector<std::pair<int, int>> entities;  ///< First and last id, both included.
+  std::vector<std::pair<int, int>> entities;  ///< Ranges of ids, first and last included.
   std::set<std::string> layers;               ///< Lower case; DXF layers or SVG colours.
   std::set<dieline::Process> processes;
 
   [[nodiscard]] bool all() const { return entities.empty() && layers.empty() && processes.empty(); }
 };
 
-/// From words as on the command line: "3,5-8" (an E before a number may be there), "Cut,Crease",
+/// Parses the words of the command line: "3,5-8" (an E before a number may be there), "Cut,Crease",
 /// "cut,half-cut". Empty text: no limit of that kind. @throws PlanError with everything wrong.
 Selection selectionFrom(const std::string& entities, const std::string& layers, const std::string& processes);
 
-/// Turns what is not chosen into dieline::Process::kIgnore, so that planner and judge leave it out.
+/// Excludes what is not chosen by dieline::Process::kIgnore, so that planner and judge leave it out.
 /// @throws PlanError if a range or a layer chooses nothing that is in the drawing, or all together choose
 /// nothing.
 void select(dieline::Dieline& dieline, const Selection& selection);
 
-/// The chosen marks of a G-code, in their order, with jumps between them. Entity and process are those of the
+/// Selects marks of a G-code, in their order, with jumps between them. Entity and process are those of the
 /// comments that makeGcode writes: "(E14 cut)"; marks without one belong to no entity and no process.
 /// @throws PlanError if the text is faulty or nothing is chosen, and for layers, which G-code does not hold.
 std::string select(const std::string& gcode, const Selection& selection);

@@ -15,7 +15,7 @@
 namespace kerfbench::avr_bench {
 namespace {
 
-/// Of a port's pins; simavr's macros make an int of it.
+/// Interrupt request of a port's pin; simavr's macros make an int of the port.
 avr_irq_t* pinOf(avr_t* avr, char port, int pin) {
   return avr_io_getirq(avr, static_cast<std::uint32_t>(AVR_IOCTL_IOPORT_GETIRQ(port)), pin);
 }
@@ -110,8 +110,7 @@ void onRunning(avr_irq_t*, std::uint32_t value, void* p) {
 avr_cycle_count_t feedByte(avr_t*, avr_cycle_count_t when, void* p) {
   auto& bench = *static_cast<Bench*>(p);
   if (bench.xoff || bench.cut_line) return when + kByteCycles;
-  // A wire that is never at rest: what is not a frame is a byte that begins none. Only the good release must
-  // bear it.
+  // The wire is never at rest: bytes outside of frames begin none. Only the good release must bear it.
   if (bench.to_controller.empty() && !bench.busy_wire) return when + kByteCycles;
   std::uint8_t byte = 0;
   if (!bench.to_controller.empty()) {
@@ -141,7 +140,7 @@ avr_cycle_count_t raiseMark(avr_t* avr, avr_cycle_count_t, void* p) {
 
 void doNotSleep(avr_t*, avr_cycle_count_t) {}
 
-/// What lies around a controller that starts: the line, a closed guard, free limits.
+/// Sets the surroundings of a controller that starts: the line, a closed guard, free limits.
 void surround(Bench& bench) {
   for (std::uint8_t i = 0; i < 8; ++i) avr_extint_set_strict_lvl_trig(bench.avr, i, 0);
   avr_cycle_timer_register(bench.avr, kByteCycles, feedByte, &bench);
@@ -188,7 +187,8 @@ void load(Bench& bench, const char* image) {
   avr_irq_register_notify(port('A'), onPortA, &bench);
   avr_irq_register_notify(port('C'), onPortC, &bench);
   for (std::size_t i = 0; i < bench.vectors.size(); ++i) {
-    static std::array<Watched, std::tuple_size_v<decltype(Bench::vectors)>> watched;  // one bench at a time
+    // The list serves one bench at a time.
+    static std::array<Watched, std::tuple_size_v<decltype(Bench::vectors)>> watched;
     watched[i] = {&bench, &bench.vectors[i]};
     avr_irq_t* const irq = avr_get_interrupt_irq(avr, static_cast<std::uint8_t>(bench.vectors[i].number));
     avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, onAsked, &watched[i]);
@@ -218,7 +218,7 @@ void runTo(Bench& bench, std::uint64_t cycle) {
       std::exit(1);
     }
     if (bench.avr->run == avr_callback_run_raw) continue;
-    bench.avr->run(bench.avr);  // how simavr's watchdog asks for a reset, which lets go of all pins
+    bench.avr->run(bench.avr);  // The run lets simavr's watchdog ask for a reset, which releases all pins.
     bench.avr->run = avr_callback_run_raw;
     bench.avr->pc = 0;
     onPort(bench, 'A', bench.invert_a);

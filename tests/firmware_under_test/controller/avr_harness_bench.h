@@ -28,12 +28,13 @@ struct Axis {
   std::uint64_t min_setup{kNever}, min_hold{kNever}, min_width{kNever}, max_width{}, min_space{kNever};
 };
 
-/// One interrupt's account of itself: simavr tells when a vector is asked for, starts and ends.
+/// Times of one interrupt: simavr reports when a vector is requested, starts and ends.
 struct Vector {
   int number;
   const char* name;
   std::uint64_t asked{kNever}, entry{kNever};
-  std::uint64_t count{}, sum{}, longest{}, latest{};  ///< latest: longest from being asked for to its start.
+  /// Statistics; latest: longest time from request to start.
+  std::uint64_t count{}, sum{}, longest{}, latest{};
 };
 
 struct Bench {
@@ -44,24 +45,25 @@ struct Bench {
                                  {4, "print mark (INT3)"},
                                  {25, "UART (USART0_RX)"},
                                  {18, "tick that holds pulses (TIMER1_COMPB)"}}};
-  std::array<unsigned, 256> levels{};  ///< As the drives understand them, after the inversion.
-  unsigned invert_a{}, invert_c{};     ///< Set before load().
+  std::array<unsigned, 256> levels{};  ///< Levels as the drives understand them, after the inversion.
+  unsigned invert_a{}, invert_c{};     ///< Inversions; set before load().
   std::deque<std::uint8_t> to_controller;
   std::vector<std::uint8_t> from_controller;
   avr_irq_t* rx{};
   bool xoff{};
   std::uint64_t bytes{};
   std::uint64_t first_tick{kNever}, min_interval{kNever}, max_interval{}, ticks{};
-  /// From the last change of DIR in a tick to the tick's end, and from a tick's begin to an edge of PUL.
+  /// Times from the last change of DIR in a tick to the tick's end, and from a tick's begin to an edge of
+  /// PUL.
   std::uint64_t min_tail{kNever}, min_head{kNever}, min_gap{kNever}, tick_end{kNever};
   std::uint64_t encoder_period{}, gate_rise{}, gate_fall{}, mark_rise{};
   unsigned quadrature{};
   bool running{};
   bool busy_wire{true};
-  bool cut_line{};                              ///< Nothing of the host arrives.
-  int resets{};                                 ///< By the watchdog.
-  void (*on_step)(Bench&, std::size_t axis){};  ///< At each active edge.
-  void (*on_count)(Bench&){};  ///< Before each count of the encoder; may change encoder_period.
+  bool cut_line{};                              ///< True if nothing of the host arrives.
+  int resets{};                                 ///< Number of resets by the watchdog.
+  void (*on_step)(Bench&, std::size_t axis){};  ///< Handler of each active edge.
+  void (*on_count)(Bench&){};  ///< Handler before each count of the encoder; may change encoder_period.
   void* context{};
 
   [[nodiscard]] Vector& tick() { return vectors[0]; }
@@ -72,15 +74,16 @@ void driveInput(Bench& bench, char port, int bit, unsigned level);
 /// program if it cannot be read. One bench at a time; unload() before the next.
 void load(Bench& bench, const char* image);
 void unload(Bench& bench);
-/// The belt runs from `cycle` on, a count each bench.encoder_period.
+/// Starts the belt at `cycle`, a count each bench.encoder_period.
 void startBelt(Bench& bench, std::uint64_t cycle);
 void raiseMarkAt(Bench& bench, std::uint64_t cycle);
 /// Runs to that cycle. Ends the program if the emulator says that the firmware crashed.
 void runTo(Bench& bench, std::uint64_t cycle);
-/// Runs to that cycle, then lets the host hear and answer; how many bytes it sends.
+/// Runs to that cycle, then passes bytes to the host and takes its answer; returns the number of bytes it
+/// sends.
 std::size_t serve(Bench& bench, planner::Link& link, std::uint64_t cycle);
 void putU32(std::vector<std::uint8_t>& to, std::uint32_t value);
-/// "ok" or "FAIL" and what; counts failures.
+/// Prints "ok" or "FAIL" and `what`; counts failures.
 void check(bool good, const std::string& what);
 int failures();
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drives of every kind on the AVR release: the planner's settings for what they need, a program that turns
-// round wherever it likes, the pins held against the drive's data sheet, steps counted. Linked with simavr,
-// hence the licence.
+// Drives of every kind on the AVR release: the planner's settings for their requirements, a program with
+// reversals anywhere, the pins held against the drive's data sheet, steps counted. Linked with simavr, hence
+// the licence.
 //
 //     avr_drives IMAGE.hex
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 using namespace kerfbench::avr_bench;
 using namespace kerfbench::planner;
 
-// fixtures/machines/drivers.yaml, and DIR the other way round.
+// Drives of fixtures/machines/drivers.yaml, and one with DIR inverted.
 const DriveNeeds kKinds[] = {
     {.name = "galvo-pul-dir", .setup_s = 5e-6, .hold_s = 5e-6, .width_s = 2.5e-6, .space_s = 2.5e-6},
     {.name = "DM556", .setup_s = 5e-6, .hold_s = 10e-6, .width_s = 2.5e-6, .space_s = 2.5e-6},
@@ -46,27 +46,23 @@ const DriveNeeds kKinds[] = {
     {.name = "DRV8825", .setup_s = 0.65e-6, .hold_s = 0.65e-6, .width_s = 1.9e-6, .space_s = 1.9e-6},
 };
 
-void run(const char* image, const DriveNeeds& drive) {
-  Drives drives;
-  drives.fill(drive);
-  drives[KB_GANTRY_Y] = {};  // and one that needs nothing beside them
-  check(driveFaults({}, drives).empty(), drive.name + ": can be served");
-  const PulseSettings settings = pulsesFor({}, drives);
-  std::printf(
-      "      %s: at most %d steps in a period, %d where it turns, PUL for %s\n", drive.name.c_str(),
-      settings.most_steps[0], settings.turn_steps[0],
-      settings.wide == 0 ? "less than a tick" : (std::to_string(settings.wide_ticks) + " ticks").c_str());
-
+struct Job {
   Program program;
-  program.config.reserve(KB_CONFIG_LEN);
+  std::array<long, KB_AXES> want{};  ///< Final positions, steps.
+};
+
+/// Job that turns round anywhere, at all speeds that the settings allow.
+Job jobFor(const PulseSettings& settings) {
+  Job job;
+  std::vector<std::uint8_t>& config = job.program.config;
+  config.reserve(KB_CONFIG_LEN);
   for (const int byte : {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0})
-    program.config.push_back(static_cast<std::uint8_t>(byte));
+    config.push_back(static_cast<std::uint8_t>(byte));
   for (const std::uint8_t byte : {settings.invert_a, settings.invert_c, settings.wide, settings.wide_ticks})
-    program.config.push_back(byte);
-  program.config.insert(program.config.end(), settings.most_steps.begin(), settings.most_steps.end());
-  program.config.insert(program.config.end(), settings.turn_steps.begin(), settings.turn_steps.end());
-  kerfbench::controller_test::appendNoField(program.config);
-  std::array<long, KB_AXES> want{};
+    config.push_back(byte);
+  config.insert(config.end(), settings.most_steps.begin(), settings.most_steps.end());
+  config.insert(config.end(), settings.turn_steps.begin(), settings.turn_steps.end());
+  kerfbench::controller_test::appendNoField(config);
   std::uint32_t random = 7;
   for (int i = 0; i < 1200; ++i) {
     std::vector<std::uint8_t> op{KB_OP_MOVE | 0x1F};
@@ -75,26 +71,25 @@ void run(const char* image, const DriveNeeds& drive) {
       const int most = settings.most_steps[axis];
       const int steps = (random >> 9 & 3U) == 0 ? 0 : static_cast<int>(random >> 16) % (2 * most + 1) - most;
       op.push_back(static_cast<std::uint8_t>(static_cast<std::int8_t>(steps)));
-      want[axis] += steps;
+      job.want[axis] += steps;
     }
-    program.ops.push_back(op);
+    job.program.ops.push_back(op);
   }
-  program.ops.push_back({KB_OP_END});
+  job.program.ops.push_back({KB_OP_END});
+  return job;
+}
 
-  Bench bench;
-  bench.invert_a = settings.invert_a;
-  bench.invert_c = settings.invert_c;
-  load(bench, image);
-  // A belt that nobody follows, for the load: 40 000 counts/s, half of it where ticks take longer.
-  bench.encoder_period = settings.wide == 0 ? 400 : 800;
-  startBelt(bench, 100000);
-  Link link(program);
+void runJob(Bench& bench, const Job& job, const std::string& name) {
+  Link link(job.program);
   std::uint64_t at = 0;
   while (link.state() != Link::State::kDone && link.state() != Link::State::kFailed && at < 48'000'000) {
     at += 1600;
     serve(bench, link, at);
   }
-  check(link.state() == Link::State::kDone, drive.name + ": " + link.message());
+  check(link.state() == Link::State::kDone, name + ": " + link.message());
+}
+
+void checkPins(const Bench& bench, const Drives& drives, const Job& job) {
   const Vector& holding = bench.vectors[4];
   if (holding.count > 0)
     std::printf("      %s: mean %.1f, longest %llu cycles, latest %llu\n", holding.name,
@@ -106,14 +101,36 @@ void run(const char* image, const DriveNeeds& drive) {
     const auto us = [](std::uint64_t cycles) { return static_cast<double>(cycles) / 16.0; };
     std::printf(
         "      axis %zu: %ld steps, to %ld of %ld; set-up %.2f, hold %.2f, width %.2f, space %.2f us\n", i,
-        axis.steps, axis.position, want[i], us(axis.min_setup), us(axis.min_hold), us(axis.min_width),
+        axis.steps, axis.position, job.want[i], us(axis.min_setup), us(axis.min_hold), us(axis.min_width),
         us(axis.min_space));
-    check(axis.position == want[i] && axis.steps > 500, "every step, no matter how often it turns");
+    check(axis.position == job.want[i] && axis.steps > 500, "every step, no matter how often it turns");
     const DriveNeeds& needs = drives[i];
     check(us(axis.min_setup) >= needs.setup_s * 1e6 && us(axis.min_hold) >= needs.hold_s * 1e6 &&
               us(axis.min_width) >= needs.width_s * 1e6 && us(axis.min_space) >= needs.space_s * 1e6,
           "PUL and DIR as the drive needs them");
   }
+}
+
+void run(const char* image, const DriveNeeds& drive) {
+  Drives drives;
+  drives.fill(drive);
+  drives[KB_GANTRY_Y] = {};  // This drive has no requirements.
+  check(driveFaults({}, drives).empty(), drive.name + ": can be served");
+  const PulseSettings settings = pulsesFor({}, drives);
+  std::printf(
+      "      %s: at most %d steps in a period, %d where it turns, PUL for %s\n", drive.name.c_str(),
+      settings.most_steps[0], settings.turn_steps[0],
+      settings.wide == 0 ? "less than a tick" : (std::to_string(settings.wide_ticks) + " ticks").c_str());
+  const Job job = jobFor(settings);
+  Bench bench;
+  bench.invert_a = settings.invert_a;
+  bench.invert_c = settings.invert_c;
+  load(bench, image);
+  // The belt is only a load: 40 000 counts/s, half of it where ticks take longer.
+  bench.encoder_period = settings.wide == 0 ? 400 : 800;
+  startBelt(bench, 100000);
+  runJob(bench, job, drive.name);
+  checkPins(bench, drives, job);
 }
 
 }  // namespace

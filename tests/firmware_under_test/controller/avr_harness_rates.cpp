@@ -25,35 +25,37 @@ using kerfbench::planner::Link;
 constexpr double kHz = 16e6;
 constexpr std::uint64_t kPeriodCycles = 12800;
 constexpr double kCountsPerPeriod = 32.0;  // 40 000 counts/s: edges of A at 20 kHz
-constexpr double kSwing = 0.01;  // The belt is so much faster and slower than the program takes it for,
-constexpr double kSwingPeriods = 2500.0;  // once in 2 s.
-constexpr std::uint64_t kBorder =
-    365;                     // From a period's border to a time at which none of its pulses can come.
-constexpr int kOffset = 40;  // Of the first period from the mark, counts.
-constexpr int kMostX = 28, kMostY = 31;  // 35 and 38.75 kHz; three steps of X are left for the following.
+constexpr double kSwing = 0.01;  // Share by which the belt is faster and slower than the program assumes.
+constexpr double kSwingPeriods = 2500.0;  // Period of the swing: 2 s.
+// Cycles from a period's border to a time at which none of its pulses can come.
+constexpr std::uint64_t kBorder = 365;
+constexpr int kOffset = 40;  // Counts from the mark to the first period.
+// Most steps: 35 and 38.75 kHz; three steps of X are left for the following.
+constexpr int kMostX = 28, kMostY = 31;
 
-// What docs/reference/controller.md states.
+// Limits of docs/reference/controller.md.
 constexpr std::uint64_t kLongestTick = 300, kLongestMark = 180, kLongestOther = 100, kLatestTick = 260,
                         kLatestUart = 640;
-constexpr double kWorstFollow = 2.0;  // steps; here a step is a count
+constexpr double kWorstFollow = 2.0;  // Limit in steps; here a step is a count.
 constexpr std::size_t kSettled = 50;
 constexpr double kLeastRateHz = 25e3;
 
 struct Job {
-  std::vector<std::array<int, 2>> steps;  // of X and Y in each period
+  std::vector<std::array<int, 2>> steps;  // Steps of X and Y in each period.
   std::vector<std::array<int, 2>> seen;
   std::uint64_t start{kNever};
   double counts{}, counts_at_mark{};
   std::uint64_t count_at{};
-  std::vector<double> belt;  // in counts beyond the mark, at the end of each period
+  std::vector<double> belt;  // Belt in counts beyond the mark, at the end of each period.
 };
 
-/// Back and forth with reversals at full speed, and slow stretches in between.
+/// Job that goes back and forth with reversals at full speed, and slow stretches in between.
 Job jobOf(int periods) {
   Job job;
   std::uint32_t random = 2026;
   int left = 0, x = 0, y = 0;
-  job.steps.push_back({0, 1});  // tells when it starts: a single step comes in the middle of its period
+  // The first period marks the start: a single step comes in the middle of its period.
+  job.steps.push_back({0, 1});
   for (int i = 1; i < periods; ++i) {
     if (left-- == 0) {
       random = random * 1664525U + 1013904223U;
@@ -96,8 +98,8 @@ void onStep(Bench& bench, std::size_t axis) {
   // cycles late. The single step comes with the sixteenth tick, whose time is known exactly.
   if (job.start == kNever && axis == KB_GALVO_Y) {
     job.start = bench.tick().asked - 16 * KB_TICK_CYCLES + kBorder;
-    job.seen.push_back(
-        {static_cast<int>(bench.axes[KB_GALVO_X].position), 0});  // X followed since the border
+    // X has followed since the border.
+    job.seen.push_back({static_cast<int>(bench.axes[KB_GALVO_X].position), 0});
   }
   if (job.start == kNever) return;
   const std::size_t period = (now - job.start) / kPeriodCycles;
@@ -105,7 +107,7 @@ void onStep(Bench& bench, std::size_t axis) {
   job.seen[period][axis] += sign;
 }
 
-/// The belt's speed swings.
+/// Swings the belt's speed.
 void onCount(Bench& bench) {
   Job& job = *static_cast<Job*>(bench.context);
   const std::uint64_t now = bench.avr->cycle;
@@ -130,7 +132,7 @@ void say(const char* what, double value, const char* unit) {
   std::printf("      %s: %.2f %s\n", what, value, unit);
 }
 
-/// Pulses against the program, period by period.
+/// Checks the pulses against the program, period by period.
 void checkPulses(const Bench& bench, const Job& job) {
   long want_x = 0, want_y = 0, seen_x = 0, wrong_y = 0, pulses_y = 0, least = 1 << 30;
   double worst_follow = 0.0;
@@ -169,7 +171,7 @@ void checkPulses(const Bench& bench, const Job& job) {
 }
 
 void checkTiming(Bench& bench) {
-  // galvo-pul-dir of fixtures/machines/drivers.yaml: set-up and hold 5 us, width and space 2.5 us.
+  // Limits of galvo-pul-dir in fixtures/machines/drivers.yaml: set-up and hold 5 us, width and space 2.5 us.
   std::uint64_t setup = kNever, hold = kNever, width = kNever, space = kNever;
   for (const Axis& axis : bench.axes) {
     setup = std::min(setup, axis.min_setup);
@@ -184,14 +186,14 @@ void checkTiming(Bench& bench) {
   check(setup >= KB_SETUP_CYCLES && hold >= KB_HOLD_CYCLES && width >= KB_WIDTH_CYCLES &&
             space >= KB_SPACE_CYCLES,
         "PUL and DIR keep what the release says of itself");
-  // Ticks never overlap, however late one is: the one after it begins when it has ended.
+  // Ticks never overlap, however late one is: the next begins when it has ended.
   say("from DIR to the tick's end, on to the next tick at the earliest, and to its PUL",
       static_cast<double>(bench.min_tail + bench.min_gap + bench.min_head) / 16.0, "us at least");
   check(bench.min_tail + bench.min_gap + bench.min_head >= std::max(KB_SETUP_CYCLES, KB_SPACE_CYCLES),
         "and would keep DIR's set-up and PUL's pause at any delay of a tick");
   std::uint64_t in_interrupts = 0;
   for (const Vector& vector : bench.vectors) {
-    if (vector.number == 18) continue;  // not used here
+    if (vector.number == 18) continue;  // The vector is not used here.
     std::printf(
         "      %-20s %9llu calls, longest %3llu cycles (%.2f us), mean %.1f; latest start %3llu cycles after "
         "its cause\n",

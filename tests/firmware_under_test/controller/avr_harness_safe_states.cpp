@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How soon the AVR release puts the laser out, in cycles at its pins under simavr, whatever the moment at
-// which guard, limit or line fail. Linked with simavr, hence the licence.
+// Time in which the AVR release turns the laser off, in cycles at its pins under simavr, at any moment of a
+// failure of guard, limit or line. Linked with simavr, hence the licence.
 //
 //     avr_safe_states CONTROLLER.hex ALL_STUCK.hex
 #include <algorithm>
@@ -22,8 +22,9 @@ using kerfbench::planner::Link;
 using kerfbench::planner::Program;
 
 constexpr std::uint64_t kPeriodCycles = std::uint64_t{KB_TICK_CYCLES} * KB_TICKS_PER_PERIOD;
-constexpr std::uint64_t kLaserOffCycles = 1600;              // 100 us
-constexpr std::uint64_t kHostGivesUp = 400 * kPeriodCycles;  // it cannot ask any more, and waits 0.25 s
+constexpr std::uint64_t kLaserOffCycles = 1600;  // 100 us
+// Time after which a silent host gives up; it waits 0.25 s.
+constexpr std::uint64_t kHostGivesUp = 400 * kPeriodCycles;
 
 Program litProgram() {
   Program program;
@@ -36,7 +37,7 @@ Program litProgram() {
   return program;
 }
 
-/// A release in the middle of a cut, and what its laser and its axes do.
+/// A release in the middle of a cut, with its laser and its axes.
 class Rig {
  public:
   explicit Rig(const char* image) : link_(litProgram()) {
@@ -47,7 +48,7 @@ class Rig {
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
-  /// What the line carries, whatever the host says. 0x8000: with a framing error.
+  /// Puts a word on the line, whatever the host says. 0x8000: with a framing error.
   void line(std::uint32_t word) { avr_raise_irq(bench.rx, word); }
 
   void runTo(std::uint64_t cycle) {
@@ -58,7 +59,7 @@ class Rig {
       next_step_ = now() + 1600;
     }
   }
-  /// Until the laser is on and the job under way, then to this cycle of a period.
+  /// Runs until the laser is on and the job under way, then to this cycle of a period.
   void runIntoCut(std::uint64_t phase) {
     while (!lit() && now() < KB_CPU_HZ) runTo(now() + 1000);
     if (!lit()) throw std::runtime_error("the laser never came on: " + link_.message());
@@ -81,7 +82,7 @@ class Rig {
   std::uint64_t next_step_{};
 };
 
-/// Laser and axes after an input has changed, at moments all over a period.
+/// Checks laser and axes after an input has changed, at moments all over a period.
 void sweepInput(const char* image, const char* name, int bit, bool level, const char* reason) {
   std::uint64_t worst = 0, best = ~0ULL, worst_pulse = 0;
   bool told = true, dark = true;
@@ -92,7 +93,7 @@ void sweepInput(const char* image, const char* name, int bit, bool level, const 
     const std::uint64_t caused = rig.now();
     driveInput(rig.bench, 'L', bit, level ? 1 : 0);
     rig.runTo(caused + 4 * kPeriodCycles);
-    driveInput(rig.bench, 'L', bit, level ? 0 : 1);  // the cause goes away, the safe state stays
+    driveInput(rig.bench, 'L', bit, level ? 0 : 1);  // The cause goes away, the safe state stays.
     rig.runTo(caused + 60 * kPeriodCycles);
     worst = std::max(worst, rig.bench.gate_fall - caused);
     best = std::min(best, rig.bench.gate_fall - caused);
@@ -113,7 +114,7 @@ void framingErrors(const char* image) {
   rig.runIntoCut(0);
   const std::uint64_t caused = rig.now();
   rig.bench.cut_line = true;
-  for (unsigned i = 0; i < KB_LINE_ERRORS_MAX; ++i) {  // a line held low
+  for (unsigned i = 0; i < KB_LINE_ERRORS_MAX; ++i) {  // The line is held low.
     rig.line(UART_INPUT_FE);
     rig.runTo(caused + (i + 1) * kByteCycles);
   }
@@ -126,15 +127,15 @@ void framingErrors(const char* image) {
   check(rig.message().find("disturbed") != std::string::npos, "framing errors: the reason is told");
 }
 
-/// Main loop and interrupts both stuck: the watchdog alone is left.
+/// Checks a release whose main loop and interrupts are both stuck: the watchdog alone is left.
 void allStuck(const char* image) {
   Rig rig(image);
   rig.runIntoCut(0);
-  rig.line(KB_SYNC);  // a frame that never comes to its end
+  rig.line(KB_SYNC);  // The frame never comes to its end.
   rig.bench.cut_line = true;
   const std::uint64_t caused = rig.now();
   rig.runTo(caused + kHostGivesUp);
-  // Frames pause for 20 ms before they are given up, a period to notice, 16 ms of the watchdog.
+  // The window: frames pause for 20 ms before they are given up, a period to notice, 16 ms of the watchdog.
   constexpr std::uint64_t kWindow = 320'000 + 2 * kPeriodCycles + 256'000;
   std::printf("all stuck: laser off %.2f ms after the broken frame, %d reset\n",
               static_cast<double>(rig.bench.gate_fall - caused) / 16e3, rig.bench.resets);

@@ -70,7 +70,7 @@ void BadLine::begin(const Corruption& event, std::uint64_t tick) {
   }
 }
 
-/// An echo: something that was a frame once, whole or not.
+/// Repeats earlier bytes, which were once a frame, whole or not.
 void BadLine::replay(std::size_t length, std::uint64_t tick) {
   if (history_.empty()) return;
   std::size_t from = random_() % history_.size();

@@ -9,25 +9,25 @@
 
 namespace kerfbench::controller_test {
 
-/// One thing that goes wrong on a line.
+/// One fault of a line.
 struct Corruption {
   enum class Kind { kDrop, kRepeat, kFlip, kOverwrite, kInsert, kReplay, kDelay, kNoise };
   static constexpr int kKinds = 8;
   Kind kind{};
-  std::size_t at_byte{};  ///< Of what was put in.
-  std::size_t length{};   ///< Bytes; of a flip, bits.
-  std::uint64_t delay{};  ///< Ticks, of kDelay.
-  double share{};         ///< Of bytes damaged from here on, of kNoise.
+  std::size_t at_byte{};  ///< Number of the input byte at which the fault begins.
+  std::size_t length{};   ///< Length in bytes; of a flip, in bits.
+  std::uint64_t delay{};  ///< Delay in ticks, of kDelay.
+  double share{};         ///< Share of the later bytes that are damaged, of kNoise.
 };
 std::string_view kindName(Corruption::Kind kind);
 
-/// One direction of a serial line, which does what it is told to do wrong. Same seed, same bytes.
+/// One direction of a serial line, with the given faults. Same seed, same bytes.
 class BadLine {
  public:
-  /// @pre events ascend in at_byte.
+  /// Makes a line. @pre events ascend in at_byte.
   BadLine(std::vector<Corruption> events, std::uint32_t seed);
   void put(std::uint8_t byte, std::uint64_t tick);
-  /// What has come out by now.
+  /// Bytes that have come out by now.
   std::vector<std::uint8_t> take(std::uint64_t tick);
   [[nodiscard]] std::size_t bytesIn() const { return count_; }
 
@@ -41,7 +41,7 @@ class BadLine {
   std::mt19937 random_;
   std::size_t count_{};
   std::size_t drop_{}, overwrite_{};
-  unsigned flip_{};  ///< Bits of the byte at hand.
+  unsigned flip_{};  ///< Bits of the present byte.
   double noise_{};
   std::uint64_t not_before_{};
   std::vector<std::uint8_t> history_;

@@ -47,7 +47,7 @@ void fakeReset(void) {
   kb_controller_init(KB_OK);
 }
 
-/* Moves the belt through one tick in four parts, edges at a quarter of a tick. */
+/* Moves the belt through one tick in four parts, with edges at a quarter of a tick. */
 static void moveBelt(void) {
   for (unsigned part = 0; part < 4; ++part) {
     const double before = fake.belt_count;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controller's core on a machine of the test's making: inputs set by the test, outputs recorded tick by
+// The controller's core on a machine made by the test: the test sets inputs, and outputs are recorded tick by
 // tick.
 #ifndef KERFBENCH_TESTS_CONTROLLER_FAKE_MACHINE_H
 #define KERFBENCH_TESTS_CONTROLLER_FAKE_MACHINE_H
@@ -12,22 +12,22 @@ extern "C" {
 #endif
 
 struct fake_tick {
-  uint8_t first_a, first_c;  // written first, PUL up
-  uint8_t low_a, low_c;      // PUL down
-  uint8_t dir_a, dir_c;      // DIR of the tick to come
+  uint8_t first_a, first_c;  // levels written first, PUL up
+  uint8_t low_a, low_c;      // levels with PUL down
+  uint8_t dir_a, dir_c;      // DIR of the next tick
 };
 
 struct fake_machine {
-  double belt_count;  // true position
+  double belt_count;  // true position of the belt
   double belt_counts_per_tick;
-  double next_mark_count;    // a print mark is here
-  double mark_pitch_counts;  // and the next this far behind
+  double next_mark_count;    // position of the next print mark
+  double mark_pitch_counts;  // distance from one mark to the next
   uint64_t marks;
-  bool a_lost;        // the wire of A
-  bool b_lost;        // reads low
-  uint8_t rx_errors;  // framing errors and overruns to be told
-  uint64_t fed;       // the watchdog, so often
-  uint8_t inputs;     // port L
+  bool a_lost;        // true if the wire of A is broken
+  bool b_lost;        // true if B reads low
+  uint8_t rx_errors;  // framing errors and overruns to be reported
+  uint64_t fed;       // number of times that the watchdog was reset
+  uint8_t inputs;     // levels of port L
   uint64_t tick;
   struct fake_tick last;
   bool (*from_host)(void* context, uint8_t* byte);  // polled at the pace of the baud rate
@@ -40,7 +40,7 @@ extern struct fake_machine fake;
 void fakeReset(void);
 void fakeTick(void);
 void fakeWatchdogReset(void);
-void fakeEdge(bool a, bool b);  // of the encoder
+void fakeEdge(bool a, bool b);  // calls the encoder's interrupt
 int32_t fakePosition(int axis);
 int32_t fakeBeltAhead256(uint8_t periods);
 uint16_t fakeQueueFree(void);

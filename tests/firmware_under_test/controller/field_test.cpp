@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field of KB_CONFIG: with the laser on no axis begins or ends a period beyond it.
+// Field of KB_CONFIG: with the laser on no axis begins or ends a period beyond it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(Field, MayBeLeftInTheDark) {
   ops = {move(31, true), move(31, false), move(31, false), move(-31, false), move(31, false)};
   Runner dark;
   EXPECT_EQ(run(dark, programOf(ops, 0, 31)).state, Link::State::kDone);
-  // From outside into it: not with the laser on.
+  // The beam may not enter the field from outside with the laser on.
   ops = {move(31, true), move(31, false), move(-31, true)};
   Runner lit;
   const Outcome outcome = run(lit, programOf(ops, 0, 31));
@@ -112,7 +112,7 @@ TEST(Field, OtherAxesThanTheFirstAreWatched) {
   }
 }
 
-// A belt that is faster than planned, but not so fast that it stops the job by itself.
+// The belt is faster than planned, but not so fast that it stops the job by itself.
 TEST(Field, WhatFollowsTheBeltIsWatchedToo) {
   constexpr double kNominal = 16.0;
   Runner runner;

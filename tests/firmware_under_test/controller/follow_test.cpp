@@ -19,7 +19,7 @@ TEST(Belt, TheFilterHasNoLagAtConstantSpeed) {
     double worst = 0.0;
     for (int i = 0; i < 400; ++i) {
       const std::int32_t expected = fakeBeltAhead256(1);
-      runner.run(1);  // the boundary is the first tick of a period
+      runner.run(1);  // The boundary is the first tick of a period.
       worst = std::max(worst, std::abs(expected / 256.0 - fake.belt_count));
       runner.run(31);
     }
@@ -33,7 +33,7 @@ Program followProgram(int periods, double nominal, int offset) {
   program.ops.push_back({KB_OP_FOLLOW, KB_GALVO_X + 1});
   program.ops.push_back(
       {KB_OP_WAIT_MARK, static_cast<std::uint8_t>(offset), static_cast<std::uint8_t>(offset >> 8), 0, 0});
-  program.ops.push_back({KB_OP_MOVE | KB_OP_GAIN, 0x00, 0x10});  // a step a count
+  program.ops.push_back({KB_OP_MOVE | KB_OP_GAIN, 0x00, 0x10});  // The gain is a step a count.
   for (int i = 1; i < periods; ++i) program.ops.push_back({KB_OP_MOVE | 2, 1});
   program.ops.push_back({KB_OP_END});
   return program;
@@ -50,7 +50,7 @@ TEST(Follow, TheAxisStaysWithABeltThatIsOnePercentOff) {
     double start_tick = 0.0;
     double worst = 0.0;
     runner.runProgram(link, 5.0, [&] {
-      // gantry: the second period's step, in the middle of the period, marks the time
+      // The gantry's step in the second period, in the middle of that period, marks the time.
       if (runner.edges[1] == 1 && start_tick == 0.0) start_tick = static_cast<double>(fake.tick) - 48.0;
       if (runner.edges[1] < 10 || runner.edges[1] >= 998) return;
       const double periods = (static_cast<double>(fake.tick) - start_tick) / 32.0;

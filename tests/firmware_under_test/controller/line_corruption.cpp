@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disturbed UART: host half and controller core with a bad line between, tick by tick, so often
-// as asked. Either the job comes out of the pins exactly as without corruption, or the laser goes off where
+// Disturbed UART: host half and controller core with a bad line between, tick by tick, as many times as
+// requested. Either the job comes out of the pins exactly as without corruption, or the laser goes off where
 // the pins begin to differ, stays off, and the axes come to rest.
 //
 //     line_corruption [CASES [FIRST_SEED]]      exit code 0: no case was harmful
-//     line_corruption 1 SEED                    tells that one case in full
+//     line_corruption 1 SEED                    prints that one case in full
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -26,7 +26,7 @@ constexpr long kMostTicks = 40000L * 6;  // 6 s
 constexpr int kRampTicks = 8 * KB_TICKS_PER_PERIOD;
 constexpr int kLinkTicks = 20;  // 0.5 ms
 
-/// Marks and jumps, all axes, longer than the queue, so that it is sent in part while it runs.
+/// Program of marks and jumps, all axes, longer than the queue, so that part of it is sent while it runs.
 Program jobProgram() {
   std::mt19937 random(11);
   Program program;
@@ -45,17 +45,17 @@ Program jobProgram() {
 }
 
 struct Outcome {
-  std::vector<std::uint16_t> trace;  ///< Each tick from the first with life in it to the last.
+  std::vector<std::uint16_t> trace;  ///< Each tick from the first with activity in it to the last.
   Link::State link{};
   std::string message;
   bool at_rest{};
-  std::array<std::size_t, 2> bytes{};  ///< To the controller, and from it.
-  int check_refusals{};                ///< KB_NAK_CHECK: the CRC had nothing to say against these frames.
+  std::array<std::size_t, 2> bytes{};  ///< Number of bytes to the controller, and from it.
+  int check_refusals{};                ///< Number of KB_NAK_CHECK: frames that the CRC accepted.
 };
 
 constexpr std::uint16_t kGate = 1U << 10;
 
-/// What a tick did: steps with their sense, gate, PWM.
+/// Code of a tick: steps with their sense, gate, PWM.
 std::uint16_t codeOf(const fake_tick& tick) {
   unsigned code = 0;
   for (unsigned axis = 0; axis < KB_AXES; ++axis) {
@@ -90,7 +90,7 @@ Outcome run(const Program& program, BadLine to_controller, BadLine to_host) {
     refusals.hear(byte);
     to_host.put(byte, fake.tick);
   };
-  std::size_t alive = 0;  // length of the trace up to the last tick with life in it
+  std::size_t alive = 0;  // Length of the trace up to the last tick with activity in it.
   int quiet = 0;
   for (long tick = 0; tick < kMostTicks && quiet < kQuietTicks; ++tick) {
     const bool host_lives = link.state() != Link::State::kDone && link.state() != Link::State::kFailed;
@@ -116,7 +116,7 @@ Outcome run(const Program& program, BadLine to_controller, BadLine to_host) {
   return outcome;
 }
 
-/// Empty, or what is wrong with it. `harmed`: it was stopped.
+/// Judgement: empty, or what is wrong. `harmed`: the job was stopped.
 std::string judge(const Outcome& wanted, const Outcome& seen, bool& harmed) {
   harmed = seen.trace != wanted.trace;
   if (!seen.at_rest) return "it does not come to rest";

@@ -9,7 +9,7 @@
 
 namespace kerfbench::controller_test {
 
-/// The end of KB_CONFIG: each axis may go anywhere.
+/// Appends the end of KB_CONFIG: each axis may go anywhere.
 inline void appendNoField(std::vector<std::uint8_t>& config) {
   for (const std::int32_t end :
        {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()}) {

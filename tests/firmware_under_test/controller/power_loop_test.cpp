@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The firmware's loop on the measured power, with a tube and a meter of its own about it.
+// The firmware's loop on the measured power, with a tube and a meter of the test's own.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kPeriodTicks = KB_TICKS_PER_PERIOD;
 
-/// Edges in a period of a tube at full gate: bent, as tubes are.
+/// Number of edges in a period of a tube at full gate: bent, as tubes are.
 double edgesOf(double byte) { return 130.0 * std::pow(byte / 255.0, 0.8); }
 
 std::vector<std::uint8_t> payloadOf(int gain, int least, int most, int delay_ticks) {
@@ -40,15 +40,15 @@ bool configure(const std::vector<std::uint8_t>& payload) {
   return kb_power_configure(payload.data(), static_cast<std::uint8_t>(payload.size()));
 }
 
-/// A tube that makes `gain` of what it should, behind a meter that tells `delay_ticks` late.
+/// A tube with `gain` times its nominal power, behind a meter that is `delay_ticks` late.
 class Tube {
  public:
   explicit Tube(double gain, int delay_ticks) : gain_(gain), delay_ticks_(delay_ticks) {}
 
-  /// One period: it begins, the next is prepared. Returns the byte for the next.
+  /// Runs one period, while the next is prepared. Returns the byte for the next.
   std::uint8_t period(bool lit, std::uint8_t power) {
     kb_power_boundary(static_cast<std::uint8_t>(static_cast<std::uint64_t>(seen_) & 0xFFU));
-    // What was offered last runs now.
+    // The period offered last runs now.
     for (int t = 0; t < kPeriodTicks; ++t)
       emitted_.push_back(running_lit_ ? gain_ * edgesOf(running_) / kPeriodTicks : 0.0);
     const std::uint8_t byte = kb_power_command(lit, power);
@@ -56,11 +56,11 @@ class Tube {
     running_ = byte;
     running_lit_ = lit;
     asked_ = power;
-    while (told_ + static_cast<std::size_t>(delay_ticks_) < emitted_.size())
-      seen_ += dead_ ? (++told_, 0.0) : emitted_[told_++];
+    while (counted_ + static_cast<std::size_t>(delay_ticks_) < emitted_.size())
+      seen_ += dead_ ? (++counted_, 0.0) : emitted_[counted_++];
     return byte;
   }
-  /// What the period that runs burns, over what the program asked for.
+  /// Power of the present period over the power in the program.
   [[nodiscard]] double share() const { return last_share_; }
   void die() { dead_ = true; }
 
@@ -73,7 +73,7 @@ class Tube {
   double asked_{};
   double last_share_{1.0};
   double seen_{};
-  std::size_t told_{};
+  std::size_t counted_{};
   std::vector<double> emitted_;
 };
 

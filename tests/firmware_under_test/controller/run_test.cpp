@@ -115,7 +115,7 @@ TEST(Run, AQueueThatRunsDryPutsTheLaserOutAndSlowsDown) {
 TEST(Run, ARampDoesNotMakeUpForAReversalThatWasPutOff) {
   Program program;
   program.config = config();
-  program.config[22] = 4;                      // steps of axis 0 beside a change of DIR
+  program.config[22] = 4;                      // most steps of axis 0 next to a change of DIR
   program.ops.push_back({KB_OP_MOVE | 1, 4});  // DIR changes here, too
   for (int i = 0; i < 40; ++i) program.ops.push_back({KB_OP_MOVE | 1, 31});
   for (int i = 0; i < 2; ++i) program.ops.push_back({KB_OP_MOVE | 1, 0xE1});

@@ -26,7 +26,7 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
   put(bytes, nominal_counts);
   for (const std::uint8_t byte : {on_ticks, off_ticks, std::uint8_t{0}}) bytes.push_back(byte);
   put(bytes, most_counts);
-  bytes.resize(17);  // high bytes of the delays, and drives of which none needs anything: 0
+  bytes.resize(17);  // The high bytes of the delays, and drives without requirements, are 0.
   bytes.resize(27, KB_MAX_STEPS_PER_PERIOD);
   appendNoField(bytes);
   return bytes;
@@ -35,7 +35,7 @@ inline std::vector<std::uint8_t> config(double nominal_counts = 0.0, std::uint8_
 inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,
                                        std::vector<std::uint8_t> payload = {}) {
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(payload.size() + 6);  // GCC 12 sees a write out of bounds in a vector that grows here
+  bytes.reserve(payload.size() + 6);  // GCC 12 sees a write out of bounds in a vector that grows here.
   for (const unsigned byte :
        {static_cast<unsigned>(KB_SYNC), static_cast<unsigned>(type), static_cast<unsigned>(seq)}) {
     bytes.push_back(static_cast<std::uint8_t>(byte));
@@ -48,11 +48,11 @@ inline std::vector<std::uint8_t> frame(std::uint8_t type, std::uint8_t seq,
   return bytes;
 }
 
-/// The host's side of the job check, written apart from the link's.
+/// Host's side of the job check, independent of the link's.
 class JobCheck {
  public:
   explicit JobCheck(const std::vector<std::uint8_t>& config) { add(config); }
-  /// Where the controller stands.
+  /// State of the controller's check.
   static JobCheck accepted() {
     JobCheck check({});
     fakeJobCheck(&check.a_, &check.b_);
@@ -68,7 +68,7 @@ class JobCheck {
     return {static_cast<std::uint8_t>(a_), static_cast<std::uint8_t>(a_ >> 8), static_cast<std::uint8_t>(b_),
             static_cast<std::uint8_t>(b_ >> 8)};
   }
-  /// KB_DATA with these program bytes, which count from now on.
+  /// Frame KB_DATA with these program bytes, which count from now on.
   std::vector<std::uint8_t> data(std::uint8_t seq, std::vector<std::uint8_t> program) {
     add(program);
     for (const std::uint8_t byte : bytes()) program.push_back(byte);
@@ -79,7 +79,7 @@ class JobCheck {
   unsigned a_{1}, b_{0};
 };
 
-/// Link and core with a line between them, and what the pins did.
+/// Link and core with a line between them, and a record of the pins.
 class Runner {
  public:
   Runner() {
@@ -104,7 +104,7 @@ class Runner {
       const unsigned dir_next = axis < 4 ? t.dir_a : t.dir_c;
       const unsigned pul = axis < 4 ? 1U << (2 * axis) : 1U;
       const unsigned dir = pul << 1;
-      // DIR at the edge, while PUL is high, and since the end of the tick before: the same.
+      // DIR must be the same at the edge, while PUL is high, and since the end of the tick before.
       dir_kept = dir_kept && (first & dir) == (dir_before[static_cast<std::size_t>(axis)] & dir) &&
                  (low & dir) == (first & dir);
       pulse_low = pulse_low && (low & pul) == 0;
@@ -131,7 +131,7 @@ class Runner {
     to_controller.insert(to_controller.end(), bytes.begin(), bytes.end());
   }
 
-  /// Bytes answered to a frame within 10 ms.
+  /// Answer to a frame within 10 ms.
   std::vector<std::uint8_t> ask(const std::vector<std::uint8_t>& bytes) {
     from_controller.clear();
     write(bytes);
@@ -157,9 +157,9 @@ class Runner {
 
   std::deque<std::uint8_t> to_controller;
   std::vector<std::uint8_t> from_controller;
-  std::function<void(std::uint8_t)> listen;  ///< Hears every byte of the controller.
-  bool cut_line{false};                      ///< Nothing of the host arrives,
-  std::deque<std::uint8_t> babble;           ///< but this.
+  std::function<void(std::uint8_t)> listen;  ///< Receives every byte of the controller.
+  bool cut_line{false};                      ///< True if nothing of the host arrives but `babble`.
+  std::deque<std::uint8_t> babble;           ///< Bytes that arrive although the line is cut.
   double loss{0.0};                          ///< Share of bytes to the controller that are lost or damaged.
   std::mt19937 random{7};
   std::array<long, KB_AXES> pulses{}, edges{};

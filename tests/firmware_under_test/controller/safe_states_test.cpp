@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each fault of protocol.h: laser off in time, axes at rest, the reason told, no START without a new CONFIG.
+// Each fault of protocol.h: laser off in time, axes at rest, the reason reported, no START without a new
+// CONFIG.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,11 +16,12 @@ using planner::Program;
 
 constexpr int kTicksPerPeriod = KB_TICKS_PER_PERIOD;
 constexpr double kNominal = 16.0;                      // counts a period
-constexpr double kMark = 8000.0;                       // the queue is full before it comes
-constexpr long kRampSteps = 2L * 31 + 15 + 7 + 3 + 1;  // the period offered, one under way, and the ramp
+constexpr double kMark = 8000.0;                       // The queue is full before the mark comes.
+constexpr long kRampSteps = 2L * 31 + 15 + 7 + 3 + 1;  // The period offered, one under way, and the ramp.
 constexpr int kEncoderTicks = (2 * 2 + 2) * kTicksPerPeriod;  // two windows of two periods, and two to act
 
-/// Lit all the time, galvo_x at full speed; follows the belt with galvo_y from a print mark on.
+/// Program that is lit all the time, galvo_x at full speed; follows the belt with galvo_y from a print mark
+/// on.
 Program litProgram(bool follow, double most_counts = 0.0) {
   Program program;
   program.config = config(follow ? kNominal : 0.0, 0, 0, most_counts);
@@ -36,10 +38,10 @@ Program litProgram(bool follow, double most_counts = 0.0) {
 struct SafeCase {
   const char* name;
   bool follow;
-  double most_counts;          // of the configuration
-  void (*provoke)(Runner&);    // once
-  void (*each_tick)(Runner&);  // from then on
-  int off_ticks;               // laser off within so many ticks of the provocation
+  double most_counts;          // Limit of the belt's speed in the configuration.
+  void (*provoke)(Runner&);    // Called once.
+  void (*each_tick)(Runner&);  // Called at each tick after the provocation.
+  int off_ticks;               // Most ticks from the provocation until the laser is off.
   std::uint8_t fault;
   const char* message;
 };
@@ -75,7 +77,7 @@ TEST_P(SafeState, LaserOffAxesAtRestReasonToldAndNoStartWithoutConfig) {
   const auto off_after = static_cast<int>(runner.gate_falls[0] - caused);
   EXPECT_LE(off_after, test_case.off_ticks);
   RecordProperty("off_after_ticks", off_after);
-  // Standing, and staying so.
+  // The axes stand, and stay so.
   const long moved = runner.edges[0] - steps_then;
   EXPECT_LE(moved, 31L * (off_after / kTicksPerPeriod + 1) + kRampSteps);
   const auto edges = runner.edges;
@@ -110,7 +112,8 @@ INSTANTIATE_TEST_SUITE_P(
     Causes, SafeState,
     testing::Values(SafeCase{"Interlock", false, 0.0, [](Runner&) { fake.inputs = 0x00; }, nothing, 2,
                              KB_FAULT_INTERLOCK, "interlock"},
-                    // Closed again before the main loop can have seen it for long: it stays stopped.
+                    // The guard closes again before the main loop can have seen it for long: the controller
+                    // stays stopped.
                     SafeCase{"InterlockForAMoment", false, 0.0, [](Runner&) { fake.inputs = 0x00; },
                              [](Runner& r) {
                                if (!r.gate_before) fake.inputs = 0x04;
@@ -149,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
                              [](Runner&) { fake.belt_counts_per_tick = 24.0 / kTicksPerPeriod; }, nothing,
                              (12 + static_cast<int>(KB_BELT_FAST_PERIODS)) * kTicksPerPeriod,
                              KB_FAULT_BELT_FAST, "too fast"},
-                    // No limit was told, but 60 - 16 counts are more steps than a period has.
+                    // No limit was configured, but 60 - 16 counts are more steps than a period has.
                     SafeCase{"AxisCannotKeepUp", true, 0.0,
                              [](Runner&) { fake.belt_counts_per_tick = 60.0 / kTicksPerPeriod; }, nothing,
                              (12 + static_cast<int>(KB_BELT_FAST_PERIODS)) * kTicksPerPeriod,
@@ -164,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
                              KB_FAULT_WATCHDOG, "watchdog"}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-// What a healthy run may do without being stopped.
+// Deviations of a healthy run that must not stop it.
 TEST(Watch, ToleratesALineThatPausesAndABeltThatVaries) {
   for (const double factor : {0.4, 1.2}) {
     Runner runner;

@@ -29,7 +29,7 @@ Segment segment(const Vector2d& from, const Vector2d& to, int entity) {
   return s;
 }
 
-/// Open lines and triangles, of some ranks, in no order at all but that of their ranks.
+/// Open lines and triangles, of some ranks, in no order but that of their ranks.
 std::vector<Stop> randomStops(std::mt19937& random, int count, int ranks) {
   const auto place = [&] {
     return Vector2d(double(random() % 10000) / 100.0, double(random() % 10000) / 100.0);
@@ -52,7 +52,7 @@ std::vector<Stop> randomStops(std::mt19937& random, int count, int ranks) {
   return stops;
 }
 
-/// The shortest way by trying every order, sense and start.
+/// Shortest path by trying every order, sense and start.
 double exhaustive(const std::vector<Stop>& stops) {
   std::vector<std::size_t> order(stops.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -62,7 +62,7 @@ double exhaustive(const std::vector<Stop>& stops) {
     for (std::size_t i = 1; i < order.size(); ++i)
       sorted = sorted && stops[order[i - 1]].rank <= stops[order[i]].rank;
     if (!sorted) continue;
-    std::vector<std::pair<Vector2d, double>> ends;  // out point and the least way to it
+    std::vector<std::pair<Vector2d, double>> ends;  // Out points and the shortest path to each.
     for (const std::size_t k : order) {
       const Chain& chain = stops[k].chain;
       std::vector<std::pair<Vector2d, Vector2d>> ways;
@@ -116,13 +116,13 @@ TEST(AirPath, NothingIsLostDoubledOrOutOfTheSequenceOfItsRanks) {
 }
 
 TEST(AirPath, ARankThatTheOrderGivenBreaksMayStayBroken) {
-  // Rank 1 comes first and is far from where rank 0 lies: that is how it was given, and how it may stay.
+  // Rank 1 comes first and is far from where rank 0 lies: the given order may stay.
   std::vector<Stop> stops(3);
   stops[0] = {Chain{dieline::Process::kCut, {segment({0, 0}, {1, 0}, 0)}, 0}, 1};
   stops[1] = {Chain{dieline::Process::kCut, {segment({50, 0}, {40, 0}, 1)}, 0}, 0};
   stops[2] = {Chain{dieline::Process::kCut, {segment({60, 0}, {70, 0}, 2)}, 0}, 1};
   EXPECT_NEAR(airPathMm(shortened(stops, {}, 0)), 39.0 + 10.0, 1e-9);
-  // In their sequence they keep it, although the other way round would be shorter.
+  // In the sequence of their ranks they keep it, although the other order would be shorter.
   std::swap(stops[0].rank, stops[1].rank);
   stops[1].chain.segments[0] = segment({100, 0}, {99, 0}, 1);
   EXPECT_EQ(shortened(stops, {}, 0)[0].chain.segments[0].entity, 0);

@@ -87,7 +87,7 @@ TEST(CutTwice, ArcsThatShareAPart) {
   const std::string circle = "G0 X10 Y0\nG2 X10 Y0 I-10 J0 Z1\n";
   EXPECT_THAT(twiceIn(circle + "G0 X0 Y10\nG3 X-10 Y0 I0 J-10\n"), ElementsAre(HasSubstr("15.708 mm")));
   EXPECT_THAT(twiceIn("G0 X10 Y0\nG3 X0 Y10 I-10 J0 Z1\nG3 X-10 Y0 I0 J-10\nG3 X0 Y-10 I10 J0\n"), IsEmpty());
-  // Over the border of an angle of +-pi.
+  // The border of an angle of +-pi lies within.
   EXPECT_THAT(twiceIn("G0 X0 Y10\nG3 X0 Y-10 I0 J-10 Z1\nG0 X-10 Y0\nG2 X0 Y10 I10 J0\n"),
               ElementsAre(HasSubstr("15.708 mm")));
 }

@@ -25,8 +25,8 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using Field = std::function<Vector2d(const Vector2d&)>;
 
-/// What each axis's angle (in steps) does to the beam: the formula's inverse, then a distortion that no
-/// formula knows.
+/// Effect of each axis's angle (in steps) on the beam: the formula's inverse, then a distortion that no
+/// formula has.
 Vector2d idealPlace(const Vector2d& steps, const MachineParameters& m) {
   const Vector2d optical = 2.0 * steps * m.mirror_step_rad;
   if (m.head == MachineParameters::Head::kFTheta) return m.focal_length_mm * optical;
@@ -34,7 +34,8 @@ Vector2d idealPlace(const Vector2d& steps, const MachineParameters& m) {
   return {(std::hypot(m.throw_mm, y) + m.mirror_spacing_mm) * std::tan(optical.x()), y};
 }
 
-/// Pincushion along x, barrel along y, shear and an offset: no two directions alike. Millimetres at the rim.
+/// Distortion: pincushion along x, barrel along y, shear and an offset, no two directions alike. Millimetres
+/// at the rim.
 Vector2d distorted(const Vector2d& q, double half_mm) {
   const Vector2d u = q / half_mm;
   const double r2 = u.squaredNorm();
@@ -42,7 +43,7 @@ Vector2d distorted(const Vector2d& q, double half_mm) {
                                 -0.009 * u.y() * r2 + 0.004 * u.x());
 }
 
-/// Where to aim so that the distorted beam lands at p, by fixed-point iteration.
+/// Aim for which the distorted beam lands at p, by fixed-point iteration.
 Vector2d aimFor(const Vector2d& p, double half_mm) {
   Vector2d q = p;
   for (int i = 0; i < 100; ++i) q += p - distorted(q, half_mm);
@@ -194,7 +195,7 @@ TEST(Correction, TheMachineWakesWhereItsTableWantsNoSteps) {
 
 TEST(Correction, ATableWithoutARestingPlaceIsRefused) {
   const MachineParameters head = test::twoMirror();
-  // Everywhere the mirrors are sent at least 10 mm to the right: the slope keeps its sign and never meets
+  // The mirrors are sent at least 10 mm to the right everywhere: the slope keeps its sign and never meets
   // zero.
   const double half = head.field_max_mm[0];
   const auto never = [&](const Vector2d& p) { return Vector2d(10.0 + std::abs(p.x()) - p.x(), 0.0); };
@@ -231,7 +232,7 @@ TEST(Correction, IsUsedByTheWholeJob) {
       with(test::twoMirror(),
            csv(kMm, half, 17, [&](const Vector2d& p) { return Vector2d(aimFor(p, half) - p); }));
   const Plan plan = planner::plan(test::label(), machine, job);
-  // What the head, distorted, makes of the steps: a machine that is not as its data sheet says.
+  // The head, distorted, turns the steps into places: a machine that differs from its data sheet.
   test::Played played = test::play(plan.program, machine, job);
   test::Played raw = played;
   for (test::Period& period : played.periods) {
@@ -269,11 +270,11 @@ TEST(Correction, CostsTheControllerNoMemoryAndItsLineNextToNothing) {
   const Plan without = plan(test::carton(), test::twoMirror(), job);
   const Plan with_9 = plan(test::carton(), with(test::twoMirror(), table(9)), job);
   const Plan with_129 = plan(test::carton(), with(test::twoMirror(), table(129)), job);
-  // Both mirrors move on every line now; the rest is as before, however large the table.
+  // The program is otherwise as before, however large the table; only both mirrors move on every line now.
   EXPECT_LT(bytesOf(with_9.program).all, 1.1 * static_cast<double>(bytesOf(without.program).all));
   EXPECT_NEAR(static_cast<double>(bytesOf(with_129.program).all),
               static_cast<double>(bytesOf(with_9.program).all), 50.0);
-  // Op, two axes, power, gain; of the 20 that the line takes in a period.
+  // An operation has op, two axes, power, gain; of the 20 bytes that the line carries in a period.
   EXPECT_EQ(bytesOf(without.program).longest, 6U);
   EXPECT_EQ(bytesOf(with_129.program).longest, 6U);
 }
@@ -293,8 +294,8 @@ TEST(Correction, WhatFollowingTheBeltLeavesIsTheSlopeOfYAlongX) {
         reached += axes.stepsPerMm(reached).inverse() * (made - axes.stepsAt(reached));
       const Eigen::Matrix2d slopes = axes.stepsPerMm(p);
       const Vector2d left = reached - p - Vector2d(belt_mm, 0.0);
-      // 3 µm for a shear of 3 mrad and a millimetre of belt; along x what bends: 0.3 µm for the first
-      // millimetre.
+      // The remainder is 3 µm for a shear of 3 mrad and a millimetre of belt; along x the curvature leaves
+      // 0.3 µm for the first millimetre.
       EXPECT_NEAR(left.y(), -slopes(1, 0) / slopes(1, 1) * belt_mm, 0.001 * belt_mm * belt_mm);
       EXPECT_NEAR(left.x(), 0.0, 0.001 * belt_mm * belt_mm + 2e-4 * std::abs(belt_mm));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hu, Hu, Jiang 2014: the example's figures, and that the formulas bound what the planner finds.
+// Figures of the example of Hu, Hu, Jiang 2014, and a test that the formulas bound the planner's results.
 #include "firmware_under_test/planner/program/cross_cut.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion that runs through marks and jumps (S2): what it must not exceed, and what it must not move.
+// Motion that runs through marks and jumps (S2): its limits, and the marks that it must not move.
 #include <cmath>
 #include <random>
 
@@ -101,8 +101,8 @@ class EveryFlow : public ::testing::TestWithParam<int> {
 };
 
 /// Mirror angles at the period ends. A second difference is a mean of the acceleration over two periods, so
-/// it exceeds no bound that the motion keeps; what may come on top is the turn of the tangent within an
-/// interval of the planner (0.04 rad either way) and the rounding of the G-code.
+/// it exceeds no bound that the motion keeps. The margin is for the turn of the tangent within an interval of
+/// the planner (0.04 rad either way) and for the rounding of the G-code.
 TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   const Axes axes(machine_, {});
   const UnitPath unit = planned(job_);
@@ -112,13 +112,13 @@ TEST_P(EveryFlow, KeepsEachMirrorWithinItsLimitsOnTheMovingSheet) {
   double largest_rate = 0.0;
   double largest_acceleration = 0.0;
   double largest_path = 0.0;
-  // Anywhere in the field: the middle, and as far off as it goes.
+  // The unit lies anywhere in the field: the middle, and as far off as it goes.
   for (const double x_ref_mm : {-20.0, 5.0, 30.0}) {
     std::vector<Vector2d> steps;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double t_s = static_cast<double>(i) * Target{}.periodS();
       double x_mm = points[i].x() + x_ref_mm + case_.belt_mm_s * t_s;
-      // A long unit would run out of the field: fold it back at the limit, where a test of limits ends.
+      // A long unit would run out of the field: it is folded back at the limit, where a test of limits ends.
       if (std::abs(x_mm) > 80.0) x_mm = std::nan("");
       steps.push_back(axes.stepsAt({x_mm, points[i].y()}));
     }
@@ -156,7 +156,7 @@ TEST_P(EveryFlow, PositionsAreContinuousAndNoFasterThanToldTo) {
 TEST_P(EveryFlow, MarksAreCoveredExactly) {
   const UnitPath unit = planned(job_);
   double wanted_mm = 0.0;
-  std::vector<Vector2d> ends;  // of marks, in order, as drawn
+  std::vector<Vector2d> ends;  // Ends of marks, in order, as drawn.
   for (std::size_t i = 0; i < path_.size(); ++i) {
     if (path_[i].jump) continue;
     wanted_mm += path_[i].z * path_[i].lengthMm();
@@ -221,7 +221,8 @@ TEST(Flow, TheButtonGainsAThirdOfItsMeanSpeed) {
   JobParameters job = smoothJob(5.0);
   job.acceleration_mm_s2 = 9000.0;
   job.web_start_x_mm = 25.0;
-  job.order = JobParameters::Order::kNearest;  // as the scenarios native/button and native/button-straight
+  // The order of the scenarios native/button and native/button-straight.
+  job.order = JobParameters::Order::kNearest;
   const Plan smooth = planner::plan(button(), machine, job);
   job.jump_radius_mm = 0.0;
   const Plan straight = planner::plan(button(), machine, job);
@@ -237,14 +238,15 @@ TEST(Flow, DashesOnALineAreRunThroughAtFullSpeed) {
   job.jump_speed_mm_s = job.mark_speed_mm_s;
   job.web_start_x_mm = 30.0;
   const Plan plan = planner::plan(test::dielineOf(std::move(dashes)), machine, job);
-  // 58 mm at 300 mm/s and one ramp at either end, but for the wait for a border of periods at each of 22
-  // ends.
+  // The ideal is 58 mm at 300 mm/s and one ramp at either end, without the wait for a border of periods at
+  // each of 22 ends.
   const double ideal_s = 58.0 / 300.0 + 300.0 / 9000.0;
   EXPECT_LT(plan.unit_time_s, ideal_s * 1.08);
 }
 
 TEST(Flow, WaitsForTheSheetAtRest) {
-  // Three fields long: units of which the far end comes into reach long after the near one.
+  // The field is a third as long as the drawing: units of which the far end comes into reach long after the
+  // near one.
   std::vector<dieline::Entity> rows;
   for (int i = 0; i < 40; ++i) rows.push_back(test::line(-10.0 * i, -3, -10.0 * i, 3));
   const dieline::Dieline dieline = test::dielineOf(std::move(rows));
@@ -257,7 +259,7 @@ TEST(Flow, WaitsForTheSheetAtRest) {
   EXPECT_LT(test::worstGapMm(played, dieline, job, 0), 0.016);
 }
 
-/// The most that either mirror has to do anywhere in the field while the box is used to its corners.
+/// Most that either mirror has to do anywhere in the field while the box is used to its corners.
 double largestInTheField(const MachineParameters& machine, double speed_mm_s) {
   const Axes axes(machine, {});
   const Vector2d box = axes.accelerationBox(speed_mm_s);
@@ -287,7 +289,8 @@ TEST(AccelerationBox, HoldsEverywhereInTheField) {
   EXPECT_LE(largestInTheField(machine, 500.0), kMirrorLimit_rad_s2 * 1.0001);
   EXPECT_GE(largestInTheField(machine, 500.0), kMirrorLimit_rad_s2 * 0.97)
       << "the bound should not waste acceleration";
-  // So near that the field is as wide as the throw, x feels y, and the head's distortion wants its share.
+  // At this throw the field is as wide as the throw is long: x feels y, and the head's distortion takes its
+  // share.
   machine.throw_mm = 100.0;
   machine.mirror_spacing_mm = 0.0;
   for (const double speed_mm_s : {0.0, 30.0, 120.0}) {
@@ -303,8 +306,7 @@ TEST(AccelerationBox, KnowsNoLimitWhereNoneIsTold) {
       << "too fast for the head's distortion";
 }
 
-/// G-code as nobody would write it: tiny marks, jumps on jumps, marks without power, ends that meet, half
-/// power.
+/// Hostile G-code: tiny marks, jumps on jumps, marks without power, ends that meet, half power.
 TEST(Flow, AnyGcodeIsRunInOrderWithFiniteNumbers) {
   const MachineParameters machine = slowMirrors();
   for (unsigned seed = 1; seed <= 60; ++seed) {
@@ -373,7 +375,7 @@ TEST(Reposition, KeepsTheMirrorsWithinTheirLimitOnTheWayBack) {
   const MachineParameters machine = slowMirrors();
   const Axes axes(machine, {});
   JobParameters job = smoothJob(5.0);
-  job.jump_acceleration_mm_s2 = 1e6;  // the mirrors alone are the limit
+  job.jump_acceleration_mm_s2 = 1e6;  // The mirrors alone are the limit.
   for (const Vector2d& to : {Vector2d(-70, 70), Vector2d(60, 70), Vector2d(-70, -70), Vector2d(20, -65)}) {
     const Vector2d from(60, -70);
     const Reposition way(from, 25.0, to, job, axes);

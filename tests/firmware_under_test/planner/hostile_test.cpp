@@ -132,7 +132,7 @@ TEST(Hostile, MutatedGcodeIsPlannedOrRefusedWithItsLine) {
       ASSERT_LE(period.to_W_mm.cwiseAbs().maxCoeff(), 80.1) << "the beam stays in the field";
     }
   }
-  // Neither all harmless nor all beyond reading.
+  // The inputs must be neither all harmless nor all unreadable.
   EXPECT_GT(planned, 200);
   EXPECT_GT(refused, 400);
 }
@@ -233,7 +233,7 @@ TEST(Hostile, MutatedTablesAreReadOrRefused) {
   for (int round = 0; round < 1000; ++round) {
     std::string text = good;
     if (round % 2 == 0) {
-      // A correction of another size, as small as one that could be true, or not.
+      // The correction changes its size: as small as a true one, or not.
       std::size_t at = text.find("0.25", random() % text.size());
       if (at != std::string::npos) text[at + 2 + random() % 2] = "0123456789"[random() % 10];
     } else if (const std::size_t at = random() % text.size(); random() % 3 == 0) {

@@ -53,12 +53,12 @@ std::vector<Vector2d> pointsOf(const UnitPath& unit) {
 
 TEST(Jerk, ALineTakesTheTimeOfItsSCurve) {
   const std::vector<Segment> run{straight({0, 0}, {100, 0})};
-  // v/a + a/j for each ramp, of half the way each; of the jerk a line has 0.8.
+  // Each ramp takes v/a + a/j, over half of the length each; of the jerk a line has 0.8.
   const double ramp_s = 200.0 / 2000.0 + 2000.0 / (0.8 * 25000.0);
   const double total_s = 2.0 * ramp_s + (100.0 - 200.0 * ramp_s) / 200.0;
   EXPECT_EQ(planRun(run, limits(200, 2000, 25000)).size() - 1,
             static_cast<std::size_t>(std::ceil(total_s / kPeriod_s - 1e-6)));
-  // Too short for full acceleration: four bows of cbrt(l / (2 j)) each.
+  // The run is too short for full acceleration: four bows of cbrt(l / (2 j)) each.
   const std::vector<Segment> short_run{straight({0, 0}, {0.1, 0})};
   const double bow_s = std::cbrt(0.1 / (2.0 * 0.8 * 25000.0));
   EXPECT_EQ(planRun(short_run, limits(200, 2000, 25000)).size() - 1,
@@ -122,7 +122,7 @@ TEST(Jerk, TheMirrorsKeepItOverWholeDrawings) {
   }
 }
 
-/// Short strokes side by side, as the button's, and a corner and an arc in the marks.
+/// Short strokes side by side, as the button's, with a corner and an arc in the marks.
 std::vector<Segment> strokes() {
   std::vector<dieline::Entity> entities;
   for (int i = 0; i < 8; ++i) {
@@ -229,10 +229,11 @@ TEST(Jerk, AShorterWayIsNoReasonToGoTooFast) {
   for (const double high : {1.0, 30.0, 400.0}) {
     double before_mm = 1e300;
     for (double low = 0.0; low <= high; low += high / 64.0) {
-      EXPECT_GE(ramp.mostWayMm(low, high), ramp.wayMm(low, high));
-      EXPECT_LE(ramp.mostWayMm(low, high), before_mm * (1.0 + 1e-12));
-      EXPECT_LE(ramp.mostWayMm(low, high), 1.09 * std::max(ramp.wayMm(0.0, high), ramp.wayMm(low, high)));
-      before_mm = ramp.mostWayMm(low, high);
+      EXPECT_GE(ramp.mostTravelMm(low, high), ramp.travelMm(low, high));
+      EXPECT_LE(ramp.mostTravelMm(low, high), before_mm * (1.0 + 1e-12));
+      EXPECT_LE(ramp.mostTravelMm(low, high),
+                1.09 * std::max(ramp.travelMm(0.0, high), ramp.travelMm(low, high)));
+      before_mm = ramp.mostTravelMm(low, high);
     }
   }
 }

@@ -162,11 +162,11 @@ TEST(SmoothJump, MarksOnOneLineAreJoinedByTheLine) {
 }
 
 TEST(SmoothJump, CoincidentEnds) {
-  // The same direction: nothing to do.
+  // Equal ends with the same direction need no jump.
   const auto same = smoothJump(ends({1, 2}, 40, {1, 2}, 40), 2.0);
   ASSERT_TRUE(same);
   EXPECT_TRUE(same->empty());
-  // Any other direction needs more than a turn: 5/4 of one and a line for a right angle.
+  // Other directions need more than a turn: 5/4 of one and a line for a right angle.
   EXPECT_FALSE(smoothJump(ends({1, 2}, 0, {1, 2}, 90), 2.0));
   EXPECT_FALSE(smoothJump(ends({1, 2}, 0, {1, 2}, 180), 2.0));
   const auto loop = jumpOver(ends({1, 2}, 0, {1, 2}, 90), 2.0, {1, 1});
@@ -187,7 +187,7 @@ TEST(SmoothJump, ParallelAndAntiparallelMarks) {
       }
     }
   }
-  // Antiparallel and 2 R apart: both circles are one, half of it is the jump.
+  // Antiparallel marks 2 R apart share one circle, half of which is the jump.
   const auto half = smoothJump(ends({0, 0}, 0, {0, 2}, 180), 1.0);
   ASSERT_TRUE(half);
   ASSERT_EQ(half->size(), 1U);
@@ -195,7 +195,7 @@ TEST(SmoothJump, ParallelAndAntiparallelMarks) {
 }
 
 TEST(SmoothJump, TouchingCirclesLeaveNoLine) {
-  // An S of two quarter turns.
+  // The jump is an S of two quarter turns.
   const auto path = smoothJump(ends({0, 0}, 0, {2, 2}, 0), 1.0);
   ASSERT_TRUE(path);
   ASSERT_EQ(path->size(), 2U);

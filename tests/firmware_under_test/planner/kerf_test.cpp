@@ -90,7 +90,7 @@ TEST(Kerf, AsPlayedTheBeamKeepsItsRadiusFromTheDieline) {
       farthest = std::max(farthest, distance);
     }
     EXPECT_NEAR(nearest, 0.15, 0.015);
-    EXPECT_NEAR(farthest, 0.15 * std::sqrt(2.0), 0.015);  // the island's corners
+    EXPECT_NEAR(farthest, 0.15 * std::sqrt(2.0), 0.015);  // Distance of the island's corners.
   }
 }
 
@@ -116,7 +116,7 @@ TEST(Kerf, OnlyCutsAreMoved) {
       }
     }
   }
-  EXPECT_EQ(moved.size(), 4U);  // two creases, a half-cut, a perforation
+  EXPECT_EQ(moved.size(), 4U);  // Two creases, a half-cut, a perforation.
 }
 
 TEST(Kerf, OpenCutsStayOnTheLineAndAreNamedUnlessASideIsChosen) {
@@ -168,7 +168,7 @@ TEST(Kerf, DielinesWithoutAnInsideAreRefused) {
   std::vector<dieline::Entity> entities = rectangle(-20, 0, -10, 10);
   for (const dieline::Entity& entity : rectangle(-15, 5, -5, 15)) entities.push_back(entity);
   EXPECT_THAT(refusal(dielineOf(entities), kerfJob(0.1)), HasSubstr("meets another one"));
-  // The same circle drawn twice.
+  // The drawing has one circle twice.
   EXPECT_THAT(refusal(dielineOf({test::arc(0, 0, 5, 0, 360), test::arc(0, 0, 5, 90, 360)}), kerfJob(0.1)),
               HasSubstr("meets another one"));
   EXPECT_THAT(refusal(dielineOf({test::line(0, 0, 4, 0), test::line(4, 0, 0, 0)}), kerfJob(0.1)),

@@ -70,7 +70,7 @@ TEST(Speed, ALineTakesTheTimeOfItsTrapezoid) {
   const std::vector<Segment> run{straight({0, 0}, {100, 0})};
   // 100 mm at 200 mm/s and 2000 mm/s²: 0.1 s up, 0.4 s level, 0.1 s down.
   EXPECT_EQ(planRun(run, limits(200, 2000)).size() - 1, static_cast<std::size_t>(std::lround(0.6 / 0.8e-3)));
-  // Too short to reach it: 2 sqrt(l / a), rounded up to a period.
+  // The run is too short for full speed: 2 sqrt(l / a), rounded up to a period.
   const std::vector<Segment> short_run{straight({0, 0}, {1, 0})};
   EXPECT_EQ(planRun(short_run, limits(200, 2000)).size() - 1,
             static_cast<std::size_t>(std::ceil(2.0 * std::sqrt(1.0 / 2000.0) / 0.8e-3)));

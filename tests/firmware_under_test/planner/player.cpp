@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 constexpr double kT = 0.8e-3;
 
-/// Cheng et al. 2014, eq. 1.
+/// Place of the beam by Cheng et al. 2014, eq. 1.
 Vector2d beamAt(const int* steps, const MachineParameters& m) {
   if (m.head == MachineParameters::Head::kGantry) {
     return {steps[KB_GANTRY_X] * m.gantry_step_mm, steps[KB_GANTRY_Y] * m.gantry_step_mm};
@@ -30,7 +30,7 @@ Vector2d beamAt(const int* steps, const MachineParameters& m) {
 Played play(const Program& program, const MachineParameters& m, const JobParameters& job) {
   Played out;
   int steps[KB_AXES] = {};
-  // x_W of unit 0's origin. With a print mark it is known from the first mark on.
+  // Place x_W of unit 0's origin. With a print mark it is known from the first mark on.
   double web_x = job.feed_by_controller || job.belt_speed_mm_s == 0.0 ? job.web_start_x_mm : 0.0;
   bool belt_known = job.feed_by_controller || job.belt_speed_mm_s == 0.0;
   bool following = false;

@@ -14,15 +14,15 @@ namespace kerfbench::planner::test {
 /// speed.
 struct Period {
   Eigen::Vector2d from_W_mm, to_W_mm;  ///< Beam at the begin and end, from steps by S4's eq. 1.
-  Eigen::Vector2d from_S_mm, to_S_mm;  ///< On the sheet, in S of unit 0's web.
-  int power{-1};                       ///< -1: gate closed.
+  Eigen::Vector2d from_S_mm, to_S_mm;  ///< Places on the sheet at the begin and end, in S of unit 0's web.
+  int power{-1};                       ///< Power; -1: gate closed.
   int largest_steps{};
   int unit{-1};
   bool following{};
   double gain{};
 };
 
-/// What the program did.
+/// Record of a program's run.
 struct Played {
   std::vector<Period> periods;
   int feed_steps{};
@@ -34,7 +34,7 @@ struct Played {
 /// Runs the program. The belt's position comes from the print marks and its speed, or from the feed steps.
 Played play(const Program& program, const MachineParameters& machine, const JobParameters& job);
 
-/// What a PlanError says that the action throws; empty if it throws none.
+/// Text of the PlanError that the action throws; empty if it throws none.
 template <typename Do>
 std::string refusal(const Do& action) {
   try {
@@ -53,14 +53,14 @@ JobParameters gantryJob();
 dieline::Entity line(double x0, double y0, double x1, double y1,
                      dieline::Process process = dieline::Process::kCut);
 dieline::Entity arc(double cx, double cy, double r, double start_deg, double sweep_deg);
-/// Numbers the entities.
+/// Dieline with numbered entities.
 dieline::Dieline dielineOf(std::vector<dieline::Entity> entities);
 /// Rounded rectangle, x in [-60, 0], y in [-20, 20], radius 3.
 dieline::Dieline label();
 /// A folding box in small: outline with flaps, creases, a slot, a round window, a perforation; x in [-142,
 /// 0].
 dieline::Dieline carton();
-/// S0's cut across the strip.
+/// Cut of S0 across the strip.
 dieline::Dieline strip();
 
 /// Worst distance of burnt points from the dieline, over all units.

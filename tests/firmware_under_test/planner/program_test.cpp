@@ -64,7 +64,7 @@ TEST_P(EveryShape, StaysInTheFieldAndWithinTheSteps) {
   for (const test::Period& period : played.periods) {
     EXPECT_LE(period.largest_steps, 29) << "some are kept for the follow correction";
     for (int i = 0; i < 2; ++i) {
-      // Half a step of rounding.
+      // The slack is half a step of rounding.
       EXPECT_GE(period.to_W_mm[i], machine_.field_min_mm[i] - 0.007);
       EXPECT_LE(period.to_W_mm[i], machine_.field_max_mm[i] + 0.007);
     }
@@ -73,7 +73,7 @@ TEST_P(EveryShape, StaysInTheFieldAndWithinTheSteps) {
 
 TEST_P(EveryShape, EnergyPerLengthIsConstantAlongMarks) {
   const Played played = play(planner::plan(shape_.dieline, machine_, job_).program, machine_, job_);
-  // Over 24 periods, so that the rounding of single steps does not hide what is to be seen.
+  // The window is 24 periods, so that the rounding of single steps does not hide the effect.
   constexpr std::size_t kWindow = 24;
   int seen = 0;
   for (std::size_t i = 0; i + kWindow <= played.periods.size(); i += 4) {
@@ -105,11 +105,11 @@ TEST_P(EveryShape, TheGateIsOpenForTheWayOfTheMarksOnly) {
   for (const test::Period& period : play(plan.program, machine_, job_).periods) {
     if (period.power >= 0) burnt_mm += (period.to_S_mm - period.from_S_mm).norm();
   }
-  // Steps make the way a little longer.
+  // Steps make the path a little longer.
   EXPECT_NEAR(burnt_mm, plan.cut_length_mm, 0.02 * plan.cut_length_mm);
 }
 
-/// Lowest or highest step of an axis, as KB_CONFIG tells it.
+/// Lowest or highest step of an axis in KB_CONFIG.
 std::int32_t fieldEnd(const Program& program, int axis, bool highest) {
   const std::size_t at =
       KB_CONFIG_LEN - 8U * KB_AXES + 4U * static_cast<unsigned>(axis) + (highest ? 4U * KB_AXES : 0U);
@@ -118,7 +118,7 @@ std::int32_t fieldEnd(const Program& program, int axis, bool highest) {
   return static_cast<std::int32_t>(value);
 }
 
-// The firmware would stop such a program.
+// The firmware would stop a program that leaves the field.
 TEST_P(EveryShape, ALitPeriodEndsWithinTheFieldThatIsTold) {
   const Program program = planner::plan(shape_.dieline, machine_, job_).program;
   std::array<long, KB_AXES> at{};
@@ -194,7 +194,8 @@ TEST(Config, TheFieldIsToldInStepsAndAWaverAlongTheBelt) {
   }
 }
 
-// Of mirrors a box that holds the field: the y mirror in the corners, the x mirror where y is 0.
+// The field of mirrors is a box that holds it: the y mirror is largest in the corners, the x mirror where y
+// is 0.
 TEST(Config, OfMirrorsTheFieldIsABoxAroundIt) {
   const MachineParameters machine = test::twoMirror();
   JobParameters job = test::mirrorJob();

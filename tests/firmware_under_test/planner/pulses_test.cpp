@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What drives need of PUL and DIR, and what the controller is told to do for it.
+// Requirements of drives on PUL and DIR, and the controller's settings for them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -92,7 +92,7 @@ TEST(Pulses, WhatCannotBeServedIsRefusedWithNumbers) {
   EXPECT_THAT(driveFaults(galvo(), only(needs(5, 5, 2.5, 2.5))), IsEmpty());
 }
 
-/// Brute force: pulses tick by tick as the step engine makes them, each tick late by anything, DIR changed
+/// Brute force: pulses tick by tick as the step engine makes them, each tick late by any amount, DIR changed
 /// with the last of a period.
 TEST(Pulses, WhateverTheSettingsAllowKeepsTheTimes) {
   for (const Target& target : {Target{}, galvo()}) {
@@ -157,8 +157,8 @@ TEST(Pulses, ASlowDriveSlowsTheJobDownAndAJobThatTurnsTooFastIsRefused) {
 
   machine.drives[KB_GALVO_X] = machine.drives[KB_GALVO_Y] = needs(5, 330, 2.5, 2.5);
   job.acceleration_mm_s2 = 200000;
-  const dieline::Dieline small =
-      test::dielineOf({test::arc(-10.0, 0.0, 0.5, 0.0, 360.0)});  // 9 steps a period from one to the next
+  // The mirrors make 9 steps a period from one to the next.
+  const dieline::Dieline small = test::dielineOf({test::arc(-10.0, 0.0, 0.5, 0.0, 360.0)});
   EXPECT_THAT(refusal([&] { plan(small, machine, job); }), HasSubstr("DIR must be stable: accelerate less"));
   machine.drives[KB_GALVO_X] = needs(5, 5, 900, 2.5);
   EXPECT_THAT(refusal([&] { plan(test::label(), machine, job); }),

@@ -100,7 +100,7 @@ TEST(Selection, AnIdOfAnySizeIsOnlyANumber) {
   EXPECT_THAT(cutIn(select(text, selectionFrom("2147483647", "", ""))), ElementsAre(2147483647));
 }
 
-// Lines between two headings, as somebody with an editor moves them about.
+// Groups of lines between two headings, as a user with an editor moves them.
 std::vector<std::string> groupsOf(const std::string& gcode) {
   std::vector<std::string> groups;
   std::istringstream lines(gcode);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controller that is planned for: read from its image, and asked for in INFO.
+// Controller that is planned for: read from its image, and from INFO.
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -57,7 +57,7 @@ TEST(Target, AnImageThatSaysNothingIsRefused) {
   const std::string native = textOf(kFirmware / "controller-native");
   EXPECT_THAT(refusal([&] { targetOfImage(written("two.bin", native + native)); }),
               HasSubstr("more than one"));
-  // Cut off within the block.
+  // The file is cut off within the block.
   const std::string cut = native.substr(0, native.find(KB_RELEASE_MAGIC) + KB_RELEASE_LEN - 1);
   EXPECT_THAT(refusal([&] { targetOfImage(written("cut.bin", cut)); }), HasSubstr("no description"));
 }
@@ -78,7 +78,7 @@ TEST(Target, ADamagedHexFileIsRefusedWithItsLine) {
 TEST(Target, NonsenseInABlockIsNoTarget) {
   const std::string native = textOf(kFirmware / "controller-native");
   const std::string block = native.substr(native.find(KB_RELEASE_MAGIC), KB_RELEASE_LEN);
-  for (const std::size_t at : {9U, 13U, 15U, 16U, 19U}) {  // clock, tick, ticks, steps, baud: all zero
+  for (const std::size_t at : {9U, 13U, 15U, 16U, 19U}) {  // Clock, tick, ticks, steps, baud: all zero.
     std::string bad = block;
     for (std::size_t i = at; i < at + (at == 9 || at == 19 ? 4U : at == 13 ? 2U : 1U); ++i) bad[i] = 0;
     EXPECT_FALSE(targetFrom({reinterpret_cast<const std::uint8_t*>(bad.data()), bad.size()})) << at;

@@ -50,7 +50,7 @@ TEST(Strip, ThePapersExampleRuns) {
 
 TEST(Strip, AReturnTooSlowForThePitchIsRefused) {
   JobParameters job = stripJob();
-  job.jump_speed_mm_s = 250.0;  // the paper's bound is 275.9 mm/s for 1200 mm
+  job.jump_speed_mm_s = 250.0;  // The paper's bound is 275.9 mm/s for 1200 mm.
   const std::string why = refusal(test::strip(), test::gantry(), job);
   EXPECT_THAT(why, HasSubstr("pitch of 1200 mm"));
   EXPECT_THAT(why, HasSubstr("200 mm/s is too high"));
@@ -75,7 +75,7 @@ TEST(Strip, TheReturnUncheckedIsNoFaultWhereItIsFastEnough) {
 
 TEST(Strip, AFieldTooShortForTheCutIsRefused) {
   MachineParameters machine = test::gantry();
-  machine.field_max_mm[0] = 660.0;  // 680 mm of travel; the paper asks for 695.7 mm
+  machine.field_max_mm[0] = 660.0;  // The travel is 680 mm; the paper needs 695.7 mm.
   EXPECT_THAT(refusal(test::strip(), machine, stripJob()), HasSubstr("leaves the field"));
 }
 
@@ -115,7 +115,7 @@ TEST(BeltSpeed, BeyondTheAxisItIsTheAxis) {
 
 TEST(BeltSpeed, BrokenOutlinesAllowMore) {
   JobParameters job = test::mirrorJob();
-  job.order = JobParameters::Order::kNearest;  // the shortest way is for the speed asked for
+  job.order = JobParameters::Order::kNearest;  // The shortest path is for the configured speed.
   job.belt_speed_mm_s = 5.0;
   const double whole = planner::plan(test::carton(), test::twoMirror(), job).max_belt_speed_mm_s;
   job.belt_speed_mm_s = 50.0;
@@ -141,7 +141,7 @@ TEST(Units, MoreMarksThanTheControllerHoldsAreRefused) {
   JobParameters job = test::mirrorJob();
   job.belt_speed_mm_s = 20.0;
   job.units = 20;
-  job.pitch_mm = 12.0;  // some 140 mm from the sensor to the field: a dozen marks on the way
+  job.pitch_mm = 12.0;  // The distance from the sensor to the field is some 140 mm: a dozen marks wait.
   const auto dot = test::dielineOf({test::line(0, 0, -1, 0)});
   EXPECT_THAT(refusal(dot, test::twoMirror(), job), HasSubstr("the controller holds 7"));
   job.pitch_mm = 40.0;

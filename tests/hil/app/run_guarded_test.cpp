@@ -29,7 +29,7 @@ TEST(ExitCodes, AModelThatDivergesBreaksTheBenchAndIsNoVerdict) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               AllOf(HasSubstr("job.yaml: "), HasSubstr("1.25"), HasSubstr("gantry_x.bridge"),
                     HasSubstr("no verdict")));
-  EXPECT_EQ(temp.entries(), 0);  // Nothing half-written.
+  EXPECT_EQ(temp.entries(), 0);  // No file is left half-written.
 }
 
 TEST(ExitCodes, BadInputIsToldInTheUsersWords) {

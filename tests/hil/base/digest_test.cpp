@@ -10,12 +10,12 @@
 namespace kerfbench::base {
 namespace {
 
-TEST(Digest, GivesTheStandardsOwnExamples) {  // FIPS 180-4
+TEST(Digest, GivesTheStandardsOwnExamples) {  // Example of FIPS 180-4.
   EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
-// As xxh128sum has them.
+// The values are those of xxh128sum.
 TEST(Digest, ChecksumIsXxh3OfThePublishedCases) {
   EXPECT_EQ(checksum({}), "99aa06d3014798d86001c324468d497f");
   const std::array<std::uint8_t, 3> abc{'a', 'b', 'c'};

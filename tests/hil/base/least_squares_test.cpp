@@ -23,7 +23,7 @@ constexpr LeastSquaresOptions kTight{.most_iterations = 200,
                                      .gradient_tolerance = 1e-12,
                                      .parameter_tolerance = 1e-14};
 
-/// Rosenbrock's valley: least at (1, 1), where it is zero.
+/// Rosenbrock's valley: smallest at (1, 1), where it is zero.
 LeastSquaresProblem rosenbrock() {
   LeastSquaresProblem problem;
   problem.parameters = problem.residuals = 2;
@@ -66,7 +66,7 @@ TEST(LeastSquares, FindsTheEndOfRosenbrocksValley) {
   const LeastSquaresSummary summary = minimise(rosenbrock(), Eigen::Vector2d(-1.2, 1.0), kTight);
   EXPECT_TRUE(summary.settled());
   EXPECT_LT((summary.x - Eigen::Vector2d(1.0, 1.0)).norm(), 1e-10);
-  EXPECT_NEAR(summary.first_cost, 12.1, 1e-12);  // By hand: (4.4² + 2.2²) / 2.
+  EXPECT_NEAR(summary.first_cost, 12.1, 1e-12);  // Cost by hand: (4.4² + 2.2²) / 2.
   EXPECT_LE(summary.accepted, summary.iterations);
 }
 
@@ -96,7 +96,7 @@ TEST(LeastSquares, ALossOfAWideScaleIsNone) {
   EXPECT_LT((plain - wide).norm(), 1e-7);
 }
 
-// Where the sum of losses is least, its slope by differences of the cost is zero.
+// Where the sum of losses is smallest, its slope by differences of the cost is zero.
 TEST(LeastSquares, EndsWhereTheRobustCostIsFlat) {
   const Line line(true);
   const LeastSquaresProblem problem = line.problem(3.0);

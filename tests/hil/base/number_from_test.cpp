@@ -15,7 +15,7 @@ TEST(NumberFrom, TakesAWholeTextAndNothingElse) {
   EXPECT_EQ(numberFrom<double>("2.5e-3"), 2.5e-3);
   for (const char* text : {"", " ", "-", "+1", " 1", "1 ", "1x", "0x10", "1.5", "one"})
     EXPECT_EQ(numberFrom<int>(text), std::nullopt) << text;
-  // A text that ends in the middle of a longer one.
+  // The text ends in the middle of a longer one.
   EXPECT_EQ(numberFrom<int>(std::string_view("123").substr(0, 2)), 12);
 }
 

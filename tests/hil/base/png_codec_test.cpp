@@ -22,7 +22,7 @@ struct Foreign {
   int interlace{PNG_INTERLACE_NONE};
 };
 
-/// Rows of bytes of which libpng's writer takes what type and depth say.
+/// PNG from rows of bytes, of which libpng's writer takes what type and depth say.
 std::vector<std::uint8_t> foreignPng(const Foreign& kind, const std::vector<std::vector<std::uint8_t>>& rows,
                                      std::vector<png_color> palette = {}) {
   std::vector<std::uint8_t> bytes;
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> foreignPng(const Foreign& kind, const std::vector<std:
   return bytes;
 }
 
-/// Rows of so many bytes a pixel, by a function of column, row and channel.
+/// Rows with the given number of bytes a pixel, by a function of column, row and channel.
 template <typename Sample>
 std::vector<std::vector<std::uint8_t>> rowsOf(int channels, const Sample& sample) {
   std::vector<std::vector<std::uint8_t>> rows(kHeight);
@@ -118,7 +118,7 @@ TEST(PngCodec, ReadsTheSamePictureFromEveryKindOfFile) {
   same(foreignPng({PNG_COLOR_TYPE_RGB_ALPHA},
                   rowsOf(4, [](int c, int r, int k) { return k < 3 ? kColour(c, r, k) : 40; })),
        "with transparency");
-  // A palette of all its colours: there are fewer than 256 of them.
+  // The palette has all colours: there are fewer than 256 of them.
   std::vector<png_color> palette;
   const auto indices = rowsOf(1, [&](int c, int r, int) {
     palette.push_back({static_cast<png_byte>(kColour(c, r, 0)), static_cast<png_byte>(kColour(c, r, 1)),

@@ -52,7 +52,7 @@ TEST_F(YamlReaderTest, ListsEveryFaultWithItsLineAtOnce) {
     auto section = file.section("section");
     section.number("c", {});
     section.number("d", {});
-  }  // The reader of a section may go before finish().
+  }  // The reader of a section may be destroyed before finish().
   file.list("f")[0].number("x", {});
   const std::string faults = faultsOf(file);
   EXPECT_THAT(faults, HasSubstr(":1: a: 5 is outside 0 … 2"));

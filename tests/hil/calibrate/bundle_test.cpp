@@ -49,7 +49,7 @@ TEST(Bundle, SlopesAreThoseOfFiniteDifferences) {
   }
 }
 
-/// Corners of the small camera's views, each a normal draw beside its place. The first view is the noisier.
+/// Corners of the small camera's views, each displaced by a normal sample. The first view is the noisier.
 Bundle drawnBundle(std::uint64_t seed) {
   const twin::CameraDescription camera = test::smallCamera();
   const CalibrationTarget target = camera::targetOf(camera);

@@ -19,7 +19,7 @@ using Eigen::Vector2d;
 TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
   const CameraCalibrationResult result = calibrateCamera(test::smallJob(1));
   const vision::CameraCalibration& c = result.calibration;
-  // 0.1 mm/px: a hundredth of a pixel.
+  // The limit is a hundredth of a pixel, at 0.1 mm/px.
   EXPECT_LT(test::largest(test::mapErrors(c, test::truthOf(test::smallCamera()), 20)), 0.001);
   EXPECT_LT(c.rms_px, 0.006);
   EXPECT_LT(c.map_u_mm, 0.0005);
@@ -28,7 +28,7 @@ TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
   EXPECT_EQ(result.views.size(), 6U);
   EXPECT_EQ(c.camera_id, "small");
   EXPECT_EQ(c.date, "2026-11-20");
-  // Its field is 56 x 44 mm.
+  // The camera's field is 56 x 44 mm.
   EXPECT_GT(c.area_mm.sizes().x(), 48.0);
   EXPECT_GT(c.area_mm.sizes().y(), 36.0);
   EXPECT_NEAR(result.views.at(1).tilt_rad, 0.52, 0.1);
@@ -63,10 +63,11 @@ TEST(CalibrateCamera, ItsModesAreItsUncertainty) {
   EXPECT_NEAR(most_mm / c.map_u_mm, 1.0, 0.01);
 }
 
-// The stated covariance against what calibrations by 30 seeds, from rendered pictures, show.
+// The stated covariance is compared with the scatter of calibrations by 30 seeds, from rendered pictures.
 TEST(CalibrateCamera, ItsCovarianceIsHonest) {
   constexpr std::size_t kSeeds = 30;
-  constexpr std::size_t kModes = 8;  // The strongest; the others move no point by a fiftieth of the first.
+  // The strongest modes; the others move no point by a fiftieth of the first.
+  constexpr std::size_t kModes = 8;
   const vision::CameraCalibration truth = test::truthOf(test::smallCamera());
   struct Sums {
     double misses_mm2{}, stated_mm2{}, chi2{};
@@ -84,7 +85,7 @@ TEST(CalibrateCamera, ItsCovarianceIsHonest) {
       for (std::size_t k = 0; k < c.error_modes.size(); ++k)
         modes.block<2, 1>(row, static_cast<Eigen::Index>(k)) = c.mapError(k, places_mm[i]);
     }
-    // How much of each mode: standard normal, if the covariance is right.
+    // Amount of each mode: standard normal, if the covariance is right.
     const Eigen::VectorXd share = modes.colPivHouseholderQr().solve(seen);
     of_seed[seed] = {seen.squaredNorm(), modes.squaredNorm(), share.head(kModes).squaredNorm()};
   });
@@ -98,9 +99,9 @@ TEST(CalibrateCamera, ItsCovarianceIsHonest) {
   const double spread_over_stated = std::sqrt(all.misses_mm2 / all.stated_mm2);
   RecordProperty("modes_over_stated", std::to_string(modes_over_stated));
   RecordProperty("spread_over_stated", std::to_string(spread_over_stated));
-  // 240 degrees of freedom: chi2 / 240 has a square root of 1 ± 0.046; 3.3 of them.
+  // The limit is 3.3 sigma: for 240 degrees of freedom chi2 / 240 has a square root of 1 ± 0.046.
   EXPECT_NEAR(modes_over_stated, 1.0, 0.15);
-  // The first modes rule the sum: some 100 degrees of freedom, 0.07.
+  // The first modes dominate the sum: some 100 degrees of freedom, 0.07.
   EXPECT_NEAR(spread_over_stated, 1.0, 0.23);
 }
 

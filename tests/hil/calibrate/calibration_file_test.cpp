@@ -48,7 +48,7 @@ TEST_F(CalibrationFiles, ComeBackAsTheyWere) {
   EXPECT_NEAR(b.rms_px, a.rms_px, 1e-8);
   EXPECT_NEAR(b.map_u_mm, a.map_u_mm, 1e-8);
   ASSERT_EQ(b.error_modes.size(), a.error_modes.size());
-  // To a nanometre in the map, which is all that counts.
+  // The map is the same to a nanometre, and nothing else counts.
   EXPECT_LT(test::largest(test::mapErrors(b, a, 10)), 1e-7);
   for (std::size_t k = 0; k < a.error_modes.size(); ++k)
     EXPECT_LT((b.mapError(k, {5.0, -4.0}) - a.mapError(k, {5.0, -4.0})).norm(), 1e-9) << k;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The calibrations in fixtures/machines: good for a micrometre, and what the command makes.
+// Calibrations in fixtures/machines: good for a micrometre, and equal to the command's results.
 #include <gtest/gtest.h>
 
 #include "hil/app/calibrate_command.h"
@@ -25,7 +25,8 @@ TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
       const double most_mm = test::largest(test::mapErrors(kept.calibration, test::truthOf(camera), 60));
       RecordProperty(std::string(name) + "_" + named.id + "_um", std::to_string(1e3 * most_mm));
       EXPECT_LT(most_mm, 0.001) << name << " " << named.id;
-      // And by no more than it says: the largest of many points is some 4 sigma of the worst one at most.
+      // The error is within the stated one: the largest of many points is some 4 sigma of the worst one at
+      // most.
       EXPECT_LT(most_mm, 4.0 * kept.calibration.map_u_mm) << name << " " << named.id;
       EXPECT_LT(kept.calibration.map_u_mm, 0.0005) << name;
     }

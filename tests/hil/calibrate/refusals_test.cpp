@@ -28,7 +28,7 @@ std::string faultsOf(const CalibrationJob& job) {
 
 class Refusals : public testing::Test {
  protected:
-  /// The small camera's job with one view changed.
+  /// Job of the small camera with one view changed.
   static CalibrationJob with(std::size_t view, const std::function<GrayImage(GrayImage)>& change) {
     CalibrationJob job = test::smallJob(1, 3);
     job.picture = [good = job.picture, view, change](std::size_t v) {
@@ -36,7 +36,7 @@ class Refusals : public testing::Test {
     };
     return job;
   }
-  /// Every pixel by a function of its grey.
+  /// Change of every pixel by a function of its grey.
   static std::function<GrayImage(GrayImage)> byGray(const std::function<double(double)>& change) {
     return [change](GrayImage image) {
       for (std::uint8_t& pixel : image.pixels)
@@ -61,7 +61,7 @@ TEST_F(Refusals, NoViews) {
 TEST_F(Refusals, AFirstViewThatDoesNotCoverThePictureAndWhere) {
   const twin::CameraDescription camera = test::smallCamera();
   camera::TwinViews views = camera::twinViews(camera, camera::targetOf(camera), 3);
-  // To the picture's right: its left is bare.
+  // The target moves to the picture's right: the left stays bare.
   views.X_CB[0].translation().x() += 22.0;
   CalibrationJob job = test::smallJob(1, 3);
   camera::setTwinViews(camera, views, 1, job);
@@ -101,7 +101,7 @@ TEST_F(Refusals, ABlurredPicture) {
 }
 
 TEST_F(Refusals, APictureWithoutTheTarget) {
-  // Bars as bright and as sharp as a target.
+  // The bars are as bright and as sharp as a target.
   const CalibrationJob job = with(1, [](GrayImage image) {
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) image.at(x, y) = (x / 20) % 2 == 0 ? 30 : 200;
@@ -128,7 +128,7 @@ TEST_F(Refusals, APictureOfAnotherSizeOrThatCannotBeRead) {
 }
 
 TEST_F(Refusals, ATargetThatIsNotAsDescribed) {
-  // Wound about a tube of 2.5 m: its middle stands off by 0.2 mm.
+  // The target is wound about a tube of 2.5 m: its middle stands off by 0.2 mm.
   const CalibrationJob job = with(1, [](GrayImage image) {
     const GrayImage flat = image;
     for (int y = 0; y < image.height; ++y) {

@@ -26,7 +26,7 @@ inline twin::CameraDescription smallCamera() {
   return camera;
 }
 
-/// What a perfect calibration would be.
+/// Result of a perfect calibration.
 inline vision::CameraCalibration truthOf(const twin::CameraDescription& camera) {
   vision::CameraCalibration truth;
   truth.width_px = camera.width_px;
@@ -40,7 +40,7 @@ inline vision::CameraCalibration truthOf(const twin::CameraDescription& camera) 
   return truth;
 }
 
-/// By how much a calibration misplaces points of its area, x and y of each; only what the camera sees.
+/// Errors of a calibration at points of its area, x and y of each; only points that the camera sees.
 inline std::vector<Eigen::Vector2d> mapErrors(const vision::CameraCalibration& calibration,
                                               const vision::CameraCalibration& truth, int grid,
                                               std::vector<Eigen::Vector2d>* places_mm = nullptr) {

@@ -80,7 +80,7 @@ TEST(TargetFiles, ADescriptionComesBackAsItWas) {
 TEST(TargetFiles, ThePrintIsWhatTheTwinShowsAndTheBenchLooksFor) {
   const CalibrationTarget target{6, 5, 5.0, 3.0};
   const std::string svg = targetSvg(target);
-  // Every "M x y h w v h h -w z" is a black rectangle.
+  // Each "M x y h w v h h -w z" is a black rectangle.
   struct Box {
     double x, y, width, height;
   };

@@ -7,7 +7,7 @@
 
 namespace kerfbench::camera {
 
-/// Looks straight down from 300 mm; x along the plane's x, y against it.
+/// A camera that looks straight down from 300 mm; x along the plane's x, y against it.
 inline twin::CameraDescription smallCamera(int width_px, int height_px, double mm_per_px) {
   twin::CameraDescription camera;
   camera.width_px = width_px;

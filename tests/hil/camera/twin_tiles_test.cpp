@@ -38,7 +38,7 @@ std::vector<KerfTile> readAll(TwinTileSource& from, std::size_t batch) {
   return all;
 }
 
-/// How many tiles of a unit see a point of its S with `margin_mm` to spare.
+/// Number of tiles of a unit that see a point of its S with `margin_mm` to spare.
 int seenBy(const std::vector<KerfTile>& tiles, const TwinTileSource& source, const AlignedBox2d& field,
            int unit, const Vector2d& p_S_mm, double margin_mm) {
   int count = 0;
@@ -122,14 +122,14 @@ TEST(TwinTileSource, ALongStripIsOneRowOfTiles) {
   PrintLayout print;
   print.pitch_mm = 1000.0;
   const TwinTileSource source(camera(print), sheet, {AlignedBox2d(Vector2d(-800, 0), Vector2d(0, 0))}, {});
-  // 804 mm in steps of a little less than 17 mm.
+  // The unit is 804 mm long, in steps of a little less than 17 mm.
   EXPECT_GE(source.size(), 47U);
   EXPECT_LE(source.size(), 50U);
 }
 
 TEST(TwinTileSource, DoesNotShowWhatBelongsToTheNeighbour) {
   twin::Sheet sheet{twin::BoardDescription{}};
-  // In S of unit 1 this lies at x = 51 … 55: nearer to unit 0, which it is part of.
+  // The burn lies at x = 51 … 55 in S of unit 1: nearer to unit 0, which it is part of.
   sheet.burn({{-9.0, 5.0}, 0.1, 0.1}, {{-5.0, 5.0}, 0.1, 0.1}, 2.0);
   PrintLayout print = twoUnits();
   print.pitch_mm = 60.0;

@@ -76,7 +76,7 @@ TEST_F(ControllerReportTest, NoEndIsAProblemAndEachOnlyOnce) {
   dialog.reason = "at 1.900 s: the controller has lost the program";
   EXPECT_EQ(unprovenEnd(end(), dialog, is_sound), dialog.reason);
   dialog.reason.clear();
-  is_sound = false;  // The firmware crashed, say.
+  is_sound = false;  // The firmware crashed, for example.
   EXPECT_THAT(unprovenEnd(end(), dialog, is_sound), IsEmpty());
 }
 

@@ -43,13 +43,13 @@ TEST_P(DxfVersion, GivesEachEntityAsDrawn) {
   EXPECT_LT(apart(c[4], LineCurve{{10, 0}, {10, 10}}), kTiny);
   std::size_t next = 5;
   if (!is_old) {
-    // Bulge 0.5 from (0,0) to (1,0): sagitta 0.25 below the chord.
+    // The bulge is 0.5 from (0,0) to (1,0): sagitta 0.25 below the chord.
     expectPoint(c[5], 0.5, {0.5, -0.25});
     EXPECT_LT(apart(c[6], LineCurve{{1, 0}, {1, 1}}), kTiny);
     expectPoint(c[7], 0, {1, 1});
     expectPoint(c[7], 1, {0, 0});
     const Vector2d middle(0.5, 0.5);
-    // Clockwise, so on the left of (1,1) -> (0,0), by a sagitta of a quarter of half the chord.
+    // The arc is clockwise, so on the left of (1,1) -> (0,0), by a sagitta of a quarter of half the chord.
     const Vector2d left = Vector2d(1, -1).normalized() * (0.25 * std::sqrt(2.0) / 2);
     expectPoint(c[7], 0.5, middle + left);
     EXPECT_LT(apart(c[8], EllipseCurve{{1, 2}, {3, 4}, {-2, 1.5}, 0.1, 1.9}), kTiny);
@@ -61,7 +61,8 @@ TEST_P(DxfVersion, GivesEachEntityAsDrawn) {
     EXPECT_EQ(dieline.entities[10].origin.substr(dieline.entities[10].origin.size() - 13), "SPLINE span 2");
     next = 12;
   }
-  // PART turned by 90 degrees in OUTER, which is mirrored, doubled and turned by 30 degrees about (5, 5).
+  // The block PART is turned by 90 degrees in OUTER, which is mirrored, doubled and turned by 30 degrees
+  // about (5, 5).
   Eigen::Affine2d outer = Eigen::Affine2d::Identity();
   outer.translate(Vector2d(5, 5))
       .rotate(pi / 6)

@@ -40,7 +40,7 @@ inline Dieline readText(const std::string& extension, const std::string& text,
   return readDieline(file.path(), profile);
 }
 
-/// What a broken file is told; empty when it is read.
+/// Faults reported for a broken file; empty when it is read.
 inline std::string faultsOf(const std::string& extension, const std::string& text) {
   try {
     readText(extension, text);
@@ -54,7 +54,7 @@ inline std::filesystem::path fixture(const std::string& name) {
   return std::filesystem::path(KERFBENCH_SOURCE_DIR) / "fixtures/dielines" / name;
 }
 
-/// "0|LINE|8|CUT" as the lines of a DXF.
+/// Lines of a DXF from "0|LINE|8|CUT".
 inline std::string dxfLines(std::string text) {
   std::replace(text.begin(), text.end(), '|', '\n');
   return text + "\n";
@@ -77,7 +77,7 @@ inline std::string svg(const std::string& body,
          attributes + ">\n" + body + "\n</svg>\n";
 }
 
-/// How far two curves are apart at equal shares of their parameter.
+/// Largest distance of two curves at equal shares of their parameter.
 inline double apart(const Curve& a, const Curve& b) {
   double worst = 0;
   for (int i = 0; i <= 50; ++i) worst = std::max(worst, (pointAt(a, i / 50.0) - pointAt(b, i / 50.0)).norm());

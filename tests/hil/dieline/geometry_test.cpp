@@ -91,7 +91,7 @@ TEST(Geometry, TangentExistsWhereTheDerivativeVanishes) {
 
 TEST(Geometry, LengthAgreesWithAFinePolygon) {
   for (const Curve& curve : samples()) {
-    // Richardson on chords: the error of n chords falls with 1/n².
+    // The length by Richardson on chords: the error of n chords falls with 1/n².
     const auto chords = [&](int n) {
       double sum = 0;
       for (int i = 0; i < n; ++i)
@@ -200,7 +200,7 @@ TEST(Geometry, StationsAreEquallySpacedAlongTheCurve) {
     EXPECT_LE(spacing, 0.5 * (1 + 1e-9));
     EXPECT_GT(spacing, 0.2);
     for (std::size_t i = 0; i + 1 < u.size(); ++i) {
-      double along = 0;  // By chords of the piece.
+      double along = 0;  // Length of the piece by chords.
       for (int k = 0; k < 200; ++k) {
         const double du = (u[i + 1] - u[i]) / 200;
         along += (pointAt(curve, u[i] + (k + 1) * du) - pointAt(curve, u[i] + k * du)).norm();

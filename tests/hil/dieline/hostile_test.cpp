@@ -54,7 +54,7 @@ TEST(HostileDxf, BlocksThatHoldThemselvesEnd) {
 }
 
 TEST(HostileDxf, BlocksThatUnfoldWithoutBoundEnd) {
-  // Ten blocks of ten copies each of the next, the last one empty: 10^10 copies of nothing.
+  // The file has ten blocks of ten copies each of the next, the last one empty: 10^10 copies of nothing.
   std::string blocks = "0|BLOCK|2|B0|0|ENDBLK";
   for (int i = 1; i <= 10; ++i) {
     const std::string inner = "B" + std::to_string(i - 1);
@@ -129,7 +129,8 @@ TEST(Hostile, OtherFilesAreRefused) {
                DielineError);
 }
 
-/// Cuts, changes and doubles lines of sound files; each must be read or refused with its path, and soon.
+/// Cuts, changes and doubles lines of sound files; each must be read or refused with its path, in a short
+/// time.
 TEST(Hostile, MutatedFilesAreReadOrRefused) {
   std::mt19937 random(3);
   const auto upTo = [&](std::size_t n) {

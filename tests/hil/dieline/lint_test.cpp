@@ -49,7 +49,7 @@ TEST(Lint, FixturesAreClean) {
     }
   }
   const auto strip = lintDieline(readDieline(fixture("strip-crosscut.dxf"), defaultLayerProfile()));
-  ASSERT_EQ(strip.size(), 1U);  // A cut across the web is open, and says so, but may be cut.
+  ASSERT_EQ(strip.size(), 1U);  // A cut across the web is open and is reported as such, but may be cut.
   EXPECT_EQ(strip[0].kind, Kind::kOpenOutline);
   EXPECT_FALSE(strip[0].is_error);
 }
@@ -83,12 +83,13 @@ TEST(Lint, OverlapsOfLines) {
   const auto overlaps = [](const Curve& a, const Curve& b) { return count({a, b}, Kind::kOverlap); };
   const LineCurve base{{0, 0}, {30, 40}};
   EXPECT_EQ(overlaps(base, LineCurve{{15, 20}, {45, 60}}), 1);
-  EXPECT_EQ(overlaps(base, LineCurve{{6, 8}, {3, 4}}), 1);              // Inside, the other way round.
-  EXPECT_EQ(overlaps(base, LineCurve{{30, 40}, {45, 60}}), 0);          // End to end.
-  EXPECT_EQ(overlaps(base, LineCurve{{29.997, 39.996}, {45, 60}}), 0);  // 5 um are below the limit.
-  EXPECT_EQ(overlaps(base, LineCurve{{29.97, 39.96}, {45, 60}}), 1);    // 50 um are not.
-  EXPECT_EQ(overlaps(base, LineCurve{{15.02, 20}, {45.02, 60}}), 0);    // Beside it.
-  EXPECT_EQ(overlaps(base, LineCurve{{0, 40}, {30, 0}}), 0);            // Across it.
+  EXPECT_EQ(overlaps(base, LineCurve{{6, 8}, {3, 4}}), 1);  // The line lies inside, in the opposite sense.
+  EXPECT_EQ(overlaps(base, LineCurve{{30, 40}, {45, 60}}), 0);  // The lines lie end to end.
+  // An overlap of 5 um is below the limit.
+  EXPECT_EQ(overlaps(base, LineCurve{{29.997, 39.996}, {45, 60}}), 0);
+  EXPECT_EQ(overlaps(base, LineCurve{{29.97, 39.96}, {45, 60}}), 1);  // An overlap of 50 um is not.
+  EXPECT_EQ(overlaps(base, LineCurve{{15.02, 20}, {45.02, 60}}), 0);  // The line lies next to it.
+  EXPECT_EQ(overlaps(base, LineCurve{{0, 40}, {30, 0}}), 0);          // The line lies across it.
 }
 
 TEST(Lint, OverlapsOfArcs) {
@@ -97,7 +98,7 @@ TEST(Lint, OverlapsOfArcs) {
   EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10, pi / 2, pi}), 1);
   EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10, -0.5, 1}), 1);
   EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10, 0.1, -0.2}), 1);
-  EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10, pi, pi}), 0);  // The other half.
+  EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10, pi, pi}), 0);  // The arc is the other half.
   EXPECT_EQ(overlaps(base, ArcCurve{{1, 2}, 10.02, 0, 1}), 0);
   EXPECT_EQ(overlaps(base, ArcCurve{{1, 2.02}, 10, 0, 1}), 0);
 }
@@ -114,9 +115,9 @@ TEST(Lint, GapsBetweenEnds) {
   EXPECT_EQ(gaps(0.51), 0);
   // A pair of loose ends is one gap, in whatever cells they lie.
   EXPECT_EQ(count({LineCurve{{0, 0}, {4.9, 0}}, LineCurve{{5.1, 0}, {20, 0}}}, Kind::kGap), 1);
-  // An end on the middle of another line meets it: a tee.
+  // The end of a line on the middle of another one meets it: a tee.
   EXPECT_EQ(count({LineCurve{{0, 0}, {10, 0}}, LineCurve{{9.8, 0}, {9.8, 5}}}, Kind::kGap), 0);
-  // Dashes of a perforation are meant.
+  // Dashes of a perforation are intended.
   EXPECT_EQ(count(dielineOf({LineCurve{{0, 0}, {3, 0}}, LineCurve{{3.3, 0}, {6, 0}}}, Process::kPerforation),
                   Kind::kGap),
             0);

@@ -88,7 +88,7 @@ TEST(Svg, PathLinesAbsoluteAndRelative) {
   expectPoint(c[5], 1, 5, 3);
   expectPoint(c[6], 1, 5, 7);
   expectPoint(c[7], 1, 10, 20);  // Z
-  expectPoint(c[8], 0, 11, 21);  // m behind z counts from the start of the outline.
+  expectPoint(c[8], 0, 11, 21);  // The m behind z counts from the start of the outline.
   expectPoint(c[8], 1, 13, 21);
 }
 
@@ -101,12 +101,14 @@ TEST(Svg, PathCurvesAbsoluteRelativeAndSmooth) {
   const auto control = [&](std::size_t i, int k) {
     return Vector2d(std::get<BezierCurve>(c[i]).control_mm.col(k));
   };
-  EXPECT_LT((control(1, 1) - Vector2d(7, 50 + 4)).norm(), kTiny);  // Mirror of (3,4) at (5,0).
+  // The control point mirrors (3,4) at (5,0).
+  EXPECT_LT((control(1, 1) - Vector2d(7, 50 + 4)).norm(), kTiny);
   EXPECT_LT((control(1, 2) - Vector2d(8, 50 + 4)).norm(), kTiny);
-  expectPoint(c[2], 0.5, 12, 2.5);                              // Middle of a quadratic curve.
-  expectPoint(c[3], 0.5, 16, -2.5);                             // Its reflection …
-  expectPoint(c[4], 0.5, 20, 2.5);                              // … and the reflection of that.
-  EXPECT_LT((control(5, 1) - Vector2d(22, 50)).norm(), kTiny);  // S behind T: no control point to mirror.
+  expectPoint(c[2], 0.5, 12, 2.5);   // Middle of a quadratic curve.
+  expectPoint(c[3], 0.5, 16, -2.5);  // The middle of the curve's reflection.
+  expectPoint(c[4], 0.5, 20, 2.5);   // The middle of that reflection's reflection.
+  // An S behind T has no control point to mirror.
+  EXPECT_LT((control(5, 1) - Vector2d(22, 50)).norm(), kTiny);
 }
 
 TEST(Svg, PathArcsAreExact) {
@@ -132,7 +134,7 @@ TEST(Svg, PathArcsAreExact) {
   EXPECT_NEAR(std::atan2(e.major_mm.y(), e.major_mm.x()), -pi / 6, kTiny);
   expectPoint(tilted[0], 0, 0, 0);
   expectPoint(tilted[0], 1, 25, 9);
-  // Too small radii grow until they reach: a half circle.
+  // Radii that are too small grow until they reach: a half circle.
   const auto grown = curvesOf("<path d='M0 0 A 1 1 0 0 1 10 0'/>");
   EXPECT_NEAR(std::get<ArcCurve>(grown[0]).radius_mm, 5, kTiny);
   EXPECT_TRUE(std::holds_alternative<LineCurve>(curvesOf("<path d='M0 0 A 0 3 0 0 1 10 0'/>")[0]));
@@ -182,7 +184,7 @@ TEST(Svg, UseSymbolAndNestedSvgArePlaced) {
   ASSERT_EQ(c.size(), 3U);
   expectPoint(c[0], 0, 10, 12);
   expectPoint(c[0], 1, 12, 12);
-  expectPoint(c[1], 0, 1, 12);  // 20 wide fits; 40 - 20 high are halved above.
+  expectPoint(c[1], 0, 1, 12);  // The width of 20 fits; the height of 40 - 20 is halved above.
   expectPoint(c[1], 1, 21, 12);
   expectPoint(c[2], 0, 3, 4);
   expectPoint(c[2], 1, 8, 4);

@@ -35,7 +35,7 @@ class DoctorTest : public testing::Test {
         {"fx2lafw", "Saleae Logic", "A7", "1.14", {"D0", "D1", "D2", "D3", "D4", "D5"}, ""});
     (void)temp.write("linecutter-avr.hex", ":00000001FF\n");
   }
-  /// What label-camera.yaml asks for.
+  /// Camera that label-camera.yaml requires.
   static camera::CameraListing goodCamera() {
     camera::CameraListing camera{"/dev/video7", "", "Eye", "uvc", "usb-1", true, {}, {}};
     camera.formats = {{"GREY", "8-bit", true, "", {{800, 400, 800, 400, 0, 0, {{1.0 / 400, 1.0 / 400}}}}}};

@@ -22,7 +22,7 @@ constexpr PinId kPulY{0, 2};
 constexpr PinId kGate{2, 3};
 constexpr std::uint16_t kGateHigh = 1U << 3U;
 
-/// Ticks of a microsecond.
+/// Recording with ticks of a microsecond.
 source::PinRecording recordingOf(std::vector<PinEvent> outputs, std::vector<SensorEdge> sensors = {}) {
   source::PinRecording recording;
   recording.rate = {1, 1'000'000};

@@ -83,7 +83,7 @@ TEST(PulseTimer, ATimeThatIsExactlyTheLimitIsNoViolation) {
 }
 
 TEST(PulseTimer, ATimeThatIsExactlyTheLimitIsNoViolationAfterADayEither) {
-  // Ticks of 62.5 ns: width 2.5 us, space 2.5 us, set-up 5 us and hold 10 us are whole numbers of them.
+  // The times are whole numbers of ticks of 62.5 ns: width 2.5 us, space 2.5 us, set-up 5 us and hold 10 us.
   PulseTimer timer("axis", dm556());
   const TickRate rate{1, 16'000'000};
   Tick tick = 86'400ULL * 16'000'000ULL + 7;
@@ -93,7 +93,7 @@ TEST(PulseTimer, ATimeThatIsExactlyTheLimitIsNoViolationAfterADayEither) {
   };
   bool dir = false;
   for (int i = 0; i < 5000; ++i) {
-    set(120, false, dir = !dir);  // Hold: 40 + 120 ticks.
+    set(120, false, dir = !dir);  // The hold is 40 + 120 ticks.
     set(80, true, dir);
     set(40, false, dir);
     set(40, true, dir);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth that gauge measures against, by geometry that is independent of its own.
+// Truth that gauge measures against, by geometry that is independent of its own.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,12 +43,14 @@ CutTruth truthOf(const std::vector<Fault>& faults) {
   return ArtefactCut(gaugeArtefact(), faults, beam, 1).truth(stationsOfAll(0.1), {}, kRadius_mm);
 }
 
-/// Where the sheet took most energy across a station, along the left normal: the ridge of what was burnt.
+/// Ridge of the burn: the place across a station, along the left normal, where the sheet absorbed most
+/// energy.
 double ridge_mm(const twin::Sheet& sheet, const dieline::Curve& curve, double u) {
   const Vector2d p = dieline::pointAt(curve, u);
   const Vector2d t = dieline::tangentAt(curve, u);
   const Vector2d n(-t.y(), t.x());
-  // Centre of gravity of the profile above half of its top, refined by a parabola through the logarithm.
+  // The place is the centre of gravity of the profile above half of its top, refined by a parabola through
+  // the logarithm.
   double best = 0.0;
   double most = -1.0;
   for (int i = -300; i <= 300; ++i) {
@@ -108,10 +110,9 @@ TEST(GaugeTruth, OfAPerfectCutIsTheBendOfTheCurveAlone) {
 
 TEST(GaugeTruth, OfAnOffsetIsItsPartAcrossEachLine) {
   const CutTruth truth = truthOf({{.kind = FaultKind::kOffset, .size_mm = 0.05, .direction_rad = 0.3}});
-  EXPECT_NEAR(truth.entities[0].worst_mm, 0.05 * std::sin(0.3), 1e-9);  // E0 runs along x,
-  EXPECT_NEAR(truth.entities[1].worst_mm, 0.05 * std::cos(0.3), 1e-9);  // E1 along y.
-  EXPECT_NEAR(truth.worst_mm, 0.05, 7e-4);                              // The circle shows all of it,
-                                                                        // and 0.6 um of its bend.
+  EXPECT_NEAR(truth.entities[0].worst_mm, 0.05 * std::sin(0.3), 1e-9);  // E0 runs along x.
+  EXPECT_NEAR(truth.entities[1].worst_mm, 0.05 * std::cos(0.3), 1e-9);  // E1 runs along y.
+  EXPECT_NEAR(truth.worst_mm, 0.05, 7e-4);  // The circle shows all of it, and 0.6 um of its bend.
 }
 
 TEST(GaugeTruth, OfAnEndIsItsGapAndTouchesNoLine) {
@@ -135,7 +136,7 @@ TEST(GaugeTruth, OfACornerThatIsDisplacedIsNeitherRoundingNorOvershootButADeviat
   const CutTruth displaced = truthOf({offset});
   EXPECT_NEAR(displaced.rounding_mm, 0.0, 1e-9);
   EXPECT_NEAR(displaced.overshoot_mm, 0.0, 1e-9);
-  EXPECT_NEAR(displaced.corner_mm, 0.05, 1e-4);  // Outwards, along the bisector.
+  EXPECT_NEAR(displaced.corner_mm, 0.05, 1e-4);  // The corner moves outwards, along the bisector.
   const CutTruth rounded = truthOf({{.kind = FaultKind::kCorner, .size_mm = 0.07}, offset});
   EXPECT_NEAR(rounded.rounding_mm, 0.07, 1e-4);
   EXPECT_LT(rounded.corner_mm, 0.05);
@@ -146,12 +147,13 @@ TEST(GaugeTruth, OfACornerThatIsDisplacedIsNeitherRoundingNorOvershootButADeviat
 
 TEST(GaugeTruth, OfAScaledCircleIsNoLackOfRoundness) {
   const CutTruth truth = truthOf({{.kind = FaultKind::kScale, .size_mm = 0.08}});
-  // Its middle is shifted by 40 um: what lies normal to the nominal circle is then not quite one harmonic.
+  // The circle's middle is shifted by 40 um: the deviation normal to the nominal circle is then not quite one
+  // harmonic.
   EXPECT_LT(truth.entities[static_cast<std::size_t>(gaugeArtefact().circle)].circularity_mm, 4e-4);
 }
 
 TEST(GaugeTruth, OfAWaveIsTwiceItsAmplitudeInRoundness) {
-  // Three waves or more around the circle, so that neither its radius nor its centre takes part in them.
+  // The circle has three waves or more, so that neither its radius nor its centre takes part in them.
   const CutTruth truth = truthOf({{.kind = FaultKind::kWave, .size_mm = 0.04, .length_mm = 3.0}});
   EXPECT_NEAR(truth.entities[static_cast<std::size_t>(gaugeArtefact().circle)].circularity_mm, 0.08, 8e-4);
 }

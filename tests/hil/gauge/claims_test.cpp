@@ -127,7 +127,7 @@ TEST(VerdictClaims, AnOpenClaimDoesNotFailTheGauge) {
 TEST(Detectability, IsTheLimitAndWhatTheStatementLagsBehind) {
   std::vector<std::pair<CaseId, KerfOutcome>> cases;
   for (std::size_t i = 0; i < 60; ++i) {
-    // The lower end of what is stated lies 1 um below the truth, of one case 3 um.
+    // The lower end of the stated interval lies 1 um below the truth, in one case 3 um.
     KerfOutcome o = outcome("b", FaultKind::kScale, 0.07, inspect::Verdict::kFail);
     o.readings = {{"worst of all lines", 0.07, i == 5 ? 0.003 : 0.001, 0.07}};
     cases.push_back({{twin::Preset::kStatic, Study::kBad, i}, o});

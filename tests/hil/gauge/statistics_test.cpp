@@ -19,7 +19,7 @@ std::vector<double> normals(std::size_t count, std::uint64_t stream) {
 }
 
 TEST(ClopperPearson, AgreesWithPublishedTables) {
-  // Of tables for 95 %: 0 of 10, 5 of 10, 10 of 10; 950 of 1000.
+  // Values of tables for 95 %: 0 of 10, 5 of 10, 10 of 10; 950 of 1000.
   EXPECT_NEAR(clopperPearson(0, 10).low, 0.0, 1e-12);
   EXPECT_NEAR(clopperPearson(0, 10).high, 0.3085, 5e-5);
   EXPECT_NEAR(clopperPearson(5, 10).low, 0.1871, 5e-5);
@@ -31,7 +31,7 @@ TEST(ClopperPearson, AgreesWithPublishedTables) {
 }
 
 TEST(ClopperPearson, OfNoHitsIsTheRuleOfThree) {
-  // 3000 bad cuts without a PASS: with 97.5 % fewer than 1.23 in a thousand.
+  // The rate after 3000 bad cuts without a PASS: with 97.5 % fewer than 1.23 in a thousand.
   EXPECT_NEAR(clopperPearson(0, 3000).high, 1.0 - std::pow(0.025, 1.0 / 3000.0), 1e-9);
 }
 
@@ -80,7 +80,7 @@ TEST(TypeOneStudy, ABiasBeyondATenthOfTheToleranceIsNegative) {
   EXPECT_GT(typeOne({-9.0, -9.5, -9.2}, 100.0).cgk, 0.0);
 }
 
-/// values = part + place + both + noise with standard deviations told.
+/// Values part + place + both + noise with the given standard deviations.
 std::vector<double> grrValues(std::size_t p, std::size_t o, std::size_t r, double part, double place,
                               double noise) {
   const CounterRandom random(7, 3);
@@ -104,7 +104,8 @@ TEST(GrrStudy, FindsTheStandardDeviationsThatWerePutIn) {
 }
 
 TEST(GrrStudy, AgreesWithAnalysisOfVarianceByHand) {
-  // Two parts, two placements, two repeats: means of the cells 2, 5 and 12, 11; sums of squares by hand.
+  // The sample has two parts, two placements, two repeats: means of the cells 2, 5 and 12, 11; sums of
+  // squares by hand.
   const std::vector<double> v{1.0, 3.0, 4.0, 6.0, 11.0, 13.0, 10.0, 12.0};
   const Grr g = anovaGrr(v, 2, 2, 2, 100.0);
   EXPECT_NEAR(g.repeatability, std::sqrt(2.0), 1e-12);

@@ -25,7 +25,7 @@ TEST(HeadFigures, AnArrowGoesFromWhereTheBeamWasWantedUpwardsForAnErrorAlongY) {
   const std::string svg = errorArrows(kField, {{{10.0, 20.0}, {0.0, 0.005}}}, 0.010);
   EXPECT_THAT(svg, HasSubstr("errors × 5000"));
   EXPECT_THAT(svg, HasSubstr("x1=10.000 y1=-20.000 x2=10.000 y2=-45.000"));
-  EXPECT_THAT(svg, HasSubstr("<g class=f2>"));  // Half of the limit: the third quarter.
+  EXPECT_THAT(svg, HasSubstr("<g class=f2>"));  // The error is half of the limit: the third quarter.
   EXPECT_THAT(svg, HasSubstr("off by +0.00, +5.00 µm"));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedure of `calibrate head` and its page, with marks that are computed in place of cut ones.
+// Procedure of `calibrate head` and its page, with marks that are computed in place of cut ones.
 #include "hil/head_service/head_procedure.h"
 
 #include <set>
@@ -76,7 +76,7 @@ class HeadProcedure : public testing::Test {
                                        calibrate::test::Beyond::kNothing, 3};
   HeadSetup setup_;
   HeadPlan plan_;
-  double first_aside_mm_{};  ///< Of the sheets that verify the first table.
+  double first_aside_mm_{};  ///< Displacement of the sheets that verify the first table.
   std::vector<std::string> names_;
   std::vector<int> rounds_;
 };
@@ -98,7 +98,7 @@ TEST_F(HeadProcedure, GoesFromGridToGridUntilEveryPlaceThatVerifiesIsWithinTheLi
 }
 
 TEST_F(HeadProcedure, VerifiesOnSeveralSheetsAtPlacesThatWereNotMarkedForTheFit) {
-  setup_.mark_size_mm = 14.0;  // As many as there is room for on one sheet: fewer.
+  setup_.mark_size_mm = 14.0;  // The marks are as many as there is room for on one sheet: fewer.
   plan_.grids = {9};
   const HeadCalibration result = calibrated();
   const HeadIteration& only = result.iterations.at(0);
@@ -126,7 +126,7 @@ TEST_F(HeadProcedure, EndsAfterTheLastGridWhenItIsNotGoodEnough) {
   EXPECT_THAT(names_, ElementsAre("1-grid", "1-verify-1"));
 }
 
-/// The sheets that verify the first table lie farther aside than is stated of them.
+/// A procedure in which the sheets that verify the first table lie farther off than their stated uncertainty.
 class HeadNotAsStated : public HeadProcedure {
  protected:
   HeadNotAsStated() {

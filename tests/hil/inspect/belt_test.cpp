@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures against the belt's encoder.
+// Pictures compared with the belt's encoder.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -15,7 +15,7 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-/// Travel of the belt from the first frame of a cut to the last, at 200 mm/s; of the longest.
+/// Travel of the belt from the first frame of a cut to the last, at 200 mm/s; of the longest cut.
 double longestTravelMm(const InspectionResult& result) {
   double longest_s = 0.0;
   for (const CutResult& cut : result.cuts) longest_s = std::max(longest_s, cut.end_s - cut.start_s);
@@ -59,7 +59,7 @@ TEST(Belt, LessThanTheLimitOfStillnessIsNoContradiction) {
 
 TEST(Belt, ASlipWithinACutIsSeen) {
   SyntheticRun run;
-  // A tenth of a millimetre in the middle of the second unit's crease.
+  // The belt jumps by a tenth of a millimetre in the middle of the second unit's crease.
   double middle_s = 0.0;
   for (const CutResult& cut : run.inspected().cuts) {
     if (cut.unit == 1 && cut.entity == kCreaseLine) middle_s = 0.5 * (cut.start_s + cut.end_s);

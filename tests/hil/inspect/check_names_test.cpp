@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/checks.md and the schema of verdict.json against the names of checks in the sources.
+// Names in docs/reference/checks.md and the schema of verdict.json compared with those in the sources.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -27,7 +27,7 @@ std::string textOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Whatever is given to a check's name in the rooms that make checks.
+/// Names that are given to checks in the rooms that make checks.
 Names namesInTheSources() {
   const std::regex given(R"re(\.name = "([a-z_]+)")re");
   Names names;

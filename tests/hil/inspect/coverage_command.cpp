@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often the stated intervals hold the truth: inspect_coverage [CASES [FIRST_SEED]]
+// Share of stated intervals that contain the truth: inspect_coverage [CASES [FIRST_SEED]]
 #include <cstdio>
 #include <cstdlib>
 

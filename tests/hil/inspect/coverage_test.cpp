@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stated intervals against the truth, on evidence drawn from the error model; 1000 cases by
+// Stated intervals compared with the truth, on evidence sampled from the error model; 1000 cases by
 // inspect_coverage.
 #include <cmath>
 
@@ -14,7 +14,7 @@ using testing::Coverage;
 
 void expectHonestIntervals(int cases) {
   const Coverage c = testing::measureCoverage(1, cases);
-  // Asked are 94 to 96.8 %; by chance the cases may show 3.1 standard deviations less, one time in a
+  // The requirement is 94 to 96.8 %; by chance the cases may show 3.1 standard deviations less, one time in a
   // thousand.
   const double least = 0.94 - 3.1 * std::sqrt(0.94 * 0.06 / cases);
   EXPECT_GE(c.worst.share(), least);

@@ -17,7 +17,7 @@ namespace {
 using namespace testing;
 using Edge = Tolerances::Edge;
 
-constexpr double kHalf_mm = 0.105;  // Of SyntheticRun's kerf.
+constexpr double kHalf_mm = 0.105;  // Half the width of SyntheticRun's kerf.
 
 dieline::Dieline drawingOf(const std::vector<dieline::Curve>& curves) {
   dieline::Dieline dieline;
@@ -37,7 +37,7 @@ bool kerfIsTowards(const dieline::Dieline& dieline, const checks::EdgeSides& sid
 }
 
 TEST(KerfSides, FollowNestingWhateverTheSenseOfTheCurves) {
-  // A triangle drawn without any common sense, a hole in it, an island in the hole.
+  // The dieline is a triangle drawn without a common sense, a hole in it, an island in the hole.
   const double turn = 2.0 * std::numbers::pi;
   const dieline::Dieline dieline =
       drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{30, 50}, {60, 0}},
@@ -78,7 +78,7 @@ TEST(KerfSides, CutsThatBranchAreAProblem) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
-/// A run whose kerfs lie by `shift_mm` on the side that nesting asks for.
+/// A run whose kerfs lie by `shift_mm` on the side that nesting requires.
 SyntheticRun displaced(double shift_mm, double width_change_mm = 0.0) {
   SyntheticRun run;
   const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
@@ -139,7 +139,7 @@ TEST(Edges, AKerfWithoutAWidthIsInvalid) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
-/// A run with one corner, right angled, whose centre line is rounded by so much.
+/// Deviation of a run with one right-angled corner whose centre line is rounded by `rounding_mm`.
 double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double overshoot_mm = 0.0) {
   SyntheticRun run = displaced(edge == Edge::kInside ? -kHalf_mm : kHalf_mm);
   run.limits.edge = edge;
@@ -151,7 +151,7 @@ double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double ov
   corner.found = true;
   corner.rounding_mm = rounding_mm;
   corner.overshoot_mm = overshoot_mm;
-  corner.deviation_mm = 9.0;  // Of the centre line: must not count.
+  corner.deviation_mm = 9.0;  // The deviation of the centre line must not count.
   corner.rounding_sigma_mm = corner.overshoot_sigma_mm = corner.deviation_sigma_mm = 0.0005;
   run.evidence.kerf.corners = {corner};
   return checkOf(run.inspected(), "joints").value;
@@ -160,12 +160,13 @@ double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double ov
 TEST(Edges, CornersFollowFromLegsAndRounding) {
   const double by_kerf_mm = kHalf_mm * (std::numbers::sqrt2 - 1.0);
   for (const double turn : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi}) {
-    // The beam goes round outside: at the kerf's own radius the piece stays sharp, wider it does not.
+    // A beam outside of the corner goes round it: at the kerf's own radius the piece stays sharp, with a
+    // wider one it does not.
     EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, 0.0), 0.0, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, by_kerf_mm), 0.0, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, by_kerf_mm + 0.03), 0.03, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kOutside, 0.0, 0.1), 0.0, 0.003);
-    // Inside, what lies in the corner cannot be cut, and a leg that runs over cuts into the piece.
+    // A beam inside cannot cut what lies in the corner, and a leg that runs over cuts into the piece.
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0), by_kerf_mm, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.02), by_kerf_mm + 0.02, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0, 0.1), 0.1, 0.003);

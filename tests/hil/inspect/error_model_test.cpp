@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What readings have in common, and what follows for widths, corners, ends and circles.
+// Common errors of readings, and their effect on widths, corners, ends and circles.
 #include "hil/inspect/deviation/error_model.h"
 
 #include <algorithm>
@@ -42,7 +42,8 @@ TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
 TEST(ErrorModel, ReadingsBesideAGapDoNotKnowOfEachOther) {
   const SyntheticRun run;
   const ErrorModel model = errorModelOf(run.evidence);
-  // 36 mm with a bridge of 1 mm after every tooth of 3 mm; the last station begins a tenth tooth.
+  // The line has 36 mm with a bridge of 1 mm after every tooth of 3 mm; the last station begins a tenth
+  // tooth.
   const ReadingLine& teeth = lineOf(model, run, 0, kPerforationLine);
   EXPECT_EQ(teeth.segment.size(), 10U + 1U);
   for (std::size_t s = 0; s + 1 < teeth.segment.size(); ++s) {
@@ -51,8 +52,8 @@ TEST(ErrorModel, ReadingsBesideAGapDoNotKnowOfEachOther) {
   }
 }
 
-/// Offsets that a shift and a turn of a unit make of one line: rows of `shared` against the geometry of
-/// moving the nominal points.
+/// Compares offsets of a line by a shift and a turn of a unit: rows of `shared`, and the geometry of moving
+/// the nominal points.
 TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
   SyntheticRun run;
   run.evidence.kerf.units[0].covariance = Eigen::Vector3d(4e-6, 0.0, 0.0).asDiagonal();
@@ -64,7 +65,7 @@ TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
       const ReadingLine& line = lineOf(model, run, unit, entity);
       for (std::size_t i = 0; i < line.size(); i += 17) {
         const vision::Caliper& c = run.kerf(unit, entity).calipers[line.caliper[i]];
-        // The pose one standard deviation off moves the point, seen across the line.
+        // The pose with an error of one standard deviation moves the point, seen across the line.
         const Vector2d moved = unit == 0 ? Vector2d(c.p_S_mm + Vector2d(2e-3, 0.0))
                                          : Vector2d(Eigen::Rotation2Dd(1e-4) * c.p_S_mm);
         const Vector2d tangent = dieline::tangentAt(curve, c.u);
@@ -104,7 +105,7 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   run.kerf(0, kTop).widening_sigma_mm = 0.0015;
   const EntityResult blurred = widths();
   EXPECT_GT(blurred.width_own_U_mm, sharp.width_own_U_mm);
-  // How well the lens's blur is known counts for all kerfs alike.
+  // The uncertainty of the lens's blur counts for all kerfs alike.
   const double common_U_mm =
       std::sqrt(blurred.width_U_mm * blurred.width_U_mm - blurred.width_own_U_mm * blurred.width_own_U_mm);
   EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
@@ -119,7 +120,7 @@ TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
     return 0.0;
   };
   const double independent_mm = ownU();
-  // Offsets tell how alike neighbours are: here each is the mean of four draws, twice as large.
+  // Offsets show how alike neighbours are: here each is the mean of four samples, twice as large.
   for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
     for (std::size_t i = 0; i + 3 < kerf.calipers.size(); ++i) {
       double sum_mm = 0.0;
@@ -127,7 +128,7 @@ TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
       if (std::isfinite(sum_mm)) kerf.calipers[i].offset_mm = 0.5 * sum_mm;
     }
   }
-  // Of neighbours with q = 0.75 the mean is sqrt((1 + q) / (1 - q)) = 2.6 times less certain.
+  // The mean of neighbours with q = 0.75 is sqrt((1 + q) / (1 - q)) = 2.6 times less certain.
   EXPECT_GT(ownU(), 1.8 * independent_mm);
   EXPECT_LT(ownU(), 3.2 * independent_mm);
 }
@@ -143,7 +144,7 @@ TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   EXPECT_LT(round.circularity_mm - round.circularity_U_mm, 0.001);
   for (vision::Caliper& c : run.kerf(0, kHole).calipers) {
     const double angle_rad = std::atan2(c.p_S_mm.y() - 20.0, c.p_S_mm.x() - 15.0);
-    // Off centre, too large and oval: only the last is a matter of form.
+    // The circle is off centre, too large and oval: only the last is a deviation of form.
     c.offset_mm += 0.01 + 0.02 * std::cos(angle_rad) + kLobe_mm * std::cos(2.0 * angle_rad);
   }
   const EntityResult oval = circularityOf(run.inspected(), kHole);
@@ -199,7 +200,7 @@ TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
     pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
   EXPECT_GT(jointOf(run, JointResult::Kind::kCorner).mm.U, 0.02);
   EXPECT_GT(jointOf(run, JointResult::Kind::kEndGap).mm.U, 0.02);
-  // Held against the kerf's own legs, or its own begin: all of that moves with the sheet.
+  // The joints are measured from the kerf's own legs, or its own begin, which all move with the sheet.
   for (const auto kind : {JointResult::Kind::kRounding, JointResult::Kind::kOvershoot})
     EXPECT_NEAR(jointOf(run, kind).mm.U, 0.006, 1e-9);
   EXPECT_NEAR(jointOf(run, JointResult::Kind::kClosure, true).mm.U, 0.006, 1e-9);

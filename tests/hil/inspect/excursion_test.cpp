@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the spot is on the sheet, and how far it strays from there, along x.
+// Place of the spot on the sheet, and its excursions along x.
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +20,7 @@ const CutResult& cutOf(const InspectionResult& result, int unit, int entity) {
 }
 
 TEST(Excursion, ABowWithoutADriftFails) {
-  // What the mean speed leaves of a belt that speeds up evenly.
+  // The belt speeds up evenly; the excursion is the remainder over the mean speed.
   SyntheticRun run;
   run.shiftSpot(1, kCreaseLine, [](double t_s) {
     const double share = t_s / 0.119;
@@ -65,7 +65,7 @@ TEST(Excursion, CalibrationOfTheCameraIsPartOfTheMeanPlaceAndNotOfTheStraying) {
   vision::CameraCalibration& camera = *run.evidence.spot_calibration;
   camera.error_modes.clear();
   const CutResult known = cut();
-  // The principal point along x: all places shift alike.
+  // The mode is the principal point along x: all places shift alike.
   camera.error_modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
   camera.error_modes.back()[2] = 0.03;
   const double shift_mm = camera.mapError(0, {0.0, 0.0}).norm();

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Later than all that a SyntheticRun does.
+// The stop is later than all events of a SyntheticRun.
 ControllerEnd stopped() { return {Said::kStopped, 100.0, "belt-fast", "the belt is too fast", true, 99.9}; }
 
 Verdict finishOf(const ControllerEnd& end) { return checks::finishCheck(end, {{98.0, 99.8}}).verdict; }

@@ -16,10 +16,10 @@ constexpr double kAcceleration_mm_s2 = 20000.0;
 constexpr double kTop_mm_s = 300.0;
 constexpr double kGate_s = 1.0;
 constexpr double kSpotU_mm = 0.003;
-constexpr double kRough_mm =
-    0.005;  ///< Of the beam's way by steps and servo, on top of what the camera adds.
+/// Deviation of the beam's path by steps and servo, in addition to the camera's.
+constexpr double kRough_mm = 0.005;
 
-/// Way since the beam set off.
+/// Length of path since the beam set off.
 using Motion = double (*)(double t_s);
 
 double ramp(double t_s) {
@@ -27,7 +27,8 @@ double ramp(double t_s) {
   return t_s < ramp_s ? 0.5 * kAcceleration_mm_s2 * t_s * t_s : kTop_mm_s * (t_s - 0.5 * ramp_s);
 }
 double dash(double t_s) { return 150.0 * t_s; }
-/// Out of a jump without a stop, at 120 mm/s and speeding up; or at 140 mm/s and slowing down to 80.
+/// Path out of a jump without a stop, at 120 mm/s and speeding up; offward(): at 140 mm/s and slowing down to
+/// 80.
 double onward(double t_s) { return t_s * (120.0 + 4500.0 * t_s); }
 double offward(double t_s) {
   const double braked_s = std::min(t_s, 60.0 / 9000.0);
@@ -53,7 +54,7 @@ class Start {
     dieline_.entities.push_back({id, std::move(curve), dieline::Process::kCut, "CUT", "line 8: LINE"});
   }
 
-  /// `lag_s` > 0: the gate opens after the beam sets off.
+  /// Check of one start. `lag_s` > 0: the gate opens after the beam sets off.
   Finding seen(double lag_s, Motion motion = ramp, unsigned seed = 0, int frames = 1000,
                double pin_u_s = 0.0) {
     LitFrames lit;
@@ -62,7 +63,7 @@ class Start {
     return checks::gateLagCheck(evidence_, limits_, lit);
   }
 
-  /// Two cuts along the curve, one after the other.
+  /// Check of two cuts along the curve, one after the other.
   Finding seenTwice(double first_lag_s, double second_lag_s) {
     LitFrames lit;
     evidence_.gates = {cut(lit, kGate_s, first_lag_s, ramp, 0, 1000)};
@@ -79,7 +80,7 @@ class Start {
     std::normal_distribution<double> noise(0.0, seed == 0 ? 0.0 : std::hypot(kSpotU_mm, kRough_mm));
     const std::size_t before = lit.frames.size();
     double off_s = gate_s;
-    // Where in the camera's period the gate opens differs from start to start.
+    // The phase of the camera's period at which the gate opens differs from start to start.
     for (double t_s = gate_s + 1e-4 * (1 + seed % 9); std::cmp_less(lit.frames.size() - before, frames);
          t_s += 1e-3) {
       const double since_s = t_s - gate_s + lag_s;
@@ -163,7 +164,7 @@ TEST(GateLag, ItsIntervalHoldsTheTrueLagInNineteenOfTwenty) {
         inside += std::abs(check->value - 1e3 * lag_s) <= check->u ? 1 : 0;
       }
       EXPECT_GE(seen, 180);
-      // The noise is what the check takes it for, so 95 % are asked; by chance 200 starts may show 3.1
+      // The noise is that of the check's model, so 95 % are required; by chance 200 starts may show 3.1
       // standard deviations less, one time in a thousand.
       const double least = 0.95 - 3.1 * std::sqrt(0.95 * 0.05 / seen);
       EXPECT_GE(inside, seen * least) << (motion == ramp ? "ramp " : "dash ") << lag_s;
@@ -180,7 +181,7 @@ TEST(GateLag, ThePinsErrorIsPartOfItsUncertainty) {
 }
 
 TEST(GateLag, EachGateHasItsOwnFrames) {
-  // Two cuts along the same line, the second late by 2 ms: half of the starts must show it.
+  // The second of two cuts along the same line is late by 2 ms: half of the starts must show it.
   const auto check = Start(kLine).seenTwice(0.0, 0.002);
   ASSERT_TRUE(check);
   EXPECT_EQ(check->verdict, Verdict::kFail);

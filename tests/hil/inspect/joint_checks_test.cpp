@@ -75,7 +75,7 @@ TEST(JointsCheck, ACornerThatIsOnlyDisplacedDeviates) {
 }
 
 TEST(JointsCheck, RoundingAloneIsNoDeviation) {
-  // Of a cut that is displaced outwards by about as much.
+  // The kerf is that of a cut that is displaced outwards by about as much.
   JointRun run;
   run.corner(0).rounding_mm = 0.075;
   EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kPass);
@@ -112,7 +112,7 @@ TEST(JointsCheck, WithinItsUncertaintyOfTheLimitNothingIsProven) {
 }
 
 TEST(JointsCheck, NoJointWithinReachOfAFaultPasses) {
-  // Even where it is measured badly.
+  // The check exists even where the joint is measured badly.
   JointRun run;
   run.end(0).gap_mm = 0.04;
   run.end(0).sigma_mm = 0.006;

@@ -162,7 +162,7 @@ TEST(KerfWidthCheck, NearTheLimitLooseWidthsProveNothing) {
   SyntheticRun run;
   for (vision::Caliper& c : run.kerf(1, kTop).calipers) c.width_mm += 0.048;
   EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kPass);
-  // A mean of 240 stations is sixteen times better than one: 3 um. Less is not proven by much.
+  // The mean of 240 stations is sixteen times better than one: 3 um. A smaller deviation is hardly proven.
   for (vision::Caliper& c : run.kerf(1, kTop).calipers) c.width_sigma_mm = 0.05;
   EXPECT_EQ(checkOf(run.inspected(), "kerf_width").verdict, Verdict::kNotProven);
 }
@@ -186,7 +186,7 @@ TEST(StrayCheck, FailsOnWhatIsBurntBeside) {
 
 TEST(LaserTimingCheck, FindsAStartThatIsNotBurnt) {
   SyntheticRun run;
-  // A laser 2 ms late leaves about 0.28 mm without enough power at each start.
+  // A laser that is 2 ms late leaves about 0.28 mm without enough power at each start.
   unburn(run.kerf(0, kBottom).calipers[0]);
   run.kerf(0, kBottom).calipers[1].brightness = 0.2;
   const auto result = run.inspected();
@@ -285,7 +285,7 @@ TEST(LaserTimingCheck, SeesTheGapBehindANeighboursKerf) {
 
 TEST(LaserTimingCheck, AHalfLitEndIsNoGap) {
   SyntheticRun run;
-  // The tip of a slit: the end point gets half of the line's energy.
+  // At the tip of a slit the end point gets half of the line's energy.
   run.kerf(0, kBottom).calipers[0].brightness = 0.4;
   EXPECT_EQ(checkOf(run.inspected(), "laser_timing").verdict, Verdict::kPass);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smoothing along a line, against truths that are known.
+// Smoothing along a line, compared with truths that are known.
 #include "hil/inspect/deviation/line_smoother.h"
 
 #include <cmath>
@@ -24,7 +24,7 @@ struct Case {
   double most_z{1.1};
 };
 
-/// RMS of the estimates' errors over what they state, and of the errors alone.
+/// RMS of the estimates' errors relative to their stated ones, and of the errors alone.
 struct Errors {
   double z{};
   double rms{};
@@ -58,8 +58,8 @@ Errors errorsOf(const Case& one) {
   return {std::sqrt(z2), std::sqrt(squares)};
 }
 
-// A smooth line is known far better than one reading; a rough one must not be taken for smooth: what
-// smoothing rounds off may not come near what the estimates state for noise.
+// A smooth line is known far better than one reading; a rough one must not be taken for smooth: the part that
+// smoothing rounds off must stay far below the stated noise of the estimates.
 TEST(LineSmoother, EstimatesAreAsGoodAsTheyState) {
   const auto wave = [](double length, double size) {
     return [=](double i) { return size * std::sin(2.0 * std::numbers::pi * i / length); };
@@ -68,7 +68,7 @@ TEST(LineSmoother, EstimatesAreAsGoodAsTheyState) {
       {"straight", 0.0, [](double) { return 3.0; }},
       {"straight, noise in common", 0.6, [](double) { return 3.0; }},
       {"long wave", 0.3, wave(80.0, 10.0)},
-      // Somewhat rounded off: what that makes of a maximum has its own place in the budget.
+      // The wave is somewhat rounded off; the effect on a maximum has its own place in the budget.
       {"short wave", 0.3, wave(14.0, 4.0), 1.35},
       {"bump", 0.3, [](double i) { return 8.0 * std::exp(-0.5 * std::pow((i - 120.0) / 3.0, 2)); }},
       {"step", 0.0, [](double i) { return i < 120.0 ? 0.0 : 8.0; }},

@@ -68,8 +68,8 @@ TEST(EvenDepth, IsNotJudgedUnlessAsked) {
   EXPECT_FALSE(hasCheck(run.inspected(), "even_depth"));
 }
 
-/// A meter behind a laser that burns so much for each millimetre that the spot runs on the sheet, which lies
-/// on a belt at 200 mm/s.
+/// A run with a meter behind a laser that burns this energy for each millimetre that the spot runs on the
+/// sheet, which lies on a belt at 200 mm/s.
 SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double strength = 1.0) {
   SyntheticRun run;
   run.limits.line_energy_j_mm = 0.1;
@@ -80,7 +80,7 @@ SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double stre
     const double time_s = frames[i].mid_s - frames[i - 1].mid_s;
     return *frames[i].spot_W_mm - *frames[i - 1].spot_W_mm - Eigen::Vector2d(200.0 * time_s, 0.0);
   };
-  // Where the beam turns, nobody knows its way between two frames: there it is dark.
+  // The beam's path between two frames is unknown where it turns: there it is dark.
   std::vector<std::size_t> turns;
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
     if (!frames[i - 1].spot_W_mm || !frames[i].spot_W_mm || !frames[i + 1].spot_W_mm) continue;

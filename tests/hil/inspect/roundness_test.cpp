@@ -18,7 +18,7 @@ constexpr double kSigma_mm = 0.0002;
 constexpr std::size_t kReadings = 140;
 constexpr double kWindow_rad = 0.09;
 
-/// A circle read with the white noise of `seed`; `radius` over the way round, 0 … 1.
+/// A circle read with the white noise of `seed`; `radius` over the share of the circumference, 0 … 1.
 struct Circle {
   Circle(const std::function<double(double)>& radius, std::uint64_t seed) {
     const CounterRandom random(seed, 0);
@@ -53,8 +53,8 @@ double coverage(const std::function<double(double)>& radius, double truth_mm) {
 }
 
 TEST(Roundness, IntervalsHoldTheTruth) {
-  // Of 100 cases at 95.45 % fewer than 88 would be odd. A perfect circle lies at the edge of what can be:
-  // what is stated is short there by some per cent.
+  // Fewer than 88 of 100 cases at 95.45 % would be unlikely. A perfect circle lies at the edge of the
+  // possible: its stated interval covers some per cent less.
   EXPECT_GE(coverage([](double) { return 0.01; }, 0.0), 0.80);
   EXPECT_GE(coverage([](double s) { return 0.02 * std::cos(3.0 * kTurn * s); }, 0.04), 0.88);
   EXPECT_GE(coverage([](double s) { return 0.0015 * std::cos(2.0 * kTurn * s); }, 0.003), 0.88);
@@ -78,8 +78,8 @@ TEST(Roundness, SizeAndCentreAreNoMatterOfForm) {
 }
 
 TEST(Roundness, AStepWhereTheLineClosesIsSeen) {
-  // A ramp s around the circle leaves s - 1/2 + sin(2 pi s) / pi about its least-squares circle: nothing off
-  // its range.
+  // A ramp s around the circle leaves s - 1/2 + sin(2 pi s) / pi about its least-squares circle: nothing is
+  // lost from its range.
   const auto ramp = [](double s) { return 0.01 * s; };
   const Circle circle(ramp, 5);
   const Roundness round(circle.line, circle.kind.angle_rad, kWindow_rad);

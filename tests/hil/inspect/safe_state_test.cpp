@@ -21,7 +21,7 @@ ControllerAccount goodAccount() {
   return {true, {{"galvo_x", 120, 120}, {"galvo_y", -3, -3}}, ControllerAccount::Belt{500, 490, 505}};
 }
 
-// The guard opens at 1 s, the laser is dark 50 us later, axes stand at once.
+// Evidence of a guard that opens at 1 s: the laser is dark 50 us later, axes stand at once.
 SafeStateEvidence good() {
   SafeStateEvidence evidence;
   evidence.demand = {"the guard was opened", 1.0, 0.0, 0.0016, 0.05, {"interlock"}};
@@ -69,7 +69,7 @@ TEST(SafeState, TheWindowOfAnInferredCauseCounts) {
   evidence.demand.window_s = 0.01;
   evidence.gates.back().off_s = 1.01005;
   evidence.last_pulse_s = 1.0115;
-  evidence.reports.back().time_s = 0.99;  // the controller may be before the bench
+  evidence.reports.back().time_s = 0.99;  // The controller's report may be before the bench's.
   EXPECT_EQ(inspectSafeState(evidence).verdict, Verdict::kPass);
   evidence.gates.back().off_s = 1.0102;
   EXPECT_EQ(verdictOf(inspectSafeState(evidence), "safe_state"), Verdict::kFail);

@@ -35,8 +35,8 @@ TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
 }
 
 TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
-  // The whole web turned about the machine's origin, with the spot on it. The printed line across the belt
-  // keeps its deviations; what they are along x is another matter.
+  // The whole web is turned about the machine's origin, with the spot on it. The printed line across the belt
+  // keeps its deviations; its deviations along x are another matter.
   SyntheticRun run;
   const LitFrames straight = followDieline(run.evidence.spot, run.dieline);
   const Eigen::Rotation2Dd turn(0.02);
@@ -62,7 +62,7 @@ TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
   const auto before = followDieline(run.evidence.spot, run.dieline).frames;
-  // Two and more frames without marks between two with: in each the belt has come 0.2 mm farther.
+  // Two or more frames without marks lie between two with: in each the belt has come 0.2 mm farther.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (i % 6 != 0 && i % 6 != 4) frames[i].sheet.clear();
   }
@@ -194,7 +194,7 @@ TEST(StillnessCheck, UncertaintyFollowsTheNumberOfFrames) {
   for (const CutResult& cut : run.inspected().cuts) {
     if (cut.entity != kCreaseLine) continue;
     EXPECT_EQ(cut.frames, 120);
-    // Spot 2 um; sheet 1 um by four marks, three of which can disagree.
+    // The spot has 2 um; the sheet 1 um by four marks, three of which are independent.
     EXPECT_NEAR(cut.drift_sigma_mm, std::hypot(0.002, 0.001 / std::sqrt(3.0)) * std::sqrt(12.0 / 120), 5e-5);
     EXPECT_NEAR(cut.slope_sigma_mm_s, cut.drift_sigma_mm / 0.119, 1e-6);
   }
@@ -270,7 +270,7 @@ TEST(LaserGateCheck, LightBeforeTheGateFails) {
 }
 
 TEST(PulseTimingCheck, EachTimeIsHeldAgainstItsOwnLine) {
-  // Seen is a little more than asked for, with every time of another size: no margin may be negative.
+  // The values exceed the requirements a little, with every time of another size: no margin may be negative.
   SyntheticRun run;
   for (PulseTiming& t : run.evidence.pulses) {
     t.profile.setup_s = 20e-6;
@@ -290,7 +290,7 @@ TEST(PulseTimingCheck, EachTimeIsHeldAgainstItsOwnLine) {
 TEST(PulseTimingCheck, ATimeIsTheDifferenceOfTwoEdges) {
   SyntheticRun run;
   run.evidence.pin_u_s = 0.2e-6;
-  // Two edges each known to 0.2 us, drawn 4000 times: U is twice the scatter of their difference.
+  // Two edges are each known to 0.2 us, sampled 4000 times: U is twice the scatter of their difference.
   const CounterRandom random(9, 1);
   double squares = 0.0;
   for (std::uint64_t i = 0; i < 4000; ++i)

@@ -15,7 +15,7 @@ constexpr double kPeriod_s = 1e-3;
 constexpr double kBelt_mm_s = 200.0;
 constexpr double kCut_mm_s = 300.0;
 constexpr double kPitch_mm = 80.0;
-constexpr double kNoise_mm = 0.001;  // Of one caliper.
+constexpr double kNoise_mm = 0.001;  // Noise of one caliper.
 
 dieline::Curve line(double x0, double y0, double x1, double y1) {
   return dieline::LineCurve{{x0, y0}, {x1, y1}};
@@ -35,7 +35,7 @@ vision::CameraCalibration smallCamera(double half_mm) {
   c.map_u_mm = 1e-4;
   c.area_mm = Eigen::AlignedBox2d(Eigen::Vector2d(-half_mm, -half_mm), Eigen::Vector2d(half_mm, half_mm));
   for (const Eigen::Index parameter : {0, 2, 3}) {
-    // Focal length, principal point.
+    // The modes are focal length and principal point.
     c.error_modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
     c.error_modes.back()[parameter] = 1e3 / half_mm * 1e-4;
   }
@@ -112,7 +112,7 @@ SyntheticRun::SyntheticRun(const SyntheticRun& other)
 }
 
 double SyntheticRun::noise() {
-  // Sum of uniforms: near enough to a normal value, and the same everywhere.
+  // A sum of uniforms is near enough to a normal value, and the same everywhere.
   double sum = 0.0;
   for (int i = 0; i < 12; ++i) {
     noise_state_ = noise_state_ * 1664525U + 1013904223U;

@@ -12,14 +12,14 @@ namespace kerfbench::inspect::testing {
 enum SmallCarton { kBottom = 0, kRight, kTop, kLeft, kHole, kCreaseLine, kPerforationLine, kNote };
 
 /// Evidence of a flawless run, made by hand: a 60 x 40 mm carton on a belt at 200 mm/s, cut at 300 mm/s, with
-/// a little noise from a fixed sequence. Tests then bend what they want to see found.
+/// a little noise from a fixed sequence. Tests then falsify the fields whose checks they test.
 struct SyntheticRun {
   SyntheticRun();
   SyntheticRun(const SyntheticRun& other);
   SyntheticRun& operator=(const SyntheticRun&) = delete;
 
   dieline::Dieline dieline;
-  Evidence evidence;  ///< Its dieline is the one above.
+  Evidence evidence;  ///< Evidence; its dieline is `dieline`.
   Tolerances limits;
 
   vision::EntityKerf& kerf(int unit, int entity);
@@ -45,7 +45,7 @@ struct SyntheticRun {
   std::uint32_t noise_state_{1};
 };
 
-/// The check of that name. @throws std::out_of_range if there is none.
+/// Check of this name. @throws std::out_of_range if there is none.
 const Check& checkOf(const InspectionResult& result, std::string_view name);
 /// The check of that name that was not judged. @throws std::out_of_range if there is none.
 const Unjudged& unjudgedOf(const InspectionResult& result, std::string_view name);

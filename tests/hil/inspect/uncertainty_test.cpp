@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intervals, chances and what is said of the risk, against values whose distribution is known.
+// Intervals, chances and the statements of risk, compared with values whose distribution is known.
 #include "hil/inspect/verdict/uncertainty.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Of the table of the normal distribution.
+// Value from the table of the normal distribution.
 constexpr double kBeyondOneSigma = 0.15866;
 
 std::vector<double> normals(std::uint64_t stream, std::size_t count, double mean, double sigma) {
@@ -42,7 +42,7 @@ TEST(BasicInterval, HoldsTheTruthThoughReadingsAreSkewedAndTooLarge) {
     const Quantity q = basicInterval(reading(2, i), kTruth, simulated);
     inside += std::abs(kTruth - q.value) <= q.U ? 1 : 0;
   }
-  // Chance makes 1.4 % of it, at three standard deviations.
+  // Chance contributes 1.4 %, at three standard deviations.
   EXPECT_NEAR(static_cast<double>(inside) / kRuns, 0.9545, 0.014);
 }
 

@@ -89,8 +89,8 @@ TEST(ExtremeEstimate, OneReadingIsItselfWithTwoSigma) {
 }
 
 TEST(ExtremeEstimate, IntervalHoldsTheTrueWorstInNineteenOfTwenty) {
-  // 1000 places, most truly at 0, some at up to 0.02; noise 0.005: the raw maximum alone would be off by 3
-  // sigma.
+  // The sample has 1000 places, most truly at 0, some at up to 0.02; noise 0.005: the raw maximum alone would
+  // be off by 3 sigma.
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 0.005);
   for (const double true_worst : {0.0, 0.02, 0.05}) {

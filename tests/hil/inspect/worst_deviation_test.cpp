@@ -51,8 +51,8 @@ TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
     return extremeBudget({oneReading(0, 0.1, 0.004, 0.0), oneReading(other_unit, 0.1, 0.004, 0.0)})
         .extreme_bias;
   };
-  // The mean of the larger of two normal values is sigma / sqrt(pi) above theirs; together they share the
-  // place of their unit and differ by noise only.
+  // The mean of the larger of two normal values is sigma / sqrt(pi) above theirs; two readings of one unit
+  // share its place and differ by noise only.
   EXPECT_NEAR(bias(1), std::hypot(0.004, 0.0005) / std::sqrt(std::numbers::pi), 2e-5);
   EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
 }
@@ -84,7 +84,7 @@ TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
 }
 
 TEST(WorstDeviation, BothIntervalsOfAFlawlessCutEndAtNought) {
-  // How far the largest noise reaches is known, and taken off.
+  // The reach of the largest noise is known, and subtracted.
   ErrorModel model = oneLine(3, 0.0, 0.002);
   model.estimator_mm = 0.003;
   const UncertaintyBudget b = measureDeviations(model, {LineKind{}}, 0.1, 1).budget;
@@ -94,7 +94,7 @@ TEST(WorstDeviation, BothIntervalsOfAFlawlessCutEndAtNought) {
 }
 
 TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
-  // As much truth as noise: nobody knows which of two hundred places is the worst.
+  // The truth is as large as the noise: the worst of two hundred places is unknown.
   constexpr int kLines = 20;
   double hidden_mm = 0.0, value_mm = 0.0, ratio = 0.0;
   for (std::uint64_t seed = 1; seed <= kLines; ++seed) {

@@ -30,7 +30,7 @@ class HearControllerTest : public testing::Test {
     collectControllerEvidence(test_case, run::PreparedJob{}, run.recording,
                               std::numeric_limits<double>::quiet_NaN(), heard, conclusion);
   }
-  /// What is made of the recording without a dialog.
+  /// Run that is made of the recording without a dialog.
   run::RecordedRun replayed() {
     run::RecordedRun replay;
     replay.problems = replay.recording.problems = run.recording.problems;
@@ -41,7 +41,7 @@ class HearControllerTest : public testing::Test {
   run::RecordedRun run;
 };
 
-// Its replay knew nothing of it, and passed.
+// An earlier replay did not contain the failure, and passed.
 TEST_F(HearControllerTest, AHostThatFailedIsInTheRecordingAndEveryReplayOnce) {
   says(KB_DONE, KB_OK, 2.0);
   run.dialog.reason = kGaveUp;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kStep_ns = 200'000;
 constexpr std::uint64_t kSecond_ns = 1'000'000'000;
-constexpr std::size_t kPacket = 62;  // Of an FTDI's 64 two are its status.
+constexpr std::size_t kPacket = 62;  // Size of a packet: two of an FTDI's 64 bytes are its status.
 __extension__ using Wide = unsigned __int128;
 
 }  // namespace
@@ -28,7 +28,7 @@ Tick BoardKernel::tickAt(std::uint64_t now_ns) const {
   return static_cast<Tick>(Wide{now_ns - kStart_ns} * rate_.den / (Wide{rate_.num} * kSecond_ns));
 }
 
-/// The first ns after the tick.
+/// First ns after the tick.
 std::uint64_t BoardKernel::stampOf(Tick tick) const {
   return kStart_ns +
          static_cast<std::uint64_t>((Wide{tick} * rate_.num * kSecond_ns + rate_.den - 1) / rate_.den);
@@ -64,7 +64,7 @@ void BoardKernel::driveLines(const gpio_v2_line_request& lines, std::uint64_t ma
 source::KernelAnswer BoardKernel::poll(int fd, std::uint64_t timeout_ns, short& revents) {
   const std::uint64_t goal_ns = now_ns() + timeout_ns;
   for (;;) {
-    // Somebody may have let time pass.
+    // The time may have passed elsewhere.
     runTo(now_ns());
     const source::KernelAnswer answer = source::ScriptedKernel::poll(fd, 0, revents);
     if (answer.failed() || revents != 0 || now_ns() >= goal_ns) return answer;

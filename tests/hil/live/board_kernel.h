@@ -15,21 +15,21 @@
 namespace kerfbench::live {
 
 /// A controller board behind a scripted kernel: a release whose pins are the chip's lines and whose UART is a
-/// serial line. Its time is the kernel's clock, which goes on only while somebody waits (or is told to be
+/// serial line. Its time is the kernel's clock, which advances only during waits (or where the script is
 /// slow), so that a live run on it is the same each time and takes no real time.
 class BoardKernel final : public source::ScriptedKernel {
  public:
-  /// Which line carries which signal, in and out.
+  /// Signal of each line, in and out.
   using Wiring = std::map<std::uint32_t, Signal>;
 
-  /// `release` at tick 0 when the kernel's clock is at its start.
+  /// Makes a board with `release` at tick 0 when the kernel's clock is at its start.
   BoardKernel(std::unique_ptr<source::SignalSource> release, const SignalMap& pins, Wiring wiring);
 
-  /// As an adapter on USB: what the controller says is handed over when this has passed since the last
+  /// Latency of an adapter on USB: the controller's bytes are handed over when this has passed since the last
   /// packet, or when a packet is full. 0: at once.
   std::uint64_t serial_latency_ns{};
 
-  /// Its serial line.
+  /// Serial line of the board.
   [[nodiscard]] const std::shared_ptr<source::ScriptedSerial>& serial() const { return serial_; }
 
   source::KernelAnswer control(int fd, unsigned long request_code, void* argument) override;
@@ -47,10 +47,10 @@ class BoardKernel final : public source::ScriptedKernel {
   TickRate rate_;
   SignalMap pins_;
   Wiring wiring_;
-  std::map<PinId, std::uint32_t> line_of_;  ///< Of the release's outputs.
+  std::map<PinId, std::uint32_t> line_of_;  ///< Lines of the release's outputs.
   std::shared_ptr<source::ScriptedSerial> serial_{std::make_shared<source::ScriptedSerial>()};
   std::size_t sent_{};              ///< Bytes of the bench that the release has.
-  std::vector<std::uint8_t> held_;  ///< By the adapter.
+  std::vector<std::uint8_t> held_;  ///< Bytes held by the adapter.
   std::uint64_t last_packet_ns_{};
   source::Batch batch_;
   Tick last_drive_{};

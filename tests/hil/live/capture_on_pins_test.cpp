@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 namespace fs = std::filesystem;
 
-/// Something happens while the job runs.
+/// An analyser with an event while the job runs.
 class EventfulAnalyser final : public source::AnalyserSystem {
  public:
   explicit EventfulAnalyser(std::function<void()> event) : event_(std::move(event)) {}
@@ -78,7 +78,7 @@ TEST_F(CaptureCommandTest, ASessionIsWrittenBesideTheRecording) {
 }
 
 TEST_F(CaptureCommandTest, ASessionThatCouldBeTooLongIsRefusedBeforeTheJob) {
-  options.time_limit_s = 2'863.4;  // 2^36 samples would be 2863.31 s.
+  options.time_limit_s = 2'863.4;  // The limit is 2^36 samples, 2863.31 s.
   try {
     (void)capture();
     FAIL();

@@ -46,7 +46,7 @@ constexpr const char* kOnPins =
 
 class LivePinsTest : public testing::Test {
  protected:
-  /// A board with this release on it.
+  /// Connects a board with this release on it.
   void plugIn(const std::string& release) {
     source::ChildSourceOptions child;
     child.image = kFirmware / release;
@@ -74,7 +74,7 @@ class LivePinsTest : public testing::Test {
     return nlohmann::json::parse(base::contentOf(options.results_dir / name / "verdict.json"));
   }
   std::vector<std::string> problems() const { return verdict()["problems"]; }
-  /// What the recording says is what the live run said.
+  /// Expects that a replay of the recording agrees with the live run.
   void expectReplayAgrees(int live_code) {
     const auto recording = options.results_dir / "on-pins" / "pins.vcd";
     EXPECT_EQ(app::replayCommand(recording, scenario, {}, options), live_code);
@@ -98,7 +98,7 @@ TEST_F(LivePinsTest, AGoodReleaseOnRealPinsPassesAndSoDoesItsReplayWithTheSameDi
   EXPECT_EQ(board->real_time, 0);
 }
 
-// It reads 101 counts of the encoder where 100 were driven.
+// The release reads 101 counts of the encoder where 100 were driven.
 TEST_F(LivePinsTest, AReleaseThatMisreadsTheDrivenEncoderFails) {
   plugIn("fault-encoder-scale-avr.hex");
   write({}, base::replaced(kOnPins, "controller-native", "fault-encoder-scale-avr.hex"));
@@ -107,7 +107,7 @@ TEST_F(LivePinsTest, AReleaseThatMisreadsTheDrivenEncoderFails) {
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
 }
 
-// The line hears of it 21 ms after the pins are known: no host that gave up before.
+// The line carries the report 21 ms after the pins are known: a host must not give up before.
 TEST_F(LivePinsTest, AReleaseThatStopsByItselfFailsAndSoDoesItsReplayWithTheSameDigest) {
   plugIn("controller-native");
   write("belt: {profile: [{at_s: 3, speed_mm_s: 250}]}\n");
@@ -117,7 +117,7 @@ TEST_F(LivePinsTest, AReleaseThatStopsByItselfFailsAndSoDoesItsReplayWithTheSame
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
 }
 
-// An FTDI's latency timer: at 60 mm/s the belt goes on by 96 counts meanwhile.
+// The latency is an FTDI's timer: at 60 mm/s the belt goes on by 96 counts meanwhile.
 TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
   plugIn("controller-native");
   board->serial_latency_ns = 16'000'000;
@@ -125,19 +125,19 @@ TEST_F(LivePinsTest, AGoodReleaseBehindASlowAdapterPasses) {
   EXPECT_EQ(run(), 0) << verdict()["problems"];
   expectReplayAgrees(0);
   EXPECT_EQ(verdict("on-pins-replay")["digest"], verdict()["digest"]);
-  // Who declares a line that is quicker is believed.
+  // The declaration of a quicker line is accepted.
   write("  uart_delay_ms: 0\n");
   EXPECT_EQ(app::replayCommand(options.results_dir / "on-pins" / "pins.vcd", scenario, {}, options), 1);
 }
 
-/// Runs that cannot end well: the evidence is INVALID and says why, and a replay of it is INVALID as well.
+/// Runs that cannot end well: the evidence is INVALID and states why, and a replay of it is INVALID as well.
 class SpoiltLivePinsTest : public LivePinsTest {
  protected:
   SpoiltLivePinsTest() {
     plugIn("controller-native");
     write("time_limit_s: 3\n");
   }
-  /// After this real time of the run.
+  /// Does something after this real time of the run.
   void at(std::uint64_t ms, const std::function<void()>& work) {
     board->before_poll = [ms, work, done = false](std::uint64_t now) mutable {
       if (done || now < source::ScriptedKernel::kStart_ns + ms * 1'000'000U) return;
@@ -206,7 +206,7 @@ TEST_F(SpoiltLivePinsTest, AModelThatDoesNotKeepUp) {
   expectInvalid("does not keep up with the clock");
 }
 
-// 0.3 ms at 60 mm/s are 18 um of the sheet.
+// At 60 mm/s 0.3 ms are 18 um of the sheet.
 TEST_F(SpoiltLivePinsTest, EdgesThatArePutOutTooLate) {
   at(700, [this] { board->passTime(300'000); });
   expectInvalid("edges of the machine's sensor were not driven within 166.7 us");

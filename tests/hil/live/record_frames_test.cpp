@@ -32,9 +32,9 @@ class RecordFramesTest : public testing::Test {
     options.time_limit_s = 2.0;
     options.wait_s = 5.0;
   }
-  /// The camera of another scenario: one that runs by itself.
+  /// Selects the camera of another scenario: one that runs by itself.
   void runFreely() { options.scenario = base::fixture("scenarios/native/label-camera.yaml"); }
-  /// Pictures that arrive at these times from now.
+  /// Adds pictures that arrive at these times from now.
   void picturesAfter(const std::vector<std::int64_t>& times_ms) {
     std::uint32_t sequence = 0;
     for (const std::int64_t time_ms : times_ms) {
@@ -61,7 +61,7 @@ class RecordFramesTest : public testing::Test {
   RecordFramesOptions options;
 };
 
-// Of a free-running loopback the first buffer may be old; of a trigger it is the first of the job.
+// The first buffer of a free-running loopback may be old; with a trigger it is the first of the job.
 TEST_F(RecordFramesTest, TheFirstPictureOfATriggerIsKept) {
   picturesAfter({100, 103, 106});
   EXPECT_EQ(record(), 0);

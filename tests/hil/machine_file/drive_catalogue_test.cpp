@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The catalogue of drives against the data sheets that it names, with the twin's own drive.
+// Drives of the catalogue compared with their data sheets, with the twin's own drive.
 #include "hil/machine_file/drive_catalogue.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 constexpr double kStep_s = 10e-6;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
-// Rotor and mirror as one, driven as the profile says: what the data sheet's position sensor sees.
+// Rotor and mirror as one, driven as the profile says, as the data sheet's position sensor sees them.
 class Rotor {
  public:
   explicit Rotor(const ServoProfile& profile) : solver_(mechanism(profile), kStep_s) {}
@@ -37,7 +37,7 @@ class Rotor {
 
  private:
   static std::shared_ptr<const twin::Mechanism> mechanism(const ServoProfile& profile) {
-    const double inertia_kg_m2 = 2.0 * profile.motor_inertia_kg_m2;  // With a mirror as heavy as the rotor.
+    const double inertia_kg_m2 = 2.0 * profile.motor_inertia_kg_m2;  // The mirror is as heavy as the rotor.
     twin::MechanismDescription description;
     description.joints.push_back({"rotor", twin::JointDescription::Kind::kRevolute, -1,
                                   Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), 0.0, inertia_kg_m2, 0.0,
@@ -55,7 +55,7 @@ class Rotor {
   double time_s_{0.0};
 };
 
-// When the answer to a step last was further from its end than `share` of it.
+// Time at which the answer to a step was last further from its end than `share` of it.
 double settling_s(const ServoProfile& profile, double step_rad, double share) {
   Rotor rotor(profile);
   double last_s = 0.0;
@@ -111,7 +111,7 @@ TEST_F(GalvoProfile, LargeStepsAreOverWithinHalfAPeriodOfTheSquareWaves) {
   const double half_s = settling_s(profile_, sheet_.full_angle_rad, 0.01);
   EXPECT_LT(full_s, 0.5 / sheet_.full_square_hz);
   EXPECT_LT(half_s, 0.5 / sheet_.half_square_hz);
-  EXPECT_GT(half_s, 0.5 * (0.5 / sheet_.half_square_hz));  // And not a drive without limits.
+  EXPECT_GT(half_s, 0.5 * (0.5 / sheet_.half_square_hz));  // A drive without limits would be faster.
 }
 
 TEST_F(GalvoProfile, LargeMirrorsTrailByWhatIsUsualInConverting) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with a machine file is told, with its line.
+// Faults of machine files, which are reported with their line.
 #include <string>
 #include <utility>
 
@@ -64,7 +64,7 @@ TEST_F(MachineFaultsTest, WhatIsNoPinOrNoSignalIsAFaultAtItsLine) {
 TEST_F(MachineFaultsTest, APinThatTheMachineNeedsIsMissed) {
   const std::string bad = base::replaced(text("two-mirror.yaml"), "  galvo_x_dir: PA1\n", "");
   EXPECT_THAT(faultsOf(bad), HasSubstr("pins.galvo_x_dir: has no pin"));
-  // Those of the other head are not needed.
+  // Keys of the other head are not needed.
   EXPECT_EQ(faultsOf(base::replaced(text("two-mirror.yaml"), "  gantry_x_pul: PA4\n", "")), "");
 }
 

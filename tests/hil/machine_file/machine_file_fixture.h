@@ -12,7 +12,7 @@
 
 namespace kerfbench::machine_file {
 
-/// Machine files of the house with something changed, and what is said of them.
+/// Machine files of the project with a change, and the faults reported for them.
 class MachineFileTest : public testing::Test {
  protected:
   static std::string text(const std::string& name) {

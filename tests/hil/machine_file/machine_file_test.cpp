@@ -91,7 +91,7 @@ TEST_F(MachineFileTest, ASpreadIsReadInTheUnitsOfItsKeys) {
 
 TEST_F(MachineFileTest, TheShaftBetweenRotorAndMirrorSwingsAsTheFileSays) {
   const twin::AxisDescription galvo = readMachine(base::fixture("machines/two-mirror.yaml")).galvo_x;
-  // Two rotors on a spring: w² = k (1/J1 + 1/J2); damping c makes 2 zeta w = c (1/J1 + 1/J2).
+  // The two rotors are on a spring: w² = k (1/J1 + 1/J2); damping c makes 2 zeta w = c (1/J1 + 1/J2).
   const double compliance = 1.0 / galvo.motor_inertia_kg_m2 + 1.0 / galvo.load_inertia;
   const double w = std::sqrt(galvo.stiffness * compliance);
   EXPECT_NEAR(w / kTurn_rad, 4000.0, 1e-6);
@@ -125,8 +125,8 @@ TEST_F(MachineFileTest, AStepperStepsByItsTeethAndItsSubdivision) {
   EXPECT_EQ(motor.rotor_teeth, 50);
   EXPECT_DOUBLE_EQ(machine.galvo_x.step, kTurn_rad / 51200);
   EXPECT_DOUBLE_EQ(machine.belt.feed.step, kTurn_rad / 3200 * 0.2 * 30.0);
-  // What the file says of itself: a pulse is not more than 0.05 mm anywhere in the field, the delay is that
-  // of the field's spring, and the detents are what spoils it.
+  // The statements of the file itself: a pulse is not more than 0.05 mm anywhere in the field, the delay is
+  // that of the field's spring, and the detents are the largest error.
   const double rim_mm = machine.controller.field_max_mm[0];
   const double far_mm =
       std::hypot(machine.head.throw_mm, machine.controller.field_max_mm[1]) + machine.head.mirror_spacing_mm;
@@ -184,7 +184,7 @@ TEST_F(MachineFileTest, WhatTheTwinNamesIsFoundInTheFile) {
       testing::EndsWith("strip-gantry.yaml:" +
                         std::to_string(base::lineOf(
                             base::contentOf(base::fixture("machines/strip-gantry.yaml")), "mass_kg: 3\n"))));
-  // A section for what is no key, the file for what is nothing.
+  // The place of an unknown key is its section, the place of nothing is the file.
   EXPECT_EQ(file.placeOf("gantry_x.wings"), path.string() + ":2");
   EXPECT_THAT(file.placeOf("wings"), HasSubstr("strip-gantry.yaml:"));
 }
@@ -226,7 +226,7 @@ TEST_F(MachineFileTest, ControllersAreToldTheTruth) {
 TEST_F(MachineFileTest, APulseOfTheFastMachineMovesTheSpotByThreeMicrometresAtMost) {
   const MachineDescription machine = readMachine(base::fixture("machines/two-mirror-fast.yaml"));
   const auto& told = machine.controller;
-  double longest_mm = 0.0;  // Cheng et al. 2014, eq. 1, by its derivatives
+  double longest_mm = 0.0;  // Derivatives of Cheng et al. 2014, eq. 1.
   for (const double x_mm : {told.field_min_mm[0], 0.0, told.field_max_mm[0]}) {
     for (const double y_mm : {told.field_min_mm[1], 0.0, told.field_max_mm[1]}) {
       const double slant_mm = std::hypot(machine.head.throw_mm, y_mm);
@@ -251,7 +251,7 @@ TEST_F(MachineFileTest, TheSpotCameraSeesTheWholeField) {
     for (const double x : {told.field_min_mm[0], told.field_max_mm[0]}) {
       for (const double y : {told.field_min_mm[1], told.field_max_mm[1]}) {
         const Eigen::Vector3d p = camera.X_CP * Eigen::Vector3d(x, y, 0.0);
-        ASSERT_GT(p.z(), 0.0) << file;  // In front of the camera.
+        ASSERT_GT(p.z(), 0.0) << file;  // The place is in front of the camera.
         const Eigen::Vector2d n = p.head<2>() / p.z();
         const double stretch = 1.0 + camera.distortion[0] * n.squaredNorm();
         EXPECT_NEAR(camera.fx_px * stretch * n.x() + camera.cx_px, 0.5 * camera.width_px,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/machine.md against the keys that the program asks for.
+// Keys of docs/reference/machine.md compared with those of the program.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,13 +16,12 @@
 namespace kerfbench::machine_file {
 namespace {
 
-// What the page has of each key.
+// Description of each key on the page.
 std::map<std::string, docs::Row> pageKeys() { return docs::tableRows("machine.md", "key"); }
 
 class MachineKeys : public testing::Test {
  protected:
-  // What the program asks for when it reads the machines of the house, and one in which the alternatives are
-  // used that none of them has.
+  // Keys of the program when it reads the machines of the project, and one that uses the other alternatives.
   [[nodiscard]] std::map<std::string, base::YamlReader::Asked> askedKeys() const {
     const auto other = [this](const std::string& name, const std::string& lines) {
       return temp_.write(name, "extends: " + base::fixture("machines/" + name).string() + "\n" + lines);
@@ -57,7 +56,7 @@ class MachineKeys : public testing::Test {
   const base::TempFolder temp_;
 };
 
-// Containers stand as headings or as sections with keys of their own.
+// True for a container, which is described as a heading or as a section with keys of its own.
 bool isContainer(const std::string& key) {
   return key == "frame" || key == "drivers" || key.starts_with("pins.");
 }
@@ -84,7 +83,7 @@ TEST_F(MachineKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
     if (!asked.range || found == page.end() || key == "version") continue;
     EXPECT_EQ(found->second.at("range"), fmt::format("{:g} … {:g}", asked.range->min, asked.range->max))
         << key;
-    // Inside a drive the profile's value is the default; the catalogue's own keys are checked.
+    // The default of a key inside a drive is the profile's value; the catalogue's own keys are checked.
     if (key.find(".servo.") != std::string::npos || key.find(".stepper.") != std::string::npos) continue;
     const auto& fallback = asked.range->fallback;
     const std::string said = found->second.at("default");
@@ -97,13 +96,13 @@ TEST_F(MachineKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
 }
 
 TEST_F(MachineKeys, TheTwoMirrorFileShowsEveryKeyThatItMayHave) {
-  // As a key of its own, or in a comment.
+  // The key stands alone, or in a comment.
   const std::string text = base::contentOf(base::fixture("machines/two-mirror.yaml"));
   for (const base::YamlReader::Asked& asked :
        readMachineFile(base::fixture("machines/two-mirror.yaml")).keys) {
     const std::string key = asked.key.substr(asked.key.rfind('.') + 1);
-    if (asked.key.find("[]") != std::string::npos && !asked.key.starts_with("laser."))
-      continue;  // Of the catalogue.
+    // The key belongs to the catalogue.
+    if (asked.key.find("[]") != std::string::npos && !asked.key.starts_with("laser.")) continue;
     if (asked.key == "servos" || asked.key == "steppers" || asked.key == "pins.power_monitor") continue;
     EXPECT_TRUE(std::regex_search(text, std::regex("\\b" + key + "\\b"))) << asked.key;
   }

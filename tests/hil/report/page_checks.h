@@ -10,8 +10,8 @@
 
 namespace kerfbench::report::test {
 
-/// What a page takes from elsewhere, scripts, and references other than pictures inside it and `beside`, the
-/// files beside it, separated by blanks. Empty for a page that needs nothing else.
+/// References of a page to elsewhere, scripts, and references other than pictures inside it and `beside`, the
+/// files next to it, separated by blanks. Empty for a self-contained page.
 inline std::string outsideReferences(const std::string& html, std::string_view beside = {}) {
   std::string found;
   for (const char* outside : {"http:", "https:", "<script", "<link", "@import", "url("})
@@ -27,7 +27,7 @@ inline std::string outsideReferences(const std::string& html, std::string_view b
   return found;
 }
 
-/// The first number that is none, with what stands before it.
+/// First value that is no number, with the text before it.
 inline std::string numberFaults(const std::string& html) {
   static const std::regex kFault(R"re([^a-z](nan|inf)[^a-z])re");
   std::smatch match;
@@ -36,7 +36,7 @@ inline std::string numberFaults(const std::string& html) {
   return html.substr(at - std::min<std::size_t>(at, 60), 70);
 }
 
-/// Elements that must be closed and are not as often as they are opened.
+/// Elements that must be closed and are closed less often than opened.
 inline std::string unclosedElements(const std::string& html) {
   std::string found;
   for (const char* name : {"html", "body", "main", "header", "section", "div", "table", "tbody", "thead",

@@ -71,7 +71,7 @@ RunReport reportOf(const inspect::testing::SyntheticRun& run) {
   return report;
 }
 
-/// A run with something wrong in most places, to see every part of the page.
+/// A run with a fault in most places, to show every part of the page.
 inspect::testing::SyntheticRun badRun() {
   inspect::testing::SyntheticRun run;
   auto& right = run.kerf(1, inspect::testing::kRight).calipers;
@@ -218,7 +218,7 @@ TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
   const auto sentence =
       html.find("The machine lost steps: galvo_x 8 full steps at 1.250 s (the first of 2 times).");
   ASSERT_NE(sentence, std::string::npos);
-  EXPECT_LT(sentence, html.find("<h2>Checks"));  // Where nobody misses it.
+  EXPECT_LT(sentence, html.find("<h2>Checks"));  // The sentence stands where everybody sees it.
   EXPECT_THAT(html,
               HasSubstr("<td>galvo_y<td class=num>1.50000<td class=num>-0.01<td>rad<td class='num hit'>-4"));
 }
@@ -314,7 +314,7 @@ TEST(JunitXml, BrokenEvidenceIsAnErrorEvenIfEveryCheckPasses) {
 
 TEST(HtmlReport, NeedsNothingElse) {
   const std::string html = htmlReport(reportOf(badRun()));
-  // Pictures are inside; the only links are to the files beside it.
+  // Pictures are inside; the only links are to the files next to it.
   EXPECT_EQ(test::outsideReferences(html, "sheet-unit0.png"), "");
   EXPECT_EQ(test::numberFaults(html), "");
   EXPECT_EQ(test::unclosedElements(html), "");
@@ -352,7 +352,7 @@ TEST(HtmlReport, TellsEvenOfARunWithoutAnyMeasurement) {
 }
 
 TEST(WriteReports, WritesAllThree) {
-  // Kept in the build folder, to be looked at.
+  // The page is kept in the build folder for inspection.
   const auto folder = std::filesystem::path(KERFBENCH_BINARY_DIR) / "report-example";
   std::filesystem::create_directories(folder);
   const RunReport report = reportOf(badRun());

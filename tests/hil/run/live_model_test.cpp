@@ -31,7 +31,8 @@ twin::WebDescription web() {
   return result;
 }
 
-// What the live model sends ahead of the clock is what a machine tells that is asked quantum by quantum.
+// The edges that the live model sends ahead of the clock are those of a machine that is queried quantum by
+// quantum.
 TEST(LiveModelTest, SensorsAheadOfTheClockAreThoseOfTheMachine) {
   const twin::MachineDescription machine =
       machine_file::readMachine(base::fixture("machines/two-mirror.yaml"));
@@ -41,7 +42,7 @@ TEST(LiveModelTest, SensorsAheadOfTheClockAreThoseOfTheMachine) {
   for (Tick until = kMs; until <= 900 * kMs; until += kMs) {
     const std::vector<SensorEdge> edges = model.predictSensors(until);
     for (const SensorEdge& edge : edges) {
-      // None behind what was promised before.
+      // No edge comes before the promised time.
       EXPECT_GT(edge.tick + kMs, until);
       EXPECT_LE(edge.tick, until + kRate.ticksAt(LiveModel::kAhead_s));
     }
@@ -59,7 +60,7 @@ TEST(LiveModelTest, SensorsAheadOfTheClockAreThoseOfTheMachine) {
   EXPECT_TRUE(std::ranges::any_of(ahead, [](const SensorEdge& e) { return e.signal == Signal::kPrintMark; }));
 }
 
-// A gantry that its controller drives beyond its travel.
+// The controller drives the gantry beyond its travel.
 TEST(LiveModelTest, LimitSwitchesAnswerToThePinsThatWereRead) {
   const twin::MachineDescription machine =
       machine_file::readMachine(base::fixture("machines/strip-gantry.yaml"));

@@ -21,17 +21,17 @@ using testing::IsEmpty;
 constexpr Tick kQuantum = 8000;
 constexpr TickRate kRate{1, 16'000'000};
 
-// A controller by script: its events, and how it ends.
+// A scripted controller: its events, and its end.
 class ScriptedSource : public source::SignalSource {
  public:
   std::vector<PinEvent> events;
   Tick stop_at{~Tick{0}};
   source::Stop stop{source::Stop::kReached};
   bool accepts_input{true};
-  Tick heard_behind{};  // The watermark.
+  Tick heard_behind{};  // Watermark of the last advance.
 
-  std::vector<Tick> advanced;                        // Watermarks.
-  std::vector<std::pair<Tick, std::size_t>> driven;  // Tick of the edge, quanta run before.
+  std::vector<Tick> advanced;                        // Watermarks of the advances.
+  std::vector<std::pair<Tick, std::size_t>> driven;  // Ticks of the driven edges, and quanta run before.
   std::vector<std::uint8_t> written;
 
   [[nodiscard]] source::SourceInfo info() const override { return {kRate, 0, true, accepts_input, "script"}; }
@@ -53,7 +53,7 @@ class ScriptedSource : public source::SignalSource {
   [[nodiscard]] std::string message() const override { return "the script says so"; }
 };
 
-// A talk that ends at a given time.
+// A dialog that ends at a given time.
 class ScriptedDialog : public Dialog {
  public:
   ScriptedDialog(double end_s, State end) : end_s_(end_s), end_(end) {}
@@ -189,7 +189,7 @@ TEST_F(Lockstep, AFailedDialogIsToldAndLeftToTheCaller) {
   EXPECT_THAT(result.problems, IsEmpty());
 }
 
-// What a real line says is read later than the watermark.
+// Bytes of a real line are read later than the watermark.
 TEST_F(Lockstep, ADialogFailsAtTheTickOfWhatItHeard) {
   source.heard_behind = 42 * kQuantum;
   ScriptedDialog failing(0.02, Dialog::State::kFailed);

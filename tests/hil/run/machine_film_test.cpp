@@ -39,7 +39,7 @@ class Film : public testing::Test {
     }
     film.add(twin);
   }
-  // PC2 and PC3 of fixtures/machines/two-mirror.yaml.
+  // Event on PC2 and PC3 of fixtures/machines/two-mirror.yaml.
   static PinEvent gateAndPwm(Tick tick, bool on) {
     PinEvent event;
     event.tick = tick;
@@ -76,7 +76,7 @@ TEST_F(Film, ALineStaysOnTheSheetThatCarriesItAway) {
   const Eigen::Vector3d before = at(0.05).burnt.at(0).front();
   const Eigen::Vector3d after = at(0.09).burnt.at(0).front();
   EXPECT_NEAR((after - before).x(), 0.04 * kSpeed_mm_s, 1e-3);
-  // While it was burnt it lay under the resting beam.
+  // The place lay under the resting beam while it was burnt.
   const Eigen::Vector3d fresh = at(0.06).burnt.at(1).back();
   EXPECT_NEAR(fresh.x(), 0.0, 1e-6);
   EXPECT_NEAR(fresh.y(), 0.0, 1e-6);

@@ -164,7 +164,7 @@ TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   };
   for (int i = 0; i < 7; ++i) pulse(true);
   for (int i = 0; i < 3; ++i) pulse(false);
-  // 1000 counts a second forwards, then ten back.
+  // The belt makes 1000 counts a second forwards, then ten back.
   const auto belt = [&](int phase, double time_s) {
     const bool a = phase == 1 || phase == 2;
     const bool a_changes = phase == 1 || phase == 3;
@@ -188,9 +188,9 @@ TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_EQ(account.axes[0].seen, 4);
   ASSERT_TRUE(account.belt);
   EXPECT_EQ(account.belt->told, 798);
-  EXPECT_EQ(account.belt->seen_min, 800 - 3);  // 3.64 ms in which it can have looked
+  EXPECT_EQ(account.belt->seen_min, 800 - 3);  // The controller can have read its belt within 3.64 ms.
   EXPECT_EQ(account.belt->seen_max, 800 + 3);
-  // Read up to 16 ms late, it may have looked so much earlier.
+  // A word that is read up to 16 ms late may have been read that much earlier.
   const auto late = sums.accountBeside(told, {250e3, 16e-3});
   EXPECT_EQ(late.belt->seen_min, 800 - 3 - 16);
   EXPECT_EQ(late.belt->seen_max, 800 + 3 + 16);

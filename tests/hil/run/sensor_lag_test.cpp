@@ -19,7 +19,7 @@ const std::vector<Signal> kSignals{Signal::kEncoderA, Signal::kEncoderB, Signal:
 
 class SensorLagTest : public testing::Test {
  protected:
-  /// A belt that runs forward: an edge each millisecond, A leading; a mark from 20 to 40 ms.
+  /// Test with a belt that runs forward: an edge each millisecond, A leading; a mark from 20 to 40 ms.
   SensorLagTest() {
     for (int i = 0; i < 100; ++i) {
       const Signal signal = i % 2 == 0 ? Signal::kEncoderA : Signal::kEncoderB;
@@ -60,7 +60,7 @@ TEST_F(SensorLagTest, AnEdgeThatCameTooLateIsAProblem) {
                           HasSubstr("encoder: 1 of 100 edges that were driven are not the machine's")));
 }
 
-// All later edges are of other counts then.
+// All later edges belong to other counts then.
 TEST_F(SensorLagTest, AMissingEdgeOfTheEncoderIsNotTakenForALateOne) {
   driven.erase(driven.begin() + 50, driven.begin() + 54);
   const SensorLag lag = found();
@@ -98,7 +98,7 @@ TEST_F(SensorLagTest, WhatWouldHaveComeAfterTheEndIsNotMissed) {
   EXPECT_FALSE(found(100 * kMs + 150'000).problems.empty());
 }
 
-// It answers to pins, which are known the hold-back later.
+// The switch answers to pins, which are known only after the hold-back.
 TEST_F(SensorLagTest, ALimitSwitchMayBeLateByTheHoldBack) {
   due.push_back({50 * kMs, Signal::kLimitX, true});
   driven.push_back({72 * kMs, Signal::kLimitX, true});

@@ -85,7 +85,7 @@ TEST_F(AnalyserChoiceTest, AScenarioWhoseInputsAreDrivenIsRefusedInWords) {
   }
 }
 
-// Four samples of the shortest pulse that a drive takes: this one's take 2.5 us.
+// The rate must give four samples of the shortest pulse that a drive takes: here 2.5 us.
 TEST_F(AnalyserChoiceTest, ARateThatIsTooLowForAPulseIsAFaultThatSaysWhichIsEnough) {
   twin::MachineDescription machine = plate(kWires).machine;
   machine.galvo_x.profile.width_s = 2.5e-6;
@@ -99,7 +99,7 @@ TEST_F(AnalyserChoiceTest, ARateThatIsTooLowForAPulseIsAFaultThatSaysWhichIsEnou
               AllOf(HasSubstr("s.yaml:6: firmware.samplerate_hz: 1599999 Hz is too low for galvo_x_pul"),
                     HasSubstr("pulses of 2.5 us, and 4 samples of each need at least 1600000 Hz"),
                     Not(HasSubstr("galvo_y"))));
-  machine.galvo_x.profile.width_s = 0.0;  // Of which the data sheet says nothing.
+  machine.galvo_x.profile.width_s = 0.0;  // The data sheet states no width.
   choice.samplerate_hz = 799'999;
   EXPECT_THAT(faultsOf(choice, machine), HasSubstr("at least 800000 Hz"));
   EXPECT_THAT(faultsIn(base::withValue(kWires, "samplerate_hz", "100000")),
@@ -115,7 +115,7 @@ TEST_F(AnalyserChoiceTest, ItIsListenedToForAsLongAsTheScenarioSays) {
   EXPECT_EQ(analyser.wished.listen.limit_samples, 96'000'000U);
   EXPECT_EQ(analyser.wished.listen.quiet_samples, 12'000'000U);
   EXPECT_EQ(captured.edges, 2U);
-  // Whether PUL may rest high is the drive's matter.
+  // A PUL that rests high is allowed by some drives.
   analyser.runs = {{24'000'000, 0b001}, {240, 0b000}, {24'000'000, 1}};
   const bool rising = test_case.machine.galvo_x.profile.active_edge_rising;
   const auto problems = live::captureAnalyserCase(test_case, analyser, console).recording.problems;

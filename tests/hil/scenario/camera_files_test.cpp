@@ -16,7 +16,8 @@ using testing::HasSubstr;
 class CameraFiles : public testing::Test {
  protected:
   void SetUp() override { (void)temp_.write("controller-avr.hex", ":00000001FF\n"); }
-  /// The label job on a machine of its own: these lines in the scenario, these keys under cameras.spot.
+  /// Case of the label job on a machine of its own: these lines in the scenario, these keys under
+  /// cameras.spot.
   Case label(const std::string& scenario_lines, const std::string& spot_keys = "") const {
     const auto machine =
         temp_.write("m.yaml", "extends: " + base::fixture("machines/two-mirror.yaml").string() + "\n" +
@@ -26,7 +27,7 @@ class CameraFiles : public testing::Test {
                                   "\nname: changed\nmachine: " + machine.string() + "\n" + scenario_lines),
         temp_.path());
   }
-  /// The house's calibration of the spot camera with the value of a key changed; its name.
+  /// Calibration of the spot camera with the value of a key changed; its name.
   std::string calibration(const std::string& key, const std::string& value) const {
     const std::string text = base::contentOf(base::fixture("machines/two-mirror.spot.camera.yaml"));
     return temp_.write("changed.yaml", base::withValue(text, key, value)).string();
@@ -94,7 +95,7 @@ TEST_F(CameraFiles, AgeCountsFromTheScenariosDateAndNoClock) {
               ElementsAre());
   EXPECT_THAT(problemsOf(label("date: 2026-11-19\n")),
               ElementsAre(HasSubstr("is of 2026-11-20, after the run's date 2026-11-19"), HasSubstr("kerf")));
-  // Without a date it is used on its own day, however long ago.
+  // Without a date in the scenario the calibration is used on its own day, however old.
   EXPECT_THAT(problemsOf(label("", "calibration: " + calibration("date", "1999-01-01"))), ElementsAre());
 }
 

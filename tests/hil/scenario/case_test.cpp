@@ -119,7 +119,7 @@ TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
   EXPECT_THAT(faultsOf("planner: {gcode: lost.nc}\n"), HasSubstr("no such file 'lost.nc'"));
 }
 
-// The table is found by trying: where to aim the head of the twin so that its spot lands on the node.
+// The table is found by trial: where to aim the head of the twin so that its spot lands on the node.
 TEST_F(CaseTest, AnFThetaHeadIsTrueWithItsTable) {
   const twin::MachineDescription machine =
       machine_file::readMachine(base::fixture("machines/f-theta-300.yaml"));
@@ -208,7 +208,7 @@ TEST_F(CaseTest, AMachineIsDrawnAroundItsDescriptionByPresetAndSeed) {
   ASSERT_EQ(one.imperfections.size(), again.imperfections.size());
   EXPECT_EQ(one.imperfections[0].value, again.imperfections[0].value);
   EXPECT_NE(one.imperfections[0].value, other.imperfections[0].value);
-  // What the controller is told stays what it was.
+  // The controller's configuration stays as it was.
   EXPECT_EQ(one.machine.controller.encoder_count_mm, 0.01);
   EXPECT_NE(one.machine.belt.encoder.count_mm, 0.01);
   EXPECT_GT(one.imperfections.size(), drawn("imperfections: static\nseed: 7\n").imperfections.size());

@@ -12,11 +12,11 @@
 
 namespace kerfbench::scenario {
 
-/// The scenario of a plate, moved to real pins.
+/// Scenario of a plate, moved to real pins.
 class PlateOnPins : public testing::Test {
  protected:
   void SetUp() override { (void)temp_.write("linecutter-avr.hex", ":00000001FF\n"); }
-  /// With these lines; they begin in its line 3.
+  /// Scenario with these lines, which begin in its line 3.
   std::filesystem::path scenario(const std::string& lines) const {
     return temp_.write("s.yaml", "extends: " + base::fixture("scenarios/line-ok/plate.yaml").string() +
                                      "\nname: on-pins\n" + lines);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/reference/scenario.md against the keys that the program asks for.
+// Keys of docs/reference/scenario.md compared with those of the program.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ class ScenarioKeys : public testing::Test {
  protected:
   ScenarioKeys() : page_(docs::tableRows("scenario.md", "key")) {
     standInForImages();
-    // The scenarios of the house, and one for each key that none of them has.
+    // The scenarios are those of the project, and one for each key that none of them has.
     for (const auto& entry : fs::recursive_directory_iterator(base::fixture("scenarios"))) {
       if (entry.path().extension() == ".yaml") read(entry.path());
     }
@@ -42,7 +42,7 @@ class ScenarioKeys : public testing::Test {
     extend("native/label-on-belt.yaml", "cameras: {kerf: {source: tiles, folder: .}}\n");
     extend("safe/interlock.yaml", "provoke: {expect: interlock}\n");
   }
-  /// The reader asks only whether an image is there: none need be built.
+  /// Makes files in place of images. The reader tests only whether an image exists: none need be built.
   void standInForImages() const {
     static const std::regex image(R"(\bimage: ([\w.-]+))");
     for (const auto& entry : fs::recursive_directory_iterator(base::fixture("scenarios"))) {
@@ -65,7 +65,7 @@ class ScenarioKeys : public testing::Test {
       if (!known.range) known = key;
     }
   }
-  // Sections stand as headings, free keys are described in words.
+  // True for a container: sections stand as headings, free keys are described in words.
   static bool isContainer(const std::string& key) {
     static const std::set<std::string> sections{
         "belt",   "board",         "board.scorch",   "cameras",         "cameras.kerf", "cameras.spot",

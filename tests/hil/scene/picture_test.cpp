@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// POV-Ray is one of packages.txt: without it these tests fail, and are not skipped.
+// Pictures by POV-Ray, which is one of packages.txt: without it these tests fail, and are not skipped.
 #include "hil/scene/picture.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ PictureOptions small(SceneView view = SceneView::kOverall) {
   return options;
 }
 
-// Rendered once: POV-Ray alone takes a third of a second to start.
+// Picture that is rendered once: POV-Ray alone takes a third of a second to start.
 const std::vector<std::uint8_t>& litPicture() {
   static const std::vector<std::uint8_t> png = renderPng(sceneWithBeam(true), small());
   return png;
@@ -63,12 +63,12 @@ cv::Mat decoded(const std::vector<std::uint8_t>& png) {
   return cv::Mat(samples->height_px, samples->width_px, CV_8UC3, samples->bytes.data()).clone();
 }
 
-// Red, green, blue.
+// Red, green and blue at a place.
 cv::Vec3b at(const cv::Mat& picture, const Eigen::Vector2d& p) {
   return picture.at<cv::Vec3b>(static_cast<int>(std::lround(p.y())), static_cast<int>(std::lround(p.x())));
 }
 
-// A program that does as it is told instead of POV-Ray.
+// A scripted program in place of POV-Ray.
 class FakeProgram {
  public:
   explicit FakeProgram(const std::string& script) {
@@ -132,8 +132,8 @@ TEST(Picture, ABurntLineIsDarkOnTheBrightBoard) {
   EXPECT_LT(line[1], board[1] - 60);
 }
 
-// A contour that begins behind the eye of a close-up once gave a pixel of negative size: all points were
-// kept, and the splitting of the line ran out of stack.
+// A contour that begins behind the eye of a close-up gave a pixel of negative size in an earlier version: all
+// points were kept, and the splitting of the line ran out of stack.
 TEST(Picture, ABurntSpiralThatBeginsBehindTheEyeIsThinnedWithoutRecursion) {
   const twin::Scene scene = sceneWithBeam(false);
   const Viewpoint view = viewpointOf(scene, SceneView::kHead, kWidth, kHeight);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a run can end, and images that never get to run.
+// Ends of a run, and images that never run.
 #include <gmock/gmock.h>
 
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes into the controller: levels at exact ticks, and bytes at the pace of the line.
+// Inputs of the controller: levels at exact ticks, and bytes at the pace of the line.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -47,8 +47,8 @@ TEST(AvrInput, ExternalInterruptsSeeEdgesAtTheirTicks) {
   const auto run = runSource(*source, 10 * kMs, kMs / 2);
   ASSERT_EQ(run.events.size(), rises.size() + changes.size());
   for (std::size_t i = 0; i < rises.size(); ++i) {
-    // Five cycles into the interrupt, three for the jump, the store: and at most one instruction of the loop
-    // before.
+    // The interrupt takes five cycles, the jump three, and the store; before it at most one instruction of
+    // the loop.
     for (const auto& [event, tick] :
          {std::pair{run.events[2 * i], rises[i]}, {run.events[2 * i + 1], changes[i]}}) {
       EXPECT_GE(event.tick, tick + 8);
@@ -77,7 +77,7 @@ TEST(AvrInput, EchoComesBackAtTenBitTimesPerByte) {
   }
   EXPECT_EQ(echoed, expected);
   ASSERT_EQ(events.size(), text.size());
-  // 10 bits at 250 000 baud are 640 cycles; simavr on its own takes 11 bits.
+  // At 250 000 baud 10 bits are 640 cycles; simavr on its own takes 11 bits.
   EXPECT_NEAR(static_cast<double>(events.back().tick - events.front().tick) / 499.0, 640.0, 0.5);
   EXPECT_NEAR(static_cast<double>(events.front().tick), kMs + 640.0, 40.0);
   EXPECT_NEAR(static_cast<double>(batch.watermark), kMs + 501 * 640.0, 300.0);

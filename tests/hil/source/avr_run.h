@@ -23,7 +23,7 @@ inline ChildSourceOptions avrOptions(std::string_view firmware, std::string_view
   return options;
 }
 
-/// Everything that happened in a run.
+/// Record of a run.
 struct Run {
   Stop stop{};
   std::vector<PinEvent> events;
@@ -52,7 +52,7 @@ inline Run runAvr(std::string_view firmware, Tick until, Tick quantum = kMs / 2)
   return runSource(*source, until, quantum);
 }
 
-/// The ticks at which one pin rises (or falls).
+/// Ticks at which one pin rises (or falls).
 inline std::vector<Tick> edgesOf(const std::vector<PinEvent>& events, PinId pin, bool rising = true) {
   std::vector<Tick> ticks;
   for (const auto& event : events) {

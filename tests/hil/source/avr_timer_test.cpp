@@ -53,7 +53,7 @@ TEST(AvrTimer, CountWrittenWhileStoppedIsWhereTheTimerStarts) {
   ASSERT_EQ(rises.size(), 19U);
   ASSERT_EQ(falls.size(), 19U);
   for (std::size_t i = 0; i < rises.size(); ++i) {
-    // 40 clocks of 8 cycles and the interrupt's way in; simavr on its own makes it 2048.
+    // The pulse has 40 clocks of 8 cycles and the entry of the interrupt; simavr on its own makes it 2048.
     EXPECT_GE(falls[i] - rises[i], 320U);
     EXPECT_LE(falls[i] - rises[i], 365U);
   }
@@ -65,7 +65,7 @@ TEST(AvrTimer, PulsesAreExactInNumberAndPeriodAndBothAxesStayTogether) {
   ASSERT_EQ(rises.size(), 1000U);
   EXPECT_EQ(edgesOf(run.events, {0, 2}), rises);
   EXPECT_EQ(run.uart, "D");
-  // Two pins of one store are one event; 1 for DIR, 2 for each pulse.
+  // The pins of one store are one event; 1 for DIR, 2 for each pulse.
   EXPECT_EQ(run.events.size(), 2001U);
   EXPECT_EQ(run.events[1].changed, 0x05);
   EXPECT_EQ(run.events[1].level, 0x07);

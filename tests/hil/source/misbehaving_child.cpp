@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child that breaks the pin-stream protocol in the way that the image's name says.
+// A child that breaks the pin-stream protocol in the manner that the image's name states.
 #include <signal.h>
 #include <unistd.h>
 
@@ -94,7 +94,7 @@ int main() {
   request();
   if (is("dies-by-signal")) {
     std::fprintf(stderr, "first words\nlast words\n");
-    ::signal(SIGSEGV, SIG_DFL);  // A sanitizer may have its own idea.
+    ::signal(SIGSEGV, SIG_DFL);  // A sanitizer may have its own handler.
     ::raise(SIGSEGV);
   }
   if (is("hangs")) {
@@ -129,5 +129,5 @@ int main() {
     tail();
   }
   request();
-  for (;;) ::pause();  // Does not mind QUIT either.
+  for (;;) ::pause();  // The pause also outlasts QUIT.
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that other programs take, or crash on. Each must be refused with its line.
+// Files that other programs accept, or crash on. Each must be refused with its line.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -16,8 +16,9 @@ constexpr const char* kWires =
     "$var wire 1 + laser_gate $end\n";
 
 std::string header(const std::string& more = "") {
+  // The header has 8 lines and those of `more`.
   return "$timescale 100 ps $end\n$scope module pins $end\n" + std::string(kWires) + more +
-         "$upscope $end\n$enddefinitions $end\n";  // 8 lines and those of `more`
+         "$upscope $end\n$enddefinitions $end\n";
 }
 
 std::string refusal(const std::filesystem::path& path) {
@@ -115,7 +116,7 @@ TEST_F(VcdTest, EveryTruncationOfAFileIsRefused) {
   for (std::size_t size = 0; size + 1 < whole.size(); ++size) {
     const auto path = put("cut.vcd", whole.substr(0, size));
     if (refusal(path) != "accepted") continue;
-    // Only what follows the end of the run may be missing.
+    // Only data after the end of the run may be missing.
     EXPECT_EQ(readVcd(path, sampleMap()).outputs, recording.outputs) << size;
     EXPECT_EQ(readVcd(path, sampleMap()).uart, recording.uart) << size;
   }

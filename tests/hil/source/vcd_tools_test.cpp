@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that other people use must read our files and see the same edges.
+// Programs of others must read these files and see the same edges.
 #include <sys/wait.h>
 
 #include <cstdio>
@@ -32,7 +32,7 @@ class VcdTools : public VcdTest {
 
 TEST_F(VcdTools, SigrokSeesEveryPulse) {
   if (!have("sigrok-cli")) GTEST_SKIP() << "sigrok-cli is not installed";
-  // One tick a sample: without downsample=625 sigrok expands a second into 10 G samples.
+  // The sample rate is one tick: without downsample=625 sigrok expands a second into 10 G samples.
   const std::string command = "sigrok-cli -I vcd:downsample=625 -i '" + path_.string() +
                               "' -C galvo_x_pul -O bits:width=0 2>/dev/null";
   std::FILE* pipe = ::popen(command.c_str(), "r");
@@ -66,7 +66,7 @@ TEST_F(VcdTools, GtkwaveSeesEveryChange) {
                               "' >/dev/null 2>&1 && fst2vcd -f '" + fst.string() + "' -o '" + again.string() +
                               "' >/dev/null 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  // It drops our comments, so a tick is 100 ps now.
+  // The tool drops the comments, so a tick is 100 ps now.
   const auto back = readVcd(again, sampleMap());
   ASSERT_EQ(back.outputs.size(), recording_.outputs.size());
   for (std::size_t i = 0; i < back.outputs.size(); ++i) {

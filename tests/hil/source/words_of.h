@@ -5,7 +5,7 @@
 
 namespace kerfbench::source {
 
-/// What the Error says that `work` throws.
+/// Text of the Error that `work` throws.
 template <typename Error, typename Work>
 std::string wordsOf(const Work& work) {
   try {

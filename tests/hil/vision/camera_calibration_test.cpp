@@ -74,11 +74,12 @@ TEST(CameraCalibration, JacobianIsThatOfFiniteDifferences) {
 }
 
 /// A calibration that errs by a mode reads the pixel of p as p + mapError: there OpenCV must see that pixel
-/// with a camera that errs so.
+/// with a camera that errs in the same way.
 TEST(CameraCalibration, AnErrorModeMovesPointsAsACameraThatIsWrongByIt) {
   CameraCalibration camera = test::tiltedCamera(1800, 1800, 0.1);
   for (Eigen::Index parameter = 0; parameter < CameraCalibration::kParameters; ++parameter) {
-    // Pixels, coefficients of the lens, rad and mm: each moves points by some hundredths of a mm.
+    // The sizes are in pixels, coefficients of the lens, rad and mm: each moves points by some hundredths of
+    // a mm.
     constexpr double kSizes[] = {0.5, 0.5,  0.3,  0.3,  4e-3, 0.1,  1e-4, 1e-4,
                                  2.0, 3e-4, 3e-4, 3e-4, 0.05, 0.05, 0.3};
     camera.error_modes.emplace_back(Eigen::Matrix<double, CameraCalibration::kParameters, 1>::Zero());

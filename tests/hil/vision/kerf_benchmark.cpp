@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sheet of 400 x 300 mm at 40 um to the pixel, on one core: the whole measurement, the path check alone,
-// and what else one would do: threshold each picture and take the distances from the dieline, pixel by pixel.
+// and the common alternative: threshold each picture and take the distances from the dieline, pixel by pixel.
 // Pictures are taken beforehand.
 #include <cmath>
 #include <cstdio>
@@ -106,7 +106,7 @@ void measureSheet(benchmark::State& state) {
   state.counters["found"] = static_cast<double>(found);
 }
 
-/// Tiles looked at and the unit placed, as for any way to check the path.
+/// Tiles that were examined and the placed unit, as for any check of the path.
 struct Placed {
   std::vector<TileView> views;
   std::unique_ptr<TileIndex> index;
@@ -132,7 +132,7 @@ void pathAtPitch(benchmark::State& state, double pitch_mm) {
   const Placed& at = placed();
   KerfScanOptions options = p.cut.options;
   options.station_pitch_mm = pitch_mm;
-  // As the dieline is drawn beforehand for the distances below: it is the same for every sheet.
+  // The dieline is drawn beforehand as for the distances below: it is the same for every sheet.
   const KerfPlan plan = planKerf(p.cut.dieline, options);
   double worst = 0.0;
   std::size_t calipers = 0;
@@ -154,11 +154,11 @@ void pathAtPitch(benchmark::State& state, double pitch_mm) {
 }
 
 void pathByCalipers(benchmark::State& state) { pathAtPitch(state, 0.25); }
-/// As `kerfbench run` asks for.
+/// Path check with the pitch of `kerfbench run`.
 void pathByCalipersDense(benchmark::State& state) { pathAtPitch(state, 0.1); }
 
-/// Distance of every kerf pixel from the drawn dieline; half a kerf more than the path's deviation, in whole
-/// pixels, blind to what was not cut.
+/// Path check by the distance of every kerf pixel from the drawn dieline; half a kerf more than the path's
+/// deviation, in whole pixels, blind to missing cuts.
 void pathByDistanceTransform(benchmark::State& state) {
   const Prepared& p = prepared();
   const Placed& at = placed();

@@ -26,7 +26,7 @@ constexpr double kReachMm = 0.4;
 /// A right corner between the x and the y axis.
 CornerShape rightCorner() { return {}; }
 
-/// Both legs shifted as one.
+/// Shifts both legs as one.
 void shift(CornerShape& shape, const Vector2d& by_mm) {
   for (CornerLeg* leg : {&shape.in, &shape.out})
     leg->offset_mm += by_mm.dot(Vector2d(-leg->outwards.y(), leg->outwards.x()));
@@ -125,7 +125,7 @@ struct Corners {
     for (int i = 0; i < 8; ++i) {
       const Way way{{-12.0 + 8.0 * (i % 4), i < 4 ? 4.0 : -4.0}, along(0.8 * i), along(0.8 * i + turn)};
       ways.push_back(way);
-      // Every other entity runs against the way.
+      // Every other entity runs backwards.
       const Vector2d from = way.corner - 2.5 * way.in;
       const Vector2d to = way.corner + 2.5 * way.out;
       cut.share_of[cut.add(i % 2 == 0 ? dieline::LineCurve{from, way.corner}
@@ -177,7 +177,7 @@ TEST(KerfCorner, IsMeasuredAgainstItsOwnLegsWhereverTheCutLies) {
         overshoots.push_back(corner.overshoot_mm - asked.over_mm);
         deviations.push_back(corner.deviation_mm - deviation);
         zs.push_back(deviations.back() / corner.deviation_sigma_mm);
-        // What there is none of is not negative: half of all errors are missing.
+        // A value that is zero cannot be negative: half of all errors are missing.
         if (asked.rounding_mm > 0.0) zs.push_back(roundings.back() / corner.rounding_sigma_mm);
         if (asked.over_mm > 0.0) zs.push_back(overshoots.back() / corner.overshoot_sigma_mm);
       }
@@ -220,7 +220,7 @@ TEST(KerfCorner, IsRunOverWhereOneLegAloneRunsOver) {
   EXPECT_LT(std::hypot(z.mean, z.sigma), 1.3);
 }
 
-/// A line that turns by 90 degrees into an arc of 2.5 mm, to either side; whoever draws it.
+/// Tests a line that turns by 90 degrees into an arc of 2.5 mm, to either side, drawn in any sense.
 TEST(KerfCorner, WithACurvedLegIsHeldAgainstThatCurve) {
   constexpr double kRadiusMm = 2.5;
   std::vector<double> errors, zs;
@@ -308,7 +308,7 @@ TEST(KerfCorner, IsNotMovedByScorchOnOneSide) {
   }
   const test::Statistics m = test::statisticsOf(moved);
   std::printf("  moved %.2f +- %.2f um\n", 1e3 * m.mean, 1e3 * m.sigma);
-  // Without what the calipers know of it, by 3 um.
+  // Corners without the calipers' correction for scorch would move by 3 um.
   EXPECT_LT(std::hypot(m.mean, m.sigma), 0.0017);
 }
 

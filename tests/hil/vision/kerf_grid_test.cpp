@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 TEST(SampleGrid, FindsAllThatLieWithinACell) {
   constexpr double kCellMm = 0.9;
   const CounterRandom random(3, 1);
-  // About the origin: cells of negative number, too.
+  // The places lie about the origin: cells of negative number, too.
   const auto place = [&](std::uint64_t i) {
     return Vector2d(8.0 * random.uniform(2 * i) - 4.0, 8.0 * random.uniform(2 * i + 1) - 4.0);
   };

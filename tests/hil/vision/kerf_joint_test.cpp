@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends, corners, crossings, neighbours and small holes, against what the model cut.
+// Ends, corners, crossings, neighbours and small holes, compared with the model's cuts.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -100,8 +100,8 @@ TEST(KerfJoint, AnEndThatIsFarTooShortIsMeasuredFromWhereTheKerfStops) {
 
 struct CornerCase {
   double turn_rad;
-  double radius_mm;     // of the way
-  double overshoot_mm;  // of both legs
+  double radius_mm;     // Radius of the path.
+  double overshoot_mm;  // Overshoot of both legs.
 };
 
 TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
@@ -159,7 +159,7 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
     const double z = std::hypot(zz.mean, zz.sigma);
     std::printf("  turn %.2f: rounding bias %.2f sigma %.2f um; overshoot bias %.2f sigma %.2f um; z %.2f\n",
                 turn, 1e3 * r.mean, 1e3 * r.sigma, 1e3 * o.mean, 1e3 * o.sigma, z);
-    // An arc of 0.4 mm that turns by so much takes away all that the picture holds of the legs.
+    // An arc of 0.4 mm that turns by this much takes away all that the picture holds of the legs.
     EXPECT_LT(std::hypot(r.mean, r.sigma), turn > 2.0 ? 0.003 : 0.002);
     EXPECT_LT(std::hypot(o.mean, o.sigma), 0.002);
     EXPECT_LT(z, 1.2);
@@ -219,7 +219,7 @@ TEST(KerfJoint, TangentContinuationIsMeasuredAsOrdinary) {
     EXPECT_LT(worstError(cut, scan, id, id == b ? 0.0 : 0.3), 0.002);
   }
   EXPECT_TRUE(scan.corners.empty());
-  EXPECT_EQ(scan.ends.size(), 2U);  // Of the whole chain.
+  EXPECT_EQ(scan.ends.size(), 2U);  // The ends are those of the whole chain.
 }
 
 TEST(KerfJoint, ClosedCurvesTellTheirGap) {
@@ -235,7 +235,7 @@ TEST(KerfJoint, ClosedCurvesTellTheirGap) {
     ASSERT_EQ(scan.ends.size(), 1U);
     ASSERT_TRUE(scan.ends[0].found);
     std::printf("  gap %.2f mm: %.4f +- %.4f\n", gap_mm, scan.ends[0].gap_mm, scan.ends[0].sigma_mm);
-    // A wide gap of a small circle is seen along the tangent, from where the kerf has left that.
+    // A wide gap of a small circle is seen along the tangent, from the place where the kerf has left it.
     EXPECT_NEAR(scan.ends[0].gap_mm, gap_mm, gap_mm > 0.5 ? 0.015 : 0.005);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A leg of kerf beside a joint, from calipers made by hand.
+// A leg of kerf near a joint, from calipers made by hand.
 #include "hil/vision/kerf/kerf_leg.h"
 
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr double kPitch_mm = 0.05;
 constexpr double kSigma_mm = 0.001;
 
 /// A straight kerf that leaves its line by `slope`, with noise that four neighbours have in common, as
-/// windows that overlap have.
+/// overlapping windows have.
 EntityKerf kerfOf(std::uint64_t seed, double slope) {
   const CounterRandom noise(seed, 1);
   EntityKerf kerf;
@@ -46,7 +46,7 @@ TEST(KerfLeg, IsCarriedOnToItsJoint) {
     mean_mm += leg->offset_mm / kLegs;
     squares += leg->offset_mm * leg->offset_mm / kLegs;
   }
-  // A line through readings from 0.3 to 2 mm, nine of which are independent, carried on to 0.
+  // The line goes through readings from 0.3 to 2 mm, nine of which are independent, and is extended to 0.
   EXPECT_LT(std::abs(mean_mm), 1e-4);
   EXPECT_LT(std::sqrt(squares), 1.2 * kSigma_mm);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The unit's place on the table and its covariance, against where the model laid it.
+// The unit's place on the table and its covariance, compared with the model's.
 #include <cmath>
 #include <cstdio>
 
@@ -50,7 +50,7 @@ void report(const char* name, const PoseErrors& e) {
               std::sqrt(e.z2.z()), e.mahalanobis);
 }
 
-// 80 seeds: the RMS of an honest z is 1 +- 0.08 at one sigma.
+// The RMS of an honest z is 1 +- 0.08 at one sigma for 80 seeds.
 TEST(KerfPose, CovarianceIsHonest) {
   struct Case {
     const char* name;
@@ -74,14 +74,15 @@ TEST(KerfPose, CovarianceIsHonest) {
 }
 
 TEST(KerfPose, CovarianceHasTheLeverArmOfTheOrigin) {
-  // Marks far from S's origin: its place is as uncertain as their angle makes it, and the two are bound.
+  // The marks are far from S's origin: its place is as uncertain as their angle makes it, and the two are
+  // correlated.
   std::vector<MarkPair> pairs;
   for (const double x : {100.0, 140.0}) {
     for (const double y : {-10.0, 10.0}) pairs.push_back({{x, y}, {x, y}, 0.001});
   }
   const Eigen::Matrix3d c = motionCovariance(pairs, {});
-  // By hand: angle variance sigma² / sum of squared distances from the middle (4 * (400 + 100)), times the
-  // belief's scale 6 / 11 of residuals that are all zero.
+  // Variances by hand: angle variance sigma² / sum of squared distances from the middle (4 * (400 + 100)),
+  // times the belief's scale 6 / 11 of residuals that are all zero.
   const double scale = 6.0 / 11.0;
   EXPECT_NEAR(c(2, 2), scale * 1e-6 / 2000.0, 1e-14);
   EXPECT_NEAR(c(1, 1), scale * 1e-6 * (1.0 / 4.0 + 120.0 * 120.0 / 2000.0), 1e-9);

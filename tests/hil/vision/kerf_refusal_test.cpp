@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the cut that must not be measured in are told as such, and good ones are not.
+// Pictures of the cut that must not be measured are reported as such, and good ones are not.
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -28,7 +28,7 @@ KerfScan scanOf(const std::function<void(TwinCut&)>& change) {
   return cut.scan();
 }
 
-/// Every pixel of the picture replaced.
+/// Scan with every pixel of the pictures replaced.
 KerfScan scanWith(const std::function<std::uint8_t(std::uint8_t)>& level) {
   const TwinCut cut = aCut();
   auto tiles = cut.tiles();
@@ -124,7 +124,7 @@ TEST(KerfRefusal, MarksThatAreMissingOrMoved) {
 TEST(KerfRefusal, ABoardBesideTheField) {
   TwinCut cut = aCut();
   auto tiles = cut.tiles();
-  tiles[0].p_TV_mm.x() += 40.0;  // The table's scale says that the camera looks elsewhere.
+  tiles[0].p_TV_mm.x() += 40.0;  // The table's scale reads another place of the camera.
   EXPECT_FALSE(cut.scan(std::move(tiles)).problems.empty());
 }
 

@@ -44,7 +44,7 @@ test::Statistics offsetsOf(const EntityKerf& kerf, double truth_mm) {
 
 class KerfScanTest : public ::testing::Test {
  protected:
-  /// One scan of a good workpiece with known offsets is enough for many questions.
+  /// Makes one scan of a good workpiece with known offsets, which is enough for many questions.
   static void SetUpTestSuite() {
     work_ = new Workpiece;
     int k = 0;
@@ -97,7 +97,7 @@ TEST_F(KerfScanTest, OffsetsAreRightInAllDirections) {
 }
 
 TEST_F(KerfScanTest, SaysWhereInTheCamerasFieldItLooked) {
-  // Whoever asks for the error of the camera's map there must be told the place in its own plane.
+  // The error of the camera's map needs the place in its own plane.
   std::size_t judged = 0;
   for (const EntityKerf& kerf : scan_->entities) {
     for (const Caliper& c : kerf.calipers) {
@@ -155,7 +155,7 @@ TEST_F(KerfScanTest, JointsAreCornersButNeitherNeighboursNorContinuations) {
   }
   for (const int id : {11, 12}) {
     for (const Caliper& c : entityOf(*scan_, id).calipers) {
-      EXPECT_FALSE(c.near_joint);  // Enough board is seen between them.
+      EXPECT_FALSE(c.near_joint);  // There is enough board between them.
       EXPECT_TRUE(c.found);        // The nearest of the two kerfs is the entity's own.
       EXPECT_NEAR(c.offset_mm, 0.0, 0.02);
     }
@@ -171,7 +171,7 @@ TEST_F(KerfScanTest, EndsOfARoundToolAreMeasured) {
     EXPECT_NEAR(end.gap_mm, 0.0, 3.0 * end.sigma_mm);
     ++seen;
   }
-  // E0 ... E4, E6 both ends, the circle E5 once, E7 and E8, E9 and E10 one each.
+  // The entities are E0 ... E4, E6 both ends, the circle E5 once, E7 and E8, E9 and E10 one each.
   EXPECT_EQ(seen, 17);
 }
 
@@ -252,7 +252,7 @@ TEST_F(KerfScanTest, MissingTilesAreAProblem) {
 }
 
 TEST_F(KerfScanTest, MarksThatLieOtherwiseThanPrintedAreTold) {
-  // One of four marks lies 60 um off: no pose fits better than a quarter of that.
+  // The pose has a mark that lies 60 um off: no pose fits better than a quarter of that.
   Workpiece other = *work_;
   other.print.marks[2].p_SM_mm.x() += 0.06;
   const KerfScan off = other.scan(*tiles_);

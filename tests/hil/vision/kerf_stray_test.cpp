@@ -49,14 +49,14 @@ StrayBox boxOf(std::size_t tile, double x0, double y0, double x1, double y1) {
 }
 
 TEST(KerfStray, OneThatTwoTilesSeeIsOneAndTwoOfOneTileAreTwo) {
-  // A cut of 6 mm, of which each of three tiles sees a part.
+  // The cut has 6 mm, of which each of three tiles sees a part.
   const auto long_one = mergeStrays(
       {boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(2, 4.4, 5.0, 7.0, 5.3), boxOf(1, 2.5, 5.0, 4.5, 5.3)}, 4, 0.5);
   ASSERT_EQ(long_one.size(), 1U);
   EXPECT_EQ(long_one[0].unit, 4);
   EXPECT_NEAR(long_one[0].extent_mm, 6.0, 1e-9);
   EXPECT_NEAR(long_one[0].p_S_mm.x(), 4.0, 1e-9);
-  // What one picture shows apart is apart.
+  // Strays that one picture shows as separate are separate.
   EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(0, 1.0, 5.4, 3.0, 5.7)}, 0, 0.5).size(), 2U);
   EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 3.0, 5.3), boxOf(1, 1.0, 6.0, 3.0, 6.3)}, 0, 0.5).size(), 2U);
   EXPECT_EQ(mergeStrays({boxOf(0, 1.0, 5.0, 1.2, 5.3)}, 0, 0.5).size(), 0U) << "dust";
@@ -74,13 +74,13 @@ TEST(KerfStray, PrintAndHardLightAreNoCuts) {
 }
 
 struct Faint {
-  double share;      // of the fluence that cuts, in the middle
-  double length_mm;  // of the stray
+  double share;      // Share of the fluence that cuts, in the middle.
+  double length_mm;  // Length of the stray.
 };
 
 TEST(KerfStray, ThinAndFaintOnesAreFoundAnywhere) {
-  // Light of the middle by Beer's law: 0.45 of the depth lets 73 gray through where board lets 28, before the
-  // lens halves that. Of strays burnt 0.35 deep three of four are found.
+  // The light of the middle follows Beer's law: 0.45 of the depth transmits 73 gray where board transmits 28,
+  // before the lens halves that. Strays burnt 0.35 deep are found in three of four cases.
   for (const Faint& faint : {Faint{1.5, 2.0}, Faint{1.02, 2.0}, Faint{0.6, 2.0}, Faint{0.45, 2.0}}) {
     int found = 0;
     int looked = 0;
@@ -111,7 +111,7 @@ TEST(KerfStray, CutCreaseAndHalfCutAreToldByTheirLightInHardPicturesToo) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     TwinCut cut;
     makeHard(cut, seed);
-    // All over the uneven light.
+    // The strays lie all over the uneven light.
     for (const double x : {-13.0, -5.0, 5.0, 13.0}) {
       cut.add(dieline::LineCurve{{x, -8.0}, {x + 1.0, 8.0}});
       cut.share_of[cut.add(dieline::LineCurve{{x + 2.0, -8.0}, {x + 3.0, 8.0}}, dieline::Process::kHalfCut)] =

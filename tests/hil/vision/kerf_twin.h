@@ -20,28 +20,27 @@ namespace kerfbench::vision::test {
 
 constexpr double kBeamRadiusMm = 0.105;
 
-/// A camera of 1100 x 800 pixels times scale, askew and with a lens; 40 um to the pixel if not told
-/// otherwise.
+/// A camera of 1100 x 800 pixels times scale, askew and with a lens; 40 um to the pixel by default.
 twin::CameraDescription kerfCamera(double pitch_mm = 0.04, double scale = 1.0);
 CameraCalibration calibrationOf(const twin::CameraDescription& camera);
 
-/// A sheet that the model cuts and looks at, with everything known.
+/// A sheet that the model cuts and photographs, with everything known.
 struct TwinCut {
   twin::BoardDescription board;
   twin::CameraDescription camera = kerfCamera();
   PrintLayout print;
   dieline::Dieline dieline;
-  std::map<int, double> offset_mm;  ///< Of entities, along the left normal; 0 if not told.
-  double fluence_share{1.5};        ///< In the middle of a line, of what cuts through.
-  std::map<int, double> share_of;   ///< The same for single entities.
+  std::map<int, double> offset_mm;  ///< Offset of each entity, along the left normal; 0 by default.
+  double fluence_share{1.5};  ///< Fluence in the middle of a line, relative to the one that cuts through.
+  std::map<int, double> share_of;  ///< Fluence of single entities, in the same unit.
   KerfScanOptions options;
   std::uint64_t seed{1};
-  /// Cuts something else onto the sheet.
+  /// Cuts further things onto the sheet.
   std::function<void(twin::Sheet&)> also;
 
   TwinCut();
   int add(dieline::Curve curve, dieline::Process process = dieline::Process::kCut);
-  /// Straight, with the tools of the model's beam: energy for the share of the cutting fluence.
+  /// Burns a straight line with the model's beam: energy for the share of the cutting fluence.
   void burn(twin::Sheet& sheet, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm,
             double share) const;
   void burn(twin::Sheet& sheet, const dieline::Curve& curve, double offset, double share) const;
@@ -49,11 +48,11 @@ struct TwinCut {
   [[nodiscard]] std::vector<camera::KerfTile> tiles() const;
   [[nodiscard]] KerfScan scan() const;
   [[nodiscard]] KerfScan scan(std::vector<camera::KerfTile> tiles) const;
-  /// How the unit lies on the table.
+  /// Place of the unit on the table.
   [[nodiscard]] Eigen::Isometry2d lay() const;
-  /// True offset of a caliper as the scan's own place of the unit would have it: what remains is the
-  /// caliper's error alone. The kerf of an arc lies inside of the beam's way by w² / (8 r): a Gaussian beam
-  /// of 1/e² radius w (standard deviation w / 2) along a circle of radius r leaves its ridge there.
+  /// True offset of a caliper in the scan's own place of the unit: the remainder is the caliper's error
+  /// alone. The kerf of an arc lies inside of the beam's path by w² / (8 r): a Gaussian beam of 1/e² radius w
+  /// (standard deviation w / 2) along a circle of radius r leaves its ridge there.
   [[nodiscard]] double truth(const KerfScan& scan, const Caliper& caliper, const dieline::Curve& curve,
                              double offset) const;
 };
@@ -62,7 +61,7 @@ struct Honesty {
   std::size_t count{};
   double bias_mm{};
   double sigma_mm{};   ///< Standard deviation of the error.
-  double stated_mm{};  ///< Mean of what the calipers state, quadratic.
+  double stated_mm{};  ///< Quadratic mean of the calipers' stated errors.
   double z{};          ///< RMS of error over stated uncertainty.
   double width_z{};    ///< Standard deviation of width over its stated uncertainty, about each entity's mean.
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a caliper says of its own error, against the truth of the model, over good and hard pictures.
+// A caliper's stated error compared with the truth of the model, over good and hard pictures.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -106,7 +106,7 @@ TEST_P(CaliperSigma, IsHonest) {
 INSTANTIATE_TEST_SUITE_P(Pictures, CaliperSigma, testing::Range<std::size_t>(0, 13),
                          [](const auto& which) { return hardnesses()[which.param].name; });
 
-/// Mean error of each line, worst of all directions.
+/// Largest mean error of a line, over all directions.
 double worstBias(const TwinCut& cut) {
   const KerfScan scan = cut.scan();
   double worst = 0.0;
@@ -145,7 +145,7 @@ TEST(CaliperBias, IsSmallWhateverTheLightAndTheScorch) {
       {"even scorch", 0.0006, scorch(0.15, 0.3, 0.0, 0.0)},
       {"scorch blown 0.07 mm", 0.0010, scorch(0.15, 0.3, 0.06, 0.04)},
       {"scorch blown 0.13 mm", 0.0015, scorch(0.1, 0.3, -0.12, 0.05)},
-      // Scorch that ends within the kerf's own flank leaves nothing beside it to be seen by.
+      // Scorch that ends within the kerf's own flank leaves no visible trace outside of it.
       {"scorch in the flank alone", 0.0025, scorch(0.3, 0.15, 0.03, -0.05)},
       {"8 um rough edges", 0.0025, [](TwinCut& c) { c.camera.roughness.rms_mm = 0.008; }},
       {"grain", 0.0012, [](TwinCut& c) { c.camera.texture = {.grain_gray = 4.0, .grain_length_mm = 0.1}; }},

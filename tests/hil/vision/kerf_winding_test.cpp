@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kerfs that wind: as a beam cuts them that follows the steps of its mirrors, or a fault that waves.
+// Kerfs that wind: as a beam cuts them that follows the steps of its mirrors, or as a fault with waves.
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +16,7 @@ using test::TwinCut;
 constexpr double kHalfMm = 12.0;
 constexpr double kStepMm = 0.02;
 
-/// One line of 24 mm, slightly askew, cut with the deviation given over the way along it.
+/// One line of 24 mm, slightly askew, cut with a deviation that is given over the length.
 struct Winding {
   TwinCut cut;
   int id{};
@@ -50,14 +50,14 @@ double meanSigma_mm(const EntityKerf& kerf) {
 }
 
 TEST(WindingKerf, IsNotTakenForNoise) {
-  // Sawteeth of 6 um, 1.3 mm long: a mirror's step while the belt runs on.
+  // The deviation has sawteeth of 6 um, 1.3 mm long: a mirror's step while the belt runs on.
   const Winding steps([](double s_mm) { return 0.006 * (std::fmod(s_mm, 1.3) / 1.3 - 0.5); });
   const Winding even([](double) { return 0.0; });
   const KerfScan wound = steps.cut.scan();
   const KerfScan straight = even.cut.scan();
   ASSERT_TRUE(wound.problems.empty()) << wound.problems.front();
   const double sigma_mm = meanSigma_mm(test::entityOf(wound, steps.id));
-  // The scatter 0.35 mm and more apart alone would say 1.5 um.
+  // The scatter at 0.35 mm and more alone would give 1.5 um.
   EXPECT_LT(sigma_mm, 2.5 * meanSigma_mm(test::entityOf(straight, even.id)));
   EXPECT_LT(sigma_mm, 0.0009);
 }
@@ -66,7 +66,7 @@ TEST(WindingKerf, IsNotTakenForNoise) {
 double amplitude_mm(const EntityKerf& kerf, double wave_mm) {
   double sin_sum = 0.0, cos_sum = 0.0, count = 0.0;
   for (const Caliper& c : kerf.calipers) {
-    // Whole waves, away from the ends.
+    // The range has whole waves, away from the ends.
     if (c.station_mm < wave_mm || c.station_mm >= 7.0 * wave_mm || !c.found) continue;
     const double phase = 2.0 * std::numbers::pi * c.station_mm / wave_mm;
     sin_sum += c.offset_mm * std::sin(phase);
@@ -101,7 +101,7 @@ TEST(KerfWidth, IsThatOfTheLightAndNotOfItsBlur) {
       sum_mm += c.width_mm;
       count += 1.0;
     }
-    // Beer's law over the depth that is left: half of the light between board and open kerf.
+    // Beer's law over the remaining depth: half of the light between board and open kerf.
     const double t = cut.board.transmission;
     const double half_share = 1.0 - std::log(0.5 * (1.0 + t)) / std::log(t);
     const double truth_mm = 2.0 * test::kBeamRadiusMm * std::sqrt(0.5 * std::log(share / half_share));

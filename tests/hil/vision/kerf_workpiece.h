@@ -25,7 +25,7 @@ dieline::Dieline manyDirections();
 
 PrintLayout marksAtCorners(int units = 1);
 
-/// What was really cut: of an entity, its kerf's shift along the left normal.
+/// True cut of an entity: its kerf's shift along the left normal, and so on.
 struct Truth {
   double offset_mm{};
   double width_mm{kWidthMm};
@@ -40,7 +40,7 @@ struct Workpiece {
   PrintLayout print = marksAtCorners();
   dieline::Dieline dieline = manyDirections();
   std::map<int, Truth> truth;
-  std::vector<dieline::Curve> extra;  ///< Cut, though not in the dieline.
+  std::vector<dieline::Curve> extra;  ///< Cuts that are not in the dieline.
   Eigen::Vector2d shift_mm{0.83, -0.61};
   double angle_rad{0.5 * 3.14159265358979 / 180.0};
   KerfScanOptions options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is a mark, and what only looks like one.
+// Marks, and shapes that only look like marks.
 #include "hil/vision/marks/mark_finder.h"
 
 #include <gtest/gtest.h>

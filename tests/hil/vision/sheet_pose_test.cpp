@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sheet's pose in a frame and its covariance, against where the model had the web.
+// The sheet's pose in a frame and its covariance, compared with the model's web.
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -22,8 +22,8 @@ struct Case {
   const char* name;
   PrintLayout print;
   std::function<void(twin::CameraDescription&)> apply;
-  bool lone{};          ///< The web moves on until one mark is in view.
-  double limit = 1.15;  ///< Of mean squares, and its like below one.
+  bool lone{};          ///< True if the web moves on until one mark is in view.
+  double limit = 1.15;  ///< Upper limit of mean squares; the lower one is 0.85.
 };
 
 PrintLayout marksAt(std::vector<Vector2d> places_mm) {
@@ -62,7 +62,8 @@ Normalised normalised(const Case& one) {
   const CounterRandom random(11, 1);
   for (int i = 0; i < kFrames; ++i) {
     const auto k = static_cast<std::uint64_t>(i);
-    // Another camera noise and another board each time, and marks anywhere on the pixels' raster.
+    // The frames have another camera noise and another board each time, and marks anywhere on the pixels'
+    // raster.
     twin::CameraDescription description = test::spotCamera();
     one.apply(description);
     description.board_seed = k + 1;
@@ -90,9 +91,9 @@ Normalised normalised(const Case& one) {
 }
 
 // The mean of 1200 squares of a standard normal variable is 1 +- sqrt(2 / 1200) = 0.041 at one sigma: the
-// band of 0.15 is 3.7 of them, missed by an honest covariance once in some 4000 components.
-// Coarse grain has more of it at once round the disc than between neighbouring sectors, from which a mark's
-// noise is told: there the stated standard uncertainty is up to 15 % too small.
+// band of 0.15 is 3.7 of them, missed by an honest covariance once in some 4000 components. Coarse grain has
+// more variance round the disc than between neighbouring sectors, from which a mark's noise is estimated:
+// there the stated standard uncertainty is up to 15 % too small.
 TEST(SheetPose, CovarianceIsHonest) {
   const PrintLayout four = marksAt({{-9.0, -8.0}, {9.0, -7.5}, {-9.5, 8.0}, {9.0, 8.5}});
   const auto clean = [](twin::CameraDescription&) {};

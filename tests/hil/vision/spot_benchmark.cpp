@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A spot anywhere in a frame of 2448 x 2048 pixels: found and fitted, beside what else one would do.
+// A spot anywhere in a frame of 2448 x 2048 pixels: found and fitted, compared with common alternatives.
 // Pictures are taken beforehand; more of them than fit into a cache.
 #include <cmath>
 #include <vector>
@@ -44,7 +44,7 @@ const Prepared& prepared() {
   return once;
 }
 
-/// Frames in turn; errors of what was found, in pixels.
+/// Takes frames in turn; counts the errors of the results, in pixels.
 template <typename Find>
 void run(benchmark::State& state, const Find& find) {
   const Prepared& p = prepared();
@@ -94,7 +94,7 @@ void spotFound(benchmark::State& state) {
   });
 }
 
-/// Each byte of the frame once, as fast as the memory gives it.
+/// Reads each byte of the frame once, as fast as the memory allows.
 void frameReadOnce(benchmark::State& state) {
   run(state, [](const GrayImage& image) -> std::optional<Vector2d> {
     std::uint8_t highest = 0;
@@ -115,7 +115,7 @@ void runDetector(benchmark::State& state, const cv::SimpleBlobDetector::Params& 
   });
 }
 
-/// As it is made, but for bright blobs as small as a spot; 17 thresholds.
+/// Detector with its defaults, but for bright blobs as small as a spot; 17 thresholds.
 void simpleBlobDetector(benchmark::State& state) {
   cv::SimpleBlobDetector::Params params;
   params.blobColor = 255;
@@ -124,7 +124,7 @@ void simpleBlobDetector(benchmark::State& state) {
   runDetector(state, params);
 }
 
-/// Told how bright the board is, so that no threshold lies in it.
+/// Detector with the board's brightness, so that no threshold lies in it.
 void simpleBlobDetectorTuned(benchmark::State& state) {
   cv::SimpleBlobDetector::Params params;
   params.blobColor = 255;

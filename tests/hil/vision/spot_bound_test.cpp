@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spot's error against the Cramér-Rao bound, which is worked out from pictures of the model without
+// The spot's error compared with the Cramér-Rao bound, which is computed from pictures of the model without
 // noise: nothing of the estimator is in it.
 #include <cmath>
 #include <cstdio>
@@ -21,13 +21,13 @@ constexpr int kFrames = 600;
 
 struct Case {
   const char* name;
-  double gray{};  ///< Of the glow, at rest.
+  double gray{};  ///< Grey of the glow, at rest.
   Vector2d streak_mm{Vector2d::Zero()};
   std::function<void(twin::CameraDescription&)> apply = [](twin::CameraDescription&) {};
   bool beside_disc{};
 };
 
-/// What the light depends on: place, power, size and streak of the spot, and the board's light.
+/// Parameters of the light: place, power, size and streak of the spot, and the board's light.
 struct Light {
   Vector2d place_mm;
   Vector2d streak_mm;
@@ -42,7 +42,7 @@ twin::Exposure exposureOf(const Light& light, std::uint64_t sequence) {
   return exposure;
 }
 
-/// Mean variance per axis, mm², below which no unbiased estimate of the place can come.
+/// Lower bound of the mean variance per axis, mm², of any unbiased estimate of the place.
 double bound(const twin::CameraDescription& camera, const PrintLayout& print, const Light& at) {
   twin::CameraDescription clean = camera;
   clean.read_noise = 0.0;
@@ -96,7 +96,7 @@ double bound(const twin::CameraDescription& camera, const PrintLayout& print, co
 struct Result {
   double rms_mm{};
   double bound_mm{};
-  double told_mm{};
+  double stated_mm{};
   Vector2d bias_mm{Vector2d::Zero()};
   int dark{};
 };
@@ -106,7 +106,7 @@ Result measured(const Case& one) {
   one.apply(description);
   PrintLayout print = test::noPrint();
   if (one.beside_disc) {
-    // Enough marks for a pose, the spot beside the first.
+    // The marks are enough for a pose, the spot next to the first.
     for (const Vector2d& p : {Vector2d{4.0, 3.0}, {-4.0, 2.5}, {-4.0, -3.0}}) print.marks.push_back({p, 3.0});
   }
   const twin::SpotCamera camera(description, print, test::kGlowGrayPerW, 5);
@@ -129,7 +129,7 @@ Result measured(const Case& one) {
   }
   const SpotTrack track = test::trackOf(description, print, std::move(frames));
   Result result;
-  double bounds = 0.0, squares = 0.0, told = 0.0;
+  double bounds = 0.0, squares = 0.0, stated = 0.0;
   int bounded = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (i % 20 == 0) {
@@ -143,12 +143,12 @@ Result measured(const Case& one) {
     const Vector2d error = *track.frames[i].spot_W_mm - truth[i].place_mm;
     squares += 0.5 * error.squaredNorm();
     result.bias_mm += error;
-    told += std::pow(track.frames[i].spot_sigma_mm, 2);
+    stated += std::pow(track.frames[i].spot_sigma_mm, 2);
   }
   const double found = kFrames - result.dark;
   result.rms_mm = std::sqrt(squares / found);
   result.bound_mm = std::sqrt(bounds / bounded);
-  result.told_mm = std::sqrt(told / found);
+  result.stated_mm = std::sqrt(stated / found);
   result.bias_mm /= found;
   return result;
 }
@@ -156,16 +156,16 @@ Result measured(const Case& one) {
 void expectAtBound(const Case& one) {
   const Result r = measured(one);
   std::printf("  %-16s rms %.3f um, bound %.3f um, ratio %.3f; told %.3f um, ratio %.3f; bias %.3f %.3f um\n",
-              one.name, 1e3 * r.rms_mm, 1e3 * r.bound_mm, r.rms_mm / r.bound_mm, 1e3 * r.told_mm,
-              r.told_mm / r.rms_mm, 1e3 * r.bias_mm.x(), 1e3 * r.bias_mm.y());
+              one.name, 1e3 * r.rms_mm, 1e3 * r.bound_mm, r.rms_mm / r.bound_mm, 1e3 * r.stated_mm,
+              r.stated_mm / r.rms_mm, 1e3 * r.bias_mm.x(), 1e3 * r.bias_mm.y());
   EXPECT_EQ(r.dark, 0) << one.name;
   EXPECT_LE(r.rms_mm, 1.1 * r.bound_mm) << one.name;
-  EXPECT_GT(r.told_mm, 0.9 * r.rms_mm) << one.name;
-  EXPECT_LT(r.told_mm, 1.1 * r.rms_mm) << one.name;
+  EXPECT_GT(r.stated_mm, 0.9 * r.rms_mm) << one.name;
+  EXPECT_LT(r.stated_mm, 1.1 * r.rms_mm) << one.name;
 }
 
-// 600 frames of two axes tell an RMS to 1 / sqrt(2 * 1200) = 2 % at one sigma: no estimate at the bound
-// misses 1.1 by chance, nor an honest sigma 0.9 ... 1.1.
+// An RMS over 600 frames of two axes is known to 1 / sqrt(2 * 1200) = 2 % at one sigma: no estimate at the
+// bound misses 1.1 by chance, nor an honest sigma 0.9 ... 1.1.
 TEST(SpotBound, AtRest) {
   expectAtBound({"at rest", 110.0});
   expectAtBound({"weak", 28.0});
@@ -200,9 +200,9 @@ TEST(SpotSigma, CountsTheGrainOfTheBoard) {
                                }});
     std::printf(
         "  grain of %.0f: rms %.3f um, without grain the bound is %.3f um; told %.3f um, ratio %.3f\n",
-        grain_gray, 1e3 * r.rms_mm, 1e3 * r.bound_mm, 1e3 * r.told_mm, r.told_mm / r.rms_mm);
-    EXPECT_GT(r.told_mm, 0.9 * r.rms_mm);
-    EXPECT_LT(r.told_mm, 1.1 * r.rms_mm);
+        grain_gray, 1e3 * r.rms_mm, 1e3 * r.bound_mm, 1e3 * r.stated_mm, r.stated_mm / r.rms_mm);
+    EXPECT_GT(r.stated_mm, 0.9 * r.rms_mm);
+    EXPECT_LT(r.stated_mm, 1.1 * r.rms_mm);
   }
 }
 TEST(SpotBound, BesideADisc) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fit of one spot: what it states of its own error against how it scatters, and what is no spot.
+// Fit of one spot: its stated error compared with its scatter, and shapes that are no spot.
 #include "hil/vision/spot/spot_fit.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ constexpr double kBoard = 60.0;
 constexpr double kBoardVariance = 4.0;
 constexpr double kPerGray = 0.05;
 
-/// A picture of light with read and shot noise; `light` tells the grey of a pixel above the board.
+/// A picture of light with read and shot noise; `light` gives the grey of a pixel above the board.
 GrayImage picture(std::uint64_t seed, const std::function<double(const Vector2d&)>& light,
                   double per_gray = kPerGray) {
   const CounterRandom random(seed, 8);
@@ -56,13 +56,13 @@ TEST(SpotFit, StatesHowItsCentreScatters) {
     squares += (spot->pixel - centre).squaredNorm() / kPictures;
     stated += spot->covariance_px2.trace() / kPictures;
   }
-  // 1600 squares of normal values tell their mean to 3.5 % at one sigma.
+  // The mean of 1600 squares of normal values is known to 3.5 % at one sigma.
   EXPECT_NEAR(stated / squares, 1.0, 0.14);
 }
 
 TEST(SpotFit, SpotsTellTheCamerasShotNoise) {
-  // Variance 4 on the board, and so much more for each grey of light; before any spot was seen it is taken
-  // for 0.8 x 4 / 60 = 0.053.
+  // The variance is 4 on the board, and more for each grey of light; before any spot was seen it is taken for
+  // 0.8 x 4 / 60 = 0.053.
   for (const double per_gray : {0.02, 0.06}) {
     ShotNoise shot;
     for (std::uint64_t i = 1; i <= 300; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the board's grain does to a spot's centre, against placing the same weights on many pieces of board.
+// Effect of the board's grain on a spot's centre, compared with the same weights on many pieces of board.
 #include "hil/vision/spot/spot_grain.h"
 
 #include <cmath>
@@ -34,7 +34,7 @@ GrayImage board(bool along_rows, std::uint64_t seed) {
   return image;
 }
 
-/// The centre follows the difference of two blocks of pixels beside each other: x by columns, y by rows.
+/// A fit whose centre follows the difference of two neighbouring blocks of pixels: x by columns, y by rows.
 SpotFit spotAt(double column, double row) {
   SpotFit fit;
   fit.pixel = {column, row};
@@ -70,7 +70,7 @@ TEST(BoardGrain, MovesACentreAcrossTheGrainMoreThanAlongIt) {
     }
     truth /= places;
     const Eigen::Matrix2d stated = grain.centreCovariance(spotAt(50, 50), PixelNoise{});
-    // 4000 places tell a variance to 2 %.
+    // The variance of 4000 places is known to 2 %.
     EXPECT_NEAR(stated(0, 0) / truth(0, 0), 1.0, 0.12);
     EXPECT_NEAR(stated(1, 1) / truth(1, 1), 1.0, 0.12);
     const double ratio = truth(0, 0) / truth(1, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of a spot: what its parameters say of it, held against sums and differences of itself.
+// Light of a spot: its parameters compared with sums and differences of the light itself.
 #include "hil/vision/spot/spot_model.h"
 
 #include <cmath>
@@ -37,7 +37,7 @@ TEST(SpotModel, MomentsAreThoseOfTheLight) {
     double sum = 0.0;
     Eigen::Vector2d first = Eigen::Vector2d::Zero();
     Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
-    // A quarter of a pixel: sums of smooth light are integrals.
+    // The step is a quarter of a pixel: sums of smooth light are integrals.
     for (double r = -10.0; r < 50.0; r += 0.25) {
       for (double c = -10.0; c < 50.0; c += 0.25) {
         const double light = spotLight(one.shape, one.q, c, r, 0.0).bell;

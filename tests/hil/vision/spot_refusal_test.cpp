@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that must not be judged by are told as such, and good ones are not.
+// Frames that must not be judged by are reported as such, and good ones are not.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -25,12 +25,12 @@ PrintLayout fourMarks() {
 
 struct Filmed {
   twin::CameraDescription camera = test::spotCamera();
-  PrintLayout seen = fourMarks();      ///< What is printed.
-  PrintLayout believed = fourMarks();  ///< What the layout says.
+  PrintLayout seen = fourMarks();      ///< Printed marks.
+  PrintLayout believed = fourMarks();  ///< Marks of the layout.
   double spot_gray{110.0};
   double radius_mm{test::kSpotRadiusMm};
-  Vector2d spot_mm{0.0, 1.0};       ///< In the first frame …
-  Vector2d spot_step_mm{0.1, 0.0};  ///< … and from frame to frame.
+  Vector2d spot_mm{0.0, 1.0};       ///< Place of the spot in the first frame.
+  Vector2d spot_step_mm{0.1, 0.0};  ///< Step of the spot from frame to frame.
   std::function<void(Frame&)> spoil = [](Frame&) {};
 
   [[nodiscard]] SpotTrack track() const {
@@ -80,8 +80,8 @@ TEST(SpotRefusal, AHardBoardAloneIsNoReason) {
   EXPECT_TRUE(track.problems.empty()) << track.problems.front();
 }
 
-// The spot goes with a mark: 7, 2 and 0 pixels beside its rim. Print that it touches hides it from the first
-// look; all the same the mark may not be measured in that light, and is not missing either.
+// The spot moves with a mark: 7, 2 and 0 pixels from its rim. Print that it touches hides it from the first
+// search; the mark may still not be measured in that light, and is not missing either.
 TEST(SpotRefusal, AMarkInTheLightOfTheSpotIsNeitherMeasuredNorMissing) {
   for (const double beside_mm : {0.7, 0.2, 0.0}) {
     SCOPED_TRACE(beside_mm);
@@ -153,8 +153,8 @@ TEST(SpotRefusal, ABoardOutsideTheField) {
   Filmed run;
   for (RegistrationMark& mark : run.seen.marks) mark.p_SM_mm.x() += 500.0;
   const SpotTrack track = run.track();
-  for (const FrameMeasurement& frame : track.frames)
-    EXPECT_TRUE(frame.sheet.empty());  // Then INVALID: unplaced.
+  // The run is then INVALID: unplaced.
+  for (const FrameMeasurement& frame : track.frames) EXPECT_TRUE(frame.sheet.empty());
 }
 
 TEST(SpotRefusal, MarksThatAreMissing) {

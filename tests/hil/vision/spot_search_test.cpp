@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// No place of the picture hides a spot: the search looks at means of 2 x 4 pixels on every second row.
+// No place of the picture hides a spot: the search uses means of 2 x 4 pixels on every second row.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 
 constexpr double kBoard = 110.0;
 
-/// A picture with one spot, rounded to 8 bits, with noise like a camera's if told.
+/// A picture with one spot, rounded to 8 bits, with noise like a camera's on request.
 GrayImage pictureOf(int width, int height, const Vector2d& spot_px, double sigma_px, double gray,
                     std::uint64_t seed = 0) {
   const CounterRandom random(seed, 1);
@@ -43,9 +43,9 @@ bool foundAt(const GrayImage& image, const Vector2d& spot_px) {
   });
 }
 
-// Every phase of the pixels (eighths) and of the rows' pairs, around the corner where four cells meet, at the
-// borders and in the corners of pictures of odd and even size. Light of the lens alone (0.6 px), the smallest
-// that there can be, must be seen at a third of the board's grey; the model's spot (0.8 px) at a fifth.
+// Places at every phase of the pixels (eighths) and of the rows' pairs, around the corner where four cells
+// meet, at the borders and in the corners of pictures of odd and even size. Light of the lens alone (0.6 px),
+// the smallest possible, must be seen at a third of the board's grey; the model's spot (0.8 px) at a fifth.
 TEST(SpotSearch, NoPlaceHidesASpot) {
   int places = 0;
   for (const auto& [width, height] : {std::pair{160, 160}, {131, 129}}) {
@@ -74,7 +74,7 @@ TEST(SpotSearch, NoPlaceHidesASpot) {
 TEST(SpotSearch, SomethingBrighterInTheSameRowOrColumnHidesNoSpot) {
   for (const Vector2d& spot_px : {Vector2d(40.3, 300.6), Vector2d(290.1, 45.8), Vector2d(280.4, 290.2)}) {
     GrayImage image = pictureOf(340, 340, spot_px, 0.8, 40.0);
-    // Glare, far from the spot but level with it, or above.
+    // The glare is far from the spot but level with it, or above.
     for (int r = 20; r < 24; ++r) {
       for (int c = 20; c < 24; ++c) image.at(c, r) = 250;
     }

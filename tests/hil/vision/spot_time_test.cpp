@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a place was seen.
+// Time at which a place was seen.
 #include <gtest/gtest.h>
 
 #include "tests/hil/vision/spot_twin.h"
@@ -13,7 +13,7 @@ TEST(SpotTime, APlaceIsThatOfTheMiddleOfItsExposure) {
   twin::CameraDescription description = test::spotCamera();
   description.exposure_s = 500e-6;
   const twin::SpotCamera camera(description, test::noPrint(), test::kGlowGrayPerW, 1);
-  // Half an exposure is 0.1 mm of way.
+  // Travel in half an exposure is 0.1 mm.
   const Vector2d speed_mm_s(400.0, 0.0);
   const auto placeAt = [&](double time_s) { return Vector2d(Vector2d(-3.0, 2.0) + time_s * speed_mm_s); };
   std::vector<Frame> frames;

@@ -300,7 +300,7 @@ TEST(SpotTrack, ASpotOnAMarkSpoilsNeither) {
     std::vector<Eigen::Vector2d> spot;
     for (std::uint64_t i = 0; i < 60; ++i) {
       web.emplace_back(-14.0 + 0.02 * static_cast<double>(i), 0.3);
-      // Walks over the first mark, from 3 mm before to 3 mm behind it.
+      // The spot walks over the first mark, from 3 mm before to 3 mm behind it.
       spot.push_back(web.back() + scene.print.marks[1].p_SM_mm +
                      Eigen::Vector2d(-3.0 + 0.1 * static_cast<double>(i), 0.37));
       test::Canvas canvas = scene.web(web.back(), 0.0);
@@ -326,7 +326,7 @@ TEST(SpotTrack, ASpotOnAMarkSpoilsNeither) {
                 height, 1e3 * worst_pose, 1e3 * worst_spot, dark);
     EXPECT_LT(worst_pose, 0.008);
     EXPECT_LT(worst_spot, 0.015);
-    EXPECT_LE(dark, 6);  // where the rim hides what does not outshine the board
+    EXPECT_LE(dark, 6);  // The rim hides a glow that does not outshine the board.
   }
 }
 

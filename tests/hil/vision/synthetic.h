@@ -19,25 +19,26 @@ namespace kerfbench::vision::test {
 /// A camera 500 mm above the plane, tilted and with a barrel lens, of the given scale.
 CameraCalibration tiltedCamera(int width_px, int height_px, double pitch_mm);
 
-/// A picture in the making: gray levels before noise. Drawn straight from the places of things, by
-/// supersampling; shares nothing with the code under test but the calibration.
+/// A picture in the making: gray levels before noise. Rendered from the places of things, by supersampling;
+/// shares nothing with the code under test but the calibration.
 class Canvas {
  public:
   Canvas(const CameraCalibration& calibration, double board_gray);
 
-  /// Printed disc, centre in the plane.
+  /// Adds a printed disc, centre in the plane.
   void disc(const Eigen::Vector2d& p_mm, double diameter_mm, double gray);
-  /// Everything for which `inside` is true, within the box of the plane.
+  /// Adds everything for which `inside` is true, within the box of the plane.
   void shape(const Eigen::AlignedBox2d& box_mm, double gray,
              const std::function<bool(const Eigen::Vector2d&)>& inside, int samples = 5);
-  /// Lens blur of all that was drawn so far.
+  /// Blurs all that was added so far, as a lens does.
   void blur(double sigma_px);
-  /// Glowing Gaussian spot that moved evenly from `from` to `to`; blur_px is the lens.
+  /// Adds a glowing Gaussian spot that moved evenly from `from` to `to`; blur_px is the lens.
   void spot(const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm, double sigma_mm, double height_gray,
             double blur_px);
   void pixel(int column, int row, double gray);
 
-  /// Shot noise for a full well of 1e4 electrons at 255, 0.8 gray of read noise, rounding, saturation.
+  /// Picture with shot noise for a full well of 1e4 electrons at 255, 0.8 gray of read noise, rounding,
+  /// saturation.
   [[nodiscard]] GrayImage expose(std::uint64_t seed, std::uint64_t sequence) const;
 
  private:

@@ -18,12 +18,13 @@
 #include <util/delay.h>
 
 #define STEPS_PER_UNIT 80L
-#define MAX_STEPS 14400L /* 180 units either way: differences fit 16 bits with their Bresenham sum */
-#define MIN_FEED 300L    /* units a minute; slower than this a period overflows timer 1 */
+/* travel of 180 units either way: differences fit 16 bits with their Bresenham sum */
+#define MAX_STEPS 14400L
+#define MIN_FEED 300L /* units a minute; at a slower feed a period overflows timer 1 */
 #define MAX_FEED 15000L
 #define RAPID 9000L
-#define ARRIVE_CYCLES 16000 /* mirrors swing out before the laser comes on: 1 ms */
-#define TRAIL_CYCLES 3000   /* … and arrive before it goes off: 0.19 ms */
+#define ARRIVE_CYCLES 16000 /* time for the mirrors to swing out before the laser comes on: 1 ms */
+#define TRAIL_CYCLES 3000   /* time for the mirrors to arrive before the laser goes off: 0.19 ms */
 #define IDLE_CYCLES 1600
 
 #define STEP_X (1 << PD2)
@@ -81,7 +82,7 @@ static void begin_block(void) {
   const struct block* b = &queue[queue_tail];
   const uint8_t directions = (uint8_t)((PORTD & (uint8_t) ~(DIR_X | DIR_Y)) | b->directions);
   if (directions != PORTD) {
-    _delay_us(4); /* the drives want 5 us of hold after the last step; the way here took the rest */
+    _delay_us(4); /* the drives need 5 us of hold after the last step; the code up to here took the rest */
     PORTD = directions;
   }
   light(b->lit, b->duty);
@@ -140,8 +141,8 @@ static void push(const struct block* b) {
   queue_head = next;
 }
 
-/* ---- What the lines have said so far. */
-static int16_t at_x, at_y; /* steps, at the end of the queue */
+/* ---- State after the lines so far. */
+static int16_t at_x, at_y; /* place at the end of the queue, steps */
 static int32_t feed = 0;
 static uint8_t armed, duty, last_lit, last_duty, last_directions;
 
@@ -199,7 +200,7 @@ static uint8_t number(const char** text, int32_t* value) {
   return digits != 0;
 }
 
-/* Ten-thousandths of a unit to steps. */
+/* Converts ten-thousandths of a unit to steps. */
 static uint8_t steps_of(int32_t value, int16_t* steps) {
   const int32_t per_step = 10000L / STEPS_PER_UNIT;
   const int32_t rounded = (value >= 0 ? value + per_step / 2 : value - per_step / 2) / per_step;
@@ -211,7 +212,7 @@ static uint8_t steps_of(int32_t value, int16_t* steps) {
 static const char* execute(const char* line) {
   int16_t x = at_x, y = at_y;
   uint8_t moves = 0;
-  static uint8_t mode; /* G0 or G1 stays until the other comes */
+  static uint8_t mode; /* G0 or G1, which stays until the other comes */
   while (*line) {
     const char word = *line++;
     int32_t value;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a picture of the model costs. Nothing is asserted about time.
+// Cost of a picture of the model. Nothing is asserted about time.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -33,7 +33,7 @@ void spotFrame(benchmark::State& state, const CameraDescription& description) {
 void kerfTile(benchmark::State& state, const CameraDescription& description) {
   const KerfCamera camera(description, fourMarks(), 1);
   Sheet sheet{BoardDescription{}};
-  // Half a metre of cut in a field of 82 x 61 mm.
+  // The cut has half a metre in a field of 82 x 61 mm.
   for (int i = 0; i < 8; ++i) {
     const Vector2d from(-35.0, -21.0 + 6.0 * i);
     sheet.burn({from, 0.105, 0.105}, {from + Vector2d(65.0, 5.0), 0.105, 0.105}, 0.1 * 65.0);

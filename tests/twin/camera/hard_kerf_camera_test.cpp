@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kerf camera's imperfections.
+// Imperfections of the kerf camera.
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -26,7 +26,7 @@ PrintLayout blank(int units = 1) {
   return print;
 }
 
-/// Straight above, 0.04 mm to the pixel: 1 mm is 25 px; x along the table's x, y against it.
+/// A camera straight above, 0.04 mm to the pixel: 1 mm is 25 px; x along the table's x, y against it.
 CameraDescription straight() {
   CameraDescription camera = withoutNoise(cameraAbove(1000, 500, 0.04, 0.0));
   camera.fy_px = camera.fx_px;
@@ -47,7 +47,7 @@ Sheet sheetWithLine() {
   return sheet;
 }
 
-/// 0.01 mm to the pixel: an edge can be read between the pixels.
+/// A camera with 0.01 mm to the pixel: an edge can be read between the pixels.
 CameraDescription closeUp() {
   CameraDescription camera = withoutNoise(cameraAbove(1000, 160, 0.01, 0.0));
   camera.fy_px = camera.fx_px;
@@ -56,7 +56,7 @@ CameraDescription closeUp() {
   return camera;
 }
 
-/// How far rough edges of the line lie off smooth ones, column by column, mm.
+/// Distances of rough edges of the line from smooth ones, column by column, mm.
 struct Edges {
   std::vector<double> upper, lower;
 };
@@ -73,7 +73,7 @@ Edges edgesOf(const GrayImage& image) {
   }
   return edges;
 }
-/// Of several boards, one after another.
+/// Edges of several boards, one after another.
 Edges roughnessOf(const EdgeRoughness& roughness) {
   const Sheet sheet = sheetWithLine();
   CameraDescription description = closeUp();
@@ -95,7 +95,7 @@ double meanOf(const std::vector<double>& a) {
   for (const double value : a) sum += value;
   return sum / static_cast<double>(a.size());
 }
-/// Correlation of two edges, one `shift` columns further on.
+/// Correlation of two edges, the second one `shift` columns further on.
 double likenessOf(const std::vector<double>& a, const std::vector<double>& b, std::size_t shift = 0) {
   double product = 0.0, square_a = 0.0, square_b = 0.0;
   for (std::size_t i = 0; i + shift < a.size(); ++i) {
@@ -114,7 +114,7 @@ double rmsOf(const std::vector<double>& a) {
 TEST(HardKerfCamera, EdgesAreAsRoughAsTheDescriptionSays) {
   const Edges off = roughnessOf({.rms_mm = 0.008, .length_mm = 0.06});
   for (const std::vector<double>* edge : {&off.upper, &off.lower}) {
-    // Some 1100 independent pieces of edge.
+    // The line has some 1100 independent pieces of edge.
     EXPECT_NEAR(rmsOf(*edge), 0.008, 0.0008);
     EXPECT_NEAR(meanOf(*edge), 0.0, 0.001);
     EXPECT_NEAR(likenessOf(*edge, *edge, 6), 1.0 / std::numbers::e, 0.1);
@@ -136,7 +136,7 @@ TEST(HardKerfCamera, GrainAndRoughnessAreFixedToTheBoard) {
   description.roughness = {.rms_mm = 0.01, .length_mm = 0.08};
   description.texture = {.grain_gray = 4.0, .grain_length_mm = 0.06};
   const GrayImage first = render(description, sheet);
-  // The camera 2 mm further along x, 1 mm along y: 50 px to the left, 25 px down.
+  // The camera moves by 2 mm along x and 1 mm along y: 50 px to the left, 25 px down.
   const GrayImage second = render(description, sheet, {2.0, 1.0}, 99);
   double largest = 0.0;
   for (int y = 60; y < 440; ++y) {
@@ -147,7 +147,7 @@ TEST(HardKerfCamera, GrainAndRoughnessAreFixedToTheBoard) {
   EXPECT_GT(momentsOf(first, {100, 20, 800, 150}).rms, 3.8);
   description.board_seed = 2;
   EXPECT_NEAR(correlationOf(first, render(description, sheet), {100, 20, 800, 150}, 0, 0), 0.0, 0.03);
-  // Another unit is another piece of board.
+  // A different unit shows a different piece of board.
   description.board_seed = 1;
   EXPECT_NEAR(
       correlationOf(first, render(description, sheet, {0, 0}, 1, blank(2), 1), {100, 20, 800, 150}, 0, 0),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spot camera's imperfections: each is as its description says, and moves with what it belongs to.
+// Imperfections of the spot camera: each is as its description says, and moves with the part that it belongs
+// to.
 #include <cmath>
 #include <limits>
 #include <set>
@@ -27,7 +28,7 @@ PrintLayout blank() {
   return print;
 }
 
-/// Straight above, without distortion, 0.1 mm to the pixel: 1 mm of the web is 10 px.
+/// A camera straight above, without distortion, 0.1 mm to the pixel: 1 mm of the web is 10 px.
 CameraDescription straight(int width = 400, int height = 300) {
   CameraDescription camera = withoutNoise(cameraAbove(width, height, 0.1, 0.0));
   camera.fy_px = camera.fx_px;
@@ -69,12 +70,12 @@ TEST(HardSpotCamera, GrainMovesWithTheBoardAndDoesNotAverageAway) {
   description.texture.grain_gray = 4.0;
   const SpotCamera camera(description, blank(), kGlow, 3);
   const GrayImage first = camera.render(webAt({0, 0}, 1)).image;
-  // 1.3 mm along x, -0.7 mm along y, which runs against the rows.
+  // The web moves by 1.3 mm along x and -0.7 mm along y, which runs against the rows.
   const GrayImage moved = camera.render(webAt({1.3, -0.7}, 2)).image;
   const double grain_share = 16.0 / (16.0 + 4.0);
   EXPECT_NEAR(correlationOf(first, moved, kMost, 13, 7), grain_share, 0.02);
   EXPECT_NEAR(correlationOf(first, moved, kMost, 0, 0), 0.0, 0.03);
-  // Another seed of the camera: other noise over the same board. Another board: other grain.
+  // A camera with another seed has other noise over the same board; another board has other grain.
   EXPECT_NEAR(correlationOf(first, render(description, webAt({0, 0}, 1), 4), kMost, 0, 0), grain_share, 0.02);
   description.board_seed = 2;
   EXPECT_NEAR(correlationOf(first, render(description, webAt({0, 0}, 1), 4), kMost, 0, 0), 0.0, 0.03);
@@ -153,7 +154,7 @@ TEST(HardSpotCamera, TheBoardMultipliesTheSpotAndCarriesThatWithIt) {
   }
   EXPECT_NEAR(sum / count, 0.0, 0.02);
   EXPECT_NEAR(std::sqrt(square / count), 0.15, 0.01);
-  // The same board under the same spot, 3 mm further on.
+  // The second picture has the same board under the same spot, 3 mm further on.
   const GrayImage here = render(textured, spotAt({0.0, 0.0}, {0.0, 0.0}));
   const GrayImage there = render(textured, spotAt({3.0, 0.0}, {3.0, 0.0}));
   const GrayImage elsewhere = render(textured, spotAt({3.0, 0.0}, {1.0, 0.0}));
@@ -193,9 +194,9 @@ TEST(HardSpotCamera, APlumeGlowsBesideTheSpotAsTheDescriptionSays) {
       lightAbove(render(smoking, spotAt({1.0, 2.0})), render(description, spotAt({1.0, 2.0})));
   const Vector2d truth = *PlaneProjection(description).pixelOf({3.0, 3.0});
   EXPECT_LT((light.centre_px - truth).norm(), 0.3);
-  // A Gaussian of peak 0.1 * 4/W * 25 W and sigma 8 px, blurred.
+  // The plume is a Gaussian of peak 0.1 * 4/W * 25 W and sigma 8 px, blurred.
   EXPECT_NEAR(light.sum, 10.0 * 2.0 * std::numbers::pi * 64.0, 0.03 * light.sum);
-  // No spot, no plume.
+  // Without a spot there is no plume.
   EXPECT_EQ(render(smoking, webAt({0, 0})).levels, render(description, webAt({0, 0})).levels);
 }
 
@@ -239,7 +240,7 @@ TEST(HardSpotCamera, TheLampShadesTheBoardAndTheLensShadesAllLight) {
   };
   for (const auto& [x, y] : {std::pair{0, 0}, {399, 0}, {0, 299}, {399, 299}, {200, 150}, {50, 220}})
     EXPECT_NEAR(image.gray(x, y), kBoard * expected(x, y), 0.3) << x << " " << y;
-  // A spot in the corner: dimmed by the lens, not by the lamp.
+  // The spot is in the corner: dimmed by the lens, not by the lamp.
   const PlaneProjection projection(description);
   const Vector2d place = *projection.planePointOf({380.0, 20.0});
   const double r2 = (180.5 * 180.5 + 129.5 * 129.5) / (0.25 * (399.0 * 399.0 + 299.0 * 299.0));
@@ -266,7 +267,7 @@ TEST(HardSpotCamera, HotPixelsStayWhereTheyAre) {
   const auto first = hotIn(render(description, webAt({0, 0}, 1)));
   EXPECT_NEAR(static_cast<double>(first.size()), 120.0, 2.0);
   EXPECT_EQ(hotIn(render(description, webAt({5, 3}, 2), 77)), first);
-  // The whole frame drawn afresh has the same ones.
+  // The whole frame rendered afresh has the same hot pixels.
   CameraDescription shaded = description;
   shaded.light.vignette = 1e-6;
   EXPECT_EQ(hotIn(render(shaded, webAt({0, 0}, 1))), first);
@@ -292,7 +293,7 @@ TEST(HardSpotCamera, OtherPrintIsDarkWhereItIsAndMovesWithTheWeb) {
                 kBoard + area.ink * (kMarkGray - kBoard), 0.6);
   }
   EXPECT_EQ(image.at(100, 900), 110);
-  // Larger than the picture.
+  // The area is larger than the picture.
   print.areas = {{.p_SA_mm = {500.0, 0.0}, .size_mm = {1000.0, 2000.0}}};
   const GrayImage half = render(description, webAt({0, 0}), 1, print);
   const Vector2d edge = *projection.pixelOf({0.0, 0.0});
@@ -321,7 +322,7 @@ TEST(HardSpotCamera, MoreBitsQuantizeLessAndSaturateAtTheirTop) {
   }
 }
 
-/// Everything at once.
+/// A camera with all imperfections.
 CameraDescription hard() {
   CameraDescription description = cameraAbove(400, 300, 0.1);
   description.bits = 10;

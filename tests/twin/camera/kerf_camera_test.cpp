@@ -25,7 +25,7 @@ PrintLayout blank(int units = 1) {
 CameraDescription camera40um() { return cameraAbove(1024, 768, 0.04); }
 
 void cut(Sheet& sheet, const Vector2d& from_mm, const Vector2d& to_mm, double peak_j_mm2 = 0.75) {
-  // Peak of a line: sqrt(2/pi) / w of the energy per length.
+  // The peak of a line is sqrt(2/pi) / w of the energy per length.
   const double energy_j = peak_j_mm2 * 0.105 * std::sqrt(std::numbers::pi / 2.0) * (to_mm - from_mm).norm();
   sheet.burn({from_mm, 0.105, 0.105}, {to_mm, 0.105, 0.105}, energy_j);
 }
@@ -47,12 +47,12 @@ TEST_P(KerfAt, IsWhereTheBeamWasWithinATwentiethOfAPixel) {
     return *projection.pixelOf(X_TS * Vector2d(middle + station_mm * along) - p_TV_mm);
   };
   const Vector2d direction = pixelOn(1.0) - pixelOn(-1.0);
-  const int axis =
-      std::abs(direction.x()) > std::abs(direction.y()) ? 1 : 0;  // Along which the kerf is crossed.
+  // Axis along which the kerf is crossed.
+  const int axis = std::abs(direction.x()) > std::abs(direction.y()) ? 1 : 0;
   double squares = 0.0;
   int count = 0;
   for (double rough_mm = -7.0; rough_mm < 7.0; rough_mm += 0.037) {
-    // The station whose pixel lies on a whole row (or column).
+    // The station has a pixel that lies on a whole row (or column).
     const double line = std::round(pixelOn(rough_mm)[1 - axis]);
     double station_mm = rough_mm;
     for (int i = 0; i < 20; ++i)
@@ -78,7 +78,7 @@ TEST_P(KerfAt, IsWhereTheBeamWasWithinATwentiethOfAPixel) {
 INSTANTIATE_TEST_SUITE_P(Directions, KerfAt,
                          testing::Values(0.0, 0.02, 0.5, 0.7853981634, 1.2, 1.5707963268, 2.4));
 
-/// A burnt patch of 4 x 4 mm of one depth.
+/// Burns a patch of 4 x 4 mm of one depth.
 void burnPatch(Sheet& sheet, const Vector2d& centre_mm, double depth) {
   const double pitch_mm = 0.05;
   for (double y = -2.0; y <= 2.0; y += pitch_mm) {
@@ -108,7 +108,8 @@ TEST(KerfCamera, AWholeKerfHasTheLightOfItsWidth) {
   Sheet sheet{BoardDescription{}};
   cut(sheet, {-30.0, 0.3}, {30.0, 0.3});
   const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
-  // Integral of the transmission across the kerf, against the light across the picture's middle column.
+  // The integral of the transmission across the kerf is compared with the light across the picture's middle
+  // column.
   double expected_mm = 0.0;
   for (double y = -0.5; y < 0.5; y += 1e-4) {
     const double depth = std::min(1.0, 0.75 / 0.5 * std::exp(-2.0 * y * y / (0.105 * 0.105)));
@@ -123,7 +124,7 @@ TEST(KerfCamera, AWholeKerfHasTheLightOfItsWidth) {
   EXPECT_NEAR(light / columns / std::abs(px_per_mm), expected_mm, 0.02 * expected_mm);
 }
 
-/// Thresholds at a fifth of what cuts; scorches at half of that, half a millimetre away.
+/// A board with a threshold at a fifth of what cuts; it scorches at half of that, half a millimetre away.
 BoardDescription scorchingBoard() {
   BoardDescription board;
   board.depth_curve = {{0.2, 0.0}, {0.4, 0.5}, {1.0, 1.0}};
@@ -139,7 +140,7 @@ TEST(KerfCamera, HalfDepthLetsTheSquareRootOfTheLightThroughWhateverTheCurve) {
   board.scorch = {};
   for (const double depth : {0.0, 0.25, 0.5, 0.75}) {
     Sheet sheet{board};
-    // burnPatch() gives a share of the fluence that cuts: 0.4 of it burns half through.
+    // The argument of burnPatch() is a share of the fluence that cuts: 0.4 of it burns half through.
     burnPatch(sheet, {1.0, 2.0}, sheet.depthCurve().fluenceFor_j_mm2(depth) / board.cut_fluence_j_mm2);
     const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
     const Vector2d pixel = *projection.pixelOf({1.0, 2.0});
@@ -156,7 +157,7 @@ TEST(KerfCamera, ScorchDarkensBoardAndMarksBesideTheBurn) {
   const KerfCamera camera(description, print, 1);
   const PlaneProjection projection(description);
   Sheet sheet{scorchingBoard()};
-  burnPatch(sheet, {1.0, 2.0}, 0.15);  // Below the threshold: scorched, not burnt.
+  burnPatch(sheet, {1.0, 2.0}, 0.15);  // The fluence is below the threshold: scorched, not burnt.
   const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
   const auto grayAt = [&](const Vector2d& p_S_mm) {
     const Vector2d pixel = *projection.pixelOf(p_S_mm);
@@ -168,7 +169,7 @@ TEST(KerfCamera, ScorchDarkensBoardAndMarksBesideTheBurn) {
   EXPECT_NEAR(grayAt({-1.2, 1.8}), kBoardGray, 0.6);
   EXPECT_NEAR(grayAt({3.8, 1.8}), kBoardGray, 0.6);
   EXPECT_NEAR(grayAt({2.5, 1.8}), 0.7 * 0.02 * kOpenKerfGray, 0.6);
-  // The web was parted after the burning: the scorch stays on its piece, whichever side its cause lay on.
+  // The web was cut apart after the burning: the scorch stays on its piece, on whichever side its cause lay.
   const GrayImage piece = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity(), {.min_x_S_mm = 3.2});
   const auto pieceAt = [&](double x_mm) {
     const Vector2d pixel = *projection.pixelOf({x_mm, 1.8});
@@ -179,7 +180,8 @@ TEST(KerfCamera, ScorchDarkensBoardAndMarksBesideTheBurn) {
   EXPECT_NEAR(pieceAt(1.5), kBoardGray, 0.6);
 }
 
-/// Straight above the table, its rows along the kerf: nothing but the camera itself smooths the kerf's edges.
+/// A camera straight above the table, its rows along the kerf: nothing but the camera itself smooths the
+/// kerf's edges.
 CameraDescription squareCamera() {
   CameraDescription camera = withoutNoise(cameraAbove(1024, 768, 0.04, 0.0));
   camera.distortion = {};
@@ -187,7 +189,7 @@ CameraDescription squareCamera() {
   return camera;
 }
 
-/// Where the kerf lies, mm.
+/// Place of the kerf, mm.
 class ScorchedKerf : public testing::TestWithParam<double> {};
 
 TEST_P(ScorchedKerf, HasTheLightOfItsWidthLessTheScorchOnOneSide) {
@@ -210,7 +212,7 @@ TEST_P(ScorchedKerf, HasTheLightOfItsWidthLessTheScorchOnOneSide) {
     expected_mm += (light - 0.12) * 1e-4;
     expected_moment_mm2 += (light - 0.12) * y * 1e-4;
   }
-  ASSERT_LT(expected_moment_mm2 / expected_mm, -0.004);  // A scorch that would not be seen proves nothing.
+  ASSERT_LT(expected_moment_mm2 / expected_mm, -0.004);  // An invisible scorch proves nothing.
   double light = 0.0, moment = 0.0;
   int columns = 0;
   for (int x = 300; x < 700; ++x, ++columns) {
@@ -308,7 +310,8 @@ TEST(KerfCamera, RefusesWhatItCannotRender) {
   EXPECT_THROW(static_cast<void>(camera.render(sheet, 0, {1e9, 0}, Isometry2d::Identity())),
                std::invalid_argument);
   CameraDescription slow = camera40um();
-  slow.exposure_s = 0.02;  // Longer than the spot camera's frame period, which is none of its business.
+  // The exposure is longer than the spot camera's frame period, which does not matter here.
+  slow.exposure_s = 0.02;
   EXPECT_NO_THROW(KerfCamera(slow, blank(), 5));
   CameraDescription blurred = camera40um();
   blurred.psf_sigma_px = 3.0;

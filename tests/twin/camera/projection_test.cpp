@@ -72,7 +72,7 @@ TEST(PlaneProjection, APointFarOutsideDoesNotFoldIntoThePicture) {
   CameraDescription camera = cameraAbove(1800, 1800, 0.1, 0.0);
   camera.distortion = {-0.3, 0.0, 0.0, 0.0, 0.0};
   const PlaneProjection projection(camera);
-  // r (1 - 0.3 r²) is back at 0 for r = 1.83, 913 mm off the axis.
+  // The function r (1 - 0.3 r²) is back at 0 for r = 1.83, 913 mm off the axis.
   EXPECT_FALSE(projection.pixelOf({913.0, 0.0}));
   EXPECT_TRUE(projection.pixelOf({85.0, 0.0}));
 }

@@ -85,7 +85,7 @@ TEST(SpotCamera, ThePeakIsTheGlowTimesThePowerUntilItSaturates) {
                 0.6);
   }
   EXPECT_EQ(camera.render({.samples = {spotAt(p, 200.0)}}).image.at(700, 400), 255);
-  // On for half of the exposure: half of the light.
+  // The laser is on for half of the exposure: half of the light.
   EXPECT_NEAR(camera.render({.samples = {spotAt(p, 40.0), spotAt(p, 0.0)}}).image.at(700, 400),
               20.0 + kGlow * 20.0, 0.6);
   EXPECT_EQ(camera.render({.samples = {spotAt(p, 0.0)}}).image.at(700, 400), 20);
@@ -137,7 +137,7 @@ TEST(SpotCamera, AMovingWebSmearsItsMarksAboutTheMiddleOfTheExposure) {
   const Centroid found = centroidAround(smeared.image, truth, 30, 110.0);
   EXPECT_LT((found.pixel - truth).norm(), 0.02);
   EXPECT_NEAR(found.sum, centroidAround(still.image, truth, 30, 110.0).sum, 0.003 * found.sum);
-  // 5 px of smear: its edge is half dark over that length.
+  // The smear has 5 px: the edge is half dark over that length.
   const int edge = static_cast<int>(std::lround(truth.x() + 15.0));
   const int row = static_cast<int>(std::lround(truth.y()));
   EXPECT_GT(smeared.image.at(edge + 1, row), still.image.at(edge - 3, row) + 30);

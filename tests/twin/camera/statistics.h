@@ -14,7 +14,7 @@ struct Region {
 
 struct Moments {
   double mean{};
-  double rms{};  ///< About the mean.
+  double rms{};  ///< RMS about the mean.
 };
 
 inline Moments momentsOf(const GrayImage& image, const Region& region) {

@@ -31,7 +31,7 @@ TargetBoard chessboard() {
   return board;
 }
 
-/// Every white square holds a marker of 4 x 4 cells in a black border, each different.
+/// Board whose white squares all hold a marker of 4 x 4 cells in a black border, each different.
 TargetBoard boardWithMarkers() {
   TargetBoard board = chessboard();
   board.marker_mm = 3.0;
@@ -53,7 +53,7 @@ CameraDescription clearCamera() {
   return camera;
 }
 
-/// The middle of the board before the camera, turned about its own axes.
+/// Pose of the board with its middle before the camera, turned about its own axes.
 Isometry3d pose(double turn_rad, double tilt_x_rad, double tilt_y_rad, double away_mm = 500.0) {
   return Eigen::Translation3d(0.7, -0.4, away_mm) * Eigen::AngleAxisd(tilt_x_rad, Vector3d::UnitX()) *
          Eigen::AngleAxisd(tilt_y_rad, Vector3d::UnitY()) * Eigen::AngleAxisd(turn_rad, Vector3d::UnitZ()) *
@@ -75,7 +75,7 @@ TEST(TargetPattern, BlursAsADenseSumOverTheGaussianDoes) {
       const double sx = 0.15, sy = 0.3;
       Matrix2d covariance;
       covariance << sx * sx, correlation * sx * sy, correlation * sx * sy, sy * sy;
-      // Turned, so that the lattice's lines never run along the sum's.
+      // The sum's axes are turned, so that the lattice's lines never run along them.
       const Matrix2d root = Matrix2d(covariance.llt().matrixL()) * Eigen::Rotation2Dd(0.5).toRotationMatrix();
       double sum = 0.0, weight = 0.0;
       for (double u = -4.6; u < 4.6; u += 0.0113) {
@@ -101,7 +101,7 @@ TEST(TargetPattern, IsAsSymmetricAboutACornerAsACornerIs) {
     EXPECT_NEAR(pattern.blurredAt(corner + off, covariance, scratch),
                 pattern.blurredAt(corner - off, covariance, scratch), 1e-9);
   }
-  // The share of like colours about a corner: 1/2 + asin(correlation) / pi.
+  // The share of like colours about a corner is 1/2 + asin(correlation) / pi.
   const double correlation = 0.0011 / std::sqrt(0.002 * 0.0015);
   const bool like_is_black = pattern.grayAt(corner + Vector2d(0.1, 0.1)) < 100.0;
   const double like = 0.5 + std::asin(correlation) / std::numbers::pi;
@@ -113,9 +113,9 @@ TEST(TargetPattern, PrintsWhatTheDescriptionSays) {
   const TargetBoard board = boardWithMarkers();
   const TargetPattern pattern(board);
   EXPECT_EQ(pattern.grayAt({1.0, 1.0}), 20.0);
-  EXPECT_EQ(pattern.grayAt({4.2, 0.2}), 200.0);    // Around a marker.
-  EXPECT_EQ(pattern.grayAt({4.6, 0.6}), 20.0);     // Its border.
-  EXPECT_EQ(pattern.grayAt({-2.9, 10.0}), 200.0);  // Margin.
+  EXPECT_EQ(pattern.grayAt({4.2, 0.2}), 200.0);    // The place is near a marker.
+  EXPECT_EQ(pattern.grayAt({4.6, 0.6}), 20.0);     // The place is in the marker's border.
+  EXPECT_EQ(pattern.grayAt({-2.9, 10.0}), 200.0);  // The place is in the margin.
   EXPECT_EQ(pattern.grayAt({-3.1, 10.0}), 60.0);
   EXPECT_EQ(pattern.grayAt({36.5, 31.1}), 60.0);
   for (const TargetMarker& marker : board.markers) {
@@ -132,8 +132,8 @@ struct Tilt {
 };
 class TargetAt : public testing::TestWithParam<Tilt> {};
 
-/// The corner by least squares: two blurred edges that cross. Sampled every pixel, a picture this sharp
-/// misleads estimators without a model by some 0.01 px, wherever it comes from.
+/// Corner by least squares: two blurred edges that cross. With a sample at every pixel, a picture this sharp
+/// misleads estimators without a model by some 0.01 px, whatever its origin.
 Vector2d cornerNear(const GrayImage& image, const Vector2d& truth, const Matrix2d& mm_per_px) {
   Vector2d found = truth + Vector2d(0.1, -0.1);
   const auto product = [&](const Vector2d& d) {
@@ -208,7 +208,7 @@ TEST(TargetCamera, AnEdgeIsABlurredStep) {
   const Isometry3d X_CB = pose(0.4, 0.3, -0.2);
   const GrayImage image = TargetCamera(description, chessboard(), 1).render(X_CB, 0);
   const PlaneProjection projection = projectionAt(description, X_CB);
-  // Between two corners of the line x = 16 mm.
+  // The edge is between two corners of the line x = 16 mm.
   int checked = 0;
   for (int y = 20; y < 460; ++y) {
     for (int x = 20; x < 620; ++x) {
@@ -240,7 +240,7 @@ TEST(TargetCamera, AViewIsTheSameAloneAndNoTwoShareTheirNoise) {
 TEST(TargetCamera, SeesWhatLiesAroundABoardThatEndsInView) {
   const CameraDescription description = clearCamera();
   const TargetCamera camera(description, chessboard(), 1);
-  // So steep that the plane's horizon crosses the picture.
+  // The tilt is so steep that the plane's horizon crosses the picture.
   const GrayImage image = camera.render(pose(0.0, 1.545, 0.0), 0);
   EXPECT_EQ(image.gray(5, 5), 60.0);
   EXPECT_EQ(camera.render(pose(0.0, 0.0, 0.0, 5000.0), 0).gray(5, 5), 60.0);

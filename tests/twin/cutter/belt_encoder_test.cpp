@@ -41,7 +41,7 @@ std::vector<SensorEdge> steady(BeltEncoder& encoder, double speed_mm_s, double f
 
 TEST(BeltEncoder, ForwardALeadsB) {
   auto sensor = encoder();
-  const auto edges = edgesOf(sensor, {0, 0.0, 100.0, 0.0}, kQuantum);  // 0.05 mm: counts 1 … 5.
+  const auto edges = edgesOf(sensor, {0, 0.0, 100.0, 0.0}, kQuantum);  // Travel of 0.05 mm: counts 1 … 5.
   ASSERT_EQ(edges.size(), 5U);
   const std::vector<std::pair<Signal, bool>> expected{{Signal::kEncoderA, true},
                                                       {Signal::kEncoderB, true},
@@ -89,7 +89,7 @@ TEST(BeltEncoder, WhatAForecastPromisedTooEarlyIsTakenBackAtOnce) {
   QuadratureCounter counter;
   for (const SensorEdge& e : edgesOf(sensor, {0, 0.0, 21.0, 0.0}, kQuantum)) counter.apply(e);
   EXPECT_EQ(counter.count(), 1);
-  // The belt stopped short of it.
+  // The belt stopped short of the count.
   const auto edges = edgesOf(sensor, {kQuantum, 0.0099, 0.0001, 0.0}, 2 * kQuantum);
   ASSERT_EQ(edges.size(), 1U);
   EXPECT_EQ(edges[0].tick, kQuantum + 1);
@@ -109,7 +109,7 @@ TEST(BeltEncoder, NoEdgeIsLostOrDoubledOverRandomQuantaOfABeltThatRunsToAndFro) 
     for (std::uint64_t i = 0; i < 20000; ++i) {
       const Tick until = now + 1 + random.bits(3 * i) % 10000;
       const double acceleration = 1500.0 * random.normal(3 * i + 1) - 4.0 * (speed - 40.0);
-      // The forecast knows the acceleration only roughly.
+      // The forecast has only a rough acceleration.
       const double guessed = acceleration + 200.0 * random.normal(3 * i + 2);
       const MotionForecast forecast{now, travel_mm, speed, guessed};
       Tick last = now;
@@ -139,7 +139,7 @@ TEST(BeltEncoder, NoEdgeIsLostOrDoubledOverRandomQuantaOfABeltThatRunsToAndFro) 
   }
 }
 
-// Where an encoder with this jitter sees its first lines, mm, forward.
+// Places where an encoder with this jitter sees its first lines, mm, forward.
 std::vector<double> lines(const EncoderDescription& description, std::uint64_t seed, double travel_mm) {
   constexpr double kSpeed = 10.0;
   auto sensor = encoder(description, seed);
@@ -153,7 +153,7 @@ std::vector<double> lines(const EncoderDescription& description, std::uint64_t s
 TEST(BeltEncoder, TheJitterHasTheStandardDeviationOfItsDescriptionAndIsClippedSoThatLinesKeepTheirOrder) {
   const auto places = lines({.count_mm = kCountMm, .jitter_counts = 0.1}, 7, 100.0);
   ASSERT_GT(places.size(), 9990U);
-  // Counting may begin before line 0, whose place is jittered too.
+  // Counting may begin before line 0, whose place has jitter too.
   const long long first = std::llround(places.front() / kCountMm);
   double sum = 0.0;
   double squares = 0.0;
@@ -179,7 +179,7 @@ TEST(BeltEncoder, TheLargestJitterIsClippedAtTheStatedShare) {
     worst = std::max(worst,
                      std::abs(places[i] / kCountMm - static_cast<double>(first + static_cast<long long>(i))));
   }
-  EXPECT_NEAR(worst, BeltEncoder::kMaxJitter_counts, 1e-3);  // 5 % of all are beyond 2 sigma.
+  EXPECT_NEAR(worst, BeltEncoder::kMaxJitter_counts, 1e-3);  // Some 5 % of all are beyond 2 sigma.
 }
 
 TEST(BeltEncoder, ALineStandsAtTheSamePlaceWheneverTheBeltPassesIt) {
@@ -219,7 +219,7 @@ TEST(BeltEncoder, AnEccentricDiscErrsOnceATurnByItsRunout) {
   double least = 1.0;
   double most = -1.0;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    // What the disc says beyond the truth, on its way from the start.
+    // The error is the disc's excess over the truth, from the start.
     const double error = kCountMm * static_cast<double>(i + 1) - places[i];
     const double angle = places[i] / kRadiusMm + kPhase;
     ASSERT_NEAR(error, kRunout * (std::sin(angle) - std::sin(kPhase)), 2e-6) << places[i];
@@ -230,7 +230,7 @@ TEST(BeltEncoder, AnEccentricDiscErrsOnceATurnByItsRunout) {
 }
 
 TEST(BeltEncoder, AtTheStartBothPinsAreLowWhereverBetweenTwoLinesTheDiscStands) {
-  // Among many seeds there are discs whose line 0 lies a little before and a little behind the start.
+  // Some of many seeds have discs whose line 0 lies a little before and a little behind the start.
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     auto sensor = encoder({.count_mm = kCountMm, .jitter_counts = 0.2}, seed);
     EXPECT_TRUE(edgesOf(sensor, {0, 0.0, 0.0, 0.0}, kQuantum).empty()) << seed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fast mode against the reference, and the reference's shortcut against none.
+// Fast mode compared with the reference, and the reference's shortcut with a full solution.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -21,7 +21,7 @@ struct Case {
   WebDescription web;
   std::vector<std::pair<Axis, std::vector<StepEdge>>> pulses;
   double until_s{0.12};
-  double least_travel_mm{1.0};  ///< Something did move.
+  double least_travel_mm{1.0};  ///< Least travel, as a proof of motion.
   bool loses_steps{};
 };
 std::ostream& operator<<(std::ostream& out, const Case& of) { return out << of.name; }
@@ -171,7 +171,7 @@ TEST_P(FastMode, TheReferenceIsTheSameWithArticulatedBodiesAtEveryStage) {
       worst = std::max(worst, std::abs(once.q()[k] - each.q()[k]));
     }
   }
-  EXPECT_LT(worst, 1e-12);  // m and rad.
+  EXPECT_LT(worst, 1e-12);  // Limit in m and rad.
 }
 
 }  // namespace

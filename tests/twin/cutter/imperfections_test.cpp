@@ -40,9 +40,7 @@ void mirrorFields(Fields& all, const std::string& name, const MirrorAlignment& m
   all[name + ".scale"] = mirror.scale;
 }
 
-// What a preset may touch, and some that it may not.
-Fields fieldsOf(const MachineDescription& m) {
-  Fields all;
+void opticsFields(Fields& all, const MachineDescription& m) {
   all["head.throw"] = m.head.throw_mm;
   all["head.spacing"] = m.head.mirror_spacing_mm;
   const LensDescription lens = m.head.lens.value_or(LensDescription{});
@@ -53,15 +51,8 @@ Fields fieldsOf(const MachineDescription& m) {
   all["lens.decentre_y"] = lens.decentre_mm[1];
   all["lens.tilt_x"] = lens.tilt_rad[0];
   all["lens.tilt_y"] = lens.tilt_rad[1];
-  axisFields(all, "galvo_x", m.galvo_x);
-  axisFields(all, "galvo_y", m.galvo_y);
-  axisFields(all, "gantry_x", m.gantry_x);
-  axisFields(all, "gantry_y", m.gantry_y);
-  axisFields(all, "feed", m.belt.feed);
   mirrorFields(all, "head.x", m.head.x);
   mirrorFields(all, "head.y", m.head.y);
-  all["head.throw"] = m.head.throw_mm;
-  all["squareness"] = m.squareness_rad;
   all["beam.offset_1"] = m.beam.offset_mm[0];
   all["beam.offset_2"] = m.beam.offset_mm[1];
   all["beam.tilt_1"] = m.beam.tilt_rad[0];
@@ -76,6 +67,9 @@ Fields fieldsOf(const MachineDescription& m) {
   all["surface.flutter"] = m.surface.flutter_mm;
   all["surface.flutter_hz"] = m.surface.flutter_hz;
   all["surface.flutter_phase"] = m.surface.flutter_phase_rad;
+}
+
+void beltAndLaserFields(Fields& all, const MachineDescription& m) {
   all["belt.roller_radius"] = m.belt.roller_radius_mm;
   all["belt.sheet_friction"] = m.belt.sheet_friction;
   all["line.bandwidth"] = m.belt.line_servo.natural_frequency_rad_s;
@@ -90,7 +84,9 @@ Fields fieldsOf(const MachineDescription& m) {
   all["laser.drift"] = m.laser.drift;
   all["laser.gate_delay"] = m.laser.gate_delay_s;
   all["monitor.scale"] = m.power_monitor.scale;
-  const ControllerDescription& c = m.controller;
+}
+
+void controllerFields(Fields& all, const ControllerDescription& c) {
   for (const auto& [name, value] : {std::pair("throw", c.throw_mm),
                                     {"spacing", c.mirror_spacing_mm},
                                     {"mirror_step", c.mirror_step_rad},
@@ -102,6 +98,20 @@ Fields fieldsOf(const MachineDescription& m) {
                                     {"power", c.full_power_w}}) {
     all[std::string("controller.") + name] = value;
   }
+}
+
+// Fields that a preset may change, and some that it may not.
+Fields fieldsOf(const MachineDescription& m) {
+  Fields all;
+  axisFields(all, "galvo_x", m.galvo_x);
+  axisFields(all, "galvo_y", m.galvo_y);
+  axisFields(all, "gantry_x", m.gantry_x);
+  axisFields(all, "gantry_y", m.gantry_y);
+  axisFields(all, "feed", m.belt.feed);
+  all["squareness"] = m.squareness_rad;
+  opticsFields(all, m);
+  beltAndLaserFields(all, m);
+  controllerFields(all, m.controller);
   return all;
 }
 
@@ -117,7 +127,7 @@ std::set<std::string> changed(const MachineDescription& before, const MachineDes
 constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
-/// The usual spread, and that of a head that nobody has calibrated.
+/// Usual spread, with that of an uncalibrated head.
 constexpr ImperfectionSpread kUncalibrated = [] {
   ImperfectionSpread spread;
   spread.throw_mm = 2.0;
@@ -139,7 +149,8 @@ using Member = double ImperfectionSpread::*;
 struct Quantity {
   Member member;
   bool is_static;
-  std::set<std::string> mirrors;  ///< Fields that it touches on a machine with mirrors, on one with a gantry.
+  /// Fields that the quantity changes on a machine with mirrors, and below on one with a gantry.
+  std::set<std::string> mirrors;
   std::set<std::string> gantry;
 };
 

@@ -58,6 +58,92 @@ void expectFaults(const std::vector<Fault>& faults, Machine (*machine)(), Web (*
   }
 }
 
+/// A number of a machine or its web.
+using Field = std::function<double&(Machine&, Web&)>;
+
+void addAxisFields(std::vector<Field>& fields) {
+  for (const auto axis : {&Machine::galvo_x, &Machine::galvo_y}) {
+    for (const auto field :
+         {&AxisDescription::step, &AxisDescription::load_per_motor, &AxisDescription::motor_inertia_kg_m2,
+          &AxisDescription::load_inertia, &AxisDescription::stiffness, &AxisDescription::stiffness_damping,
+          &AxisDescription::backlash}) {
+      fields.emplace_back([=](Machine& m, Web&) -> double& { return m.*axis.*field; });
+    }
+    for (const auto field :
+         {&FrictionDescription::coulomb, &FrictionDescription::viscous, &FrictionDescription::presliding}) {
+      fields.emplace_back([=](Machine& m, Web&) -> double& { return (m.*axis).friction.*field; });
+    }
+    for (const auto field : {&DriverProfile::setup_s, &DriverProfile::hold_s, &DriverProfile::width_s,
+                             &DriverProfile::space_s}) {
+      fields.emplace_back([=](Machine& m, Web&) -> double& { return (m.*axis).profile.*field; });
+    }
+    for (const auto field :
+         {&ServoDescription::natural_frequency_rad_s, &ServoDescription::damping,
+          &ServoDescription::velocity_feedforward, &ServoDescription::max_torque,
+          &ServoDescription::max_speed, &ServoDescription::current_lag_s, &ServoDescription::input_delay_s}) {
+      fields.emplace_back([=](Machine& m, Web&) -> double& { return servoOf(m.*axis).*field; });
+    }
+  }
+}
+
+void addBeltFields(std::vector<Field>& fields) {
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.line_servo.natural_frequency_rad_s; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.line_servo.feedforward_filter_s; });
+  for (const auto field :
+       {&BeltDescription::roller_radius_mm, &BeltDescription::roller_inertia_kg_m2, &BeltDescription::mass_kg,
+        &BeltDescription::stiffness_n_m, &BeltDescription::damping_n_s_m, &BeltDescription::sheet_mass_kg,
+        &BeltDescription::sheet_friction}) {
+    fields.emplace_back([=](Machine& m, Web&) -> double& { return m.belt.*field; });
+  }
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.bed_friction.coulomb; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.bed_friction.viscous; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.bed_friction.presliding; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.sheet_drag_n[0]; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.sheet_drag_n[1]; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.encoder.count_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.encoder.jitter_counts; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.encoder.runout_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.encoder.runout_phase_rad; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.x_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.jitter_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.hysteresis_mm; });
+}
+
+void addOtherFields(std::vector<Field>& fields) {
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.head.throw_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.head.x.zero_rad; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.beam.waist_radius_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.surface.height_mm; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.laser.rise_time_s; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.power_monitor.quantum_j; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.power_monitor.delay_s; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.power_monitor.scale; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.spot_camera.frame_period_s; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.spot_camera.exposure_s; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.glow_gray_per_w; });
+}
+
+void addControllerFields(std::vector<Field>& fields) {
+  for (const auto field : {&ControllerDescription::throw_mm, &ControllerDescription::mirror_spacing_mm,
+                           &ControllerDescription::mirror_step_rad, &ControllerDescription::gantry_step_mm,
+                           &ControllerDescription::tracking_delay_s, &ControllerDescription::encoder_count_mm,
+                           &ControllerDescription::print_mark_sensor_x_mm,
+                           &ControllerDescription::feed_step_mm, &ControllerDescription::full_power_w}) {
+    fields.emplace_back([=](Machine& m, Web&) -> double& { return m.controller.*field; });
+  }
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.controller.field_min_mm[0]; });
+  fields.emplace_back([](Machine& m, Web&) -> double& { return m.controller.field_max_mm[1]; });
+}
+
+void addWebFields(std::vector<Field>& fields) {
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.start_x_mm; });
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.belt_speed_mm_s; });
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.print.pitch_mm; });
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.print.eye_mark_x_mm; });
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.print.eye_mark_length_mm; });
+  fields.emplace_back([](Machine&, Web& w) -> double& { return w.board.cut_fluence_j_mm2; });
+}
+
 TEST(MachineFaults, TheMachinesOfTheTestsHaveNone) {
   EXPECT_THAT(faultsOf(twoMirror(), lineWeb()), IsEmpty());
   EXPECT_THAT(faultsOf(twoMirror(), fedWeb()), IsEmpty());
@@ -89,80 +175,12 @@ TEST(MachineFaults, AllAreListedAtOnceAndTheTwinThrowsThemAll) {
 }
 
 TEST(MachineFaults, WhatIsNotANumberIsFoundWhereverItStands) {
-  // Every double that a two-mirror machine and its web have, one at a time.
-  using Field = std::function<double&(Machine&, Web&)>;
   std::vector<Field> fields;
-  const auto add = [&fields](auto of) {
-    fields.push_back([of](Machine& m, Web& w) -> double& { return of(m, w); });
-  };
-  for (const auto axis : {&Machine::galvo_x, &Machine::galvo_y}) {
-    for (const auto field :
-         {&AxisDescription::step, &AxisDescription::load_per_motor, &AxisDescription::motor_inertia_kg_m2,
-          &AxisDescription::load_inertia, &AxisDescription::stiffness, &AxisDescription::stiffness_damping,
-          &AxisDescription::backlash}) {
-      add([=](Machine& m, Web&) -> double& { return m.*axis.*field; });
-    }
-    for (const auto field :
-         {&FrictionDescription::coulomb, &FrictionDescription::viscous, &FrictionDescription::presliding}) {
-      add([=](Machine& m, Web&) -> double& { return (m.*axis).friction.*field; });
-    }
-    for (const auto field : {&DriverProfile::setup_s, &DriverProfile::hold_s, &DriverProfile::width_s,
-                             &DriverProfile::space_s}) {
-      add([=](Machine& m, Web&) -> double& { return (m.*axis).profile.*field; });
-    }
-    for (const auto field :
-         {&ServoDescription::natural_frequency_rad_s, &ServoDescription::damping,
-          &ServoDescription::velocity_feedforward, &ServoDescription::max_torque,
-          &ServoDescription::max_speed, &ServoDescription::current_lag_s, &ServoDescription::input_delay_s}) {
-      add([=](Machine& m, Web&) -> double& { return servoOf(m.*axis).*field; });
-    }
-  }
-  add([](Machine& m, Web&) -> double& { return m.belt.line_servo.natural_frequency_rad_s; });
-  add([](Machine& m, Web&) -> double& { return m.belt.line_servo.feedforward_filter_s; });
-  for (const auto field :
-       {&BeltDescription::roller_radius_mm, &BeltDescription::roller_inertia_kg_m2, &BeltDescription::mass_kg,
-        &BeltDescription::stiffness_n_m, &BeltDescription::damping_n_s_m, &BeltDescription::sheet_mass_kg,
-        &BeltDescription::sheet_friction}) {
-    add([=](Machine& m, Web&) -> double& { return m.belt.*field; });
-  }
-  add([](Machine& m, Web&) -> double& { return m.belt.bed_friction.coulomb; });
-  add([](Machine& m, Web&) -> double& { return m.belt.bed_friction.viscous; });
-  add([](Machine& m, Web&) -> double& { return m.belt.bed_friction.presliding; });
-  add([](Machine& m, Web&) -> double& { return m.belt.sheet_drag_n[0]; });
-  add([](Machine& m, Web&) -> double& { return m.belt.sheet_drag_n[1]; });
-  add([](Machine& m, Web&) -> double& { return m.belt.encoder.count_mm; });
-  add([](Machine& m, Web&) -> double& { return m.belt.encoder.jitter_counts; });
-  add([](Machine& m, Web&) -> double& { return m.belt.encoder.runout_mm; });
-  add([](Machine& m, Web&) -> double& { return m.belt.encoder.runout_phase_rad; });
-  add([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.x_mm; });
-  add([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.jitter_mm; });
-  add([](Machine& m, Web&) -> double& { return m.belt.print_mark_sensor.hysteresis_mm; });
-  add([](Machine& m, Web&) -> double& { return m.head.throw_mm; });
-  add([](Machine& m, Web&) -> double& { return m.head.x.zero_rad; });
-  add([](Machine& m, Web&) -> double& { return m.beam.waist_radius_mm; });
-  add([](Machine& m, Web&) -> double& { return m.surface.height_mm; });
-  add([](Machine& m, Web&) -> double& { return m.laser.rise_time_s; });
-  add([](Machine& m, Web&) -> double& { return m.power_monitor.quantum_j; });
-  add([](Machine& m, Web&) -> double& { return m.power_monitor.delay_s; });
-  add([](Machine& m, Web&) -> double& { return m.power_monitor.scale; });
-  add([](Machine& m, Web&) -> double& { return m.spot_camera.frame_period_s; });
-  add([](Machine& m, Web&) -> double& { return m.spot_camera.exposure_s; });
-  add([](Machine& m, Web&) -> double& { return m.glow_gray_per_w; });
-  for (const auto field : {&ControllerDescription::throw_mm, &ControllerDescription::mirror_spacing_mm,
-                           &ControllerDescription::mirror_step_rad, &ControllerDescription::gantry_step_mm,
-                           &ControllerDescription::tracking_delay_s, &ControllerDescription::encoder_count_mm,
-                           &ControllerDescription::print_mark_sensor_x_mm,
-                           &ControllerDescription::feed_step_mm, &ControllerDescription::full_power_w}) {
-    add([=](Machine& m, Web&) -> double& { return m.controller.*field; });
-  }
-  add([](Machine& m, Web&) -> double& { return m.controller.field_min_mm[0]; });
-  add([](Machine& m, Web&) -> double& { return m.controller.field_max_mm[1]; });
-  add([](Machine&, Web& w) -> double& { return w.start_x_mm; });
-  add([](Machine&, Web& w) -> double& { return w.belt_speed_mm_s; });
-  add([](Machine&, Web& w) -> double& { return w.print.pitch_mm; });
-  add([](Machine&, Web& w) -> double& { return w.print.eye_mark_x_mm; });
-  add([](Machine&, Web& w) -> double& { return w.print.eye_mark_length_mm; });
-  add([](Machine&, Web& w) -> double& { return w.board.cut_fluence_j_mm2; });
+  addAxisFields(fields);
+  addBeltFields(fields);
+  addOtherFields(fields);
+  addControllerFields(fields);
+  addWebFields(fields);
   for (std::size_t i = 0; i < fields.size(); ++i) {
     Machine machine = twoMirror();
     Web web = lineWeb();
@@ -213,7 +231,7 @@ TEST(MachineFaults, MassesStiffnessesAndSizesMustBeOfThisWorld) {
 }
 
 TEST(MachineFaults, SpringsMustSwingSlowlyEnoughForTheStep) {
-  // A spring of the galvo's transmission that makes `hz` between motor and mirror.
+  // Stiffness of the galvo's transmission that gives `hz` between motor and mirror.
   const auto stiffnessFor = [](const AxisDescription& axis, double hz) {
     const double w = 2.0 * std::numbers::pi * hz;
     return w * w / (1.0 / axis.motor_inertia_kg_m2 + 1.0 / axis.load_inertia);

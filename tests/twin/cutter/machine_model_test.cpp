@@ -41,11 +41,12 @@ TEST_P(Model, ASheetStoppedTooHardSlidesOnAsFarAsItsFrictionLetsIt) {
   const MachineDescription machine = twoMirror();
   WebDescription web = lineWeb();
   web.belt_speed_mm_s = 600.0;
-  web.belt_speed_changes = {{0.05, 600.0}, {0.08, 0.0}};  // 20 m/s², where friction gives 5.88.
+  // The belt slows down at 20 m/s², friction allows 5.88.
+  web.belt_speed_changes = {{0.05, 600.0}, {0.08, 0.0}};
   MachineModel model(machine, web, GetParam());
   double travel_before_mm = 0.0;
-  double sliding_mm = 0.0;   // Where the board is at 90 ms, when the belt has all but stopped,
-  double sliding_m_s = 0.0;  // and how fast.
+  double sliding_mm = 0.0;   // Place of the board at 90 ms, when the belt has all but stopped.
+  double sliding_m_s = 0.0;  // Speed of the board at that time.
   double at_140_ms_mm = 0.0;
   runModel(model, 0.4, [&](double t) {
     const MachinePose at = model.pose();
@@ -120,7 +121,7 @@ TEST_P(Model, AMirrorTrailsItsPulsesByItsTrackingDelay) {
   runModel(model, 0.05);
   const double delay_s =
       2.0 * 0.7 / std::get<ServoDescription>(machine.galvo_y.drive).natural_frequency_rad_s;
-  const double from_s = 0.5 * 40e3 / 1e9;  // Of the ramp, half its time.
+  const double from_s = 0.5 * 40e3 / 1e9;  // Half the time of the ramp.
   EXPECT_NEAR(model.pose().mirror_rad.y(), kGalvoStepRad * 40e3 * (0.05 - from_s - delay_s), 3e-7);
 }
 
@@ -142,7 +143,7 @@ TEST_P(Model, AnInputDelayShiftsTheMotionByItself) {
 
 TEST_P(Model, AStepperThatIsDrivenTooHardSaysWhatItHasLost) {
   MachineModel model(stepperGantry(), lineWeb(), GetParam());
-  feed(model, Axis::kGantryX, trapezoid(1e-3, -3000, 80e3, 4e6));  // 50 m/s² to 1 m/s.
+  feed(model, Axis::kGantryX, trapezoid(1e-3, -3000, 80e3, 4e6));  // The profile has 50 m/s² to 1 m/s.
   runModel(model, 0.25);
   ASSERT_FALSE(model.lostSteps().empty());
   long long full_steps = 0;
@@ -156,14 +157,14 @@ TEST_P(Model, AStepperThatIsDrivenTooHardSaysWhatItHasLost) {
     last_s = lost.time_s;
     full_steps += lost.full_steps;
   }
-  EXPECT_LT(full_steps, 0);  // Behind in the direction of -.
+  EXPECT_LT(full_steps, 0);  // The rotor is behind in the direction of -.
   const double missing_mm = -3000 * kTravelStepMm - model.pose().gantry_mm.x();
   EXPECT_NEAR(missing_mm, static_cast<double>(full_steps) * 40.0 / 200.0, 0.02);
 }
 
 TEST_P(Model, WithinItsTorqueAStepperLosesNothing) {
   MachineModel model(stepperGantry(), lineWeb(), GetParam());
-  feed(model, Axis::kGantryX, trapezoid(1e-3, 3000, 40e3, 4e5));  // 5 m/s² to 0.5 m/s.
+  feed(model, Axis::kGantryX, trapezoid(1e-3, 3000, 40e3, 4e5));  // The profile has 5 m/s² to 0.5 m/s.
   runModel(model, 0.4);
   EXPECT_TRUE(model.lostSteps().empty());
   EXPECT_NEAR(model.pose().gantry_mm.x(), 3000 * kTravelStepMm, 0.05);
@@ -180,8 +181,8 @@ TEST_P(Model, PulsesOfAnAxisThatIsNotThereMoveNothing) {
 
 TEST_P(Model, AFeedWithBacklashLosesItWhenItTurnsBack) {
   MachineDescription machine = twoMirror();
-  machine.belt.feed.backlash = 2e-3;  // Of the roller: 60 um of the belt.
-  // A drive that friction hardly displaces, and friction that holds the roller when the motor slows down.
+  machine.belt.feed.backlash = 2e-3;  // Backlash of the roller: 60 um of the belt.
+  // The drive is hardly displaced by friction, and friction holds the roller when the motor slows down.
   machine.belt.feed.drive = nema23Stepper();
   machine.belt.feed.friction = {0.2, 1e-3, 1e-5};
   MachineModel model(machine, fedWeb(), GetParam());
@@ -192,7 +193,7 @@ TEST_P(Model, AFeedWithBacklashLosesItWhenItTurnsBack) {
   runModel(model, endOf(forth) + 0.5, [&](double t) {
     if (t < endOf(forth) + 0.1) reached_mm = model.pose().roller_mm;
   });
-  // The motor's ringing when it stops knocks the roller a little way back into the play.
+  // Ringing of the motor when it stops knocks the roller a little back into the play.
   const double play_mm = 2e-3 * machine.belt.roller_radius_mm;
   const double lost_mm = 400 * kTravelStepMm - (reached_mm - model.pose().roller_mm);
   EXPECT_GT(lost_mm, 0.5 * play_mm);

@@ -17,10 +17,11 @@ ServoDescription servo(double bandwidth_hz, double damping, double feedforward) 
   return result;
 }
 
-// Stiffness and damping between motor and load: their resonance against each other, both free.
+// Sets stiffness and damping between motor and load by their resonance against each other, both free.
 void couple(AxisDescription& axis, double load_per_motor_si, double resonance_hz, double damping) {
   const double w = 2.0 * std::numbers::pi * resonance_hz;
-  const double motor = axis.motor_inertia_kg_m2 / (load_per_motor_si * load_per_motor_si);  // At the load.
+  // Inertia referred to the load.
+  const double motor = axis.motor_inertia_kg_m2 / (load_per_motor_si * load_per_motor_si);
   const double reduced = motor * axis.load_inertia / (motor + axis.load_inertia);
   axis.stiffness = reduced * w * w;
   axis.stiffness_damping = 2.0 * damping * reduced * w;
@@ -38,7 +39,7 @@ AxisDescription galvo(const ServoDescription& drive) {
   return result;
 }
 
-// A belt over a pulley of 40 mm a turn.
+// A slide with a belt over a pulley of 40 mm a turn.
 AxisDescription slide(const ServoDescription& drive, double mass_kg) {
   constexpr double kUs = 1e-6;
   AxisDescription result;
@@ -52,7 +53,7 @@ AxisDescription slide(const ServoDescription& drive, double mass_kg) {
   return result;
 }
 
-// Geared one to four on the roller.
+// A feed with a gear of one to four on the roller.
 AxisDescription feedOf(const ServoDescription& drive, double roller_inertia_kg_m2) {
   AxisDescription result = slide(drive, roller_inertia_kg_m2);
   result.load_per_motor = 0.25;

@@ -14,7 +14,7 @@ inline constexpr double kTravelStepMm = 0.0125;
 
 constexpr Tick ticks(double time_s) { return kRate.ticksAt(time_s + 1e-9); }
 
-/// The machines of fixtures/machines, shortened: port A carries the axes, C the feed, gate and PWM.
+/// Machines of fixtures/machines, shortened: port A carries the axes, C the feed, gate and PWM.
 MachineDescription twoMirror();
 MachineDescription gantry();
 /// A web at 60 mm/s with units of 50 mm; the first eye mark reaches the sensor after 3 mm.
@@ -22,13 +22,13 @@ WebDescription lineWeb();
 /// A web that feed pulses move.
 WebDescription fedWeb();
 
-/// Writes of a controller in any order, handed out as events by tick.
+/// Writes of a controller in any order, delivered as events by tick.
 class Pins {
  public:
   explicit Pins(const SignalMap& map) : map_(map) {}
   void set(double time_s, Signal signal, bool level) { writes_.push_back({ticks(time_s), signal, level}); }
-  /// `count` pulses, the first at `from_s`, with DIR set 50 us before; the width is 5 us. Returns the time of
-  /// the end.
+  /// Adds `count` pulses, the first at `from_s`, with DIR set 50 us before; the width is 5 us. Returns the
+  /// time of the end.
   double steps(Signal pul, double from_s, int count, double period_s, bool forward);
   [[nodiscard]] std::vector<PinEvent> events() const;
 
@@ -54,7 +54,7 @@ class QuadratureCounter {
  public:
   void apply(const SensorEdge& edge);
   [[nodiscard]] long long count() const { return count_; }
-  [[nodiscard]] int illegal() const { return illegal_; }  ///< Edges that changed nothing.
+  [[nodiscard]] int illegal() const { return illegal_; }  ///< Number of edges that changed nothing.
 
  private:
   bool a_{false}, b_{false};

@@ -10,7 +10,7 @@ namespace kerfbench::twin {
 
 /// Edges of `count` steps (negative: backwards) from `from_s`, with a trapezoid of speed.
 std::vector<StepEdge> trapezoid(double from_s, int count, double most_hz, double ramp_hz_s);
-/// The end of the last edge.
+/// Time of the last edge.
 double endOf(const std::vector<StepEdge>& edges);
 void feed(MachineModel& model, Axis axis, const std::vector<StepEdge>& edges);
 
@@ -18,11 +18,11 @@ void feed(MachineModel& model, Axis axis, const std::vector<StepEdge>& edges);
 void runModel(MachineModel& model, double until_s, const std::function<void(double time_s)>& each = {});
 
 StepperDescription nema23Stepper();
-/// The gantry of machines.h with a frame of 300 kg on feet of 50 Hz.
+/// Gantry of machines.h with a frame of 300 kg on feet of 50 Hz.
 MachineDescription gantryOnFeet();
-/// With steppers for its servos, and friction that they have to overcome.
+/// Gantry with steppers in place of its servos, and friction that they have to overcome.
 MachineDescription stepperGantry();
-/// The two mirrors with limits of torque and speed, current lag and friction.
+/// Two mirrors with limits of torque and speed, current lag and friction.
 MachineDescription limitedMirrors();
 
 }  // namespace kerfbench::twin

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kStepS = 10e-6;
 
-// A laser whose power wanders; the monitor is asked every `quantum` ticks.
+// Edges for a laser whose power wanders; the monitor is queried every `quantum` ticks.
 std::vector<SensorEdge> edgesOf(const PowerMonitorDescription& description, Tick quantum, double end_s,
                                 double power_w = 0.0) {
   const CounterRandom random(2, 3);
@@ -35,7 +35,7 @@ std::vector<SensorEdge> edgesOf(const PowerMonitorDescription& description, Tick
 
 TEST(PowerMonitor, TogglesForEachQuantumOfEnergyAfterItsDelay) {
   const auto edges = edgesOf({.quantum_j = 5e-3, .delay_s = 1e-3}, 8000, 0.1, 80.0);
-  ASSERT_GT(edges.size(), 1500U);  // 80 W: one each 62.5 us.
+  ASSERT_GT(edges.size(), 1500U);  // The power is 80 W: one edge each 62.5 us.
   for (std::size_t i = 0; i < edges.size(); ++i) {
     EXPECT_EQ(edges[i].signal, Signal::kPowerMonitor);
     EXPECT_EQ(edges[i].level, i % 2 == 0);
@@ -55,7 +55,7 @@ TEST(PowerMonitor, AMeterThatReadsHighSendsMoreEdges) {
 TEST(PowerMonitor, SendsTheSameEdgesForAnyQuantaThatAreShorterThanTheDelay) {
   const PowerMonitorDescription description{.quantum_j = 0.3e-3, .delay_s = 0.6e-3};
   const auto reference = edgesOf(description, 8000, 0.2);
-  ASSERT_GT(reference.size(), 30000U);  // Several within a step now and then.
+  ASSERT_GT(reference.size(), 30000U);  // Some steps contain several edges.
   for (const Tick quantum : {Tick{1600}, Tick{1237}, Tick{9440}}) {
     const auto edges = edgesOf(description, quantum, 0.2);
     ASSERT_GE(edges.size() + 30, reference.size());

@@ -29,9 +29,9 @@ std::vector<SensorEdge> edgesOf(PrintMarkSensor& sensor, const MotionForecast& s
 }
 
 // Places at which the edges are seen by a sensor over a sheet that runs from `from_mm` at a steady speed.
-std::vector<double> seen(PrintMarkSensor& sensor, double speed_mm_s, double from_mm, double way_mm) {
+std::vector<double> seen(PrintMarkSensor& sensor, double speed_mm_s, double from_mm, double travel_mm) {
   std::vector<double> places;
-  for (Tick now = 0; kRate.seconds(now) * std::abs(speed_mm_s) < way_mm; now += kQuantum) {
+  for (Tick now = 0; kRate.seconds(now) * std::abs(speed_mm_s) < travel_mm; now += kQuantum) {
     const double at_mm = from_mm + speed_mm_s * kRate.seconds(now);
     for (const SensorEdge& e : edgesOf(sensor, {now, at_mm, speed_mm_s, 0.0}, now + kQuantum)) {
       places.push_back(from_mm + speed_mm_s * kRate.seconds(e.tick));

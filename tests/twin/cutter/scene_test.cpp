@@ -70,16 +70,16 @@ TEST(Scene, TheSheetAndItsMarksMoveWithTheBeltAndSlipOnIt) {
   moved.sheet_slip_mm = {-0.5, 0.25};
   const Scene before = sceneOf(twoMirrors(), labels(), {});
   const Scene after = sceneOf(twoMirrors(), labels(), moved);
-  const Vector3d way(31.0, 0.25, 0.0);
-  expectNear(placeOf(after, "board") - placeOf(before, "board"), way);
+  const Vector3d move(31.0, 0.25, 0.0);
+  expectNear(placeOf(after, "board") - placeOf(before, "board"), move);
   const auto marks_before = named(before, "registration mark");
   const auto marks_after = named(after, "registration mark");
   ASSERT_EQ(marks_before.size(), 8U);
   ASSERT_EQ(marks_after.size(), 8U);
   for (std::size_t i = 0; i < 8; ++i) {
-    expectNear(marks_after[i].X_WP.translation() - marks_before[i].X_WP.translation(), way);
+    expectNear(marks_after[i].X_WP.translation() - marks_before[i].X_WP.translation(), move);
   }
-  // x_W of unit 0's first mark is start + its own place.
+  // The place x_W of unit 0's first mark is start + its own place.
   EXPECT_NEAR(marks_before[0].X_WP.translation().x(), -40.0 - 55.0, 1e-12);
   EXPECT_NEAR(marks_before[4].X_WP.translation().x(), -40.0 - 55.0 - 70.0, 1e-12);
 }
@@ -175,7 +175,7 @@ TEST(Scene, TheBeamEndsOnTheBoardWhereChengsFormulaSays) {
   const double y = 500.0 * std::tan(2.0 * b);
   const double x = (std::sqrt(500.0 * 500.0 + y * y) + 15.0) * std::tan(2.0 * a);
   expectNear(scene.beam.back().p_W_mm, {x, y, 0.0}, 1e-6);
-  // It converges all the way, to the waist.
+  // The beam converges all the way to the waist.
   EXPECT_NEAR(scene.beam.back().radius_mm, 0.105, 1e-3);
   EXPECT_GT(scene.beam[2].radius_mm, 1.0);
   EXPECT_GE(scene.beam[1].radius_mm, scene.beam[2].radius_mm);
@@ -209,12 +209,12 @@ TEST(Scene, TheGantryStandsWhereItsAxesAre) {
   const Scene at_home = sceneOf(machine, labels(), {});
   const Scene scene = sceneOf(machine, labels(), pose);
   // Gantry y leans towards -x.
-  const Vector3d way(300.0 + 0.1 - 0.01 * 120.0, 120.0, 0.0);
-  expectNear(placeOf(scene, "carriage mirror") - placeOf(at_home, "carriage mirror"), way);
-  expectNear(placeOf(scene, "nozzle") - placeOf(at_home, "nozzle"), way);
+  const Vector3d move(300.0 + 0.1 - 0.01 * 120.0, 120.0, 0.0);
+  expectNear(placeOf(scene, "carriage mirror") - placeOf(at_home, "carriage mirror"), move);
+  expectNear(placeOf(scene, "nozzle") - placeOf(at_home, "nozzle"), move);
   expectNear(placeOf(scene, "bridge") - placeOf(at_home, "bridge"), {300.1, 0.0, 0.0});
   expectNear(placeOf(scene, "gantry rail"), placeOf(at_home, "gantry rail"));
-  expectNear(scene.beam.back().p_W_mm, way, 1e-9);
+  expectNear(scene.beam.back().p_W_mm, move, 1e-9);
   EXPECT_NEAR(placeOf(at_home, "carriage mirror").x(), 0.0, 1e-12);
   EXPECT_NEAR(placeOf(at_home, "carriage mirror").y(), 0.0, 1e-12);
 }

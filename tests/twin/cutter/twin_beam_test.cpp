@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the beam does to the board: where gates fall inside a step, slip, oblique spots, chords, noise.
+// Effect of the beam on the board: gates inside a step, slip, oblique spots, chords, noise.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr Tick kQuantum = 8000;
 
-// Centre, extent and energy of what is burnt in a window of the sheet.
+// Centre, extent and energy of the burn in a window of the sheet.
 struct Burn {
   double energy_j{};
   Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};
@@ -64,8 +64,9 @@ Pins gatePins(const MachineDescription& machine, double on_s, double off_s) {
 TEST(TwinBeam, AGateThatMovesInsideAStepBurnsWhereTheBeamWasThen) {
   const auto machine = promptLaser();
   WebDescription web = lineWeb();
-  web.belt_speed_mm_s = 4000.0;  // 40 um in a step.
-  // Open for 3 us of a step, at its end, and from the middle of a step to the middle of the one after next.
+  web.belt_speed_mm_s = 4000.0;  // Travel of 40 um in a step.
+  // The gate is open for 3 us of a step, at its end, and from the middle of a step to the middle of the one
+  // after next.
   for (const auto& [on_us, off_us] :
        {std::pair(1002.0, 1005.0), {1007.0, 1010.0}, {1005.0, 1025.0}, {1009.0, 1011.0}}) {
     const Pins pins = gatePins(machine, on_us * 1e-6, off_us * 1e-6);
@@ -76,9 +77,9 @@ TEST(TwinBeam, AGateThatMovesInsideAStepBurnsWhereTheBeamWasThen) {
     const Burn burn = burnOf(twin.sheet(), {place - 1.0, -1.0}, {place + 1.0, 1.0});
     EXPECT_NEAR(burn.energy_j, 100.0 * (off_us - on_us) * 1e-6, 1e-6 * burn.energy_j + 1e-9);
     EXPECT_NEAR(burn.centre_mm.x(), place, 1e-4) << on_us;
-    // A beam of sigma w/2 drawn out evenly over the way that it went.
-    const double way = 4000.0 * (off_us - on_us) * 1e-6;
-    EXPECT_NEAR(burn.sigma_mm.x(), std::hypot(0.5 * 0.105, way / std::sqrt(12.0)), 4e-4) << on_us;
+    // The burn is a beam of sigma w/2 drawn out evenly over the travelled distance.
+    const double length = 4000.0 * (off_us - on_us) * 1e-6;
+    EXPECT_NEAR(burn.sigma_mm.x(), std::hypot(0.5 * 0.105, length / std::sqrt(12.0)), 4e-4) << on_us;
     EXPECT_NEAR(burn.sigma_mm.y(), 0.5 * 0.105, 4e-4) << on_us;
   }
 }
@@ -86,10 +87,10 @@ TEST(TwinBeam, AGateThatMovesInsideAStepBurnsWhereTheBeamWasThen) {
 TEST(TwinBeam, AGateThatPulsesWithinAStepBurnsEachPulseAtItsPlace) {
   const auto machine = promptLaser();
   WebDescription web = lineWeb();
-  web.belt_speed_mm_s = 90000.0;  // 0.9 mm in a step.
+  web.belt_speed_mm_s = 90000.0;  // Travel of 0.9 mm in a step.
   Pins pins(machine.signals);
   pins.set(1e-4, Signal::kLaserPwm, true);
-  // Three pulses of 0.5 us in the step that begins at 1 ms.
+  // The step that begins at 1 ms has three pulses of 0.5 us.
   for (const double at_us : {1001.0, 1004.0, 1008.0}) {
     pins.set(at_us * 1e-6, Signal::kLaserGate, true);
     pins.set((at_us + 0.5) * 1e-6, Signal::kLaserGate, false);
@@ -122,7 +123,7 @@ TEST(TwinBeam, TheBurnIsWhereTheGateWasOpenAndComesLaterByTheDelay) {
 }
 
 TEST(TwinBeam, ChordsOfAFastAndOfASlowBeamLeaveTheSameLine) {
-  // The line of sqrt(2/pi) P / (F w), whatever number of steps made a chord.
+  // The line has sqrt(2/pi) P / (F w), whatever number of steps made a chord.
   const auto machine = promptLaser();
   for (const double speed : {5.0, 60.0, 700.0, 3000.0}) {
     WebDescription web = lineWeb();
@@ -176,7 +177,7 @@ TEST(TwinBeam, ASheetThatABrushPullsSidewaysIsCutAskewAndSeenSo) {
   const Exposure& last = exposures.back();
   EXPECT_NEAR(last.samples.back().p_WS_mm.y(), slip.y(), 0.2);
   EXPECT_GT(last.samples.back().p_WS_mm.y(), exposures[50].samples[0].p_WS_mm.y());
-  // The cut at the time of an exposure is where that exposure says the web was.
+  // The cut at the time of an exposure is at the place of the web in that exposure.
   for (const std::size_t i : {30U, 60U, 80U}) {
     const ExposureSample& sample = exposures[i].samples[0];
     const Eigen::Vector2d there = sample.p_WQ_mm - sample.p_WS_mm;
@@ -189,7 +190,7 @@ TEST(TwinBeam, ASpotFarFromTheAxisIsDrawnOutAndASurfaceThatRisesShiftsIt) {
   MachineDescription machine = promptLaser();
   machine.head.throw_mm = 200.0;
   Pins pins = gatePins(machine, 0.1, 0.1001);
-  pins.steps(Signal::kGalvoXPul, 1e-3, 4000, 20e-6, true);  // 0.05 rad: 21.6 mm.
+  pins.steps(Signal::kGalvoXPul, 1e-3, 4000, 20e-6, true);  // The turn is 0.05 rad: 21.6 mm.
   WebDescription still = lineWeb();
   still.belt_speed_mm_s = 0.0;
   const auto burnt = [&](double height_mm) {
@@ -202,7 +203,7 @@ TEST(TwinBeam, ASpotFarFromTheAxisIsDrawnOutAndASurfaceThatRisesShiftsIt) {
   const Burn flat = burnt(0.0);
   const double tangent = std::tan(0.1);
   EXPECT_NEAR(flat.centre_mm.x() - 157.0, 215.0 * tangent, 1e-3);
-  // Obliquely the spot is longer by 1/cos.
+  // The oblique spot is longer by 1/cos.
   EXPECT_NEAR(flat.sigma_mm.x() / flat.sigma_mm.y(), 1.0 / std::cos(0.1), 1e-3);
   const Burn raised = burnt(2.0);
   EXPECT_NEAR(raised.centre_mm.x() - flat.centre_mm.x(), -2.0 * tangent, 1e-3);
@@ -210,7 +211,7 @@ TEST(TwinBeam, ASpotFarFromTheAxisIsDrawnOutAndASurfaceThatRisesShiftsIt) {
 
 TEST(TwinBeam, ExposuresTellTheSizeOfTheSpotOutOfFocus) {
   MachineDescription machine = promptLaser();
-  machine.beam.focus_z_mm = 20.0;  // One Rayleigh length over the board.
+  machine.beam.focus_z_mm = 20.0;  // The focus is one Rayleigh length over the board.
   machine.beam.rayleigh_mm = 20.0;
   Twin twin(machine, lineWeb(), kRate);
   run(twin, {}, 0, ticks(3e-3), kQuantum);
@@ -230,7 +231,7 @@ TEST(TwinBeam, LaserNoiseIsOfItsSeedAndKeepsTheMean) {
   };
   EXPECT_EQ(emitted(1), emitted(1));
   EXPECT_NE(emitted(1), emitted(2));
-  // 200 correlation times of 1 ms: the mean wanders by 5 % * sqrt(2 / 200).
+  // The mean over 200 correlation times of 1 ms wanders by 5 % * sqrt(2 / 200).
   EXPECT_NEAR(emitted(1), 20.0, 4.0 * 20.0 * 0.05 * std::sqrt(2.0 / 200.0));
 }
 

@@ -22,9 +22,9 @@ TEST(TwinLine, TheBeltFollowsALineThatChangesItsSpeed) {
   const WebDescription web = rampedWeb();
   const SpeedProfile line(web.belt_speed_mm_s, web.belt_speed_changes);
   Twin twin(machine, web, kRate, {.fidelity = Fidelity::kFast});
-  // The drive has velocity feedforward through a filter: on a ramp the roller lags by
-  // acceleration * (1 / wn² + 2 zeta / wn * filter), and not at all at constant speed. The belt trails the
-  // roller by what its mass and the board's stretch it.
+  // The drive has velocity feedforward through a filter: on a ramp the roller lags by acceleration * (1 / wn²
+  // + 2 zeta / wn * filter), and not at all at constant speed. The belt trails the roller by the stretch from
+  // its mass and the board's.
   const ServoDescription& servo = machine.belt.line_servo;
   const double wn = servo.natural_frequency_rad_s;
   const double lag_s2 = 1.0 / (wn * wn) + 2.0 * servo.damping / wn * servo.feedforward_filter_s +

@@ -109,7 +109,7 @@ TEST(TwinMotion, ASpotThatRestsBurnsALineOnTheMovingWeb) {
   pins.set(110e-3, Signal::kLaserGate, false);
   Twin twin(machine, lineWeb(), kRate);
   run(twin, pins.events(), 0, ticks(0.2), kQuantum);
-  // At 10 ms the web's S is at -157 + 0.6 mm, so the beam at W's origin meets x_S = 156.4, and runs to 150.4.
+  // The web's S is at -157 + 0.6 mm at 10 ms, so the beam at W's origin meets x_S = 156.4, and runs to 150.4.
   const double peak = std::sqrt(2.0 / M_PI) * 100.0 / 60.0 / machine.beam.waist_radius_mm;
   EXPECT_NEAR(twin.sheet().fluenceAt({153.4, 0.0}), peak, 1e-3 * peak);
   EXPECT_TRUE(twin.sheet().untouched({156.7, -1.0}, {200.0, 1.0}));

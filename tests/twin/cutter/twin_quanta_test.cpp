@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kEndS = 0.06;
 
-// A controller that jogs all axes at random, breaks every timing rule now and then, and fires the laser.
+// Pins of a controller that jogs all axes at random, breaks every timing rule now and then, and fires the
+// laser.
 std::vector<PinEvent> jog(const MachineDescription& machine) {
   const CounterRandom random(21, 4);
   Pins pins(machine.signals);
@@ -54,7 +55,7 @@ std::vector<PinEvent> jog(const MachineDescription& machine) {
   return pins.events();
 }
 
-// FNV-1a over the bytes of numbers.
+// Hash FNV-1a over the bytes of numbers.
 class Digest {
  public:
   void add(std::uint64_t bits) {
@@ -68,7 +69,7 @@ class Digest {
 };
 
 struct Outcome {
-  std::uint64_t sensors{};  ///< Digest of all edges; of no meaning without prediction.
+  std::uint64_t sensors{};  ///< Digest of all edges; without meaning unless sensors are predicted.
   Twin::Truth truth;
   std::vector<float> nodes;
   std::vector<Exposure> exposures;
@@ -168,7 +169,7 @@ TEST_P(TwinQuanta, TheSameSeedGivesTheSameBytesAndSensorsEachTimeAndAnotherSeedD
   }
   const Outcome other = run(6);
   const bool ideal = GetParam().preset == Preset::kIdeal;
-  // Nothing is drawn for an ideal machine, and nothing of it is noise.
+  // Nothing is sampled for an ideal machine, and nothing of it is noise.
   EXPECT_EQ(other.sensors == first.sensors, ideal);
   EXPECT_EQ(other.truth.emitted_j == first.truth.emitted_j, ideal);
   EXPECT_EQ(other.nodes == first.nodes, ideal);

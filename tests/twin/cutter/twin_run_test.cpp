@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run hands on besides the burn: lost steps, poses, the power monitor, a model that diverges.
+// Results of a run besides the burn: lost steps, poses, the power monitor, a model that diverges.
 #include <cmath>
 #include <stdexcept>
 #include <variant>
@@ -31,9 +31,9 @@ TEST(TwinRun, StepsThatAStepperLosesAreTold) {
   stepper.holding_torque_nm = 0.4;
   stepper.damping_nm_s = 1e-3;
   machine.gantry_y.drive = stepper;
-  machine.gantry_y.step = 40.0 / 3200.0;  // A sixteenth of a full step.
+  machine.gantry_y.step = 40.0 / 3200.0;  // The step is a sixteenth of a full step.
   Pins pins(machine.signals);
-  // From rest to 20 turns a second: no stepper follows.
+  // The start is from rest to 20 turns a second: no stepper follows.
   pins.steps(Signal::kGantryYPul, 1e-3, 3200, 15.6e-6, true);
   Twin twin(machine, lineWeb(), kRate);
   run(twin, pins.events(), 0, ticks(0.08), kQuantum);
@@ -90,7 +90,7 @@ TEST(TwinRun, ThePowerMonitorCountsTheEnergyAndLagsByItsDelay) {
   double emitted_j = 0.0;
   const auto edges = monitorEdges(machine, kQuantum, 0.05, &emitted_j);
   EXPECT_EQ(edges.size(), static_cast<std::size_t>(emitted_j / 2e-3));
-  // 100 W through a tube of 20 us: the n-th quantum is emitted 20 us late.
+  // The n-th quantum of 100 W through a tube of 20 us is emitted 20 us late.
   const double at_s = 5.0037e-3 + 20e-6 + 100.0 * 2e-3 / 100.0 + machine.power_monitor.delay_s;
   EXPECT_NEAR(kRate.seconds(edges[99].tick), at_s, 2e-7);
 }
@@ -138,7 +138,7 @@ TEST(TwinRun, TheMarkSensorSeesTheSheetAndTheEncoderTheRoller) {
     }
     sheet_mm = after_mm;
   });
-  // At 60 mm/s the first mark would come after 50 ms; with 0.026 N on 0.05 kg after 73.
+  // The first mark would come after 50 ms at 60 mm/s; with 0.026 N on 0.05 kg it comes after 73.
   EXPECT_NEAR(mark_s, 0.073, 0.002);
   EXPECT_NEAR(sheet_at_mark_mm, 3.0, 5e-4);
   EXPECT_LT(sheet_mm, 11.0);

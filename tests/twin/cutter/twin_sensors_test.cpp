@@ -66,7 +66,7 @@ TEST(TwinSensors, TheEncoderFollowsABeltThatIsFedThereAndBack) {
     const double travel = twin.pose().roller_mm / 0.01;
     worst = std::max(worst, std::abs(travel - 0.5 - static_cast<double>(counter.count())));
   });
-  EXPECT_LT(worst, 0.75);  // Half a count of resolution; the rest is the forecast's.
+  EXPECT_LT(worst, 0.75);  // Half a count is resolution; the rest is the forecast's error.
   EXPECT_EQ(counter.count(), static_cast<long long>(std::floor(-503 * kTravelStepMm / 0.01)));
   EXPECT_EQ(counter.illegal(), 0);
 }
@@ -92,10 +92,11 @@ TEST(TwinSensors, TheEyeMarksComeWhereThePrintSaysTheyAre) {
 TEST(TwinSensors, LimitsTripBeyondTheTravelAndReleaseOnTheWayBack) {
   const auto machine = gantry();
   Pins pins(machine.signals);
-  const double turn_s =
-      pins.steps(Signal::kGantryXPul, 1e-3, 240, 300e-6, true);  // To 3 mm; the limit is at 2.
-  const double low_s = pins.steps(Signal::kGantryXPul, turn_s + 0.05, 480, 300e-6, false);  // To -3 mm.
-  pins.steps(Signal::kGantryYPul, low_s, 100, 300e-6, true);  // To 1.25 mm: within.
+  // The axis goes to 3 mm; the limit is at 2.
+  const double turn_s = pins.steps(Signal::kGantryXPul, 1e-3, 240, 300e-6, true);
+  // The axis goes to -3 mm.
+  const double low_s = pins.steps(Signal::kGantryXPul, turn_s + 0.05, 480, 300e-6, false);
+  pins.steps(Signal::kGantryYPul, low_s, 100, 300e-6, true);  // The axis goes to 1.25 mm: within.
   Twin twin(machine, lineWeb(), kRate);
   std::vector<SensorEdge> limits;
   std::vector<double> places;
@@ -115,7 +116,7 @@ TEST(TwinSensors, LimitsTripBeyondTheTravelAndReleaseOnTheWayBack) {
   EXPECT_TRUE(limits[0].level);
   EXPECT_FALSE(limits[1].level);
   EXPECT_TRUE(limits[2].level);
-  // In a quantum the gantry moves 21 um; what is left is its jerk in one, from pulse to pulse.
+  // The gantry moves by 21 um in a quantum; the remaining error is its jerk in one, from pulse to pulse.
   EXPECT_NEAR(places[0], 2.0, 0.002);
   EXPECT_NEAR(places[1], 2.0, 0.002);
   EXPECT_NEAR(places[2], -2.0, 0.002);

@@ -22,7 +22,7 @@ LaserDescription tube(double full_power_w, double rise_s, double fall_s) {
   return laser;
 }
 
-/// S3's kind of characteristic: nothing up to a threshold, then steep, then flat.
+/// A tube with S3's kind of characteristic: nothing up to a threshold, then steep, then flat.
 LaserDescription curvedTube() {
   LaserDescription laser = tube(80.0, 30e-6, 60e-6);
   laser.power_curve = {{0.0, 0.0}, {0.1, 0.0}, {0.2, 0.15}, {0.5, 0.6}, {0.8, 0.9}, {1.0, 1.0}};
@@ -60,14 +60,15 @@ TEST(Laser, RisesAndFallsByOneOverEInEachOfItsTimeConstants) {
   EXPECT_NEAR(laser.power_w(), 30.0 + 70.0 * std::exp(-1.0), 1e-10);
 }
 
-TEST(Laser, EmitsOnTheWholeWhatWasDemanded) {  // What the rise withholds comes out after the gate.
+TEST(Laser, EmitsOnTheWholeWhatWasDemanded) {  // The energy that the rise withholds comes out after the gate.
   Laser laser(tube(60.0, 35e-6, 35e-6), 1);
   double energy_j = 0.0;
   for (int i = 0; i < 1000; ++i) energy_j += laser.step(i < 500 ? 0.4 : 0.0, i * kStepS, kStepS);
   EXPECT_NEAR(energy_j, 0.4 * 60.0 * 500 * kStepS, 1e-6 * energy_j);
 }
 
-TEST(Laser, ASlowFallEmitsMoreThanWasDemanded) {  // By P (fall - rise), the area of the longer tail.
+// The excess is P (fall - rise), the area of the longer tail.
+TEST(Laser, ASlowFallEmitsMoreThanWasDemanded) {
   Laser laser(tube(60.0, 35e-6, 85e-6), 1);
   double energy_j = 0.0;
   for (int i = 0; i < 1000; ++i) energy_j += laser.step(i < 500 ? 0.4 : 0.0, i * kStepS, kStepS);
@@ -110,11 +111,11 @@ TEST(PowerCurve, GivesThePowerOfItsPointsAndTheLinesBetween) {
 
 TEST(Supply, FollowsTheDutyNotThePulses) {
   LaserDescription description = curvedTube();
-  description.rise_time_s = description.fall_time_s = 30e-6;  // Else the slower fall adds to the mean.
+  description.rise_time_s = description.fall_time_s = 30e-6;  // A slower fall would add to the mean.
   description.demand_filter_s = 1e-3;
   Laser laser(description, 1);
   double energy_j = 0.0;
-  for (int i = 0; i < 4000; ++i) {  // 40 pulses a millisecond, duty 0.35.
+  for (int i = 0; i < 4000; ++i) {  // The PWM has 40 pulses a millisecond, duty 0.35.
     const double pulses[] = {1.0, 0.4, 0.0, 0.0};
     const double step_j = laser.step(1.0, pulses[i % 4], i * kStepS, kStepS);
     if (i >= 2000) energy_j += step_j;

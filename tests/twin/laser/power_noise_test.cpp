@@ -21,10 +21,11 @@ TEST(PowerNoise, HasItsDeviationAndItsCorrelation) {
   };
   double mean = 0.0;
   for (const double value : values) mean += value / static_cast<double>(values.size());
-  // 50 000 correlation times: relative error of the variance sqrt(1 / 50 000) = 0.45 %, of the mean 0.63 %.
+  // The relative error after 50 000 correlation times is sqrt(1 / 50 000) = 0.45 % for the variance, 0.63 %
+  // for the mean.
   EXPECT_NEAR(mean, 0.0, 4.0 * 0.0063 * 0.02);
-  const double lost =
-      (1.0 - std::exp(-1.0 / 8.0)) / 3.0;  // A straight line between two knots has less variance.
+  // A straight line between two knots has less variance.
+  const double lost = (1.0 - std::exp(-1.0 / 8.0)) / 3.0;
   EXPECT_NEAR(correlation(0), 1.0 - lost, 0.018);
   EXPECT_NEAR(correlation(10), std::exp(-0.5), 0.018);
   EXPECT_NEAR(correlation(20), std::exp(-1.0), 0.018);
@@ -36,7 +37,7 @@ TEST(PowerNoise, MeansOfPartsAreTheMeanOfTheWhole) {
   PowerNoise whole(0.1, 1e-3, 3);
   double begin_s = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const double length_s = 1e-5 * (1 + i % 50);  // Up to four knots.
+    const double length_s = 1e-5 * (1 + i % 50);  // The length is up to four knots.
     double sum = 0.0;
     for (int k = 0; k < 10; ++k) {
       sum += parts.meanOver(begin_s + 0.1 * k * length_s, begin_s + 0.1 * (k + 1) * length_s) / 10.0;

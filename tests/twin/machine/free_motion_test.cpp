@@ -61,7 +61,7 @@ TEST_P(FreeMotion, ADampedOscillatorFollowsTheExactSolution) {
 }
 
 TEST_P(FreeMotion, GravityPullsWhatIsNotLevel) {
-  // On a slope of 30 degrees, and a level slide on top of it.
+  // The joints are a slope of 30 degrees, and a level slide on top of it.
   MechanismDescription description;
   description.joints = {slideOf("slope", 4.0, -1, {std::sqrt(0.75), 0.0, 0.5}),
                         slideOf("level", 1.0, 0, Eigen::Vector3d::UnitY())};
@@ -96,7 +96,7 @@ TEST_P(FreeMotion, NothingBrakesWhatRunsFree) {
   EXPECT_NEAR(solver->q()[2], 174.0, 1e-8);
 }
 
-// Frame, and a bridge with a leaning carriage on it, each tied to its carrier by a spring.
+// A frame, and a bridge with a leaning carriage on it, each tied to its carrier by a spring.
 MechanismDescription gantryOnFrame() {
   MechanismDescription description;
   description.joints = {slideOf("frame.x", 0.0), slideOf("frame.y", 300.0, 0, Eigen::Vector3d::UnitY()),
@@ -133,7 +133,7 @@ TEST_P(FreeMotion, FeetBearTheReactionOfWhatIsPushed) {
   description.couplings = {{0, 1.0, std::nullopt, 0.0, 2e7, 1.5e5, 0.0, 0.0}};
   description.joints[2].start_speed = description.joints[3].start_speed = 0.0;
   description.joints[3].axis = Eigen::Vector3d::UnitY();
-  description.constant_forces = {{2, 24.0}};  // Between frame and bridge: 2 m/s² of 12 kg.
+  description.constant_forces = {{2, 24.0}};  // The force acts between frame and bridge: 2 m/s² of 12 kg.
   const auto solver = solverOf(description, GetParam());
   run(*solver, 0.2);
   EXPECT_NEAR(solver->q()[0], -24.0 / 2e7, 1e-11);

@@ -50,7 +50,8 @@ TEST_P(Friction, ASlidingBodyStopsWhereItsEnergyIsSpent) {
   const auto solver = solverOf(description, GetParam());
   run(*solver, 0.3);
   EXPECT_NEAR(solver->v()[0], 0.0, 1e-9);
-  EXPECT_NEAR(solver->q()[0], 0.5 * 2.0 * 0.25 / 10.0, 2e-6);  // Within the give of the bristle.
+  // The difference is within the give of the bristle.
+  EXPECT_NEAR(solver->q()[0], 0.5 * 2.0 * 0.25 / 10.0, 2e-6);
 }
 
 TEST_P(Friction, ViscousFrictionBrakesInProportion) {
@@ -64,7 +65,7 @@ TEST_P(Friction, ViscousFrictionBrakesInProportion) {
 TEST_P(Friction, ASheetOnABeltThatIsTooFastGainsSpeedByFrictionAlone) {
   for (const double share : {0.7, 1.5, 4.0}) {
     MechanismDescription description = sheetOnBelt();
-    // The force that would move both with `share` of the acceleration that friction can give the sheet.
+    // The force would move both with `share` of the acceleration that friction can give the sheet.
     const double can = kGrip_n / kSheet_kg;
     const double force_n =
         share > 1 ? kBelt_kg * share * can + kGrip_n : (kBelt_kg + kSheet_kg) * share * can;
@@ -77,7 +78,7 @@ TEST_P(Friction, ASheetOnABeltThatIsTooFastGainsSpeedByFrictionAlone) {
       EXPECT_LT(std::abs(solver->q()[1]), 1e-6);
       EXPECT_NEAR(sheet_m_s, share * can * kTime_s, 1e-6);
     } else {
-      EXPECT_NEAR(sheet_m_s / (can * kTime_s), 1.0, 2e-3);  // Less while the bristle is being drawn.
+      EXPECT_NEAR(sheet_m_s / (can * kTime_s), 1.0, 2e-3);  // The speed is less while the bristle stretches.
       EXPECT_NEAR(solver->v()[0] / (share * can * kTime_s), 1.0, 2e-3);
       EXPECT_LT(solver->q()[1], -1e-3);
     }
@@ -99,8 +100,8 @@ TEST_P(Friction, APulledSheetSlidesWhereItIsPulledWithOneLimitForBothDirections)
 }
 
 TEST_P(Friction, ADragThatAlreadySlidesAcrossLowersTheGripAlong) {
-  // Pulled at right angles with the limit's force each: together they are more than the limit, and the sheet
-  // goes both ways alike.
+  // The sheet is pulled at right angles with the limit's force each: together they are more than the limit,
+  // and the sheet moves equally in both directions.
   MechanismDescription description = sheetOnBelt();
   description.joints[0].mass_kg = 1e6;
   description.constant_forces = {{0, 0.8 * kGrip_n}, {1, 0.8 * kGrip_n}, {2, 0.8 * kGrip_n}};
@@ -114,7 +115,8 @@ TEST_P(Friction, ADragThatAlreadySlidesAcrossLowersTheGripAlong) {
 MechanismDescription shaken() {
   MechanismDescription description = sheetOnBelt();
   CouplingDescription spring;
-  const double w = 2.0 * std::numbers::pi * 50.0;  // Whole periods in a second: means are of the middle.
+  // One second has whole periods: means are those of the middle.
+  const double w = 2.0 * std::numbers::pi * 50.0;
   spring.stiffness = (kBelt_kg + kSheet_kg) * w * w;
   description.couplings = {spring};
   description.joints[0].start_speed = 0.005;
@@ -143,7 +145,7 @@ TEST_P(Friction, AStuckSheetComesBackToItsPlace) {
     widest = std::max(widest, std::abs(solver->q()[1]));
     if (t > 0.2) sum += solver->q()[1];
   });
-  EXPECT_GT(widest, 1e-8);  // It was shaken.
+  EXPECT_GT(widest, 1e-8);  // The joint was shaken.
   EXPECT_LT(std::abs(sum * kStep_s / 0.2), 1e-9);
 }
 
@@ -151,7 +153,7 @@ TEST(FrictionFast, OnlyStepsWithAKinkAreHalved) {
   const auto mechanism = std::make_shared<const Mechanism>(pushed(12.0));
   FastSolver solver(mechanism, kStep_s);
   run(solver, 0.5);
-  EXPECT_EQ(solver.halved(), 1U);  // It breaks loose once.
+  EXPECT_EQ(solver.halved(), 1U);  // The joint breaks loose once.
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ TEST(MatrixExponential, TurnsARotationIntoSineAndCosine) {
 }
 
 TEST(MatrixExponential, KeepsItsDigitsBetweenEntriesOfTwelveOrders) {
-  // An oscillator in its own units: position and velocity differ by w = 1e6.
+  // The oscillator is in its own units: position and velocity differ by w = 1e6.
   const double w = 1e6;
   const double h = 1e-6;
   MatrixXd matrix(2, 2);
@@ -57,7 +57,7 @@ TEST(MatrixExponential, RefusesWhatIsNotFinite) {
 }
 
 TEST(LinearFlow, FollowsConstantAndLinearInputsExactly) {
-  // x' = -r x + r u: a first-order lag.
+  // The equation x' = -r x + r u is a first-order lag.
   const double r = 5e4;
   const double h = 1e-5;
   const LinearFlow flow(MatrixXd::Constant(1, 1, -r), MatrixXd::Constant(1, 1, r), h);
@@ -66,14 +66,14 @@ TEST(LinearFlow, FollowsConstantAndLinearInputsExactly) {
   flow.advance(values, next);
   EXPECT_NEAR(next[0], 1.0 + (0.3 - 1.0) * std::exp(-r * h), 1e-15);
   flow.addRamp(0, 0.5, next);
-  // Driven by a ramp the lag trails by 1/r once it has settled.
+  // A ramp drives the lag, which trails it by 1/r once it has settled.
   const double slope = 0.5 / h;
   const double ramped = 0.5 - slope / r * (1.0 - std::exp(-r * h));
   EXPECT_NEAR(next[0], 1.0 + (0.3 - 1.0) * std::exp(-r * h) + ramped, 1e-15);
 }
 
 TEST(LinearFlow, FollowsAParabolaExactly) {
-  // Twice integrated: x'' = w with w = 3 s - 5 s².
+  // The equation x'' = w is integrated twice, with w = 3 s - 5 s².
   MatrixXd A = MatrixXd::Zero(2, 2);
   A(0, 1) = 1.0;
   MatrixXd B = MatrixXd::Zero(2, 1);

@@ -63,7 +63,7 @@ TEST(Mechanism, RefusesWhatIsTooFastForTheStepAndNamesTheJoint) {
 }
 
 TEST(Mechanism, ItsForcesJoinAtTheirKinks) {
-  // Around each kink a state a little to either side gives nearly the same force.
+  // A state a little to either side of each kink gives nearly the same force.
   MechanismDescription description = driven(servoOf(500.0, 0.7, 1.0), 3e-7);
   auto& servo = std::get<ServoDescription>(description.drives[0].drive);
   servo.max_speed = 40.0;
@@ -179,7 +179,7 @@ TEST_P(Divergence, ACommandThatIsNoNumberIsOne) {
 }
 
 TEST_P(Divergence, AnUnstableLoopIsFound) {
-  // A current loop slower than the position loop: it swings up without end.
+  // The current loop is slower than the position loop: it swings up without end.
   ServoDescription servo = servoOf(1000.0, 0.3);
   servo.current_lag_s = 1e-3;
   const auto solver = solverOf(driven(servo, 3e-7), GetParam());

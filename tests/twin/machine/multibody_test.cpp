@@ -97,7 +97,7 @@ TEST(Multibody, GravityDoesNotMoveAHorizontalSlideButDropsAVerticalOne) {
 }
 
 TEST(Multibody, APendulumSwingsWithTheTermsOfItsVelocity) {
-  // A rotor about Wy with a slide on it: at speed w the slide is thrown out with w² r.
+  // A slide on a rotor about Wy at speed w is thrown out with w² r.
   Multibody body({{"arm", Kind::kRevolute, -1, {0, 0, 0}, Vector3d::UnitZ(), 1.0, 0.1},
                   {"bead", Kind::kPrismatic, 0, {0, 0, 0}, Vector3d::UnitX(), 0.2, 1e-6}});
   const double w = 7.0;

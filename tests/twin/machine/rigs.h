@@ -13,7 +13,7 @@ namespace kerfbench::twin {
 
 inline constexpr double kStep_s = 10e-6;
 
-/// The solvers that there are.
+/// Solvers under test.
 enum class Solve { kReference, kEveryStage, kFast };
 inline constexpr Solve kSolvers[] = {Solve::kReference, Solve::kEveryStage, Solve::kFast};
 std::ostream& operator<<(std::ostream& out, Solve solve);
@@ -43,7 +43,7 @@ using CommandFn = std::function<double(double time_s)>;
 using StepFn = std::function<void(double time_s)>;
 void run(Solver& solver, std::size_t drives, double from_s, double until_s, const CommandFn& command,
          const StepFn& each = {}, double step_s = kStep_s);
-/// Without drives.
+/// Runs a mechanism without drives.
 void run(Solver& solver, double until_s, const StepFn& each = {});
 
 }  // namespace kerfbench::twin

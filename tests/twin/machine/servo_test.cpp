@@ -42,7 +42,7 @@ TEST_P(Servo, AStepFollowsTheClosedForm) {
   EXPECT_NEAR(errorOfStep(GetParam(), kStep_s) / errorOfStep(GetParam(), 5e-6), 16.0, 2.0);
 }
 
-// How far behind a ramp the axis is in the end, as a time.
+// Final lag of the axis behind a ramp, as a time.
 double delayOfRamp(const ServoDescription& servo, Solve solve) {
   constexpr double kSpeed = 0.6;
   constexpr double kTime_s = 0.02;
@@ -68,7 +68,7 @@ TEST_P(Servo, GivesNoMoreThanItsTorque) {
   ServoDescription servo = servoOf(1200.0, 0.7);
   servo.max_torque = 0.01;
   const auto solver = solverOf(driven(servo, kInertia), GetParam());
-  // At the begin of a large step the torque stands at its limit: a parabola.
+  // The torque is at its limit at the begin of a large step: a parabola.
   run(
       *solver, 1, 0.0, 200e-6, [](double) { return 0.3; },
       [&](double t) { ASSERT_NEAR(solver->q()[0], 0.5 * 0.01 / kInertia * t * t, 1e-12); });
@@ -110,14 +110,14 @@ TEST_P(Servo, TheCurrentComesWithItsLag) {
 }
 
 TEST_P(Servo, AnElasticLoadRingsAtItsOwnFrequency) {
-  // Motor and mirror free: kicked against each other they swing at sqrt(k (1/Jm + 1/Jl)).
+  // The motor and the mirror are free: kicked against each other they swing at sqrt(k (1/Jm + 1/Jl)).
   MechanismDescription description;
   description.joints = {rotorOf("motor", 3e-7), rotorOf("mirror", 2e-7)};
   const double w = 2.0 * std::numbers::pi * 4000.0;
   const double reduced = 1.2e-7;
   description.couplings = {{1, 1.0, 0, -1.0, reduced * w * w, 2.0 * 0.01 * reduced * w, 0.0, 0.0}};
   description.joints[0].start_speed = 2.0;
-  description.joints[1].start_speed = -3.0;  // Without momentum.
+  description.joints[1].start_speed = -3.0;  // The initial momentum is zero.
   const auto solver = solverOf(description, GetParam());
   double worst = 0.0;
   const double wd = w * std::sqrt(1.0 - 1e-4);
@@ -130,7 +130,7 @@ TEST_P(Servo, AnElasticLoadRingsAtItsOwnFrequency) {
 }
 
 TEST_P(Servo, ALoadBehindPlayStaysUntilThePlayIsThrough) {
-  // A slow servo moves a motor there and back; friction holds the load meanwhile.
+  // The motor moves slowly there and back; friction holds the load meanwhile.
   constexpr double kPlay = 2e-3;
   MechanismDescription description = driven(servoOf(300.0, 0.7), 3e-7);
   description.joints.push_back(rotorOf("load", 2e-7));
@@ -147,7 +147,7 @@ TEST_P(Servo, ALoadBehindPlayStaysUntilThePlayIsThrough) {
     if (std::abs(t - 0.08) < 1e-9) forth = solver->q()[1] - 0.5 * solver->q()[0];
   });
   const double back = solver->q()[1] - 0.5 * solver->q()[0];
-  const double wind = (2e-4 + 1e-6 * 0.1) / 20.0;  // Of the shaft by the friction.
+  const double wind = (2e-4 + 1e-6 * 0.1) / 20.0;  // Winding of the shaft by the friction.
   EXPECT_NEAR(forth, -(0.5 * kPlay + wind), 1e-7);
   EXPECT_NEAR(back, 0.5 * kPlay + wind, 1e-7);
 }

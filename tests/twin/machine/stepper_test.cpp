@@ -10,7 +10,7 @@
 namespace kerfbench::twin {
 namespace {
 
-constexpr double kInertia = 8e-5;  // Rotor and load.
+constexpr double kInertia = 8e-5;  // Inertia of rotor and load.
 constexpr double kFullStep = 2.0 * std::numbers::pi / 200.0;
 
 class Stepper : public testing::TestWithParam<Solve> {};
@@ -56,7 +56,7 @@ TEST_P(Stepper, DetentPullsTowardsFullSteps) {
   stepper.damping_nm_s = 0.1;
   const auto solver = solverOf(driven(stepper, kInertia), GetParam());
   run(*solver, 1, 0.0, 0.2, [](double) { return 0.25 * kFullStep; });
-  // Balance of field and detent, by bisection.
+  // Rest position by bisection of the balance of field and detent.
   double low = 0.0;
   double high = 0.25 * kFullStep;
   for (int i = 0; i < 60; ++i) {
@@ -83,7 +83,8 @@ TEST_P(Stepper, ASmallSwingHasTheFrequencyOfItsMagneticSpring) {
   EXPECT_LT(worst, 5e-4 * amplitude);  // The sine is softer than its tangent.
 }
 
-// The equation of the header, written anew, by Runge-Kutta in fine steps with the same mean commands.
+// Rotor with the equation of the header, written anew, by Runge-Kutta in fine steps with the same mean
+// commands.
 class FineRotor {
  public:
   explicit FineRotor(const StepperDescription& stepper) : d_(stepper) {}
@@ -121,7 +122,7 @@ class FineRotor {
   StepperDescription d_;
 };
 
-// A ramp to a speed and down again in sixteenths of a step, as area means over the solver's steps.
+// Command of a ramp to a speed and down again in sixteenths of a step, as area means over the solver's steps.
 double rampCommand(double t, double speed, double acceleration) {
   const double ramp_s = speed / acceleration;
   constexpr double kRun_s = 0.05;
@@ -154,7 +155,7 @@ TEST_P(StepperRamp, LosesTheSameStepsAsAnIndependentFineIntegration) {
       double last = 0.0;
       for (long long i = 0; i < steps; ++i) {
         const double begin_s = static_cast<double>(i) * kStep_s;
-        // Any staircase will do, as long as both see the same.
+        // The staircase is arbitrary, as long as both see the same.
         last = staircase(begin_s + 0.5 * kStep_s, speed, acceleration);
         const DriveCommand command{last, last, last};
         solver->step(begin_s, {&command, 1});
@@ -165,7 +166,7 @@ TEST_P(StepperRamp, LosesTheSameStepsAsAnIndependentFineIntegration) {
       const long long lost = std::llround((last - solver->q()[0]) / tooth);
       EXPECT_EQ(lost, std::llround((last - fine.q) / tooth)) << acceleration << " rad/s² to " << speed;
       ++(lost == 0 ? kept_ramps : lost_ramps);
-      // At 40 mm a turn 1 um is 157 urad.
+      // The travel is 40 mm a turn: 1 um is 157 urad.
       if (lost == 0) {
         EXPECT_LT(worst, 20e-6) << acceleration << " rad/s² to " << speed;
       }

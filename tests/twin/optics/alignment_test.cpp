@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the spot does when an assumption of the paper's formula is broken. The reference figures were measured
+// Motion of the spot when an assumption of the paper's formula is broken. The reference figures were measured
 // with another ray trace, before this one was written, over mirror angles of ±0.15 rad (a field of 300 mm)
 // for L = 500 mm and d = 15 mm; they are the largest of random places and therefore up to 3 % below the
 // corners'.
 //
-// Centring: the spot's displacement at rest is taken off, as when the field is moved to where the beam at
+// Centring: the spot's displacement at rest is subtracted, as when the field is moved to where the beam at
 // rest falls. The mirrors are not turned for it.
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ Eigen::Vector2d formula(const Eigen::Vector2d& mirror_rad) {
   return {(std::hypot(500.0, y) + 15.0) * std::tan(2.0 * mirror_rad.x()), y};
 }
 
-// The largest distance from the formula's place over the field, after centring.
+// Largest distance from the formula's place over the field, after centring.
 double worst_mm(const ScanHeadDescription& description, const BeamDescription& beam = {},
                 const SurfaceDescription& board = {}) {
   const ScanHead head(description, beam);
@@ -61,8 +61,8 @@ TEST(Alignment, TheLaserBeamOneMillimetreOffTheXAxis) {
   expectAbout(worst_mm({}, {.offset_mm = {-1.0, 0.0}}), 0.046);
 }
 
-// The reference does not say about which point the beam was turned. Turned about the mirror it is 0.093 and
-// 0.075; about a point 100 mm before, where it then also passes the axis 0.1 mm off, 0.102 and 0.080.
+// The reference does not state the point about which the beam was turned. Turned about the mirror it is 0.093
+// and 0.075; about a point 100 mm before, where it then also passes the axis 0.1 mm off, 0.102 and 0.080.
 TEST(Alignment, TheLaserBeamTiltedByOneMilliradian) {
   expectAbout(worst_mm({}, {.offset_mm = {0.0, -0.1}, .tilt_rad = {1e-3, 0.0}}), 0.10);
   expectAbout(worst_mm({}, {.tilt_rad = {1e-3, 0.0}}), 0.093);
@@ -100,7 +100,7 @@ TEST(Alignment, ALowerPlaneMovesTheSpotAlongTheRay) {
   EXPECT_NEAR((below->p_WQ_mm - above->p_WQ_mm - expected).norm(), 0.0, 1e-12);
 }
 
-// Driven linearly a head without lens draws a pincushion in x only, and the tangent on both axes.
+// A head without lens that is driven linearly draws a pincushion in x only, and the tangent on both axes.
 TEST(Alignment, AnglesDrivenLinearlyGiveTheKnownDistortion) {
   const ScanHead head({}, {});
   const auto at = [&](double x_mm, double y_mm) {

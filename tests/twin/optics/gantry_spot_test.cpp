@@ -41,7 +41,7 @@ TEST(GantrySpot, AnOffsetMovesItAndATiltMovesItWithTheHeight) {
   const auto high = gantrySpot(kPlace_mm, beam, Surface({.height_mm = 10.0}), 0.0);
   ASSERT_TRUE(low && high);
   EXPECT_NEAR((low->p_WQ_mm - kPlace_mm - offset_mm).norm(), 0.0, 1e-12);
-  // Turned about +Wx the beam from above comes from -y, about +Wy from +x.
+  // The beam from above comes from -y if turned about +Wx, from +x if turned about +Wy.
   const Eigen::Vector2d lean = (high->p_WQ_mm - low->p_WQ_mm) / 10.0;
   EXPECT_NEAR(lean.norm(), std::tan(0.005), 1e-12);
   EXPECT_NEAR(lean.x() / lean.y(), 0.004 / -0.003, 1e-9);
@@ -57,7 +57,7 @@ TEST(GantrySpot, TiltedOrNotItsWaistLiesAtTheHeightOfFocus) {
 }
 
 TEST(GantrySpot, OnASlopeItIsStretchedOnlyAsSeenFromTheBeam) {
-  // Seen along Wz, which is the beam, the spot on any slope is round.
+  // The spot on any slope is round when seen along Wz, which is the beam.
   const auto spot = gantrySpot(kPlace_mm, {.rayleigh_mm = INFINITY}, Surface({.slope = {0.1, -0.05}}), 0.0);
   ASSERT_TRUE(spot);
   EXPECT_NEAR(spot->radius_x_mm, 0.105, 1e-15);

@@ -60,8 +60,8 @@ TEST(Lens, DecentredItMovesTheFieldAndTiltedItTurnsTheFocalPlane) {
   const Eigen::Vector2d moved = place(beside, {0.1, 0.12}) - place(straight, {0.1, 0.12});
   EXPECT_NEAR((moved - Eigen::Vector2d(1.5, -0.5)).norm(), 0.0, 1e-10);
 
-  // Turned about its principal point, the lens moves the spot at rest in second order only: the telecentric
-  // beam leaves along the lens's axis, f (tilt - tan tilt cos tilt …) beside.
+  // A lens that is turned about its principal point moves the spot at rest in second order only: the
+  // telecentric beam leaves along the lens's axis, displaced by f (tilt - tan tilt cos tilt …).
   const double tilt = 1e-3;
   const LensDescription tilted{.focal_length_mm = 500.0, .tilt_rad = {0.0, tilt}};
   EXPECT_LT(place(tilted, {0.0, 0.0}).norm(), 500.0 * tilt * tilt);
@@ -70,7 +70,7 @@ TEST(Lens, DecentredItMovesTheFieldAndTiltedItTurnsTheFocalPlane) {
   const LensDescription telecentric{
       .focal_length_mm = 500.0, .tilt_rad = {0.0, 0.02}, .incidence_ratio = 0.0};
   for (const double side : {-1.0, 1.0}) {
-    const double waist_mm = -side * 150.0 * std::tan(0.02);  // About +Wy: +x goes down.
+    const double waist_mm = -side * 150.0 * std::tan(0.02);  // The turn is about +Wy: +x goes down.
     const auto in_focus = spotOf(telecentric, {side * 0.15, 0.0}, waist_mm, beam);
     const auto out_of_focus = spotOf(telecentric, {side * 0.15, 0.0}, -waist_mm, beam);
     ASSERT_TRUE(in_focus && out_of_focus);
@@ -90,7 +90,7 @@ TEST(Lens, KeepsAFlatFieldInFocus) {
     const auto lower = spotOf(telecentric, {angle, angle}, 0.0, beam);
     EXPECT_NEAR(lower.value().radius_x_mm, 0.1 * std::hypot(1.0, 0.2), 1e-12);
   }
-  // Oblique: the ray is longer by its cosine, and the ellipse stretched by it.
+  // The incidence is oblique: the ray is longer by its cosine, and the ellipse stretched by it.
   const LensDescription oblique{.focal_length_mm = 500.0};
   const auto spot = spotOf(oblique, {0.15, 0.0}, 0.0, beam);
   ASSERT_TRUE(spot);

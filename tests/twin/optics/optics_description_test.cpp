@@ -18,7 +18,7 @@ using testing::Not;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One number of a description with values that are just fine and just not.
+// A number of a description with values that are just valid and just not.
 template <typename Description>
 struct Field {
   std::string name;
@@ -102,7 +102,7 @@ TEST(FaultsOf, ALensMustNotFoldItsFieldBack) {
     head.lens = LensDescription{.focal_length_mm = 500.0, .k1 = k1, .k2 = k2};
     return faultsOf(head);
   };
-  // 1 + 3 k1 t² + 5 k2 t⁴ > 0 up to t² = 0.49.
+  // The condition is 1 + 3 k1 t² + 5 k2 t⁴ > 0 up to t² = 0.49.
   EXPECT_EQ(faults(-0.68, 0.0), "");
   EXPECT_THAT(faults(-0.681, 0.0), HasSubstr("grow with the field angle"));
   EXPECT_EQ(faults(-2.0, 1.9), "") << "it grows again before the end, and never shrank";

@@ -71,7 +71,7 @@ TEST(ScanHead, AMirrorTurnedTooFarGivesNoSpot) {
       EXPECT_FALSE(spotOf(head, 0.0, far_rad)) << far_rad;
     }
     EXPECT_TRUE(spotOf(head, 0.3, 0.3));
-    // Turned by a right angle the first mirror throws the beam away from the last one, whose plane, endless
+    // The first mirror, turned by a right angle, throws the beam away from the last one, whose plane, endless
     // as it is, would still meet that ray's extension backwards.
     for (const double a : {-2.0 * quarter, 2.0 * quarter}) {
       for (const double b : {-2.0 * quarter, 2.0 * quarter})
@@ -80,7 +80,8 @@ TEST(ScanHead, AMirrorTurnedTooFarGivesNoSpot) {
   }
 }
 
-// Finite numbers or no spot, whatever the motors do: a diverging servo must not put NaN on the sheet.
+// The result must be finite numbers or no spot, whatever the motors do: a diverging servo must not put NaN on
+// the sheet.
 TEST(ScanHead, NoAngleEverGivesANumberThatIsNotFinite) {
   const CounterRandom random(1, 2);
   ScanHeadDescription with_lens;

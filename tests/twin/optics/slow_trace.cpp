@@ -21,7 +21,7 @@ Matrix3d turn(const Vector3d& rotation_rad) {
   return AngleAxisd(rotation_rad.norm(), rotation_rad.stableNormalized()).toRotationMatrix();
 }
 
-// The mirror's surface in H: turned about the axis through `place`, then moved along its own normal.
+// Surface of the mirror in H: turned about the axis through `place`, then moved along its own normal.
 Plane surfaceOf(const Vector3d& place, const Vector3d& axis, const Vector3d& rest, double angle,
                 double before_axis_mm) {
   const Vector3d normal = AngleAxisd(angle, axis).toRotationMatrix() * rest;
@@ -53,7 +53,7 @@ double distanceTo(const Board& board, const Line& ray) {
   return 0.5 * (near + far);
 }
 
-// The ray in the focal plane and its distance from there to the waist.
+// Ray in the focal plane and its distance from there to the waist.
 std::pair<Line, double> focused(const LensDescription& lens, double focus_z_mm, const Vector3d& direction) {
   Isometry3d X_WLens = Isometry3d::Identity();  // Lens frame: principal point, z up along the axis.
   X_WLens.translation() = Vector3d(lens.decentre_mm[0], lens.decentre_mm[1], lens.focal_length_mm);
@@ -75,7 +75,7 @@ std::pair<Line, double> focused(const LensDescription& lens, double focus_z_mm, 
 }  // namespace
 
 SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
-                   const Eigen::Vector2d& mirror_rad, const Board& board, const Eigen::Vector2d& beside_mm) {
+                   const Eigen::Vector2d& mirror_rad, const Board& board, const Eigen::Vector2d& offset_mm) {
   const double turned_rad = head.y_mirror_first ? -0.5 * std::numbers::pi : 0.0;
   const Matrix3d R_WH = AngleAxisd(turned_rad, Vector3d::UnitZ()).toRotationMatrix();
   const MirrorAlignment& first = head.y_mirror_first ? head.y : head.x;
@@ -95,7 +95,7 @@ SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
 
   const Matrix3d R_HBeam = turn({0, beam.tilt_rad[0], beam.tilt_rad[1]});
   const Vector3d entry = first_place + Vector3d(0, beam.offset_mm[0], beam.offset_mm[1]) +
-                         R_HBeam * Vector3d(0, beside_mm[0], beside_mm[1]);
+                         R_HBeam * Vector3d(0, offset_mm[0], offset_mm[1]);
   SlowSpot spot;
   const Line laser(entry, R_HBeam * Vector3d::UnitX());
   const Line between = mirrored(laser, first_surface, spot.path_mm);

@@ -15,15 +15,15 @@ using Board = std::function<double(const Eigen::Vector2d& p_WQ_mm)>;
 struct SlowSpot {
   Eigen::Vector3d p_W_mm;
   Eigen::Vector3d direction;
-  double path_mm{};     ///< From the first mirror's axis, along the beam; without a lens.
-  double defocus_mm{};  ///< From the waist to the board along the ray.
+  double path_mm{};     ///< Length of path from the first mirror's axis, along the beam; without a lens.
+  double defocus_mm{};  ///< Distance from the waist to the board along the ray.
 };
 
-/// The scan head once more, from its description's words: poses as matrices, mirrors as hyperplanes, the
+/// Scan head by an independent trace from its description: poses as matrices, mirrors as hyperplanes, the
 /// board found by bisection. No line of it is shared with ScanHead. The beam must reach the board.
-/// `beside_mm`: the ray runs beside the laser beam's axis by this, along Hy and Hz.
+/// `offset_mm`: displacement of the ray from the laser beam's axis, along Hy and Hz.
 SlowSpot slowTrace(const ScanHeadDescription& head, const BeamDescription& beam,
                    const Eigen::Vector2d& mirror_rad, const Board& board,
-                   const Eigen::Vector2d& beside_mm = Eigen::Vector2d::Zero());
+                   const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero());
 
 }  // namespace kerfbench::twin::test

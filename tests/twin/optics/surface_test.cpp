@@ -26,7 +26,7 @@ TEST(Surface, IsTheSumOfHeightSlopeCurlAndFlutter) {
   EXPECT_NEAR(Surface({.slope = {0.02, -0.03}}).height_mm(p, 0.0), 0.8 + 0.9, 1e-14);
   EXPECT_NEAR(Surface({.curvature_1_mm = {2e-4, -1e-4}}).height_mm(p, 0.0), 0.16 - 0.045, 1e-14);
   const SurfaceDescription wave{.flutter_mm = 0.3, .flutter_hz = 10.0, .flutter_wavelength_mm = 160.0};
-  // At x = 40 the wave is a quarter behind: -cos(2 pi f t).
+  // The wave at x = 40 is a quarter behind: -cos(2 pi f t).
   EXPECT_NEAR(Surface(wave).height_mm(p, 0.0), -0.3, 1e-12);
   EXPECT_NEAR(Surface(wave).height_mm(p, 0.025), 0.0, 1e-12);
   EXPECT_NEAR(Surface(wave).height_mm(p, 0.05), 0.3, 1e-12);
@@ -105,7 +105,7 @@ TEST(Surface, TheShortWaysForPlaneSurfacesAgreeWithTheLongOneToRounding) {
 }
 
 TEST(Surface, ALineThatPassesBesideItMeetsNothing) {
-  // z = x²/200 and x = x0 + z have no point in common for x0 > 50.
+  // The surfaces z = x²/200 and x = x0 + z have no point in common for x0 > 50.
   const Surface bowl({.curvature_1_mm = {0.01, 0.0}});
   EXPECT_TRUE(bowl.meet({49.0, 0.0}, {1.0, 0.0}, 0.0));
   EXPECT_FALSE(bowl.meet({51.0, 0.0}, {1.0, 0.0}, 0.0));

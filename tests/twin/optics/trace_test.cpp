@@ -63,7 +63,7 @@ SurfaceDescription someSurface(Draw& draw) {
           draw.within(3.0)};
 }
 
-// The surface's formula, written down once more.
+// Height by the surface's formula, written down once more.
 double heightOf(const SurfaceDescription& s, const Eigen::Vector2d& p, double time_s) {
   const Eigen::Vector2d slope(s.slope[0], s.slope[1]);
   const double bend = s.curvature_1_mm[0] * p.x() * p.x() + s.curvature_1_mm[1] * p.y() * p.y();
@@ -100,7 +100,7 @@ TEST_P(RandomHeads, HitTheSurfaceWhereTheSlowTraceDoesAsLargeAndAsFar) {
       const Eigen::Vector3d p(spot->p_WQ_mm.x(), spot->p_WQ_mm.y(), spot->height_mm);
       worst_mm = std::max(worst_mm, (p - slow.p_W_mm).norm());
       ASSERT_LT((p - slow.p_W_mm).norm(), 1e-9) << machine;
-      // The area of the footprint seen along Wz: pi w² over the cosine to the board, and that board's tilt.
+      // The area of the footprint seen along Wz is pi w² over the cosine to the board, and that board's tilt.
       const double s = slow.defocus_mm / beam.rayleigh_mm;
       const double w2 = beam.waist_radius_mm * beam.waist_radius_mm * (1.0 + s * s);
       constexpr double kStep_mm = 1e-3;
@@ -122,7 +122,7 @@ TEST_P(RandomHeads, HitTheSurfaceWhereTheSlowTraceDoesAsLargeAndAsFar) {
 INSTANTIATE_TEST_SUITE_P(Trace, RandomHeads, testing::Values(false, true),
                          [](const auto& instance) { return instance.param ? "WithLens" : "WithoutLens"; });
 
-// On a plane board the footprint of parallel rays is an affine picture of the beam's cross-section: the rim's
+// The footprint of parallel rays on a plane board is an affine picture of the beam's cross-section: the rim's
 // mean of q qᵀ is S / 2 exactly.
 TEST(Footprint, IsThePictureOfTheBeamsRimOnAPlaneBoard) {
   constexpr int kRays = 12;
@@ -149,7 +149,7 @@ TEST(Footprint, IsThePictureOfTheBeamsRimOnAPlaneBoard) {
   }
 }
 
-// A Gaussian bundle of rays on a curled board at the corner of the field, where the ellipse is oblique.
+// The rays are a Gaussian bundle on a curled board at the corner of the field, where the ellipse is oblique.
 TEST(Footprint, IsTheSpreadOfAGaussianBundleOfRays) {
   constexpr int kRays = 20000;
   const CounterRandom random(3, 4);
@@ -177,8 +177,8 @@ TEST(Footprint, IsTheSpreadOfAGaussianBundleOfRays) {
   EXPECT_GT(spot->correlation, 0.05);
 }
 
-// Post-objective scanning: the waist is as far from the tube wherever the mirrors point, so that it rises off
-// the board towards the edges of the field.
+// The scan is post-objective: the waist is equally far from the tube for any mirror angles, so that it rises
+// off the board towards the edges of the field.
 TEST(Caustic, TheRadiusIsThatOfTheRealLengthOfPath) {
   const BeamDescription beam{.waist_radius_mm = 0.1, .rayleigh_mm = 15.0, .focus_z_mm = 2.0};
   const ScanHeadDescription head;
@@ -186,7 +186,7 @@ TEST(Caustic, TheRadiusIsThatOfTheRealLengthOfPath) {
   const auto smallest = [&](const Eigen::Vector2d& mirror_rad, double height_mm) {
     const auto spot =
         fast.spotAt(mirror_rad, Eigen::Vector2d::Zero(), Surface({.height_mm = height_mm}), 0.0);
-    // On a level board the ellipse's minor axis is the beam's own radius.
+    // The ellipse's minor axis on a level board is the beam's own radius.
     return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(matrixOf(*spot)).eigenvalues()[0]);
   };
   for (const double height_mm : {-30.0, 0.0, 2.0, 5.0, 40.0}) {
@@ -204,7 +204,8 @@ TEST(Caustic, TheRadiusIsThatOfTheRealLengthOfPath) {
   EXPECT_GT(smallest({0.15, 0.15}, 0.0), 0.3);
 }
 
-// A bowl z = x²/200 and a ray down along -x: at x = 30 it meets the board's face well, at x = 86 too flat.
+// The board is a bowl z = x²/200 and the ray goes down along -x: at x = 30 it meets the board's face well, at
+// x = 86 too flat.
 TEST(Caustic, ABoardThatTheBeamOnlyGrazesHasNoSpot) {
   const Surface bowl({.curvature_1_mm = {0.01, 0.0}});
   const BeamCaustic caustic(0.1, 20.0);

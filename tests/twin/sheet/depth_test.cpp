@@ -54,7 +54,7 @@ void cutLine(Sheet& sheet, const Vector2d& from_mm, const Vector2d& to_mm, doubl
              power_w * (to_mm - from_mm).norm() / speed_mm_s);
 }
 
-/// Speed, spot diameter, direction.
+/// Test of a straight cut by speed, spot diameter and direction.
 class StraightCut : public testing::TestWithParam<std::tuple<double, double, double>> {};
 
 TEST_P(StraightCut, IsAsDeepAsItsPowerOverSpeedAndSpotSays) {
@@ -64,7 +64,7 @@ TEST_P(StraightCut, IsAsDeepAsItsPowerOverSpeedAndSpotSays) {
   for (int i = 1; i <= 60; ++i) {
     const double p_ua_j_mm2 = 0.01 * i;
     Sheet sheet(experimentalBoard());
-    const Vector2d middle(0.00137 * i - 3.0, 7.0 - 0.0031 * i);  // Anywhere between the nodes.
+    const Vector2d middle(0.00137 * i - 3.0, 7.0 - 0.0031 * i);  // The place is anywhere between the nodes.
     const double power_w = p_ua_j_mm2 * speed_mm_s * spot_mm;
     cutLine(sheet, middle - 1.5 * along, middle + 1.5 * along, 0.5 * spot_mm, power_w, speed_mm_s);
     for (const double station_mm : {-0.513, 0.0, 0.249}) {
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(SpeedSpotDirection, StraightCut,
                                           testing::Values(0.15, 0.21, 0.35, 0.5),
                                           testing::Values(0.0, 0.4, 0.7853981634, 1.5707963268, 2.3)));
 
-/// Peak fluence of the cut over the fluence that cuts through.
+/// Test by the peak fluence of the cut over the fluence that cuts through.
 class OpenKerf : public testing::TestWithParam<double> {};
 
 TEST_P(OpenKerf, IsAsWideAsTheGaussianIsAboveTheFluenceThatCuts) {
@@ -209,7 +209,7 @@ TEST(Scorch, TouchesBoardThatWasNotBurnt) {
   EXPECT_FALSE(sheet.untouched({-0.05, 0.0}, {0.05, 0.1}));
   EXPECT_TRUE(sheet.untouched({0.35, 0.0}, {0.45, 0.1}));
   EXPECT_TRUE(sheet.untouched({-0.85, 0.0}, {-0.75, 0.1}));
-  board.scorch.darkening = 0.0;  // Scorched, but nobody sees it.
+  board.scorch.darkening = 0.0;  // The board is scorched invisibly.
   Sheet invisible(board);
   cutLine(invisible, {0.0, -2.0}, {0.0, 2.0}, 0.105, 0.3 * 300.0 * 0.21, 300.0);
   EXPECT_TRUE(invisible.untouched({0.75, 0.0}, {0.85, 0.1}));

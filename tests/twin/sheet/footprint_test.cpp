@@ -78,7 +78,8 @@ TEST_P(SlantedSpot, HasItsMomentsItsPeakAndAllItsEnergy) {
       EXPECT_LT((found.centre_mm - spot.p_SQ_mm).norm(), 1e-5);
       EXPECT_LT((found.covariance_mm2 - expected).norm(), 1e-3 * expected.norm());
       const double peak = gaussian(Vector2d::Zero(), expected, 2e-3);
-      const double share = std::abs(GetParam()) < 0.7 ? 1e-3 : 5e-3;  // 0.05 mm across, two and a half nodes.
+      // The footprint is 0.05 mm across, two and a half nodes.
+      const double share = std::abs(GetParam()) < 0.7 ? 1e-3 : 5e-3;
       EXPECT_NEAR(sheet.fluenceAt(spot.p_SQ_mm), peak, share * peak);
       for (double angle = 0.0; angle < 6.28; angle += 0.37) {
         const Vector2d p = 0.09 * Vector2d(std::cos(angle), std::sin(angle));
@@ -106,7 +107,7 @@ TEST(Slanted, KeepsItsEnergyHoweverSlimOrSmall) {
 }
 
 TEST(Slanted, IsTheSameAsAStraightOneSeenFromTheSide) {
-  // An ellipse of 0.14 and 0.09 along S's axes, and the same turned by 30 degrees.
+  // The ellipse has 0.14 and 0.09 along S's axes; the second is turned by 30 degrees.
   Sheet straight{BoardDescription{}};
   Sheet turned{BoardDescription{}};
   const Footprint plain{{0.5, 0.5}, 0.14, 0.09};
@@ -152,12 +153,12 @@ TEST(Slanted, MustBeAnEllipse) {
   }
 }
 
-Footprint onArc(double radius_mm, double way_mm) {
-  const double angle = way_mm / radius_mm;
+Footprint onArc(double radius_mm, double arc_mm) {
+  const double angle = arc_mm / radius_mm;
   return {{0.0137 + radius_mm * std::cos(angle), radius_mm * std::sin(angle)}, 0.105, 0.105};
 }
 
-/// Chord length: the cut of an arc in chords against the same in steps of 3 um.
+/// Test by chord length: the cut of an arc in chords compared with one in steps of 3 um.
 class Chords : public testing::TestWithParam<double> {};
 
 TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {
@@ -174,8 +175,8 @@ TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {
   };
   cut(fine, 0.003);
   cut(coarse, GetParam());
-  const auto crest = [&](const Sheet& sheet, double way_mm) {  // Centroid across the cut, from its circle.
-    const Vector2d on = onArc(radius_mm, way_mm).p_SQ_mm;
+  const auto crest = [&](const Sheet& sheet, double arc_mm) {  // Centroid across the cut, from its circle.
+    const Vector2d on = onArc(radius_mm, arc_mm).p_SQ_mm;
     const Vector2d out = (on - Vector2d(0.0137, 0.0)) / radius_mm;
     double sum = 0.0, moment = 0.0;
     for (double r = -0.25; r <= 0.25; r += 0.002) {
@@ -186,9 +187,9 @@ TEST_P(Chords, BendTheCutByNoMoreThanTheHeaderSays) {
     return moment / sum;
   };
   const double shift_mm = GetParam() * GetParam() / (12.0 * radius_mm);
-  for (double way_mm = 0.35; way_mm < 0.85; way_mm += 0.0113) {
-    EXPECT_NEAR(crest(fine, way_mm) - crest(coarse, way_mm), shift_mm, 0.25 * shift_mm + 2e-6);
-    const Vector2d on = onArc(radius_mm, way_mm).p_SQ_mm;
+  for (double arc_mm = 0.35; arc_mm < 0.85; arc_mm += 0.0113) {
+    EXPECT_NEAR(crest(fine, arc_mm) - crest(coarse, arc_mm), shift_mm, 0.25 * shift_mm + 2e-6);
+    const Vector2d on = onArc(radius_mm, arc_mm).p_SQ_mm;
     EXPECT_NEAR(coarse.fluenceAt(on), fine.fluenceAt(on), 5e-4 * fine.fluenceAt(on));
   }
 }

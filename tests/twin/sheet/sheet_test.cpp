@@ -20,7 +20,7 @@ const double kLinePeak = std::sqrt(2.0 / std::numbers::pi) * kPowerW / kSpeedMmS
 
 Footprint spotAt(const Vector2d& p_S_mm) { return {p_S_mm, kRadiusMm, kRadiusMm}; }
 
-/// A straight cut in steps of 10 µs, as the twin makes it.
+/// Cuts a straight line in steps of 10 µs, as the twin does.
 void cutLine(Sheet& sheet, const Vector2d& start_mm, const Vector2d& end_mm, double power_w = kPowerW) {
   const double step_s = 10e-6;
   const double length_mm = (end_mm - start_mm).norm();

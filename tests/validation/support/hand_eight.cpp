@@ -14,7 +14,7 @@ constexpr double kMetre_mm = 1000.0;
 
 double square(double value) { return value * value; }
 
-// Rises from 0 without a jolt, so that no integrator is judged by how it meets a step.
+// Motion that rises from 0 without a jolt, so that no integrator is judged by its reaction to a step.
 double soft(double time_s) { return 1.0 - std::exp(-square(time_s / 4e-3)); }
 
 }  // namespace
@@ -40,7 +40,7 @@ EightJoints::Values EightJoints::forces(const Command& command, const Values& q,
     return inertia * (wn * wn * error - 2.0 * zeta * wn * speed);
   };
   const auto twist = [this](double angle, double speed) {
-    // Of rotor and mirror against each other.
+    // Natural frequency of rotor and mirror against each other.
     const double wn = kTurn * twist_hz;
     return -mirror_kg_m2 * rotor_kg_m2 / (mirror_kg_m2 + rotor_kg_m2) *
            (wn * wn * angle + 2.0 * twist_damping * wn * speed);
@@ -63,7 +63,7 @@ EightJoints::Values EightJoints::forces(const Command& command, const Values& q,
   return f;
 }
 
-// Lagrange, with T = 1/2 (J_r phi'² + m_b s'² + M_x x'² + M_y y'²)
+// Accelerations by Lagrange, with T = 1/2 (J_r phi'² + m_b s'² + M_x x'² + M_y y'²)
 //   + 1/2 m |(x' - e sin(a) a', y' - e cos(a) a')|² + 1/2 J_rot a'² + 1/2 J_mir (a' + alpha')²
 //   + 1/2 m |(x', y' - e sin(b) b', e cos(b) b')|²  + 1/2 J_rot b'² + 1/2 J_mir (b' + beta')²
 // and V = m g e sin(b). The twists follow from the rest and leave four unknowns x'', y'', a'', b''.
@@ -73,14 +73,14 @@ EightJoints::Values EightJoints::accelerations(const Values& q, const Values& v,
   const double sin_b = std::sin(q[kRotorB]), cos_b = std::cos(q[kRotorB]);
   const double a2 = square(v[kRotorA]), b2 = square(v[kRotorB]);
   const double shaft = rotor_kg_m2 + me * unbalance_m;
-  // Rows: x, y, a, b. The mirror's inertia leaves the rows of a and b with its twist.
+  // The rows are x, y, a, b. The mirror's inertia leaves the rows of a and b with its twist.
   const double mass_x = bridge_kg + carriage_kg + 2.0 * mirror_kg;
   const double mass_y = carriage_kg + 2.0 * mirror_kg;
   const double right_x = force[kX] + me * cos_a * a2;
   const double right_y = force[kY] - me * sin_a * a2 + me * cos_b * b2;
   const double right_a = force[kRotorA] - force[kTwistA];
   const double right_b = force[kRotorB] - force[kTwistB] - me * gravity_m_s2 * cos_b;
-  // a'' and b'' from their rows, put into those of x and y:
+  // The accelerations a'' and b'' from their rows, put into those of x and y:
   //   shaft a'' = right_a + me (sin a x'' + cos a y''),  shaft b'' = right_b + me sin b y''.
   const double share = me / shaft;
   const double xx = mass_x - me * share * sin_a * sin_a;

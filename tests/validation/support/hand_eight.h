@@ -31,25 +31,25 @@ struct EightJoints {
   enum Joint : std::size_t { kRoller, kBelt, kX, kY, kRotorA, kTwistA, kRotorB, kTwistB };
   using Values = std::array<double, kCount>;
 
-  /// What the drives are told: roller, gantry x, gantry y (rad, m), shaft A, shaft B.
+  /// Commands of the drives: roller, gantry x, gantry y (rad, m), shaft A, shaft B.
   static constexpr std::size_t kDrives = 5;
   using Command = std::array<double, kDrives>;
   /// A smooth motion from rest.
   [[nodiscard]] static Command smooth(double time_s);
-  /// A slower one, that pulses can follow.
+  /// A slower motion, which pulses can follow.
   [[nodiscard]] static Command slow(double time_s);
   /// Force or torque in each joint, without gravity.
   [[nodiscard]] Values forces(const Command& command, const Values& q, const Values& v) const;
-  /// By hand: the mass matrix in closed form.
+  /// Accelerations by hand: the mass matrix in closed form.
   [[nodiscard]] Values accelerations(const Values& q, const Values& v, const Values& force) const;
 
   [[nodiscard]] static Eigen::Vector2d gantry_mm(const Values& q);
   [[nodiscard]] static double belt_mm(const Values& q);
-  /// Where a head with L = 500 mm, d = 15 mm on the carriage would put its spot, by S4's formula.
+  /// Spot of a head with L = 500 mm, d = 15 mm on the carriage, by S4's formula.
   [[nodiscard]] static Eigen::Vector2d spot_mm(const Values& q);
 };
 
-/// The truth: RK4 in steps of 0.2 us from rest. A staircase of pulses on the grid of the steps is held over
+/// Truth by RK4 in steps of 0.2 us from rest. A staircase of pulses on the grid of the steps is held over
 /// each step, so that no edge is ever smeared.
 class HandEight {
  public:

@@ -10,15 +10,15 @@
 
 namespace kerfbench::validation {
 
-/// The spot of a machine while pulses ask for a motion.
+/// Spot of a machine while pulses command a motion.
 struct MachineRun {
-  std::vector<double> time_s;            ///< Of each step's end, from the motion's begin.
+  std::vector<double> time_s;            ///< Time of each step's end, from the motion's begin.
   std::vector<Eigen::Vector2d> spot_mm;  ///< NaN where the beam misses the board.
-  std::vector<twin::LostSteps> lost;     ///< Times from the motion's begin.
+  std::vector<twin::LostSteps> lost;     ///< Lost steps, with times from the motion's begin.
 };
 
-/// Runs mirrors or gantry through `motion` and `tail_s` longer. Mirrors get the pulses that S4's formula asks
-/// for on the nominal head. Before, they go slowly to the motion's start and come to rest.
+/// Runs mirrors or gantry through `motion` and `tail_s` longer. Mirrors get the pulses of S4's formula on the
+/// nominal head. Before, they go slowly to the motion's start and come to rest.
 MachineRun runMachine(const twin::MachineDescription& machine, const twin::WebDescription& web,
                       const Motion& motion, double tail_s, twin::Fidelity fidelity);
 

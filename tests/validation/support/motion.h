@@ -18,17 +18,18 @@ struct Speeds {
   double begin_mm_s{};
   double top_mm_s{};
   double end_mm_s{};
-  double acceleration_mm_s2{std::numeric_limits<double>::infinity()};  ///< Infinite: `top` from end to end.
+  /// Acceleration; infinite: `top` from end to end.
+  double acceleration_mm_s2{std::numeric_limits<double>::infinity()};
 };
 
-/// A path of lines and arcs over time, the validation's own motion planner: it does what it is told and
+/// A path of lines and arcs over time, the validation's own motion planner: it follows the given pieces and
 /// smooths nothing.
 class Motion {
  public:
   explicit Motion(const Eigen::Vector2d& start_mm) : pen_mm_(start_mm) {}
 
   void line(const Eigen::Vector2d& to_mm, const Speeds& speeds, bool lit);
-  /// Around `centre_mm` by `turn_rad`, positive counter-clockwise.
+  /// Adds an arc around `centre_mm` by `turn_rad`, positive counter-clockwise.
   void arc(const Eigen::Vector2d& centre_mm, double turn_rad, const Speeds& speeds, bool lit);
   void rest(double time_s);
 
@@ -39,7 +40,7 @@ class Motion {
   [[nodiscard]] std::vector<std::pair<double, double>> lit_s() const;
   /// Distance of a point from a lit piece, by its index in lit_s().
   [[nodiscard]] double distance_mm(const Eigen::Vector2d& p_mm, std::size_t lit_piece) const;
-  /// And from the nearest.
+  /// Distance of a point from the nearest lit piece.
   [[nodiscard]] double distance_mm(const Eigen::Vector2d& p_mm) const;
 
  private:
@@ -49,7 +50,7 @@ class Motion {
     double up_s{}, flat_s{};
     Eigen::Vector2d from_mm{Eigen::Vector2d::Zero()}, to_mm{Eigen::Vector2d::Zero()};
     Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};
-    double turn_rad{};  ///< 0: a line.
+    double turn_rad{};  ///< Turn of an arc; 0: a line.
     bool lit{};
   };
   void add(Piece piece);
@@ -62,20 +63,20 @@ class Motion {
   std::vector<Piece> pieces_;
 };
 
-/// S4's formula (2), written again: mirror angles for a spot on the resting sheet.
+/// Formula (2) of S4, written again: mirror angles for a spot on the resting sheet.
 struct PaperHead {
   double throw_mm{500.0};
   double spacing_mm{15.0};
   [[nodiscard]] Eigen::Vector2d angles_rad(const Eigen::Vector2d& p_mm) const;
-  /// Formula (1).
+  /// Spot by formula (1).
   [[nodiscard]] Eigen::Vector2d spot_mm(const Eigen::Vector2d& angles_rad) const;
 };
 
 /// Pulses lie on this grid, so that an integrator of that step never has to split one.
 inline constexpr double kPulseGrid_s = 0.2e-6;
 
-/// The pulses that keep a drive's command within half a step of `target` over [0, end_s]; it starts at 0.
-/// @throws std::invalid_argument if the target asks for more than one pulse in a slot of the grid.
+/// Pulses that keep a drive's command within half a step of `target` over [0, end_s]; it starts at 0.
+/// @throws std::invalid_argument if the target needs more than one pulse in a slot of the grid.
 std::vector<twin::StepEdge> pulsesFor(const std::function<double(double time_s)>& target, double step,
                                       double end_s);
 

@@ -11,10 +11,11 @@ namespace kerfbench::validation {
 /// A finished study.
 struct Chapter {
   Section section;
-  bool clock{false};  ///< Stands under its own heading at the end: it differs from run to run.
+  /// True if the chapter stands under its own heading at the end: it differs from run to run.
+  bool clock{false};
 };
 
-/// Writes the page and, in the folder `validation` beside it, its pictures. Pictures there that the page no
+/// Writes the page and, in the folder `validation` next to it, its pictures. Pictures there that the page no
 /// longer shows are deleted.
 void writePage(const std::filesystem::path& page, const std::vector<Chapter>& chapters);
 

@@ -6,7 +6,7 @@
 
 namespace kerfbench::validation {
 
-/// One classical Runge-Kutta step of y' = f(t, y) from `time_s`. `f(time_s, y, derivative)`.
+/// Makes one classical Runge-Kutta step of y' = f(t, y) from `time_s`. `f(time_s, y, derivative)`.
 template <std::size_t N, typename F>
 void rk4Step(std::array<double, N>& y, double time_s, double step_s, const F& f) {
   std::array<double, N> k1{}, k2{}, k3{}, k4{}, at{};

@@ -11,15 +11,16 @@ namespace kerfbench::validation {
 struct Claim {
   enum class Relation { kAtMost, kAtLeast };
 
-  std::string says;  ///< What holds, in words: "largest error of the spot at 10 us".
+  std::string says;  ///< Claim in words: "largest error of the spot at 10 us".
   double measured{};
   Relation relation{Relation::kAtMost};
   double limit{};
   std::string unit;
-  /// Below this the figure is rounding and the page says so instead of digits that a library may change.
+  /// Value below which the figure is rounding and the page says so instead of digits that a library may
+  /// change.
   double floor{};
 
-  /// False for NaN.
+  /// Whether the claim holds; false for NaN.
   [[nodiscard]] bool holds() const;
 };
 
@@ -39,7 +40,7 @@ struct Section {
 
   void atMost(std::string says, double measured, double limit, std::string unit, double floor = 0.0);
   void atLeast(std::string says, double measured, double limit, std::string unit);
-  /// Every claim holds. A section without claims proves nothing and does not pass.
+  /// True if every claim holds. A section without claims proves nothing and does not pass.
   [[nodiscard]] bool pass() const;
 };
 
@@ -49,7 +50,7 @@ void raiseTo(double& worst, double value);
 /// A table in Markdown, columns aligned to the right but for the first.
 std::string markdownTable(const std::vector<std::string>& head,
                           const std::vector<std::vector<std::string>>& rows);
-/// Three significant digits; "< floor" below it.
+/// Number with three significant digits; "< floor" below the floor.
 std::string figureText(double value, double floor = 0.0);
 
 }  // namespace kerfbench::validation

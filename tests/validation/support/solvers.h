@@ -9,11 +9,11 @@
 
 namespace kerfbench::validation {
 
-/// The solver of a fidelity, as the machine would have it.
+/// Solver of a fidelity, as the machine would have it.
 std::unique_ptr<twin::Solver> solverOf(std::shared_ptr<const twin::Mechanism> mechanism, double step_s,
                                        twin::Fidelity fidelity);
 
-/// "reference", "fast".
+/// Name of a fidelity: "reference", "fast".
 std::string nameOf(twin::Fidelity fidelity);
 
 }  // namespace kerfbench::validation

@@ -179,7 +179,7 @@ std::string curve(const PlotLine& line, const PlotAxis& x_axis, const PlotAxis& 
 
 }  // namespace
 
-std::string sampled(const LinePlot& plot) {
+std::string svgOf(const LinePlot& plot) {
   Range x_range = rangeOf(plot, 0);
   Range y_range = rangeOf(plot, 1);
   if (plot.equal_scales) equalise(x_range, y_range);
@@ -219,7 +219,7 @@ namespace {
 
 constexpr double kCellW = 66.0, kCellH = 30.0, kSide = 116.0, kCellTop = 36.0;
 
-// The limit: a line between cells on its two sides.
+// Line of the limit between cells on its two sides.
 std::string limitLine(const CellPlot& plot) {
   const auto holds = [&](std::size_t r, std::size_t c) { return plot.value.at(r).at(c) <= plot.limit; };
   const auto line = [](double x1, double y1, double x2, double y2) {
@@ -242,7 +242,7 @@ std::string limitLine(const CellPlot& plot) {
 
 }  // namespace
 
-std::string sampled(const CellPlot& plot) {
+std::string svgOf(const CellPlot& plot) {
   const double width = kSide + kCellW * static_cast<double>(plot.columns.size()) + 20.0;
   const double height = 78.0 + kCellH * static_cast<double>(plot.rows.size()) + 20.0;
   std::string svg = head(width, height, plot.title);

@@ -23,7 +23,7 @@ struct PlotLine {
 };
 
 struct PlotLimit {
-  double value{};  ///< On the y axis.
+  double value{};  ///< Value on the y axis.
   std::string name;
 };
 
@@ -33,20 +33,20 @@ struct LinePlot {
   PlotAxis x, y;
   std::vector<PlotLine> lines;
   std::vector<PlotLimit> limits{};
-  bool equal_scales{false};  ///< One unit is as long along y as along x: a picture of a path.
+  bool equal_scales{false};  ///< True if one unit is as long along y as along x: a picture of a path.
 };
 
 /// A field of numbered cells, coloured from good (limit or less) to bad.
 struct CellPlot {
   std::string title, x_label, y_label;
   std::vector<std::string> columns, rows;
-  std::vector<std::vector<double>> value;      ///< [row][column]
-  std::vector<std::vector<std::string>> text;  ///< What stands in the cell.
+  std::vector<std::vector<double>> value;      ///< Values, [row][column].
+  std::vector<std::vector<std::string>> text;  ///< Texts of the cells.
   double limit{};                              ///< Cells above it are drawn in red tones.
 };
 
-/// A whole SVG document, the same bytes for the same plot.
-std::string sampled(const LinePlot& plot);
-std::string sampled(const CellPlot& plot);
+/// Plot as a whole SVG document, the same bytes for the same plot.
+std::string svgOf(const LinePlot& plot);
+std::string svgOf(const CellPlot& plot);
 
 }  // namespace kerfbench::validation

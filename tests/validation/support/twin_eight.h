@@ -9,10 +9,10 @@
 
 namespace kerfbench::validation {
 
-/// The machine of eight joints put together from the twin's parts.
+/// Machine of eight joints composed of the twin's parts.
 std::shared_ptr<const twin::Mechanism> twinEight(const EightJoints& machine);
 
-/// Its joints in the order of EightJoints.
+/// Joints of the twin in the order of EightJoints.
 EightJoints::Values jointsOf(std::span<const double> q);
 
 /// Largest distances from the truth.

@@ -16,7 +16,7 @@ using Eigen::Vector4d;
 Matrix3d turn(const Vector3d& rotation_rad) {
   const double angle = rotation_rad.norm();
   if (angle == 0.0) return Matrix3d::Identity();
-  Matrix3d k;  // Rodrigues.
+  Matrix3d k;  // Cross-product matrix of Rodrigues' formula.
   const Vector3d u = rotation_rad / angle;
   k << 0.0, -u.z(), u.y(), u.z(), 0.0, -u.x(), -u.y(), u.x(), 0.0;
   return Matrix3d::Identity() + std::sin(angle) * k + (1.0 - std::cos(angle)) * k * k;
@@ -27,7 +27,7 @@ Matrix4d mirrorImage(const Vector3d& place, const Vector3d& axis, const Vector3d
                      const Vector3d& tilt_rad, const twin::MirrorAlignment& alignment, double motor_rad) {
   const Matrix3d tilt = turn(tilt_rad);
   const double angle = alignment.zero_rad + alignment.scale * motor_rad;
-  // The axis is tilted; the mirror is glued on so that at rest it stands as sampled.
+  // The axis is tilted; the mirror is glued on so that at rest it stands as drawn.
   const Vector3d n = turn(angle * (tilt * axis)) * rest.normalized();
   Matrix4d image = Matrix4d::Identity();
   image.topLeftCorner<3, 3>() -= 2.0 * n * n.transpose();
@@ -37,7 +37,7 @@ Matrix4d mirrorImage(const Vector3d& place, const Vector3d& axis, const Vector3d
 
 Eigen::Vector2d throughLens(const twin::LensDescription& lens, const Vector3d& direction) {
   const Matrix3d tilt = turn({lens.tilt_rad[0], lens.tilt_rad[1], 0.0});
-  const Vector3d d = tilt.transpose() * direction;  // Seen by the lens.
+  const Vector3d d = tilt.transpose() * direction;  // Direction as the lens sees it.
   const double radius = std::hypot(d.x(), d.y());
   const double field = std::atan2(radius, -d.z());
   const double r =
@@ -61,7 +61,7 @@ Eigen::Vector2d unfoldedSpot_mm(const twin::ScanHeadDescription& head, const twi
   Matrix4d first, last;
   Vector3d origin, ray;
   if (head.y_mirror_first) {
-    // Hx = -Wy, Hy = +Wx.
+    // Axes: Hx = -Wy, Hy = +Wx.
     first = mirrorImage({-d, 0, l}, {0, 0, 1}, {1, 1, 0}, {first_tilt[1], -first_tilt[0], 0.0}, head.y,
                         mirror_rad.y());
     last = mirrorImage({0, 0, l}, {0, -1, 0}, {-1, 0, -1}, {last_tilt[0], 0.0, last_tilt[1]}, head.x,

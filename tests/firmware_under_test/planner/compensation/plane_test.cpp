@@ -30,7 +30,7 @@ std::vector<std::vector<Segment>> pathsOf(const Offset& offset) {
   return paths;
 }
 
-/// The offset of healed contours, which samples find right.
+/// Offset of healed contours, which samples confirm.
 Offset checked(std::vector<Contour> contours, double radius) {
   for (Contour& contour : contours) contour = healed(contour, 0.002);
   Offset offset = offsetContours(contours, radius);
@@ -81,7 +81,7 @@ TEST(PlaneOffset, SharpCornersGetAnArc) {
   EXPECT_EQ(offset.joints[2].kind, JointKind::kExtended);
 }
 
-/// Each pair of neighbours with each way to join them, on both sides.
+/// Tests each pair of neighbours with each kind of joint, on both sides.
 TEST(PlaneOffset, AllJointsOfLinesAndArcs) {
   int shortened = 0;
   int extended = 0;
@@ -256,7 +256,8 @@ TEST(PlaneOffset, CuspsOfArcsAreJoinedOnBothSides) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
     Contour c = cusp;
     c.side = side;
-    // Between the arcs samples near the tip do not tell on which side of them they lie: they are 1 um apart.
+    // Samples near the tip between the arcs do not show on which side of them they lie: the arcs are 1 um
+    // apart.
     const Offset offset = side == Side::kLeft ? checked({c}, 0.3) : offsetContours({c}, 0.3);
     EXPECT_NEAR(std::abs(offset.joints[0].turn_rad), kPi, 1e-6);
     EXPECT_EQ(offset.joints[0].kind, side == Side::kLeft ? JointKind::kInserted : JointKind::kShortened);
@@ -339,7 +340,7 @@ TEST(PlaneOffset, OpenChainsKeepTheirSideAndStopWhereTheyWouldBurn) {
   const Contour hook{polygon({{0.0, 0.0}, {5.0, 0.0}, {5.0, 0.3}, {0.0, 0.3}}), Side::kLeft, false};
   Contour open = hook;
   open.segments.pop_back();
-  const Offset inside = checked({open}, 0.2);  // between its own legs
+  const Offset inside = checked({open}, 0.2);  // The contour lies between its own legs.
   EXPECT_TRUE(inside.paths.empty());
   EXPECT_FALSE(inside.lost.empty());
   open.side = Side::kRight;

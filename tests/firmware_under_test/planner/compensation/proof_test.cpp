@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proof in short; in full: kerfplan prove-compensation, docs/explanation/compensation.md.
+// Short form of the proof; in full: kerfplan prove-compensation, docs/explanation/compensation.md.
 #include "firmware_under_test/planner/compensation/proof.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(Proof, HoldsOnACoarseGrid) {
   EXPECT_TRUE(proof.holds());
 }
 
-/// So that the checker is known to see: the joints of the paper's text, which protect B alone.
+/// The checker must report a known fault: the joints of the paper's text, which protect B alone.
 TEST(Proof, SeesThatThePapersJointsComeNearerToTheSecondLine) {
   const Proof proof = prove(coarse());
   for (const SpaceProofRow& row : proof.space) {

@@ -9,7 +9,7 @@
 namespace kerfbench::planner::test {
 
 Segment line(double x0, double y0, double x1, double y1, int entity = 0);
-/// Through its ends with the given sweep, > 0 counter-clockwise.
+/// Arc through its ends with the given sweep, > 0 counter-clockwise.
 Segment arc(double x0, double y0, double x1, double y1, double sweep_rad, int entity = 0);
 Segment circle(double x, double y, double radius, int entity = 0);
 

@@ -29,7 +29,7 @@ std::string refusal(const SpaceContour& contour, double radius = 0.1) {
   return {};
 }
 
-/// The four joints and their eight cases, on both sides of the right angle of each.
+/// Tests the four joints and their eight cases, on both sides of the right angle of each.
 TEST(SpaceOffset, NeverNearerThanTheRadiusAndStrictWhereverPossible) {
   const double r = 0.1;
   std::vector<int> seen(9, 0);
@@ -107,7 +107,7 @@ TEST(SpaceOffset, PlaneCornersShortenExtendAndGoRound) {
 }
 
 TEST(SpaceOffset, AClosedContourRoundABoxEndsWhereItBegins) {
-  // Round a square column: over four edges of 270 degrees, each crossed at a right angle.
+  // The contour leads round a square column: over four edges of 270 degrees, each crossed at a right angle.
   SpaceContour contour;
   contour.points = {{{1, -2, 0}, {0, -1, 0}}, {{2, -2, 0}, {1, 0, 0}},   {{2, 2, 0.5}, {0, 1, 0}},
                     {{-2, 2, 0}, {-1, 0, 0}}, {{-2, -2, 0}, {0, -1, 0}}, {{1, -2, 0}, {0, -1, 0}}};
@@ -119,7 +119,7 @@ TEST(SpaceOffset, AClosedContourRoundABoxEndsWhereItBegins) {
   }
 }
 
-/// A strip folded at random, run along from either end with the beam on the same side of it.
+/// Tests a strip folded at random, run along from either end with the beam on the same side of it.
 TEST(SpaceOffset, RunBackwardsThePathIsTheSame) {
   std::mt19937 random(5);
   const auto uniform = [&](double low, double high) {
@@ -128,7 +128,7 @@ TEST(SpaceOffset, RunBackwardsThePathIsTheSame) {
   int paths = 0;
   for (int trial = 0; trial < 60; ++trial) {
     SpaceContour contour;
-    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // columns: fold, across it in the plane, normal
+    Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  // Columns: fold, across it in the plane, normal.
     Vector3d p(1.0, 2.0, 3.0);
     for (int i = 0; i < 6; ++i) {
       contour.points.push_back({p, frame.col(2)});
@@ -192,7 +192,7 @@ TEST(SpaceHostile, WhatHasNoPathIsRefused) {
   SpaceContour contour;
   contour.points = {{{0, 0, 0}, up}, {{5, 0, 0}, up}, {{0, 0, 0}, up}};
   EXPECT_NE(refusal(contour).find("turns back on itself"), std::string::npos);
-  // Along the fold between its planes.
+  // The second line runs along the fold between its planes.
   contour.points = {{{0, 0, 0}, up}, {{5, 0, 0}, {0, 1, 0}}, {{5, 0, -5}, up}};
   EXPECT_NE(refusal(contour).find("runs along the fold"), std::string::npos);
   // The axis flips to the back of the sheet.

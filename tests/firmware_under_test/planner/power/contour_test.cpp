@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contour of Wang, Li, Chen 2010, section 5: 46 short lines, 4.49 mm from T0 to T21, falling, 1.96 mm
-// from T40 to T46, and a long one; 100 mm/s, 5000 mm/s², 0.2 mm deep. How far the lines turn is not in the
-// text: here nothing that slows down until T21, then either as far as the beam runs through, or so far that
-// it stops at each joint.
+// Contour of Wang, Li, Chen 2010, section 5: 46 short lines, 4.49 mm from T0 to T21, falling, 1.96 mm from
+// T40 to T46, and a long one; 100 mm/s, 5000 mm/s², 0.2 mm deep. The turns of the lines are not in the text:
+// here nothing slows down until T21, then the lines turn either as far as the beam runs through, or so far
+// that it stops at each joint.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -41,9 +41,9 @@ std::string contourGcode(double turn_rad) {
   return gcode;
 }
 
-/// One period of a mark, as planned and as it goes to the controller.
+/// Lit period of a mark, as planned and as it goes to the controller.
 struct Lit {
-  double from_mm, to_mm;  ///< Along the contour.
+  double from_mm, to_mm;  ///< Places along the contour.
   double speed_mm_s;
   std::uint8_t byte;
 };
@@ -98,7 +98,7 @@ TEST_P(Contour, PowerFollowsTheSpeed) {
     const double wanted_w = p_ua * lit.speed_mm_s * model_->wish().spot_diameter_mm;
     const double error_w = std::abs(model_->powerOf(lit.byte) - wanted_w);
     if (lit.from_mm > 5.0 && lit.to_mm < 200.0) slowest_mm_s = std::min(slowest_mm_s, lit.speed_mm_s);
-    // A third of the power at 100 mm/s; below it half a step of the PWM is more than 1.47 %.
+    // The limit is a third of the power at 100 mm/s; below it half a step of the PWM is more than 1.47 %.
     if (wanted_w >= 17.4) {
       worst = std::max(worst, error_w / wanted_w);
     } else if (wanted_w >= model_->powerOf(model_->byteFor(0.0))) {

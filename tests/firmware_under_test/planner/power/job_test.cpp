@@ -23,7 +23,7 @@ JobParameters slowJob() {
   return job;
 }
 
-/// Room for a carton at rest.
+/// Machine with room for a carton at rest.
 MachineParameters wideMachine() {
   MachineParameters machine = test::twoMirror();
   for (int i = 0; i < 2; ++i) {

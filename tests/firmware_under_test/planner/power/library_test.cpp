@@ -26,7 +26,7 @@ std::string textOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Writes the text to a file of its own and says how reading it is refused; empty: it is not.
+/// Refusal of a text that is written to a file of its own and read; empty: it is accepted.
 class Refusal {
  public:
   explicit Refusal(const std::string& name)

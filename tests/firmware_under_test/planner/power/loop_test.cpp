@@ -16,7 +16,7 @@ constexpr PowerLimits kLimits{4.0, 78.0};
 
 bool inside(double power_w) { return power_w >= kLimits.least_w && power_w <= kLimits.most_w; }
 
-/// The error left of a step after some periods, of a tube that makes `tube_gain` times what it should.
+/// Remaining error of a step after some periods, of a tube that makes `tube_gain` times what it should.
 double errorAfter(int periods, double tube_gain, double wanted_w, double loop_gain, int late) {
   std::vector<double> commanded{wanted_w};
   for (int k = 0; k < periods; ++k) {
@@ -76,7 +76,7 @@ TEST(PowerLoop, FollowsAChangingDemandAsClosely) {
     const double error = gain * power - wanted;
     wanted += step;
     power = nextPower(power, wanted, gain * power, kLimits);
-    // What is left is what the tube makes of the newest step alone, and 15 % of the error before.
+    // The error that remains is the tube's share of the newest step alone, and 15 % of the error before.
     ASSERT_NEAR(gain * power - wanted, (1.0 - gain) * (error - step), 1e-9);
   }
 }
@@ -121,8 +121,7 @@ TEST(PowerLoop, AMeasurementOfThePeriodBeforeNeedsALowerGain) {
     EXPECT_LT(errorAfter(60, gain, 40.0, 0.4, 1), 1e-6) << gain;
 }
 
-// The PWM has steps: the power changes between the two next to what is wanted, and its mean is what is
-// wanted.
+// The PWM has steps: the power alternates between the two next to the wanted one, and its mean is exact.
 TEST(PowerLoop, ThroughThePwmItsMeanIsExact) {
   const auto model = test::steelModel(0.2);
   std::mt19937_64 random(6);
@@ -142,12 +141,12 @@ TEST(PowerLoop, ThroughThePwmItsMeanIsExact) {
       sum_w += made_w;
       power = nextPower(power, wanted, made_w, kLimits);
     }
-    // All the error there ever was is what the power was changed by, and the first period's.
+    // The sum of all errors is the change of the power, and the first period's error.
     EXPECT_NEAR(sum_w / kPeriods, wanted, 20.0 / kPeriods);
   }
 }
 
-// Noise of the measurement goes through, amplified by no more than 1 / (1 - |1 - G|).
+// Noise of the measurement passes through, amplified by no more than 1 / (1 - |1 - G|).
 TEST(PowerLoop, NoiseOfTheMeasurementStaysBounded) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> noise(-0.5, 0.5);

@@ -38,7 +38,7 @@ TEST(PowerModel, TheChainLeadsFromDepthToDepth) {
         std::uniform_real_distribution<double>(range.lowest_mm_s, range.highest_mm_s)(random);
     const PowerModel::Setting s = model.at(speed, depth);
     EXPECT_EQ(s.limit, PowerModel::Limit::kNone);
-    // The paper's equations forwards: u, P_out, P_ua, D.
+    // The paper's equations in forward order: u, P_out, P_ua, D.
     const double power_w = model.laser().power.at(s.control);
     EXPECT_NEAR(model.material().depth.at(power_w / (speed * spot)), depth, 1e-9);
     EXPECT_EQ(s.depth_mm, depth);

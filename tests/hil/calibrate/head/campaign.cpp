@@ -22,8 +22,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kPlaces = 400;
-constexpr double kOffRow_mm = 0.1;                // Eight steps and more.
-constexpr double kEllipse95 = 5.991464547107979;  // Chi-square of two degrees of freedom.
+constexpr double kOffRow_mm = 0.1;                // Largest displacement from a row; eight steps and more.
+constexpr double kEllipse95 = 5.991464547107979;  // Quantile of chi-square with two degrees of freedom.
 
 enum Stream : std::uint64_t { kNoise = 1, kMissing, kFalse, kFalseKind, kFalseWay, kWhere, kOffRow };
 
@@ -37,7 +37,8 @@ Vector2d noiseOf(const MarkQuality& q, std::uint64_t seed, std::uint64_t index) 
   return q.sigma_mm * Vector2d(a, q.correlation * a + std::sqrt(1.0 - q.correlation * q.correlation) * b);
 }
 
-/// Marks are made at rest here; in even rows they would share the rounding to whole steps.
+/// Displacement from the row. Marks are made at rest here; in even rows they would share the rounding to
+/// whole steps.
 Vector2d offRow(std::uint64_t seed, std::uint64_t index) {
   const CounterRandom random(seed, kOffRow);
   return kOffRow_mm *
@@ -64,7 +65,8 @@ void spoil(MarkedSheet& sheet, const MarkQuality& quality, std::uint64_t seed) {
                 [&](const SeenMark&) { return is_missing.uniform(index++) < quality.missing_share; });
 }
 
-/// Three quarters anywhere, an eighth on the rim, an eighth in the middle of the table's cells.
+/// Places for verification: three quarters anywhere, an eighth on the rim, an eighth in the middle of the
+/// table's cells.
 std::vector<Vector2d> placesToVerify(const Eigen::AlignedBox2d& field, const AimGrid& grid,
                                      std::uint64_t seed) {
   const CounterRandom where(seed, kWhere);
@@ -147,7 +149,8 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
     const MarkedSheet sheet = mark(head, n, first_id, fit ? &*fit : nullptr, quality, seed);
     first_id += n * n;
     PairingLimits limits;
-    if (n == 3) limits.missing_share = 0.45;  // Four of nine: five are enough to begin with.
+    // Four of nine marks may be missing: five are enough to begin with.
+    if (n == 3) limits.missing_share = 0.45;
     const Pairing pairs = pairMarks(sheet.aimed, sheet.seen, limits);
     all.insert(all.end(), pairs.observations.begin(), pairs.observations.end());
     try {
@@ -158,7 +161,9 @@ CampaignResult calibrate(const SimulatedHead& head, const MarkQuality& quality, 
       fit.emplace(std::move(next));
     } catch (const HeadCalibrationError&) {
       if (n != 3) throw;
-      ++result.refused;  // Nine marks with several false ones: the next sheet is marked as the head is.
+      // A refusal comes from nine marks with several false ones: the next sheet is marked with the head as it
+      // is.
+      ++result.refused;
       result.iterations.push_back({.most_mm = result.raw_mm});
     }
   }

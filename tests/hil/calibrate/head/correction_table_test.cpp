@@ -37,15 +37,14 @@ TEST(CorrectionTable, LandsWhereWantedBetweenItsNodesAndOnTheRim) {
     for (std::uint64_t i = 0; i < 400; ++i) {
       Vector2d p = 300.0 * Vector2d(random.uniform(2 * i) - 0.5, random.uniform(2 * i + 1) - 0.5);
       if (i % 4 == 0) p.x() = 150.0;
-      // Middles of cells are where it was looked for; elsewhere a cell is hardly worse.
+      // The error was searched in the middles of cells; elsewhere a cell is hardly worse.
       EXPECT_LT((fit.spotOf(p + table.grid.at_mm(p).value())->p_W_mm - p).norm(), 1.5 * error_mm);
     }
   }
 }
 
 TEST(CorrectionTable, IsFineEnoughForAControllerThatKnowsNothingButItsNodes) {
-  // Its formula knows no lens as this one is: what nine nodes leave is small, what they let a reader doubt is
-  // not.
+  // The table's formula has no lens of this kind: the error of nine nodes is small, their uncertainty is not.
   const test::SimulatedHead head(test::HeadKind::kFTheta300, test::Beyond::kNothing, 2);
   const test::MarkedSheet sheet = test::mark(head, 9, 0, nullptr, {}, 2);
   HeadFitOptions options;

@@ -46,7 +46,7 @@ std::string refusalOf(const SimulatedHead& head, const std::vector<HeadObservati
   return "";
 }
 
-// kerfbench-head-proof runs 200 of each.
+// The program kerfbench-head-proof runs 200 of each.
 TEST(HeadFit, HiddenHeadsComeWithinTheirLimitsInThreeSheets) {
   for (const HeadKind kind : kKinds) {
     for (const Beyond beyond : {Beyond::kNothing, Beyond::kAnalogue}) {
@@ -64,8 +64,8 @@ TEST(HeadFit, HiddenHeadsComeWithinTheirLimitsInThreeSheets) {
   }
 }
 
-// Nine marks hold some fourteen directions of a head; what they do not hold is stated by how far the rest is
-// from the drawing. With the tolerances as they are told 98 % would lie within.
+// Nine marks determine some fourteen directions of a head; the others are stated by the distance of the rest
+// from the drawing. With the given tolerances 98 % would lie within.
 TEST(HeadFit, NineMarksStateWhatTheyAreWorth) {
   constexpr double kEllipse95 = 5.991464547107979;
   int covered = 0, places = 0;
@@ -97,7 +97,7 @@ TEST(HeadFit, NineMarksOfAnIncredibleHeadAreRefusedAndEightyOneBelieved) {
   EXPECT_EQ(refusalOf(head, turned(9)), "");
 }
 
-// Where the beam lands short of the rim the controller must aim beyond it: no bend there for the table.
+// Where the beam lands short of the rim the controller must aim beyond it: the table has no bend there.
 TEST(HeadFit, TheSurfaceReachesWhereTheRimIsAimedAt) {
   const SimulatedHead head(HeadKind::kTwoMirror800, Beyond::kAnalogue, 24);
   HeadFitOptions options;
@@ -125,7 +125,7 @@ TEST(HeadFit, TellsWhichParametersTheMarksHold) {
   const auto finding = [&](HeadParameter which) {
     return *std::ranges::find(fit.parameters(), which, &HeadParameterFinding::which);
   };
-  // A plane that is higher and a throw that is shorter are one and the same.
+  // A higher plane and a shorter throw are one and the same.
   EXPECT_FALSE(finding(HeadParameter::kThrow).held);
   EXPECT_EQ(finding(HeadParameter::kThrow).mixed_with, HeadParameter::kPlaneHeight);
   EXPECT_TRUE(finding(HeadParameter::kYScale).held);
@@ -149,9 +149,8 @@ TEST(HeadFit, FalseMarksAreNamedAndDoNotMatter) {
     EXPECT_LT((fit.spotOf(aim)->p_W_mm - good.spotOf(aim)->p_W_mm).norm(), 0.002);
 }
 
-// A false mark half a millimetre off that the start takes for a good one pulls the lens by several
-// tolerances, and no step leads back: it must be out before (11, 54). A head that bends by itself needs
-// shorter steps (25).
+// A false mark half a millimetre off that the start accepts pulls the lens by several tolerances, and no step
+// leads back: it must be out before (11, 54). A head that bends by itself needs shorter steps (25).
 TEST(HeadFit, WhereWholeStepsDoNotSettleFalseMarksGoFirstAndThenStepsAreShorter) {
   const MarkQuality spoiled{.missing_share = 0.05, .false_share = 0.01};
   for (const auto& [seed, quality] : {std::pair(11, spoiled), {54, spoiled}, {25, MarkQuality{}}}) {
@@ -170,7 +169,7 @@ TEST(HeadFit, MarksThatScatterMoreThanToldWidenAllUncertainties) {
   EXPECT_FALSE(honest.noiseScaled());
   for (HeadObservation& o : marks) o.covariance_mm2 /= 9.0;
   HeadFitOptions options;
-  options.most_surface_degree = 0;  // Else the scatter might be taken for one.
+  options.most_surface_degree = 0;  // Otherwise the scatter might be taken for a surface.
   const HeadFit told_better = fitOf(head, marks, options);
   EXPECT_TRUE(told_better.noiseScaled());
   const double ratio =
@@ -186,7 +185,7 @@ TEST(HeadFit, WiredAxesAreRefusedUnlessAccepted) {
   EXPECT_THAT(refusalOf(head, marks), HasSubstr("x and y are exchanged; y runs backwards"));
 }
 
-/// A head whose drives are exchanged, X's running backwards: the true head sees turned angles.
+/// Tests a head whose drives are exchanged, X's running backwards: the true head sees turned angles.
 TEST(HeadFit, AcceptedAxesAreCorrectedByTheTable) {
   const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 8);
   const AxisMap wired{true, true, false};

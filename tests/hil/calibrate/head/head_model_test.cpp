@@ -29,7 +29,7 @@ HeadDesign withLens() {
 
 std::vector<HeadDesign> designs() { return {twoMirrors(false), twoMirrors(true), withLens()}; }
 
-/// Some departure of every kind, within the tolerances.
+/// Departures of every kind, within the tolerances.
 HeadVector departed(const HeadDesign& design, std::uint64_t seed) {
   const CounterRandom random(seed, 1);
   HeadVector departures = HeadTolerances().sigmas(design);
@@ -48,7 +48,7 @@ TEST(HeadModel, AsDrawnIsTheFormulaOfChengEtAl) {
   }
 }
 
-// The twin's trace is written apart from this one; where both mean the same by a departure they must agree.
+// The twin's trace is independent of this one; for departures with the same meaning they must agree.
 TEST(HeadModel, AgreesWithTheTwinWhereBothMeanTheSame) {
   for (const HeadDesign& design : designs()) {
     HeadVector d = departed(design, 7);
@@ -121,7 +121,7 @@ TEST(HeadModel, SlopesAreThoseOfDifferences) {
   }
 }
 
-// A field angle of zero is where a root would have no derivative.
+// At a field angle of zero a root would have no derivative.
 TEST(HeadModel, ALensIsSmoothOnItsAxis) {
   const HeadModel model(withLens());
   const auto slopes = model.angleSlopesAt(Vector2d::Zero(), HeadVector::Zero());
@@ -136,7 +136,7 @@ TEST(HeadModel, ABeamThatMissesLandsNowhere) {
   EXPECT_FALSE(model.landing_W_mm({1.2, 0.0}, HeadVector::Zero()));
 }
 
-// The planner's formula is written apart from this one; calibrating one and running the other would not do.
+// The planner's formula is independent of this one; a table for one must not be run by another.
 TEST(NominalHead, IsTheControllersFormula) {
   planner::MachineParameters machine;
   machine.mirror_step_rad = 7e-6;

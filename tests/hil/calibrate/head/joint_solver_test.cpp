@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 constexpr Eigen::Index kCount = static_cast<Eigen::Index>(kHeadParameterCount);
 
-/// Marks of three sheets, the last of which shares nothing, with every unknown of theirs written out: scaled
+/// Marks of three sheets, the last of which shares nothing, with all their unknowns written out: scaled
 /// departures, coefficients, shared errors.
 class ThreeSheets : public testing::Test {
  protected:
@@ -45,7 +45,7 @@ class ThreeSheets : public testing::Test {
 
   [[nodiscard]] Eigen::Index unknowns() const { return kCount + 2 * basis_.size() + kShared; }
 
-  /// Of all unknowns, by the inverse of the whole normal matrix.
+  /// Solves for all unknowns by the inverse of the whole normal matrix.
   void solveWrittenOut() {
     VectorXd weights = VectorXd::Ones(unknowns());
     for (Eigen::Index k = 0; k < basis_.size(); ++k) {
@@ -126,7 +126,7 @@ TEST_F(ThreeSheets, TheFactorOfAllTolerancesIsThatOfTheDepartures) {
     marks.linearise(there, home_ - step);
     return toleranceFactor(JointSolver(marks, sigmasOf(prior_, basis_)).model());
   };
-  // Wherever it was linearised.
+  // The factor is the same at any point of linearisation.
   EXPECT_NEAR(factorAt(HeadVector::LinSpaced(0.3, -2.0)), factorAt(HeadVector::Zero()), 1e-9);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerfbench-head-proof: many heads with hidden faults, calibrated from simulated marks, as a table. Exit code
-// 1 if one head ends beyond its limit or the stated uncertainty does not cover what it says.
+// 1 if one head ends beyond its limit or the stated uncertainty does not cover its share.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -50,7 +50,7 @@ TEST(QuickCheck, AnUnchangedHeadHolds) {
     const Calibrated c = calibrated(HeadKind::kFTheta300, seed);
     alarms += quickCheck(c.fit, nineMarks(c, 100 + seed)).holds ? 0 : 1;
   }
-  EXPECT_LE(alarms, 2);  // One in a hundred is said; three of thirty have a chance of 1 in 300.
+  EXPECT_LE(alarms, 2);  // The stated share is one in a hundred; three of thirty have a chance of 1 in 300.
 }
 
 struct Case {
@@ -72,7 +72,8 @@ TEST(QuickCheck, NamesWhatChangedAndByHowMuch) {
   for (const Case& one : cases) {
     Calibrated c = calibrated(HeadKind::kTwoMirror300, 4);
     c.head.change(one.change);
-    // Not 7: of 200 sheets of unchanged noise two are beyond what one in a hundred is, and it is one of them.
+    // Seed 7 is left out: of 200 sheets of unchanged noise two are beyond the limit of one in a hundred, and
+    // it is one of them.
     const QuickCheckResult result = quickCheck(c.fit, nineMarks(c, 8));
     SCOPED_TRACE(result.words);
     EXPECT_FALSE(result.holds);

@@ -70,7 +70,7 @@ TEST(Reversal, TheMeanOfTwoTurnedViewsIsFreeOfErrorsOfEvenDegree) {
   ASSERT_EQ(all.marks.size(), 81U);
   EXPECT_EQ(all.rejected, 0U);
   EXPECT_NEAR(all.noise_ratio, 1.0, 0.25);
-  // What is left on the marks is of odd degree: as the camera's odd error is, less what of it was guessed.
+  // The remainder on the marks is of odd degree: the camera's odd error, less the guessed part of it.
   const auto left = [&](const SeenMark& mark) -> Vector2d {
     const Vector2d p = placeOf(mark.id);
     const Vector2d guessed = 0.5 * (all.camera.at_mm(p) - all.camera.at_mm(-p));
@@ -95,7 +95,7 @@ TEST(Reversal, AShiftedAndAQuarterTurnedViewTellTheRestButTheScale) {
                                      viewOf(camera, -1, {0, -24}, 5)};
   const auto all = separateCamera(views, kOptions);
   const Vector2d at(120, -90);
-  // A common scale no view tells; without it the camera is known.
+  // No view shows a common scale; without it the camera is known.
   const auto shape = [&](const auto& error) -> Vector2d { return error(at) - error(Vector2d(at / 2)) * 2.0; };
   const Vector2d off = shape([&](const Vector2d& p) -> Vector2d { return all.camera.at_mm(p); }) -
                        shape([&](const Vector2d& p) -> Vector2d { return camera.error(p); });
@@ -110,7 +110,7 @@ TEST(Reversal, TheStatedUncertaintyCovers) {
                                        viewOf(camera, 180, {0.5, 0.5}, 2 * seed + 1)};
     const auto all = separateCamera(views, kOptions);
     for (int id = 0; id < 81; id += 5) {
-      // Of the part that turns its sign: twice the even one is what the views differ by.
+      // The views differ by twice the even part of the error, the part that turns its sign.
       const Vector2d p = placeOf(id);
       const Vector2d even = 0.5 * (all.camera.at_mm(p) + all.camera.at_mm(-p));
       const Vector2d off = even - camera.even(p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the marks of a sheet have in common: its place is known by its printed marks, to some tenths of a
-// micrometre, and all its marks are off by what that is.
+// Error that all marks of a sheet share: its place is known by its printed marks, to some tenths of a
+// micrometre, and all its marks are off by that error.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,14 +20,15 @@ using test::Beyond;
 using test::HeadKind;
 using test::SimulatedHead;
 
-constexpr double kEllipse95 = 5.991464547107979;  // Chi-square of two degrees of freedom.
+constexpr double kEllipse95 = 5.991464547107979;  // Quantile of chi-square with two degrees of freedom.
 constexpr double kMark_mm = 2e-4;
 constexpr std::uint64_t kSheetErrors = 1, kMarkErrors = 2;
 
-/// As a camera of 30 µm a pixel places a sheet: shift x, y (mm), turn (rad).
+/// Error with which a camera of 30 µm a pixel places a sheet: shift x, y (mm), turn (rad).
 const Eigen::Vector3d kPose(5e-4, 3e-4, 2e-6);
 
-/// n x n marks of a sheet that was taken to lie a little beside where it did; the mirrors stand exactly.
+/// Observations of n x n marks of a sheet that lies a little off its assumed place; the mirrors stand
+/// exactly.
 std::vector<HeadObservation> sheetOf(const SimulatedHead& head, int n, int sheet, std::uint64_t seed,
                                      const Eigen::Vector3d& pose = kPose) {
   const CounterRandom of_sheet(seed, kSheetErrors), of_mark(seed, kMarkErrors);
@@ -47,7 +48,7 @@ std::vector<HeadObservation> sheetOf(const SimulatedHead& head, int n, int sheet
   return marks;
 }
 
-/// The same, as if each mark had its share of the sheet's error for itself.
+/// Observations with the sheet's error as an independent error of each mark.
 std::vector<HeadObservation> asIndependent(std::vector<HeadObservation> marks) {
   for (HeadObservation& o : marks) {
     o.covariance_mm2 = o.wholeCovariance_mm2();
@@ -97,7 +98,7 @@ TEST(SharedError, TheFitStatesWhatTheSheetsPlacesAreWorth) {
   EXPECT_LT(independent.share(), 0.8);
 }
 
-// As noise of each mark a shift of all would hide how little the marks scatter beside each other.
+// As noise of each mark a shift of all would hide how little the marks scatter against each other.
 TEST(SharedError, IsNoScatterOfTheMarks) {
   const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 11);
   const std::vector<HeadObservation> marks = twoSheets(head, 11);
@@ -107,7 +108,8 @@ TEST(SharedError, IsNoScatterOfTheMarks) {
 
 TEST(SharedError, AFalseMarkIsSeenBesideTheOthersOfItsSheet) {
   const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 12);
-  const Eigen::Vector3d loose(0.05, 0.05, 1e-4);  // Laid down by hand: all are off, and by the same.
+  // The sheet was placed by hand: all marks are off, by the same amount.
+  const Eigen::Vector3d loose(0.05, 0.05, 1e-4);
   std::vector<HeadObservation> marks = sheetOf(head, 9, 0, 12);
   for (HeadObservation& o : sheetOf(head, 9, 1, 12, loose)) marks.push_back(o);
   marks[100].measured_W_mm.x() += 0.004;

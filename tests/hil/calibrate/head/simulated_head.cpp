@@ -11,11 +11,11 @@
 namespace kerfbench::calibrate::test {
 namespace {
 
-constexpr double kShare = 0.6;  // Of the tolerances.
+constexpr double kShare = 0.6;  // Share of the tolerances.
 constexpr double kSag_mm = 0.03;
 constexpr double kCubic_rad = 100e-6;
 constexpr double kWave_rad = 5e-6;
-constexpr double kWaves = 2.0;  // Over the whole travel.
+constexpr double kWaves = 2.0;  // Number of waves over the whole travel.
 
 double sideOf(HeadKind kind) {
   switch (kind) {
@@ -71,7 +71,7 @@ SimulatedHead::SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed) {
   const double side_mm = sideOf(kind);
   const bool lens = kind == HeadKind::kFTheta300;
   field_W_mm_ = {Eigen::Vector2d::Constant(-0.5 * side_mm), Eigen::Vector2d::Constant(0.5 * side_mm)};
-  design_.throw_mm = lens ? 430.0 : 1.1 * side_mm;  // fixtures/machines/f-theta-300.yaml
+  design_.throw_mm = lens ? 430.0 : 1.1 * side_mm;  // Throw of fixtures/machines/f-theta-300.yaml.
   design_.mirror_spacing_mm = lens ? 40.0 : 10.0 + 0.04 * side_mm;
   nominal_.throw_mm = design_.throw_mm;
   nominal_.mirror_spacing_mm = design_.mirror_spacing_mm;
@@ -85,7 +85,7 @@ SimulatedHead::SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed) {
   if (lens) {
     const double focal_mm = 430.0;
     nominal_.focal_length_mm = focal_mm;
-    design_.lens = LensDesign{focal_mm, 0.0, 0.0, 0.5};  // What a data sheet tells: f alone.
+    design_.lens = LensDesign{focal_mm, 0.0, 0.0, 0.5};  // A data sheet states f alone.
     twin::LensDescription real;
     real.focal_length_mm = focal_mm * (1.0 + draw(t.focal_length_share));
     real.k1 = -0.02 + 0.2 * draw(t.lens_k1_1_rad2);
@@ -101,7 +101,8 @@ SimulatedHead::SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed) {
   surface_.slope = {draw(t.plane_slope), draw(t.plane_slope)};
   const double reach_mm = lens ? nominal_.focal_length_mm : design_.throw_mm;
   if (beyond != Beyond::kNothing) {
-    unmodelled_share_ = kSag_mm / reach_mm * 0.5;  // Height times the slope of the beam at the rim.
+    // The share is height times the slope of the beam at the rim.
+    unmodelled_share_ = kSag_mm / reach_mm * 0.5;
     const double curvature_1_mm = 8.0 * kSag_mm / (side_mm * side_mm);
     surface_.curvature_1_mm = {draw.plain(curvature_1_mm), draw.plain(curvature_1_mm)};
   }

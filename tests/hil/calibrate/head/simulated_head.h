@@ -17,11 +17,12 @@ namespace kerfbench::calibrate::test {
 enum class HeadKind { kTwoMirror100, kTwoMirror300, kTwoMirror800, kFTheta300 };
 std::string nameOf(HeadKind kind);
 
-/// What of a hidden head no parameter of HeadModel describes.
+/// Errors of a hidden head that no parameter of HeadModel describes.
 enum class Beyond {
   kNothing,
   kBentBoard,  ///< The sheet is a shallow dish, 30 µm (1 sigma) at the middle of each side.
-  kAnalogue,   ///< And the mirrors' encoders are off by a cubic (100 µrad at the rim) and a wave (5 µrad).
+  /// Bent board, with errors of the mirrors' encoders: a cubic (100 µrad at the rim) and a wave (5 µrad).
+  kAnalogue,
 };
 
 /// A head with hidden, seeded misalignment and lens: the twin's ray trace, with which the fit shares nothing.
@@ -30,18 +31,18 @@ class SimulatedHead {
  public:
   SimulatedHead(HeadKind kind, Beyond beyond, std::uint64_t seed);
 
-  /// What a service engineer knows.
+  /// Data that a service engineer has.
   [[nodiscard]] const NominalHead& nominal() const { return nominal_; }
   [[nodiscard]] const HeadDesign& design() const { return design_; }
   [[nodiscard]] const Eigen::AlignedBox2d& field_W_mm() const { return field_W_mm_; }
-  /// HeadTolerances::unmodelled_share by the data sheets of encoders and board: the spread of which this head
-  /// is drawn.
+  /// HeadTolerances::unmodelled_share by the data sheets of encoders and board: the spread from which this
+  /// head is sampled.
   [[nodiscard]] double unmodelledShare() const { return unmodelled_share_; }
 
-  /// Where the beam really lands; `rounded`: with the mirrors at whole steps.
-  /// @throws std::runtime_error where it does not.
+  /// Place where the beam really lands; `rounded`: with the mirrors at whole steps.
+  /// @throws std::runtime_error where it lands nowhere.
   [[nodiscard]] Eigen::Vector2d spotFor(const Eigen::Vector2d& aim_W_mm, bool rounded) const;
-  /// The same when the drives were touched: mirrors' zeros and gains, the head's turn, the sheet's height.
+  /// Change of the drives: mirrors' zeros and gains, the head's turn, the sheet's height.
   struct Change {
     Eigen::Vector2d zero_rad{Eigen::Vector2d::Zero()};
     Eigen::Vector2d gain{Eigen::Vector2d::Ones()};
@@ -62,7 +63,7 @@ class SimulatedHead {
   double most_angle_rad_{};
   double unmodelled_share_{1e-6};
   Change change_;
-  std::vector<twin::ScanHead> truth_;  // One; it cannot be assigned.
+  std::vector<twin::ScanHead> truth_;  // One head; a vector, since a head cannot be assigned.
   std::vector<twin::Surface> board_;
 };
 

@@ -29,7 +29,8 @@ HeadFit fitOf(const SimulatedHead& head, int n) {
   return fitHead(pairMarks(sheet.aimed, sheet.seen).observations, head.nominal(), head.design(), options);
 }
 
-/// Marks on sheets of their own, off by what is stated of fit, sheet and mark, times a factor.
+/// Marks on sheets of their own, off by a sample of the stated uncertainty of fit, sheet and mark, times a
+/// factor.
 std::vector<HeadObservation> drawn(const HeadFit& fit, const Eigen::AlignedBox2d& field_W_mm,
                                    std::uint64_t seed, double factor) {
   const CounterRandom of_fit(seed, 1), of_sheet(seed, 2), of_mark(seed, 3);
@@ -72,7 +73,8 @@ Draws drawsOf(const HeadFit& fit, const Eigen::AlignedBox2d& field_W_mm, double 
   return all;
 }
 
-// Of nine marks a few errors that all places share are most of it, of 81 the marks' own.
+// The uncertainty of nine marks is mostly that of a few errors that all places share, that of 81 the marks'
+// own.
 TEST(StatedSpread, OneInAHundredSpeaksAgainstWhatIsTrueAndMostAgainstWhatIsNot) {
   for (const int n : {3, 9}) {
     const SimulatedHead head(HeadKind::kTwoMirror300, Beyond::kNothing, 5);

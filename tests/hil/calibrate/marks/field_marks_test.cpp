@@ -35,14 +35,14 @@ Vector2d bowed(const Vector2d& p) {
           0.985 * p.y() - 0.02 * p.x() + 3e-4 * p.x() * p.x() - 1.7};
 }
 
-/// Errors of centres beside what they have in common, which is the pose's.
+/// Errors of centres without their common part, which is the pose's.
 struct Errors {
   int count{};
   Vector2d bias_um{Vector2d::Zero()};  ///< Mean over all, pose included.
-  double sigma_um{};                   ///< Per axis, after the best motion of each sheet.
-  double stated_um{};                  ///< RMS of what the marks state, per axis.
-  double mahalanobis{};  ///< Mean of e' covariance^-1 e, 2 if honest; less what the motion takes.
-  double worst_um{};     ///< Pose included.
+  double sigma_um{};                   ///< Standard deviation per axis, after the best motion of each sheet.
+  double stated_um{};                  ///< RMS of the stated uncertainties, per axis.
+  double mahalanobis{};  ///< Mean of e' covariance^-1 e, 2 if honest; less the part of the motion.
+  double worst_um{};     ///< Largest error, pose included.
 };
 
 Errors errorsOf(MarkedSheet& sheet, int seeds) {
@@ -126,7 +126,7 @@ TEST(FieldMarks, CentresAreGoodToAMicrometreAndTheirCovarianceIsHonest) {
     report(one.name, e);
     EXPECT_LT(e.bias_um.norm(), 1.0) << one.name;
     EXPECT_LT(e.sigma_um, 3.0) << one.name;
-    // 80 marks: the mean of an honest one is 2 +- 0.22 at one sigma.
+    // The mean of 80 honest marks is 2 +- 0.22 at one sigma.
     EXPECT_GT(e.mahalanobis, 1.0) << one.name;
     EXPECT_LT(e.mahalanobis, 3.0) << one.name;
   }
@@ -155,7 +155,7 @@ TEST(FieldMarks, AFieldThatIsMirroredSwappedOrTurnedIsReadAndToldInWords) {
   for (const Case& one : cases) {
     MarkedSheet sheet(4, 4, 100);
     const Vector2d middle_mm = sheet.job.p_SW_mm;
-    // And turned by three degrees on top.
+    // The head is turned by three degrees on top of its other errors.
     const Matrix2d head = Eigen::Rotation2Dd(0.05).toRotationMatrix() * one.head;
     sheet.head = [&](const Vector2d& p) { return Vector2d(middle_mm + head * (p - middle_mm)); };
     const MarkedField field = sheet.match();
@@ -176,10 +176,10 @@ TEST(FieldMarks, AFieldThatIsMirroredSwappedOrTurnedIsReadAndToldInWords) {
 TEST(FieldMarks, WhatIsDamagedMissingOrStrayIsToldAndNotMeasured) {
   MarkedSheet sheet(5, 4);
   sheet.skipped = {{3, 1}, {7, 5}, {12, 0}, {12, 1}, {12, 2}, {12, 3}};
-  for (int s = 4; s < 9; ++s) sheet.skipped.insert({12, s});  // All of mark 12.
+  for (int s = 4; s < 9; ++s) sheet.skipped.insert({12, s});  // The strokes of mark 12 are all left out.
   sheet.also = [](MarkedSheet& s, twin::Sheet& board) {
     const Vector2d nine = s.job.wanted_S_mm(s.job.marks[9]);
-    // A tick too many; a scratch across an arm of mark 16; one beside everything.
+    // The sheet has a tick too many; a scratch across an arm of mark 16; one away from everything.
     for (int slot = 0; slot < kMarkSlots; ++slot) {
       if (markWord(9).test(static_cast<std::size_t>(slot))) continue;
       const Vector2d p = nine + 2.5 * (Eigen::Rotation2Dd(kMarkTurn_rad) * slotCentre(slot));

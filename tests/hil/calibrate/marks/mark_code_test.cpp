@@ -45,7 +45,7 @@ TEST(MarkCode, OneTickErasedOrAddedIsNeverAnotherMark) {
   }
 }
 
-// Whatever of a mark is covered, and however much dust lies on it.
+// The code must hold whatever part of a mark is covered, and however much dust lies on it.
 TEST(MarkCode, AnyTicksErasedOrAnyTwoAddedAreNeverAnotherMark) {
   for (const Seen& seen : allWords()) {
     std::vector<std::size_t> ticks;

@@ -68,7 +68,7 @@ TEST(MarkPattern, CutsOfTheWidestKerfLeaveBoardBetweenThem) {
   }
 }
 
-// Whatever their numbers, and wherever the neighbour lies.
+// The rule must hold for any numbers, and for any place of the neighbour.
 TEST(MarkPattern, MarksThatLieAsNearAsTheyMayLeaveBoardBetweenThem) {
   constexpr double kSize_mm = 5.0;
   std::vector<MarkStroke> all;
@@ -91,7 +91,7 @@ TEST(MarkPattern, MarksThatLieAsNearAsTheyMayLeaveBoardBetweenThem) {
   }
 }
 
-// Or a mirrored head could not be told by its arms, and steps of mirrors or pixels would not average out.
+// A mirrored head must be visible in the arms of its marks, and steps of mirrors or pixels must average out.
 TEST(MarkPattern, ArmsRunAlongNoAxisAndCrossAtTheCentre) {
   const auto arms = markArms(5.0);
   Vector2d sum(0.0, 0.0);
@@ -238,7 +238,8 @@ TEST(MarkPlaces, RandomOnesKeepApartAndReachTheRimAndDependOnTheirSeedAlone) {
     for (const Vector2d& known : wish.known) ASSERT_GE(marksApart_mm(places[i], known), 2.0);
   }
   EXPECT_EQ(on_rim, 15);
-  EXPECT_LT(mean.norm(), 10.0);  // Evenly: one standard deviation is 2 mm each way.
+  // The displacements are even: one standard deviation is 2 mm in each direction.
+  EXPECT_LT(mean.norm(), 10.0);
   EXPECT_EQ(randomPlaces(kField, wish), places);
   wish.seed = 6;
   EXPECT_NE(randomPlaces(kField, wish), places);
@@ -273,7 +274,8 @@ TEST(MarkPlaces, VerifyingManyTakesSeveralSheetsWithRimAndMiddlesOfCellsOnEach) 
     }
     EXPECT_GE(on_rim, 10U);
     EXPECT_LE(on_rim, 11U);
-    EXPECT_GE(on_middle, 9U);  // Less than a tenth: of the 64 only 39 lie beside no mark of the grid.
+    // Nearly a tenth: of the 64 middles only 39 lie clear of the marks of the grid.
+    EXPECT_GE(on_middle, 9U);
     EXPECT_LE(on_middle, 10U);
   }
   EXPECT_EQ(count, 401U);
@@ -291,7 +293,7 @@ TEST(MarkPlaces, VerifyingFewTakesOneSheetAndNoRoomIsRefused) {
   wish.mark_size_mm = 0.0;
   EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
   wish.mark_size_mm = 30.0;
-  wish.marked = gridPlaces(kField, 17);  // Every place lies beside one of them.
+  wish.marked = gridPlaces(kField, 17);  // Every place lies next to one of these marks.
   EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
 }
 

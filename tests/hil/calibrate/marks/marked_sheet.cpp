@@ -36,7 +36,7 @@ void MarkedSheet::burn(twin::Sheet& sheet, const Vector2d& from_mm, const Vector
 }
 
 void MarkedSheet::burnMarks(twin::Sheet& sheet) const {
-  constexpr int kParts = 20;  // A head that is off bends lines.
+  constexpr int kParts = 20;  // The line is burnt in parts: a head with errors bends lines.
   for (const WantedMark& mark : job.marks) {
     std::vector<MarkStroke> strokes;
     for (const MarkStroke& arm : markArms(job.size_mm)) strokes.push_back(arm);

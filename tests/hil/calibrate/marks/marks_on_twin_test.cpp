@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole way of a mark: job, planner, release, machine that is off by millimetres, pictures, centre;
-// against where the model's head puts the beam. Only this test asks the model.
+// All of a mark's stages: job, planner, release, machine with errors of millimetres, pictures, centre;
+// compared with the place to which the model's head sends the beam. Only this test uses the model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,12 +29,12 @@ using testing::IsEmpty;
 
 struct Field {
   const char* machine;
-  double half_mm;  ///< Of the field.
-  int grid;        ///< Marks each way.
-  double size_mm;  ///< Of a mark.
+  double half_mm;  ///< Half the side of the field.
+  int grid;        ///< Number of marks in each direction.
+  double size_mm;  ///< Size of a mark.
   double beam_radius_mm;
-  double print_mm;      ///< Beyond the field.
-  double least_raw_mm;  ///< That the sampled machine is off somewhere.
+  double print_mm;      ///< Distance of the print beyond the field.
+  double least_raw_mm;  ///< Smallest largest error of the sampled machine: it must be off somewhere.
 };
 
 MarkJob jobFor(const Field& field) {
@@ -53,7 +53,7 @@ MarkJob jobFor(const Field& field) {
   return job;
 }
 
-/// Where the head that was sampled sends the beam for which the planner, by what it was told, asks.
+/// Place to which the sampled head sends the beam for an aim of the planner, by its own configuration.
 class Truth {
  public:
   Truth(const scenario::Case& test_case, const twin::SampledMachine& sampled)
@@ -73,9 +73,9 @@ class Truth {
 };
 
 struct Errors {
-  double raw_mm{};  ///< Worst of what the head does.
+  double raw_mm{};  ///< Largest error of the head.
   Vector2d bias_um{Vector2d::Zero()};
-  double sigma_um{};  ///< Per axis, about the best motion.
+  double sigma_um{};  ///< Standard deviation per axis, about the best motion.
   double worst_um{};
   double mahalanobis{};  ///< Mean of e' C^-1 e, C own, pose and map; 2 if honest.
   double stated_um{};
@@ -151,7 +151,7 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   EXPECT_GT(e.raw_mm, field.least_raw_mm);
   EXPECT_LT(e.bias_um.norm(), 2.0);
   EXPECT_LT(e.sigma_um, 2.0);
-  EXPECT_LT(e.mahalanobis, 8.0);  // Most of it is one draw of the pose: beyond 8 in 2 % of all runs.
+  EXPECT_LT(e.mahalanobis, 8.0);  // Most of it is one sample of the pose: beyond 8 in 2 % of all runs.
 }
 
 INSTANTIATE_TEST_SUITE_P(Heads, MarksOnTwin,

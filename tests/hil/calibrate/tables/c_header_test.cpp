@@ -101,7 +101,7 @@ TEST_F(CompiledHeader, LiesInTheFlashOfAnAvr) {
       "  return (int16_t)pgm_read_word(&KB_CORRECTION_DX[i]) + "
       "(int16_t)pgm_read_word(&KB_CORRECTION_DY[i]);\n}\n");
   ASSERT_EQ(run(avr + "-c use.c -o use.o"), 0);
-  // Read-only for the program's memory, 2 x 65 x 65 x 2 bytes; nothing in RAM.
+  // The program's memory holds read-only tables, 2 x 65 x 65 x 2 bytes; nothing is in RAM.
   ASSERT_EQ(run("avr-size -A use.o > sizes"), 0);
   std::istringstream sizes(text("sizes"));
   long flash = 0;

@@ -81,8 +81,8 @@ TEST(CorFile, BytesLieWhereOthersLookForThem) {
   EXPECT_EQ(number(v2, 36 + 65 * 8, std::int32_t{}), std::lround(kScale * grid.d_mm(0, 1).x()));
 }
 
-// As glase writes it: for ix, for iy, {dy, dx} of how wrong the point is, a scale that is nonsense, four
-// bytes more.
+// The layout of glase: for ix, for iy, {dy, dx} of the error of the point, a meaningless scale, four bytes
+// more.
 TEST(CorFile, ReadsAFileMadeByGlasesRecipe) {
   const SeededHead head(7, 80);
   std::string bytes = "JCZ_COR_2_1";

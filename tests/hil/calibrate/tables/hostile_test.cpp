@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that were cut off, damaged or made up: each is refused with a place, none upsets the program.
+// Files that were cut off, damaged or made up: each is refused with a place, none breaks the program.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -35,7 +35,7 @@ std::vector<Sample> samples() {
       {"cor v2", corFile(grid, CorVersion::k2, convention), cor}};
 }
 
-/// A place that a user can look up: "f:12: …", "f: byte 36: …", or the file as a whole.
+/// Expects a place that a user can look up: "f:12: …", "f: byte 36: …", or the file as a whole.
 void expectPlaced(const std::string& faults, const std::string& what) {
   std::istringstream lines(faults);
   for (std::string line; std::getline(lines, line);)
@@ -43,8 +43,8 @@ void expectPlaced(const std::string& faults, const std::string& what) {
         << what << ": " << line;
 }
 
-/// All but the last newline; of a C header, all up to the last array's end: what follows has no number. Of a
-/// .cor v2, all but the four bytes that some have.
+/// Length of the shortest whole file: all but the last newline; of a C header, all up to the last array's
+/// end, since no number follows; of a .cor v2, all but the four bytes that some have.
 std::size_t wholeFrom(const std::string& bytes) {
   if (bytes.starts_with("JCZ")) return bytes.size() - 4;
   return bytes.ends_with("#endif\n") ? bytes.rfind('}') : bytes.size();

@@ -22,7 +22,7 @@ AimGrid tableOf(const SeededHead& head) {
   return head.table(evenly(-kHalf_mm, kHalf_mm, 65), evenly(-kHalf_mm, kHalf_mm, 65), Between::kBilinear);
 }
 
-/// The table of a head that lands at lands(aim), a contraction's distance from the aim.
+/// Table of a head that lands at lands(aim), at a contraction's distance from the aim.
 AimGrid tableThatUndoes(const auto& lands) {
   const auto places = evenly(-kHalf_mm, kHalf_mm, 65);
   std::vector<Vector2d> d;
@@ -48,7 +48,7 @@ std::vector<UncorrectedSpot> nineSpotsOf(const auto& lands) {
   return spots;
 }
 
-/// The reading that undoes another: d = V⁻¹ d'(A ·).
+/// Reading that cancels another: d = V⁻¹ d'(A ·).
 TableReading inverse(const TableReading& reading) {
   return {reading.places.transpose(), reading.values.transpose()};
 }
@@ -110,7 +110,7 @@ TEST(Recognise, AFileMirroredAsAWholeIsCalledThat) {
   EXPECT_TRUE(found.text.starts_with("the file is mirrored in x: ")) << found.text;
 }
 
-// Of a head that is the same on all sides, mirrored files are the same file: no reason to refuse one.
+// A head that is the same on all sides gives equal mirrored files: no reason to refuse one.
 TEST(Recognise, ReadingsThatAreTheSameTableAreNoRivals) {
   const auto pincushion = [](const Vector2d& a) -> Vector2d { return a * (1 + 1e-5 * a.squaredNorm()); };
   const AimGrid grid = tableThatUndoes(pincushion);
@@ -122,7 +122,8 @@ TEST(Recognise, ReadingsThatAreTheSameTableAreNoRivals) {
   EXPECT_TRUE(found.text.starts_with("the sign is turned")) << found.text;
 }
 
-// Nearly the same on both sides of an axis: what tells the readings apart is less than the noise of a ruler.
+// The head is nearly the same on both sides of an axis: the readings differ by less than the noise of a
+// ruler.
 TEST(Recognise, SaysWhenItCannotBeTold) {
   const auto bowed = [](const Vector2d& a) -> Vector2d {
     return {a.x() * (1 + 2e-5 * a.y() * a.y()) + 0.0003 * a.y(), a.y() * (1 + 1e-5 * a.y() * a.y())};

@@ -33,7 +33,7 @@ class SeededHead {
     for (std::size_t i = 0; i < kTerms; ++i) spot += terms[i] * coefficients_[i];
     return spot;
   }
-  /// What brings the beam to p.
+  /// Aim that brings the beam to p.
   [[nodiscard]] Eigen::Vector2d aimFor(const Eigen::Vector2d& p) const {
     Eigen::Vector2d aim = p;
     for (int i = 0; i < 200; ++i) aim += p - spotFor(aim);
@@ -69,7 +69,7 @@ class SeededHead {
   std::vector<Eigen::Vector2d> coefficients_;
 };
 
-/// What reading says is wrong; "" if nothing.
+/// Faults that a reading reports; "" if none.
 inline std::string faultsOf(const std::function<void()>& read) {
   try {
     read();
@@ -79,7 +79,7 @@ inline std::string faultsOf(const std::function<void()>& read) {
   return {};
 }
 
-/// The largest difference of two grids' values, mm, at places between and at the nodes of the first.
+/// Largest difference of two grids' values, mm, at places between and at the nodes of the first.
 inline double farthest_mm(const AimGrid& a, const AimGrid& b) {
   double most = 0.0;
   const Eigen::AlignedBox2d area = a.area_W_mm();

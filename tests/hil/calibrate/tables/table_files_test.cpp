@@ -60,7 +60,7 @@ TEST_F(TableFiles, LossesAreThoseOfTheFormats) {
   const double half_a_unit_um = 500 / 655.36 * std::sqrt(2.0);
   EXPECT_LE(loss(TableFormat::kCor2).nodes.max_um, half_a_unit_um);
   EXPECT_GT(loss(TableFormat::kCor2).nodes.max_um, 0.5 * half_a_unit_um);
-  // Nodes twice as dense: a quarter of the chords' error, and the units' on top.
+  // Twice as many nodes leave a quarter of the chords' error, and the units' on top.
   EXPECT_LT(loss(TableFormat::kCor1).mid_cell.max_um, 0.3 * loss(TableFormat::kGridText).mid_cell.max_um);
   EXPECT_GT(loss(TableFormat::kNinePoints).anywhere.max_um, 100.0);
 }
@@ -68,7 +68,7 @@ TEST_F(TableFiles, LossesAreThoseOfTheFormats) {
 TEST_F(TableFiles, WhatCannotBeWrittenLeavesTheOldFileAlone) {
   const fs::path path = folder_ / "table.cor";
   writeTable(path, TableFormat::kCor1, grid_, options_);
-  options_.cor.units_per_mm = 600.0;  // A larger field than the table covers.
+  options_.cor.units_per_mm = 600.0;  // The field is larger than the table covers.
   EXPECT_THROW(writeTable(path, TableFormat::kCor1, grid_, options_), std::invalid_argument);
   EXPECT_NO_THROW((void)readTable(path));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);

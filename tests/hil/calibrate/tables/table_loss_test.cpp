@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// d = c (x², 0) at even nodes, as finely as the original needs to hold it.
+/// Table d = c (x², 0) at even nodes, as finely as the original needs to hold it.
 AimGrid parabola(std::size_t columns, Between between, double half_mm = 50.0) {
   const auto x = evenly(-half_mm, half_mm, columns);
   const auto y = evenly(-half_mm, half_mm, 5);

@@ -24,12 +24,12 @@ struct Bench {
   double drift{83e-6};
   double jitter_s{50e-6};
   double unseen_share{0.1};
-  double share_error{};  ///< > 0: the share of light is measured, this well.
+  double share_error{};  ///< Error of the measured share of light; > 0: the share is measured.
   std::uint64_t seed{1};
 
   [[nodiscard]] double begin_s(double stamp_s) const { return stamp_s + offset_s + drift * stamp_s; }
 
-  /// The sighting of a light that goes on at a phase (0 … 1) of the period that begins with frame `number`.
+  /// Sighting of a light that goes on at a phase (0 … 1) of the period that begins with frame `number`.
   [[nodiscard]] EdgeSighting sight(std::uint64_t number, double phase) const {
     const CounterRandom random(seed, 7);
     const auto stamp_s = [&](std::uint64_t n) { return period_s * static_cast<double>(n); };
@@ -37,7 +37,7 @@ struct Bench {
       return stamp_s(n) + jitter_s * (2.0 * random.uniform(n) - 1.0);
     };
     const double into_s = phase * period_s;
-    const double light_s = std::max(0.0, exposure_s - into_s);  // In frame `number`.
+    const double light_s = std::max(0.0, exposure_s - into_s);  // Light in frame `number`.
     const double threshold = unseen_share * random.uniform(number + 1'000'000);
     const std::uint64_t lit = light_s > threshold * exposure_s ? number : number + 1;
     EdgeSighting seen{begin_s(stamp_s(number)) + into_s, told_s(lit - 1), told_s(lit), 0.0, std::nullopt};
@@ -69,7 +69,7 @@ struct Bench {
             .max_uncertainty_s = 0.02};
   }
 
-  /// How far the clock is from the truth, in units of what it tells; at its worst over the sightings.
+  /// Largest error of the clock over the sightings, in units of its stated bound.
   [[nodiscard]] double worstShare(const CameraClock& clock, const std::vector<EdgeSighting>& seen) const {
     double worst = 0.0;
     for (const EdgeSighting& one : seen) {
@@ -108,7 +108,7 @@ TEST_P(CameraClockCoverage, HoldsTheTruthOverManySeeds) {
     bench.offset_s = 0.2 * (random.uniform(0) - 0.5);
     bench.drift = 400e-6 * (2.0 * random.uniform(1) - 1.0);
     auto seen = bench.sightings(24);
-    if (test_case.one_wrong) {  // From hardly to plainly.
+    if (test_case.one_wrong) {  // The wrong sighting is off by anything from hardly to plainly.
       const auto which = static_cast<std::size_t>(random.bits(2) % seen.size());
       seen[which].edge_s += bench.period_s * 3.0 * (2.0 * random.uniform(3) - 1.0);
     }
@@ -135,10 +135,10 @@ TEST(CameraClock, KnowsTheBetterTheMoreItSees) {
   const double few_s = uncertaintyOf(bench, 12);
   const double many_s = uncertaintyOf(bench, 240);
   EXPECT_LT(few_s, bench.period_s);
-  EXPECT_LT(many_s, few_s / 5.0);  // Of n random phases the gaps are as 1 / n.
+  EXPECT_LT(many_s, few_s / 5.0);  // The gaps of n random phases are as 1 / n.
 }
 
-// How much depends on how many of the edges fall into an exposure: for half of the seeds at least.
+// The gain depends on the number of edges that fall into an exposure: at least half of the seeds show it.
 TEST(CameraClock, KnowsFarMoreByTheShareOfLight) {
   std::vector<double> by_share_s;
   for (std::uint64_t seed = 1; seed <= 21; ++seed) {
@@ -151,10 +151,10 @@ TEST(CameraClock, KnowsFarMoreByTheShareOfLight) {
   }
   std::ranges::nth_element(by_share_s, by_share_s.begin() + 10);
   const Bench bench;
-  EXPECT_LT(by_share_s[10], bench.exposure_s * 0.02 + bench.jitter_s);  // One sighting's own.
+  EXPECT_LT(by_share_s[10], bench.exposure_s * 0.02 + bench.jitter_s);  // The bound of one sighting.
 }
 
-// What least squares would not notice: 200 sightings that all say the same.
+// Least squares would not notice 200 sightings that all say the same.
 TEST(CameraClock, IsNotFooledByALightInStepWithTheFrames) {
   Bench bench;
   bench.drift = 0.0;

@@ -100,7 +100,7 @@ TEST(CameraSettings, RefusesValuesOutOfRangeAndControlsThatAreLocked) {
   video.addControl(V4L2_CID_BRIGHTNESS, "Brightness", 0, 9, 5, V4L2_CTRL_FLAG_READ_ONLY);
   video.addControl(V4L2_CID_CONTRAST, "Contrast", 0, 9, 5, V4L2_CTRL_FLAG_DISABLED);
   CameraSettings settings = greySettings();
-  settings.exposure_s = 20e-6;  // Less than half of what V4L2 counts in.
+  settings.exposure_s = 20e-6;  // The exposure is less than half of V4L2's unit.
   settings.gain = 101;
   settings.controls = {{"brightness", 3}, {"contrast", 3}};
   const std::string why = whyNot(video, settings);

@@ -235,7 +235,7 @@ int FakeVideo::answerControl(unsigned long request, void* argument) {
   if (request == VIDIOC_QUERYMENU) {
     auto& item = as<v4l2_querymenu>(argument);
     if (item.index % 2 != 0) return EINVAL;  // Menus have holes.
-    std::memcpy(item.name, "choice", 7);     // Packed: no reference to it.
+    std::memcpy(item.name, "choice", 7);     // The field is packed: no reference to it.
     return 0;
   }
   if (request != VIDIOC_S_CTRL && request != VIDIOC_G_CTRL) return ENOTTY;

@@ -16,26 +16,26 @@
 
 namespace kerfbench::camera {
 
-/// What the sensor of a FakeVideo delivers next.
+/// Next frame of a FakeVideo's sensor.
 struct FakeFrame {
   std::vector<std::uint8_t> bytes;
   std::uint32_t sequence{};
   std::int64_t stamp_ns{};
   std::uint32_t flags{V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC};
-  std::int64_t arrival_ns{};           ///< When it is there.
-  std::int64_t bytesused{-1};          ///< -1: as many as `bytes`.
-  std::function<void()> before{};      ///< Called as it arrives: something happens to the device.
-  std::optional<timeval> odd_stamp{};  ///< Told instead of stamp_ns.
+  std::int64_t arrival_ns{};           ///< Time at which the frame is there.
+  std::int64_t bytesused{-1};          ///< Number of bytes used; -1: as many as `bytes`.
+  std::function<void()> before{};      ///< Called as the frame arrives: something happens to the device.
+  std::optional<timeval> odd_stamp{};  ///< Stamp that is reported instead of stamp_ns.
 };
 
 /// A video device in memory, with V4L2's states: REQBUFS, QUERYBUF, mmap, QBUF, STREAMON, DQBUF and back. It
-/// refuses what the kernel refuses, and keeps count of what was left open. Time is its own.
+/// refuses what the kernel refuses, and counts what was left open. Its time is its own.
 class FakeVideo final : public VideoCalls {
  public:
   explicit FakeVideo(std::string path = "/dev/video7");
   ~FakeVideo() override;
 
-  // The device, to be set up by a test.
+  // State of the device, to be set up by a test.
   v4l2_pix_format format{};
   std::vector<v4l2_queryctrl> controls;
   std::map<std::uint32_t, std::int32_t> values;
@@ -47,28 +47,28 @@ class FakeVideo final : public VideoCalls {
   std::uint32_t caps{V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING};
   bool is_capability_per_device{true};
   std::uint32_t most_buffers{32};
-  std::int32_t value_step{1};  ///< Values of controls are rounded down to this.
+  std::int32_t value_step{1};  ///< Step to which values of controls are rounded down.
   bool has_events{true};
-  std::uint32_t input{};       ///< The one that is selected; events of changes of the source are its.
-  std::size_t buffer_slack{};  ///< By so many bytes a buffer is longer than a frame.
-  bool is_stubborn_format{};   ///< S_FMT leaves everything as it is.
+  std::uint32_t input{};       ///< Selected input; events of changes of the source belong to it.
+  std::size_t buffer_slack{};  ///< Excess of a buffer's bytes over a frame's.
+  bool is_stubborn_format{};   ///< True if S_FMT leaves everything as it is.
   std::deque<FakeFrame> frames;
   std::deque<v4l2_event> events;
   std::int64_t now_ns{5'000'000'000};
-  std::uint32_t given_index{UINT32_MAX};  ///< DQBUF tells this instead of the buffer's own.
-  short idle_poll{};                      ///< What poll tells while nothing is there.
+  std::uint32_t given_index{UINT32_MAX};  ///< Index that DQBUF reports instead of the buffer's own.
+  short idle_poll{};                      ///< Result of poll while nothing is there.
 
-  /// From now on the n-th call of a request (0: the next one) fails with this errno; with `forever` all
+  /// Makes the n-th call of a request (0: the next one) fail with this errno from now on; with `forever` all
   /// after.
   void failIoctl(unsigned long request, int error, int after = 0, bool forever = true);
   int open_error{}, mmap_error{}, poll_error{};
-  int mmap_fails_after{};  ///< Calls of mmap that succeed before.
-  int interruptions{};     ///< Calls of ioctl and poll that are interrupted first.
+  int mmap_fails_after{};  ///< Number of calls of mmap that succeed before one fails.
+  int interruptions{};     ///< Number of calls of ioctl and poll that are interrupted first.
   bool is_gone{};
 
   void addControl(std::uint32_t id, const std::string& name, int min, int max, int value,
                   std::uint32_t flags = 0, std::uint32_t type = V4L2_CTRL_TYPE_INTEGER);
-  /// `count` grey frames that differ, at the device's interval, each arriving 1 ms after its stamp.
+  /// Adds `count` grey frames that differ, at the device's interval, each arriving 1 ms after its stamp.
   void addFrames(int count, std::uint32_t first_sequence = 0);
   [[nodiscard]] FakeFrame frameOf(std::uint32_t sequence) const;
 

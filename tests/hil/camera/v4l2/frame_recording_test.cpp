@@ -77,7 +77,7 @@ class FrameRecordings : public testing::Test {
 
 TEST_F(FrameRecordings, GiveEveryBufferAgainAsTheDriverGaveIt) {
   video.addFrames(6);
-  for (FakeFrame& frame : video.frames) frame.sequence += 4'294'967'293U;  // Wraps.
+  for (FakeFrame& frame : video.frames) frame.sequence += 4'294'967'293U;  // The sequence number wraps.
   video.frames[2].flags = V4L2_BUF_FLAG_ERROR | V4L2_BUF_FLAG_TIMESTAMP_COPY;
   video.frames[3].bytesused = 100;
   video.frames[4].flags = V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
@@ -170,7 +170,7 @@ TEST_F(FrameRecordings, ThatWereChangedAreNotRead) {
   EXPECT_THAT(whyNot(), HasSubstr("colour"));
   write("camera.yaml", camera_yaml);
   EXPECT_EQ(whyNot(), "");
-  // A byte of the third frame.
+  // The damaged byte is in the third frame.
   std::string spoilt = raw;
   spoilt[2 * 64 * 48 + 5] ^= 1;
   write("frames.raw", spoilt);
@@ -206,7 +206,7 @@ TEST_F(FrameRecordings, EndWhenTheyAreAskedToOrFullOrTheCameraIsGone) {
     FrameRecordingWriter writer(parent / "asked", camera());
     int asked = 0;
     EXPECT_EQ(recordFrames(stream(), writer, {}, [&] { return ++asked > 4; }), "");
-    EXPECT_EQ(writer.frames(), 3U);  // And one discarded.
+    EXPECT_EQ(writer.frames(), 3U);  // One more frame was discarded.
   }
   {
     FrameRecordingWriter writer(parent / "full", camera());

@@ -41,7 +41,7 @@ TEST(FrameWatch, TellsHowManyWereLostAndWhen) {
   FrameWatch watch = watchOf10Ms();
   (void)watch.judge(noteAt(5, 1000), false, false);
   const FrameIntegrity frame = watch.judge(noteAt(9, 1040), false, false);
-  EXPECT_THAT(frame.faults, IsEmpty());  // It is good itself.
+  EXPECT_THAT(frame.faults, IsEmpty());  // The frame itself is good.
   EXPECT_EQ(frame.lost_before, 3U);
   EXPECT_EQ(frame.sequence, 4U);
   EXPECT_EQ(frame.from_ns, 1000 * kMs);
@@ -84,7 +84,7 @@ TEST(FrameWatch, TellsStampsThatRunBackAreTooOldOrInTheFuture) {
   (void)watch.judge(noteAt(0, 1000), false, false);
   EXPECT_THAT(watch.judge(noteAt(1, 1000), false, false).faults, ElementsAre(kStampBack));
   BufferNote ahead = noteAt(2, 1020);
-  ahead.arrival_ns = 1000 * kMs;  // As vivid does; allowed.
+  ahead.arrival_ns = 1000 * kMs;  // Vivid stamps frames like this; it is allowed.
   EXPECT_TRUE(watch.judge(ahead, false, false).isGood());
   ahead = noteAt(3, 1030);
   ahead.arrival_ns = 900 * kMs;

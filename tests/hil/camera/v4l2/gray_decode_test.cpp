@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>  // jpeglib.h uses FILE and does not include it.
+#include <cstdio>  // The header jpeglib.h uses FILE and does not include it.
 #include <cstdlib>
 #include <set>
 #include <stdexcept>
@@ -32,7 +32,7 @@ FrameLayout layoutOf(std::string_view name, int width, int height, std::size_t p
   return layout;
 }
 
-/// Rows of 16-bit words, the padding filled with what must not be read.
+/// Rows of 16-bit words; the padding is filled with values that must not be read.
 std::vector<std::uint8_t> bytesOfWords(const FrameLayout& layout, const std::vector<int>& words) {
   std::vector<std::uint8_t> bytes(layout.stride_bytes * static_cast<std::size_t>(layout.height_px), 0xee);
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -200,11 +200,11 @@ TEST(GrayDecode, ReadsAJpegAndItsPadding) {
   for (int c = 0; c < 48; ++c) EXPECT_NEAR(image.at(c, 20), 60 + 2 * c, 3);
 }
 
-/// Without the segments that define Huffman tables, as the frames of many cameras come.
+/// JPEG without the segments that define Huffman tables, as many cameras send it.
 std::vector<std::uint8_t> withoutHuffmanTables(const std::vector<std::uint8_t>& jpeg) {
   std::vector<std::uint8_t> kept(jpeg.begin(), jpeg.begin() + 2);
   std::size_t at = 2;
-  while (jpeg[at + 1] != 0xda) {  // Until the picture itself begins.
+  while (jpeg[at + 1] != 0xda) {  // The picture itself begins here.
     const std::size_t size = 2 + (std::size_t{jpeg[at + 2]} << 8U | jpeg[at + 3]);
     if (jpeg[at + 1] != 0xc4)
       kept.insert(kept.end(), jpeg.begin() + static_cast<long>(at),

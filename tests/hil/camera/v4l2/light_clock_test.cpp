@@ -19,19 +19,20 @@ using testing::HasSubstr;
 struct LitBench {
   double period_s{5e-3};
   double exposure_s{1e-3};
-  double offset_s{-4711.0};  ///< Pins' time less the camera's.
+  double offset_s{-4711.0};  ///< Offset of the pins' time from the camera's.
   double drift{60e-6};
   double jitter_s{50e-6};
-  double late_s{};         ///< Light after the pins.
-  double unseen{0.05};     ///< Light that is not seen, as a share of an exposure that is lit throughout.
-  double noise{0.02};      ///< Of the light.
-  double spread_s{};       ///< Of a sluggish light: it follows the pins so long before and after.
+  double late_s{};      ///< Delay of the light behind the pins.
+  double unseen{0.05};  ///< Light that is not seen, as a share of an exposure that is lit throughout.
+  double noise{0.02};   ///< Noise of the light.
+  /// Spread of a sluggish light: it follows the pins from this long before to this long after.
+  double spread_s{};
   double pulse_s{100e-6};  ///< Period of the PWM.
   std::uint64_t seed{1};
   std::vector<LightInterval> lights{};
   std::vector<LightProfile::Step> steps{};
 
-  /// Uneven intervals.
+  /// Adds uneven intervals.
   void addIntervals(int count) {
     const CounterRandom random(seed, 1);
     double at_s = 10.0;
@@ -42,7 +43,7 @@ struct LitBench {
       lights.push_back({on_s, at_s});
     }
   }
-  /// `count` uneven intervals that are far apart.
+  /// Adds `count` uneven intervals that are far apart.
   void addFarApart(int count, double span_s) {
     const CounterRandom random(seed, 3);
     for (int i = 0; i < count; ++i) {
@@ -51,7 +52,7 @@ struct LitBench {
       lights.push_back({on_s, on_s + 0.1 + 0.2 * random.uniform(2 * k + 1)});
     }
   }
-  /// Full light from begin to end of each interval, or by PWM over ramps of so long.
+  /// Adds full light from begin to end of each interval, or by PWM over ramps of `ramp_s`.
   void light(double ramp_s) {
     for (const LightInterval& one : lights) {
       if (ramp_s == 0.0) {
@@ -92,7 +93,7 @@ struct LitBench {
     const LightProfile profile(steps);
     return fitLightClock(seen, lights, profiled ? &profile : nullptr, period_s, options(ask_s));
   }
-  /// How far the clock is off, in units of its own bound, at its worst over the lights.
+  /// Largest error of the clock over the lights, in units of its own bound.
   [[nodiscard]] double worstShare(const CameraClock& clock) const {
     double worst = 0.0;
     for (const LightInterval& one : lights) {
@@ -116,8 +117,7 @@ TEST(LightClock, HardEdgesBoundItByTheGateAlone) {
   }
 }
 
-// A gate alone, that opens twice: frames that show light bound each end from one side, dark ones from the
-// other.
+// The gate alone opens twice: frames that show light bound each end from one side, dark ones from the other.
 TEST(LightClock, DarkFramesBesideHardLightBoundItTwiceAsWell) {
   double lit_s = 0.0;
   double both_s = 0.0;
@@ -176,7 +176,8 @@ TEST(LightClock, SoftEdgesBoundItWidelyAndTheirProfileSharpensIt) {
   EXPECT_GE(well_known, 8);
 }
 
-// A strobe of 5 us, and a laser that follows its PWM sluggishly: what tells is the light of a millisecond.
+// The exposure is a strobe of 5 us, and the laser follows its PWM sluggishly: the light of a millisecond is
+// the information.
 TEST(LightClock, OfAShortStrobeIsSharpenedByTheLightAroundIt) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     LitBench bench{.exposure_s = 5e-6, .unseen = 0.4, .spread_s = 0.5e-3, .seed = seed};
@@ -194,7 +195,7 @@ TEST(LightClock, OfAShortStrobeIsSharpenedByTheLightAroundIt) {
   }
 }
 
-// By drift alone there would be a hundred million places.
+// The drift alone would leave a hundred million places.
 TEST(LightClock, OfAShortStrobeInALongJobIsSharpenedToo) {
   for (const double drift : {-150e-6, 60e-6}) {
     LitBench bench{.exposure_s = 5e-6, .drift = drift, .unseen = 0.4, .spread_s = 0.5e-3};
@@ -207,7 +208,7 @@ TEST(LightClock, OfAShortStrobeInALongJobIsSharpenedToo) {
   }
 }
 
-// At the exposure's own scale there would be some hundred thousand.
+// The exposure's own scale would leave some hundred thousand places.
 TEST(LightClock, OfALongJobIsSharpenedByTheLightAroundFramesToo) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     LitBench bench{.exposure_s = 200e-6, .unseen = 0.4, .seed = seed};
@@ -220,7 +221,7 @@ TEST(LightClock, OfALongJobIsSharpenedByTheLightAroundFramesToo) {
   }
 }
 
-// Each lit frame shows one whole pulse of PWM and nothing of how many there are.
+// Each lit frame shows one whole pulse of PWM and nothing of their number.
 TEST(LightClock, OfAStrobeThatShowsSinglePulsesIsNotToldSharperThanItIs) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     LitBench bench{.exposure_s = 5e-6, .unseen = 0.4, .seed = seed};
@@ -232,8 +233,8 @@ TEST(LightClock, OfAStrobeThatShowsSinglePulsesIsNotToldSharperThanItIs) {
   }
 }
 
-// Known and told in its documentation: the light's own delay cannot be told from the clock's.
-// A neighbouring minimum is as good there, for all frames alike.
+// Limitation stated in the documentation: the light's own delay cannot be separated from the clock's. A
+// neighbouring minimum is as good there, for all frames alike.
 TEST(LightClock, IsAsGoodAsItSaysWherePulsesAreAboutAsLongAsAnExposure) {
   for (const double pulse_s : {50e-6, 70e-6, 100e-6, 250e-6}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {

@@ -105,8 +105,8 @@ TEST_F(V4l2Frames, ThatCannotBeReadSayWhy) {
   video.format.bytesperline = 128;
   video.format.sizeimage = 128 * 48;
   video.addFrames(3);
-  for (FakeFrame& frame : video.frames) frame.bytes.assign(128 * 48, 3);  // 0x0303: of 10 bits.
-  video.frames[1].bytes[1] = 4;                                           // 0x0403 is none.
+  for (FakeFrame& frame : video.frames) frame.bytes.assign(128 * 48, 3);  // Value 0x0303 has 10 bits.
+  video.frames[1].bytes[1] = 4;                                           // Value 0x0403 has more.
   options.watch.sensor_has_noise = false;
   options.frames = 2;
   options.exposure_s = 0.002;
@@ -141,7 +141,7 @@ TEST_F(V4l2Frames, EndEarlyWithAReasonWhenTheCameraStops) {
   EXPECT_EQ(frames.nextBatch(100).size(), 3U);
   EXPECT_THAT(frames.report().ended_early, HasSubstr("no frame within 1000 ms"));
   video.addFrames(4, 200);
-  EXPECT_TRUE(frames.nextBatch(100).empty());  // What comes later is not of this capture.
+  EXPECT_TRUE(frames.nextBatch(100).empty());  // Later frames are not part of this capture.
 }
 
 TEST_F(V4l2Frames, EndEarlyWithAReasonWhenTheCameraVanishes) {
@@ -154,7 +154,8 @@ TEST_F(V4l2Frames, EndEarlyWithAReasonWhenTheCameraVanishes) {
 
 TEST_F(V4l2Frames, TellHowFarStampsLieInTheFuture) {
   video.addFrames(4);
-  for (FakeFrame& frame : video.frames) frame.arrival_ns = frame.stamp_ns - 34'000'000;  // vivid at 25/s
+  // Stamps of vivid at 25/s.
+  for (FakeFrame& frame : video.frames) frame.arrival_ns = frame.stamp_ns - 34'000'000;
   for (FakeFrame& frame : video.frames) frame.arrival_ns = std::max(frame.arrival_ns, video.now_ns);
   V4l2FrameSource& frames = start(3);
   EXPECT_EQ(frames.nextBatch(100).size(), 3U);

@@ -26,7 +26,7 @@ constexpr const char* kPath = "/dev/video7";
 
 CameraSettings greySettings() { return {.format = findPixelFormat("GREY"), .width_px = 64, .height_px = 48}; }
 
-/// The event after which a stream has ended gives itself again.
+/// Expects an event that ends the stream: it is reported again.
 void expectEnds(V4l2Stream& stream, Kind kind, const std::string& words) {
   for (int i = 0; i < 2; ++i) {
     const StreamEvent event = stream.next(1000);
@@ -87,7 +87,7 @@ TEST(V4l2Stream, GivesFramesInOrderWithWhatTheDriverSaysOfThem) {
                                   : i == 3 ? StampClock::kUnknown
                                            : StampClock::kMonotonic);
       EXPECT_TRUE(std::ranges::equal(event.bytes, sent.bytes));
-      EXPECT_EQ(video.queuedCount(), 3U);  // All but the one that we look at.
+      EXPECT_EQ(video.queuedCount(), 3U);  // All buffers are queued but the one under test.
     }
   }
   EXPECT_FALSE(video.isStreaming());
@@ -120,7 +120,7 @@ TEST(V4l2Stream, SaysThatNothingCameAndGoesOnWhenItDoes) {
 
 TEST(V4l2Stream, IsNotKeptWaitingByWakeUpsForNothing) {
   FakeVideo video;
-  video.idle_poll = POLLIN;  // A frame that another thread took, say; DQBUF gives EAGAIN.
+  video.idle_poll = POLLIN;  // Another thread took the frame, for example; DQBUF gives EAGAIN.
   Ticking ticking(video);
   V4l2Stream stream(ticking, kPath, greySettings());
   EXPECT_EQ(stream.next(100).kind, Kind::kTimeout);
@@ -153,7 +153,7 @@ TEST(V4l2Stream, TellsFramesOfTooFewOrTooManyBytesAndReadsNoneBeyondTheBuffer) {
   EXPECT_FALSE(stream.next(1000).note.is_short);
 }
 
-// v4l2loopback's buffers are whole pages, and a writer of larger pictures fills them.
+// The buffers of v4l2loopback are whole pages, and a writer of larger pictures fills them.
 TEST(V4l2Stream, TellsAFrameThatIsLongerThanFramesAreThoughTheBufferHoldsIt) {
   FakeVideo video;
   video.buffer_slack = 1024;
@@ -221,7 +221,7 @@ TEST(V4l2Stream, EndsWhenTheCameraVanishesWhereverThatIs) {
       video.frames.front().before = [&] { video.is_gone = true; };
     expectEnds(stream, Kind::kGone, "has vanished");
   }
-  FakeVideo video;  // While nothing is given back: the very first frame.
+  FakeVideo video;  // Nothing is given back yet: the very first frame.
   video.addFrames(1);
   V4l2Stream stream(video, kPath, greySettings());
   video.is_gone = true;
@@ -273,7 +273,7 @@ TEST(V4l2Stream, TakesTheNumberOfBuffersThatTheDriverGivesIfItIsEnough) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(stream.next(1000).kind, Kind::kFrame);
 }
 
-/// Why a stream cannot be made; the device itself looks whether anything was left open or mapped.
+/// Reason why a stream cannot be made; the device itself checks whether anything was left open or mapped.
 std::string whyNot(FakeVideo& video, int buffers = 8) {
   try {
     const V4l2Stream stream(video, kPath, greySettings(), buffers);

@@ -36,7 +36,7 @@ class AnalyserCaptureTest : public testing::Test {
     options.time_limit_s = 3.0;
   }
   PinCapture capture() { return captureAnalyser(options, map, analyser); }
-  /// Every problem leaves a mark that a replay finds.
+  /// Expects a problem, which leaves a mark that a replay finds.
   void expectInvalid(const std::string& words) {
     const PinCapture captured = capture();
     EXPECT_THAT(captured.recording.problems, Contains(HasSubstr(words)));
@@ -51,7 +51,7 @@ class AnalyserCaptureTest : public testing::Test {
 };
 
 TEST_F(AnalyserCaptureTest, EdgesHaveTheTickOfTheirFirstSampleAfterALead) {
-  // DIR rests high; one pulse of 5 samples with the gate open.
+  // Line DIR rests high; one pulse of 5 samples with the gate open.
   analyser.runs = {{700'000, 0b010}, {5, 0b111}, {1, 0b110}, {1'000'000, 0b010}};
   const PinCapture captured = capture();
   EXPECT_THAT(captured.recording.problems, IsEmpty());
@@ -73,7 +73,7 @@ TEST_F(AnalyserCaptureTest, AnEdgeAtTheVeryStartIsLaterThanTheLevelsAtTheStart) 
               ElementsAre(PinEvent{1, 0, 0x20, 0x20, 0}, PinEvent{2, 0, 0x08, 0x28, 0}));
 }
 
-// As packets come, so are runs cut: the recording does not know.
+// Packets cut the runs anywhere: the recording does not depend on it.
 TEST_F(AnalyserCaptureTest, TheSizeOfPacketsMakesNoDifference) {
   analyser.runs = {{700'000, 0}, {5, 1}, {1'000'000, 0}};
   const PinCapture whole = capture();

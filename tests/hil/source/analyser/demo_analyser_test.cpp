@@ -20,7 +20,7 @@ class DemoAnalyser : public testing::Test {
     map.assign(Signal::kGalvoXDir, {0, 1});
     options.wish.driver = "demo";
     options.wish.samplerate_hz = 1'000'000;
-    // Of n channels that are on the demo driver fills the first n, whichever they are.
+    // The demo driver fills the first n channels if n are on, whichever they are.
     options.wish.channels = {"D0", "D1"};
     options.signals = {Signal::kGalvoXPul, Signal::kGalvoXDir};
     options.time_limit_s = 0.02;
@@ -42,14 +42,14 @@ class DemoAnalyser : public testing::Test {
   const std::shared_ptr<AnalyserSystem> analysers = sigrokAnalysers(KERFBENCH_BIN_DIR);
 };
 
-// A byte that counts: D0 changes with each sample, D1 with each second.
+// The pattern is a byte that counts: D0 changes with each sample, D1 with each second.
 TEST_F(DemoAnalyser, CountsUpSampleBySample) {
   const PinCapture captured = capture("incremental");
   EXPECT_EQ(captured.edges, 19'999U + 9'999U);
   const auto& outputs = captured.recording.outputs;
-  ASSERT_EQ(outputs.size(), 20'000U);  // With the mark of the problem.
+  ASSERT_EQ(outputs.size(), 20'000U);  // One event is the mark of the problem.
   for (std::uint16_t i = 1; i < 20'000; ++i) {
-    // Sample 0 is tick 1.
+    // The tick of sample 0 is 1.
     const std::uint16_t d1 = i % 2 == 0 ? 2 : 0;
     const auto level = static_cast<std::uint16_t>(i & 3U);
     ASSERT_EQ(outputs[i - 1U], (PinEvent{i + 1U, 0, static_cast<std::uint16_t>(1U | d1), level, 0})) << i;
@@ -58,7 +58,7 @@ TEST_F(DemoAnalyser, CountsUpSampleBySample) {
   EXPECT_EQ(capture("incremental").recording.outputs, outputs) << "the same again";
 }
 
-// One of eight is high, then none: a period of nine.
+// The pattern has one high channel of eight, then none: a period of nine.
 TEST_F(DemoAnalyser, WalksAlongItsChannels) {
   const PinCapture captured = capture("walking-one");
   std::uint64_t pulses = 0;

@@ -12,16 +12,16 @@
 
 namespace kerfbench::source {
 
-/// An analyser by script: these levels, and this end.
+/// A scripted analyser: these levels, and this end.
 class ScriptedAnalyser final : public AnalyserSystem {
  public:
-  std::vector<LevelRun> runs;  ///< Cut off as the real one does.
+  std::vector<LevelRun> runs;  ///< Levels; cut off as the real analyser does.
   std::optional<std::string> refusal;
   AnalyserEnd::Reason if_runs_end{AnalyserEnd::Reason::kDevice};
   std::vector<std::string> problems, notes;
   AnalyserList listed;
 
-  AnalyserWish wished;  ///< The last one.
+  AnalyserWish wished;  ///< The last wish.
 
   AnalyserList list() override {
     if (refusal) throw AnalyserError(*refusal);

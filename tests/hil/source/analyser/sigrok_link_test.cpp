@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Io = ChildProcess::Io;
 
-/// What a child says, and what it was asked.
+/// Messages of a child, and a record of the requests.
 struct Script {
   std::string replies;
   Io at_end{Io::kClosed};
@@ -127,7 +127,7 @@ TEST_F(SigrokLinkTest, ALineBreakInAWishIsRefused) {
   EXPECT_EQ(script.asked, "");
 }
 
-// Once it samples nothing is an exception: what came is evidence of something.
+// An exception while sampling is a problem: the samples so far are evidence.
 TEST_F(SigrokLinkTest, AChildThatDiesHangsOrTalksNonsenseWhileSamplingIsAProblem) {
   const auto broken = [&](const std::string& replies, const std::string& words) {
     const AnalyserEnd end = endAfter(frame(Frame::kRuns, run(7, 1)) + replies);

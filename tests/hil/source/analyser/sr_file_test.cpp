@@ -176,7 +176,7 @@ TEST_F(SrFile, FilesThatAreNoArchiveOrADamagedOneAreRefused) {
     std::ofstream(file("cut.sr"), std::ios::binary) << whole.substr(0, size);
     EXPECT_NE(faultsOf(file("cut.sr")), "") << size;
   }
-  // A bit within the samples: only the checksum knows.
+  // The damaged bit is within the samples: only the checksum shows it.
   const auto at = whole.find("logic-1-1") + 300;
   std::string damaged = whole;
   damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
@@ -205,7 +205,7 @@ TEST_F(SrFile, WrittenAndReadAgainItIsTheSame) {
   EXPECT_TRUE(bytes("a.sr") == bytes("b.sr"));
 }
 
-// More than one part, and levels that last from one to the next.
+// The file has more than one part, and levels that last from one to the next.
 TEST_F(SrFile, LongOnesAreWrittenInParts) {
   PinRecording recording;
   recording.rate = {1, 1'000'000};
@@ -236,7 +236,7 @@ TEST_F(SrFile, TicksThatAreNoRateAndFoldersThatAreNotThereAreRefused) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-// Other people's programs read ours, and we theirs.
+// Other programs read these files, and this program reads theirs.
 TEST_F(SrFile, SigrokReadsWhatWeWriteAndWeWhatItWrites) {
   if (!have("sigrok-cli")) GTEST_SKIP() << "sigrok-cli is not installed";
   const PinRecording recording = sampleRecording(500);

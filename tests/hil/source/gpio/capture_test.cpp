@@ -38,7 +38,7 @@ class CaptureTest : public testing::Test {
     options.quiet_s = 0.5;
     options.time_limit_s = 3.0;
   }
-  /// 100 pulses at 10 kHz with a turn after 50, from 1 s after the start; the gate is open meanwhile.
+  /// Makes 100 pulses at 10 kHz with a turn after 50, from 1 s after the start; the gate is open meanwhile.
   void job() {
     std::uint64_t now = kStart + 1'000'000'000;
     kernel->toggle(now, 2);
@@ -57,7 +57,7 @@ class CaptureTest : public testing::Test {
   static bool hasGap(const PinCapture& captured) {
     return std::ranges::any_of(captured.recording.outputs, [](const PinEvent& e) { return e.flags != 0; });
   }
-  /// Every problem leaves a mark that a replay finds.
+  /// Expects a problem, which leaves a mark that a replay finds.
   void expectInvalid(const PinCapture& captured, const std::string& words) {
     EXPECT_THAT(captured.recording.problems, testing::Contains(HasSubstr(words)));
     EXPECT_TRUE(hasGap(captured)) << words;
@@ -79,7 +79,7 @@ TEST_F(CaptureTest, AJobIsRecordedEdgeByEdge) {
   EXPECT_EQ(recording.rate, (TickRate{1, 1'000'000'000}));
   EXPECT_EQ(recording.stamp_err_ticks, 20'000U);
   ASSERT_EQ(recording.outputs.size(), 203U);
-  // A tenth of a second before the first edge, a fifth after the last.
+  // The recording begins a tenth of a second before the first edge and ends a fifth after the last.
   EXPECT_EQ(recording.outputs.front(), (PinEvent{100'000'000, 1, 1, 1, 0}));
   EXPECT_EQ(recording.end, recording.outputs.back().tick + 200'000'000);
   std::size_t pulses = 0;

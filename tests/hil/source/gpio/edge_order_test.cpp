@@ -17,7 +17,7 @@ using testing::IsEmpty;
 constexpr std::uint64_t kBegin = 1'000'000'000;
 constexpr std::uint64_t kLater = kBegin + 1'000'000'000;
 
-/// Two lines that toggle as a good kernel tells it; a number of edges.
+/// Edges of two lines that toggle as a good kernel reports them.
 std::vector<KernelEdge> wire(std::size_t count, std::uint64_t period_ns = 10'000) {
   std::vector<KernelEdge> edges;
   std::uint32_t line_seqno[2] = {};
@@ -78,7 +78,7 @@ TEST(EdgeOrder, EdgesAreHandedOnUpToATimeAndNoFurther) {
   EXPECT_EQ(taken.size(), 6U);
 }
 
-// Two lines have two interrupt threads.
+// The two lines have two interrupt threads.
 TEST(EdgeOrder, EdgesInTheWrongOrderAreBroughtIntoTheirs) {
   const auto edges = wire(200);
   for (unsigned seed = 1; seed <= 20; ++seed) {
@@ -111,12 +111,12 @@ TEST(EdgeOrder, AMissingNumberIsWaitedForAndThenGivenUp) {
   order.take(kLater + EdgeOrder::kHold_ns, kBegin + 1'000, taken);
   EXPECT_EQ(order.edges(), 2U);
   EXPECT_EQ(order.faults().missing, 1U);
-  // When it comes after all, its place has gone.
+  // A late edge has lost its place.
   order.add({edges[1]}, kLater + EdgeOrder::kHold_ns);
   EXPECT_EQ(order.faults().twice, 1U);
 }
 
-// Whichever edge of a run is lost in the kernel: the numbers of the request tell, those of the line do not.
+// An edge of a run that is lost in the kernel shows in the numbers of the request, not in those of the line.
 TEST(EdgeOrder, AnEdgeThatIsMergedAnywhereButAtTheEndIsNoticed) {
   const auto edges = wire(31);
   for (std::size_t lost = 0; lost + 1 < edges.size(); ++lost) {
@@ -133,7 +133,7 @@ TEST(EdgeOrder, AnEdgeThatIsMergedAnywhereButAtTheEndIsNoticed) {
   }
 }
 
-// The oldest edges are dropped: without the first number being 1 nobody would know.
+// The oldest edges are dropped: only the first number, which is not 1, shows it.
 TEST(EdgeOrder, ABufferThatWasFullBeforeTheFirstReadIsNoticed) {
   auto edges = wire(40);
   edges.erase(edges.begin(), edges.begin() + 12);
@@ -152,7 +152,7 @@ TEST(EdgeOrder, ABufferThatWasFullLaterIsNoticed) {
   EXPECT_EQ(outcome.faults.dropped, 6U);
 }
 
-// On a late thread the level is that of a later edge.
+// The level on a late thread is that of a later edge.
 TEST(EdgeOrder, TwoEdgesOfOneSortAreMergedOnes) {
   auto edges = wire(10);
   edges[1].level = !edges[1].level;
@@ -174,7 +174,7 @@ TEST(EdgeOrder, TheFirstEdgeIsHeldAgainstTheLevelAtTheStart) {
 
 TEST(EdgeOrder, StampsOfTwoLinesMayCrossByTheRaceOfTwoProcessors) {
   auto edges = wire(6);
-  edges[2].stamp_ns = edges[1].stamp_ns - EdgeOrder::kRace_ns;  // The other line's.
+  edges[2].stamp_ns = edges[1].stamp_ns - EdgeOrder::kRace_ns;  // Stamp of the other line.
   const Outcome outcome = outcomeOf(edges);
   EXPECT_THAT(outcome.problems, IsEmpty());
   EXPECT_EQ(outcome.edges[2].stamp_ns, edges[1].stamp_ns);

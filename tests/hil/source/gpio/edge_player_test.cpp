@@ -73,7 +73,7 @@ TEST_F(EdgePlayerTest, EdgesOfALineKeepTheirOrderWhateverTheirTimes) {
   kernel->passTime(100);
   player.play(played);
   EXPECT_THAT(kernel->driven, ElementsAre(Driven{kStart + 100, 1, 1}, Driven{kStart + 100, 1, 0}));
-  // The lag is against the wish.
+  // The lag counts from the wish.
   EXPECT_EQ(played[1].planned_ns, kStart + 20);
   EXPECT_GT(played[1].put_ns, played[0].put_ns);
 }

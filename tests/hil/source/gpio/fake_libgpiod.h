@@ -6,7 +6,7 @@
 
 namespace kerfbench::source {
 
-/// What the stand-in for libgpiod says: its functions are linked instead of the library's.
+/// Answers of the stand-in for libgpiod: its functions are linked instead of the library's.
 struct FakeLine {
   std::string name;
   std::string consumer;
@@ -16,11 +16,11 @@ struct FakeLine {
 };
 struct FakeLibgpiod {
   int open_error{};
-  int info_error{};          ///< Of what a chip says of itself; 1.6 asks when it is opened.
-  int line_error{};          ///< For the last line.
-  std::string label{"sim"};  ///< Of each chip; its name is that of the file.
+  int info_error{};          ///< Error of a chip's information; 1.6 reads it when the chip is opened.
+  int line_error{};          ///< Error of the last line.
+  std::string label{"sim"};  ///< Label of each chip; its name is that of the file.
   std::vector<FakeLine> lines;
-  int open_chips{};  ///< And whatever else is to be given back.
+  int open_chips{};  ///< Number of open chips and of all other objects that must be freed.
 };
 extern FakeLibgpiod fake_libgpiod;
 

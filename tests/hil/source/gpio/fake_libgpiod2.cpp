@@ -27,7 +27,7 @@ namespace {
 const kerfbench::source::FakeLine& of(gpiod_line_info* line) { return fake_libgpiod.lines.at(line->offset); }
 const char* textOrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
-/// Whatever has to be freed is counted as an open chip.
+/// Counts an object that has to be freed as an open chip.
 template <typename T>
 T* given(T value) {
   ++fake_libgpiod.open_chips;

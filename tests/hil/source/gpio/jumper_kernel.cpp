@@ -32,8 +32,8 @@ void JumperKernel::follow(bool level, std::uint64_t called_ns) {
   level_ = seen;
   const std::uint64_t edge = edges_++;
   if (silent) return;
-  const std::uint64_t stamp_ns =
-      called_ns + latency_ns + static_cast<std::uint64_t>(clock_offset_ns);  // Wraps as it should.
+  // The sum wraps as it should.
+  const std::uint64_t stamp_ns = called_ns + latency_ns + static_cast<std::uint64_t>(clock_offset_ns);
   if (merged.contains(edge)) {
     ++seqno_;
     return;

@@ -10,20 +10,20 @@
 
 namespace kerfbench::source {
 
-/// A scripted kernel with a wire from the first line that is driven to the first that is read. All that it is
-/// told is of the edges since the last request for inputs, from 0.
+/// A scripted kernel with a wire from the first line that is driven to the first that is read. Its settings
+/// refer to the edges since the last request for inputs, from 0.
 class JumperKernel : public ScriptedKernel {
  public:
-  std::uint64_t latency_ns{3'000};  ///< From the call until the stamp; the call takes set_takes_ns.
+  std::uint64_t latency_ns{3'000};  ///< Time from the call until the stamp; the call takes set_takes_ns.
   bool plugged{true};
   bool inverts{};
   bool stuck_high{};
-  bool silent{};                     ///< Levels follow, and there are no interrupts.
-  std::set<std::uint64_t> merged;    ///< Edges whose interrupt is counted and never told.
+  bool silent{};                     ///< True if levels follow, without interrupts.
+  std::set<std::uint64_t> merged;    ///< Edges whose interrupt is counted and never reported.
   std::set<std::uint64_t> bounces;   ///< Edges that come three times.
-  std::int64_t clock_offset_ns{};    ///< Of the stamps.
-  std::uint64_t vanishes_at{~0ULL};  ///< The edge that finds no chip.
-  std::uint64_t beside{};            ///< Edges of the second line, with the first edge.
+  std::int64_t clock_offset_ns{};    ///< Offset of the stamps.
+  std::uint64_t vanishes_at{~0ULL};  ///< Edge at which the chip vanishes.
+  std::uint64_t beside{};            ///< Number of edges of the second line, with the first edge.
 
   KernelAnswer control(int fd, unsigned long request_code, void* argument) override;
 
@@ -37,7 +37,7 @@ class JumperKernel : public ScriptedKernel {
   std::array<std::uint32_t, 2> line_seqno_{};
 };
 
-/// Drives all edges of a plan before anybody reads.
+/// Drives all edges of a plan before a reader comes.
 class PromptTrain final : public EdgeTrain {
  public:
   explicit PromptTrain(std::shared_ptr<JumperKernel> kernel)

@@ -179,7 +179,7 @@ TEST_F(LineRequestTest, HalfAnEdgeIsNone) {
 TEST_F(LineRequestTest, EdgesThatNobodyAskedForAreRefused) {
   kernel->edge(1'000'000'100, 7, true, 1, 1, 1'000'000'100);
   EXPECT_THAT(readFault(), HasSubstr("on line 7, which nobody asked for"));
-  // 48 bytes of zeros: an edge of no kind on line 0.
+  // The answer has 48 bytes of zeros: an edge of no kind on line 0.
   kernel->poll_revents = POLLIN;
   kernel->read_bytes = {48};
   EXPECT_THAT(readFault(), HasSubstr("of kind 0 on line 0"));

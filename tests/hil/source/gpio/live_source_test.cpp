@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-// Ticks are ns since the first advance(), which is at tick 1.
+// Origin of the ticks, which are ns since the first advance(); that is at tick 1.
 constexpr std::uint64_t kOrigin = ScriptedKernel::kStart_ns - 1;
 constexpr Tick kMs = 1'000'000;
 constexpr PinId kEncoderA{3, 2};
@@ -47,7 +47,7 @@ class GpioLiveSourceTest : public testing::Test {
     return *source;
   }
   std::unique_ptr<SerialLine> uart() { return std::make_unique<SerialLine>(serial, "/dev/ttyS9", 250'000); }
-  /// Quantum by quantum, as a run does it; all events.
+  /// Runs quantum by quantum, as a run does it; returns all events.
   std::vector<PinEvent> runTo(Tick end, Tick quantum = kMs) {
     std::vector<PinEvent> events;
     for (Tick until = batch.watermark + quantum; until <= end; until += quantum) {
@@ -66,7 +66,7 @@ class GpioLiveSourceTest : public testing::Test {
     runTo(100 * kMs);
     EXPECT_EQ(stop, Stop::kLost);
     EXPECT_THAT(source->message(), HasSubstr(words));
-    // And stays so.
+    // The source stays lost.
     EXPECT_EQ(source->advance(batch.watermark + kMs, batch), Stop::kLost);
     EXPECT_THAT(batch.events, IsEmpty());
   }
@@ -192,7 +192,7 @@ TEST_F(GpioLiveSourceTest, TheLevelsInTheEndAreASecondWitness) {
   EXPECT_THAT(source->finish(40 * kMs).problems, ElementsAre(HasSubstr("galvo_x_pul is low in the end")));
 }
 
-// Their levels would be those of later edges.
+// The levels would be those of later edges.
 TEST_F(GpioLiveSourceTest, PinsThatMoveInTheEndAreNoWitness) {
   open();
   kernel->toggle(kOrigin + 2 * kMs, 0);
@@ -281,7 +281,7 @@ TEST_F(GpioLiveSourceTest, AModelThatIsHopelesslySlowEndsTheRun) {
   expectLost("does not keep up with the clock");
 }
 
-// Each look at the kernel's buffer takes time, and meanwhile the next edges are there.
+// Each read of the kernel's buffer takes time, and meanwhile the next edges are there.
 TEST_F(GpioLiveSourceTest, ALineThatOscillatesWithoutEndHoldsNothingUp) {
   for (const int edges_at_once : {1, 63, 64, 200}) {
     options.in.quiet_s = 60;
@@ -344,7 +344,7 @@ TEST_F(GpioLiveSourceTest, TheUartIsTheSerialLine) {
   EXPECT_THAT(source->finish(10 * kMs).uart, IsEmpty());
 }
 
-// Files of recordings are strict in that.
+// Files of recordings require strictly ascending times.
 TEST_F(GpioLiveSourceTest, WordsThatAreReadAtOneTimeHaveTimesOfTheirOwn) {
   open(uart());
   int reads = 0;

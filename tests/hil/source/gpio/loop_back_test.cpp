@@ -67,7 +67,7 @@ TEST_F(LoopBackTest, AWireThatIsMissingInvertedOrLooseIsSaid) {
 }
 
 TEST_F(LoopBackTest, EveryEdgeThatWasDrivenIsReadAndItsStampIsBetweenTheBounds) {
-  kernel->latency_ns = 7'000;  // Behind the call, which takes 5 us.
+  kernel->latency_ns = 7'000;  // The latency is longer than the call, which takes 5 us.
   kernel->read_takes_ns = 20'000;
   const LoopBackStep step = measure();
   EXPECT_TRUE(step.held()) << step.problems.front();
@@ -82,9 +82,9 @@ TEST_F(LoopBackTest, EveryEdgeThatWasDrivenIsReadAndItsStampIsBetweenTheBounds) 
   EXPECT_DOUBLE_EQ(step.stamp_most.rms_ns, 7'000.0);
   EXPECT_EQ(step.stamp_least.worst_ns, 2'000U);
   EXPECT_EQ(step.worst_put_ns, 5'000);
-  // The first edge waits for the last: 99 periods and what is left of the call.
+  // The first edge waits for the last: 99 periods and the rest of the call.
   EXPECT_EQ(step.worst_read_ns, 99U * 100'000 + 5'000 - 7'000);
-  // Three reads, of 64 edges, of the rest and of the last, in 10 ms.
+  // Three reads are made, of 64 edges, of the rest and of the last, in 10 ms.
   EXPECT_NEAR(step.cpu_share, 60'000.0 / 10'007'000, 1e-9);
 }
 

@@ -56,7 +56,7 @@ TEST_F(PulseTrainTest, ATrainThatWasHeldUpCatchesUpWithoutABurst) {
 TEST_F(PulseTrainTest, AnOutputThatIsTooSlowIsGivenUpBehindAWholePulse) {
   kernel->set_takes_ns = 10'000'000;
   const DrivenTrain train = play({.edges = 1'000, .period_ns = 100'000});
-  // 0.1 s planned, a quarter of it and 0.1 s more: 22 or 23 edges of 10 ms.
+  // The plan takes 0.1 s, a quarter of it and 0.1 s more: 22 or 23 edges of 10 ms.
   EXPECT_GE(train.edges.size(), 22U);
   EXPECT_LE(train.edges.size(), 24U);
   EXPECT_EQ(train.edges.size() % 2, 0U);

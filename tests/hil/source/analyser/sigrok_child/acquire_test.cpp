@@ -105,7 +105,7 @@ TEST_F(SigrokChild, ASessionThatBreaksIsAProblem) {
                                   Pair(Frame::kFinished, std::string(1, '\2'))));
 }
 
-// A listener that has gone, or packets that make no sense: out of the library first, then up.
+// A listener that has gone, or packets that make no sense, leave the library first and raise then.
 TEST_F(SigrokChild, NoExceptionPassesThroughTheLibrary) {
   fake.packets = {{.samples = {0, 1, 2}, .sample_bytes = 2}, {.samples = {1}}};
   EXPECT_THROW(run(), std::invalid_argument);

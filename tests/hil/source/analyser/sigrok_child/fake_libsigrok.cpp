@@ -127,7 +127,7 @@ GSList* sr_dev_inst_channels_get(const sr_dev_inst* device) {
   if (deviceOf(device).analog) list = append(list, newChannel(index++, SR_CHANNEL_ANALOG, "A0"));
   for (const std::string& name : deviceOf(device).logic)
     list = append(list, newChannel(index++, SR_CHANNEL_LOGIC, name));
-  // The same objects whenever they are asked for.
+  // The objects are the same at each query.
   static std::map<std::size_t, std::pair<std::vector<std::string>, GSList*>> known;
   auto& [logic, old] = known[device->index];
   if (old != nullptr && logic == deviceOf(device).logic && !deviceOf(device).analog) return old;
@@ -226,7 +226,7 @@ int sr_session_stop(sr_session*) {
   fake.stopped = true;
   return SR_OK;
 }
-// A device may send what it has already when it is stopped.
+// A device may still send pending samples when it is stopped.
 int sr_session_run(sr_session* session) {
   for (FakePacket& packet : fake.packets) {
     if (!packet.says.empty()) say(packet.level, "%s", packet.says.c_str());

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the bench calls of libgpiod 2, declared for the machine that has 1.6: the adapter is compiled and
- * tested on both. */
+/* Functions of libgpiod 2 that the bench calls, declared for the machine that has 1.6: the adapter is
+ * compiled and tested on both. */
 #pragma once
 
 #include <stdbool.h>
