@@ -13,6 +13,7 @@
 
 #include "hil/calibrate/camera/corner_fit.h"
 #include "hil/calibrate/camera/picture_check.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -109,13 +110,6 @@ int radiusFor(const Prediction& p, const CalibrationTarget& target) {
   return std::min(kMostRadius_px, static_cast<int>(std::floor(std::min(free_px, 0.8 * height_px) - 3.0)));
 }
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// A quick way near enough for the fit to take.
 void sharpen(const cv::Mat& picture, std::vector<Prediction>& predictions) {
   for (Prediction& p : predictions) {
@@ -164,8 +158,10 @@ TargetView findTarget(const GrayImage& image, const CalibrationTarget& target) {
     blurs.push_back(fit->blur_px);
     contrasts.push_back(fit->contrast);
   }
-  view.blur_px = medianOf(blurs);
-  view.contrast = medianOf(contrasts);
+  if (!blurs.empty()) {
+    view.blur_px = upperMedianOf(blurs);
+    view.contrast = upperMedianOf(contrasts);
+  }
   if (static_cast<int>(view.corners.size()) < kLeastCorners) {
     view.fault = fmt::format("the target is not found: {} of its {} markers, {} corners, at least {}",
                              view.markers, target.markers(), view.corners.size(), kLeastCorners);

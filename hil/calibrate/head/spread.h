@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -19,13 +17,6 @@ inline bool isCovariance(const Eigen::Matrix2d& c) {
 /// Square of a distance in standard deviations (Mahalanobis).
 inline double distance2(const Eigen::Vector2d& d, const Eigen::Matrix2d& covariance) {
   return d.dot(covariance.inverse() * d);
-}
-
-/// The upper one of two in the middle; `values` must not be empty.
-inline double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// What chi-square of two degrees of freedom exceeds with this chance.

@@ -12,6 +12,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::camera {
 namespace {
 
@@ -254,10 +256,7 @@ class LightRegression {
     for (const Seen& seen : seen_)
       off.push_back(
           std::abs(seen.light - at.gains.dot(asked(seen.begin_s + at.late_s + at.swing_s * seen.place))));
-    std::vector<double> sorted = off;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
-    const double most = kOutlier * 1.4826 * *middle;
+    const double most = kOutlier * kMadToSigma * upperMedianOf(off);
     std::size_t i = 0;
     std::erase_if(seen_, [&](const Seen&) { return off[i++] > most; });
   }

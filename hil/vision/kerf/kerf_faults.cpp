@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "hil/vision/marks/mark_look.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -91,9 +92,7 @@ LensBlur blurOf(const std::vector<TileView>& tiles, const CameraCalibration& cal
     }
   }
   if (blur_px.empty()) return kUsualBlur;
-  const auto middle = blur_px.begin() + static_cast<std::ptrdiff_t>(blur_px.size() / 2);
-  std::nth_element(blur_px.begin(), middle, blur_px.end());
-  const double median = *middle;
+  const double median = upperMedianIn(blur_px);
   const auto n = static_cast<double>(blur_px.size());
   double squares = kBlurBelief * kMarkBlurPx * kMarkBlurPx;
   for (const double blur : blur_px) squares += (blur - median) * (blur - median);

@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::vision {
 namespace {
 
@@ -49,9 +51,7 @@ LightField::LightField(std::span<const Background* const> pictures, int width_px
 
   std::vector<double> grays;
   for (const Cell& cell : cells) grays.push_back(cell.gray);
-  const auto middle = grays.begin() + static_cast<std::ptrdiff_t>(grays.size() / 2);
-  std::nth_element(grays.begin(), middle, grays.end());
-  const double typical = *middle;
+  const double typical = upperMedianIn(grays);
   if (!(typical > 4.0)) return;
 
   // Weighted by Cauchy's rule, narrowing: the median starts it.

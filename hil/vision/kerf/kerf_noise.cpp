@@ -10,6 +10,7 @@
 
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -19,8 +20,7 @@ constexpr double kGain = 20.0;     // of a third difference, on the variance
 constexpr double kPoolMm = 6.0;    // each way
 constexpr double kBelief = 12.0;   // third differences worth, in what other cuts show
 constexpr double kClipSigmas = 3.0;
-constexpr double kClipped = 0.9850;       // variance left by clipping a normal value there
-constexpr double kMedianSquare = 0.4549;  // of a standard normal value
+constexpr double kClipped = 0.9850;  // variance left by clipping a normal value there
 constexpr double kLeast_mm = 1e-5;
 constexpr double kGridPx = 0.009;
 // What readings 0.35 mm apart may scatter by noise, in the variance that neighbours and plain board tell.
@@ -145,9 +145,7 @@ class Scatter {
                    [](double s) { return std::isfinite(s); });
     }
     if (squares.empty()) return std::numeric_limits<double>::infinity();
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    return kClipSigmas * kClipSigmas * *middle / kMedianSquare;
+    return kClipSigmas * kClipSigmas * upperMedianIn(squares) / kMedianSquare;
   }
 
   const KerfPlan& plan_;
