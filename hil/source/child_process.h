@@ -9,24 +9,9 @@
 #include <span>
 #include <string>
 
+#include "hil/base/unique_fd.h"
+
 namespace kerfbench::source {
-
-/// A move-only file descriptor.
-class UniqueFd {
- public:
-  UniqueFd() = default;
-  explicit UniqueFd(int fd) : fd_(fd) {}
-  UniqueFd(UniqueFd&& other) noexcept : fd_(other.release()) {}
-  UniqueFd& operator=(UniqueFd&& other) noexcept;
-  ~UniqueFd() { reset(); }
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool valid() const { return fd_ >= 0; }
-  int release();
-  void reset();
-
- private:
-  int fd_{-1};
-};
 
 /// A child process with its stdin and stdout as a byte stream and the tail of its stderr kept. Killed and
 /// reaped by the destructor at the latest: never a zombie.
@@ -58,9 +43,9 @@ class ChildProcess {
 
   pid_t pid_{-1};
   int status_{};
-  UniqueFd requests_;
-  UniqueFd replies_;
-  UniqueFd stderr_;
+  base::UniqueFd requests_;
+  base::UniqueFd replies_;
+  base::UniqueFd stderr_;
   std::string stderr_tail_;
 };
 

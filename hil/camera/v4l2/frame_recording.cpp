@@ -19,6 +19,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/number_from.h"
+#include "hil/base/unique_fd.h"
 #include "hil/base/yaml_reader.h"
 
 namespace kerfbench::camera {
@@ -119,10 +120,8 @@ void FrameRecordingWriter::finish(const std::string& ended) {
   for (auto [file, name] : {std::pair{&raw_, kRaw}, std::pair{&index_, kIndex}}) {
     file->close();
     requireWritten(*file, folder_ / name);
-    const int fd = ::open((folder_ / name).c_str(), O_RDONLY | O_CLOEXEC);
-    const bool is_safe = fd >= 0 && ::fsync(fd) == 0;
-    if (fd >= 0) (void)::close(fd);
-    if (!is_safe)
+    const base::UniqueFd fd(::open((folder_ / name).c_str(), O_RDONLY | O_CLOEXEC));
+    if (!fd.valid() || ::fsync(fd.get()) != 0)
       throw std::system_error(errno, std::generic_category(), "cannot sync " + (folder_ / name).string());
   }
   const CameraSetup& setup = camera_.setup;

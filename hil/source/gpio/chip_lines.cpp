@@ -43,7 +43,7 @@ GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::strin
                      const std::vector<LineWish>& lines) {
   const KernelAnswer opened = system->open(chip);
   if (opened.failed()) throw GpioError(openWords(chip, opened.error));
-  GpioFd fd(system, opened.value);
+  GpioFd fd(opened.value, {system});
   checkChip(*system, fd.get(), chip, lines);
   checkFree(*system, fd.get(), chip, lines);
   return fd;

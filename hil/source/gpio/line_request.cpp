@@ -37,7 +37,7 @@ void LineRequest::request() {
   request.event_buffer_size = kEventBuffer;
   const KernelAnswer granted = system_->control(chip_fd_.get(), GPIO_V2_GET_LINE_IOCTL, &request);
   if (granted.failed()) throw GpioError(requestWords(chip_, granted.error));
-  fd_ = GpioFd(system_, request.fd);
+  fd_ = GpioFd(request.fd, {system_});
 }
 
 void LineRequest::gone(int error) const { throw GpioError(readWords(chip_, error)); }

@@ -34,7 +34,7 @@ OutputLines::OutputLines(std::shared_ptr<GpioSystem> system, const std::filesyst
   request.num_lines = static_cast<std::uint32_t>(lines_.size());
   const KernelAnswer granted = system_->control(chip_fd_.get(), GPIO_V2_GET_LINE_IOCTL, &request);
   if (granted.failed()) throw GpioError(outputWords(chip_, granted.error));
-  fd_ = GpioFd(system_, request.fd);
+  fd_ = GpioFd(request.fd, {system_});
 }
 
 void OutputLines::set(const std::vector<Change>& changes) {
