@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -18,6 +17,7 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/file_content.h"
 #include "hil/base/number_from.h"
 #include "hil/base/unique_fd.h"
 #include "hil/base/yaml_reader.h"
@@ -51,9 +51,9 @@ std::string yamlText(const std::string& text) {
 }
 
 std::string contentOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::optional<std::string> content = base::fileContent(path);
+  if (!content) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
+  return *std::move(content);
 }
 
 void requireWritten(const std::ofstream& file, const fs::path& path) {
