@@ -53,7 +53,7 @@ class UartListener {
  private:
   void frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s);
 
-  std::vector<std::uint8_t> heard_;
+  std::vector<std::uint8_t> pending_;
   std::vector<inspect::ControllerState> reports_;
   std::optional<BeltWord> first_belt_;
   std::optional<Account> account_;

@@ -16,7 +16,8 @@ struct Case {
   Scenario scenario;
   twin::MachineDescription machine;  ///< As described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
-  machine_file::CameraFile spot_camera, kerf_camera;  ///< What the bench is told of them: id and calibration.
+  machine_file::CameraFile spot_camera,
+      kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
   dieline::Dieline dieline;
 };
 
@@ -31,9 +32,9 @@ void refuseUnwired(const Case& test_case);
 /// @throws ConfigError if the seed draws a machine that the twin cannot run.
 twin::SampledMachine sampledMachine(const Case& test_case);
 
-/// What the planner is told of the machine.
+/// Machine as the planner is configured with it.
 planner::MachineParameters plannerMachine(const Case& test_case);
-/// What the planner is told of the job; the web's start included.
+/// Job as the planner is configured with it, the web's start included.
 planner::JobParameters plannerJob(const Case& test_case);
 /// What runs through the machine.
 twin::WebDescription webOf(const Case& test_case);

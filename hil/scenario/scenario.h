@@ -41,7 +41,7 @@ struct FirmwareChoice {
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
-  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if it is told.
+  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if the file names it.
   std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
   std::filesystem::path gcode;  ///< For kLineOk.
   std::string mcu{"atmega2560"};
@@ -65,7 +65,7 @@ struct Scenario {
   planner::Selection selection;  ///< What of the dieline is cut, and judged.
   twin::BoardDescription board;
   PrintLayout print;
-  double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
+  double belt_speed_mm_s{};                          ///< Speed at t = 0, as the planner knows it.
   std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.

@@ -60,7 +60,7 @@ class LineOkSender {
   std::string failure_;
   bool started_{};
   bool probed_{};
-  bool heard_{};
+  bool banner_seen_{};
   double start_s_{};
   double settle_s_{};
   double sent_s_{};

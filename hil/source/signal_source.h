@@ -33,9 +33,9 @@ struct Batch {
   std::vector<PinEvent> events;
   std::vector<std::uint8_t> uart;  ///< Bytes that the controller sent.
   Tick watermark{};                ///< Nothing at or before this tick can follow.
-  /// All bytes so far were heard at or before this tick, as the recording has it, and none that follow will
-  /// be. An emulator knows it of its watermark; what is read on a real line is of later than that.
-  Tick uart_heard{};
+  /// Border between the UART's bytes so far, all received at or before this tick, and those that follow, all
+  /// received later. An emulator's is its watermark, a real line's the time of its last bytes.
+  Tick uart_received{};
 };
 
 /// Where pins come from: an emulated or native release, a recording, real pins. One interface for all.

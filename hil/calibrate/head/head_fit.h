@@ -35,7 +35,7 @@ struct HeadFitOptions {
   int most_surface_degree{12};   ///< 0: no residual surface; <= 30.
 };
 
-/// What the marks tell of one parameter.
+/// Finding of a fit about one parameter.
 struct HeadParameterFinding {
   HeadParameter which{};
   double value{};        ///< Departure from the design.
@@ -43,7 +43,8 @@ struct HeadParameterFinding {
   double prior_sigma{};  ///< Before it: the tolerance.
   /// The marks hold it: sigma is below a third of the tolerance.
   bool held{};
-  /// Where it is not held: the parameter that it cannot be told from, if there is one (|correlation| > 0.7).
+  /// Another parameter with the same effect on these marks (|correlation| > 0.7), for one that is not held;
+  /// nullopt where there is none.
   std::optional<HeadParameter> mixed_with;
 };
 
@@ -82,7 +83,7 @@ class HeadFit {
   [[nodiscard]] const std::vector<HeadParameterFinding>& parameters() const { return parameters_; }
   [[nodiscard]] const std::vector<HeadMarkFinding>& marks() const { return marks_; }
   [[nodiscard]] std::size_t rejected() const;
-  /// Scatter of the marks over what they were said to scatter, RMS; near 1 if both model and noise are right.
+  /// Scatter of the marks over their stated scatter, RMS; near 1 if both model and noise are right.
   [[nodiscard]] double noiseRatio() const { return noise_ratio_; }
   /// The ratio is larger than chance explains (1 %): all uncertainties were multiplied by it.
   [[nodiscard]] bool noiseScaled() const { return noise_scaled_; }
@@ -117,11 +118,10 @@ class HeadFit {
 
 /// Fits a head to marks, all of any number of sheets together.
 ///
-/// 1. Axes: refused unless they are as told (identifyAxes), or accept_axes.
-/// 2. Model: least squares over marks and tolerances, the latter weighted as measurements of zero
-/// and
-///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
-///    the scale of the median mark, narrowed until it settles, then none.
+/// 1. Axes: refused unless they are as the controller has them (identifyAxes), or accept_axes.
+/// 2. Model: least squares over marks and tolerances, the latter weighted as measurements of zero, and what
+///    the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at the
+///    scale of the median mark, narrowed until it settles, then none.
 /// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
 ///    share) as its prior. Where that does not settle, 4 at the start, then damped steps (Levenberg and
 ///    Marquardt). What the marks of a sheet share (SharedError) is estimated with them: three errors
@@ -132,7 +132,7 @@ class HeadFit {
 /// 5. With 40 marks or more the surface's amplitude and decay are those of the largest evidence (marginal
 ///    likelihood); there is none unless the odds are 20 : 1 against none. Then 3 and 4 again.
 /// 6. Covariance of model and surface together: inverse of the normal matrix, priors included, so never
-///    singular. It is scaled up where the marks scatter more than they were said to.
+///    singular. It is scaled up where the marks scatter more than stated.
 ///
 /// Deterministic. Marks whose ray lands nowhere in the design are rejected as false.
 /// @throws HeadCalibrationError with everything that is wrong: fewer than five marks, values that are not

@@ -8,7 +8,7 @@
 namespace kerfbench::calibrate {
 
 /// The controller's formula between what it aims at, in W, and the angles of the X and the Y mirror
-/// (mechanical, rad): what the data sheet told it, whatever the head really is.
+/// (mechanical, rad), as configured from the data sheet, whatever the head really is.
 ///
 ///   without a lens   a = ½ atan(x / (hypot(L, y) + d)),  b = ½ atan(y / L)     (Cheng et al. 2014, eq. 2)
 ///   with             a = x / 2f,  b = y / 2f
@@ -26,7 +26,7 @@ struct NominalHead {
   /// Where the controller really aims if both mirrors go to their nearest steps and stay there while it
   /// marks.
   [[nodiscard]] Eigen::Vector2d nearestAim_W_mm(const Eigen::Vector2d& wanted_W_mm) const;
-  /// What the rounding to whole steps scatters the aim by, where nothing is known of the remainder: step²/12
+  /// Covariance of the aim by the rounding to whole steps, where nothing is known of the remainder: step²/12
   /// in each mirror, carried to the sheet. Zero without a step.
   [[nodiscard]] Eigen::Matrix2d roundingCovariance_mm2(const Eigen::Vector2d& aim_W_mm) const;
 };
@@ -34,8 +34,8 @@ struct NominalHead {
 /// An f-theta lens as drawn: a beam at field angle t arrives at f t (1 + k1 t² + k2 t⁴) in its focal plane.
 struct LensDesign {
   double focal_length_mm{};     ///< > 0.
-  double k1_1_rad2{};           ///< As far as the maker tells it.
-  double k2_1_rad4{};           ///< Likewise.
+  double k1_1_rad2{};           ///< Zero where the maker does not state it.
+  double k2_1_rad4{};           ///< Zero where the maker does not state it.
   double incidence_ratio{0.5};  ///< Chief ray's angle at the sheet over the field angle: 0 telecentric.
 };
 

@@ -64,7 +64,7 @@ struct RandomPlaces {
 };
 /// Places drawn evenly over the field, a tenth of them, rounded up, on its rim, in rows that go to and fro.
 /// @throws std::invalid_argument if there is no room for that many.
-std::vector<Eigen::Vector2d> randomPlaces(const Eigen::AlignedBox2d& field_mm, const RandomPlaces& wish);
+std::vector<Eigen::Vector2d> randomPlaces(const Eigen::AlignedBox2d& field_mm, const RandomPlaces& request);
 
 /// Numbers places from `first_number` on. @throws std::out_of_range beyond kMarkNumbers.
 std::vector<WantedMark> numbered(const std::vector<Eigen::Vector2d>& places_mm, int first_number);

@@ -38,7 +38,7 @@ AimGrid asRead(const AimGrid& grid, const TableReading& reading);
 struct RecogniseOptions {
   double sigma_mm{0.02};  ///< Standard deviation of a coordinate of a spot, k = 1; > 0. By ruler rather 0.1.
   double most_share{0.25};     ///< RMS of what is left may be this share of the spots' own error, or 3 sigma.
-  double told_apart{25.0};     ///< By how much a rival's sum of squares must be larger, in variances.
+  double rival_margin{25.0};   ///< Least lead over a rival's sum of squares, in variances.
   double reach_share{0.1};     ///< A spot may lie outside of the table by this share of its sides.
   double same_table_mm{0.01};  ///< Readings whose tables are nowhere farther apart are one.
 };
@@ -50,8 +50,8 @@ struct ReadingFit {
 };
 
 struct Recognition {
-  enum class Verdict { kAsRead, kOtherwise, kCannotBeTold, kNoneFits };
-  Verdict verdict{Verdict::kCannotBeTold};
+  enum class Verdict { kAsRead, kOtherwise, kUndecided, kNoneFits };
+  Verdict verdict{Verdict::kUndecided};
   TableReading reading;          ///< The best; that of the file as read where it is as good.
   std::vector<ReadingFit> fits;  ///< All, best first.
   double error_rms_mm{};         ///< RMS error of the spots without correction.

@@ -10,8 +10,8 @@
 namespace kerfbench::source {
 
 struct AnalyserCaptureOptions {
-  AnalyserWish wish;            ///< But for `listen`.
-  std::vector<Signal> signals;  ///< On each channel of the wish; outputs that `map` has.
+  AnalyserRequest request;      ///< `listen` is set by the capture.
+  std::vector<Signal> signals;  ///< Signal on each channel of the request; outputs that `map` has.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long; by samples.
   double time_limit_s{
       60.0};  ///< Limit of the whole capture, waiting for the first edge included; by samples.

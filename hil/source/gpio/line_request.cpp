@@ -15,7 +15,7 @@
 
 namespace kerfbench::source {
 LineRequest::LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-                         std::vector<LineWish> lines)
+                         std::vector<ChipLine> lines)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
   if (lines_.size() < 2 || lines_.size() > GPIO_V2_LINES_MAX) {
     throw GpioError(fmt::format(
@@ -60,7 +60,7 @@ bool LineRequest::read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>
     throw GpioError(
         fmt::format("{}: the kernel gave {} bytes, which is no whole number of edges", chip_, bytes));
   for (const gpio_v2_line_event& event : std::span(events).first(bytes / sizeof events[0])) {
-    const auto line = std::ranges::find(lines_, event.offset, &LineWish::offset);
+    const auto line = std::ranges::find(lines_, event.offset, &ChipLine::offset);
     const bool rising = event.id == GPIO_V2_LINE_EVENT_RISING_EDGE;
     if (line == lines_.end() || (!rising && event.id != GPIO_V2_LINE_EVENT_FALLING_EDGE)) {
       throw GpioError(

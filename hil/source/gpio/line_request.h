@@ -35,7 +35,7 @@ class LineRequest {
   /// @throws GpioError: chip missing, no gpiochip, not allowed, kernel without the second interface, line
   /// beyond the chip or taken (and by whom), fewer than two lines.
   LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-              std::vector<LineWish> lines);
+              std::vector<ChipLine> lines);
 
   /// Edges that one read() takes; fewer: the kernel had no more.
   static constexpr std::size_t kMostAtOnce = 64;
@@ -44,7 +44,7 @@ class LineRequest {
   bool read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges);
   /// Levels of all lines now. @throws GpioError as read().
   std::vector<bool> levels();
-  [[nodiscard]] const std::vector<LineWish>& lines() const { return lines_; }
+  [[nodiscard]] const std::vector<ChipLine>& lines() const { return lines_; }
 
  private:
   void request();
@@ -52,7 +52,7 @@ class LineRequest {
 
   std::shared_ptr<GpioSystem> system_;
   std::string chip_;
-  std::vector<LineWish> lines_;
+  std::vector<ChipLine> lines_;
   GpioFd chip_fd_;
   GpioFd fd_;
 };

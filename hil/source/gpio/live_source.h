@@ -39,7 +39,7 @@ struct GpioLiveOptions {
 /// What a live run leaves, besides the events that it handed out. Ticks are ns since tick 0.
 struct GpioLiveRecord {
   std::vector<SensorEdge> sensors;  ///< As they were put out, those of the start at tick 1.
-  std::vector<HeardBytes> uart;     ///< When they were read.
+  std::vector<ReceivedBytes> uart;  ///< When they were read.
   std::vector<std::string> problems;
   std::vector<std::string> notes;  ///< As PinCapture's.
   LagMeter lag;           ///< Lag of the output edges behind their plan; without those that answer to pins.
@@ -99,7 +99,9 @@ class GpioLiveSource final : public SignalSource {
   void drain(std::uint64_t until_ns);
   void pumpUart();
   /// Time of the last bytes that the caller has.
-  [[nodiscard]] Tick uartHeard() const { return handed_bytes_ == 0 ? 0 : heard_[handed_bytes_ - 1].tick; }
+  [[nodiscard]] Tick uartReceived() const {
+    return handed_bytes_ == 0 ? 0 : received_[handed_bytes_ - 1].tick;
+  }
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
   [[nodiscard]] std::uint64_t nsOf(Tick tick) const { return origin_ns_ + tick; }
@@ -112,12 +114,12 @@ class GpioLiveSource final : public SignalSource {
   LineRequest request_;
   std::optional<EdgePlayer> player_;
   std::map<PinId, std::size_t> out_line_;  ///< Line of each pin that is driven.
-  struct Wish {
+  struct EarlyEdge {
     std::size_t line{};
     bool level{};
     Tick at{};
   };
-  std::vector<Wish> before_start_;
+  std::vector<EarlyEdge> before_start_;
 
   bool begun_{};
   std::uint64_t origin_ns_{};
@@ -128,8 +130,8 @@ class GpioLiveSource final : public SignalSource {
   std::vector<std::string> start_problems_;
   std::vector<KernelEdge> read_;
   std::vector<LineEdge> edges_;
-  std::vector<HeardBytes> heard_;
-  std::size_t handed_bytes_{};  ///< Entries of heard_ that the caller has.
+  std::vector<ReceivedBytes> received_;
+  std::size_t handed_bytes_{};  ///< Entries of received_ that the caller has.
   std::uint64_t last_edge_ns_{};
   std::size_t came_{};  ///< Edges.
   Tick watermark_{};

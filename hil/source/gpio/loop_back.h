@@ -16,11 +16,11 @@ namespace kerfbench::source {
 /// An output line that is wired to an input line (a jumper), to measure how the bench reads edges.
 struct LoopBackLines {
   std::filesystem::path out_chip;
-  LineWish out;
+  ChipLine out;
   std::filesystem::path in_chip;
-  LineWish in;
+  ChipLine in;
   /// Any free line of `in_chip`: read besides, because lines of a run are read in one request of several.
-  LineWish beside;
+  ChipLine beside;
 };
 
 /// The worst of many times, what 95 % of them do not exceed, and the root of the mean square.

@@ -13,7 +13,7 @@
 namespace kerfbench::source {
 
 OutputLines::OutputLines(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-                         std::vector<LineWish> lines, const std::vector<bool>& levels)
+                         std::vector<ChipLine> lines, const std::vector<bool>& levels)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
   if (lines_.empty() || lines_.size() > GPIO_V2_LINES_MAX) {
     throw GpioError(fmt::format("{}: {} lines were asked for as outputs, and it must be 1 to {}", chip_,

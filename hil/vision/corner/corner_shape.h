@@ -34,8 +34,8 @@ struct CornerShape {
   double rounding_mm{};  ///< > 0: an arc that touches both legs passes so far inside of where they meet.
 };
 
-/// The way of the beam near a corner.
-struct CornerWay {
+/// Path of the beam near a corner.
+struct CornerPath {
   double end_in_mm{};  ///< Along the legs, where they end.
   double end_out_mm{};
   std::vector<Eigen::Vector2d> arc;  ///< Even pieces from end to end; empty without rounding.
@@ -48,9 +48,9 @@ Eigen::Vector2d vertexOf(const CornerLeg& in, const CornerLeg& out);
 double arcLegMm(double turn_rad, double rounding_mm);
 
 /// @param pieces of the arc.
-CornerWay wayOf(const CornerShape& shape, int pieces);
+CornerPath pathOf(const CornerShape& shape, int pieces);
 
-/// Hausdorff distance of the corner's two ways, the nominal one and that of the beam, over the legs' first
+/// Hausdorff distance of the corner's two paths, the nominal one and that of the beam, over the legs' first
 /// `reach_mm`: the farthest that any place of one lies from the other.
 double deviationMm(const CornerShape& shape, double reach_mm);
 
