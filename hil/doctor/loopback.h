@@ -24,14 +24,14 @@ struct LoopbackOptions {
   double seconds{1.0};  ///< For each rate.
 };
 
-/// What was measured on a loop-back, and where.
+/// Measurement on a loop-back, and the computer it was made on.
 struct BenchReport {
   std::string kernel;           ///< "Linux 6.1.0-18-amd64".
   std::string clock_source;     ///< Clock of the kernel: "tsc"; empty: it does not say.
-  std::string virtual_machine;  ///< By what it shows that this is one; empty: a machine.
+  std::string virtual_machine;  ///< Sign of a virtual machine; empty: none.
   source::LoopBackLines lines;
-  std::vector<std::string> real_time_notes;  ///< What is not allowed, and how to allow it.
-  std::vector<source::LoopBackStep> steps;   ///< In order of their rates.
+  std::vector<std::string> real_time_notes;  ///< Rights that lack, and how to grant them.
+  std::vector<source::LoopBackStep> steps;   ///< Steps in order of their rates.
 };
 
 /// The lines that the options name. @throws GpioError with everything that is wrong with them.

@@ -44,8 +44,8 @@ struct CutTruth {
   double rms_mm{};
   double rounding_mm{},
       overshoot_mm{};  ///< Rounding and overshoot of the corner, against where its legs as cut would meet.
-  double corner_mm{};  ///< Distance of its way and the nominal one (Hausdorff).
-  double corner_shift_mm{};  ///< By which faults of other kinds move it.
+  double corner_mm{};  ///< Distance of its path and the nominal one (Hausdorff).
+  double corner_shift_mm{};  ///< Shift of the corner by faults of other kinds.
   struct End {
     int entity{};
     bool at_start{};
@@ -75,8 +75,8 @@ class ArtefactCut {
   struct Line {
     const dieline::Entity* entity{};
     double length_mm{};
-    double start_gap_mm{}, end_gap_mm{};  ///< By which it is cut too short.
-    double start_s{};                     ///< When the beam is at its nominal start.
+    double start_gap_mm{}, end_gap_mm{};  ///< Length by which each end is cut too short.
+    double start_s{};                     ///< Time at which the beam is at its nominal start.
     std::vector<double> power{};          ///< Relative, of each step of the burn.
   };
 

@@ -53,7 +53,7 @@ class KerfStudy {
   /// `setup` must outlive this.
   explicit KerfStudy(const GaugeSetup& setup);
   [[nodiscard]] KerfOutcome run(const KerfCase& test_case) const;
-  /// The same, with the picture and all that was measured.
+  /// Outcome with the picture and all that was measured.
   struct Whole {
     KerfOutcome outcome;
     GrayImage picture;

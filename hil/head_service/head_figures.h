@@ -22,8 +22,8 @@ struct PlaceError {
 /// "9.19 mm", "6.2 µm"
 std::string lengthText(double mm);
 
-/// By how much errors are drawn larger: 1, 2 or 5 times a power of ten, so that the largest of them is less
-/// than a twelfth of the field's longer side. 1 where there is no error.
+/// Factor by which errors are drawn larger: 1, 2 or 5 times a power of ten, so that the largest is less than
+/// a twelfth of the field's longer side. 1 where there is no error.
 double exaggerationFor(double largest_mm, const Eigen::AlignedBox2d& field_W_mm);
 
 /// The field as the beam draws it, exaggerated: `error_mm` at any place, nullopt where it does not get to;

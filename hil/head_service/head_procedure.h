@@ -41,11 +41,11 @@ FittedHead fitted(const std::vector<calibrate::HeadObservation>& observations, c
 
 struct HeadIteration {
   int grid{};
-  MeasuredSheet marks;                  ///< Cut with the table of the iteration before.
-  SheetErrors before;                   ///< Theirs.
-  FittedHead head;                      ///< By all marks so far but those that verify.
-  std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
-  SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
+  MeasuredSheet marks;                  ///< Marks cut with the table of the iteration before.
+  SheetErrors before;                   ///< Errors of these marks.
+  FittedHead head;                      ///< Head fitted to all marks so far but those that verify.
+  std::vector<MeasuredSheet> verified;  ///< Sheets cut with head.table, to verify it.
+  SheetErrors after;               ///< Errors of the verified sheets; of no marks where nothing was verified.
   calibrate::StatedSpread spread;  ///< Spread of the marks that verify, compared with what is stated of them.
 
   /// The marks that verify are within the limit, and do not speak against what is stated of the table.
@@ -74,10 +74,10 @@ struct HeadCalibration {
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);
 
-/// The same from one measured sheet, cut with the setup's table; nothing is verified.
+/// Calibrates from one measured sheet, cut with the setup's table; nothing is verified.
 HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
 
-/// A job over the machine's field. @throws ConfigError for places that leave no room.
+/// Job over the machine's field. @throws ConfigError for places that leave no room.
 calibrate::MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
                              const std::vector<Eigen::Vector2d>& places_mm, int first_number);
 

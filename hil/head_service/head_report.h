@@ -24,7 +24,7 @@ struct HeadFacts {
   std::string source;  ///< Where the pictures come from, in words.
   double mark_size_mm{};
   Eigen::AlignedBox2d field_W_mm;           ///< Where marks may lie.
-  double unmodelled_share{};                ///< As the fit was told.
+  double unmodelled_share{};                ///< Share that the fit was configured with.
   std::optional<calibrate::AimGrid> table;  ///< The controller's before.
   std::vector<HeadFile> files;
 };

@@ -21,9 +21,9 @@ class HeadEvidenceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What is known of a head before anything is measured, and how its marks are made.
+/// Knowledge of a head before anything is measured, and of how its marks are made.
 struct HeadSetup {
-  std::filesystem::path machine;     ///< Its file, absolute.
+  std::filesystem::path machine;     ///< Absolute path of the machine file.
   std::string name;                  ///< Name of the machine.
   vision::CameraCalibration camera;  ///< Identity and calibration of the kerf camera.
   calibrate::NominalHead nominal;    ///< The controller's formula.

@@ -55,8 +55,8 @@ camera::TileFolder openPictures(const HeadSetup& setup, const std::filesystem::p
 /// used.
 MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& job, const HeadSetup& setup,
                            int threads);
-/// The same of a folder, which the message names. @throws ConfigError for pictures that cannot be read, or
-/// are of another camera's size.
+/// Finds them in the pictures of a folder, which the message names. @throws ConfigError for pictures that
+/// cannot be read, or are of another camera's size.
 MeasuredSheet measurePictures(const std::filesystem::path& folder, const calibrate::MarkJob& job,
                               const HeadSetup& setup, int threads);
 

@@ -92,7 +92,7 @@ run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, 
 camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench,
                                      const scenario::Case& test_case, run::CutSheet& cut, int sheet,
                                      double turn_rad) {
-  // Another sheet lies otherwise on the table, and its pictures have another noise.
+  // Seed by the sheet: each lies otherwise on the table, and its pictures have noise of their own.
   scenario::Case camera = test_case;
   camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
   camera::TwinTileOptions options = tileOptions(setup, bench);

@@ -28,8 +28,8 @@ struct TwinBench {
 struct SheetRequest {
   calibrate::MarkJob job;
   int sheet{};  ///< Number of the sheet in this calibration; each has pictures with noise of its own.
-  std::filesystem::path folder;  ///< For the files of this sheet.
-  std::filesystem::path table;   ///< That the controller uses; empty: none.
+  std::filesystem::path folder;  ///< Folder for the files of this sheet.
+  std::filesystem::path table;   ///< Table that the controller uses; empty: none.
 };
 
 /// The scenario that cuts the job with that table, put into the folder with all its files: the job, its
@@ -58,7 +58,8 @@ run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, 
 
 /// The files of a sheet in its folder.
 inline constexpr const char* kSheetJob = "marks.yaml";
-inline constexpr const char* kSheetTable = "table.csv";  ///< That it was cut with; not there: none.
+inline constexpr const char* kSheetTable =
+    "table.csv";  ///< Table that the sheet was cut with; no file: none.
 inline constexpr const char* kSheetMeasured = "measured.yaml";
 
 }  // namespace kerfbench::head_service

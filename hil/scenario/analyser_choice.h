@@ -22,7 +22,7 @@ struct AnalyserChoice {
   std::uint64_t samplerate_hz{};
   std::string rate_place;
   std::vector<std::pair<std::string, std::string>> settings;  ///< Settings of the driver, by sigrok's names.
-  std::vector<PinLine> lines;                                 ///< By names of channels.
+  std::vector<PinLine> lines;                                 ///< Lines by the names of their channels.
   double quiet_s{};
 };
 

@@ -17,10 +17,10 @@ namespace kerfbench::scenario {
 /// A real camera as a scenario names it (`cameras: {spot: {source: v4l2, …}}`). Size and calibration are the
 /// machine file's.
 struct SpotCameraChoice {
-  bool is_real{};      ///< Else it is the twin's, and the rest says nothing.
-  std::string device;  ///< Path, the driver's name of it, or its bus.
+  bool is_real{};      ///< False: the twin's camera, and the other fields mean nothing.
+  std::string device;  ///< Path of the device, its name by the driver, or its bus.
   camera::CameraSettings settings;
-  double lit_s{};  ///< How long light falls on a frame: the exposure, or the strobe that is shorter.
+  double lit_s{};  ///< Time for which light falls on a frame: the exposure, or a strobe that is shorter.
   bool is_triggered{};
   bool sensor_has_noise{true};
   double stamp_jitter_s{};  ///< A stamp is off by at most this.

@@ -47,23 +47,23 @@ struct GpioChoice {
 /// What is wrong goes to the reader.
 GpioChoice readGpioChoice(base::YamlReader& firmware);
 
-/// What a case on real pins is to have wired.
+/// Needs of a case on real pins.
 struct WiringNeeds {
-  bool gantry{};        ///< Its motors, instead of those of mirrors. A line's belt has no feed.
-  bool moving_sheet{};  ///< Encoder and print mark have to be driven.
+  bool gantry{};  ///< Motors of a gantry are wired instead of those of mirrors. A line's belt has no feed.
+  bool moving_sheet{};  ///< Encoder and print mark are driven.
 };
 /// Lines of signals that the machine does not have, and pins that it has and the choice has no line for. One
 /// fault a line, with file and line; empty: none.
 std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs);
-/// The same of the controller's outputs alone: its laser's, and its axes' (`gantry` or mirrors). `place`: of
-/// the choice.
+/// Faults of the controller's outputs alone: those of its laser and of its axes (`gantry` or mirrors).
+/// `place`: place of the choice.
 std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
                      bool gantry);
 
-/// What capturePins() needs, but for its time limit. @throws GpioError with every line that the chip does not
+/// Options of capturePins() but for its time limit. @throws GpioError with every line that the chip does not
 /// have, or that two signals share, with file and line of the scenario.
 source::GpioCaptureOptions captureOptions(const GpioChoice& choice, const source::GpioChipList& chips);
-/// The same with the lines that are driven. @throws GpioError likewise.
+/// Options of a live run, with the lines that are driven. @throws GpioError as captureOptions().
 source::GpioLiveOptions liveOptions(const GpioChoice& choice, const source::GpioChipList& chips);
 
 }  // namespace kerfbench::scenario

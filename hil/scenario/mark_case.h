@@ -11,9 +11,9 @@
 
 namespace kerfbench::scenario {
 
-/// How marks are cut.
+/// Machine, firmware and speeds with which marks are cut.
 struct MarkCutting {
-  std::filesystem::path machine;  ///< Its file.
+  std::filesystem::path machine;  ///< Machine file.
   std::string firmware{"{source: native, image: controller-native-galvo, mcu: native, baud: 2000000}"};
   double mark_speed_mm_s{300};
   double jump_speed_mm_s{400};

@@ -30,8 +30,8 @@ struct FirmwareChoice {
     kAvr,
     kNative,
     kChild,
-    kGpio,      ///< A controller's real pins; see `gpio`.
-    kAnalyser,  ///< The same by a logic analyser; see `analyser`.
+    kGpio,      ///< Real pins of a controller; see `gpio`.
+    kAnalyser,  ///< Real pins by a logic analyser; see `analyser`.
   };
   enum class Dialog {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
@@ -83,14 +83,15 @@ struct Scenario {
   int calibration_max_age_days{180};
   double time_limit_s{};
   std::uint64_t seed{1};
-  twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.
+  twin::Preset imperfections{twin::Preset::kIdeal};  ///< Distance of the machine from its description.
   twin::Fidelity fidelity{twin::Fidelity::kReference};
 
-  /// By the line.
+  /// True where the line moves the sheet.
   [[nodiscard]] bool sheetMoves() const { return belt_speed_mm_s != 0 || !belt_speed_changes.empty(); }
 };
 
-/// As in scenarios and on the command line: "ideal", "static", "dynamic"; "reference", "fast".
+/// Preset or fidelity by its name in scenarios and on the command line: "ideal", "static", "dynamic";
+/// "reference", "fast".
 inline constexpr std::array kPresetNames{"ideal", "static", "dynamic"};
 inline constexpr std::array kFidelityNames{"reference", "fast"};
 inline const char* nameOf(twin::Preset preset) { return kPresetNames.at(static_cast<std::size_t>(preset)); }

@@ -180,7 +180,7 @@ std::string ChildProcess::finish(std::chrono::milliseconds patience) {
       }
       pid_ = -1;
     } else {
-      // Its end of the pipes closes when it ends: a wait that needs no clock of its own.
+      // Wait for the child's end of the pipe, which closes when the child ends.
       if (stderr_.valid()) {
         (void)waitFor(POLLHUP, stderr_.get(),
                       std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));

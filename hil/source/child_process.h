@@ -26,15 +26,15 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// A child that has gone is an answer (kClosed), not a signal.
+  /// Writes to the child; one that has ended is an answer (kClosed), not a signal.
   Io write(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
   /// Fills the whole of `into`.
   Io read(std::span<std::uint8_t> into, Clock::time_point deadline);
 
-  /// Closes its stdin and gives it a moment to go, then kills it. Says in words how it ended.
+  /// Closes the child's stdin and gives it a moment to end, then kills it. Returns in words how it ended.
   std::string finish(std::chrono::milliseconds patience);
   void kill();
-  /// What the child said last on stderr, line breaks as " | ".
+  /// Last words of the child on stderr, line breaks as " | ".
   [[nodiscard]] std::string lastWords();
 
  private:

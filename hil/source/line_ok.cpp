@@ -9,12 +9,12 @@ namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kMaxReplyChars = 512;
-constexpr double kProbeShare = 0.5;  // of the time to connect, then an empty line asks
-constexpr double kSettle_s = 0.1;    // for the answer to that line, after a late banner
+constexpr double kProbeShare = 0.5;  // Share of the time to connect after which an empty line asks.
+constexpr double kSettle_s = 0.1;    // Wait for the answer to that line, after a late banner.
 constexpr double kAskPeriod_s = 0.1;
-constexpr double kReportTimeout_s = 1.0;  // no report in this time: this firmware makes none
+constexpr double kReportTimeout_s = 1.0;  // Time after which a firmware without a report has none.
 
-/// Without comments "(…)" and "; …" and without blanks at the ends.
+/// Code of a line, without comments "(…)" and "; …" and without blanks at the ends.
 std::string strip(std::string_view line) {
   std::string out;
   bool in_comment = false;

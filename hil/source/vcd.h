@@ -22,9 +22,9 @@ struct ReceivedBytes {
 /// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay.
 struct PinRecording {
   TickRate rate;
-  std::vector<PinEvent> outputs;    ///< What the controller did, by tick.
-  std::vector<SensorEdge> sensors;  ///< What the bench drove, by tick.
-  std::vector<ReceivedBytes> uart;  ///< By tick.
+  std::vector<PinEvent> outputs;    ///< Events of the controller's outputs, by tick.
+  std::vector<SensorEdge> sensors;  ///< Edges that the bench drove, by tick.
+  std::vector<ReceivedBytes> uart;  ///< Bytes of the UART, by tick.
   Tick end{};                       ///< End of the run; the file closes with a time stamp there, since
                                     ///< sigrok drops changes at the last stamp otherwise.
   std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a tick each way in a

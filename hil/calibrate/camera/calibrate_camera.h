@@ -30,7 +30,7 @@ struct TargetPlace {
 struct CalibrationJob {
   CalibrationTarget target;
   TargetPlace place;
-  int width_px{};  ///< That the pictures must have.
+  int width_px{};  ///< Width that the pictures must have.
   int height_px{};
   std::string camera_id;
   std::string date;         ///< Date of the views, "2026-11-21".

@@ -106,11 +106,11 @@ int radiusFor(const Prediction& p, const CalibrationTarget& target) {
   // The nearest point of the marker is its corner, `border` along both sides: sqrt(2) as far, in a square.
   const double free_px =
       std::min((border * (p.along_x + p.along_y)).norm(), (border * (p.along_x - p.along_y)).norm());
-  // The other edges that end a square lie further out than any marker. Three pixels for the blur.
+  // Margin of three pixels for the blur. Edges of other squares lie farther away than any marker.
   return std::min(kMostRadius_px, static_cast<int>(std::floor(std::min(free_px, 0.8 * height_px) - 3.0)));
 }
 
-/// A quick way near enough for the fit to take.
+/// Refinement of the predicted corners, accurate enough to start the fit.
 void sharpen(const cv::Mat& picture, std::vector<Prediction>& predictions) {
   for (Prediction& p : predictions) {
     std::vector<cv::Point2f> point{

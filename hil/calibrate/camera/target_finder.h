@@ -16,7 +16,7 @@ struct TargetCorner {
   int column{},
       row{};  ///< Row of the square below and right of it, both >= 1: it is at square_mm * (column, row).
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
-  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Identity()};  ///< By the picture's noise.
+  Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Identity()};  ///< Covariance by the picture's noise.
 };
 
 /// What one picture shows of the target.

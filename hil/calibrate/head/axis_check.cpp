@@ -15,10 +15,10 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kAgreesShare = 0.2;    // Share of the marks' spread: a mark this near agrees with a map.
-constexpr double kLeastAgreeing = 0.5;  // Share of the marks, for the best map,
-constexpr double kLeastLead = 0.1;      // and by how many more than for the next; two at the least.
-constexpr double kThinnest = 0.05;      // Width over length of the aims.
+constexpr double kAgreesShare = 0.2;    // Share of the marks' spread within which a mark agrees with a map.
+constexpr double kLeastAgreeing = 0.5;  // Share of the marks that must agree with the best map.
+constexpr double kLeastLead = 0.1;  // Share of the marks by which it must lead the next map; at least two.
+constexpr double kThinnest = 0.05;  // Width over length of the aims.
 
 Eigen::Vector2d middleOf(const std::vector<Eigen::Vector2d>& points) {
   std::vector<double> x, y;

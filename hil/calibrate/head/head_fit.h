@@ -62,7 +62,7 @@ struct HeadMarkFinding {
 struct HeadSurface {
   SmoothBasis basis;
   double amplitude_mm{};  ///< Standard deviation of a coefficient of degree zero before the fit.
-  double decay{};         ///< By which it falls from degree to degree.
+  double decay{};         ///< Factor by which it falls from degree to degree.
   double evidence{};      ///< Logarithm of the odds for this surface against none.
 };
 

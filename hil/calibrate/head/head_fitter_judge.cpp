@@ -30,7 +30,7 @@ HeadFitter::SurfaceModes HeadFitter::surfaceModes() const {
   modes.x.middleRows(kHeadColumns, m) = x.middleRows(kHeadColumns, m).triangularView<Eigen::Lower>() * values;
   modes.x.bottomRows(m).noalias() = x.bottomRows(m) * values;
   modes.y.topRows<kHeadColumns>().noalias() = y.topRows<kHeadColumns>() * values;
-  modes.y.middleRows(kHeadColumns, m).setZero();  // Those of x alone.
+  modes.y.middleRows(kHeadColumns, m).setZero();  // Coefficients of x alone.
   modes.y.bottomRows(m) = y.bottomRows(m).triangularView<Eigen::Lower>() * values;
   return modes;
 }

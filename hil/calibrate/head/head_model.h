@@ -47,7 +47,7 @@ class HeadModel {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
     Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)> by_departures;  ///< mm per their unit.
   };
-  /// The same with derivatives, by automatic differentiation.
+  /// Spot of a pair of angles with its derivatives, by automatic differentiation.
   [[nodiscard]] std::optional<AngleSlopes> angleSlopesAt(const Eigen::Vector2d& angles_rad,
                                                          const HeadVector& departures) const;
   [[nodiscard]] std::optional<DepartureSlopes> departureSlopesAt(const Eigen::Vector2d& angles_rad,

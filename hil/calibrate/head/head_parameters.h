@@ -48,7 +48,7 @@ enum class HeadParameter : std::size_t {
   kLensIncidence,  ///< The lens's incidence_ratio.
 };
 inline constexpr std::size_t kHeadParameterCount = 32;
-/// The same as an index of matrices.
+/// Number of parameters as an index of matrices.
 inline constexpr int kHeadColumns = static_cast<int>(kHeadParameterCount);
 
 constexpr std::size_t indexOf(HeadParameter parameter) { return static_cast<std::size_t>(parameter); }

@@ -64,7 +64,7 @@ class JointSolver {
   /// `marks` must outlive it. `surface_sigmas_mm`: sigmasOf(), empty without a surface.
   JointSolver(const JointMarks& marks, Eigen::VectorXd surface_sigmas_mm);
 
-  /// Both of the marks as they are linearised now.
+  /// Information on the model that the marks hold, as linearised now.
   [[nodiscard]] ModelInformation model() const { return left(taken()); }
   [[nodiscard]] JointSolution solve() const;
 

@@ -16,15 +16,14 @@ struct NominalHead {
   double throw_mm{};           ///< L > 0; unused with a lens.
   double mirror_spacing_mm{};  ///< d >= 0; unused with a lens.
   double focal_length_mm{};    ///< f > 0 of an f-theta lens; 0: the formula knows none.
-  double mirror_step_rad{};    ///< To which the angles are rounded; 0: not at all.
+  double mirror_step_rad{};    ///< Step to which the angles are rounded; 0: none.
 
   [[nodiscard]] Eigen::Vector2d angles_rad(const Eigen::Vector2d& aim_W_mm) const;
-  /// The inverse, exact to rounding; |angle| < pi/4 without a lens.
+  /// Inverse of angles_rad(), exact to rounding; |angle| < pi/4 without a lens.
   [[nodiscard]] Eigen::Vector2d aim_W_mm(const Eigen::Vector2d& angles_rad) const;
   /// d(angles)/d(aim), rad/mm.
   [[nodiscard]] Eigen::Matrix2d slopes_rad_mm(const Eigen::Vector2d& aim_W_mm) const;
-  /// Where the controller really aims if both mirrors go to their nearest steps and stay there while it
-  /// marks.
+  /// Aim that results if both mirrors go to their nearest steps and stay there while the beam marks.
   [[nodiscard]] Eigen::Vector2d nearestAim_W_mm(const Eigen::Vector2d& wanted_W_mm) const;
   /// Covariance of the aim by the rounding to whole steps, where nothing is known of the remainder: step²/12
   /// in each mirror, carried to the sheet. Zero without a step.

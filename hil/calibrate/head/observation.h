@@ -21,16 +21,16 @@ class HeadCalibrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An error that all marks of a sheet have in common: of where the sheet was taken to lie.
+/// Error that all marks of a sheet have in common, by the error of the sheet's pose.
 struct SharedError {
-  int sheet{};  ///< Its number; another one for each sheet.
-  /// How the measured mark moves by each of three independent errors of variance 1, mm.
+  int sheet{};  ///< Number of the sheet, unique.
+  /// Shift of the measured mark by each of three independent errors of variance 1, mm.
   Eigen::Matrix<double, 2, 3> modes_mm{Eigen::Matrix<double, 2, 3>::Zero()};
 };
 
 /// One mark: what the controller was aimed at and where the beam really marked.
 struct HeadObservation {
-  std::optional<int> mark;  ///< Its number in the job; only told again in messages.
+  std::optional<int> mark;  ///< Number of the mark in the job, for messages only.
   /// What went into the controller's formula: where a correction table was at work the corrected aim, (x +
   /// dx, y + dy). So marks made with different tables, or without one, are observations of one and the same
   /// head.
@@ -62,8 +62,8 @@ struct SeenMark {
 };
 
 struct PairingLimits {
-  double missing_share{0.25};  ///< More of the job's marks may not be missing; in [0, 1).
-  double false_share{0.1};     ///< Nor more of those found be doubled or of no mark of the job; in [0, 1).
+  double missing_share{0.25};  ///< Largest share of the job's marks that may be missing; in [0, 1).
+  double false_share{0.1};     ///< Largest share of doubled or foreign marks; in [0, 1).
   /// Two marks of one number within this many standard deviations of each other are one, seen twice.
   double same_sigmas{5.0};
 };

@@ -17,7 +17,7 @@ namespace kerfbench::calibrate {
 /// A mark as cut.
 struct FieldMark {
   int number{};
-  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Its centre.
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Centre of the mark.
   /// Covariance of p_S_mm, mm², by noise, grid, texture and edges of its own arms: independent from mark to
   /// mark. What all marks have in common is in FieldPictures::poseCovariance().
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
@@ -37,11 +37,11 @@ struct DamagedMark {
 };
 
 struct FieldPictures {
-  std::vector<FieldMark> marks;       ///< By number, then by place; doubled ones are all there.
-  std::vector<DamagedMark> damaged;   ///< By place.
+  std::vector<FieldMark> marks;  ///< Marks sorted by number, then by place; of a doubled one both are here.
+  std::vector<DamagedMark> damaged;   ///< Damaged marks sorted by place.
   int strays{};                       ///< Cuts that belong to no mark: scratches, dust, other work.
   vision::UnitPose pose;              ///< Pose of the sheet on the table, by its printed marks.
-  std::vector<std::string> problems;  ///< Why nothing here may be used: no pose, unfit pictures.
+  std::vector<std::string> problems;  ///< Reasons not to use any of this: no pose, unfit pictures.
 
   /// Error of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S,
   /// mm) and turns (rad, about p_S, from x to y) them all by.

@@ -18,11 +18,11 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kEnd_mm = 0.3;            // Beside its end a kerf is end rather than line.
-constexpr std::size_t kLeastReadings = 4;  // of an arm
-constexpr double kOutlier = 5.0;           // sigmas
-constexpr double kLeastGood = 0.7;         // of the readings
-constexpr double kWildest_mm = 0.02;       // RMS about the parabola: rougher is no line
+constexpr double kEnd_mm = 0.3;            // Part of a kerf at its end that is not line.
+constexpr std::size_t kLeastReadings = 4;  // Least readings of an arm.
+constexpr double kOutlier = 5.0;           // Distance of an outlier, in sigmas.
+constexpr double kLeastGood = 0.7;         // Least share of readings that are no outliers.
+constexpr double kWildest_mm = 0.02;       // Largest RMS about the parabola.
 
 struct Reading {
   double along_mm{};

@@ -24,7 +24,7 @@ struct ArmLine {
 
 /// The two lines of a cross.
 std::array<ArmLine, 2> armLines(const Cross& cross, const vision::PlaneMotion& X_TS);
-/// Its arms for the calipers, two for each line in turn: behind, ahead.
+/// Arms of a cross for the calipers, two for each line in turn: behind, ahead.
 std::vector<dieline::Curve> armCurves(const std::array<ArmLine, 2>& lines);
 
 struct MarkCentre {

@@ -22,10 +22,10 @@ using Eigen::Vector2d;
 constexpr double kFarthest_mm = 1e4;
 constexpr double kRounding_mm = 1e-6;
 constexpr double kLeastSize_mm =
-    4.5;  // Smaller, and a dieline's checker takes the ticks for one broken line.
+    4.5;  // Least size; of smaller marks a dieline's checker takes the ticks for one broken line.
 constexpr double kMostSize_mm = 100.0;
 constexpr double kSizeStep_mm = 0.5;
-constexpr double kKerfs = 24.0;  // in the size of a mark, where there is room
+constexpr double kKerfs = 24.0;  // Size of a mark in kerf widths, where there is room.
 
 void checkField(const AlignedBox2d& field_mm) {
   if (field_mm.isEmpty() || !field_mm.sizes().allFinite() || !(field_mm.sizes().minCoeff() > 0.0))
@@ -166,7 +166,7 @@ std::vector<Vector2d> gridPlaces(const AlignedBox2d& field_mm, int n) {
 std::vector<Vector2d> randomPlaces(const AlignedBox2d& field_mm, const RandomPlaces& request) {
   checkField(field_mm);
   constexpr std::uint64_t kStream = 0x6d61726b73ULL;
-  constexpr std::uint64_t kTries = 500;  // for each place
+  constexpr std::uint64_t kTries = 500;  // Most tries for each place.
   const CounterRandom random(request.seed, kStream);
   std::vector<Vector2d> places_mm;
   std::vector<Vector2d> favoured_mm = request.favoured;

@@ -30,7 +30,7 @@ struct MarkJobFault {
 /// Marks to be cut into one sheet, and what is needed to make sense of its pictures later.
 struct MarkJob {
   std::string name;     ///< Name of the job, for people.
-  std::string machine;  ///< Its name.
+  std::string machine;  ///< Name of the machine.
   std::string date;     ///< ISO 8601 day on which the job was planned.
   double size_mm{};     ///< Size of a mark; 4.5 … 100.
   /// Where the sheet lies under the head while it is cut: p_S = p_W + p_SW. Axes of W and S are parallel.
@@ -42,11 +42,11 @@ struct MarkJob {
   /// sizes, marks on top of print. Empty when nothing is.
   [[nodiscard]] std::vector<MarkJobFault> faults() const;
   [[nodiscard]] Eigen::Vector2d wanted_S_mm(const WantedMark& mark) const { return mark.p_W_mm + p_SW_mm; }
-  /// Its cuts in S, mark by mark in order: arms, then ticks; layer "cut".
+  /// Cuts of the job in S, mark by mark in order: arms, then ticks; layer "cut".
   [[nodiscard]] dieline::Dieline dieline() const;
 };
 
-/// How far apart two marks lie as far as room is concerned: along x or along y, whichever is more.
+/// Distance of two marks as far as room is concerned: along x or along y, whichever is more.
 double marksApart_mm(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm);
 
 /// n x n places over the field, rim included, in rows that go to and fro. @throws std::invalid_argument for

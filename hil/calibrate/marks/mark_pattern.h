@@ -42,7 +42,7 @@ Eigen::Vector2d slotCentre(int slot);
 
 /// The four arms of a mark in the sheet's directions, from its centre, each outwards: along Mx, My, -Mx, -My.
 std::array<MarkStroke, 4> markArms(double size_mm);
-/// Its ticks, in order of slot.
+/// Ticks of a mark, in order of slot.
 std::vector<MarkStroke> markTicks(int number, double size_mm);
 
 }  // namespace kerfbench::calibrate

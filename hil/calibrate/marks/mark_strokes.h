@@ -13,9 +13,9 @@ namespace kerfbench::calibrate {
 
 /// A bright blob of a picture, as the rod with its second moments.
 struct Stroke {
-  Eigen::Vector2d p_T_mm{Eigen::Vector2d::Zero()};  ///< Its middle, on the table.
+  Eigen::Vector2d p_T_mm{Eigen::Vector2d::Zero()};  ///< Middle of the stroke on the table.
   Eigen::Vector2d half_mm{
-      Eigen::Vector2d::Zero()};  ///< From the middle to one end, kerf's rounding included.
+      Eigen::Vector2d::Zero()};  ///< Vector from the middle to one end, the kerf's rounding included.
   double width_mm{};
   double from_middle_mm{};  ///< Distance from the middle of its picture: of a stroke seen in two, the one
                             ///< nearer to the middle is kept.

@@ -17,8 +17,8 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-constexpr double kFull = 0.35;             // Random squares jam at 0.56 of what a grid holds.
-constexpr double kApartFromMarked = 0.25;  // of a mark's size
+constexpr double kFull = 0.35;  // Fill of a sheet, of what a grid holds; random squares jam at 0.56.
+constexpr double kApartFromMarked = 0.25;  // Least distance from a mark of the fit, in sizes of a mark.
 constexpr std::uint64_t kMostSheets = 4096;
 
 int mostOnSheet(const AlignedBox2d& field_mm, double mark_size_mm) {

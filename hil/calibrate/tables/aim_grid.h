@@ -54,7 +54,7 @@ class AimGrid {
   /// less than 1e-9 mm outside, by rounding, counts as on the border.
   [[nodiscard]] std::optional<Eigen::Vector2d> at_mm(const Eigen::Vector2d& p_W_mm) const;
 
-  /// The same nodes with another rule between and outside. @throws as the constructor.
+  /// Grid of the same nodes with another rule between and outside. @throws as the constructor.
   [[nodiscard]] AimGrid with(Between between, Outside outside) const;
 
  private:

@@ -13,8 +13,8 @@ namespace kerfbench::calibrate {
 struct CHeaderNumbers {
   using Array = std::vector<std::int64_t>;
   std::int64_t unit_nm{};
-  std::int64_t hermite{};  ///< Else bilinear.
-  std::int64_t outside{};  ///< As enum Outside counts.
+  std::int64_t hermite{};  ///< Nonzero: Hermite between the nodes; 0: bilinear.
+  std::int64_t outside{};  ///< Value of enum Outside.
   std::array<Array, 4> arrays;
 };
 

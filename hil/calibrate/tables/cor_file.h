@@ -43,12 +43,12 @@ struct CorConvention {
 
 struct CorFile {
   CorVersion version{};
-  double units_per_mm{};       ///< That were used.
-  double file_units_per_mm{};  ///< As the file has it.
+  double units_per_mm{};       ///< Units per mm that the grid was made with.
+  double file_units_per_mm{};  ///< Units per mm that the file states.
   AimGrid grid;                ///< Bilinear; refused outside: a galvo does not leave its 16 bits.
 };
 
-/// By the label; nullopt if it is none of JCZ's.
+/// Version of a .cor file by its label; nullopt if the label is none of JCZ's.
 std::optional<CorVersion> corVersionOf(std::string_view bytes);
 
 /// @throws TableFileError with every fault and its byte: label, size, scale out of 5 … 1e5 without

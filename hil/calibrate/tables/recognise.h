@@ -11,14 +11,14 @@
 
 namespace kerfbench::calibrate {
 
-/// One spot of a check without any correction: aimed at `aim`, the beam went to `spot`. Both in W, mm.
+/// Spot of a check without any correction: aimed at `aim`, the beam went to `spot`. Both in W, mm.
 struct UncorrectedSpot {
   Eigen::Vector2d aim_W_mm{};
   Eigen::Vector2d spot_W_mm{};
 };
 
-/// Another way to understand a file: the place and the value of each node turned, d'(A p) = V d(p), with A
-/// and V of the eight matrices of 0 and ±1 that map the axes onto themselves.
+/// Reading of a file with the place and the value of each node turned, d'(A p) = V d(p), with A and V of the
+/// eight matrices of 0 and ±1 that map the axes onto themselves.
 struct TableReading {
   Eigen::Matrix2i places{Eigen::Matrix2i::Identity()};
   Eigen::Matrix2i values{Eigen::Matrix2i::Identity()};
@@ -32,7 +32,7 @@ struct TableReading {
 /// All 64: the eight maps of the places times the eight of the values (signs, and the pair exchanged).
 std::vector<TableReading> allReadings();
 
-/// The grid understood so; rows and columns turn about (0, 0).
+/// Grid in that reading; rows and columns turn about (0, 0).
 AimGrid asRead(const AimGrid& grid, const TableReading& reading);
 
 struct RecogniseOptions {
@@ -43,7 +43,7 @@ struct RecogniseOptions {
   double same_table_mm{0.01};  ///< Readings whose tables are nowhere farther apart are one.
 };
 
-/// How one reading fits.
+/// Fit of one reading.
 struct ReadingFit {
   TableReading reading;
   double rms_mm{};  ///< RMS of the beam's distance from where it was wanted, with this table.
@@ -52,15 +52,15 @@ struct ReadingFit {
 struct Recognition {
   enum class Verdict { kAsRead, kOtherwise, kUndecided, kNoneFits };
   Verdict verdict{Verdict::kUndecided};
-  TableReading reading;          ///< The best; that of the file as read where it is as good.
-  std::vector<ReadingFit> fits;  ///< All, best first.
+  TableReading reading;          ///< Best reading; the file as read where that is as good.
+  std::vector<ReadingFit> fits;  ///< Fits of all readings, best first.
   double error_rms_mm{};         ///< RMS error of the spots without correction.
-  std::size_t spots{};           ///< That were used.
+  std::size_t spots{};           ///< Number of spots that were used.
   std::string text;              ///< The verdict with its numbers.
 };
 
-/// Which reading of a table brings the beam to where it is wanted. Exact, without a model of the head: a beam
-/// aimed at a landed at s, so the right table says d(s) = a − s.
+/// Finds the reading of a table that brings the beam to where it is wanted. Exact, without a model of the
+/// head: a beam aimed at a landed at s, so the right table says d(s) = a − s.
 /// @throws std::invalid_argument for options out of range, spots that are not finite, or fewer than six spots
 ///   within reach of the table.
 Recognition recognise(const AimGrid& grid, const std::vector<UncorrectedSpot>& spots,

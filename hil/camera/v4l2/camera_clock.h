@@ -89,8 +89,8 @@ struct CameraClockFit {
 /// answer of no clock comes with the reason. @throws std::invalid_argument that names every option out of
 /// range.
 CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const CameraClockOptions& options);
-/// The same by what frames tell of their begin. Only a light's first and last frames say much: others may be
-/// left out.
+/// Fits the clock to the begins of frames. Only a light's first and last frames contribute much; others may
+/// be left out.
 CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
                                       const CameraClockOptions& options);
 

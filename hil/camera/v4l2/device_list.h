@@ -26,9 +26,9 @@ struct SizeListing {
 
 struct FormatListing {
   std::string fourcc;
-  std::string description;  ///< The driver's.
-  bool is_readable{};       ///< By decodeFrame().
-  std::string cost;         ///< See PixelFormat; of a format that cannot be read, empty.
+  std::string description;  ///< Description by the driver.
+  bool is_readable{};       ///< True where decodeFrame() reads the format.
+  std::string cost;         ///< PixelFormat::cost; empty where the format cannot be read.
   std::vector<SizeListing> sizes;
 };
 

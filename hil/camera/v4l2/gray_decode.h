@@ -21,9 +21,9 @@ struct FrameLayout {
   int bits{8};
   bool full_range{};  ///< YUYV alone: brightness is 0 ... 255 and not 16 ... 235.
 
-  std::size_t most_bytes{};  ///< That the driver gives a frame; 0: it does not say.
+  std::size_t most_bytes{};  ///< Largest frame that the driver announces; 0: none announced.
 
-  /// The fewest bytes a whole frame has; 1 for JPEG.
+  /// Least bytes of a whole frame; 1 for JPEG.
   [[nodiscard]] std::size_t leastBytes() const;
 };
 

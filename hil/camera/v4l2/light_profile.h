@@ -24,9 +24,9 @@ class LightProfile {
     double time_s{};
     bool is_on{};
   };
-  /// By time; off before the first.
+  /// Takes the steps in order of time; the light is off before the first.
   explicit LightProfile(std::span<const Step> steps);
-  /// Share of the time that it was on; `to_s` > `from_s`.
+  /// Share of the time for which the light was on; `to_s` > `from_s`.
   [[nodiscard]] double meanOver(double from_s, double to_s) const;
   /// Time on until then.
   [[nodiscard]] double onUntil_s(double time_s) const;
@@ -34,7 +34,7 @@ class LightProfile {
  private:
   struct Knot {
     double time_s{};
-    double on_s{};  ///< Time on until then.
+    double on_s{};  ///< Time for which the light was on until then.
     bool is_on{};   ///< After.
   };
   std::vector<Knot> knots_;

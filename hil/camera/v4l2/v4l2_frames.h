@@ -33,11 +33,13 @@ struct CaptureReport {
 };
 
 struct V4l2FrameOptions {
-  double exposure_s{};       ///< > 0: by the camera's shutter, or the strobe's length where that is shorter.
-  std::uint64_t frames{};    ///< How many are taken, good or not; > 0.
-  int timeout_ms{1000};      ///< Without a frame for so long the camera has stopped; > 0.
-  std::uint64_t discard{1};  ///< At the start: the first buffer of a loopback holds an old picture.
-  WatchOptions watch{};      ///< Its period is the driver's if it has none and is_triggered is false.
+  double exposure_s{};     ///< Time of the camera's shutter, or of the strobe where that is shorter; > 0.
+  std::uint64_t frames{};  ///< Number of frames that are taken, good or not; > 0.
+  int timeout_ms{1000};    ///< Time without a frame after which the camera has stopped; > 0.
+  std::uint64_t discard{
+      1};  ///< Frames left out at the start: the first buffer of a loopback holds an old picture.
+  WatchOptions
+      watch{};  ///< Watch of the frames; without a period it takes the driver's, unless is_triggered.
   bool is_triggered{};
 };
 

@@ -78,8 +78,8 @@ class AnalyserSystem {
   virtual std::unique_ptr<AnalyserFeed> acquire(const AnalyserRequest& request) = 0;
 };
 
-/// By libsigrok, in a process of its own (kerfbench-sigrok in `bin_dir`): the library is under the GPL, and a
-/// driver that crashes leaves the bench whole.
+/// Analysers by libsigrok, in a process of its own (kerfbench-sigrok in `bin_dir`): the library is under the
+/// GPL, and a driver that crashes leaves the bench whole.
 std::shared_ptr<AnalyserSystem> sigrokAnalysers(const std::filesystem::path& bin_dir);
 
 }  // namespace kerfbench::source

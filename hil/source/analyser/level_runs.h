@@ -8,7 +8,7 @@
 
 namespace kerfbench::source {
 
-/// So many samples in a row with these levels; bit i is channel i of those that were asked for.
+/// Run of samples with the same levels; bit i is the i-th requested channel.
 struct LevelRun {
   std::uint64_t samples{};
   std::uint32_t levels{};

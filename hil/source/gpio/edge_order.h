@@ -85,8 +85,8 @@ class EdgeOrder {
   std::uint64_t placed_{};
   bool any_fault_{};
   EdgeFaults faults_;
-  std::vector<Waiting> waiting_;  ///< By number.
-  std::vector<LineEdge> ready_;   ///< In order, not yet handed on.
+  std::vector<Waiting> waiting_;  ///< Edges that wait, by number.
+  std::vector<LineEdge> ready_;   ///< Edges in order that are not yet handed on.
 };
 
 }  // namespace kerfbench::source

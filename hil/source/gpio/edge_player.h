@@ -47,8 +47,8 @@ class EdgePlayer {
 
   std::shared_ptr<GpioSystem> system_;
   OutputLines lines_;
-  std::deque<Planned> planned_;          ///< By `due_ns`.
-  std::vector<std::uint64_t> last_due_;  ///< Time of the last edge that each line was given.
+  std::deque<Planned> planned_;          ///< Edges that are planned, by `due_ns`.
+  std::vector<std::uint64_t> last_due_;  ///< Time of the last planned edge of each line.
   std::uint64_t last_put_ns_{};
 };
 

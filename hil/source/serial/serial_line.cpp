@@ -84,7 +84,7 @@ void SerialLine::configure(std::uint32_t baud) {
 }
 
 void SerialLine::discard() {
-  // By value, not by address.
+  // TCIFLUSH is passed by value, not by address.
   const SerialAnswer flushed = system_->control(fd_.get(), TCFLSH, reinterpret_cast<void*>(TCIFLUSH));
   if (flushed.failed()) fail("cannot be emptied", flushed.error);
 }

@@ -15,8 +15,8 @@ class Background {
   static constexpr int kCellPx = 64;
 
   explicit Background(const GrayImage& image) : Background(image, {}) {}
-  /// The same, while visit(top, bottom) is called for each band of rows [top, bottom) just before it is
-  /// sampled: who must read the whole picture anyway does so there, and its memory is read once.
+  /// Samples a picture and calls visit(top, bottom) for each band of rows [top, bottom) just before it is
+  /// sampled, so that work on the whole picture reads its memory only once.
   Background(const GrayImage& image, const std::function<void(int, int)>& visit);
 
   /// Board gray around a pixel: the median of its cell, or of the cells around where something dark covers

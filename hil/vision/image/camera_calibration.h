@@ -46,7 +46,7 @@ struct CameraCalibration {
   [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;
   /// Point of the plane to its pixel, in the image or not. @throws std::domain_error behind the camera.
   [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
-  /// The same with its Jacobian. @throws std::domain_error behind the camera.
+  /// Point of the plane to its pixel, with the Jacobian. @throws std::domain_error behind the camera.
   [[nodiscard]] LocalPixelMap localMap(const Eigen::Vector2d& p_mm) const;
   /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the
   /// lens polynomial folds them back into the picture are not seen.

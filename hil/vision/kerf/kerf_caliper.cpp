@@ -14,7 +14,8 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastContrast = 0.03;  // of board to open kerf; less is dirt or shading
+constexpr double kLeastContrast =
+    0.03;  // Least contrast of a kerf over that of board and open kerf; less is dirt or shading.
 constexpr std::array<double, 3> kLevels{0.4, 0.5, 0.6};
 
 struct Peak {
@@ -170,7 +171,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
     return std::array{*left, *right};
   };
   const auto half = edges(0.5);
-  if (!half) return nothing();  // It runs out of the caliper.
+  if (!half) return nothing();  // Flank beyond the caliper.
   double centre = 0.0;
   int levels = 0;
   for (const double share : kLevels) {

@@ -12,10 +12,11 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastShare = 0.05;  // darker is no light to measure in
+constexpr double kLeastShare = 0.05;  // Least share of the light to measure in.
 constexpr int kRounds = 8;
-constexpr double kOutlier = 0.06;    // of the board's gray: ink, a mark, a cut that fills a cell
-constexpr double kLeastCells = 0.3;  // that must agree
+constexpr double kOutlier =
+    0.06;  // Distance of an outlier, over the board's gray: ink, a mark, a cut that fills a cell.
+constexpr double kLeastCells = 0.3;  // Least share of the cells that must agree.
 
 struct Cell {
   Eigen::Matrix<double, 6, 1> terms;

@@ -31,9 +31,9 @@ struct Caliper {
 struct EntityKerf {
   int unit{};
   int entity{};                   ///< Entity id.
-  std::vector<Caliper> calipers;  ///< In order of station.
-  double widening_mm{};           ///< By which blur makes it look wider than Caliper::width_mm.
-  /// Standard uncertainty of that, common to all kerfs of the picture: how well its blur is known.
+  std::vector<Caliper> calipers;  ///< Calipers in order of station.
+  double widening_mm{};           ///< Widening of the kerf by blur, over Caliper::width_mm.
+  /// Standard uncertainty of the widening, common to all kerfs of the picture, by that of its blur.
   double widening_sigma_mm{};
 };
 
@@ -72,7 +72,7 @@ struct UnitPose {
   int unit{};
   Eigen::Vector2d p_TS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
-  /// Of (p_TS x, p_TS y, angle) by the noise of the marks: mm², mm rad, rad².
+  /// Covariance of p_TS x, p_TS y and angle by the noise of the marks: mm², mm rad, rad².
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
@@ -112,15 +112,15 @@ struct KerfScanOptions {
 };
 
 struct KerfScan {
-  std::vector<EntityKerf> entities;  ///< units x entities that are not kIgnore.
+  std::vector<EntityKerf> entities;  ///< Kerfs of all units and all entities that are not kIgnore.
   std::vector<CornerKerf> corners;
   std::vector<LineEnd> ends;
-  std::vector<UnitPose> units;  ///< Those whose marks told their place.
+  std::vector<UnitPose> units;  ///< Poses of the units whose marks were found.
   std::vector<StrayCut> strays;
-  std::vector<KerfPatch> patches;  ///< Worst first.
+  std::vector<KerfPatch> patches;  ///< Patches, the worst first.
   double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.
   std::vector<std::string>
-      problems;  ///< Whatever makes the scan untrustworthy (marks not found, tile missing): INVALID.
+      problems;  ///< Reasons not to trust the scan (marks not found, tile missing): INVALID.
 };
 
 }  // namespace kerfbench::vision

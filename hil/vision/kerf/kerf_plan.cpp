@@ -11,12 +11,12 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr double kSamplePitchMm = 0.1;
-constexpr double kWindowMm = 0.1;       // half the length of curve that a caliper looks at
-constexpr double kParallelSine = 0.14;  // 8 degrees
+constexpr double kWindowMm = 0.1;       // Half the length of curve that a caliper looks at.
+constexpr double kParallelSine = 0.14;  // Sine of 8 degrees.
 constexpr double kSameLineMm = 0.03;
-constexpr double kOwnApartMm = 0.65;  // along the own curve, from where it is a neighbour of itself
-constexpr double kMeetMm = 0.02;      // of ends that are drawn to touch
-constexpr double kAloneMm = 0.7;      // around a corner or a free end
+constexpr double kOwnApartMm = 0.65;  // Distance along a curve from which on it is a neighbour of itself.
+constexpr double kMeetMm = 0.02;      // Largest distance of ends that are drawn to touch.
+constexpr double kAloneMm = 0.7;      // Distance around a corner or a free end without other curves.
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 

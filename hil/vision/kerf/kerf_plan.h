@@ -51,7 +51,7 @@ struct PlannedCorner {
   EntityEnd in;
   EntityEnd out;
   Eigen::Vector2d tangent_in{Eigen::Vector2d::UnitX()};   ///< Direction of the beam towards the corner.
-  Eigen::Vector2d tangent_out{Eigen::Vector2d::UnitX()};  ///< And away from it.
+  Eigen::Vector2d tangent_out{Eigen::Vector2d::UnitX()};  ///< Direction of the beam away from the corner.
   double turn_rad{};
 };
 

@@ -9,12 +9,12 @@
 
 namespace kerfbench::vision {
 
-/// A caliper's window reaches so far along the curve, each way, where curve and ends allow.
+/// Half length of a caliper's window along the curve, where curve and ends allow.
 inline constexpr double kWindowHalfMm = 0.1;
-inline constexpr double kLongestArcRad = 0.35;  ///< Nor farther round a curve than this, each way.
+inline constexpr double kLongestArcRad = 0.35;  ///< Half of the longest arc of a caliper.
 
-/// A window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to
-/// both sides of it.
+/// Window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to both
+/// sides of it.
 struct CaliperWindow {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};

@@ -13,12 +13,12 @@
 
 namespace kerfbench::vision {
 
-/// A printed disc that was found, darker than the board around it.
+/// Printed disc that was found, darker than the board around it.
 struct FoundMark {
-  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Its centre in the camera's plane.
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Centre of the disc in the camera's plane.
   Eigen::Vector2d pixel{
-      Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
-  double diameter_mm{};          ///< That was looked for.
+      Eigen::Vector2d::Zero()};  ///< Centroid of the picture; not quite the picture of the centre.
+  double diameter_mm{};          ///< Diameter that was looked for.
   double contrast_gray{};        ///< Board minus ink.
   /// Standard uncertainty of p_mm per axis, from how the edge of this disc scatters about a circle: noise,
   /// grain and a rough print, but not the map.

@@ -22,7 +22,7 @@ struct MarkLevels {
 };
 
 struct PixelBox {
-  int left, top, right, bottom;  // inclusive
+  int left, top, right, bottom;  // Columns and rows, the last ones included.
 };
 
 std::optional<PixelBox> boxAround(const GrayImage& image, const Eigen::Vector2d& centre, double half_px);

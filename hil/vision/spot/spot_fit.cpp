@@ -27,7 +27,7 @@ using Vector = SpotParameters::Vector;
 using Matrix = SpotParameters::Matrix;
 
 struct Window {
-  int left, top, right, bottom;  // inclusive
+  int left, top, right, bottom;  // Columns and rows, the last ones included.
   [[nodiscard]] int width() const { return right - left + 1; }
   [[nodiscard]] int height() const { return bottom - top + 1; }
 };

@@ -24,7 +24,7 @@ struct DiscInPicture {
 /// A glowing spot in pixels: an elliptical Gaussian, or a round one that ran along a line during the
 /// exposure.
 struct SpotFit {
-  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Its middle.
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Middle of the spot.
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Covariance of the estimated centre.
   double long_sigma_px{};  ///< Standard deviation of the light along its longer axis.
   double short_sigma_px{};

@@ -27,10 +27,10 @@ struct SpotLight {
   double value{};  ///< Grey, not clipped.
 };
 
-/// `cover`: share of the pixel under ink.
+/// Light of a pixel; `cover`: share of it under ink.
 SpotLight spotLight(SpotShape shape, const SpotParameters::Vector& q, double c, double r, double cover);
 
-/// The same with the derivative of the grey by the parameters.
+/// Light of a pixel with its derivative by the parameters.
 SpotLight spotLight(SpotShape shape, const SpotParameters::Vector& q, double c, double r, double cover,
                     SpotParameters::Vector& derivative);
 

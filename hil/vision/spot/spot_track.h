@@ -19,11 +19,12 @@ struct SheetPose {
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
-  int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
+  int marks{};           ///< Number of marks; one alone keeps the angle of the frames before.
   int expected{};        ///< Marks that lie well within the picture and not under the spot.
-  int moved{};           ///< Marks that were seen, but not where the others let expect them: not used.
-  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad². With one mark the angle is as
-  /// uncertain as it was when last measured, and errs alike in all frames since. Without map_u_mm.
+  int moved{};           ///< Marks that were seen elsewhere than the others make expect; not used.
+  /// Covariance of p_WS x, p_WS y and angle by the noise of this frame: mm², mm rad, rad²; without map_u_mm.
+  /// With one mark the angle has the uncertainty of its last measurement, and the same error in all frames
+  /// since.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
