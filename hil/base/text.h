@@ -19,7 +19,7 @@ std::string lowered(std::string_view text);
 /// Foreign text for a message: at most `most_bytes` of it, then "…". Control characters, which a terminal
 /// would obey, and bytes that are not UTF-8 become '?'.
 std::string printable(std::string_view text, std::size_t most_bytes = 40);
-/// The same between single quotes.
+/// Printable text between single quotes.
 std::string inQuotes(std::string_view text);
 
 /// Escapes text for HTML, SVG and their attribute values. Bytes that are not UTF-8 stay as they are.

@@ -17,8 +17,9 @@ struct ControllerReport {
   std::optional<inspect::ControllerEnd> end;
 };
 
-/// The end that was heard, and whose matter it is. The release's is all but a line or a host that failed, a
-/// guard that was opened (by the sensors of `recording`), and faults that this bench does not know.
+/// End of the run as the controller reported it, and who is responsible. The release's is all but a line or a
+/// host that failed, a guard that was opened (by the sensors of `recording`), and faults that this bench does
+/// not know.
 inspect::ControllerEnd controllerEnd(const UartListener& ear, const PulseCounter& pins,
                                      const source::PinRecording& recording);
 

@@ -41,7 +41,7 @@ std::string analyserName(const source::AnalyserDevice& device);
 struct DoctorFinding {
   enum class Grade {
     kGood,
-    kNote,     ///< Worth knowing, not in the way.
+    kNote,     ///< Circumstance that prevents nothing.
     kTrouble,  ///< Something is there and does not work.
     kMissing,  ///< The scenario needs it.
   };

@@ -19,7 +19,7 @@ struct LoopbackOptions {
   std::string loop_back;  ///< "OUT=IN": numbers or names of lines.
   std::string chip;       ///< IN's, by path, name or label; empty: the only one.
   std::string out_chip;   ///< OUT's; empty: `chip`.
-  std::string beside;     ///< A free line of `chip`, read besides; empty: the first free input.
+  std::string beside;     ///< Free line of `chip` that is read too; empty: the first free input.
   std::vector<double> rates_hz{200, 1'000, 2'000, 5'000, 10'000, 20'000, 40'000, 80'000, 160'000};
   double seconds{1.0};  ///< For each rate.
 };

@@ -28,8 +28,8 @@ namespace kerfbench::gauge {
 /// Worst, RMS and circularity are of these deviations; circularity is the range about the least-squares
 /// circle. Width is the mean over the same stations of the distance between the two places across the kerf
 /// where half of the light comes through that does in its middle, over the board's. Rounding and overshoot
-/// say how far the beam's way passes inside of where its own legs would meet, or its legs run on beyond it; a
-/// gap how much too early a line ends.
+/// say how far the beam's path passes inside of where its own legs would meet, or its legs run on beyond it;
+/// a gap how much too early a line ends.
 struct EntityTruth {
   int entity{};
   double worst_mm{};  ///< Magnitude.
@@ -98,7 +98,7 @@ class ArtefactCut {
   [[nodiscard]] Cut cutOfCorner() const;
   /// How far before the nominal corner the legs end; < 0: beyond it.
   [[nodiscard]] double beforeCorner() const;
-  /// Goes on from the end of a way by the arc, if there is one.
+  /// Continues from the end of a path by the arc, if there is one.
   void addArc(std::vector<Eigen::Vector2d>& way) const;
   void burnWay(twin::Sheet& sheet, const std::vector<Eigen::Vector2d>& way, const Line& line,
                double from_s_mm, double energy_j_mm) const;

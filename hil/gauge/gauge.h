@@ -102,7 +102,7 @@ struct Claim {
   std::string what;
   std::string measured;  ///< With its unit.
   std::string limit;
-  State state{State::kOpen};  ///< kOpen: too few cases to tell.
+  State state{State::kOpen};  ///< kOpen: too few cases to decide.
 };
 
 struct GaugeResult {

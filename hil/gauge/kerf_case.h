@@ -14,7 +14,7 @@
 
 namespace kerfbench::gauge {
 
-/// An artefact to be cut, all drawn from seeds.
+/// Artefact to be cut, sampled from seeds.
 struct KerfCase {
   std::string name;  ///< "static-bad-17"
   twin::Preset preset{twin::Preset::kStatic};
@@ -61,8 +61,8 @@ class KerfStudy {
     CutTruth truth;
   };
   [[nodiscard]] Whole runWhole(const KerfCase& test_case) const;
-  /// Scales the first fault until KerfOutcome::truth_mm is as told, to 0.1 µm; other faults and the machine's
-  /// flutter have a share in it.
+  /// Scales the first fault until KerfOutcome::truth_mm is as given, to 0.1 µm; other faults and the
+  /// machine's flutter have a share in it.
   void scaleTo(double truth_mm, KerfCase& test_case) const;
 
  private:

@@ -13,7 +13,7 @@
 namespace kerfbench::gauge {
 
 /// Three cuts of 12 mm across a running web, watched by the spot camera, the beam at rest on the web along x
-/// but for what is told here. All drawn from seeds.
+/// but for the faults here. All is sampled from seeds.
 ///
 /// What a preset changes: static, how askew the web runs (2 mrad) and by how much the encoder's scale makes
 /// the beam outrun it; dynamic, also the encoder's run-out and the board's flutter, which move the beam on

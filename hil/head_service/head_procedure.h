@@ -24,7 +24,7 @@ struct SheetOrder {
 using CutAndMeasure = std::function<MeasuredSheet(const SheetOrder& order)>;
 
 struct HeadPlan {
-  std::vector<int> grids{3, 9, 17};  ///< Marks each way, one iteration each.
+  std::vector<int> grids{3, 9, 17};  ///< Marks along each side of the grid, one iteration each.
   int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
   double limit_mm{0.010};  ///< Largest error of any of them.
   std::string date;        ///< ISO 8601 day of the jobs.

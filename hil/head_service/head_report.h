@@ -15,7 +15,7 @@ struct HeadFile {
   std::string what;
 };
 
-/// What the report tells besides the result.
+/// Facts of the report in addition to the result.
 struct HeadFacts {
   std::string machine;
   std::string command;

@@ -39,7 +39,7 @@ struct MeasuredSheet {
   std::vector<std::string> remarks;
 };
 
-/// How far the marks of one sheet or several lie beside where they were wanted.
+/// Distances of the marks of one sheet or several from where they were wanted.
 struct SheetErrors {
   std::size_t marks{};
   double max_mm{}, rms_mm{};

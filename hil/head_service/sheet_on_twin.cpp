@@ -29,7 +29,7 @@ fs::path machineWith(const HeadSetup& setup, const SheetRequest& request) {
   return file;
 }
 
-/// The table beside the job: what is measured of it later needs to know what the head was aimed at.
+/// Table in the folder of the job: what is measured of it later needs to know what the head was aimed at.
 void keepTable(const SheetRequest& request) {
   const fs::path kept = request.folder / kSheetTable;
   if (request.table.empty()) {
@@ -116,7 +116,7 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
     camera::writeTiles(source, request.folder / "pictures");
   }
   auto source = tiles();
-  // The job as its file has it, rounded: so that the pictures alone tell the same later.
+  // Job as its file has it, rounded, so that the pictures alone give the same result later.
   SheetOnTwin sheet{
       measureSheet(source, calibrate::readMarkJob(request.folder / kSheetJob), setup, bench.threads), false};
   sheet.measured.digest = digest;

@@ -16,12 +16,12 @@ namespace kerfbench::head_service {
 
 /// The machine that cuts, and how.
 struct TwinBench {
-  std::uint64_t seed{1};  ///< Draws the machine.
+  std::uint64_t seed{1};  ///< Seed by which the machine is sampled.
   twin::Preset imperfections{twin::Preset::kStatic};
   twin::Fidelity fidelity{twin::Fidelity::kFast};
   std::filesystem::path bin_dir;
   std::string firmware{};  ///< As a scenario names it; empty: that of MarkCutting.
-  bool keep_pictures{};    ///< In folder `pictures` beside the job.
+  bool keep_pictures{};    ///< Pictures in the folder `pictures` next to the job.
   int threads{1};
 };
 

@@ -25,7 +25,8 @@ Isometry2d turnOf(const calibrate::MarkJob& job, double turn_deg) {
          Translation2d(-print.center());
 }
 
-/// The printed marks of a square board fit turned by a quarter too, but for the odd ones: the cut marks tell.
+/// The printed marks of a square board fit turned by a quarter too, but for the odd ones: the cut marks
+/// decide.
 void refuseOtherTurn(const calibrate::MarkedField& field, const calibrate::MarkJob& job,
                      const Isometry2d& X_US, const HeadSetup& setup, const std::string& name) {
   std::vector<double> off_mm;

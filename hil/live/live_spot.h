@@ -12,8 +12,8 @@
 
 namespace kerfbench::live {
 
-/// The real spot camera of a run on real pins, if the case has one: recorded from here until finish(), beside
-/// the results.
+/// The real spot camera of a run on real pins, if the case has one: recorded from here until finish(), in the
+/// folder of the results.
 class LiveSpot {
  public:
   /// @throws as openSpotCamera() for a camera that cannot be had, std::system_error.
@@ -30,8 +30,8 @@ class LiveSpot {
 };
 
 /// The recording that a replay of a case with a real spot camera judges: `frames`, or where that is empty the
-/// folder beside the pins. Empty for a case without such a camera. @throws InputError where there is none, or
-/// one too many.
+/// folder next to the pins. Empty for a case without such a camera. @throws InputError where there is none,
+/// or one too many.
 std::filesystem::path framesOfReplay(const scenario::Case& test_case, const std::filesystem::path& pins,
                                      const std::filesystem::path& frames);
 

@@ -15,7 +15,7 @@
 
 namespace kerfbench::live {
 
-/// The ways to a controller's real pins; tests script them.
+/// Access to a controller's real pins; tests script it.
 struct RealPins {
   std::shared_ptr<source::GpioSystem> gpio;
   std::function<source::GpioChipList()> chips;

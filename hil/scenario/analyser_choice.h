@@ -40,7 +40,8 @@ struct SlowRate {
 };
 std::vector<SlowRate> tooSlowFor(const twin::MachineDescription& machine, std::uint64_t samplerate_hz);
 
-/// As faultsOf() of lines, and a rate that is too low for the pulses (width, space) of a drive that is heard.
+/// As faultsOf() of lines, and a rate that is too low for the pulses (width, space) of a drive that is
+/// captured.
 std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescription& machine);
 
 /// What captureAnalyser() needs, but for its time limit and what must be low at the start.

@@ -29,7 +29,7 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
 void refuseUnwired(const Case& test_case);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.
-/// @throws ConfigError if the seed draws a machine that the twin cannot run.
+/// @throws ConfigError if the seed gives a machine that the twin cannot run.
 twin::SampledMachine sampledMachine(const Case& test_case);
 
 /// Machine as the planner is configured with it.

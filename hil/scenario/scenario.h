@@ -102,7 +102,7 @@ inline const char* nameOf(twin::Fidelity fidelity) {
 twin::Preset presetFromName(const std::string& name);
 twin::Fidelity fidelityFromName(const std::string& name);
 
-/// Where release images named without a folder are looked for: beside the scenario, then here.
+/// Folder where release images named without one are looked for, after that of the scenario.
 struct ImagePath {
   std::filesystem::path firmware_dir;
 };

@@ -64,7 +64,7 @@ std::optional<fs::path> findProgram(const fs::path& program) {
   return std::nullopt;
 }
 
-// All that POV-Ray is told, so that nothing is left to the files of the host or the user.
+// Settings of POV-Ray, all of them, so that nothing is left to the files of the host or the user.
 std::string iniText(const PovrayOptions& options) {
   return fmt::format(
       "Input_File_Name=scene.pov\nOutput_File_Name=picture.png\nOutput_to_File=On\nOutput_File_Type=N8\n"

@@ -45,7 +45,7 @@ std::pair<base::UniqueFd, base::UniqueFd> makePipe(const std::string& what) {
   return {std::move(read_end), aboveStandard(second.release(), what)};
 }
 
-/// A socket and not a pipe: send() can be told not to raise SIGPIPE, without touching the process' signals.
+/// A socket and not a pipe: send() takes a flag against SIGPIPE, which leaves the process' signals alone.
 std::pair<base::UniqueFd, base::UniqueFd> makeSocketPair(const std::string& what) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throwErrno(errno, what);

@@ -59,7 +59,7 @@ struct Prediction {
   Vector2d along_x, along_y;  ///< Picture of one square's sides there.
 };
 
-/// The corner by the homography of the markers beside it.
+/// Corner by the homography of the nearest markers.
 std::optional<Prediction> predict(int column, int row, const std::map<int, Quad>& markers,
                                   const CalibrationTarget& target) {
   std::vector<cv::Point2f> board;

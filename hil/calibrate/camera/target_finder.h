@@ -28,9 +28,9 @@ struct TargetView {
   std::string fault;                  ///< Why the view cannot be used; empty when it can.
 };
 
-/// Finds the target's markers, and by them every corner that has a marker beside it; each corner is fitted
-/// (see fitCorner) in a window as large as its squares allow. A view with fewer than kLeastCorners has a
-/// fault. Safe from several threads.
+/// Finds the target's markers, and by them every corner next to a marker; each corner is fitted (see
+/// fitCorner) in a window as large as its squares allow. A view with fewer than kLeastCorners has a fault.
+/// Safe from several threads.
 inline constexpr int kLeastCorners = 12;
 TargetView findTarget(const GrayImage& image, const CalibrationTarget& target);
 

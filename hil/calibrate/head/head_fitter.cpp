@@ -183,7 +183,7 @@ void HeadFitter::settle(int degree, double settled) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     setBasis(degree);
     // A false mark that is still in may bend the model by tolerances, beyond what steps follow: it must go
-    // first, by what the marks tell where they started. Only if none does is it the head that bends.
+    // first, by what the marks show at the start. Only if none does is it the head that bends.
     if (!solve(settled)) {
       if (judge(false)) {
         refuseTooMany();

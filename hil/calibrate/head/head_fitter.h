@@ -33,7 +33,8 @@ class HeadFitter {
   /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
   /// tolerances.
   void settle(int degree, double settled);
-  /// Least squares by whole steps; false if they do not settle: then all is as the marks tell at the start.
+  /// Least squares by whole steps; false if they do not settle: then all is as the marks have it at the
+  /// start.
   bool solve(double settled);
   /// From there by steps that each make it better.
   void solveDamped(double settled);

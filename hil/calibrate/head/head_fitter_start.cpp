@@ -123,7 +123,7 @@ void HeadFitter::fitRobustly() {
   }
   refuseTooMany();
   if (converged) return;
-  // However far this gets, solve() goes on from there and tells whether it settles.
+  // However far this gets, solve() goes on from there and returns whether it settles.
   scaled_ =
       solveModel(design_, tolerances_, scaled_, spreadOver(usedMarks(), kMarksToBegin), 0.0, kMostIterations)
           .scaled;

@@ -21,7 +21,7 @@ enum class HeadParameter : std::size_t {
   kXFaceTilt,      ///< rad; of the reflecting face towards the axis.
   kXSurface,       ///< mm; of the face before the axis.
   kXZero,          ///< rad; mechanical angle at command zero.
-  kXScale,         ///< Share by which it turns further than told.
+  kXScale,         ///< Share by which it turns further than commanded.
   kYAxisTiltA,
   kYAxisTiltB,
   kYFaceTilt,

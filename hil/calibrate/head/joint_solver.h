@@ -22,8 +22,8 @@ struct SurfacePrior {
 /// Standard deviations of all coefficients before the fit, for x, then for y.
 Eigen::VectorXd sigmasOf(const SurfacePrior& prior, const SmoothBasis& basis);
 
-/// What marks and tolerances tell of a step of the model's scaled departures, when for any step the surface
-/// and what sheets share are as they fit best.
+/// Information of marks and tolerances on a step of the model's scaled departures, where for any step the
+/// surface and the sheets' shared errors are as they fit best.
 class ModelInformation {
  public:
   static constexpr int kCount = static_cast<int>(kHeadParameterCount);

@@ -10,7 +10,7 @@
 
 namespace kerfbench::calibrate {
 
-/// Fewer marks than this tell nothing of a map.
+/// Least number of marks from which a map follows.
 inline constexpr std::size_t kLeastMarks = 5;
 /// A parameter is known by the marks where its standard uncertainty is below this share of what it was before
 /// them.

@@ -34,7 +34,8 @@ struct QuickCheckLimits {
 struct DriftFinding {
   HeadDrift which{};
   double value{};  ///< Zeros and height in mm on the sheet, gains as a share, turn in rad.
-  double sigma{};  ///< k = 1; of a changed one beside the other changed ones, else beside all six.
+  double
+      sigma{};  ///< Standard uncertainty, k = 1: of a changed one among the changed ones, else among all six.
   bool changed{};  ///< One of the fewest that explain what was measured.
 };
 

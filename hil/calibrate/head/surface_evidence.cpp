@@ -27,7 +27,7 @@ Eigen::MatrixXd squareOf(const Eigen::MatrixXd& rows) {
   return square;
 }
 
-/// What the marks tell of the surface when the model is left to fit itself: the model's part projected out.
+/// Information of the marks on the surface, with the model's part projected out.
 class SurfaceInformation {
  public:
   explicit SurfaceInformation(const JointMarks& marks) : marks_(marks) {

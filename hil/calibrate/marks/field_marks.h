@@ -73,7 +73,7 @@ struct MarkPoint {
   }
 };
 
-/// What pictures tell of a job.
+/// Finding of the pictures about a job.
 struct MarkedField {
   std::vector<MarkPoint> points;     ///< One for each wanted mark that was found once; in order of number.
   std::vector<int> missing;          ///< Wanted, not found.

@@ -62,7 +62,7 @@ struct RandomPlaces {
   std::vector<Eigen::Vector2d> favoured;
   std::uint64_t seed{1};
 };
-/// Places drawn evenly over the field, a tenth of them, rounded up, on its rim, in rows that go to and fro.
+/// Places sampled evenly over the field, a tenth of them, rounded up, on its rim, in rows that go to and fro.
 /// @throws std::invalid_argument if there is no room for that many.
 std::vector<Eigen::Vector2d> randomPlaces(const Eigen::AlignedBox2d& field_mm, const RandomPlaces& request);
 

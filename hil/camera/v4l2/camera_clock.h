@@ -28,8 +28,7 @@ struct BeginSighting {
   double latest_s{};  ///< Not before earliest_s.
 };
 
-/// What is known beforehand. The bounds are bounds, not standard deviations: what the fit tells rests on
-/// them.
+/// Prior knowledge. The bounds are bounds, not standard deviations: the result of the fit rests on them.
 struct CameraClockOptions {
   double exposure_s{};       ///< Exposure of every frame; > 0.
   double stamp_jitter_s{};   ///< A stamp is off by at most this; >= 0.

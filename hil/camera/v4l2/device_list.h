@@ -21,7 +21,7 @@ struct SizeListing {
   int width_px{}, height_px{};          ///< The only one, or the smallest.
   int max_width_px{}, max_height_px{};  ///< Equal to the above for the only one.
   int step_width_px{}, step_height_px{};
-  std::vector<IntervalListing> intervals;  ///< At the largest size; empty where the driver does not tell.
+  std::vector<IntervalListing> intervals;  ///< Rates at the largest size; empty where the driver lists none.
 };
 
 struct FormatListing {
@@ -55,7 +55,7 @@ struct CameraListing {
 };
 
 /// All video devices of this machine, those that cannot be opened included. Changes no setting. Never throws
-/// for a device's sake: what it refuses is missing or told in `problem`.
+/// for a device's sake: what it refuses is missing or named in `problem`.
 std::vector<CameraListing> listCameras(VideoCalls& calls);
 
 /// Why a device cannot be used, and what to do, in words.

@@ -264,7 +264,7 @@ class LightFit {
         if (const auto seen = sightingOf(stamp_s, known)) sightings.push_back(*seen);
       }
       sightings = telling(std::move(sightings));
-      // Only what is known a little tells which light a dark frame is beside.
+      // Light of which a dark frame is a neighbour: it follows from a clock that is roughly known.
       if (round > 0) addTurns(known, sightings);
       CameraClockFit fit = fitCameraClockToBegins(sightings, wide);
       if (!fit.clock) return fit;

@@ -269,7 +269,7 @@ class LightRegression {
   std::vector<Seen> seen_;
 };
 
-/// At the finest scale that stamps tell by their jitter and that is not too many places.
+/// Clock at the finest scale that the jitter of the stamps allows and that needs no more than kMostPlaces.
 std::optional<CameraClock> sharpenedAtBestScale(const CameraClock& rough, const std::vector<FrameLight>& lit,
                                                 const LightProfile& profile,
                                                 const CameraClockOptions& options) {

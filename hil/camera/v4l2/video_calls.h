@@ -9,8 +9,7 @@
 namespace kerfbench::camera {
 
 /// The system calls that a video device needs, one to one, so that a test can put a device of its own behind
-/// them and reach every error. Failures are told as the calls tell them: -1 (a null pointer for mmap) and
-/// errno.
+/// them and reach every error. Failures are reported as by the calls: -1 (a null pointer for mmap) and errno.
 class VideoCalls {
  public:
   virtual ~VideoCalls() = default;

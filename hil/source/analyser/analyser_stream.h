@@ -22,7 +22,7 @@
 ///     kError               text: it does not come to that; the child ends
 ///     kStarted             text: the device; it samples at the rate asked for
 ///     kRuns                any number of runs: u64 samples, u32 levels
-///     kProblem, kNote      text: an error or warning that the driver told of while it sampled
+///     kProblem, kNote      text: an error or warning that the driver reported while it sampled
 ///     kFinished            u8 AnalyserReason; the child ends
 ///     kListed              nothing; the list is complete, the child ends
 namespace kerfbench::source::analyser_stream {

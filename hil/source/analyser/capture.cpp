@@ -36,7 +36,7 @@ std::string stoppedWords(const AnalyserRequest& request, std::uint64_t samples) 
       request.samplerate_hz);
 }
 
-/// Why what was heard cannot be trusted.
+/// Reasons not to trust the capture.
 std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const AnalyserRequest& request,
                                     const RunRecorder& heard, const AnalyserEnd& end, bool too_many) {
   std::vector<std::string> problems;

@@ -53,7 +53,7 @@ class ZipWriter {
 
   void add(const std::string& part, std::uint64_t bytes, ZipFill fill);
   void add(const std::string& part, const std::string& text);
-  /// Writes all, beside the place of the archive, and puts it there.
+  /// Writes all into a file next to the archive, and renames it to the archive.
   void commit();
 
  private:

@@ -13,7 +13,7 @@
 
 namespace kerfbench::source {
 
-/// An edge as the kernel tells it.
+/// Edge as the kernel reports it.
 struct KernelEdge {
   std::uint64_t stamp_ns{};    ///< CLOCK_MONOTONIC, taken in the interrupt.
   std::size_t line{};          ///< Index among the lines that were asked for.

@@ -19,7 +19,7 @@ struct LoopBackLines {
   ChipLine out;
   std::filesystem::path in_chip;
   ChipLine in;
-  /// Any free line of `in_chip`: read besides, because lines of a run are read in one request of several.
+  /// Any free line of `in_chip`, read too because a run reads several lines in one request.
   ChipLine beside;
 };
 
@@ -38,7 +38,7 @@ struct LoopBackStep {
   double driven_hz{};  ///< As they were put out.
   std::uint64_t driven{};
   std::uint64_t read{};
-  std::uint64_t beside{};  ///< Edges of the line that is read besides: nobody drives it.
+  std::uint64_t beside{};  ///< Edges of the free line that is read too, which nobody drives.
   /// In words; empty: each edge that was driven was read, once and in order.
   std::vector<std::string> problems;
   /// How much later than the line changed the kernel stamped it. When the line changed is known to the length

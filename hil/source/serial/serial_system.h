@@ -25,8 +25,8 @@ struct SerialAnswer {
 class SerialSystem {
  public:
   virtual ~SerialSystem() = default;
-  /// For both ways, without waiting for a carrier, without becoming the controlling terminal; reads and
-  /// writes never wait.
+  /// Opens for reading and writing, without waiting for a carrier, without becoming the controlling terminal;
+  /// reads and writes never wait.
   virtual SerialAnswer open(const std::string& path) = 0;
   virtual SerialAnswer control(int fd, unsigned long request, void* argument) = 0;
   virtual SerialAnswer read(int fd, std::span<std::byte> into) = 0;

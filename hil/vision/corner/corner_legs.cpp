@@ -9,7 +9,7 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr double kBeforeNextMm = 0.25;
-// What calipers tell of a leg: all, where they lie on a straight line, else what a cubic can follow.
+// Leg by its calipers: all of them where they lie on a straight line, else those that a cubic can follow.
 constexpr double kCalipersFromMm = 0.35;
 constexpr double kStraightToMm = 1.9;
 constexpr double kBentToMm = 1.25;

@@ -32,7 +32,7 @@ double distanceToPiece(const Vector2d& p, const Vector2d& a, const Vector2d& b) 
   return (a + u * d - p).norm();
 }
 
-/// Distance from the nominal way.
+/// Distance from the nominal path.
 double offNominalMm(const CornerShape& shape, const Vector2d& p_mm) {
   const auto toLeg = [&](const CornerLeg& leg) {
     const CornerLeg::Place place = leg.placeOf(p_mm);

@@ -129,7 +129,7 @@ struct Spread {
 };
 
 /// How far a bent leg leaves its tangent over the length where an arc takes its place, or where it runs over:
-/// there nothing tells of it.
+/// no pixel shows it there.
 double bendWithin(const CornerLeg& leg, double length_mm) {
   return length_mm * length_mm *
          (std::abs(leg.curvature_per_mm) / 2.0 + std::abs(leg.twist_per_mm2) * length_mm / 6.0);

@@ -117,7 +117,7 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
     const Eigen::Vector2d left(-tangent.y(), tangent.x());
-    // The kerf may lie beside the nominal curve, and askew to it: look along the kerf.
+    // The kerf may lie off the nominal curve, and askew to it: look along the kerf.
     const auto lookAt = [&](const EndLine& line) -> std::optional<double> {
       const double inside_mm = std::min(kEndInsideMm, insideMm(stations[from], half_width_mm));
       const Eigen::Vector2d along = (outward - line.slope * left).normalized();

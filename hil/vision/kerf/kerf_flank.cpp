@@ -23,7 +23,7 @@ constexpr double kIndependentMm = 0.2;
 constexpr double kScorchBlur = 0.93;
 constexpr double kModelShare = 0.22;  // Share of the shift that the model of scorch leaves.
 constexpr double kLeastOdd =
-    0.05;  // Least difference of the sides over the board's light; less cannot be told from noise.
+    0.05;  // Least difference of the sides over the board's light; less is lost in noise.
 constexpr double kTightBend_per_mm = 1.4;
 constexpr double kTightModel_mm = 0.001;
 constexpr double kBarelyOpen = 0.9;
@@ -274,7 +274,7 @@ void correctCurvatureBias(const EntityPlan& plan, double lens_mm, EntityKerf& ke
   const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);
   const auto apart = static_cast<std::size_t>(std::max(1.0, std::round(kBendMm / pitch_mm)));
   const double apart_mm = static_cast<double>(apart) * pitch_mm;
-  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to tell.
+  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to measure a bend.
   const auto offsetAt = [&](std::size_t i) {
     const Caliper& c = kerf.calipers[i];
     return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();

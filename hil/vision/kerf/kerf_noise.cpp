@@ -116,7 +116,7 @@ class Scatter {
     }
   }
 
-  /// Around a station; nullopt where no cut of the process tells.
+  /// Variance around a station; nullopt where no cut of the process has differences.
   [[nodiscard]] std::optional<Variance> around(std::size_t entity, std::size_t station,
                                                double pitch_mm) const {
     const Pool& all = of_process_.at(plan_.entities[entity].process);

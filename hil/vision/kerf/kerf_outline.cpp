@@ -45,7 +45,7 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
     peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
     return;
   }
-  // The wider, the more energy; a kerf that is not open tells by its light, which the lens has dimmed.
+  // The wider, the more energy; a kerf that is not open shows it by its light, which the lens has dimmed.
   const bool open = look_.brightness > 0.85;
   double low = std::max(1e-3, std::min(1.0, seen_peak));
   double high = kMostShare;

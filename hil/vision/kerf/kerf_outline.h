@@ -18,7 +18,7 @@ struct KerfLook {
 /// Where the edge of a kerf is seen beyond its end: how far the outline reaches beyond where the beam
 /// stopped.
 ///
-/// A Gaussian beam of radius w lays along a straight way, s0 being the share of the cutting fluence in the
+/// A Gaussian beam of radius w lays along a straight path, s0 being the share of the cutting fluence in the
 /// middle of it, s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside and a beyond its end. Light by Beer's
 /// law, as in FlankModel; then the blur of lens and spline. s0 is what makes the kerf as wide as it is seen.
 class KerfOutline {

@@ -31,7 +31,7 @@ struct UnitPictures {
   LensBlur blur;
 };
 
-/// Looks at board, printed marks of `print`, light and blur; pictures that must not be measured in are told
+/// Looks at board, printed marks of `print`, light and blur; pictures that must not be measured in are named
 /// in `problems`.
 UnitPictures viewUnit(std::vector<camera::KerfTile> tiles, int unit, const PrintLayout& print,
                       const CameraCalibration& calibration, const KerfScanOptions& options,

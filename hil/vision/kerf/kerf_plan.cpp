@@ -68,7 +68,7 @@ void hideOthers(Station& at, std::size_t index, EntityPlan& own, const SampleGri
       double apart_mm = std::abs(other.station_mm - at.station_mm);
       if (own.closed) apart_mm = std::min(apart_mm, own.length_mm - apart_mm);
       if (apart_mm <= kOwnApartMm) return;
-      // Straight on along the curve is not beside it.
+      // Places straight on along the curve do not count as neighbours.
       if (std::abs(d.dot(at.tangent)) > std::abs(cross(at.tangent, d))) return;
     } else if (isSameLine(at, other)) {
       return;
@@ -106,7 +106,7 @@ std::vector<EntityEnd> endsOf(const std::vector<EntityPlan>& plans) {
 }
 
 PlannedCorner cornerOf(const EntityEnd& a, const EntityEnd& b) {
-  // The way runs through the corner in the sense of the entity that ends there, if one does.
+  // The path runs through the corner in the sense of the entity that ends there, if one does.
   const bool turned = a.at_start && !b.at_start;
   PlannedCorner corner{.in = turned ? b : a, .out = turned ? a : b};
   corner.tangent_in = corner.in.outward;

@@ -36,8 +36,8 @@ struct PixelAcross {
 ///
 /// Every pixel of the window counts at its own distance from the curve, spread by a quintic B-spline of
 /// pixels (0.71 px RMS: about the blur of a lens, so noise is weighed best). That is smooth enough that the
-/// grid of pixels hardly shows: a line along the grid would otherwise be read up to 0.03 px off, the same way
-/// over a long stretch, and no scatter would tell.
+/// grid of pixels hardly shows: a line along the grid would otherwise be read up to 0.03 px off, alike over a
+/// long stretch, and no scatter would show it.
 struct Profile {
   std::vector<float> gray;
   std::vector<float> weight;  ///< Pixels per sample, in pixels: 0 where all are hidden.

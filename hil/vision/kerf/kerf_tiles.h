@@ -66,7 +66,7 @@ struct UnitPlace {
 };
 
 /// From the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
-/// nullopt if the marks do not tell.
+/// nullopt if the marks do not suffice.
 std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
                                    const PrintLayout& print, const CameraCalibration& calibration,
                                    std::vector<std::string>& problems);

@@ -17,7 +17,7 @@ constexpr double kInnerRim = 0.75;  // Share of the radius within which all is i
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
 
-/// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge hold beside a
+/// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge show beyond a
 /// shift and a growth of the disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
 double centroidNoise(const std::array<double, kSectors>& sector, double radius_px, double area_px) {
   double mean = 0.0;

@@ -9,7 +9,7 @@
 
 namespace kerfbench::vision {
 
-// Parts of measureMark(): what one look at a printed disc tells.
+// Parts of measureMark(): one look at a printed disc.
 
 inline constexpr double kOuterRim = 1.4;  ///< Ring of board, in radii of a disc: all board out to here.
 

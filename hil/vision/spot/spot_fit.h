@@ -13,7 +13,7 @@
 
 namespace kerfbench::vision {
 
-/// A printed disc as the fit of a spot beside it must know it.
+/// Printed disc as the fit of a nearby spot must know it.
 struct DiscInPicture {
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d mm_per_pixel{Eigen::Matrix2d::Identity()};

@@ -16,7 +16,7 @@ struct PixelNoise {
   }
 };
 
-/// What the pixels of a spot tell of shot noise: how far they lie off the fitted spot, against how much
+/// Evidence of shot noise in the pixels of a spot: how far they lie off the fitted spot, against how much
 /// brighter than the board they are.
 struct ShotEvidence {
   double products{};

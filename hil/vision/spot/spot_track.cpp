@@ -29,7 +29,7 @@ constexpr double kSaturatedShare = 0.02;
 constexpr double kMissingShare = 0.2;
 constexpr double kMovedShare = 0.05;
 
-/// What can be told from one frame alone.
+/// Measurement of one frame alone.
 struct Glance {
   std::optional<SpotFit> spot;
   double board_gray{};

@@ -11,9 +11,9 @@
 
 namespace kerfbench::vision {
 
-/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's
-/// own frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of
-/// unit k.
+/// Where one unit of the web is, by its printed marks: p_W = R(angle) p_S + t, rigid. S is the unit's own
+/// frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of unit
+/// k.
 struct SheetPose {
   int unit{};  ///< Which unit's marks were seen.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
@@ -51,9 +51,9 @@ struct FrameMeasurement {
 
 struct SpotTrackOptions {
   int threads{1};  ///< The result is the same at any number.
-  /// Speed of the belt, for telling the units apart between frames; from the scenario.
+  /// Speed of the belt, to tell the units apart between frames; from the scenario.
   double nominal_speed_mm_s{};
-  /// Standard deviation of the light across its way, beyond which the picture is blurred, mm.
+  /// Standard deviation of the light across its path beyond which the picture is blurred, mm.
   double widest_spot_mm{0.3};
 };
 
@@ -61,7 +61,7 @@ struct SpotTrack {
   std::vector<FrameMeasurement> frames;
   std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
   /// Why the frames must not be judged by, in sentences: unfit frames, marks missing or moved in many of
-  /// them. INVALID when there is any. Lost frames are told by frames_lost alone.
+  /// them. INVALID when there is any. Lost frames are in frames_lost alone.
   std::vector<std::string> problems{};
 };
 

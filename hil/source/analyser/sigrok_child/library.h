@@ -9,7 +9,7 @@
 
 namespace kerfbench::sigrok_child {
 
-/// What libsigrok's drivers say: it is the only place in which they tell of overruns.
+/// Messages of libsigrok's drivers, the only place in which they report overruns.
 class DriverLog {
  public:
   DriverLog();
@@ -52,7 +52,7 @@ std::string nameOf(sr_dev_inst* device);
 std::string describe(sr_dev_inst* device);
 /// Logic channels.
 std::vector<sr_channel*> logicChannels(sr_dev_inst* device);
-/// Rates that the open device has, for people; empty: it does not tell.
+/// Rates of the open device, for people; empty: it lists none.
 std::string ratesOf(sr_dev_inst* device);
 
 }  // namespace kerfbench::sigrok_child
