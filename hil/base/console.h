@@ -6,7 +6,7 @@
 
 namespace kerfbench::base {
 
-/// What the user sees while a run goes on: one line that is rewritten on a terminal, nothing of it in a log.
+/// Progress of a run for the user: one line that is rewritten on a terminal, nothing of it in a log.
 class Console {
  public:
   explicit Console(bool quiet);

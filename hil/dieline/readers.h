@@ -9,8 +9,8 @@
 
 namespace kerfbench::dieline {
 
-inline constexpr std::size_t kMostEntities =
-    1'000'000;                              ///< Most entities of a file, those of nested blocks included.
+/// Most entities of a file, those of nested blocks included.
+inline constexpr std::size_t kMostEntities = 1'000'000;
 inline constexpr int kDeepestNesting = 16;  ///< Most levels of INSERT in INSERT, and of use in use.
 inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Most bytes of a file.
 

@@ -13,7 +13,7 @@
 
 namespace kerfbench::doctor {
 
-/// What doctor is to measure on lines that are wired to each other.
+/// Options of a measurement on lines that are wired to each other.
 struct LoopbackOptions {
   bool wanted{};
   std::string loop_back;  ///< "OUT=IN": numbers or names of lines.
@@ -21,7 +21,7 @@ struct LoopbackOptions {
   std::string out_chip;   ///< OUT's; empty: `chip`.
   std::string beside;     ///< Free line of `chip` that is read too; empty: the first free input.
   std::vector<double> rates_hz{200, 1'000, 2'000, 5'000, 10'000, 20'000, 40'000, 80'000, 160'000};
-  double seconds{1.0};  ///< For each rate.
+  double seconds{1.0};  ///< Time for each rate.
 };
 
 /// Measurement on a loop-back, and the computer it was made on.
@@ -46,7 +46,8 @@ void measureRates(const std::shared_ptr<source::GpioSystem>& system, source::Edg
 /// Fastest that lost nothing; null: none.
 const source::LoopBackStep* sustained(const BenchReport& report);
 
-/// For a scenario's firmware.stamp_err_us: no edge of the rates that were held was stamped later than this.
+/// Value for a scenario's firmware.stamp_err_us: no edge of the rates that were held was stamped later than
+/// this.
 struct StampBound {
   std::uint64_t edges{};
   std::uint32_t stamp_err_us{};  ///< Rounded up.
@@ -54,7 +55,7 @@ struct StampBound {
 /// nullopt: no rate was held.
 std::optional<StampBound> stampBound(const BenchReport& report);
 
-/// For people, and as JSON.
+/// Report for people, and as JSON.
 std::string benchText(const BenchReport& report);
 std::string benchJson(const BenchReport& report);
 

@@ -10,7 +10,7 @@
 
 namespace kerfbench::gauge {
 
-/// What a cut can do wrong.
+/// Faults of a cut.
 enum class FaultKind {
   kOffset,    ///< All of it is shifted.
   kBump,      ///< One line leaves its path over a short stretch and comes back.

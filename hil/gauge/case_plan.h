@@ -31,7 +31,7 @@ inline bool watchesSpot(Study study) { return study == Study::kStill || study ==
 inline constexpr std::size_t kGrrParts = 10, kGrrPlacements = 3, kGrrRepeats = 3;
 inline constexpr double kBadFrom_mm = 0.055, kBadTo_mm = 0.12, kGoodTo_mm = 0.040;
 
-/// Which case; its name is all that it takes to repeat it with the same seed: "static-bad-17".
+/// Case by its study, preset and number; its name repeats it with the same seed: "static-bad-17".
 struct CaseId {
   twin::Preset preset{twin::Preset::kStatic};
   Study study{Study::kBad};

@@ -21,15 +21,15 @@ struct KerfCase {
   std::vector<Fault> faults;
   std::uint64_t
       machine_seed{};  ///< Seed of the machine that the preset samples, and of where in its field it cuts.
-  std::uint64_t place_seed{};  ///< How it lies under the camera.
-  std::uint64_t board_seed{};  ///< Which piece of board.
+  std::uint64_t place_seed{};  ///< Pose under the camera.
+  std::uint64_t board_seed{};  ///< Number of the piece of board.
   std::uint64_t noise_seed{};  ///< Seed of the camera's noise.
 };
 
 /// Error of one caliper at its place in the camera's field.
 struct FieldError {
   Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};
-  Eigen::Vector2d normal{Eigen::Vector2d::UnitX()};  ///< In V.
+  Eigen::Vector2d normal{Eigen::Vector2d::UnitX()};  ///< Unit normal in V.
   double error_mm{};                                 ///< Along the normal.
 };
 

@@ -22,14 +22,14 @@ struct StillCase {
   std::string name;
   twin::Preset preset{twin::Preset::kStatic};
   struct Cut {
-    double drift_mm{};   ///< From the first to the last instant of the cut.
+    double drift_mm{};   ///< Interval from the first to the last instant of the cut.
     double offset_mm{};  ///< Offset of its middle.
     double sway_mm{};    ///< Amplitude of a sine of 1 … 3 waves.
   };
   std::vector<Cut> cuts;  ///< Three.
   double speed_mm_s{60.0};
   std::uint64_t machine_seed{};
-  std::uint64_t place_seed{};  ///< Where in the camera's field, and how the web lies.
+  std::uint64_t place_seed{};  ///< Place in the camera's field, and pose of the web.
   std::uint64_t board_seed{};
   std::uint64_t noise_seed{};
 };

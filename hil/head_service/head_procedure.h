@@ -17,7 +17,7 @@ namespace kerfbench::head_service {
 struct SheetOrder {
   calibrate::MarkJob job;
   int sheet{};  ///< Number of the sheet in this calibration, from 0.
-  int round{};  ///< Whose table it is: 0: the one that was at work before, if any.
+  int round{};  ///< Iteration of the table; 0: the one that was at work before, if any.
   std::optional<calibrate::AimGrid> table;  ///< The controller's.
 };
 /// Cuts a sheet and measures it.
@@ -53,7 +53,7 @@ struct HeadIteration {
   [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
 };
 
-/// Why it was the last iteration.
+/// Reason why this was the last iteration.
 enum class HeadEnd { kGood, kNoBetter, kGridsUsed, kNotVerified };
 
 struct HeadCalibration {

@@ -10,7 +10,7 @@
 
 namespace kerfbench::head_service {
 
-/// What a calibration has kept of a head: the marks from which its best table was made.
+/// Record of a calibration: the marks from which its best table was made.
 struct HeadRecord {
   std::vector<calibrate::HeadObservation> observations;
   int iterations{};             ///< Number of iterations whose grids these are.

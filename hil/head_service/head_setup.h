@@ -31,14 +31,15 @@ struct HeadSetup {
   /// lens its focal length alone.
   calibrate::HeadDesign design;
   Eigen::AlignedBox2d controller_W_mm;  ///< The controller's whole field, which a table must cover.
-  Eigen::AlignedBox2d field_W_mm;  ///< Where centres of marks may lie: the rest of a mark stays in the above.
+  /// Field in which centres of marks may lie, so that whole marks stay in the field above.
+  Eigen::AlignedBox2d field_W_mm;
   double mark_size_mm{};
   double beam_radius_mm{};  ///< 1/e².
   double off_mm{};          ///< Largest error of the uncorrected beam, for which room is left.
   std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.
   std::filesystem::path table_file;         ///< Empty: none.
   std::string digest;                       ///< Digest of all files that say so.
-  /// What encoders, lens and board may do beyond the model, HeadTolerances::unmodelled_share.
+  /// Error of encoders, lens and board beyond the model, HeadTolerances::unmodelled_share.
   double unmodelled_share{calibrate::HeadTolerances{}.unmodelled_share};
 };
 

@@ -20,7 +20,7 @@ namespace kerfbench::head_service {
 /// A mark that was found once.
 struct MeasuredMark {
   calibrate::WantedMark wanted;
-  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Where it lies.
+  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Measured place of the mark.
   /// Covariance of p_W_mm: its own, without that of the sheet's pose.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
 
@@ -60,8 +60,8 @@ MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& 
 MeasuredSheet measurePictures(const std::filesystem::path& folder, const calibrate::MarkJob& job,
                               const HeadSetup& setup, int threads);
 
-/// As the fit wants them: aims are what the controller made of the wanted places with its table. `number`: of
-/// the sheet, another one for each that is fitted together.
+/// Observations for the fit: aims are what the controller made of the wanted places with its table. `number`:
+/// number of the sheet, unique in a fit.
 /// @throws HeadEvidenceError for a mark outside of the table.
 std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& sheet,
                                                        const std::optional<calibrate::AimGrid>& table,
@@ -70,7 +70,7 @@ std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& shee
 /// Version of measuredText(); belongs into a digest of what was measured, so that what an older program wrote
 /// is measured again.
 inline constexpr int kMeasuredVersion = 2;
-/// As YAML; numbers read back to the last bit.
+/// YAML of a sheet; numbers read back to the last bit.
 std::string measuredText(const MeasuredSheet& sheet);
 /// nullopt if there is no file, or one with another digest. @throws ConfigError with everything that is wrong
 /// in one with this digest, each with file and line.

@@ -20,8 +20,8 @@ struct TwinBench {
   twin::Preset imperfections{twin::Preset::kStatic};
   twin::Fidelity fidelity{twin::Fidelity::kFast};
   std::filesystem::path bin_dir;
-  std::string firmware{};  ///< As a scenario names it; empty: that of MarkCutting.
-  bool keep_pictures{};    ///< Pictures in the folder `pictures` next to the job.
+  std::string firmware{};  ///< Firmware as a scenario names it; empty: that of MarkCutting.
+  bool keep_pictures{};    ///< Keeps the pictures in the folder `pictures` next to the job.
   int threads{1};
 };
 
@@ -58,8 +58,8 @@ run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, 
 
 /// The files of a sheet in its folder.
 inline constexpr const char* kSheetJob = "marks.yaml";
-inline constexpr const char* kSheetTable =
-    "table.csv";  ///< Table that the sheet was cut with; no file: none.
+/// Table that the sheet was cut with; no file: none.
+inline constexpr const char* kSheetTable = "table.csv";
 inline constexpr const char* kSheetMeasured = "measured.yaml";
 
 }  // namespace kerfbench::head_service

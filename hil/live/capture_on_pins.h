@@ -8,7 +8,7 @@
 
 namespace kerfbench::live {
 
-/// How pins are recorded without model and verdict.
+/// Options of a recording of pins without model and verdict.
 struct CaptureOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;           ///< Folder; empty: results/NAME-capture.

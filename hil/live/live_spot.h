@@ -21,7 +21,7 @@ class LiveSpot {
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
   void finish(judge::Conclusion& conclusion, base::Console& console);
-  /// Where the frames are while nobody has taken them; empty for a case without such a camera.
+  /// Folder of the frames until somebody takes them; empty for a case without such a camera.
   [[nodiscard]] std::filesystem::path frames() const;
 
  private:
@@ -38,8 +38,8 @@ std::filesystem::path framesOfReplay(const scenario::Case& test_case, const std:
 /// @throws InputError for a case whose pins are emulated: a real camera sees nothing of them.
 void refuseRealCamera(const scenario::Case& test_case);
 
-/// Before a sheet is cut. @throws InputError for a case whose kerf pictures are there already: they are of an
-/// earlier sheet, and would pass this one.
+/// Check before a sheet is cut. @throws InputError for a case whose kerf pictures are there already: they are
+/// of an earlier sheet, and would pass this one.
 void refuseKerfPictures(const scenario::Case& test_case);
 
 }  // namespace kerfbench::live

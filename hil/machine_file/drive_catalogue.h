@@ -16,7 +16,7 @@ namespace kerfbench::machine_file {
 inline constexpr double kMicro = 1e-6;
 inline constexpr double kMilli = 1e-3;
 
-/// What the data sheet of a galvo promises, with its mirror. Mechanical angles.
+/// Data sheet of a galvo with its mirror. Mechanical angles.
 struct GalvoDataSheet {
   double small_angle_rad{};  ///< Amplitude of the small step and of the small sine.
   double small_step_s{};     ///< Time in which a step by that angle settles.
@@ -48,7 +48,7 @@ struct StepperProfile {
 
 /// Data sheets of drives, by name.
 struct DriveCatalogue {
-  std::map<std::string, DriverProfile> drivers;  ///< What PUL/DIR inputs ask of their pulses.
+  std::map<std::string, DriverProfile> drivers;  ///< Requirements of PUL/DIR inputs on their pulses.
   std::map<std::string, ServoProfile> servos;
   std::map<std::string, StepperProfile> steppers;
   std::vector<base::YamlReader::Asked> keys;

@@ -31,8 +31,8 @@ struct MachineFile {
   /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,
   /// or the file, where there is no such key.
   [[nodiscard]] std::string placeOf(const std::string& field) const;
-  std::map<std::string, std::string>
-      places;                   ///< Place ("file:line") of every key asked for and of every section.
+  /// Place ("file:line") of every key asked for and of every section.
+  std::map<std::string, std::string> places;
   std::set<std::string> given;  ///< Keys of `places` that the file gives.
 };
 

@@ -30,7 +30,7 @@ struct SpotCameraChoice {
   std::string place;                          ///< Place of the device.
 };
 
-/// Where the kerf's pictures come from.
+/// Source of the kerf's pictures.
 struct KerfCameraChoice {
   std::filesystem::path tiles;  ///< A folder with tiles.yaml; empty: the twin takes them.
   std::string place;            ///< "file:line: cameras.kerf.folder", where there is one.
@@ -41,15 +41,14 @@ struct CameraChoice {
   KerfCameraChoice kerf;
 };
 
-/// What is wrong goes to the reader.
+/// Reads the choice; faults go to the reader.
 CameraChoice readCameraChoice(base::YamlReader cameras);
 
 /// Path of the device that a scenario names. @throws ConfigError with file and line: no such camera, or
 /// several.
 std::string findCamera(const SpotCameraChoice& choice, std::span<const camera::CameraListing> cameras);
 
-/// What the device refused, and what it made something else of, one fault a line with file and line; empty:
-/// nothing.
+/// Settings that the device refused or changed, one fault a line with file and line; empty: nothing.
 std::string faultsOf(const SpotCameraChoice& choice, std::span<const camera::SettingFault> faults);
 std::string faultsOf(const SpotCameraChoice& choice, const camera::CameraSetup& setup);
 

@@ -14,7 +14,7 @@ namespace kerfbench::scenario {
 /// A scenario with all files that it names, read and checked.
 struct Case {
   Scenario scenario;
-  twin::MachineDescription machine;  ///< As described; sampledMachine() is the one that runs.
+  twin::MachineDescription machine;  ///< Machine as described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
   machine_file::CameraFile spot_camera,
       kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
@@ -36,7 +36,7 @@ twin::SampledMachine sampledMachine(const Case& test_case);
 planner::MachineParameters plannerMachine(const Case& test_case);
 /// Job as the planner is configured with it, the web's start included.
 planner::JobParameters plannerJob(const Case& test_case);
-/// What runs through the machine.
+/// Web that runs through the machine.
 twin::WebDescription webOf(const Case& test_case);
 
 }  // namespace kerfbench::scenario

@@ -36,7 +36,7 @@ struct GpioChoice {
   std::optional<double> max_lag_s;  ///< Most that an edge is driven late; absent: from the belt's speed.
   std::string uart;                 ///< Serial line to the controller; empty: none.
   std::string uart_place;
-  double uart_wait_s{};  ///< After it was opened: some boards start anew then.
+  double uart_wait_s{};  ///< Wait after the port was opened, as some boards start anew then.
   /// A byte is read at most so long after it was on the wire: adapters on USB hold a short packet back.
   double uart_delay_s{};
 
@@ -44,7 +44,7 @@ struct GpioChoice {
   [[nodiscard]] bool isLive() const { return !outputs.empty() || !uart.empty(); }
 };
 
-/// What is wrong goes to the reader.
+/// Reads the choice; faults go to the reader.
 GpioChoice readGpioChoice(base::YamlReader& firmware);
 
 /// Needs of a case on real pins.

@@ -24,7 +24,7 @@
 
 namespace kerfbench::scenario {
 
-/// Which release runs, and how it is talked to.
+/// Release that runs, and dialog with it.
 struct FirmwareChoice {
   enum class Source {
     kAvr,
@@ -42,13 +42,13 @@ struct FirmwareChoice {
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
   std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if the file names it.
-  std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
-  std::filesystem::path gcode;  ///< For kLineOk.
+  std::filesystem::path child;  ///< Program that speaks the pin-stream protocol, for kChild.
+  std::filesystem::path gcode;  ///< G-code, for kLineOk.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
-  GpioChoice gpio;          ///< For kGpio.
-  AnalyserChoice analyser;  ///< For kAnalyser.
+  GpioChoice gpio;          ///< Pins, for kGpio.
+  AnalyserChoice analyser;  ///< Analyser, for kAnalyser.
 
   [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
 };
@@ -62,14 +62,14 @@ struct Scenario {
   std::filesystem::path dieline;
   std::filesystem::path machine;
   dieline::LayerProfile layers;
-  planner::Selection selection;  ///< What of the dieline is cut, and judged.
+  planner::Selection selection;  ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
   PrintLayout print;
   double belt_speed_mm_s{};                          ///< Speed at t = 0, as the planner knows it.
   std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
-  double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
+  double belt_lead_s{};  ///< Time until the first eye mark reaches the sensor (line), or the unit its start
                          ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;

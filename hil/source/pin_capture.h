@@ -11,7 +11,7 @@ namespace kerfbench::source {
 
 /// Capture of real pins.
 struct PinCapture {
-  PinRecording recording;          ///< From a little before the first edge; has a gap if it has problems.
+  PinRecording recording;  ///< Recording from shortly before the first edge on; has a gap if it has problems.
   std::vector<std::string> notes;  ///< Circumstances, such as those that make a loss more likely.
   std::uint64_t edges{};
 };

@@ -134,8 +134,8 @@ std::size_t dropOutliers(const BundleResult& result, std::vector<TargetView>& vi
     // Scatter by the median: outliers are in sigma_px.
     std::vector<double> sizes;
     for (const Vector2d& r : result.residuals_px[v]) sizes.push_back(r.norm());
-    const double limit_px =
-        std::max(kOutlierSigmas * upperMedianIn(sizes) / 1.1774, 1e-6);  // Median of a Rayleigh law.
+    /// Median of a Rayleigh law.
+    const double limit_px = std::max(kOutlierSigmas * upperMedianIn(sizes) / 1.1774, 1e-6);
     std::vector<TargetCorner> corners;
     std::vector<BundlePoint> points;
     for (std::size_t i = 0; i < views[v].corners.size(); ++i) {

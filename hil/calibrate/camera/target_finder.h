@@ -19,13 +19,13 @@ struct TargetCorner {
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Identity()};  ///< Covariance by the picture's noise.
 };
 
-/// What one picture shows of the target.
+/// Target as one picture shows it.
 struct TargetView {
   std::vector<TargetCorner> corners;  ///< Row by row.
   int markers{};                      ///< Found.
   double blur_px{};                   ///< Median over the corners.
   double contrast{};                  ///< Median, grey levels.
-  std::string fault;                  ///< Why the view cannot be used; empty when it can.
+  std::string fault;                  ///< Reason why the view cannot be used; empty: it can.
 };
 
 /// Finds the target's markers, and by them every corner next to a marker; each corner is fitted (see

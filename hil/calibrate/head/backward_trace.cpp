@@ -18,8 +18,8 @@ using ByVector = Eigen::Matrix<double, 2, 3>;
 using ByNumber = Vector2d;
 
 constexpr int kTilts = 3;  // Number of a mirror's parameters that turn its normal.
-constexpr int kMirrorSurface =
-    3;  // Index of its surface among a mirror's parameters, in HeadParameter's order.
+/// Index of its surface among a mirror's parameters, in HeadParameter's order.
+constexpr int kMirrorSurface = 3;
 constexpr int kMirrorZero = 4;
 constexpr int kMirrorScale = 5;
 constexpr int kLensParameters = 8;

@@ -20,7 +20,7 @@ namespace kerfbench::calibrate {
 
 struct HeadFitOptions {
   HeadTolerances tolerances{};
-  /// Where the beam shall be corrected, in W; the surface covers it, and all marks. Empty: the marks alone.
+  /// Field to correct, in W. The surface covers it, and all marks. Empty: the marks alone.
   Eigen::AlignedBox2d field_W_mm{};
   /// Axes that are exchanged or run backwards are a fault of the wiring and refused; true: fitted all the
   /// same.
@@ -40,7 +40,7 @@ struct HeadParameterFinding {
   HeadParameter which{};
   double value{};        ///< Departure from the design.
   double sigma{};        ///< k = 1, after the fit.
-  double prior_sigma{};  ///< Before it: the tolerance.
+  double prior_sigma{};  ///< Standard deviation before the fit: the tolerance.
   /// The marks hold it: sigma is below a third of the tolerance.
   bool held{};
   /// Another parameter with the same effect on these marks (|correlation| > 0.7), for one that is not held;
@@ -48,7 +48,7 @@ struct HeadParameterFinding {
   std::optional<HeadParameter> mixed_with;
 };
 
-/// What became of one observation, in the order given.
+/// Fate of one observation, in the order given.
 struct HeadMarkFinding {
   bool used{};
   /// Measured less fitted, where the sheet's shared error is taken as the fit has it.
@@ -69,7 +69,7 @@ struct HeadSurface {
 /// A head as measured. Immutable.
 class HeadFit {
  public:
-  /// Where the beam lands for an aim.
+  /// Landing point of the beam for an aim.
   struct Spot {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
     Eigen::Matrix2d by_aim{Eigen::Matrix2d::Identity()};
@@ -88,9 +88,9 @@ class HeadFit {
   /// The ratio is larger than chance explains (1 %): all uncertainties were multiplied by it.
   [[nodiscard]] bool noiseScaled() const { return noise_scaled_; }
 
-  /// Where the beam lands when the controller is aimed there, nullopt where it does not.
+  /// Landing point of the beam for the controller's aim; nullopt where there is none.
   [[nodiscard]] std::optional<Spot> spotOf(const Eigen::Vector2d& aim_W_mm) const;
-  /// What to aim at so that the beam lands at p_W, to 1e-9 mm; nullopt where no aim was found.
+  /// Aim for which the beam lands at p_W, to 1e-9 mm; nullopt where none was found.
   [[nodiscard]] std::optional<Eigen::Vector2d> aimFor(const Eigen::Vector2d& p_W_mm) const;
   /// Covariance of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
   [[nodiscard]] std::optional<Eigen::Matrix2d> covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const;

@@ -28,8 +28,8 @@ constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
 constexpr int kPassesToReturn = 10;  // Passes in which a rejected mark may return; the set must settle later.
-constexpr double kMostTolerances =
-    3.0;  // Largest scale of the tolerances by few marks; more means false marks.
+/// Largest scale of the tolerances by few marks; more means false marks.
+constexpr double kMostTolerances = 3.0;
 
 }  // namespace
 

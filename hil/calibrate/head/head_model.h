@@ -34,8 +34,8 @@ class HeadModel {
 
   [[nodiscard]] const HeadDesign& design() const { return design_; }
 
-  /// Where the beam lands, nullopt where it does not: a mirror from behind, a sheet never met, a field angle
-  /// of 90 degrees.
+  /// Landing point of the beam, nullopt where there is none: a mirror from behind, a sheet never met, a field
+  /// angle of 90 degrees.
   [[nodiscard]] std::optional<Eigen::Vector2d> landing_W_mm(const Eigen::Vector2d& angles_rad,
                                                             const HeadVector& departures) const;
 

@@ -12,7 +12,7 @@
 
 namespace kerfbench::calibrate {
 
-/// Before it is fitted, a coefficient of degree k of the residual surface is zero ± amplitude · decay^k.
+/// Prior of the residual surface: a coefficient of degree k is zero ± amplitude · decay^k.
 struct SurfacePrior {
   double amplitude_mm{};
   double decay{};
@@ -69,7 +69,8 @@ class JointSolver {
   [[nodiscard]] JointSolution solve() const;
 
  private:
-  /// What the surface, in units in which it is independent of variance 1, takes of departures and reading.
+  /// Part of departures and reading that the surface takes, in units in which it is independent of variance
+  /// 1.
   [[nodiscard]] Eigen::MatrixXd taken() const;
   [[nodiscard]] ModelInformation left(const Eigen::MatrixXd& taken) const;
 
@@ -78,10 +79,10 @@ class JointSolver {
   Eigen::LLT<Eigen::MatrixXd> surface_;
 };
 
-/// How far this head is from its drawing, in tolerances, by what the marks hold of it: the root of the mean
-/// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is
-/// 1, to a factor of 2 either way, log-normal). What the marks cannot tell is then no better and no worse
-/// than the rest.
+/// Distance of this head from its drawing, in tolerances, by what the marks hold of it: the root of the mean
+/// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is 1,
+/// to a factor of 2 either way, log-normal). What the marks cannot tell is then no better and no worse than
+/// the rest.
 double toleranceFactor(const ModelInformation& model);
 
 /// Rows of d(x, y)/d(unknowns) of a mark; only of the departures without a surface.

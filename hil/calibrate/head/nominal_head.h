@@ -41,7 +41,7 @@ struct LensDesign {
 /// The head as drawn: where a fit starts, and what tolerances are departures from.
 struct HeadDesign {
   double throw_mm{};           ///< Last mirror's axis to the work plane; > 0.
-  double mirror_spacing_mm{};  ///< Between the axes; >= 0.
+  double mirror_spacing_mm{};  ///< Distance between the axes; >= 0.
   bool y_mirror_first{};       ///< The beam meets the Y mirror first.
   std::optional<LensDesign> lens;
 };

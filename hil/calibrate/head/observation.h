@@ -31,14 +31,13 @@ struct SharedError {
 /// One mark: what the controller was aimed at and where the beam really marked.
 struct HeadObservation {
   std::optional<int> mark;  ///< Number of the mark in the job, for messages only.
-  /// What went into the controller's formula: where a correction table was at work the corrected aim, (x +
-  /// dx, y + dy). So marks made with different tables, or without one, are observations of one and the same
-  /// head.
+  /// Input of the controller's formula: where a correction table was at work the corrected aim, (x + dx, y +
+  /// dy). So marks made with different tables, or without one, are observations of one and the same head.
   Eigen::Vector2d aim_W_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d measured_W_mm{Eigen::Vector2d::Zero()};
   /// Covariance of measured_W_mm, what the marks do not share (k = 1); positive definite.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
-  std::optional<SharedError> shared;  ///< What they do.
+  std::optional<SharedError> shared;  ///< Error that the marks of a sheet share.
 
   /// Covariance of measured_W_mm, all of it.
   [[nodiscard]] Eigen::Matrix2d wholeCovariance_mm2() const {
@@ -57,7 +56,7 @@ struct AimedMark {
 };
 struct SeenMark {
   int id{};
-  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< In the frame of the measurement.
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Place in the frame of the measurement.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
 };
 
@@ -69,11 +68,11 @@ struct PairingLimits {
 };
 
 struct Pairing {
-  std::vector<HeadObservation> observations;  ///< In the job's order.
+  std::vector<HeadObservation> observations;  ///< Observations in the job's order.
   std::vector<int> missing;                   ///< Numbers of the job that were not found.
   std::vector<int> doubled;  ///< Found more than once, at different places: none of them is used.
   std::vector<int> merged;   ///< Found more than once at one place: their weighted mean is used.
-  std::vector<int> unknown;  ///< Not of the job.
+  std::vector<int> unknown;  ///< Marks that are not of the job.
 };
 
 /// Marks of the job with those found, by their numbers.

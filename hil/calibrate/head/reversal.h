@@ -32,7 +32,7 @@ class CameraError {
   struct Term {
     std::string name;  ///< "dx: x y²"
     int degree{};
-    double value_mm{};  ///< At the field's rim.
+    double value_mm{};  ///< Value at the field's rim.
     double sigma_mm{};  ///< k = 1.
     bool held{};        ///< True where sigma is below a third of the prior: the views measure the term.
   };
@@ -45,7 +45,7 @@ class CameraError {
  private:
   friend class Reversal;
   explicit CameraError(const ReversalOptions& options);
-  /// For 1 mm of each term at the field's rim: what it moves a mark by.
+  /// Shift of a mark by each term, for 1 mm at the field's rim.
   [[nodiscard]] Eigen::Matrix2Xd movesAt(const Eigen::Vector2d& p_C_mm) const;
   void set(const Eigen::VectorXd& values_mm, const Eigen::MatrixXd& covariance_mm2, double prior_mm);
 

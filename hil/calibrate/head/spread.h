@@ -19,13 +19,13 @@ inline double distance2(const Eigen::Vector2d& d, const Eigen::Matrix2d& covaria
   return d.dot(covariance.inverse() * d);
 }
 
-/// What chi-square of two degrees of freedom exceeds with this chance.
+/// Value that chi-square of two degrees of freedom exceeds with this chance.
 inline double chiSquare2Above(double chance) { return -2.0 * std::log(chance); }
 
 /// Median of chi-square of two degrees of freedom.
 inline constexpr double kMedianChiSquare2 = 1.3862943611198906;
 
-/// What chi-square of `freedom` degrees exceeds with the chance that a normal variable exceeds `normal`
+/// Value that chi-square of `freedom` degrees exceeds with the chance that a normal variable exceeds `normal`
 /// (Wilson & Hilferty 1931); freedom >= 1.
 inline double chiSquareAbove(double freedom, double normal) {
   const double ninth = 2.0 / (9.0 * freedom);

@@ -15,8 +15,8 @@ namespace {
 constexpr double kMoved = 1e-4;  // Least gain of a coefficient in units of its prior variance; all others
                                  // together change the evidence by 0.02.
 const double kLeastEvidence = std::log(20.0);
-constexpr double kLeastScore =
-    3.0;  // Least score of a surface that is tried; its square over four is about the evidence.
+/// Least score of a surface that is tried; its square over four is about the evidence.
+constexpr double kLeastScore = 3.0;
 
 constexpr int kQuickDegree = 6;
 constexpr double kFirstAmplitude_mm = 0.001, kLeastAmplitude_mm = 1e-4, kMostAmplitude_mm = 10.0;

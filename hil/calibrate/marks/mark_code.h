@@ -39,7 +39,7 @@ const MarkWord& markWord(int number);
 
 struct MarkReading {
   int number{};
-  MarkTurn turn;  ///< How it lies.
+  MarkTurn turn;  ///< Turn in which the mark lies.
 };
 /// nullopt for whatever is no word.
 std::optional<MarkReading> readWord(const MarkWord& word);

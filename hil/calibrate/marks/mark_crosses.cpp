@@ -13,8 +13,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kScale = 0.2;  // Largest error of scale of a head.
-constexpr double kAskew =
-    0.12;  // Largest sine of the angle of arms to each other and to the line through both.
+/// Largest sine of the angle of arms to each other and to the line through both.
+constexpr double kAskew = 0.12;
 constexpr double kSquare = 0.8;  // Least sine of the angle between the two lines.
 constexpr double kMeet = 0.12;   // Largest distance of the two lines' middles, in half sizes.
 constexpr double kSlim = 0.5;    // Largest width of an arm over its length.

@@ -21,8 +21,8 @@ using Eigen::Vector2d;
 
 constexpr double kFarthest_mm = 1e4;
 constexpr double kRounding_mm = 1e-6;
-constexpr double kLeastSize_mm =
-    4.5;  // Least size; of smaller marks a dieline's checker takes the ticks for one broken line.
+/// Least size; of smaller marks a dieline's checker takes the ticks for one broken line.
+constexpr double kLeastSize_mm = 4.5;
 constexpr double kMostSize_mm = 100.0;
 constexpr double kSizeStep_mm = 0.5;
 constexpr double kKerfs = 24.0;  // Size of a mark in kerf widths, where there is room.

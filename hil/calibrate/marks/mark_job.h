@@ -14,15 +14,15 @@
 
 namespace kerfbench::calibrate {
 
-/// Where the centre of a mark was asked for.
+/// Wanted centre of a mark.
 struct WantedMark {
   int number{};
-  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< In the machine's frame, under the head.
+  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Place in the machine's frame, under the head.
 };
 
 /// Something wrong with a job.
 struct MarkJobFault {
-  std::string key;          ///< As in its file: "date", "size_mm", …
+  std::string key;          ///< Key as in the file: "date", "size_mm", …
   std::ptrdiff_t mark{-1};  ///< Index into MarkJob::marks; -1: of the job as a whole.
   std::string message;
 };
@@ -33,10 +33,10 @@ struct MarkJob {
   std::string machine;  ///< Name of the machine.
   std::string date;     ///< ISO 8601 day on which the job was planned.
   double size_mm{};     ///< Size of a mark; 4.5 … 100.
-  /// Where the sheet lies under the head while it is cut: p_S = p_W + p_SW. Axes of W and S are parallel.
+  /// Place of the sheet under the head while it is cut: p_S = p_W + p_SW. Axes of W and S are parallel.
   Eigen::Vector2d p_SW_mm{Eigen::Vector2d::Zero()};
   std::vector<RegistrationMark> print;  ///< The printed marks of the sheet, two at least: they hold frame S.
-  std::vector<WantedMark> marks;        ///< In order of cutting; 1 … kMarkNumbers, no number twice.
+  std::vector<WantedMark> marks;        ///< Marks in order of cutting; numbers 1 … kMarkNumbers, each once.
 
   /// Everything that is wrong: values out of range, numbers twice, marks nearer to each other than kMarkPitch
   /// sizes, marks on top of print. Empty when nothing is.
@@ -55,7 +55,7 @@ std::vector<Eigen::Vector2d> gridPlaces(const Eigen::AlignedBox2d& field_mm, int
 
 struct RandomPlaces {
   int count{};
-  double apart_mm{};                   ///< From each other; see marksApart_mm().
+  double apart_mm{};                   ///< Least distance from each other; see marksApart_mm().
   std::vector<Eigen::Vector2d> known;  ///< Places that were marked before: none of the new is nearer
   double from_known_mm{};              ///< than this to one of them.
   /// A tenth of the places, rounded up, is of these if so many are free: middles of cells, say.

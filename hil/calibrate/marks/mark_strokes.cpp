@@ -21,8 +21,8 @@ using Eigen::Vector2d;
 
 constexpr double kMarkedShare = 0.3;  // Least brightness of a stroke between board (0) and open kerf (1).
 constexpr int kLeastPixels = 6;       // Least pixels of a stroke; smaller blobs are noise.
-constexpr double kSame_mm =
-    0.2;  // Largest distance of one stroke in two pictures; lens and table place it within micrometres.
+/// Largest distance of one stroke in two pictures; lens and table place it within micrometres.
+constexpr double kSame_mm = 0.2;
 
 struct Moments {
   double count{};

@@ -11,7 +11,7 @@
 
 namespace kerfbench::calibrate {
 
-/// What a table says between its nodes.
+/// Interpolation of a table between its nodes.
 enum class Between {
   kBilinear,
   /// Bicubic Hermite, with slopes at the nodes from the polynomial through five neighbours, or through all if
@@ -19,7 +19,7 @@ enum class Between {
   kHermite,
 };
 
-/// What a table says outside of its nodes.
+/// Extrapolation of a table outside of its nodes.
 enum class Outside {
   kRefused,  ///< Nothing.
   kClamped,  ///< The value of the nearest place on the border.

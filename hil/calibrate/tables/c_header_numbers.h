@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What writer and reader of C headers share; not for use outside of this folder.
+// Parts that writer and reader of C headers share; for use inside of this folder.
 #include <array>
 #include <cstdint>
 #include <string>

@@ -44,7 +44,7 @@ TableFile readTableFile(const std::filesystem::path& path, const TableOptions& o
 AimGrid readTable(const std::filesystem::path& path, const TableOptions& options = {},
                   std::optional<TableFormat> format = std::nullopt);
 
-/// What a format costs: the bytes that writeTable() would write, read back and compared with the original.
+/// Loss by a format: the bytes that writeTable() would write, read back and compared with the original.
 /// @throws std::invalid_argument if the format cannot hold the table.
 TableLoss formatLoss(TableFormat format, const AimGrid& grid, const TableOptions& options = {});
 

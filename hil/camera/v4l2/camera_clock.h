@@ -12,7 +12,7 @@ namespace kerfbench::camera {
 /// An edge of light on the pins (a strobe, or the laser's gate going on) and the first frame that shows it.
 /// The light stays on until the end of that frame's exposure.
 struct EdgeSighting {
-  double edge_s{};        ///< On the clock of the pins.
+  double edge_s{};        ///< Time on the clock of the pins.
   double dark_stamp_s{};  ///< The camera's stamp of the last frame before without the light.
   double lit_stamp_s{};   ///< Stamp of the first frame with it; later than the dark one.
   double row_delay_s{};   ///< Rolling shutter: how much later the row where it is seen begins; else 0.
@@ -20,12 +20,12 @@ struct EdgeSighting {
   std::optional<double> lit_share;
 };
 
-/// What a frame's light, or that it has none, tells of when its exposure began on the clock of the pins. A
-/// frame that shows a light which was on from on_s to off_s at most began between on_s - exposure and off_s.
+/// Bounds by a frame's light or darkness of the begin of its exposure on the clock of the pins. A frame that
+/// shows a light which was on from on_s to off_s at most began between on_s - exposure and off_s.
 struct BeginSighting {
   double stamp_s{};  ///< The camera's, of the frame.
   double earliest_s{};
-  double latest_s{};  ///< Not before earliest_s.
+  double latest_s{};  ///< Latest begin; not before earliest_s.
 };
 
 /// Prior knowledge. The bounds are bounds, not standard deviations: the result of the fit rests on them.
@@ -70,7 +70,7 @@ class CameraClock {
 
 struct CameraClockFit {
   std::optional<CameraClock> clock;
-  std::string why_not;  ///< In words, where there is no clock.
+  std::string why_not;  ///< Reason in words, where there is no clock.
   /// Sightings that contradict the others: leaving out any one of these makes the rest agree. Empty where all
   /// agree.
   std::vector<std::size_t> suspects;

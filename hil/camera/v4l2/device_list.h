@@ -35,7 +35,7 @@ struct FormatListing {
 struct ControlListing {
   std::uint32_t id{};
   std::string name;  ///< The driver's.
-  std::string key;   ///< What a setting calls it: see controlKey().
+  std::string key;   ///< Name of the control in a setting; see controlKey().
   std::int64_t min{}, max{}, step{}, fallback{};
   std::int64_t value{};
   bool has_value{};               ///< False where it cannot be read (a button, say).
@@ -46,7 +46,7 @@ struct ControlListing {
 /// One /dev/video*.
 struct CameraListing {
   std::string path;
-  /// Why nothing more is known (no permission, say, and what to do), or empty.
+  /// Reason why nothing more is known (no permission, say, and what to do), or empty.
   std::string problem;
   std::string card, driver, bus;
   bool captures{};  ///< Gives pictures, by the means that the bench uses (streaming).
@@ -58,7 +58,7 @@ struct CameraListing {
 /// for a device's sake: what it refuses is missing or named in `problem`.
 std::vector<CameraListing> listCameras(VideoCalls& calls);
 
-/// Why a device cannot be used, and what to do, in words.
+/// Reason why a device cannot be used, and what to do, in words.
 std::string problemOf(const std::system_error& error);
 
 /// A listing in lines for people.

@@ -8,7 +8,7 @@
 
 namespace kerfbench::camera {
 
-/// When the light may have been on, by the pins.
+/// Interval in which the light may have been on, by the pins.
 struct LightInterval {
   double on_s{};
   double off_s{};

@@ -9,7 +9,7 @@
 
 namespace kerfbench::camera {
 
-/// What a frame tells of a light.
+/// Light in one frame.
 struct FrameLight {
   double stamp_s{};  ///< The camera's.
   double light{};    ///< Light of the whole spot above its surroundings, in any unit; 0: dark.
@@ -17,7 +17,7 @@ struct FrameLight {
   [[nodiscard]] bool isLit() const { return light > 0.0; }
 };
 
-/// How much light the pins ask for, over time: a level that is on or off, so fast (PWM) that its mean counts.
+/// Light that the pins ask for, over time: a level that is on or off, so fast (PWM) that its mean counts.
 class LightProfile {
  public:
   struct Step {

@@ -15,7 +15,7 @@ class VideoCalls {
   virtual ~VideoCalls() = default;
   /// /dev/video* in order of their numbers; empty where there are none.
   virtual std::vector<std::string> nodes() = 0;
-  /// For reading and writing, not blocking.
+  /// Opens for reading and writing, not blocking.
   virtual int open(const std::string& path) = 0;
   virtual int close(int fd) = 0;
   virtual int ioctl(int fd, unsigned long request, void* argument) = 0;

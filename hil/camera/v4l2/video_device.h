@@ -34,7 +34,7 @@ class VideoDevice {
 /// @throws std::system_error "PATH: NAME".
 [[noreturn]] void throwVideoError(int error, const std::string& path, const char* name);
 
-/// As v4l2-ctl spells a control: "Exposure Time, Absolute" is exposure_time_absolute.
+/// Key of a control as v4l2-ctl spells it: "Exposure Time, Absolute" is exposure_time_absolute.
 std::string controlKey(const std::string& name);
 
 }  // namespace kerfbench::camera

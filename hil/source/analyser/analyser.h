@@ -26,7 +26,7 @@ struct AnalyserDevice {
   std::string serial;                 ///< May be empty.
   std::string conn;                   ///< "1.14" (USB bus and address), "/dev/ttyUSB0"; may be empty.
   std::vector<std::string> channels;  ///< Names of its logic channels.
-  std::string samplerates;            ///< For people: "1 Hz … 1000000000 Hz".
+  std::string samplerates;            ///< Rates for people: "1 Hz … 1000000000 Hz".
 };
 
 struct AnalyserList {

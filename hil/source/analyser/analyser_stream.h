@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// How bench and kerfbench-sigrok talk: one request on the child's standard input, frames on its standard
+/// Protocol of bench and kerfbench-sigrok: one request on the child's standard input, frames on its standard
 /// output, each a type, a length of 4 bytes (little-endian) and as many bytes.
 ///
 ///   request: lines, the last of them empty
@@ -40,12 +40,12 @@ enum class AnalyserFrame : std::uint8_t {
   kListed = 'z',
 };
 
-/// Why sampling ended.
+/// Reason why sampling ended.
 enum class AnalyserReason : std::uint8_t {
   kQuiet = 0,
   kLimit = 1,
   kDevice = 2,  ///< The device stopped by itself: memory full, overrun, unplugged.
-  kBroken = 3,  ///< Never sent: the program that reads it died or talked nonsense; see `problems`.
+  kBroken = 3,  ///< Reason that is never sent: the child died or its frames made no sense; see `problems`.
 };
 
 inline constexpr std::size_t kHeadBytes = 5;

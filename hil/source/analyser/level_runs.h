@@ -35,9 +35,9 @@ class SamplePacker {
   std::uint32_t levels_{};
 };
 
-/// Until when an analyser is listened to.
+/// End of a capture.
 struct ListenFor {
-  std::uint64_t quiet_samples{};  ///< After the first edge; > 0.
+  std::uint64_t quiet_samples{};  ///< Silence after the first edge that ends it; > 0.
   std::uint64_t limit_samples{};  ///< Most samples of the whole capture; > 0.
 };
 

@@ -25,7 +25,7 @@ class RunRecorder {
   [[nodiscard]] std::uint64_t edges() const { return edges_; }
   /// Levels of the first sample.
   [[nodiscard]] std::uint32_t firstLevels() const { return first_levels_; }
-  /// Where the first and last edges are, in samples; 0: there is none.
+  /// Samples of the first and the last edge; 0: there is none.
   [[nodiscard]] std::uint64_t firstEdge() const { return first_edge_; }
   [[nodiscard]] std::uint64_t lastEdge() const { return last_edge_; }
 

@@ -47,7 +47,7 @@ class ZipWriter {
  public:
   /// @throws ZipError.
   explicit ZipWriter(const std::filesystem::path& path);
-  ~ZipWriter();  ///< Without commit() nothing is written.
+  ~ZipWriter();  ///< Writes nothing without commit().
   ZipWriter(const ZipWriter&) = delete;
   ZipWriter& operator=(const ZipWriter&) = delete;
 

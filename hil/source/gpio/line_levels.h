@@ -18,7 +18,7 @@ std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const s
 /// have another, or why nobody knows.
 std::vector<std::string> levelsAgainstEdges(LineRequest& request, const EdgeOrder& order);
 
-/// What is wrong with the edges, in words, with the place of the first trouble.
+/// Faults of the edges in words, with the place of the first one.
 std::vector<std::string> edgeTroubles(const EdgeOrder& order, std::uint64_t begin_ns);
 
 }  // namespace kerfbench::source

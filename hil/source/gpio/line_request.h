@@ -17,12 +17,12 @@ namespace kerfbench::source {
 struct KernelEdge {
   std::uint64_t stamp_ns{};    ///< CLOCK_MONOTONIC, taken in the interrupt.
   std::size_t line{};          ///< Index among the lines that were asked for.
-  bool level{};                ///< Behind the edge; on a late interrupt thread that of a later edge.
+  bool level{};                ///< Level after the edge; on a late interrupt thread that of a later edge.
   std::uint32_t seqno{};       ///< Among all edges of the request, from 1; counted in the interrupt.
   std::uint32_t line_seqno{};  ///< Among those of the line, from 1; counted in the interrupt's thread.
 };
 
-/// How many edges the kernel keeps for a reader that is late: the most that it grants (16 for each of 64).
+/// Edges that the kernel keeps for a reader that is late: the most that it grants (16 for each of 64).
 inline constexpr std::uint32_t kEventBuffer = 1024;
 
 /// Lines of one chip as inputs with both edges, in one request of the kernel's second interface
@@ -57,7 +57,7 @@ class LineRequest {
   GpioFd fd_;
 };
 
-/// Why edges of this chip cannot be read by the second interface, in words; empty: they can.
+/// Reason why edges of this chip cannot be read by the second interface, in words; empty: they can.
 std::string edgeTrouble(GpioSystem& system, const std::filesystem::path& chip);
 
 }  // namespace kerfbench::source

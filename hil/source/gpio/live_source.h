@@ -108,8 +108,8 @@ class GpioLiveSource final : public SignalSource {
 
   GpioLiveOptions options_;
   std::shared_ptr<GpioSystem> system_;
-  std::vector<PlayedEdge>
-      played_;  ///< Edges that were put out; declared before real_time_, which locks their memory.
+  /// Edges that were put out; declared before real_time_, which locks their memory.
+  std::vector<PlayedEdge> played_;
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;

@@ -17,7 +17,7 @@ class GpioError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the kernel answered: a value >= 0, or -1 and an errno.
+/// Answer of the kernel: a value >= 0, or -1 and an errno.
 struct KernelAnswer {
   int value{};
   int error{};

@@ -17,7 +17,7 @@ namespace kerfbench::source {
 /// the old list.
 class SerialLine {
  public:
-  /// How far the driver's nearest rate may be from the one asked for: half a bit in ten, shared by both ends.
+  /// Largest error of the driver's nearest rate: half a bit in ten, shared by both ends.
   static constexpr double kMaxBaudError = 0.02;
 
   /// @throws SerialError: no such line, not allowed, no serial line, used by others, rate not to be had.

@@ -14,7 +14,7 @@ class SerialError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the kernel answered: a value >= 0, or -1 and an errno.
+/// Answer of the kernel: a value >= 0, or -1 and an errno.
 struct SerialAnswer {
   long value{};
   int error{};

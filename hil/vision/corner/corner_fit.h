@@ -14,15 +14,15 @@ namespace kerfbench::vision {
 /// The picture of a corner.
 struct CornerPicture {
   PixelGrid grid;
-  std::vector<float> gray;   ///< In even light, row by row.
+  std::vector<float> gray;   ///< Grey in even light, row by row.
   std::vector<bool> counts;  ///< Pixels that the corner's own kerf alone makes.
   double noise_gray{};       ///< Standard deviation of a pixel of plain board.
 };
 
-/// What is known of a leg by other means than the picture.
+/// Knowledge of a leg by other means than the picture.
 struct KnownLeg {
   struct Point {
-    double along_mm{}, offset_mm{};  ///< As in CornerLeg.
+    double along_mm{}, offset_mm{};  ///< Place as in CornerLeg.
     double sigma_mm{};
   };
   std::vector<Point> points;

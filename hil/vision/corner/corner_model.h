@@ -46,7 +46,8 @@ struct PixelGrid {
 /// law over the depth that is left; then the blur. Two samples per pixel, each way.
 class CornerModel {
  public:
-  /// Only pixels that count are right. The nominal curves of `legs` are those of all shapes to come.
+  /// Picture that is right in pixels that count alone. The nominal curves of `legs` are those of all shapes
+  /// to come.
   CornerModel(const PixelGrid& grid, const std::vector<bool>& counts, const CornerShape& legs);
 
   void render(CornerShape shape, const CornerLight& light, std::vector<float>& gray);

@@ -19,13 +19,13 @@ constexpr double kUneven_mm = 0.005;
 constexpr double kOpposite_mm = 0.003;
 constexpr double kPeakSigma = 1.0;     // Standard deviation of the logarithm of a peak.
 constexpr double kRadiusSigma = 0.02;  // Standard deviation of the logarithm of the beam radius.
-constexpr double kBoardSigma =
-    10.0;  // Standard deviation of the board, Standard deviation of open kerf, gray..
-constexpr double kOpenSigma = 4.0;  // gray
-constexpr double kBlurShapePx =
-    0.02;  // Standard deviation of the blur, as no lens blurs quite by a Gaussian.
-constexpr double kScorchSigma_mm =
-    0.0025;  // Standard deviation of scorch, which the calipers correct for (FlankModel).
+/// Standard deviation of the board, gray.
+constexpr double kBoardSigma = 10.0;
+constexpr double kOpenSigma = 4.0;  // Standard deviation of open kerf, gray.
+/// Standard deviation of the blur, as no lens blurs quite by a Gaussian.
+constexpr double kBlurShapePx = 0.02;
+/// Standard deviation of scorch, which the calipers correct for (FlankModel).
+constexpr double kScorchSigma_mm = 0.0025;
 constexpr double kLengthStep_mm = 5e-4;  // Step of differences by lengths.
 constexpr double kGrayStep = 0.2;
 constexpr double kOtherStep = 2e-3;

@@ -28,14 +28,14 @@ constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 constexpr double kArcModelMm = 0.0003;
 constexpr double kLegsModelMm = 0.0003;
 constexpr double kRoundingModelMm = 0.0003;
-constexpr double kFlickerShare =
-    1.7;  // Uncertainty over the flicker of the legs' half widths, as the arc has fewer places.
+/// Uncertainty over the flicker of the legs' half widths, as the arc has fewer places.
+constexpr double kFlickerShare = 1.7;
 // Uncertainty of the end of a leg that overruns: none where it hardly stands out, largest at about 10 um,
 // which the flank of the other leg half hides, and smaller farther out, where the lens matters less.
 constexpr double kEndsNearShare = 1.0 / 3.0;  // Uncertainty over the overrun, for a short one.
 constexpr double kEndsFarMm2 = 3.8e-5;        // Uncertainty times the overrun, for a long one.
-constexpr double kBentDeviation =
-    0.25;  // Share of the distance by which a bent leg leaves its tangent unseen.
+/// Share of the distance by which a bent leg leaves its tangent unseen.
+constexpr double kBentDeviation = 0.25;
 constexpr double kBentMeeting = 1.3;
 
 /// Points of other curves near the corner, relative to it.

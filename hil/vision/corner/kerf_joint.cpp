@@ -20,8 +20,8 @@ namespace {
 constexpr double kEndMm = 0.0015;
 constexpr double kFaintEndMm = 0.0018;
 constexpr double kThrough = 0.75;  // Least brightness of a kerf that is cut through.
-constexpr double kEndInsideMm =
-    0.3;  // Distance inside of an end from which it is looked at; less for a shorter one.
+/// Distance inside of an end from which it is looked at; less for a shorter one.
+constexpr double kEndInsideMm = 0.3;
 constexpr double kReachMm = 0.8;       // Reach of a look along a leg.
 constexpr double kStripWidths = 0.35;  // Half width of the strip, in half kerfs.
 constexpr double kWindowMm = 0.1;      // Half of the length that a caliper averages along the curve.

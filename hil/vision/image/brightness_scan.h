@@ -33,7 +33,7 @@ class Background {
   [[nodiscard]] double noise() const { return noise_; }
   /// Share of the picture at the top of the scale.
   [[nodiscard]] double saturatedShare() const { return saturated_share_; }
-  /// No two neighbours differ anywhere: not the picture of a sensor.
+  /// True where no two neighbours differ anywhere: not the picture of a sensor.
   [[nodiscard]] bool lifeless() const { return lifeless_; }
 
  private:

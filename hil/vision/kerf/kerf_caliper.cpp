@@ -14,8 +14,8 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastContrast =
-    0.03;  // Least contrast of a kerf over that of board and open kerf; less is dirt or shading.
+/// Least contrast of a kerf over that of board and open kerf; less is dirt or shading.
+constexpr double kLeastContrast = 0.03;
 constexpr std::array<double, 3> kLevels{0.4, 0.5, 0.6};
 
 struct Peak {

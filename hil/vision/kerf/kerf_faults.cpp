@@ -24,8 +24,8 @@ constexpr double kBoard = 1.25;        // Share of the radius from which on, up 
 constexpr double kMarkBlurPx = 0.015;  // Scatter of one mark of 100 px; counts as kBlurBelief marks.
 constexpr double kBlurBelief = 4.0;
 constexpr double kPrintEdgePx = 0.006;  // Blur that a sharp print seemed to have.
-constexpr double kEdgePx =
-    4.0;  // Half width of the rim that counts: pixels farther from the edge add nothing but noise.
+/// Half width of the rim that counts: pixels farther from the edge add nothing but noise.
+constexpr double kEdgePx = 4.0;
 constexpr std::size_t kNamed = 8;  // Most pictures that one sentence names.
 
 /// Means of ink and board about a disc.

@@ -22,8 +22,8 @@ constexpr double kIndependentMm = 0.2;
 // scorch.
 constexpr double kScorchBlur = 0.93;
 constexpr double kModelShare = 0.22;  // Share of the shift that the model of scorch leaves.
-constexpr double kLeastOdd =
-    0.05;  // Least difference of the sides over the board's light; less is lost in noise.
+/// Least difference of the sides over the board's light; less is lost in noise.
+constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
 constexpr double kTightModel_mm = 0.001;
 constexpr double kBarelyOpen = 0.9;

@@ -11,8 +11,8 @@ namespace kerfbench::vision {
 
 /// Profile of a kerf, by which the effect of scorch on its two flanks is computed.
 struct FlankQuery {
-  double half_width_mm{};  ///< At half height.
-  double top_gray{};       ///< In the middle.
+  double half_width_mm{};  ///< Half the width at half height.
+  double top_gray{};       ///< Grey in the middle.
   double board_gray{};
   double open_gray{};
   double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
@@ -42,7 +42,7 @@ class FlankModel {
   double widening_mm_{};  ///< 0 where the model does not hold.
 };
 
-/// What makes a flank of a kerf look as it does.
+/// Parts of the look of a kerf's flank.
 struct FlankOptics {
   const KerfScanOptions& options;  ///< Gray of open board, radius of the beam.
   double pixel_mm;                 ///< Side of a pixel on the sheet.

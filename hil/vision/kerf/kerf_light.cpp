@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kLeastShare = 0.05;  // Least share of the light to measure in.
 constexpr int kRounds = 8;
-constexpr double kOutlier =
-    0.06;  // Distance of an outlier, over the board's gray: ink, a mark, a cut that fills a cell.
+/// Distance of an outlier, over the board's gray: ink, a mark, a cut that fills a cell.
+constexpr double kOutlier = 0.06;
 constexpr double kLeastCells = 0.3;  // Least share of the cells that must agree.
 
 struct Cell {

@@ -14,8 +14,8 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastRest =
-    0.1;  // Least rest of the radius: beyond the centre of a hole its far side begins.
+/// Least rest of the radius: beyond the centre of a hole its far side begins.
+constexpr double kLeastRest = 0.1;
 constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;

@@ -29,7 +29,7 @@ struct PixelAcross {
   float across_mm{};
   float along_mm{};
   float gray{};   ///< Gray as under even light: the uneven light is taken out.
-  float share{};  ///< How much of it lies between the ends of the window; (0, 1].
+  float share{};  ///< Share of the pixel between the ends of the window; (0, 1].
 };
 
 /// Brightness across a curve; sample i lies at first_mm + i * step_mm along the left normal.
@@ -45,7 +45,7 @@ struct Profile {
   double step_mm{};
   double pixel_mm{};
   double noise_gray{};              ///< Noise of one pixel, on the board.
-  std::vector<PixelAcross> pixels;  ///< What it was made of.
+  std::vector<PixelAcross> pixels;  ///< Pixels of the profile.
 
   [[nodiscard]] std::size_t size() const { return gray.size(); }
   [[nodiscard]] bool seen(std::size_t i) const { return weight[i] >= kLeastWeight; }

@@ -57,10 +57,12 @@ struct ConstellationQuery {
   double max_angle_rad{0.03};  ///< Around expected.angle_rad.
   double tolerance_mm{0.5};
   PlaneMotion expected;   ///< Motion that is expected of the web; S of unit 0.
-  double max_shift_mm{};  ///< From expected, at the mark itself; infinity where nothing is known.
+  double max_shift_mm{};  ///< Largest distance from `expected`, at the mark itself; infinity where nothing is
+                          ///< known.
   bool
       prefer_least_advanced{};  ///< Takes the smallest x of equally good ones, as for a web that just enters.
-  /// Whether a mark at this place would have been seen; expected but unseen marks speak against a motion.
+  /// Returns whether a mark at this place would have been seen; expected but unseen marks speak against a
+  /// motion.
   std::function<bool(const Eigen::Vector2d& q_mm)> in_view;
 };
 

@@ -22,7 +22,7 @@ class SheetTracker {
  public:
   SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s);
 
-  /// What lies where the glowing spot is cannot be measured.
+  /// Area of the glowing spot, where no mark can be measured.
   struct KeepOut {
     Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
     double radius_mm{};

@@ -31,7 +31,7 @@ struct SpotFit {
   double
       height_gray{};  ///< Height of its brightest place above the board; more than 255 for a saturated spot.
   ShotEvidence shot;
-  /// How the centre follows the grey of a pixel of the spot.
+  /// Influence of a pixel of the spot on its centre.
   struct Influence {
     int column{}, row{};
     Eigen::Vector2d by_gray{Eigen::Vector2d::Zero()};  ///< px / grey

@@ -5,8 +5,8 @@
 
 namespace kerfbench::vision {
 
-/// How the light of a spot lies on the pixels: a Gaussian bell of height 1, or one that ran evenly along a
-/// line while the shutter was open, its light spread over the line.
+/// Distribution of a spot's light over the pixels: a Gaussian bell of height 1, or one that ran evenly along
+/// a line while the shutter was open, its light spread over the line.
 enum class SpotShape { kBell, kStreak };
 
 /// Parameters of a spot in its window:

@@ -11,11 +11,11 @@
 
 namespace kerfbench::vision {
 
-/// Where one unit of the web is, by its printed marks: p_W = R(angle) p_S + t, rigid. S is the unit's own
+/// Pose of one unit of the web, by its printed marks: p_W = R(angle) p_S + t, rigid. S is the unit's own
 /// frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of unit
 /// k.
 struct SheetPose {
-  int unit{};  ///< Which unit's marks were seen.
+  int unit{};  ///< Unit whose marks were seen.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
@@ -28,16 +28,16 @@ struct SheetPose {
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
-/// What makes a frame unfit to measure in.
+/// Faults that make a frame unfit to measure in.
 struct FrameFaults {
   bool dark{};       ///< Hardly any light on the board.
   bool saturated{};  ///< A large part of the picture is as bright as it can be.
   bool blurred{};    ///< The spot is wider than SpotTrackOptions::widest_spot_mm.
-  bool lifeless{};   ///< No noise at all: not the picture of a sensor.
+  bool lifeless{};   ///< Picture without any noise, so not of a sensor.
   [[nodiscard]] bool any() const { return dark || saturated || blurred || lifeless; }
 };
 
-/// What one frame of the spot camera showed.
+/// Measurement of one frame of the spot camera.
 struct FrameMeasurement {
   std::uint64_t sequence{};
   double mid_s{};                            ///< Middle of the exposure.
@@ -60,8 +60,8 @@ struct SpotTrackOptions {
 struct SpotTrack {
   std::vector<FrameMeasurement> frames;
   std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
-  /// Why the frames must not be judged by, in sentences: unfit frames, marks missing or moved in many of
-  /// them. INVALID when there is any. Lost frames are in frames_lost alone.
+  /// Reasons not to judge by the frames, in sentences: unfit frames, marks missing or moved in many of them.
+  /// INVALID when there is any. Lost frames are in frames_lost alone.
   std::vector<std::string> problems{};
 };
 

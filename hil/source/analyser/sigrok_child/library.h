@@ -38,7 +38,7 @@ class Library {
   std::vector<sr_dev_inst*> scan(sr_dev_driver* driver, const std::string& conn);
   [[nodiscard]] sr_context* context() const { return context_.get(); }
   DriverLog& log() { return log_; }
-  /// What went wrong by libsigrok's code, and what its drivers have said since.
+  /// Error in words by libsigrok's code, and what its drivers have said since.
   std::string why(int code);
 
  private:
