@@ -172,7 +172,7 @@ Checked checked(const calibrate::AimGrid& grid, const TableCommandOptions& optio
       return {grid, false, 0};
     case calibrate::Recognition::Verdict::kOtherwise:
       return {calibrate::asRead(grid, found.reading), true, options.out.empty() ? kExitOtherwise : 0};
-    case calibrate::Recognition::Verdict::kCannotBeTold:
+    case calibrate::Recognition::Verdict::kUndecided:
       return {grid, false, kExitNotTold};
     case calibrate::Recognition::Verdict::kNoneFits:
       break;

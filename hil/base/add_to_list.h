@@ -6,7 +6,7 @@
 
 namespace kerfbench::base {
 
-/// Appends one more to what is told: on a line of its own, or behind another separator.
+/// Appends one more sentence to a text: on a line of its own, or behind another separator.
 inline void addToList(std::string& list, std::string_view item, std::string_view separator = "\n") {
   if (!list.empty()) list += separator;
   list += item;

@@ -6,7 +6,7 @@
 
 namespace kerfbench::base {
 
-/// Writes a file whole or not at all: a temporary beside it, fsync, rename, fsync of the folder.
+/// Writes a file whole or not at all: a temporary next to it, fsync, rename, fsync of the folder.
 /// @throws std::system_error with the path.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view content);
 

@@ -6,7 +6,7 @@
 
 namespace kerfbench::base {
 
-/// What the user sees while a run goes on: one line that is rewritten on a terminal, nothing of it in a log.
+/// Progress of a run for the user: one line that is rewritten on a terminal, nothing of it in a log.
 class Console {
  public:
   explicit Console(bool quiet);
@@ -18,7 +18,7 @@ class Console {
   void say(const std::string& line);
   /// A line that stays even when quiet.
   void result(const std::string& line);
-  /// Where the work is; now_s < 0: no virtual time to tell.
+  /// Progress of the work; now_s < 0: without virtual time.
   void progress(double now_s, const std::string& what);
 
  private:
@@ -28,7 +28,7 @@ class Console {
   bool progress_shown_{false};
 };
 
-/// What tells the console of progress; `console` must outlive it.
+/// Callback that shows progress on the console, which must outlive it.
 std::function<void(double now_s, const std::string& what)> progressOn(Console& console);
 
 }  // namespace kerfbench::base

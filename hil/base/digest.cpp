@@ -6,10 +6,11 @@
 
 #include <array>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
+
+#include "hil/base/file_content.h"
 
 namespace kerfbench::base {
 
@@ -43,10 +44,9 @@ std::string checksum(std::span<const std::uint8_t> bytes) {
 }
 
 std::string sha256File(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
-  const std::string content{std::istreambuf_iterator<char>(file), {}};
-  return sha256(content);
+  const std::optional<std::string> content = fileContent(path);
+  if (!content) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
+  return sha256(*content);
 }
 
 }  // namespace kerfbench::base

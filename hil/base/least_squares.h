@@ -46,7 +46,7 @@ struct LeastSquaresSummary {
   int iterations{};     ///< Steps that were tried.
   int accepted{};       ///< Steps among them that were taken.
   double first_cost{};  ///< Half the sum of squares, or of the losses, at the start.
-  double cost{};        ///< The same at x.
+  double cost{};        ///< Half the sum of squares, or of the losses, at x.
 
   [[nodiscard]] bool settled() const { return end == LeastSquaresEnd::kSettled; }
 };

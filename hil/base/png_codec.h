@@ -18,7 +18,7 @@ struct PngSamples {
   std::vector<std::uint8_t> bytes;
 };
 
-/// The same without owning them.
+/// PNG picture whose bytes belong to somebody else.
 struct PngView {
   int width_px{};
   int height_px{};

@@ -5,7 +5,7 @@
 
 namespace kerfbench::base {
 
-/// What posix_spawn shall do in the child, freed at the end of the scope.
+/// Actions of posix_spawn in the child, freed at the end of the scope.
 struct SpawnSetup {
   SpawnSetup() {
     ::posix_spawn_file_actions_init(&actions);

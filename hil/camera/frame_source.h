@@ -8,7 +8,7 @@
 
 namespace kerfbench::camera {
 
-/// Where frames come from: the twin's cameras, files, V4L2.
+/// Source of frames: the twin's cameras, files, V4L2.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;

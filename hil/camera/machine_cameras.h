@@ -8,7 +8,7 @@
 
 namespace kerfbench::camera {
 
-/// The cameras that looked at a run. What stands behind them, a model or a machine, the judge is not told.
+/// Cameras of a run. The judge does not know whether a model or a machine stands behind them.
 class MachineCameras {
  public:
   virtual ~MachineCameras() = default;

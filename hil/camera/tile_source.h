@@ -16,7 +16,7 @@ namespace kerfbench::camera {
 struct KerfTile {
   GrayImage image;
   Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
-  int unit{};  ///< Which unit lies on the table; every unit is laid down and looked at by itself.
+  int unit{};  ///< Unit on the table; every unit is laid down and looked at alone.
 };
 
 /// Pulls tiles one at a time, so that they need not all be in memory.

@@ -11,14 +11,15 @@
 
 namespace kerfbench::controller {
 
-/// What the controller itself said of the run, as in Evidence.
+/// Controller's own words on the run, as in Evidence.
 struct ControllerReport {
   std::optional<inspect::ControllerAccount> account;
   std::optional<inspect::ControllerEnd> end;
 };
 
-/// The end that was heard, and whose matter it is. The release's is all but a line or a host that failed, a
-/// guard that was opened (by the sensors of `recording`), and faults that this bench does not know.
+/// End of the run as the controller reported it, and who is responsible. The release's is all but a line or a
+/// host that failed, a guard that was opened (by the sensors of `recording`), and faults that this bench does
+/// not know.
 inspect::ControllerEnd controllerEnd(const UartListener& ear, const PulseCounter& pins,
                                      const source::PinRecording& recording);
 
@@ -28,8 +29,8 @@ struct DialogFailure {
   double time_s{};     ///< The dialog had received what the recording's UART holds up to here, and no more.
 };
 
-/// Why the end proves nothing; empty where it does. A dialog that failed is no problem if it did so because
-/// the controller stopped. `is_sound`: nothing else was wrong with the run.
+/// Reason why the end proves nothing; empty where it proves something. A dialog that failed is no problem if
+/// it did so because the controller stopped. `is_sound`: nothing else was wrong with the run.
 std::string unprovenEnd(const inspect::ControllerEnd& end, const DialogFailure& dialog, bool is_sound);
 
 }  // namespace kerfbench::controller

@@ -96,21 +96,22 @@ double PulseCounter::beltFaster_s(double counts_per_s, double span_s) const {
   return kNan;
 }
 
-inspect::ControllerAccount PulseCounter::accountBeside(const std::optional<UartListener::Account>& told,
-                                                       const UartTiming& uart) const {
+inspect::ControllerAccount PulseCounter::compareWithReport(const std::optional<UartListener::Account>& report,
+                                                           const UartTiming& uart) const {
   inspect::ControllerAccount account;
-  account.told = told.has_value();
-  if (!told) return account;
+  account.told = report.has_value();
+  if (!report) return account;
   for (const Axis& axis : axes_) {
     const auto index = static_cast<std::size_t>(std::ranges::find(kPuls, axis.pul) - kPuls.begin());
     std::string name(signalName(axis.pul));
     name.resize(name.size() - std::string_view("_pul").size());
-    account.axes.push_back({name, told->steps[index], axis.net});
+    account.axes.push_back({name, report->steps[index], axis.net});
   }
-  if (belt_wired_ && told->first_belt.time_s < told->belt.time_s) {
-    const auto [first_min, first_max] = beltAround(told->first_belt, uart);
-    const auto [last_min, last_max] = beltAround(told->belt, uart);
-    account.belt = {told->belt.counts - told->first_belt.counts, last_min - first_max, last_max - first_min};
+  if (belt_wired_ && report->first_belt.time_s < report->belt.time_s) {
+    const auto [first_min, first_max] = beltAround(report->first_belt, uart);
+    const auto [last_min, last_max] = beltAround(report->belt, uart);
+    account.belt = {report->belt.counts - report->first_belt.counts, last_min - first_max,
+                    last_max - first_min};
   }
   return account;
 }

@@ -12,16 +12,16 @@
 
 namespace kerfbench::controller {
 
-/// How the controller's UART was heard.
+/// Timing of the bytes received on the controller's UART.
 struct UartTiming {
   double baud{};
-  double read_delay_s{};  ///< A byte has the time at which it was read: at most so long after it came. >= 0.
+  double read_delay_s{};  ///< Longest time from a byte's arrival to its stamp, the time of reading; >= 0.
 };
 
-/// What the pins of a run add up to, from the recording alone: not what the twin made of them.
+/// Sums over the pins of a run, from the recording alone, without the twin.
 class PulseCounter {
  public:
-  /// The sensors by tick, outputs by tick.
+  /// Counts a recording whose sensors and outputs are sorted by tick.
   PulseCounter(const source::PinRecording& recording, const SignalMap& map);
 
   /// Time of the last rising edge of any PUL; < 0: none.
@@ -33,19 +33,19 @@ class PulseCounter {
   [[nodiscard]] double leaves_s(Signal pul, long long low, long long high) const;
   /// The first time at which A made the belt look faster than this over `span_s`; NaN if never.
   [[nodiscard]] double beltFaster_s(double counts_per_s, double span_s) const;
-  /// Beside what the controller told last; axes that are not wired are left out.
-  [[nodiscard]] inspect::ControllerAccount accountBeside(const std::optional<UartListener::Account>& told,
-                                                         const UartTiming& uart) const;
+  /// Comparison of the pins with the controller's last report, without axes that are not wired.
+  [[nodiscard]] inspect::ControllerAccount compareWithReport(
+      const std::optional<UartListener::Account>& report, const UartTiming& uart) const;
 
  private:
   struct Axis {
     Signal pul{};
     long long net{};
     std::vector<double> pulses_s;
-    std::vector<long long> places;  ///< After each of them.
+    std::vector<long long> places;  ///< Steps from the start, after each pulse.
   };
   [[nodiscard]] long long beltCountsAt(double time_s) const;
-  /// Least and most counts while the controller can have looked for what it then told.
+  /// Least and most counts of the belt while the controller can have sampled what it then reported.
   [[nodiscard]] std::pair<long long, long long> beltAround(const UartListener::BeltWord& word,
                                                            const UartTiming& uart) const;
   void addOutputs(const source::PinRecording& recording, const SignalMap& map);

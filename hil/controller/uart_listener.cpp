@@ -40,22 +40,22 @@ std::string faultName(std::uint8_t fault) {
 }
 
 UartListener::UartListener(const source::PinRecording& recording) {
-  for (const source::HeardBytes& heard : recording.uart)
-    hear(heard.bytes, recording.rate.seconds(heard.tick));
+  for (const source::ReceivedBytes& received : recording.uart)
+    hear(received.bytes, recording.rate.seconds(received.tick));
 }
 
 void UartListener::hear(std::span<const std::uint8_t> bytes, double now_s) {
-  heard_.insert(heard_.end(), bytes.begin(), bytes.end());
+  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   for (;;) {
-    heard_.erase(heard_.begin(), std::ranges::find(heard_, KB_SYNC));
-    if (heard_.size() < kHead) return;
-    const std::size_t end = kHead + heard_[3];
-    if (heard_[3] <= KB_PAYLOAD_MAX && heard_.size() < end + 2) return;
-    const std::span<const std::uint8_t> whole(heard_);
-    const bool good = heard_[3] <= KB_PAYLOAD_MAX &&
-                      crc16(whole.subspan(1, end - 1)) == (heard_[end] | heard_[end + 1] << 8);
-    if (good) frame(heard_[1], whole.subspan(kHead, end - kHead), now_s);
-    heard_.erase(heard_.begin(), heard_.begin() + (good ? static_cast<std::ptrdiff_t>(end + 2) : 1));
+    pending_.erase(pending_.begin(), std::ranges::find(pending_, KB_SYNC));
+    if (pending_.size() < kHead) return;
+    const std::size_t end = kHead + pending_[3];
+    if (pending_[3] <= KB_PAYLOAD_MAX && pending_.size() < end + 2) return;
+    const std::span<const std::uint8_t> whole(pending_);
+    const bool good = pending_[3] <= KB_PAYLOAD_MAX &&
+                      crc16(whole.subspan(1, end - 1)) == (pending_[end] | pending_[end + 1] << 8);
+    if (good) frame(pending_[1], whole.subspan(kHead, end - kHead), now_s);
+    pending_.erase(pending_.begin(), pending_.begin() + (good ? static_cast<std::ptrdiff_t>(end + 2) : 1));
   }
 }
 

@@ -18,7 +18,7 @@ std::vector<std::string> faultNames();
 /// "unknown" for a number beyond them.
 std::string faultName(std::uint8_t fault);
 
-/// Listens to what the reference controller says on its UART, apart from the dialog with it.
+/// Decoder of the reference controller's UART, apart from the dialog with it.
 class UartListener {
  public:
   /// Steps of its axes, as KB_STATE lists them.
@@ -27,7 +27,7 @@ class UartListener {
     double time_s{};  ///< Time of the last byte of the KB_STATE.
     long long counts{};
   };
-  /// How it says that the run ended.
+  /// End of the run as the controller reports it.
   struct End {
     double time_s{};
     bool done{};           ///< False: stopped.
@@ -40,20 +40,20 @@ class UartListener {
   };
 
   UartListener() = default;
-  /// Hears a whole recording.
+  /// Takes the bytes of a whole recording.
   explicit UartListener(const source::PinRecording& recording);
   void hear(std::span<const std::uint8_t> bytes, double now_s);
   /// Changes of its state, by time.
   [[nodiscard]] const std::vector<inspect::ControllerState>& reports() const { return reports_; }
-  /// The first word of an end, since later ones may be of what it did then; none: there was no such word.
+  /// First report of an end, since later ones may be of what the controller did then; nullopt: none came.
   [[nodiscard]] const std::optional<End>& end() const { return end_; }
-  /// The last KB_STATE since it stopped or was done; none: it never gave one.
+  /// Last KB_STATE since the controller stopped or was done; nullopt: none came.
   [[nodiscard]] const std::optional<Account>& account() const { return account_; }
 
  private:
   void frame(std::uint8_t type, std::span<const std::uint8_t> payload, double now_s);
 
-  std::vector<std::uint8_t> heard_;
+  std::vector<std::uint8_t> pending_;
   std::vector<inspect::ControllerState> reports_;
   std::optional<BeltWord> first_belt_;
   std::optional<Account> account_;

@@ -59,8 +59,8 @@ struct DxfBlock {
 struct DxfFile {
   std::string text;
   std::vector<DxfTag> tags;
-  std::map<std::string, DxfTag, std::less<>> header;    ///< $NAME -> its first group.
-  std::map<std::string, DxfBlock, std::less<>> blocks;  ///< By name in lower case.
+  std::map<std::string, DxfTag, std::less<>> header;    ///< First group of each variable, by $NAME.
+  std::map<std::string, DxfBlock, std::less<>> blocks;  ///< Blocks by name in lower case.
   std::vector<DxfRecord> entities;
 };
 

@@ -71,7 +71,7 @@ bool sweeps(double start_rad, double sweep_rad, double t_rad) {
 
 Jet jetAt(const Curve& curve, double u) {
   return std::visit(Overloaded{[&](const LineCurve& c) {
-                                 // Both forms together hit both ends exactly.
+                                 // Two forms of one line, so that both ends are hit exactly.
                                  const Vector2d d = c.end_mm - c.start_mm;
                                  return Jet{(1 - u) * c.start_mm + u * c.end_mm, d, Vector2d::Zero()};
                                },

@@ -22,7 +22,7 @@ struct LineCurve {
 struct ArcCurve {
   Eigen::Vector2d centre_mm{Eigen::Vector2d::Zero()};
   double radius_mm{};        ///< > 0
-  double start_angle_rad{};  ///< From +x, counter-clockwise.
+  double start_angle_rad{};  ///< Angle from +x, counter-clockwise.
   double sweep_rad{};
 };
 
@@ -68,7 +68,7 @@ Nearest nearestOn(const Curve& curve, const Eigen::Vector2d& p_mm);
 /// Parameters at arc-length stations no more than `pitch_mm` apart, both ends included (>= 2 values).
 std::vector<double> stations(const Curve& curve, double pitch_mm);
 
-/// What the laser shall do along an entity.
+/// Process of the laser along an entity.
 enum class Process { kCut, kHalfCut, kCrease, kPerforation, kIgnore };
 std::string_view processName(Process process);
 
@@ -78,7 +78,7 @@ struct Entity {
   Curve curve;
   Process process{Process::kCut};
   std::string layer;   ///< DXF layer, or the SVG stroke colour as #rrggbb.
-  std::string origin;  ///< Where in the file, e.g. "line 204: LWPOLYLINE" .
+  std::string origin;  ///< Place in the file, e.g. "line 204: LWPOLYLINE" .
 };
 
 struct Dieline {

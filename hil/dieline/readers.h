@@ -9,12 +9,12 @@
 
 namespace kerfbench::dieline {
 
-inline constexpr std::size_t kMostEntities =
-    1'000'000;                              ///< Also the limit of what nested blocks may unfold to.
-inline constexpr int kDeepestNesting = 16;  ///< INSERT in INSERT, use in use.
-inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Bytes.
+/// Most entities of a file, those of nested blocks included.
+inline constexpr std::size_t kMostEntities = 1'000'000;
+inline constexpr int kDeepestNesting = 16;  ///< Most levels of INSERT in INSERT, and of use in use.
+inline constexpr std::size_t kLargestFile = 256U << 20U;  ///< Most bytes of a file.
 
-/// Both take the whole text of a file; entities get their ids here. @throws DielineError
+/// Reads the whole text of a file and numbers its entities. @throws DielineError
 Dieline readDxf(std::string text, const LayerProfile& profile, FaultList& faults);
 Dieline readSvg(const std::string& text, const LayerProfile& profile, FaultList& faults);
 

@@ -17,7 +17,7 @@ struct Nurbs {
   std::vector<double> weights;  ///< One per control point, all > 0.
 };
 
-/// The same curve, exactly, as rational cubic Béziers, one per knot span that is not empty; degree 1 gives
+/// Rational cubic Béziers of exactly the same curve, one per knot span that is not empty; degree 1 gives
 /// lines.
 /// @throws std::invalid_argument, saying what is wrong: degree outside 1…3, counts that do not fit, knots
 /// that decrease or break the curve, weights that are not positive.

@@ -28,7 +28,7 @@ SvgPath readSvgPath(std::string_view data, double closing_tolerance);
 /// An elliptic arc as SVG writes it, but for its ends.
 struct SvgArc {
   double rx, ry;    ///< Radii, user units.
-  double tilt_rad;  ///< From x to the first radius.
+  double tilt_rad;  ///< Angle from x to the first radius.
   bool large;       ///< The longer of two arcs.
   bool positive;    ///< The angle grows along the arc.
 };

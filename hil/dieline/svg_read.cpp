@@ -34,7 +34,7 @@ bool isOneOf(std::string_view name, std::initializer_list<std::string_view> name
 bool drawsNothing(std::string_view name) {
   return isOneOf(name, {"defs", "symbol", "metadata", "title", "desc", "style", "clipPath", "mask", "pattern",
                         "marker", "filter", "linearGradient", "radialGradient", "script", "view"}) ||
-         name.find(':') != std::string_view::npos;  // sodipodi:namedview and other programs' own data.
+         name.find(':') != std::string_view::npos;  // Data of other programs, such as sodipodi:namedview.
 }
 
 class SvgReader {

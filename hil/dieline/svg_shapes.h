@@ -14,7 +14,7 @@ class xml_node;
 namespace kerfbench::dieline {
 
 struct SvgShape {
-  std::vector<Curve> curves;       ///< In user units.
+  std::vector<Curve> curves;       ///< Lengths in user units.
   std::vector<std::string> parts;  ///< "" or "command 3", one per curve.
   std::vector<std::string> faults;
 };

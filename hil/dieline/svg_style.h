@@ -56,8 +56,8 @@ struct SvgViewport {
   double height{};
   std::optional<Eigen::AlignedBox2d> view_box;
   std::string aspect;
-  /// From the inside to the outside, or nothing for an aspect that is not supported (slice) or a box without
-  /// size.
+  /// Map from the inside to the outside, or nothing for an aspect that is not supported (slice) or a box
+  /// without size.
   [[nodiscard]] std::optional<Eigen::Affine2d> fit() const;
 };
 

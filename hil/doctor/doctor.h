@@ -14,17 +14,17 @@
 
 namespace kerfbench::doctor {
 
-/// What this computer is, as far as real pins care. Each kind of hardware adds its list here.
+/// Computer as far as real pins care. Each kind of hardware adds its list here.
 struct ComputerState {
   std::string kernel;  ///< "Linux 6.1.0-18-amd64".
   source::GpioChipList gpio;
   std::vector<std::string> gpio_troubles;  ///< Chips whose edges cannot be read without losing some.
   std::vector<camera::CameraListing> cameras;
   source::AnalyserList analysers;
-  std::string analyser_trouble;              ///< Why they could not be listed; empty: they could.
+  std::string analyser_trouble;              ///< Reason why they could not be listed; empty: they could.
   std::string clock_source;                  ///< Clock of the kernel: "tsc"; empty: it does not say.
   std::uint64_t clock_resolution_ns{};       ///< Resolution of CLOCK_MONOTONIC.
-  std::vector<std::string> real_time_notes;  ///< What is not allowed and how to allow it; empty: all is.
+  std::vector<std::string> real_time_notes;  ///< Rights that lack and how to grant them; empty: none.
 };
 /// Findings about this computer: ComputerState's.
 std::string kernelName();
@@ -41,12 +41,12 @@ std::string analyserName(const source::AnalyserDevice& device);
 struct DoctorFinding {
   enum class Grade {
     kGood,
-    kNote,     ///< Worth knowing, not in the way.
+    kNote,     ///< Circumstance that prevents nothing.
     kTrouble,  ///< Something is there and does not work.
     kMissing,  ///< The scenario needs it.
   };
   Grade grade{};
-  std::string text;  ///< What is, and what to do.
+  std::string text;  ///< Finding in words, and what to do.
 };
 
 /// Findings about the computer alone: kGood, kNote or kTrouble.
@@ -60,7 +60,7 @@ void addAnalyserFindings(const ComputerState& state, std::vector<DoctorFinding>&
 void addAnalyserNeeds(const scenario::AnalyserChoice& choice, const ComputerState& state,
                       std::vector<DoctorFinding>& findings);
 
-/// For people, and as JSON. `scenario`: name of the case whose needs are among the findings, or empty.
+/// Report for people, and as JSON. `scenario`: name of the case whose needs are among the findings, or empty.
 std::string doctorText(const ComputerState& state, const std::vector<DoctorFinding>& findings);
 std::string doctorJson(const ComputerState& state, const std::vector<DoctorFinding>& findings,
                        const std::string& scenario);

@@ -12,7 +12,7 @@ namespace {
 
 using Grade = DoctorFinding::Grade;
 
-/// It has no pins: patterns for tests.
+/// Whether the device is libsigrok's demo, which has patterns for tests instead of pins.
 bool isDemo(const source::AnalyserDevice& device) { return device.driver == "demo"; }
 
 void lookAtChannels(const scenario::AnalyserChoice& choice, const source::AnalyserDevice& device,

@@ -65,7 +65,7 @@ class Needs {
   }
 
   void lookAtSize(const camera::FormatListing& format, int width_px, int height_px) {
-    if (format.sizes.empty()) return;  // The driver does not tell.
+    if (format.sizes.empty()) return;  // Driver without a list.
     const auto size = std::ranges::find_if(
         format.sizes, [&](const camera::SizeListing& s) { return has(s, width_px, height_px); });
     if (size == format.sizes.end()) {

@@ -28,7 +28,7 @@ const source::GpioChipInfo& chipOf(const std::string& which, const source::GpioC
       fmt::format("there are {} gpiochips: say by --chip which one has the input", chips.chips.size()));
 }
 
-source::LineWish wishOf(const source::GpioLineInfo& line, const char* role) {
+source::ChipLine chipLineOf(const source::GpioLineInfo& line, const char* role) {
   return {line.offset, line.name.empty() ? role : line.name};
 }
 
@@ -65,10 +65,10 @@ source::LoopBackLines chosenLines(const LoopbackOptions& options, const source::
   std::string faults;
   const auto find = [&](const source::GpioChipInfo& chip, const std::string& which, const char* role) {
     try {
-      return wishOf(source::findLine(chip, which), role);
+      return chipLineOf(source::findLine(chip, which), role);
     } catch (const source::GpioError& e) {
       faults += fmt::format("{}{}: {}", faults.empty() ? "" : "\n", role, e.what());
-      return source::LineWish{};
+      return source::ChipLine{};
     }
   };
   source::LoopBackLines lines{out_chip.path,
@@ -78,7 +78,7 @@ source::LoopBackLines chosenLines(const LoopbackOptions& options, const source::
                               {}};
   if (!options.beside.empty()) lines.beside = find(in_chip, options.beside, "beside");
   if (!faults.empty()) throw source::GpioError(faults);
-  if (options.beside.empty()) lines.beside = wishOf(freeInput(in_chip, lines), "beside");
+  if (options.beside.empty()) lines.beside = chipLineOf(freeInput(in_chip, lines), "beside");
   const bool one_chip = lines.out_chip == lines.in_chip;
   if (lines.in.offset == lines.beside.offset ||
       (one_chip && (lines.out.offset == lines.in.offset || lines.out.offset == lines.beside.offset)))

@@ -13,25 +13,25 @@
 
 namespace kerfbench::doctor {
 
-/// What doctor is to measure on lines that are wired to each other.
+/// Options of a measurement on lines that are wired to each other.
 struct LoopbackOptions {
   bool wanted{};
   std::string loop_back;  ///< "OUT=IN": numbers or names of lines.
   std::string chip;       ///< IN's, by path, name or label; empty: the only one.
   std::string out_chip;   ///< OUT's; empty: `chip`.
-  std::string beside;     ///< A free line of `chip`, read besides; empty: the first free input.
+  std::string beside;     ///< Free line of `chip` that is read too; empty: the first free input.
   std::vector<double> rates_hz{200, 1'000, 2'000, 5'000, 10'000, 20'000, 40'000, 80'000, 160'000};
-  double seconds{1.0};  ///< For each rate.
+  double seconds{1.0};  ///< Time for each rate.
 };
 
-/// What was measured on a loop-back, and where.
+/// Measurement on a loop-back, and the computer it was made on.
 struct BenchReport {
   std::string kernel;           ///< "Linux 6.1.0-18-amd64".
   std::string clock_source;     ///< Clock of the kernel: "tsc"; empty: it does not say.
-  std::string virtual_machine;  ///< By what it shows that this is one; empty: a machine.
+  std::string virtual_machine;  ///< Sign of a virtual machine; empty: none.
   source::LoopBackLines lines;
-  std::vector<std::string> real_time_notes;  ///< What is not allowed, and how to allow it.
-  std::vector<source::LoopBackStep> steps;   ///< In order of their rates.
+  std::vector<std::string> real_time_notes;  ///< Rights that lack, and how to grant them.
+  std::vector<source::LoopBackStep> steps;   ///< Steps in order of their rates.
 };
 
 /// The lines that the options name. @throws GpioError with everything that is wrong with them.
@@ -46,7 +46,8 @@ void measureRates(const std::shared_ptr<source::GpioSystem>& system, source::Edg
 /// Fastest that lost nothing; null: none.
 const source::LoopBackStep* sustained(const BenchReport& report);
 
-/// For a scenario's firmware.stamp_err_us: no edge of the rates that were held was stamped later than this.
+/// Value for a scenario's firmware.stamp_err_us: no edge of the rates that were held was stamped later than
+/// this.
 struct StampBound {
   std::uint64_t edges{};
   std::uint32_t stamp_err_us{};  ///< Rounded up.
@@ -54,7 +55,7 @@ struct StampBound {
 /// nullopt: no rate was held.
 std::optional<StampBound> stampBound(const BenchReport& report);
 
-/// For people, and as JSON.
+/// Report for people, and as JSON.
 std::string benchText(const BenchReport& report);
 std::string benchJson(const BenchReport& report);
 

@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 double microseconds(double time_ns) { return 1e-3 * time_ns; }
 double microseconds(std::uint64_t time_ns) { return microseconds(static_cast<double>(time_ns)); }
 
-std::string lineText(const std::filesystem::path& chip, const source::LineWish& line) {
+std::string lineText(const std::filesystem::path& chip, const source::ChipLine& line) {
   return fmt::format("{} line {} ({})", chip.string(), line.offset, line.name);
 }
 
@@ -123,7 +123,7 @@ Json stepJson(const source::LoopBackStep& step) {
   return json;
 }
 
-Json lineJson(const std::filesystem::path& chip, const source::LineWish& line) {
+Json lineJson(const std::filesystem::path& chip, const source::ChipLine& line) {
   return {{"chip", chip.string()}, {"line", line.offset}};
 }
 

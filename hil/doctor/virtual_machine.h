@@ -6,8 +6,8 @@
 
 namespace kerfbench::doctor {
 
-/// By what this computer shows that it is a virtual machine, whose times are no machine's; empty: by nothing.
-/// `root`: of the file system.
+/// Sign by which this computer shows that it is a virtual machine, whose times are no machine's; empty: none.
+/// `root`: root of the file system.
 std::string virtualMachineSign(const std::filesystem::path& root = "/");
 
 }  // namespace kerfbench::doctor

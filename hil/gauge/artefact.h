@@ -10,15 +10,15 @@
 
 namespace kerfbench::gauge {
 
-/// What a cut can do wrong.
+/// Faults of a cut.
 enum class FaultKind {
   kOffset,    ///< All of it is shifted.
-  kBump,      ///< One line leaves its way over a short stretch and comes back.
+  kBump,      ///< One line leaves its path over a short stretch and comes back.
   kCorner,    ///< A corner is rounded (size > 0) or run over (size < 0).
   kEnd,       ///< A line ends too early (size > 0) or too late (size < 0).
   kScale,     ///< All of it is too large or too small, about the middle.
   kRotation,  ///< All of it is turned about the middle.
-  kWave,      ///< Every line sways about its way.
+  kWave,      ///< Every line sways about its path.
   kEntity,    ///< One line is shifted.
 };
 inline constexpr std::array kFaultKinds{FaultKind::kOffset, FaultKind::kBump,  FaultKind::kCorner,

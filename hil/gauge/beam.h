@@ -29,7 +29,7 @@ class ArtefactBeam {
 
   /// Covariance of the beam's light on the sheet, mm²: a 1/e² radius is two standard deviations.
   [[nodiscard]] Eigen::Matrix2d covariance_mm2() const;
-  /// By which the board's flutter moves the spot at a time.
+  /// Shift of the spot by the board's flutter at a time.
   [[nodiscard]] Eigen::Vector2d flutterShift_mm(double time_s) const;
 
  private:

@@ -13,13 +13,13 @@
 
 namespace kerfbench::gauge {
 
-/// What a case is sampled for.
+/// Purpose of a case.
 enum class Study {
-  kBad,          ///< A fault of every kind in turn, true worst deviation 55 … 120 µm.
-  kGood,         ///< The same, 0 … 40 µm.
-  kCoverage,     ///< Faults of every size, a corner and an end that are off besides.
-  kRepeat,       ///< One artefact as it lies: new noise alone.
-  kRelay,        ///< One artefact, laid down anew each time, elsewhere in the field.
+  kBad,          ///< Faults of every kind in turn, true worst deviation 55 … 120 µm.
+  kGood,         ///< Faults of every kind in turn, true worst deviation 0 … 40 µm.
+  kCoverage,     ///< Faults of every size, and errors of a corner and an end.
+  kRepeat,       ///< One artefact as it lies, with new noise.
+  kRelay,        ///< One artefact, laid down elsewhere in the field each time.
   kGrr,          ///< Parts x placements x repeats.
   kStill,        ///< Drifts of every size.
   kStillRepeat,  ///< One run, new noise alone.
@@ -31,7 +31,7 @@ inline bool watchesSpot(Study study) { return study == Study::kStill || study ==
 inline constexpr std::size_t kGrrParts = 10, kGrrPlacements = 3, kGrrRepeats = 3;
 inline constexpr double kBadFrom_mm = 0.055, kBadTo_mm = 0.12, kGoodTo_mm = 0.040;
 
-/// Which case; its name is all that it takes to repeat it with the same seed: "static-bad-17".
+/// Case by its study, preset and number; its name repeats it with the same seed: "static-bad-17".
 struct CaseId {
   twin::Preset preset{twin::Preset::kStatic};
   Study study{Study::kBad};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the instrument is claimed to be worth, against what was found.
+// Claims of the instrument against what was found.
 #include <algorithm>
 #include <cmath>
 

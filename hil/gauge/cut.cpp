@@ -231,7 +231,7 @@ void ArtefactCut::addArc(std::vector<Vector2d>& way) const {
   const Line& on = lines_[static_cast<std::size_t>(artefact_.corner_out)];
   const Cut cut = cutOfCorner();
   const double before_mm = beforeCorner();
-  // Fine, and one point on the bisector: the way's distance from the corner is told by its points.
+  // Fine steps, and one point on the bisector: the path's distance from the corner is that of its points.
   const int pieces =
       2 * std::max(2, static_cast<int>(std::ceil(cut.radius_mm * cut.turn_rad / (0.5 * kStep_mm))));
   const Vector2d begin = dieline::pointAt(in.entity->curve, 1.0) - before_mm * cut.tangent_in;

@@ -15,8 +15,8 @@
 
 namespace kerfbench::gauge {
 
-/// What is really so, by the geometry of the path and the optics of the beam alone; no camera has a part in
-/// it. In mm and in S, the frame of the printed marks, which are where the print says.
+/// Truth of a cut, by the geometry of the path and the optics of the beam alone; no camera has a part in it.
+/// In mm and in S, the frame of the printed marks, which are where the print says.
 ///
 /// The deviation of a line at a station is that of its kerf's middle along the nominal left normal. The
 /// middle is that of the light which falls there, from before and behind: the path's offset, averaged with
@@ -28,8 +28,8 @@ namespace kerfbench::gauge {
 /// Worst, RMS and circularity are of these deviations; circularity is the range about the least-squares
 /// circle. Width is the mean over the same stations of the distance between the two places across the kerf
 /// where half of the light comes through that does in its middle, over the board's. Rounding and overshoot
-/// say how far the beam's way passes inside of where its own legs would meet, or its legs run on beyond it; a
-/// gap how much too early a line ends.
+/// say how far the beam's path passes inside of where its own legs would meet, or its legs run on beyond it;
+/// a gap how much too early a line ends.
 struct EntityTruth {
   int entity{};
   double worst_mm{};  ///< Magnitude.
@@ -39,13 +39,13 @@ struct EntityTruth {
   std::vector<double> offset_mm{};  ///< Offset of each caliper of EntityKerf, judged or not.
 };
 struct CutTruth {
-  std::vector<EntityTruth> entities;  ///< In the order of the scan's.
+  std::vector<EntityTruth> entities;  ///< Entities in the order of the scan's.
   double worst_mm{};                  ///< Worst deviation of all lines.
   double rms_mm{};
   double rounding_mm{},
       overshoot_mm{};  ///< Rounding and overshoot of the corner, against where its legs as cut would meet.
-  double corner_mm{};  ///< Distance of its way and the nominal one (Hausdorff).
-  double corner_shift_mm{};  ///< By which faults of other kinds move it.
+  double corner_mm{};  ///< Distance of its path and the nominal one (Hausdorff).
+  double corner_shift_mm{};  ///< Shift of the corner by faults of other kinds.
   struct End {
     int entity{};
     bool at_start{};
@@ -63,8 +63,8 @@ class ArtefactCut {
   ArtefactCut(const Artefact& artefact, std::vector<Fault> faults, const ArtefactBeam& beam,
               std::uint64_t noise_seed);
 
-  /// With 1.6 times what cuts through in the middle of a line at the beam's nominal radius, half of it for a
-  /// crease, at 300 mm/s, entity by entity.
+  /// Burns with 1.6 times what cuts through in the middle of a line at the beam's nominal radius, half of it
+  /// for a crease, at 300 mm/s, entity by entity.
   void burn(twin::Sheet& sheet, double nominal_radius_mm) const;
   [[nodiscard]] CutTruth truth(const std::vector<vision::EntityKerf>& stations,
                                const twin::BoardDescription& board, double nominal_radius_mm) const;
@@ -75,8 +75,8 @@ class ArtefactCut {
   struct Line {
     const dieline::Entity* entity{};
     double length_mm{};
-    double start_gap_mm{}, end_gap_mm{};  ///< By which it is cut too short.
-    double start_s{};                     ///< When the beam is at its nominal start.
+    double start_gap_mm{}, end_gap_mm{};  ///< Length by which each end is cut too short.
+    double start_s{};                     ///< Time at which the beam is at its nominal start.
     std::vector<double> power{};          ///< Relative, of each step of the burn.
   };
 
@@ -96,9 +96,9 @@ class ArtefactCut {
     double turn_rad{}, radius_mm{};
   };
   [[nodiscard]] Cut cutOfCorner() const;
-  /// How far before the nominal corner the legs end; < 0: beyond it.
+  /// Distance before the nominal corner at which the legs end; < 0: beyond it.
   [[nodiscard]] double beforeCorner() const;
-  /// Goes on from the end of a way by the arc, if there is one.
+  /// Continues from the end of a path by the arc, if there is one.
   void addArc(std::vector<Eigen::Vector2d>& way) const;
   void burnWay(twin::Sheet& sheet, const std::vector<Eigen::Vector2d>& way, const Line& line,
                double from_s_mm, double energy_j_mm) const;
@@ -107,7 +107,7 @@ class ArtefactCut {
   std::vector<Fault> faults_;
   ArtefactBeam beam_;
   Eigen::Vector2d middle_mm_;
-  double reach_mm_{};  ///< From the middle to the farthest cut.
+  double reach_mm_{};  ///< Distance from the middle to the farthest cut.
   double corner_mm_{};
   std::vector<Line> lines_;
 };

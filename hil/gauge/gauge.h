@@ -31,7 +31,7 @@ struct GaugeOptions {
   int jobs{1};
 };
 
-/// How often an interval holds the truth.
+/// Rate at which an interval holds the truth.
 struct Coverage {
   std::string quantity;
   std::size_t cases{}, hits{}, missing{};  ///< missing: no number was measured.
@@ -100,16 +100,16 @@ struct Claim {
   enum class State { kHolds, kFails, kOpen };
   std::string preset;
   std::string what;
-  std::string measured;  ///< With its unit.
+  std::string measured;  ///< Value with its unit.
   std::string limit;
-  State state{State::kOpen};  ///< kOpen: too few cases to tell.
+  State state{State::kOpen};  ///< kOpen: too few cases to decide.
 };
 
 struct GaugeResult {
   std::vector<GaugeSection> sections;
   std::vector<Claim> claims;
   std::size_t kerf_cases{}, still_cases{};
-  /// No claim failed. Open ones do not count.
+  /// True where no claim failed. Open ones do not count.
   [[nodiscard]] bool holds() const;
 };
 

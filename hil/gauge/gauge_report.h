@@ -7,15 +7,16 @@
 
 namespace kerfbench::gauge {
 
-/// What a result was made with.
+/// Machine, cameras and command of a result.
 struct GaugeFacts {
-  std::string machine;                   ///< Its name.
+  std::string machine;                   ///< Name of the machine.
   std::string kerf_camera, spot_camera;  ///< Calibrations, in words.
-  std::string command;                   ///< That repeats it.
+  std::string command;                   ///< Command that repeats the result.
   std::string version;
 };
 
-/// The whole result, keys in a fixed order, lengths in mm to 1 nm; the same bytes for the same result.
+/// JSON of the whole result, keys in a fixed order, lengths in mm to 1 nm; the same bytes for the same
+/// result.
 std::string gaugeJson(const GaugeResult& result, const GaugeOptions& options, const GaugeFacts& facts);
 /// One self-contained page.
 std::string gaugeHtml(const GaugeResult& result, const GaugeOptions& options, const GaugeFacts& facts);

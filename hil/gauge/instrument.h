@@ -16,9 +16,9 @@
 
 namespace kerfbench::gauge {
 
-/// What is gauged: a machine's two cameras with their calibrations, and the judge behind them.
+/// Instrument to be gauged: a machine's two cameras with their calibrations, and the judge behind them.
 struct GaugeSetup {
-  twin::MachineDescription machine;  ///< As described.
+  twin::MachineDescription machine;  ///< Machine as described.
   twin::ImperfectionSpread spread;
   vision::CameraCalibration kerf_calibration, spot_calibration;
   twin::BoardDescription board;
@@ -33,14 +33,14 @@ struct SensorWindow {
 twin::CameraDescription windowOf(const twin::CameraDescription& camera, const SensorWindow& window);
 vision::CameraCalibration windowOf(const vision::CameraCalibration& calibration, const SensorWindow& window);
 
-/// How an artefact lies under the kerf camera.
+/// Pose of an artefact under the kerf camera.
 struct Placement {
   SensorWindow window;
   Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   Eigen::Isometry2d X_TS{Eigen::Isometry2d::Identity()};
 };
 
-/// What the bench makes of one picture of an artefact.
+/// Measurement of one picture of an artefact by the bench.
 struct KerfMeasurement {
   vision::KerfScan scan;
   inspect::InspectionResult result;

@@ -14,22 +14,22 @@
 
 namespace kerfbench::gauge {
 
-/// An artefact to be cut, all drawn from seeds.
+/// Artefact to be cut, sampled from seeds.
 struct KerfCase {
   std::string name;  ///< "static-bad-17"
   twin::Preset preset{twin::Preset::kStatic};
   std::vector<Fault> faults;
   std::uint64_t
       machine_seed{};  ///< Seed of the machine that the preset samples, and of where in its field it cuts.
-  std::uint64_t place_seed{};  ///< How it lies under the camera.
-  std::uint64_t board_seed{};  ///< Which piece of board.
+  std::uint64_t place_seed{};  ///< Pose under the camera.
+  std::uint64_t board_seed{};  ///< Number of the piece of board.
   std::uint64_t noise_seed{};  ///< Seed of the camera's noise.
 };
 
 /// Error of one caliper at its place in the camera's field.
 struct FieldError {
   Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};
-  Eigen::Vector2d normal{Eigen::Vector2d::UnitX()};  ///< In V.
+  Eigen::Vector2d normal{Eigen::Vector2d::UnitX()};  ///< Unit normal in V.
   double error_mm{};                                 ///< Along the normal.
 };
 
@@ -53,7 +53,7 @@ class KerfStudy {
   /// `setup` must outlive this.
   explicit KerfStudy(const GaugeSetup& setup);
   [[nodiscard]] KerfOutcome run(const KerfCase& test_case) const;
-  /// The same, with the picture and all that was measured.
+  /// Outcome with the picture and all that was measured.
   struct Whole {
     KerfOutcome outcome;
     GrayImage picture;
@@ -61,8 +61,8 @@ class KerfStudy {
     CutTruth truth;
   };
   [[nodiscard]] Whole runWhole(const KerfCase& test_case) const;
-  /// Scales the first fault until KerfOutcome::truth_mm is as told, to 0.1 µm; other faults and the machine's
-  /// flutter have a share in it.
+  /// Scales the first fault until KerfOutcome::truth_mm is as given, to 0.1 µm; other faults and the
+  /// machine's flutter have a share in it.
   void scaleTo(double truth_mm, KerfCase& test_case) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From cases to what they tell of the instrument.
+// Results of cases as findings about the instrument.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -51,9 +51,9 @@ TypeOne typeOne(const std::vector<double>& errors, double tolerance);
 /// out negative are zero; an interaction that is not significant is not pooled, as the two answers differ by
 /// less than either is known.
 struct Grr {
-  double repeatability{};         ///< EV, standard deviations all.
+  double repeatability{};         ///< EV; this and the next three are standard deviations.
   double reproducibility{};       ///< AV: placement, and its interaction with the part.
-  double grr{};                   ///< Both.
+  double grr{};                   ///< Repeatability and reproducibility together.
   double part{};                  ///< PV
   double percent_of_tolerance{};  ///< 100 · 6 GRR / T
   double percent_of_study{};      ///< 100 · GRR / TV

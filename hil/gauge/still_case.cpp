@@ -179,7 +179,7 @@ StillOutcome StillStudy::run(const StillCase& test_case) const {
   evidence.print = print_;
   evidence.spot = vision::trackSpot(frames, calibration, print_, {1, test_case.speed_mm_s});
   evidence.spot_calibration = calibration;
-  // Nobody looks at the kerf here; inspection wants to hear of every entity.
+  // No kerf is measured here, but inspection needs every entity.
   for (const dieline::Entity& e : dieline_.entities) evidence.kerf.entities.push_back({0, e.id, {}});
   const inspect::InspectionResult result = inspect::inspect(evidence, setup_.limits);
 

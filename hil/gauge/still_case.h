@@ -13,7 +13,7 @@
 namespace kerfbench::gauge {
 
 /// Three cuts of 12 mm across a running web, watched by the spot camera, the beam at rest on the web along x
-/// but for what is told here. All drawn from seeds.
+/// but for the faults here. All is sampled from seeds.
 ///
 /// What a preset changes: static, how askew the web runs (2 mrad) and by how much the encoder's scale makes
 /// the beam outrun it; dynamic, also the encoder's run-out and the board's flutter, which move the beam on
@@ -22,14 +22,14 @@ struct StillCase {
   std::string name;
   twin::Preset preset{twin::Preset::kStatic};
   struct Cut {
-    double drift_mm{};   ///< From the first to the last instant of the cut.
+    double drift_mm{};   ///< Interval from the first to the last instant of the cut.
     double offset_mm{};  ///< Offset of its middle.
     double sway_mm{};    ///< Amplitude of a sine of 1 … 3 waves.
   };
   std::vector<Cut> cuts;  ///< Three.
   double speed_mm_s{60.0};
   std::uint64_t machine_seed{};
-  std::uint64_t place_seed{};  ///< Where in the camera's field, and how the web lies.
+  std::uint64_t place_seed{};  ///< Place in the camera's field, and pose of the web.
   std::uint64_t board_seed{};
   std::uint64_t noise_seed{};
 };

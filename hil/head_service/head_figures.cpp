@@ -18,9 +18,9 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-constexpr double kLongest = 1.0 / 12.0;  // of the field's longer side
-constexpr int kLines = 11;               // of the grid, each way
-constexpr int kParts = 40;               // of a line
+constexpr double kLongest = 1.0 / 12.0;  // Largest drawn error, in the field's longer sides.
+constexpr int kLines = 11;               // Lines of the grid, each way.
+constexpr int kParts = 40;               // Parts of a line.
 constexpr int kBins = 30;
 
 double largestOf(const std::vector<PlaceError>& errors) {

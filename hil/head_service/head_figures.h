@@ -13,7 +13,7 @@
 
 namespace kerfbench::head_service {
 
-/// What the beam is off at a place where it was wanted.
+/// Error of the beam at a wanted place.
 struct PlaceError {
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d e_mm{Eigen::Vector2d::Zero()};
@@ -22,8 +22,8 @@ struct PlaceError {
 /// "9.19 mm", "6.2 µm"
 std::string lengthText(double mm);
 
-/// By how much errors are drawn larger: 1, 2 or 5 times a power of ten, so that the largest of them is less
-/// than a twelfth of the field's longer side. 1 where there is no error.
+/// Factor by which errors are drawn larger: 1, 2 or 5 times a power of ten, so that the largest is less than
+/// a twelfth of the field's longer side. 1 where there is no error.
 double exaggerationFor(double largest_mm, const Eigen::AlignedBox2d& field_W_mm);
 
 /// The field as the beam draws it, exaggerated: `error_mm` at any place, nullopt where it does not get to;
@@ -37,7 +37,7 @@ std::string deformedGrid(
 std::string errorArrows(const Eigen::AlignedBox2d& field_W_mm, const std::vector<PlaceError>& errors,
                         double limit_mm);
 
-/// How many places are off by how much, with the limit; empty for no errors.
+/// Histogram of the errors of places, with the limit; empty for no errors.
 std::string errorHistogram(const std::vector<PlaceError>& errors, double limit_mm);
 
 /// Errors along x and y, with the limit as a circle; empty for no errors.

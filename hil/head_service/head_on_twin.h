@@ -19,7 +19,8 @@ class HeadOnTwin {
   MeasuredSheet operator()(const SheetOrder& order) const;
 
   std::function<void(const std::string& sheet, double now_s, const std::string& what)> progress;
-  std::function<void(const std::string& sheet)> was_there;  ///< Hears of sheets that were measured before.
+  /// Callback for sheets that were measured before.
+  std::function<void(const std::string& sheet)> was_there;
 
  private:
   const HeadSetup* setup_;

@@ -17,14 +17,14 @@ namespace kerfbench::head_service {
 struct SheetOrder {
   calibrate::MarkJob job;
   int sheet{};  ///< Number of the sheet in this calibration, from 0.
-  int round{};  ///< Whose table it is: 0: the one that was at work before, if any.
+  int round{};  ///< Iteration of the table; 0: the one that was at work before, if any.
   std::optional<calibrate::AimGrid> table;  ///< The controller's.
 };
 /// Cuts a sheet and measures it.
 using CutAndMeasure = std::function<MeasuredSheet(const SheetOrder& order)>;
 
 struct HeadPlan {
-  std::vector<int> grids{3, 9, 17};  ///< Marks each way, one iteration each.
+  std::vector<int> grids{3, 9, 17};  ///< Marks along each side of the grid, one iteration each.
   int verify{400};         ///< Marks that verify a table, at places of their own; see verifySheets().
   double limit_mm{0.010};  ///< Largest error of any of them.
   std::string date;        ///< ISO 8601 day of the jobs.
@@ -41,11 +41,11 @@ FittedHead fitted(const std::vector<calibrate::HeadObservation>& observations, c
 
 struct HeadIteration {
   int grid{};
-  MeasuredSheet marks;                  ///< Cut with the table of the iteration before.
-  SheetErrors before;                   ///< Theirs.
-  FittedHead head;                      ///< By all marks so far but those that verify.
-  std::vector<MeasuredSheet> verified;  ///< Cut with head.table.
-  SheetErrors after;                    ///< Theirs; of no marks where nothing was verified.
+  MeasuredSheet marks;                  ///< Marks cut with the table of the iteration before.
+  SheetErrors before;                   ///< Errors of these marks.
+  FittedHead head;                      ///< Head fitted to all marks so far but those that verify.
+  std::vector<MeasuredSheet> verified;  ///< Sheets cut with head.table, to verify it.
+  SheetErrors after;               ///< Errors of the verified sheets; of no marks where nothing was verified.
   calibrate::StatedSpread spread;  ///< Spread of the marks that verify, compared with what is stated of them.
 
   /// The marks that verify are within the limit, and do not speak against what is stated of the table.
@@ -53,7 +53,7 @@ struct HeadIteration {
   [[nodiscard]] bool holds(double limit_mm) const { return within(limit_mm) && spread.holds(); }
 };
 
-/// Why it was the last iteration.
+/// Reason why this was the last iteration.
 enum class HeadEnd { kGood, kNoBetter, kGridsUsed, kNotVerified };
 
 struct HeadCalibration {
@@ -74,10 +74,10 @@ struct HeadCalibration {
 HeadCalibration calibrateHead(const HeadSetup& setup, const HeadPlan& plan, const CutAndMeasure& cut,
                               const std::function<void(const HeadIteration&)>& told);
 
-/// The same from one measured sheet, cut with the setup's table; nothing is verified.
+/// Calibrates from one measured sheet, cut with the setup's table; nothing is verified.
 HeadCalibration calibrateHeadOnce(const HeadSetup& setup, const MeasuredSheet& sheet);
 
-/// A job over the machine's field. @throws ConfigError for places that leave no room.
+/// Job over the machine's field. @throws ConfigError for places that leave no room.
 calibrate::MarkJob planSheet(const HeadSetup& setup, const HeadPlan& plan, const std::string& name,
                              const std::vector<Eigen::Vector2d>& places_mm, int first_number);
 

@@ -10,12 +10,12 @@
 
 namespace kerfbench::head_service {
 
-/// What a calibration has kept of a head: the marks from which its best table was made.
+/// Record of a calibration: the marks from which its best table was made.
 struct HeadRecord {
   std::vector<calibrate::HeadObservation> observations;
-  int iterations{};             ///< Whose grids they are.
-  double unmodelled_share{};    ///< As the calibration was told.
-  std::filesystem::path table;  ///< That was made of them.
+  int iterations{};             ///< Number of iterations whose grids these are.
+  double unmodelled_share{};    ///< Share that the calibration was configured with.
+  std::filesystem::path table;  ///< Table that was made of the observations.
 };
 
 /// Reads the results of `calibrate head`, on the twin or by hand: head.json and the sheets of the grids.

@@ -11,20 +11,20 @@ namespace kerfbench::head_service {
 
 /// A file that the calibration wrote.
 struct HeadFile {
-  std::string path;  ///< From the report's folder; absolute if it lies elsewhere.
+  std::string path;  ///< Path from the report's folder; absolute if it lies elsewhere.
   std::string what;
 };
 
-/// What the report tells besides the result.
+/// Facts of the report in addition to the result.
 struct HeadFacts {
   std::string machine;
   std::string command;
   std::string version;
   std::string camera;
-  std::string source;  ///< Where the pictures come from, in words.
+  std::string source;  ///< Source of the pictures, in words.
   double mark_size_mm{};
-  Eigen::AlignedBox2d field_W_mm;           ///< Where marks may lie.
-  double unmodelled_share{};                ///< As the fit was told.
+  Eigen::AlignedBox2d field_W_mm;           ///< Field in which marks may lie.
+  double unmodelled_share{};                ///< Share that the fit was configured with.
   std::optional<calibrate::AimGrid> table;  ///< The controller's before.
   std::vector<HeadFile> files;
 };

@@ -21,24 +21,25 @@ class HeadEvidenceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What is known of a head before anything is measured, and how its marks are made.
+/// Knowledge of a head before anything is measured, and of how its marks are made.
 struct HeadSetup {
-  std::filesystem::path machine;     ///< Its file, absolute.
+  std::filesystem::path machine;     ///< Absolute path of the machine file.
   std::string name;                  ///< Name of the machine.
   vision::CameraCalibration camera;  ///< Identity and calibration of the kerf camera.
   calibrate::NominalHead nominal;    ///< The controller's formula.
-  /// The data sheet: what the controller is told, and the drawing of the mirrors. Nothing of the lens but its
-  /// focal length.
+  /// Head by its data sheet, as the controller is configured, with the drawing of the mirrors, and of the
+  /// lens its focal length alone.
   calibrate::HeadDesign design;
   Eigen::AlignedBox2d controller_W_mm;  ///< The controller's whole field, which a table must cover.
-  Eigen::AlignedBox2d field_W_mm;  ///< Where centres of marks may lie: the rest of a mark stays in the above.
+  /// Field in which centres of marks may lie, so that whole marks stay in the field above.
+  Eigen::AlignedBox2d field_W_mm;
   double mark_size_mm{};
   double beam_radius_mm{};  ///< 1/e².
-  double off_mm{};          ///< The uncorrected beam may land this far beside; room is left for it.
+  double off_mm{};          ///< Largest error of the uncorrected beam, for which room is left.
   std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.
   std::filesystem::path table_file;         ///< Empty: none.
   std::string digest;                       ///< Digest of all files that say so.
-  /// What encoders, lens and board may do beyond the model, HeadTolerances::unmodelled_share.
+  /// Error of encoders, lens and board beyond the model, HeadTolerances::unmodelled_share.
   double unmodelled_share{calibrate::HeadTolerances{}.unmodelled_share};
 };
 

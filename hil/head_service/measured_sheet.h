@@ -20,7 +20,7 @@ namespace kerfbench::head_service {
 /// A mark that was found once.
 struct MeasuredMark {
   calibrate::WantedMark wanted;
-  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Where it lies.
+  Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};  ///< Measured place of the mark.
   /// Covariance of p_W_mm: its own, without that of the sheet's pose.
   Eigen::Matrix2d covariance_mm2{Eigen::Matrix2d::Identity()};
 
@@ -39,7 +39,7 @@ struct MeasuredSheet {
   std::vector<std::string> remarks;
 };
 
-/// How far the marks of one sheet or several lie beside where they were wanted.
+/// Distances of the marks of one sheet or several from where they were wanted.
 struct SheetErrors {
   std::size_t marks{};
   double max_mm{}, rms_mm{};
@@ -55,13 +55,13 @@ camera::TileFolder openPictures(const HeadSetup& setup, const std::filesystem::p
 /// used.
 MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& job, const HeadSetup& setup,
                            int threads);
-/// The same of a folder, which the message names. @throws ConfigError for pictures that cannot be read, or
-/// are of another camera's size.
+/// Finds them in the pictures of a folder, which the message names. @throws ConfigError for pictures that
+/// cannot be read, or are of another camera's size.
 MeasuredSheet measurePictures(const std::filesystem::path& folder, const calibrate::MarkJob& job,
                               const HeadSetup& setup, int threads);
 
-/// As the fit wants them: aims are what the controller made of the wanted places with its table. `number`: of
-/// the sheet, another one for each that is fitted together.
+/// Observations for the fit: aims are what the controller made of the wanted places with its table. `number`:
+/// number of the sheet, unique in a fit.
 /// @throws HeadEvidenceError for a mark outside of the table.
 std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& sheet,
                                                        const std::optional<calibrate::AimGrid>& table,
@@ -70,7 +70,7 @@ std::vector<calibrate::HeadObservation> observationsOf(const MeasuredSheet& shee
 /// Version of measuredText(); belongs into a digest of what was measured, so that what an older program wrote
 /// is measured again.
 inline constexpr int kMeasuredVersion = 2;
-/// As YAML; numbers read back to the last bit.
+/// YAML of a sheet; numbers read back to the last bit.
 std::string measuredText(const MeasuredSheet& sheet);
 /// nullopt if there is no file, or one with another digest. @throws ConfigError with everything that is wrong
 /// in one with this digest, each with file and line.

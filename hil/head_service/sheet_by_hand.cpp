@@ -130,7 +130,9 @@ std::string printSvg(const calibrate::MarkJob& job) {
 
 std::string firmwareOf(const fs::path& name) {
   if (name.empty()) return "";
-  const fs::path image = fs::exists(name) ? fs::absolute(name) : name;  // Else one of the bench's own.
+  const fs::path image = fs::exists(name)
+                             ? fs::absolute(name)
+                             : name;  // Path of the user's image, or the name of one of the bench's.
   if (image.extension() == ".hex")
     return fmt::format("{{source: avr, image: '{}', mcu: atmega2560, clock_hz: 16000000}}", image.string());
   return fmt::format("{{source: native, image: '{}', mcu: native}}", image.string());

@@ -54,7 +54,7 @@ class SheetByHand {
 /// The printed marks of a job's board, in mm, to be printed at 100 %.
 std::string printSvg(const calibrate::MarkJob& job);
 
-/// How a scenario names a release: an AVR image (.hex, ATmega2560) or a native one; empty stays empty.
+/// Release as a scenario names it: an AVR image (.hex, ATmega2560) or a native one; empty stays empty.
 std::string firmwareOf(const std::filesystem::path& name);
 
 }  // namespace kerfbench::head_service

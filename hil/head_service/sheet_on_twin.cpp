@@ -29,7 +29,7 @@ fs::path machineWith(const HeadSetup& setup, const SheetRequest& request) {
   return file;
 }
 
-/// The table beside the job: what is measured of it later needs to know what the head was aimed at.
+/// Table in the folder of the job: what is measured of it later needs to know what the head was aimed at.
 void keepTable(const SheetRequest& request) {
   const fs::path kept = request.folder / kSheetTable;
   if (request.table.empty()) {
@@ -92,7 +92,7 @@ run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, 
 camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& bench,
                                      const scenario::Case& test_case, run::CutSheet& cut, int sheet,
                                      double turn_rad) {
-  // Another sheet lies otherwise on the table, and its pictures have another noise.
+  // Seed by the sheet: each lies otherwise on the table, and its pictures have noise of their own.
   scenario::Case camera = test_case;
   camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
   camera::TwinTileOptions options = tileOptions(setup, bench);
@@ -116,7 +116,7 @@ SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const Sh
     camera::writeTiles(source, request.folder / "pictures");
   }
   auto source = tiles();
-  // The job as its file has it, rounded: so that the pictures alone tell the same later.
+  // Job as its file has it, rounded, so that the pictures alone give the same result later.
   SheetOnTwin sheet{
       measureSheet(source, calibrate::readMarkJob(request.folder / kSheetJob), setup, bench.threads), false};
   sheet.measured.digest = digest;

@@ -16,20 +16,20 @@ namespace kerfbench::head_service {
 
 /// The machine that cuts, and how.
 struct TwinBench {
-  std::uint64_t seed{1};  ///< Draws the machine.
+  std::uint64_t seed{1};  ///< Seed by which the machine is sampled.
   twin::Preset imperfections{twin::Preset::kStatic};
   twin::Fidelity fidelity{twin::Fidelity::kFast};
   std::filesystem::path bin_dir;
-  std::string firmware{};  ///< As a scenario names it; empty: that of MarkCutting.
-  bool keep_pictures{};    ///< In folder `pictures` beside the job.
+  std::string firmware{};  ///< Firmware as a scenario names it; empty: that of MarkCutting.
+  bool keep_pictures{};    ///< Keeps the pictures in the folder `pictures` next to the job.
   int threads{1};
 };
 
 struct SheetRequest {
   calibrate::MarkJob job;
   int sheet{};  ///< Number of the sheet in this calibration; each has pictures with noise of its own.
-  std::filesystem::path folder;  ///< For the files of this sheet.
-  std::filesystem::path table;   ///< That the controller uses; empty: none.
+  std::filesystem::path folder;  ///< Folder for the files of this sheet.
+  std::filesystem::path table;   ///< Table that the controller uses; empty: none.
 };
 
 /// The scenario that cuts the job with that table, put into the folder with all its files: the job, its
@@ -58,7 +58,8 @@ run::CutSheet cutSheet(const scenario::Case& test_case, const TwinBench& bench, 
 
 /// The files of a sheet in its folder.
 inline constexpr const char* kSheetJob = "marks.yaml";
-inline constexpr const char* kSheetTable = "table.csv";  ///< That it was cut with; not there: none.
+/// Table that the sheet was cut with; no file: none.
+inline constexpr const char* kSheetTable = "table.csv";
 inline constexpr const char* kSheetMeasured = "measured.yaml";
 
 }  // namespace kerfbench::head_service

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "hil/calibrate/marks/field_marks.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::head_service {
 namespace {
@@ -24,18 +25,18 @@ Isometry2d turnOf(const calibrate::MarkJob& job, double turn_deg) {
          Translation2d(-print.center());
 }
 
-/// The printed marks of a square board fit turned by a quarter too, but for the odd ones: the cut marks tell.
+/// The printed marks of a square board fit turned by a quarter too, but for the odd ones: the cut marks
+/// decide.
 void refuseOtherTurn(const calibrate::MarkedField& field, const calibrate::MarkJob& job,
                      const Isometry2d& X_US, const HeadSetup& setup, const std::string& name) {
   std::vector<double> off_mm;
   for (const calibrate::MarkPoint& point : field.points)
     off_mm.push_back((X_US.inverse() * point.cut.p_S_mm - job.wanted_S_mm(point.wanted)).norm());
-  const auto middle = off_mm.begin() + static_cast<std::ptrdiff_t>(off_mm.size() / 2);
-  std::ranges::nth_element(off_mm, middle);
-  if (*middle <= setup.off_mm) return;
+  const double median_mm = upperMedianIn(off_mm);
+  if (median_mm <= setup.off_mm) return;
   throw HeadEvidenceError(fmt::format(
       "job {}, {}: the marks lie {:.1f} mm from where they should, in the median: the sheet is not turned so",
-      job.name, name, *middle));
+      job.name, name, median_mm));
 }
 
 }  // namespace

@@ -15,9 +15,9 @@ namespace kerfbench::head_service {
 
 /// A sheet as the camera sees it on its table T, laid turned about the middle of its printed marks.
 struct TurnedView {
-  calibrate::SheetView marks;                             ///< Places in T.
-  Eigen::Isometry2d X_TS{Eigen::Isometry2d::Identity()};  ///< By its printed marks.
-  std::size_t pictures{};                                 ///< Tiles that the view is made of.
+  calibrate::SheetView marks;                             ///< Marks by their places in T.
+  Eigen::Isometry2d X_TS{Eigen::Isometry2d::Identity()};  ///< Pose of the sheet, by its printed marks.
+  std::size_t pictures{};                                 ///< Number of tiles of the view.
   std::vector<std::string> remarks;
 };
 

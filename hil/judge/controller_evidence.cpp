@@ -49,7 +49,7 @@ void collectControllerEvidence(const scenario::Case& test_case, const run::Prepa
   }
   const controller::PulseCounter pins(recording, test_case.machine.signals);
   const controller::UartListener ear(recording);
-  conclusion.words.account = pins.accountBeside(
+  conclusion.words.account = pins.compareWithReport(
       ear.account(),
       {static_cast<double>(firmware.baud), firmware.gpio.uart.empty() ? 0.0 : firmware.gpio.uart_delay_s});
   const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;

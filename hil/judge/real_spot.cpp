@@ -12,6 +12,7 @@
 #include "hil/camera/v4l2/light_clock.h"
 #include "hil/camera/v4l2/v4l2_frames.h"
 #include "hil/vision/spot/light_seen.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::judge {
 namespace {
@@ -59,11 +60,7 @@ Survey surveyOf(const std::filesystem::path& folder, const scenario::SpotCameraC
       survey.lights.push_back({frames[i].start_s, light[i]});
     }
   }
-  if (!periods_s.empty()) {
-    const auto middle = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
-    std::ranges::nth_element(periods_s, middle);
-    survey.period_s = *middle;
-  }
+  if (!periods_s.empty()) survey.period_s = upperMedianIn(periods_s);
   survey.report = source.report();
   return survey;
 }

@@ -7,7 +7,7 @@
 
 namespace kerfbench::live {
 
-/// As captureCase(), by the logic analyser that the case names.
+/// Captures as captureCase() does, by the logic analyser that the case names.
 /// @throws InputError if the analyser cannot be had: which, where, and what there is.
 source::PinCapture captureAnalyserCase(const scenario::Case& test_case, source::AnalyserSystem& analysers,
                                        base::Console& console);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Before the pins are heard: what is heard is cut out of the time limit, and a tail is added.
+/// Check before the capture, whose recording is cut out of the time limit, with a tail.
 void requireRoomForSession(const scenario::Scenario& scenario) {
   const std::uint64_t rate_hz = scenario.firmware.analyser.samplerate_hz;
   const double most_samples =
@@ -53,7 +53,7 @@ scenario::Case readPinCase(const CaptureOptions& options) {
   return test_case;
 }
 
-/// Why there is none, or empty. The job is over: what else was heard is to be kept.
+/// Reason why there is none, or empty. The job is over, so the rest of the capture is kept.
 std::string writeSession(const fs::path& path, const source::PinRecording& recording, const SignalMap& map) {
   try {
     source::writeSr(path, recording, map);
@@ -79,7 +79,7 @@ int captureOnPins(const RealPins& pins, const CaptureOptions& options) {
   const scenario::Case test_case = readPinCase(options);
   const std::string& name = test_case.scenario.name;
   console.say(fmt::format("{}: {}", name, test_case.scenario.title));
-  // Before the pins are heard: whoever has started a job wants to keep it.
+  // Check before the capture: whoever has started a job wants to keep it.
   const fs::path out = outFolder(options, name);
   judge::ResultsFolder folder(out.parent_path(), out.filename().string());
   const bool has_camera = test_case.scenario.cameras.spot.is_real;

@@ -8,12 +8,12 @@
 
 namespace kerfbench::live {
 
-/// How pins are recorded without model and verdict.
+/// Options of a recording of pins without model and verdict.
 struct CaptureOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;           ///< Folder; empty: results/NAME-capture.
   std::optional<double> time_limit_s;  ///< Real; instead of the scenario's.
-  bool session{};                      ///< pins.sr beside pins.vcd.
+  bool session{};                      ///< Writes pins.sr in addition to pins.vcd.
   bool quiet{};
   std::filesystem::path bin_dir;
 };

@@ -13,14 +13,14 @@
 
 namespace kerfbench::live {
 
-/// What a live run leaves.
+/// Result of a live run.
 struct LivePins {
   /// Sensors as they were driven, and the UART, included; what the dialog left unproven is a problem of it.
   source::PinCapture captured;
   source::LagMeter lag, switch_lag;  ///< Lag of the driven edges behind their plan; see GpioLiveRecord.
 };
 
-/// How many edges were driven and how late, for people.
+/// Number and lateness of the driven edges, for people.
 std::string drivenWords(const LivePins& live);
 
 /// Runs a case on real pins while a model of the machine drives the controller's inputs, and talks to the

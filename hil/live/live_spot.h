@@ -12,8 +12,8 @@
 
 namespace kerfbench::live {
 
-/// The real spot camera of a run on real pins, if the case has one: recorded from here until finish(), beside
-/// the results.
+/// The real spot camera of a run on real pins, if the case has one: recorded from here until finish(), in the
+/// folder of the results.
 class LiveSpot {
  public:
   /// @throws as openSpotCamera() for a camera that cannot be had, std::system_error.
@@ -21,7 +21,7 @@ class LiveSpot {
   /// Ends the recording and names it to the conclusion, which takes it into the results. This must live until
   /// then.
   void finish(judge::Conclusion& conclusion, base::Console& console);
-  /// Where the frames are while nobody has taken them; empty for a case without such a camera.
+  /// Folder of the frames until somebody takes them; empty for a case without such a camera.
   [[nodiscard]] std::filesystem::path frames() const;
 
  private:
@@ -30,16 +30,16 @@ class LiveSpot {
 };
 
 /// The recording that a replay of a case with a real spot camera judges: `frames`, or where that is empty the
-/// folder beside the pins. Empty for a case without such a camera. @throws InputError where there is none, or
-/// one too many.
+/// folder next to the pins. Empty for a case without such a camera. @throws InputError where there is none,
+/// or one too many.
 std::filesystem::path framesOfReplay(const scenario::Case& test_case, const std::filesystem::path& pins,
                                      const std::filesystem::path& frames);
 
 /// @throws InputError for a case whose pins are emulated: a real camera sees nothing of them.
 void refuseRealCamera(const scenario::Case& test_case);
 
-/// Before a sheet is cut. @throws InputError for a case whose kerf pictures are there already: they are of an
-/// earlier sheet, and would pass this one.
+/// Check before a sheet is cut. @throws InputError for a case whose kerf pictures are there already: they are
+/// of an earlier sheet, and would pass this one.
 void refuseKerfPictures(const scenario::Case& test_case);
 
 }  // namespace kerfbench::live

@@ -10,10 +10,10 @@
 
 namespace kerfbench::live {
 
-/// What came, and what is worth knowing.
+/// Report of the capture, with its circumstances.
 void tellCapture(const source::PinCapture& captured, base::Console& console);
 
-/// Records the real pins that the case names, and tells the user when to start the job, and what came.
+/// Records the real pins that the case names, and prints when to start the job, and a report of the capture.
 /// @throws InputError if the pins cannot be had: who, where, and what to do.
 source::PinCapture captureCase(const scenario::Case& test_case,
                                const std::shared_ptr<source::GpioSystem>& system,

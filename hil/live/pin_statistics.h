@@ -11,20 +11,21 @@
 
 namespace kerfbench::live {
 
-/// What one line did in a recording.
+/// Statistics of one line in a recording.
 struct LineStatistics {
   Signal signal{};
   std::uint64_t edges{};
-  double shortest_s{std::numeric_limits<double>::infinity()};  ///< Between two edges; infinite below two.
+  /// Shortest time between two edges; infinite below two.
+  double shortest_s{std::numeric_limits<double>::infinity()};
   double peak_hz{};  ///< Most edges in a millisecond that begins with one, per second.
 };
 
-/// What a recording of a controller's outputs holds, for people who look whether all is wired.
+/// Statistics of a controller's outputs in a recording, for people who look whether all is wired.
 struct PinStatistics {
   std::vector<LineStatistics> lines;  ///< One for each output of the map.
   std::uint64_t edges{};
   double span_s{};             ///< First to last edge.
-  double longest_silence_s{};  ///< Between two edges of any line.
+  double longest_silence_s{};  ///< Longest time between two edges of any line.
 };
 
 PinStatistics pinStatistics(const source::PinRecording& recording, const SignalMap& map);

@@ -15,17 +15,17 @@
 
 namespace kerfbench::live {
 
-/// The ways to a controller's real pins; tests script them.
+/// Access to a controller's real pins; tests script it.
 struct RealPins {
   std::shared_ptr<source::GpioSystem> gpio;
   std::function<source::GpioChipList()> chips;
   std::shared_ptr<source::SerialSystem> serial;
   std::shared_ptr<source::AnalyserSystem> analysers;
 };
-/// Those of this computer. `bin_dir`: where kerfbench's children are.
+/// Pins of this computer. `bin_dir`: folder of kerfbench's children.
 RealPins realPins(const std::filesystem::path& bin_dir);
 
-/// Where a scenario on real pins gets them from, for people.
+/// Name for people of the pins that a scenario uses.
 std::string pinsName(const scenario::FirmwareChoice& firmware);
 
 /// Records the pins that a case on real pins names, and drives none. @throws InputError as captureCase().

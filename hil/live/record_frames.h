@@ -8,13 +8,13 @@
 
 namespace kerfbench::live {
 
-/// How the spot camera is recorded by itself.
+/// Options of a recording of the spot camera alone.
 struct RecordFramesOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;
   std::uint64_t frames{};     ///< 0: until it ends, by time or by itself.
-  double time_limit_s{60.0};  ///< From the first frame on.
-  double wait_s{10.0};        ///< For the first frame.
+  double time_limit_s{60.0};  ///< Length of the recording from the first frame on.
+  double wait_s{10.0};        ///< Time to wait for the first frame.
   bool quiet{};
   std::filesystem::path bin_dir;
 };

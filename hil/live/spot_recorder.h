@@ -25,8 +25,7 @@ struct OpenSpotCamera {
 /// permission, a format or a setting that it has not or makes another of. Each with file and line.
 OpenSpotCamera openSpotCamera(const scenario::Case& test_case, camera::VideoCalls& calls);
 
-/// How the camera of a case is to be recorded: one that a trigger drives may be silent for as long as it
-/// likes.
+/// Options for the camera of a case: one that a trigger drives may be silent for any time.
 camera::RecordOptions recordOptions(const OpenSpotCamera& open);
 
 /// Records the spot camera of a case in the background while something else is going on (pins are captured).

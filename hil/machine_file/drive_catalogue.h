@@ -16,16 +16,16 @@ namespace kerfbench::machine_file {
 inline constexpr double kMicro = 1e-6;
 inline constexpr double kMilli = 1e-3;
 
-/// What the data sheet of a galvo promises, with its mirror. Mechanical angles.
+/// Data sheet of a galvo with its mirror. Mechanical angles.
 struct GalvoDataSheet {
   double small_angle_rad{};  ///< Amplitude of the small step and of the small sine.
   double small_step_s{};     ///< Time in which a step by that angle settles.
   double small_sine_hz{};    ///< Bandwidth at that angle: not more than 3 dB are lost.
   double full_angle_rad{};   ///< Amplitude of full travel.
-  double full_sine_hz{};     ///< Sine that is followed over full travel,
-  double half_sine_hz{};     ///< and over half of it.
-  double full_square_hz{};   ///< Square wave that is followed over full travel,
-  double half_square_hz{};   ///< and over half of it.
+  double full_sine_hz{};     ///< Frequency of a sine that is followed over full travel.
+  double half_sine_hz{};     ///< Frequency of a sine that is followed over half of the travel.
+  double full_square_hz{};   ///< Frequency of a square wave that is followed over full travel.
+  double half_square_hz{};   ///< Frequency of a square wave that is followed over half of the travel.
   double repeatability_rad{};
 };
 
@@ -48,7 +48,7 @@ struct StepperProfile {
 
 /// Data sheets of drives, by name.
 struct DriveCatalogue {
-  std::map<std::string, DriverProfile> drivers;  ///< What PUL/DIR inputs ask of their pulses.
+  std::map<std::string, DriverProfile> drivers;  ///< Requirements of PUL/DIR inputs on their pulses.
   std::map<std::string, ServoProfile> servos;
   std::map<std::string, StepperProfile> steppers;
   std::vector<base::YamlReader::Asked> keys;
@@ -60,7 +60,7 @@ DriveCatalogue readCatalogue(const std::filesystem::path& path);
 
 /// Reads the keys of a servo; what is not given is as in `known`, if any, else required or at its default.
 ServoProfile readServo(base::YamlReader& section, const ServoProfile* known, bool with_motor);
-/// The same of a stepper.
+/// Reads the keys of a stepper, in the same manner as those of a servo.
 StepperProfile readStepper(base::YamlReader& section, const StepperProfile* known);
 
 }  // namespace kerfbench::machine_file

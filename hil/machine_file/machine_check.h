@@ -8,8 +8,8 @@ namespace kerfbench::machine_file {
 /// Refuses a machine that the twin cannot run with this web.
 /// @throws ConfigError with every fault, each at the file and line of the key that it names, if it names one.
 void refuseUnfit(const MachineFile& file, const twin::WebDescription& web);
-/// The same of a machine without a scenario, with a web that the line moves, and one that its feed moves if
-/// it has one.
+/// Refuses a machine that the twin cannot run with a web that the line moves or, if it has a feed, with one
+/// that the feed moves.
 void refuseUnfit(const MachineFile& file);
 
 }  // namespace kerfbench::machine_file

@@ -13,11 +13,12 @@
 
 namespace kerfbench::machine_file {
 
-/// What a machine file says of a camera for the bench, which knows it by its calibration alone.
+/// Camera in a machine file, as the bench knows it: by its calibration alone.
 struct CameraFile {
   std::string id;                     ///< Serial number or name.
   std::filesystem::path calibration;  ///< Absolute; it need not be there.
-  bool named_here{};  ///< By this machine's own file, or its default; not by one that it extends.
+  bool named_here{};  ///< True where this machine's own file or its default names it; false for a file that
+                      ///< it extends.
 };
 
 /// A machine file, read and checked. docs/reference/machine.md explains every key.
@@ -30,8 +31,9 @@ struct MachineFile {
   /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,
   /// or the file, where there is no such key.
   [[nodiscard]] std::string placeOf(const std::string& field) const;
-  std::map<std::string, std::string> places;  ///< "file:line" of every key asked for, of every section.
-  std::set<std::string> given;                ///< Those of them that the file gives.
+  /// Place ("file:line") of every key asked for and of every section.
+  std::map<std::string, std::string> places;
+  std::set<std::string> given;  ///< Keys of `places` that the file gives.
 };
 
 /// Drives are named in the machine and looked up in the catalogue that its `drivers` names.

@@ -63,7 +63,7 @@ twin::LaserDescription readLaser(base::YamlReader laser) {
 twin::PowerMonitorDescription readPowerMonitor(base::YamlReader monitor) {
   twin::PowerMonitorDescription result;
   result.quantum_j = kMilli * monitor.number("quantum_mj", {.min = 0.01, .max = 1e5, .fallback = 5.0});
-  // Not below the lockstep's quantum: its edges are told to the controller one quantum ahead.
+  // Not below the lockstep's quantum: the controller gets its edges one quantum ahead.
   result.delay_s = kMilli * monitor.number("delay_ms", {.min = 0.5, .max = 1000, .fallback = 1.0});
   result.scale = monitor.number("scale", {.min = 0.1, .max = 10, .fallback = 1.0});
   return result;

@@ -20,7 +20,7 @@ inline constexpr double kPercent = 0.01;
 SignalMap readPins(base::YamlReader pins, twin::MachineDescription::Kind kind);
 std::optional<twin::FrameDescription> readFrame(base::YamlReader& file);
 
-/// What an axis moves: a mirror (rad, kg m²), a slide (mm, kg), or the belt's roller (rad; steps in mm of the
+/// Load of an axis: a mirror (rad, kg m²), a slide (mm, kg), or the belt's roller (rad; steps in mm of the
 /// belt).
 enum class Load { kMirror, kSlide, kBelt };
 /// `roller_…`: of the belt, for Load::kBelt alone.
@@ -36,7 +36,7 @@ twin::LaserDescription readLaser(base::YamlReader laser);
 twin::PowerMonitorDescription readPowerMonitor(base::YamlReader monitor);
 /// `timed`: the spot camera, which takes frame after frame.
 twin::CameraDescription readCamera(base::YamlReader& camera, bool timed);
-/// What makes its pictures as hard as real ones; all of it off by default.
+/// Imperfections that make pictures as hard as real ones; all of them off by default.
 void readCameraFlaws(base::YamlReader& camera, bool timed, twin::CameraDescription& result);
 twin::ControllerDescription readController(base::YamlReader told, twin::MachineDescription::Kind kind);
 twin::ImperfectionSpread readSpread(base::YamlReader section);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/text.h"
 #include "hil/report/run_report.h"
 #include "twin/base/image.h"
 
@@ -17,8 +18,7 @@ namespace kerfbench::report {
 /// A table of a report ends after so many rows.
 inline constexpr std::size_t kMostRows = 100;
 
-/// Escapes text for HTML and attribute values; bytes that are not UTF-8 text are the caller's matter.
-std::string escapeHtml(std::string_view text);
+using base::escapeHtml;
 std::string base64(std::string_view bytes);
 /// "data:image/png;base64,…"
 std::string pngDataUri(const GrayImage& image);

@@ -6,13 +6,13 @@
 #include <bit>
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/program/link.h"
+#include "hil/base/file_content.h"
 #include "hil/source/line_ok.h"
 
 namespace kerfbench::run {
@@ -37,9 +37,9 @@ class TalkerDialog final : public Dialog {
 };
 
 std::string textOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::optional<std::string> text = base::fileContent(path);
+  if (!text) throw std::system_error(errno, std::generic_category(), "cannot read " + path.string());
+  return *std::move(text);
 }
 
 // Steps of one axis in an operation.

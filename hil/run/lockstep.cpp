@@ -132,7 +132,7 @@ class Lockstep {
   /// Keeps what the controller said, and answers it.
   void talk() {
     const double now_s = info_.rate.seconds(now_);
-    if (!batch_.uart.empty()) result_.recording.uart.push_back({batch_.uart_heard, batch_.uart});
+    if (!batch_.uart.empty()) result_.recording.uart.push_back({batch_.uart_received, batch_.uart});
     if (dialog_ == nullptr || finishing_) return;
     auto answer = dialog_->step(batch_.uart, now_s);
     if (options_.provocation != nullptr) answer = options_.provocation->toController(answer, now_s);
@@ -140,7 +140,7 @@ class Lockstep {
     finishing_ = dialog_->state() != Dialog::State::kBusy;
     if (dialog_->state() == Dialog::State::kFailed) {
       result_.dialog.reason = fmt::format("at {:.3f} s: {}", now_s, dialog_->message());
-      result_.dialog.time_s = info_.rate.seconds(batch_.uart_heard);
+      result_.dialog.time_s = info_.rate.seconds(batch_.uart_received);
     }
     // A whole number of quanta, so that a replay of the recording steps the twin through the same instants.
     if (finishing_)

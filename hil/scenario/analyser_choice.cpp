@@ -64,13 +64,13 @@ std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescriptio
 
 source::AnalyserCaptureOptions captureOptions(const AnalyserChoice& choice) {
   source::AnalyserCaptureOptions options;
-  options.wish.driver = choice.driver;
-  options.wish.conn = choice.conn;
-  options.wish.serial = choice.serial;
-  options.wish.samplerate_hz = choice.samplerate_hz;
-  options.wish.settings = choice.settings;
+  options.request.driver = choice.driver;
+  options.request.conn = choice.conn;
+  options.request.serial = choice.serial;
+  options.request.samplerate_hz = choice.samplerate_hz;
+  options.request.settings = choice.settings;
   for (const PinLine& line : choice.lines) {
-    options.wish.channels.push_back(line.line);
+    options.request.channels.push_back(line.line);
     options.signals.push_back(line.signal);
   }
   options.quiet_s = choice.quiet_s;

@@ -22,7 +22,7 @@ struct AnalyserChoice {
   std::uint64_t samplerate_hz{};
   std::string rate_place;
   std::vector<std::pair<std::string, std::string>> settings;  ///< Settings of the driver, by sigrok's names.
-  std::vector<PinLine> lines;                                 ///< By names of channels.
+  std::vector<PinLine> lines;                                 ///< Lines by the names of their channels.
   double quiet_s{};
 };
 
@@ -30,20 +30,21 @@ struct AnalyserChoice {
 /// the worst, and its width is known to a third.
 inline constexpr double kLeastSamples = 4.0;
 
-/// What is wrong goes to the reader.
+/// Reads the choice; faults go to the reader.
 AnalyserChoice readAnalyserChoice(base::YamlReader& firmware);
 
 /// A drive of the machine whose shortest pulses (width, space) have less than kLeastSamples at a rate.
 struct SlowRate {
   Signal pul{};
-  std::string words;  ///< Which rate is enough.
+  std::string words;  ///< Sentence on the rate that is enough.
 };
 std::vector<SlowRate> tooSlowFor(const twin::MachineDescription& machine, std::uint64_t samplerate_hz);
 
-/// As faultsOf() of lines, and a rate that is too low for the pulses (width, space) of a drive that is heard.
+/// Faults of the lines, and of a rate that is too low for the pulses (width, space) of a drive that is
+/// captured.
 std::string faultsOf(const AnalyserChoice& choice, const twin::MachineDescription& machine);
 
-/// What captureAnalyser() needs, but for its time limit and what must be low at the start.
+/// Options of captureAnalyser() but for its time limit and the signals that must be low at the start.
 source::AnalyserCaptureOptions captureOptions(const AnalyserChoice& choice);
 
 }  // namespace kerfbench::scenario

@@ -115,7 +115,7 @@ std::string placeOfSetting(const SpotCameraChoice& choice, const std::string& se
 CameraChoice readCameraChoice(base::YamlReader cameras) {
   CameraChoice choice;
   choice.spot = readSpot(cameras.section("spot"));
-  // A model's kerf beside a real spot must be meant.
+  // Kerf of a model with a real spot: only on purpose.
   if (choice.spot.is_real && !cameras.has("kerf"))
     cameras.fault(
         "spot",

@@ -17,10 +17,10 @@ namespace kerfbench::scenario {
 /// A real camera as a scenario names it (`cameras: {spot: {source: v4l2, …}}`). Size and calibration are the
 /// machine file's.
 struct SpotCameraChoice {
-  bool is_real{};      ///< Else it is the twin's, and the rest says nothing.
-  std::string device;  ///< Path, the driver's name of it, or its bus.
+  bool is_real{};      ///< False: the twin's camera, and the other fields mean nothing.
+  std::string device;  ///< Path of the device, its name by the driver, or its bus.
   camera::CameraSettings settings;
-  double lit_s{};  ///< How long light falls on a frame: the exposure, or the strobe that is shorter.
+  double lit_s{};  ///< Time for which light falls on a frame: the exposure, or a strobe that is shorter.
   bool is_triggered{};
   bool sensor_has_noise{true};
   double stamp_jitter_s{};  ///< A stamp is off by at most this.
@@ -30,7 +30,7 @@ struct SpotCameraChoice {
   std::string place;                          ///< Place of the device.
 };
 
-/// Where the kerf's pictures come from.
+/// Source of the kerf's pictures.
 struct KerfCameraChoice {
   std::filesystem::path tiles;  ///< A folder with tiles.yaml; empty: the twin takes them.
   std::string place;            ///< "file:line: cameras.kerf.folder", where there is one.
@@ -41,15 +41,14 @@ struct CameraChoice {
   KerfCameraChoice kerf;
 };
 
-/// What is wrong goes to the reader.
+/// Reads the choice; faults go to the reader.
 CameraChoice readCameraChoice(base::YamlReader cameras);
 
 /// Path of the device that a scenario names. @throws ConfigError with file and line: no such camera, or
 /// several.
 std::string findCamera(const SpotCameraChoice& choice, std::span<const camera::CameraListing> cameras);
 
-/// What the device refused, and what it made something else of, one fault a line with file and line; empty:
-/// nothing.
+/// Settings that the device refused or changed, one fault a line with file and line; empty: nothing.
 std::string faultsOf(const SpotCameraChoice& choice, std::span<const camera::SettingFault> faults);
 std::string faultsOf(const SpotCameraChoice& choice, const camera::CameraSetup& setup);
 

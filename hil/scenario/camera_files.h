@@ -16,11 +16,11 @@ namespace kerfbench::scenario {
 /// one that was moved, has another.
 std::string cameraFingerprint(const twin::CameraDescription& camera);
 
-/// What the bench knows of its cameras.
+/// Cameras as the bench knows them.
 struct BenchCameras {
   std::optional<vision::CameraCalibration> spot, kerf;  ///< Absent where there is a problem.
-  std::vector<std::string> problems;                    ///< Why, and what mends it; each makes a run INVALID.
-  std::vector<std::pair<std::string, std::string>> facts;  ///< For the report: camera, calibration.
+  std::vector<std::string> problems;  ///< Reasons not to use them, with the remedy; each makes a run INVALID.
+  std::vector<std::pair<std::string, std::string>> facts;  ///< Lines for the report: camera, calibration.
 };
 
 /// Reads the calibrations that the machine file names. Refused are a file that is missing or cannot be read;

@@ -14,9 +14,10 @@ namespace kerfbench::scenario {
 /// A scenario with all files that it names, read and checked.
 struct Case {
   Scenario scenario;
-  twin::MachineDescription machine;  ///< As described; sampledMachine() is the one that runs.
+  twin::MachineDescription machine;  ///< Machine as described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
-  machine_file::CameraFile spot_camera, kerf_camera;  ///< What the bench is told of them: id and calibration.
+  machine_file::CameraFile spot_camera,
+      kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
   dieline::Dieline dieline;
 };
 
@@ -28,14 +29,14 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
 void refuseUnwired(const Case& test_case);
 
 /// The machine that runs: around its description, as far as the scenario's preset and seed take it.
-/// @throws ConfigError if the seed draws a machine that the twin cannot run.
+/// @throws ConfigError if the seed gives a machine that the twin cannot run.
 twin::SampledMachine sampledMachine(const Case& test_case);
 
-/// What the planner is told of the machine.
+/// Machine as the planner is configured with it.
 planner::MachineParameters plannerMachine(const Case& test_case);
-/// What the planner is told of the job; the web's start included.
+/// Job as the planner is configured with it, the web's start included.
 planner::JobParameters plannerJob(const Case& test_case);
-/// What runs through the machine.
+/// Web that runs through the machine.
 twin::WebDescription webOf(const Case& test_case);
 
 }  // namespace kerfbench::scenario

@@ -36,7 +36,7 @@ struct GpioChoice {
   std::optional<double> max_lag_s;  ///< Most that an edge is driven late; absent: from the belt's speed.
   std::string uart;                 ///< Serial line to the controller; empty: none.
   std::string uart_place;
-  double uart_wait_s{};  ///< After it was opened: some boards start anew then.
+  double uart_wait_s{};  ///< Wait after the port was opened, as some boards start anew then.
   /// A byte is read at most so long after it was on the wire: adapters on USB hold a short packet back.
   double uart_delay_s{};
 
@@ -44,26 +44,26 @@ struct GpioChoice {
   [[nodiscard]] bool isLive() const { return !outputs.empty() || !uart.empty(); }
 };
 
-/// What is wrong goes to the reader.
+/// Reads the choice; faults go to the reader.
 GpioChoice readGpioChoice(base::YamlReader& firmware);
 
-/// What a case on real pins is to have wired.
+/// Needs of a case on real pins.
 struct WiringNeeds {
-  bool gantry{};        ///< Its motors, instead of those of mirrors. A line's belt has no feed.
-  bool moving_sheet{};  ///< Encoder and print mark have to be driven.
+  bool gantry{};  ///< Motors of a gantry are wired instead of those of mirrors. A line's belt has no feed.
+  bool moving_sheet{};  ///< Encoder and print mark are driven.
 };
 /// Lines of signals that the machine does not have, and pins that it has and the choice has no line for. One
 /// fault a line, with file and line; empty: none.
 std::string faultsOf(const GpioChoice& choice, const SignalMap& machine, const WiringNeeds& needs);
-/// The same of the controller's outputs alone: its laser's, and its axes' (`gantry` or mirrors). `place`: of
-/// the choice.
+/// Faults of the controller's outputs alone: those of its laser and of its axes (`gantry` or mirrors).
+/// `place`: place of the choice.
 std::string faultsOf(const std::vector<PinLine>& lines, const std::string& place, const SignalMap& machine,
                      bool gantry);
 
-/// What capturePins() needs, but for its time limit. @throws GpioError with every line that the chip does not
+/// Options of capturePins() but for its time limit. @throws GpioError with every line that the chip does not
 /// have, or that two signals share, with file and line of the scenario.
 source::GpioCaptureOptions captureOptions(const GpioChoice& choice, const source::GpioChipList& chips);
-/// The same with the lines that are driven. @throws GpioError likewise.
+/// Options of a live run, with the lines that are driven. @throws GpioError as captureOptions().
 source::GpioLiveOptions liveOptions(const GpioChoice& choice, const source::GpioChipList& chips);
 
 }  // namespace kerfbench::scenario

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <stdexcept>
 
+#include "hil/base/file_content.h"
 #include "hil/calibrate/camera/day.h"
 #include "hil/scenario/scenario_sections.h"
 
@@ -140,8 +140,7 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   ScenarioFile result;
   Scenario& s = result.scenario;
   s.path = fs::absolute(path).lexically_normal();
-  std::ifstream stream(path, std::ios::binary);
-  s.text.assign(std::istreambuf_iterator<char>(stream), {});
+  s.text = base::fileContent(path).value_or("");
   if (file.integer("version", {.min = 1, .max = 1e6}) != 1)
     file.fault("version", "this program reads version 1");
   readName(file, s);

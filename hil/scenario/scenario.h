@@ -24,14 +24,14 @@
 
 namespace kerfbench::scenario {
 
-/// Which release runs, and how it is talked to.
+/// Release that runs, and dialog with it.
 struct FirmwareChoice {
   enum class Source {
     kAvr,
     kNative,
     kChild,
-    kGpio,      ///< A controller's real pins; see `gpio`.
-    kAnalyser,  ///< The same by a logic analyser; see `analyser`.
+    kGpio,      ///< Real pins of a controller; see `gpio`.
+    kAnalyser,  ///< Real pins by a logic analyser; see `analyser`.
   };
   enum class Dialog {
     kKerfbench,  ///< The reference controller's frames (controller/protocol.h); the planner makes the
@@ -41,14 +41,14 @@ struct FirmwareChoice {
   };
   Source source{Source::kAvr};
   Dialog dialog{Dialog::kKerfbench};
-  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if it is told.
-  std::filesystem::path child;  ///< For kChild: the program that speaks the pin-stream protocol.
-  std::filesystem::path gcode;  ///< For kLineOk.
+  std::filesystem::path image;  ///< Absolute. For kGpio: the one in the controller, if the file names it.
+  std::filesystem::path child;  ///< Program that speaks the pin-stream protocol, for kChild.
+  std::filesystem::path gcode;  ///< G-code, for kLineOk.
   std::string mcu{"atmega2560"};
   std::uint64_t clock_hz{16'000'000};
   std::uint32_t baud{250'000};
-  GpioChoice gpio;          ///< For kGpio.
-  AnalyserChoice analyser;  ///< For kAnalyser.
+  GpioChoice gpio;          ///< Pins, for kGpio.
+  AnalyserChoice analyser;  ///< Analyser, for kAnalyser.
 
   [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
 };
@@ -62,14 +62,14 @@ struct Scenario {
   std::filesystem::path dieline;
   std::filesystem::path machine;
   dieline::LayerProfile layers;
-  planner::Selection selection;  ///< What of the dieline is cut, and judged.
+  planner::Selection selection;  ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
   PrintLayout print;
-  double belt_speed_mm_s{};                          ///< At t = 0, and what the planner is told.
+  double belt_speed_mm_s{};                          ///< Speed at t = 0, as the planner knows it.
   std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.
-  double belt_lead_s{};  ///< Until the first eye mark reaches the sensor (line), or the unit its start
+  double belt_lead_s{};  ///< Time until the first eye mark reaches the sensor (line), or the unit its start
                          ///< (controller).
   FirmwareChoice firmware;
   planner::JobParameters job;
@@ -83,14 +83,15 @@ struct Scenario {
   int calibration_max_age_days{180};
   double time_limit_s{};
   std::uint64_t seed{1};
-  twin::Preset imperfections{twin::Preset::kIdeal};  ///< How far the machine is from its description.
+  twin::Preset imperfections{twin::Preset::kIdeal};  ///< Distance of the machine from its description.
   twin::Fidelity fidelity{twin::Fidelity::kReference};
 
-  /// By the line.
+  /// True where the line moves the sheet.
   [[nodiscard]] bool sheetMoves() const { return belt_speed_mm_s != 0 || !belt_speed_changes.empty(); }
 };
 
-/// As in scenarios and on the command line: "ideal", "static", "dynamic"; "reference", "fast".
+/// Preset or fidelity by its name in scenarios and on the command line: "ideal", "static", "dynamic";
+/// "reference", "fast".
 inline constexpr std::array kPresetNames{"ideal", "static", "dynamic"};
 inline constexpr std::array kFidelityNames{"reference", "fast"};
 inline const char* nameOf(twin::Preset preset) { return kPresetNames.at(static_cast<std::size_t>(preset)); }
@@ -101,7 +102,7 @@ inline const char* nameOf(twin::Fidelity fidelity) {
 twin::Preset presetFromName(const std::string& name);
 twin::Fidelity fidelityFromName(const std::string& name);
 
-/// Where release images named without a folder are looked for: beside the scenario, then here.
+/// Folder where release images named without one are looked for, after that of the scenario.
 struct ImagePath {
   std::filesystem::path firmware_dir;
 };

@@ -10,7 +10,7 @@
 // The sections of a scenario file, each read by itself; what is wrong goes to the reader.
 namespace kerfbench::scenario {
 
-/// The file that `key` names, beside the scenario (the one that the key stands in) or in `second_base`. Empty
+/// File that `key` names, next to the scenario (the one that the key stands in) or in `second_base`. Empty
 /// where there is none.
 std::filesystem::path fileOf(base::YamlReader& reader, std::string_view key,
                              const std::filesystem::path& second_base = {});

@@ -55,7 +55,7 @@ twin::ScorchDescription readScorch(base::YamlReader scorch) {
   return result;
 }
 
-// Other print beside the marks.
+// Print in addition to the marks.
 std::vector<PrintedArea> readAreas(base::YamlReader& print) {
   std::vector<PrintedArea> areas;
   auto entries = print.list("areas");

@@ -52,7 +52,7 @@ void writeLabels(cv::Mat& picture, const std::vector<twin::SceneLabel>& labels, 
       continue;
     }
     const cv::Size size = sizeOf(label.text, scale);
-    // A single letter is centred on its place; a longer text begins beside it.
+    // A single letter is centred on its place; a longer text begins next to it.
     const int left = static_cast<int>(std::lround(place->x())) +
                      (label.text.size() > 1 ? size.height / 2 : -size.width / 2);
     write(picture, label.text, {left, static_cast<int>(std::lround(place->y())) + size.height / 2}, scale);

@@ -11,7 +11,7 @@
 
 namespace kerfbench::scene {
 
-/// Which part of the machine a picture shows.
+/// Part of the machine that a picture shows.
 enum class SceneView {
   kOverall,  ///< All of it.
   kHead,     ///< Mirrors and motors of the head, or the carriage of a gantry.
@@ -27,7 +27,7 @@ struct PictureOptions {
   std::filesystem::path povray{"povray"};
 };
 
-/// From where a picture is taken. `inset`: kOverall leaves room for it.
+/// Viewpoint of a picture. `inset`: kOverall leaves room for it.
 Viewpoint viewpointOf(const twin::Scene& scene, SceneView view, int width_px, int height_px,
                       bool inset = false);
 

@@ -8,7 +8,7 @@ namespace kerfbench::scene {
 /// Settings, materials and the rounded box, in POV-Ray's language.
 extern const char* const kPovMaterials;
 
-/// What a material is called there.
+/// Name of a material in POV-Ray.
 const char* materialName(twin::Material material);
 
 }  // namespace kerfbench::scene

@@ -12,14 +12,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <system_error>
 #include <thread>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/file_content.h"
 #include "hil/base/spawn_setup.h"
 
 namespace kerfbench::scene {
@@ -65,7 +64,7 @@ std::optional<fs::path> findProgram(const fs::path& program) {
   return std::nullopt;
 }
 
-// All that POV-Ray is told, so that nothing is left to the files of the host or the user.
+// Settings of POV-Ray, all of them, so that nothing is left to the files of the host or the user.
 std::string iniText(const PovrayOptions& options) {
   return fmt::format(
       "Input_File_Name=scene.pov\nOutput_File_Name=picture.png\nOutput_to_File=On\nOutput_File_Type=N8\n"
@@ -73,11 +72,6 @@ std::string iniText(const PovrayOptions& options) {
       "Antialias=On\nSampling_Method=2\nAntialias_Threshold=0.15\nAntialias_Depth=2\nJitter=Off\n"
       "Output_Alpha=Off\nFile_Gamma=sRGB\nDither=Off\nBounding=On\n",
       options.width_px, options.height_px);
-}
-
-std::string readText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // The lines that name the fault; everything else POV-Ray says is statistics, and progress that overwrites
@@ -169,14 +163,14 @@ std::vector<std::uint8_t> runPovray(const std::string& scene, const PovrayOption
   if (!status) {
     throw PictureError(fmt::format("{} was stopped after {:g} s", program->string(), options.patience_s));
   }
-  const std::string log = readText(folder.path() / "log");
+  const std::string log = base::fileContent(folder.path() / "log").value_or("");
   if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0) {
     const std::string how = WIFSIGNALED(*status)
                                 ? fmt::format("was ended by signal {}", ::strsignal(WTERMSIG(*status)))
                                 : fmt::format("ended with exit status {}", WEXITSTATUS(*status));
     throw PictureError(fmt::format("{} {}: {}", program->string(), how, faultIn(log)));
   }
-  const std::string bytes = readText(folder.path() / "picture.png");
+  const std::string bytes = base::fileContent(folder.path() / "picture.png").value_or("");
   if (bytes.empty())
     throw PictureError(fmt::format("{} wrote no picture: {}", program->string(), faultIn(log)));
   return {bytes.begin(), bytes.end()};

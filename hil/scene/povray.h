@@ -9,7 +9,7 @@
 
 namespace kerfbench::scene {
 
-/// No picture could be made: the ray tracer is missing, refuses the scene or does not come to an end.
+/// Failure to make a picture: the ray tracer is missing, refuses the scene or does not come to an end.
 class PictureError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

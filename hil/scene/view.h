@@ -29,9 +29,9 @@ class Viewpoint {
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
 
-  /// Where a point appears; nullopt behind the pinhole.
+  /// Pixel of a point; nullopt behind the pinhole.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_W_mm) const;
-  /// What a pixel spans at a point's distance, mm.
+  /// Width of a pixel at a point's distance, mm.
   [[nodiscard]] double pixel_mm(const Eigen::Vector3d& p_W_mm) const;
 
  private:

@@ -30,31 +30,31 @@ constexpr std::size_t kKeptStderrBytes = 2000;
 }
 
 /// Above the standard descriptors, so that the child's set-up never overwrites one with another.
-UniqueFd aboveStandard(int fd, const std::string& what) {
-  const UniqueFd original(fd);
-  UniqueFd moved(::fcntl(fd, F_DUPFD_CLOEXEC, 3));
+base::UniqueFd aboveStandard(int fd, const std::string& what) {
+  const base::UniqueFd original(fd);
+  base::UniqueFd moved(::fcntl(fd, F_DUPFD_CLOEXEC, 3));
   if (!moved.valid()) throwErrno(errno, what);
   return moved;
 }
 
-std::pair<UniqueFd, UniqueFd> makePipe(const std::string& what) {
+std::pair<base::UniqueFd, base::UniqueFd> makePipe(const std::string& what) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throwErrno(errno, what);
-  UniqueFd second(ends[1]);
+  base::UniqueFd second(ends[1]);
   auto read_end = aboveStandard(ends[0], what);
   return {std::move(read_end), aboveStandard(second.release(), what)};
 }
 
-/// A socket and not a pipe: send() can be told not to raise SIGPIPE, without touching the process' signals.
-std::pair<UniqueFd, UniqueFd> makeSocketPair(const std::string& what) {
+/// A socket and not a pipe: send() takes a flag against SIGPIPE, which leaves the process' signals alone.
+std::pair<base::UniqueFd, base::UniqueFd> makeSocketPair(const std::string& what) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throwErrno(errno, what);
-  UniqueFd second(ends[1]);
+  base::UniqueFd second(ends[1]);
   auto ours = aboveStandard(ends[0], what);
   return {std::move(ours), aboveStandard(second.release(), what)};
 }
 
-void setNonBlocking(const UniqueFd& fd) {
+void setNonBlocking(const base::UniqueFd& fd) {
   (void)::fcntl(fd.get(), F_SETFL, ::fcntl(fd.get(), F_GETFL) | O_NONBLOCK);
 }
 
@@ -65,20 +65,6 @@ int millisecondsTo(ChildProcess::Clock::time_point deadline) {
 }
 
 }  // namespace
-
-UniqueFd& UniqueFd::operator=(UniqueFd&& other) noexcept {
-  if (this != &other) {
-    reset();
-    fd_ = other.release();
-  }
-  return *this;
-}
-int UniqueFd::release() { return std::exchange(fd_, -1); }
-void UniqueFd::reset() {
-  // The analyzer of clang 14 knows no structured bindings of a pair and takes what they held for garbage.
-  // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
-  if (fd_ >= 0) ::close(release());
-}
 
 ChildProcess::ChildProcess(const std::filesystem::path& program) {
   const std::string name = program.string();
@@ -194,7 +180,7 @@ std::string ChildProcess::finish(std::chrono::milliseconds patience) {
       }
       pid_ = -1;
     } else {
-      // Its end of the pipes closes when it ends: a wait that needs no clock of its own.
+      // Wait for the child's end of the pipe, which closes when the child ends.
       if (stderr_.valid()) {
         (void)waitFor(POLLHUP, stderr_.get(),
                       std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));

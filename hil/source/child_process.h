@@ -9,24 +9,9 @@
 #include <span>
 #include <string>
 
+#include "hil/base/unique_fd.h"
+
 namespace kerfbench::source {
-
-/// A move-only file descriptor.
-class UniqueFd {
- public:
-  UniqueFd() = default;
-  explicit UniqueFd(int fd) : fd_(fd) {}
-  UniqueFd(UniqueFd&& other) noexcept : fd_(other.release()) {}
-  UniqueFd& operator=(UniqueFd&& other) noexcept;
-  ~UniqueFd() { reset(); }
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool valid() const { return fd_ >= 0; }
-  int release();
-  void reset();
-
- private:
-  int fd_{-1};
-};
 
 /// A child process with its stdin and stdout as a byte stream and the tail of its stderr kept. Killed and
 /// reaped by the destructor at the latest: never a zombie.
@@ -41,15 +26,15 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// A child that has gone is an answer (kClosed), not a signal.
+  /// Writes to the child; one that has ended is an answer (kClosed), not a signal.
   Io write(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
   /// Fills the whole of `into`.
   Io read(std::span<std::uint8_t> into, Clock::time_point deadline);
 
-  /// Closes its stdin and gives it a moment to go, then kills it. Says in words how it ended.
+  /// Closes the child's stdin and gives it a moment to end, then kills it. Returns in words how it ended.
   std::string finish(std::chrono::milliseconds patience);
   void kill();
-  /// What the child said last on stderr, line breaks as " | ".
+  /// Last words of the child on stderr, line breaks as " | ".
   [[nodiscard]] std::string lastWords();
 
  private:
@@ -58,9 +43,9 @@ class ChildProcess {
 
   pid_t pid_{-1};
   int status_{};
-  UniqueFd requests_;
-  UniqueFd replies_;
-  UniqueFd stderr_;
+  base::UniqueFd requests_;
+  base::UniqueFd replies_;
+  base::UniqueFd stderr_;
   std::string stderr_tail_;
 };
 

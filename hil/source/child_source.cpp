@@ -128,7 +128,7 @@ class ChildSource final : public SignalSource {
   Stop advance(Tick until, Batch& batch) override {
     batch.events.clear();
     batch.uart.clear();
-    batch.watermark = batch.uart_heard = watermark_;
+    batch.watermark = batch.uart_received = watermark_;
     if (stop_ != Stop::kReached) return stop_;
     if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
     Request(outgoing_, KB_PS_ADVANCE).put(until);
@@ -277,7 +277,7 @@ class ChildSource final : public SignalSource {
     batch.uart.assign(uart.begin(), uart.end());
     const auto text = reply.text();
     reply.finish();
-    batch.watermark = batch.uart_heard = watermark_ = watermark;
+    batch.watermark = batch.uart_received = watermark_ = watermark;
     if (stop != Stop::kReached) {
       (void)child_.finish(kFarewell);
       fail(stop, text);

@@ -12,7 +12,7 @@ namespace kerfbench::source {
 /// An edge of the belt's encoder and what it makes of the count.
 struct EncoderEdge {
   double time_s{};
-  long long counts{};  ///< After it: quadrature counts since the start, > 0 along +Wx.
+  long long counts{};  ///< Quadrature counts since the start, after this edge; > 0 along +Wx.
 };
 
 /// Edges of A and B to counts: A leads B when the belt runs along +Wx; both are low at the start. `sensors`

@@ -3,18 +3,18 @@
 
 #include <utility>
 
+#include "hil/base/text.h"
+
 namespace kerfbench::source {
 namespace {
 
 constexpr std::size_t kMaxReplyChars = 512;
-constexpr double kProbeShare = 0.5;  // of the time to connect, then an empty line asks
-constexpr double kSettle_s = 0.1;    // for the answer to that line, after a late banner
+constexpr double kProbeShare = 0.5;  // Share of the time to connect after which an empty line asks.
+constexpr double kSettle_s = 0.1;    // Wait for the answer to that line, after a late banner.
 constexpr double kAskPeriod_s = 0.1;
-constexpr double kReportTimeout_s = 1.0;  // no report in this time: this firmware makes none
+constexpr double kReportTimeout_s = 1.0;  // Time after which a firmware without a report has none.
 
-bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-/// Without comments "(…)" and "; …" and without blanks at the ends.
+/// Code of a line, without comments "(…)" and "; …" and without blanks at the ends.
 std::string strip(std::string_view line) {
   std::string out;
   bool in_comment = false;
@@ -24,17 +24,11 @@ std::string strip(std::string_view line) {
     if (!in_comment) out += c;
     if (c == ')') in_comment = false;
   }
-  while (!out.empty() && isBlank(out.back())) out.pop_back();
-  const auto first = out.find_first_not_of(" \t\r");
-  out.erase(0, first == std::string::npos ? out.size() : first);
-  return out == "%" ? "" : out;
+  const std::string_view code = base::trimmed(out);
+  return code == "%" ? std::string() : std::string(code);
 }
 
-std::string printable(std::string_view text) {
-  std::string out;
-  for (const char c : text.substr(0, 80)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return out;
-}
+std::string shown(std::string_view line) { return base::printable(line, 80); }
 
 }  // namespace
 
@@ -64,15 +58,15 @@ std::vector<std::uint8_t> LineOkSender::step(std::span<const std::uint8_t> recei
 }
 
 void LineOkSender::takeLine(std::string_view line, double now_s) {
-  if (line.starts_with("ALARM")) return fail("the firmware reports " + printable(line) + atLine());
-  if (line.starts_with("error")) return fail("the firmware answers " + printable(line) + atLine());
+  if (line.starts_with("ALARM")) return fail("the firmware reports " + shown(line) + atLine());
+  if (line.starts_with("error")) return fail("the firmware answers " + shown(line) + atLine());
   switch (state_) {
     case State::kConnecting:
       if (line == "ok" || !probed_) {
         beginStreaming(now_s);
-      } else if (!heard_) {
+      } else if (!banner_seen_) {
         // A banner after the empty line: its ok may follow, or the line came too early and is lost.
-        heard_ = true;
+        banner_seen_ = true;
         settle_s_ = now_s + kSettle_s;
       }
       break;
@@ -96,16 +90,16 @@ void LineOkSender::takeReport(std::string_view report) {
   if (report.starts_with("<Idle")) {
     state_ = State::kDone;
   } else if (report.starts_with("<Alarm")) {
-    fail("the firmware is in alarm after the last line: " + printable(report));
+    fail("the firmware is in alarm after the last line: " + shown(report));
   }
 }
 
 void LineOkSender::watchTime(double now_s) {
   switch (state_) {
     case State::kConnecting:
-      if (heard_ && now_s >= settle_s_) {
+      if (banner_seen_ && now_s >= settle_s_) {
         beginStreaming(now_s);
-      } else if (!heard_ && now_s - start_s_ >= options_.connect_timeout_s) {
+      } else if (!banner_seen_ && now_s - start_s_ >= options_.connect_timeout_s) {
         fail("the firmware has not said a word in " + std::to_string(options_.connect_timeout_s) + " s");
       } else if (!probed_ && now_s - start_s_ >= kProbeShare * options_.connect_timeout_s) {
         probed_ = true;
@@ -159,7 +153,7 @@ void LineOkSender::fail(std::string message) {
 std::string LineOkSender::atLine() const {
   if (state_ != State::kStreaming || answered_ >= lines_.size()) return "";
   const auto& line = lines_[answered_];
-  return " to line " + std::to_string(line.number) + ": " + printable(line.text);
+  return " to line " + std::to_string(line.number) + ": " + shown(line.text);
 }
 
 double LineOkSender::progress() const {

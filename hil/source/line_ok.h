@@ -9,11 +9,12 @@
 
 namespace kerfbench::source {
 
-/// How LineOkSender talks; times are virtual seconds.
+/// Options of LineOkSender; times are virtual seconds.
 struct LineOkOptions {
-  double connect_timeout_s{3.0};  ///< For a first line, or an answer to an empty line.
-  double reply_timeout_s{60.0};  ///< For the answer to one line: a full queue holds it back for a whole move.
-  double drain_timeout_s{600.0};  ///< For the rest of the motion after the last ok.
+  double connect_timeout_s{3.0};  ///< Time to wait for a first line, or an answer to an empty line.
+  /// Time to wait for the answer to one line: a full queue holds it back for a whole move.
+  double reply_timeout_s{60.0};
+  double drain_timeout_s{600.0};  ///< Time to wait for the rest of the motion after the last ok.
   bool wait_for_idle{
       true};  ///< Ask for the state ('?') until <Idle…>; firmware that does not answer is done at once.
 };
@@ -39,7 +40,7 @@ class LineOkSender {
 
  private:
   struct Line {
-    std::size_t number{};  ///< In the program, from 1.
+    std::size_t number{};  ///< Number in the program, from 1.
     std::string text;
   };
   void takeLine(std::string_view line, double now_s);
@@ -60,7 +61,7 @@ class LineOkSender {
   std::string failure_;
   bool started_{};
   bool probed_{};
-  bool heard_{};
+  bool banner_seen_{};
   double start_s_{};
   double settle_s_{};
   double sent_s_{};

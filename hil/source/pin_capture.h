@@ -9,25 +9,26 @@
 
 namespace kerfbench::source {
 
-/// What came in on real pins.
+/// Capture of real pins.
 struct PinCapture {
-  PinRecording recording;          ///< From a little before the first edge; has a gap if it has problems.
-  std::vector<std::string> notes;  ///< Worth knowing, such as what makes a loss more likely.
+  PinRecording recording;  ///< Recording from shortly before the first edge on; has a gap if it has problems.
+  std::vector<std::string> notes;  ///< Circumstances, such as those that make a loss more likely.
   std::uint64_t edges{};
 };
 
-/// A recording that has problems ends with a gap, on a port that was heard: a replay has to know as well.
+/// Ends a recording that has problems with a gap on a port that was captured, so that a replay has it too.
 void spoilEnd(PinRecording& recording, std::uint16_t port);
 
-/// What can be wrong with pins by whatever they are heard, in words.
+/// Sentence on a signal that was high when the capture began.
 std::string highAtStartWords(const std::string& signal);
-/// The time limit was reached, after some edge or none.
+/// Sentence on a capture that reached its time limit, after some edge or none.
 std::string timeLimitWords(double time_limit_s, bool any_edge);
 inline constexpr const char* kTooManyEdgesWords = "more edges came than a recording holds";
 inline constexpr std::size_t kMostCapturedEdges = 50'000'000;
 
-/// Whether a recording that is cut out of what was heard.
-inline constexpr double kLeadBeforeEdges_s = 0.1;  ///< The machine is at rest.
-inline constexpr double kTailAfterEdges_s = 0.2;   ///< Mirrors swing out.
+/// Time before the first edge that a recording keeps of a capture: the machine is at rest.
+inline constexpr double kLeadBeforeEdges_s = 0.1;
+/// Time after the last edge that it keeps: the mirrors settle.
+inline constexpr double kTailAfterEdges_s = 0.2;
 
 }  // namespace kerfbench::source

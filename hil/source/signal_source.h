@@ -18,7 +18,7 @@ struct SourceInfo {
   std::string config_id;  ///< Emulator, version, shims, run limit, SHA-256 of the image: what a rerun needs.
 };
 
-/// Why advance() came back.
+/// Reason why advance() came back.
 enum class Stop {
   kReached,  ///< The asked-for tick.
   kEnded,    ///< A recording is at its end, or the firmware has halted for good. Nothing will follow.
@@ -28,17 +28,17 @@ enum class Stop {
   kHung,     ///< The child did not answer within its wall-clock guard (a safety net, never a measurement).
 };
 
-/// What happened in one quantum, in order of tick.
+/// Events of one quantum, in order of tick.
 struct Batch {
   std::vector<PinEvent> events;
   std::vector<std::uint8_t> uart;  ///< Bytes that the controller sent.
   Tick watermark{};                ///< Nothing at or before this tick can follow.
-  /// All bytes so far were heard at or before this tick, as the recording has it, and none that follow will
-  /// be. An emulator knows it of its watermark; what is read on a real line is of later than that.
-  Tick uart_heard{};
+  /// Border between the UART's bytes so far, all received at or before this tick, and those that follow, all
+  /// received later. An emulator's is its watermark, a real line's the time of its last bytes.
+  Tick uart_received{};
 };
 
-/// Where pins come from: an emulated or native release, a recording, real pins. One interface for all.
+/// Source of pins: an emulated or native release, a recording, real pins. One interface for all.
 class SignalSource {
  public:
   virtual ~SignalSource() = default;

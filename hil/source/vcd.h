@@ -12,30 +12,30 @@
 
 namespace kerfbench::source {
 
-/// Bytes that the controller said on its UART, all heard at this tick.
-struct HeardBytes {
+/// Bytes that the controller sent on its UART, all received at this tick.
+struct ReceivedBytes {
   Tick tick{};
   std::vector<std::uint8_t> bytes;
-  friend bool operator==(const HeardBytes&, const HeardBytes&) = default;
+  friend bool operator==(const ReceivedBytes&, const ReceivedBytes&) = default;
 };
 
 /// A run's pins as 1-bit wires, for PulseView, sigrok-cli, GTKWave and replay.
 struct PinRecording {
   TickRate rate;
-  std::vector<PinEvent> outputs;    ///< What the controller did, by tick.
-  std::vector<SensorEdge> sensors;  ///< What the bench drove, by tick.
-  std::vector<HeardBytes> uart;     ///< By tick.
+  std::vector<PinEvent> outputs;    ///< Events of the controller's outputs, by tick.
+  std::vector<SensorEdge> sensors;  ///< Edges that the bench drove, by tick.
+  std::vector<ReceivedBytes> uart;  ///< Bytes of the UART, by tick.
   Tick end{};                       ///< End of the run; the file closes with a time stamp there, since
                                     ///< sigrok drops changes at the last stamp otherwise.
-  std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a file of another
-                                    ///< program was sampled: a tick each way.
-  /// Why this cannot be trusted, besides gaps, in words: what is spoiled stays so in its file.
+  std::uint32_t stamp_err_ticks{};  ///< Declared bias and jitter of an event's tick; a tick each way in a
+                                    ///< file of another program, which sampled.
+  /// Reasons, besides gaps, not to trust the recording, in words. The file keeps them.
   std::vector<std::string> problems{};
   bool own{};  ///< Read from a file that Kerfbench wrote, so that ticks are exact.
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
-/// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller said. Only
+/// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller sent. Only
 /// wired signals are written; what a port does on other pins is lost.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "hil/base/number_from.h"
+#include "hil/base/text.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_words.h"
@@ -29,13 +30,6 @@ constexpr std::uint64_t kMaxWidthBits = 4096;
 
 /// Thrown when there is no sense in reading on.
 struct GiveUp {};
-
-/// For people: never the raw bytes of a hostile file.
-std::string shown(std::string_view text) {
-  std::string out = "'";
-  for (const char c : text.substr(0, 40)) out += c > 0x20 && c < 0x7f ? c : '?';
-  return out + (text.size() > 40 ? "…'" : "'");
-}
 
 class Reader {
  public:
@@ -99,7 +93,7 @@ class Reader {
     for (;;) {
       const auto keyword = word();
       if (keyword.empty()) giveUp("no $enddefinitions: not a VCD file, or a truncated one");
-      if (keyword.front() != '$') giveUp("a VCD header was expected, not " + shown(keyword));
+      if (keyword.front() != '$') giveUp("a VCD header was expected, not " + base::inQuotes(keyword));
       const auto words = section(keyword);
       if (keyword == "$enddefinitions") break;
       if (keyword == "$timescale") timescale(words);
@@ -144,7 +138,7 @@ class Reader {
       exponent_ = std::max(exponent, 0);
       return;
     }
-    fault("$timescale " + shown(text) + " is not 1, 10 or 100 of s … fs");
+    fault("$timescale " + base::inQuotes(text) + " is not 1, 10 or 100 of s … fs");
   }
 
   void comment(const std::vector<std::string_view>& words) {
@@ -157,7 +151,7 @@ class Reader {
                            : base::numberFrom<std::uint64_t>(words[2].substr(slash + 1));
       constexpr std::uint64_t kMax = std::uint64_t{1} << 40U;
       if (!num || !den || *num == 0 || *den == 0 || *num > kMax || *den > kMax) {
-        fault("a tick of " + shown(words[2]) + " seconds makes no sense");
+        fault("a tick of " + base::inQuotes(words[2]) + " seconds makes no sense");
       } else if (own_rate_) {
         fault("a second tick");
       } else {
@@ -165,13 +159,13 @@ class Reader {
       }
     } else if (words[1] == "end") {
       own_end_ = base::numberFrom<Tick>(words[2]);
-      if (!own_end_) fault("an end of " + shown(words[2]) + " makes no sense");
+      if (!own_end_) fault("an end of " + base::inQuotes(words[2]) + " makes no sense");
     } else if (words[1] == "stamp_err") {
       own_stamp_err_ = base::numberFrom<std::uint32_t>(words[2]);
-      if (!own_stamp_err_) fault("an error of " + shown(words[2]) + " ticks makes no sense");
+      if (!own_stamp_err_) fault("an error of " + base::inQuotes(words[2]) + " ticks makes no sense");
     } else if (words[1] == "words") {
       own_words_ = base::numberFrom<std::size_t>(words[2]);
-      if (!own_words_) fault("a number of words of " + shown(words[2]) + " makes no sense");
+      if (!own_words_) fault("a number of words of " + base::inQuotes(words[2]) + " makes no sense");
     } else if (words[1] == "gap") {
       const auto tick = base::numberFrom<Tick>(words[2]);
       const auto port = words.size() > 3 ? base::numberFrom<std::uint16_t>(words[3]) : std::nullopt;
@@ -191,20 +185,20 @@ class Reader {
     }
   }
 
-  void heard(const std::vector<std::string_view>& words) {
+  void received(const std::vector<std::string_view>& words) {
     const auto tick = base::numberFrom<Tick>(words[2]);
     const std::string_view hex = words.size() > 3 ? words[3] : "";
-    HeardBytes said{tick.value_or(0), {}};
+    ReceivedBytes bytes{tick.value_or(0), {}};
     bool good = tick && !hex.empty() && hex.size() % 2 == 0 &&
                 (recording_.uart.empty() || *tick > recording_.uart.back().tick);
     for (std::size_t i = 0; good && i < hex.size(); i += 2) {
       std::uint8_t byte = 0;
       const auto done = std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);
       good = done.ec == std::errc{} && done.ptr == hex.data() + i + 2;
-      said.bytes.push_back(byte);
+      bytes.bytes.push_back(byte);
     }
     if (good) {
-      recording_.uart.push_back(std::move(said));
+      recording_.uart.push_back(std::move(bytes));
     } else {
       fault("bytes of a UART make no sense");
     }
@@ -224,7 +218,7 @@ class Reader {
       }
     }
     if (!wires_.try_emplace(words[2], wire).second && wire.signal) {
-      fault("the identifier " + shown(words[2]) + " is used twice");
+      fault("the identifier " + base::inQuotes(words[2]) + " is used twice");
     }
   }
 
@@ -256,13 +250,13 @@ class Reader {
         case '$':
           if (token == "$comment") {
             const auto words = section(token);
-            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") heard(words);
+            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") received(words);
           } else if (token != "$end" && !token.starts_with("$dump")) {
-            fault("unknown section " + shown(token));
+            fault("unknown section " + base::inQuotes(token));
           }
           break;
         default:
-          fault("neither a stamp nor a change: " + shown(token));
+          fault("neither a stamp nor a change: " + base::inQuotes(token));
       }
     }
     finish();
@@ -270,7 +264,7 @@ class Reader {
 
   void stamp(std::string_view digits) {
     const auto value = base::numberFrom<std::uint64_t>(digits);
-    if (!value) return fault("a stamp of " + shown(digits) + " makes no sense");
+    if (!value) return fault("a stamp of " + base::inQuotes(digits) + " makes no sense");
     if (stamped_ && *value < stamp_) return fault("time goes back to " + std::to_string(*value));
     stamp_ = *value;
     stamped_ = true;
@@ -279,7 +273,7 @@ class Reader {
 
   void change(char level, std::string_view id) {
     const auto found = wires_.find(id);
-    if (found == wires_.end()) return fault("unknown identifier " + shown(id));
+    if (found == wires_.end()) return fault("unknown identifier " + base::inQuotes(id));
     Wire& wire = found->second;
     if (!wire.signal) return;
     if (level != '0' && level != '1') {
@@ -300,11 +294,11 @@ class Reader {
     const auto id = word();
     if (id.empty()) giveUp("a change without an identifier: the file is truncated");
     const auto found = wires_.find(id);
-    if (found == wires_.end()) return fault("unknown identifier " + shown(id));
+    if (found == wires_.end()) return fault("unknown identifier " + base::inQuotes(id));
     if (token.size() > kMaxWidthBits + 1)
       return fault("a value of " + std::to_string(token.size()) + " characters");
     if (found->second.signal) {
-      if (token.size() != 2) return fault("a wire of 1 bit has the value " + shown(token));
+      if (token.size() != 2) return fault("a wire of 1 bit has the value " + base::inQuotes(token));
       change(token[1], id);
     }
   }

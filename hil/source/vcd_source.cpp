@@ -29,7 +29,7 @@ class RecordingSource final : public SignalSource {
     while (next_ < events.size() && events[next_].tick <= until) batch.events.push_back(events[next_++]);
     ended_ = ended_ || until >= recording_.end;
     watermark_ = ended_ ? recording_.end : until;
-    batch.watermark = batch.uart_heard = watermark_;
+    batch.watermark = batch.uart_received = watermark_;
     return ended_ ? Stop::kEnded : Stop::kReached;
   }
 

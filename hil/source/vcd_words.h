@@ -8,7 +8,7 @@
 namespace kerfbench::source {
 
 /// A sentence as a comment of a VCD file carries it: readable, and without what would end the comment or get
-/// lost in it (%XX for '$', '%', control characters, and blanks beside another or at an end).
+/// lost in it (%XX for '$', '%', control characters, and blanks next to another or at an end).
 std::string vcdWords(std::string_view text);
 
 /// Back; nullopt: no such words.

@@ -30,7 +30,7 @@ SimBoard::SimBoard(const std::filesystem::path& chip, const std::map<Signal, uns
     : tty_(std::move(tty)) {
   for (const auto& [signal, line] : lines) {
     const auto file = chip / fmt::format("sim_gpio{}", line) / (isSensor(signal) ? "value" : "pull");
-    source::UniqueFd fd(::open(file.c_str(), (isSensor(signal) ? O_RDONLY : O_WRONLY) | O_CLOEXEC));
+    base::UniqueFd fd(::open(file.c_str(), (isSensor(signal) ? O_RDONLY : O_WRONLY) | O_CLOEXEC));
     if (!fd.valid()) fail(file.string());
     files_.emplace(signal, std::move(fd));
   }
@@ -40,8 +40,8 @@ SimBoard::SimBoard(const std::filesystem::path& chip, const std::map<Signal, uns
   termios raw{};
   ::cfmakeraw(&raw);
   if (::openpty(&board, &bench, name.data(), &raw, nullptr) != 0) fail("a terminal for the UART");
-  uart_ = source::UniqueFd(board);
-  bench_end_ = source::UniqueFd(bench);
+  uart_ = base::UniqueFd(board);
+  bench_end_ = base::UniqueFd(bench);
   ::fcntl(board, F_SETFL, O_NONBLOCK);
   std::error_code none;
   std::filesystem::remove(tty_, none);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/source/child_process.h"
+#include "hil/base/unique_fd.h"
 #include "tests/board/board.h"
 
 namespace kerfbench::board {
@@ -33,9 +33,9 @@ class SimBoard final : public BoardPorts {
   void send(std::span<const std::uint8_t> bytes) override;
 
  private:
-  std::map<Signal, source::UniqueFd> files_;
-  source::UniqueFd uart_;
-  source::UniqueFd bench_end_;  ///< Kept open, so that the terminal does not hang up before the bench comes.
+  std::map<Signal, base::UniqueFd> files_;
+  base::UniqueFd uart_;
+  base::UniqueFd bench_end_;  ///< Kept open, so that the terminal does not hang up before the bench comes.
   std::filesystem::path tty_;
   std::vector<std::uint8_t> unsent_;
 };

@@ -12,6 +12,7 @@
 
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/job/job.h"
+#include "hil/base/text.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -25,14 +26,6 @@ constexpr std::size_t kMostBytes = 64U << 20U;
 /// Largest number of marks and jumps; each takes a hundred bytes.
 constexpr std::size_t kMostMoves = 500'000;
 constexpr int kMostFaults = 100;
-
-/// Foreign text for a message: short, and without control characters for a terminal.
-std::string shown(std::string_view text) {
-  constexpr std::size_t kMost = 30;
-  std::string out;
-  for (const char c : text.substr(0, kMost)) out += c >= ' ' && c <= '~' ? c : '?';
-  return text.size() > kMost ? out + "…" : out;
-}
 
 struct Word {
   char letter{};
@@ -120,7 +113,7 @@ class Reader {
     while (p != end) {
       const char letter = *p++;
       if (letter < 'A' || letter > 'Z') {
-        fault(line.number, fmt::format("'{}' where a word should begin", shown({&letter, 1})));
+        fault(line.number, base::inQuotes({&letter, 1}) + " where a word should begin");
         return std::nullopt;
       }
       const char* last = p;
@@ -129,8 +122,8 @@ class Reader {
       double value = 0.0;
       const auto [stop, error] = std::from_chars(first, last, value, std::chars_format::fixed);
       if (error != std::errc() || stop != last || !std::isfinite(value)) {
-        fault(line.number,
-              fmt::format("{} has no number ('{}')", letter, shown({p, static_cast<std::size_t>(last - p)})));
+        fault(line.number, fmt::format("{} has no number ({})", letter,
+                                       base::inQuotes({p, static_cast<std::size_t>(last - p)})));
         good = false;
       }
       words.push_back({letter, value});

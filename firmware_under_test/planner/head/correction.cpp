@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "firmware_under_test/planner/job/job.h"
+#include "hil/base/text.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -47,12 +48,6 @@ class Faults {
   std::size_t count_{};
 };
 
-std::string_view trimmed(std::string_view text) {
-  const auto from = text.find_first_not_of(" \t\r");
-  if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
-}
-
 struct Row {
   int line{};
   std::array<double, 4> value{};
@@ -63,14 +58,14 @@ bool readRow(std::string_view text, int line, Faults& faults, Row& row) {
   std::size_t count = 0;
   for (std::size_t from = 0; from <= text.size(); ++count) {
     const std::size_t to = std::min(text.find(',', from), text.size());
-    std::string_view word = trimmed(text.substr(from, to - from));
+    std::string_view word = base::trimmed(text.substr(from, to - from));
     from = to + 1;
     if (count >= 4) continue;
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), row.value[count]);
     const double most = count < 2 ? kFarthestMm : kLargestValue;
     if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(row.value[count])) {
-      faults.add(line, fmt::format("'{}' is no number", word));
+      faults.add(line, base::inQuotes(word) + " is no number");
       return false;
     }
     if (std::abs(row.value[count]) > most) {
@@ -159,7 +154,7 @@ RowsRead readRows(const std::string& text, Faults& faults, std::size_t most) {
   bool header = false;
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t to = std::min(text.find('\n', from), text.size());
-    const std::string_view line = trimmed(std::string_view(text).substr(from, to - from));
+    const std::string_view line = base::trimmed(std::string_view(text).substr(from, to - from));
     from = to + 1;
     ++read.lines;
     if (line.empty() || line.front() == '#') continue;

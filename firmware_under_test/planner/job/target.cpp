@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 
 #include "firmware_under_test/controller/release.h"
 #include "firmware_under_test/planner/job/job.h"
+#include "hil/base/file_content.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -117,9 +117,9 @@ std::optional<Target> targetFrom(std::span<const std::uint8_t> block) {
 }
 
 std::optional<Target> findTarget(const std::filesystem::path& image) {
-  std::ifstream file(image, std::ios::binary);
-  if (!file) throw PlanError(image.string() + ": cannot be opened");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::optional<std::string> content = base::fileContent(image);
+  if (!content) throw PlanError(image.string() + ": cannot be opened");
+  const std::string& text = *content;
   const std::string ending = image.extension().string();
   const bool hex = ending == ".hex" || ending == ".ihx";
   const Bytes bytes = hex ? bytesOfHex(text, image.string()) : Bytes(text.begin(), text.end());

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +15,7 @@
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/head/correction.h"
+#include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_compensate.h"
 #include "firmware_under_test/planner/kerfplan/kerfplan_power.h"
 #include "firmware_under_test/planner/order/kerf.h"
@@ -66,12 +66,6 @@ bool isGcode(const std::string& path) {
          0;
 }
 
-std::string readText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw planner::PlanError(path + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 dieline::Dieline readInput(const Options& options) {
   dieline::Dieline dieline = dieline::readDieline(options.input, dieline::defaultLayerProfile());
   if (dieline.entities.empty()) throw planner::PlanError(options.input + ": no entities");
@@ -89,7 +83,7 @@ std::string gcodeOf(const Options& options) {
   if (isGcode(options.input)) {
     if (compensates)
       throw planner::PlanError(options.input + ": G-code is the beam's path, --kerf-radius is for drawings");
-    return planner::select(readText(options.input),
+    return planner::select(planner::inputText(options.input),
                            planner::selectionFrom(options.entities, options.layers, options.processes));
   }
   const dieline::Dieline dieline = chosenOf(options);

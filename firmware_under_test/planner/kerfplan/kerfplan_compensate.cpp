@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "firmware_under_test/planner/compensation/proof.h"
 #include "firmware_under_test/planner/compensation/space_file.h"
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
+#include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "hil/dieline/read.h"
 
@@ -36,12 +36,6 @@ void write(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
   if (!file.flush()) throw PlanError(path + ": cannot be written");
-}
-
-std::string readText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw PlanError(path + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string extensionOf(const std::string& path) {
@@ -136,7 +130,7 @@ bool CompensateCommand::run() const {
   if (!(o.job.kerf_radius_mm > 0.0)) throw PlanError("compensate needs a --kerf-radius > 0");
   if (extensionOf(o.input) == ".xyz") {
     try {
-      SpaceContour contour = readSpaceContour(readText(o.input), o.input);
+      SpaceContour contour = readSpaceContour(inputText(o.input), o.input);
       contour.side = o.side;
       const SpacePath path = offsetInSpace(contour, o.job.kerf_radius_mm, o.limits);
       for (const SpaceJointReport& joint : path.joints) std::cerr << jointSentence(joint, contour);

@@ -15,6 +15,7 @@
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
+#include "hil/base/text.h"
 #include "page_files.h"
 
 namespace kerfbench::planner {
@@ -25,32 +26,6 @@ using nlohmann::json;
 
 /// Number of periods above which they are thinned: 160 s at 0.8 ms keep the page below 4 MB.
 constexpr std::size_t kMostSamples = 200'000;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// JSON inside <script>: no "<" that could end it or begin a comment. Bytes that are not UTF-8 become U+FFFD.
 std::string scriptSafe(const json& value) {
@@ -164,8 +139,9 @@ void replace(std::string& page, std::string_view what, const std::string& by) {
 
 std::string listOf(const CheckResult& checked) {
   std::string items;
-  for (const std::string& error : checked.errors) items += "<li>" + escaped(error) + "</li>";
-  for (const std::string& warning : checked.warnings) items += "<li class=warn>" + escaped(warning) + "</li>";
+  for (const std::string& error : checked.errors) items += "<li>" + base::escapeHtml(error) + "</li>";
+  for (const std::string& warning : checked.warnings)
+    items += "<li class=warn>" + base::escapeHtml(warning) + "</li>";
   return items.empty() ? std::string() : "<ul class=wrong aria-label='What is wrong'>" + items + "</ul>";
 }
 
@@ -223,7 +199,7 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
   replace(body, "%VERDICT_CLASS%", fits ? "pass" : "fail");
   replace(body, "%VERDICT%", fits ? "fits" : "does not fit");
   replace(body, "%WRONG%", listOf(checked));
-  replace(body, "%FACTS%", escaped(factsOf(job, duration_s, v)));
+  replace(body, "%FACTS%", base::escapeHtml(factsOf(job, duration_s, v)));
   replace(
       body, "%FIELD_KEY%",
       checked.solution ? "<span class=key><i class=fieldbox></i>reach of the beam on the sheet</span>" : "");
@@ -231,12 +207,12 @@ std::string previewHtml(const std::string& title, const std::string& gcode, cons
           film.period_s > axes.periodS()
               ? fmt::format("Every {:.0f}th period is drawn.", film.period_s / axes.periodS())
               : std::string());
-  replace(body, "%TITLE%", escaped(title));
+  replace(body, "%TITLE%", base::escapeHtml(title));
   std::string page =
       "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
       "content='width=device-width'>"
       "<meta name=color-scheme content='light dark'><title>" +
-      escaped(title) + " – preview</title><style>";
+      base::escapeHtml(title) + " – preview</title><style>";
   page += kPageCss;
   page += "</style></head><body>\n" + body + "<script id=job type='application/json'>" + scriptSafe(data) +
           "</script>\n<script id=player>";

@@ -2,7 +2,6 @@
 #include "firmware_under_test/planner/program/selection.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/gcode/gcode.h"
+#include "hil/base/text.h"
 
 namespace kerfbench::planner {
 namespace {
@@ -19,31 +19,19 @@ namespace {
 constexpr dieline::Process kProcesses[] = {dieline::Process::kCut, dieline::Process::kHalfCut,
                                            dieline::Process::kCrease, dieline::Process::kPerforation};
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto from = text.find_first_not_of(" \t");
-  if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(" \t") - from + 1);
-}
-
 std::vector<std::string_view> itemsOf(std::string_view list) {
   std::vector<std::string_view> items;
-  if (trimmed(list).empty()) return items;
+  if (base::trimmed(list).empty()) return items;
   for (std::size_t from = 0; from <= list.size();) {
     const std::size_t to = std::min(list.find(',', from), list.size());
-    items.push_back(trimmed(list.substr(from, to - from)));
+    items.push_back(base::trimmed(list.substr(from, to - from)));
     from = to + 1;
   }
   return items;
 }
 
 std::optional<int> idOf(std::string_view text) {
-  text = trimmed(text);
+  text = base::trimmed(text);
   if (!text.empty() && (text.front() == 'E' || text.front() == 'e')) text.remove_prefix(1);
   int id = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
@@ -74,7 +62,7 @@ void checkRanges(const Selection& selection, const std::set<int>& ids, std::vect
 
 /// Process word after the entity in a comment such as "(E14 half-cut)".
 std::string processWordOf(std::string_view line, int entity) {
-  const std::string text = lower(line);
+  const std::string text = base::lowered(line);
   const std::string key = fmt::format("e{} ", entity);
   const std::size_t at = text.find(key);
   if (entity < 0 || at == std::string::npos) return {};
@@ -104,12 +92,12 @@ Selection selectionFrom(const std::string& entities, const std::string& layers,
     if (item.empty()) {
       faults.emplace_back("layers: a name is missing between two commas");
     } else {
-      selection.layers.insert(lower(item));
+      selection.layers.insert(base::lowered(item));
     }
   }
   for (const std::string_view item : itemsOf(processes)) {
     const auto found = std::find_if(std::begin(kProcesses), std::end(kProcesses), [&](dieline::Process p) {
-      return dieline::processName(p) == lower(item);
+      return dieline::processName(p) == base::lowered(item);
     });
     if (found == std::end(kProcesses)) {
       faults.push_back(fmt::format("process: '{}' is none of cut, half-cut, crease, perforation", item));
@@ -128,7 +116,7 @@ void select(dieline::Dieline& dieline, const Selection& selection) {
   for (const dieline::Entity& entity : dieline.entities) {
     if (entity.process == dieline::Process::kIgnore) continue;
     ids.insert(entity.id);
-    layers.insert(lower(entity.layer));
+    layers.insert(base::lowered(entity.layer));
   }
   std::vector<std::string> faults;
   checkRanges(selection, ids, faults);
@@ -139,9 +127,10 @@ void select(dieline::Dieline& dieline, const Selection& selection) {
   }
   bool any = false;
   for (dieline::Entity& entity : dieline.entities) {
-    const bool chosen = holds(selection.entities, entity.id) &&
-                        (selection.layers.empty() || selection.layers.count(lower(entity.layer)) > 0) &&
-                        (selection.processes.empty() || selection.processes.count(entity.process) > 0);
+    const bool chosen =
+        holds(selection.entities, entity.id) &&
+        (selection.layers.empty() || selection.layers.count(base::lowered(entity.layer)) > 0) &&
+        (selection.processes.empty() || selection.processes.count(entity.process) > 0);
     if (!chosen) entity.process = dieline::Process::kIgnore;
     any = any || entity.process != dieline::Process::kIgnore;
   }

@@ -229,7 +229,8 @@ BundleResult adjust(const Bundle& start) {
     result.settled = settle(state, start, weight);
     result.residuals_px = residualsOf(state, start);
     for (std::size_t v = 0; v < views; ++v) {
-      // Its own pose, and its share of the lens, have been fitted to these residuals.
+      // Degrees of freedom of a view: its residuals less its pose and its share of the lens, which are fitted
+      // to them.
       const auto n = static_cast<double>(start.points[v].size());
       const double freedom = 2.0 * n - kPose - kLens * n / static_cast<double>(points);
       const double scatter =

@@ -14,6 +14,7 @@
 #include "hil/calibrate/camera/coverage.h"
 #include "hil/calibrate/camera/day.h"
 #include "hil/calibrate/camera/map_covariance.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -133,9 +134,8 @@ std::size_t dropOutliers(const BundleResult& result, std::vector<TargetView>& vi
     // Scatter by the median: outliers are in sigma_px.
     std::vector<double> sizes;
     for (const Vector2d& r : result.residuals_px[v]) sizes.push_back(r.norm());
-    const auto middle = sizes.begin() + static_cast<long>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double limit_px = std::max(kOutlierSigmas * *middle / 1.1774, 1e-6);  // Median of a Rayleigh law.
+    /// Median of a Rayleigh law.
+    const double limit_px = std::max(kOutlierSigmas * upperMedianIn(sizes) / 1.1774, 1e-6);
     std::vector<TargetCorner> corners;
     std::vector<BundlePoint> points;
     for (std::size_t i = 0; i < views[v].corners.size(); ++i) {

@@ -20,7 +20,7 @@ class CalibrationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// How the target lies on the plane P in the first view, face up: B's origin in P, and B's x axis turned from
+/// Pose of the target on the plane P in the first view, face up: B's origin in P, and B's x axis turned from
 /// Px about Pz. Taken as exact: what it is wrong shifts and turns P, and is not in the covariance.
 struct TargetPlace {
   Eigen::Vector2d p_PB_mm{Eigen::Vector2d::Zero()};
@@ -30,7 +30,7 @@ struct TargetPlace {
 struct CalibrationJob {
   CalibrationTarget target;
   TargetPlace place;
-  int width_px{};  ///< That the pictures must have.
+  int width_px{};  ///< Width that the pictures must have.
   int height_px{};
   std::string camera_id;
   std::string date;         ///< Date of the views, "2026-11-21".
@@ -39,7 +39,8 @@ struct CalibrationJob {
   std::vector<std::string> views;                      ///< Names; the first is the one in the plane.
   std::function<GrayImage(std::size_t view)> picture;  ///< May be called from several threads.
   int threads{1};
-  std::function<void(std::size_t view)> done{};  ///< After each view is measured; one call at a time.
+  /// Callback after each view is measured; one call at a time.
+  std::function<void(std::size_t view)> done{};
 };
 
 struct CalibratedView {

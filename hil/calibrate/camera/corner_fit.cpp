@@ -10,6 +10,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::calibrate {
 namespace {
 
@@ -209,9 +211,7 @@ bool dropOutliers(const Corner& corner, std::vector<Sample>& samples) {
   std::vector<double> misses;
   Vector9 unused;
   for (const Sample& s : samples) misses.push_back(std::abs(s.gray - corner.gray(s, unused)));
-  std::vector<double> sorted = misses;
-  std::ranges::nth_element(sorted, sorted.begin() + static_cast<long>(sorted.size() / 2));
-  const double limit = kOutlier * std::max(1.4826 * sorted[sorted.size() / 2], 0.3);
+  const double limit = kOutlier * std::max(kMadToSigma * upperMedianOf(misses), 0.3);
   bool dropped = false;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (misses[i] <= limit) continue;

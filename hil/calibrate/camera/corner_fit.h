@@ -9,9 +9,9 @@
 
 namespace kerfbench::calibrate {
 
-/// What is known of a chessboard corner before it is fitted.
+/// Knowledge of a chessboard corner before it is fitted.
 struct CornerGuess {
-  Eigen::Vector2d pixel;    ///< Within about a pixel.
+  Eigen::Vector2d pixel;    ///< Place of the corner, within about a pixel.
   Eigen::Vector2d along_x;  ///< Picture of the target's x axis there; any length.
   Eigen::Vector2d along_y;  ///< Direction of its y axis.
   int radius_px{};          ///< The window's half side; nothing but the four squares may lie in it.

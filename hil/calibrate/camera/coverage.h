@@ -13,7 +13,7 @@ namespace kerfbench::calibrate {
 int coverageCells(int width_px, int height_px);
 /// Number of corners of a view in each cell of the picture, row by row.
 std::vector<int> coverageOf(const std::vector<TargetCorner>& corners, int width_px, int height_px);
-/// Which parts of the picture have cells without a corner, in words; "" when none has.
+/// Parts of the picture with cells without a corner, in words; "" where there are none.
 std::string coverageFault(const std::vector<TargetCorner>& corners, int width_px, int height_px);
 
 }  // namespace kerfbench::calibrate

@@ -77,7 +77,7 @@ void setMapCovariance(const Matrix15& covariance, vision::CameraCalibration& cal
     strongest_mm = std::max(strongest_mm, reach_mm);
     if (!(reach_mm > kNegligible * strongest_mm)) continue;
     Eigen::Matrix<double, 15, 1> mode = root * svd.matrixV().col(k);
-    // Either sign would do; the same one on every machine.
+    // Sign of the mode: free, so it is set in the same way on every computer.
     Index largest = 0;
     moved.cwiseAbs().maxCoeff(&largest);
     if (moved[largest] < 0.0) mode = -mode;

@@ -10,7 +10,7 @@ namespace kerfbench::calibrate {
 /// Standard deviation beyond which a picture is too blurred for its corners to be placed.
 inline constexpr double kMostBlur_px = 2.5;
 
-/// Why a picture is no good for measuring a target in it: empty, dark, saturated, blurred; "" for a good one.
+/// Reason why no target can be measured in a picture: empty, dark, saturated, blurred; "" for a good one.
 std::string pictureFault(const GrayImage& image);
 
 }  // namespace kerfbench::calibrate

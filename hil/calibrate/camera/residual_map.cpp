@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/text.h"
+
 namespace kerfbench::calibrate {
 namespace {
 
@@ -91,14 +93,9 @@ std::string viewTable(const CameraCalibrationResult& result, double x, double y)
       x, y);
   for (const CalibratedView& view : result.views) {
     y += 17.0;
-    std::string name = view.name;
-    for (const auto& [from, to] : {std::pair('&', "&amp;"), std::pair('<', "&lt;")}) {
-      for (auto at = name.find(from); at != std::string::npos; at = name.find(from, at + 1))
-        name.replace(at, 1, to);
-    }
     text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}: {}, {:.4f} px, {:.1f}°, {:.2f} px</text>\n", x,
-                        y, name, view.corners.size(), view.sigma_px, 180.0 / std::numbers::pi * view.tilt_rad,
-                        view.blur_px);
+                        y, base::escapeHtml(view.name), view.corners.size(), view.sigma_px,
+                        180.0 / std::numbers::pi * view.tilt_rad, view.blur_px);
   }
   return text;
 }
@@ -128,9 +125,9 @@ std::string residualMapSvg(const CameraCalibrationResult& result) {
              "<text x=\"20\" y=\"50\">RMS {:.4f} px per axis; largest standard uncertainty of the map {:.3f} "
              "µm; "
              "area {:.1f} … {:.1f} by {:.1f} … {:.1f} mm; {} outliers left out</text>\n",
-             total_height, c.camera_id, c.date, result.corners, result.views.size(), c.rms_px,
-             1e3 * c.map_u_mm, c.area_mm.min().x(), c.area_mm.max().x(), c.area_mm.min().y(),
-             c.area_mm.max().y(), result.outliers) +
+             total_height, base::escapeHtml(c.camera_id), base::escapeHtml(c.date), result.corners,
+             result.views.size(), c.rms_px, 1e3 * c.map_u_mm, c.area_mm.min().x(), c.area_mm.max().x(),
+             c.area_mm.min().y(), c.area_mm.max().y(), result.outliers) +
          drawCells(grid, arrow_per_px) + viewTable(result, kLeft + kWidth + 20.0, kTop + 12.0) +
          fmt::format(
              "<path d=\"M{0:.1f} {1:.1f}h{2:.1f}\" stroke=\"#104e8b\" stroke-width=\"2\"/>\n"

@@ -20,7 +20,7 @@ struct CalibrationTarget {
 
   int columns{};       ///< Squares; 4 … 200.
   int rows{};          ///< 4 … 200
-  double square_mm{};  ///< As measured on the print; 0.1 … 1000.
+  double square_mm{};  ///< Side of a square, as measured on the print; 0.1 … 1000.
   double marker_mm{};  ///< Side of a marker; 0.4 … 0.8 of a square: around it a corner must be free.
 
   /// Everything that is wrong, in one line; empty when nothing is.

@@ -8,7 +8,7 @@
 
 namespace kerfbench::calibrate {
 
-/// The target's description, to be kept beside its print and corrected by what is measured there.
+/// Description of the target, to be kept with its print and corrected by what is measured there.
 std::string targetText(const CalibrationTarget& target);
 /// @throws ConfigError with everything that is wrong.
 CalibrationTarget readTarget(const std::filesystem::path& path);

@@ -13,6 +13,7 @@
 
 #include "hil/calibrate/camera/corner_fit.h"
 #include "hil/calibrate/camera/picture_check.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -58,7 +59,7 @@ struct Prediction {
   Vector2d along_x, along_y;  ///< Picture of one square's sides there.
 };
 
-/// The corner by the homography of the markers beside it.
+/// Corner by the homography of the nearest markers.
 std::optional<Prediction> predict(int column, int row, const std::map<int, Quad>& markers,
                                   const CalibrationTarget& target) {
   std::vector<cv::Point2f> board;
@@ -105,18 +106,11 @@ int radiusFor(const Prediction& p, const CalibrationTarget& target) {
   // The nearest point of the marker is its corner, `border` along both sides: sqrt(2) as far, in a square.
   const double free_px =
       std::min((border * (p.along_x + p.along_y)).norm(), (border * (p.along_x - p.along_y)).norm());
-  // The other edges that end a square lie further out than any marker. Three pixels for the blur.
+  // Margin of three pixels for the blur. Edges of other squares lie farther away than any marker.
   return std::min(kMostRadius_px, static_cast<int>(std::floor(std::min(free_px, 0.8 * height_px) - 3.0)));
 }
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// A quick way near enough for the fit to take.
+/// Refinement of the predicted corners, accurate enough to start the fit.
 void sharpen(const cv::Mat& picture, std::vector<Prediction>& predictions) {
   for (Prediction& p : predictions) {
     std::vector<cv::Point2f> point{
@@ -164,8 +158,10 @@ TargetView findTarget(const GrayImage& image, const CalibrationTarget& target) {
     blurs.push_back(fit->blur_px);
     contrasts.push_back(fit->contrast);
   }
-  view.blur_px = medianOf(blurs);
-  view.contrast = medianOf(contrasts);
+  if (!blurs.empty()) {
+    view.blur_px = upperMedianOf(blurs);
+    view.contrast = upperMedianOf(contrasts);
+  }
   if (static_cast<int>(view.corners.size()) < kLeastCorners) {
     view.fault = fmt::format("the target is not found: {} of its {} markers, {} corners, at least {}",
                              view.markers, target.markers(), view.corners.size(), kLeastCorners);

@@ -9,23 +9,24 @@
 
 #include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
+#include "twin/base/statistics.h"
 #include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kAgreesShare = 0.2;    // Share of the marks' spread: a mark this near agrees with a map.
-constexpr double kLeastAgreeing = 0.5;  // Share of the marks, for the best map,
-constexpr double kLeastLead = 0.1;      // and by how many more than for the next; two at the least.
-constexpr double kThinnest = 0.05;      // Width over length of the aims.
+constexpr double kAgreesShare = 0.2;    // Share of the marks' spread within which a mark agrees with a map.
+constexpr double kLeastAgreeing = 0.5;  // Share of the marks that must agree with the best map.
+constexpr double kLeastLead = 0.1;  // Share of the marks by which it must lead the next map; at least two.
+constexpr double kThinnest = 0.05;  // Width over length of the aims.
 
-Eigen::Vector2d medianOf(const std::vector<Eigen::Vector2d>& points) {
+Eigen::Vector2d middleOf(const std::vector<Eigen::Vector2d>& points) {
   std::vector<double> x, y;
   for (const Eigen::Vector2d& p : points) {
     x.push_back(p.x());
     y.push_back(p.y());
   }
-  return {calibrate::medianOf(x), calibrate::medianOf(y)};
+  return {upperMedianOf(x), upperMedianOf(y)};
 }
 
 /// Standard deviations of the aims along their longest and shortest axis, mm; the larger first.
@@ -44,11 +45,11 @@ Eigen::Vector2d spreadOf(std::span<const HeadObservation> observations) {
 AxisFinding findingOf(const AxisMap& map, std::span<const HeadObservation> observations, double near_mm) {
   std::vector<Eigen::Vector2d> off;
   for (const HeadObservation& o : observations) off.emplace_back(o.measured_W_mm - map.matrix() * o.aim_W_mm);
-  const Eigen::Vector2d shift = medianOf(off);
+  const Eigen::Vector2d shift = middleOf(off);
   std::vector<double> misses;
   for (const Eigen::Vector2d& d : off) misses.push_back((d - shift).norm());
   const auto agreeing = std::ranges::count_if(misses, [&](double miss) { return miss <= near_mm; });
-  return {map, static_cast<std::size_t>(agreeing), 0, calibrate::medianOf(misses)};
+  return {map, static_cast<std::size_t>(agreeing), 0, upperMedianOf(misses)};
 }
 
 }  // namespace

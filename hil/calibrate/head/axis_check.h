@@ -30,12 +30,12 @@ struct AxisFinding {
   AxisMap map;
   std::size_t
       agreeing{};  ///< Marks within a fifth of the pattern's spread of where this map, shifted, puts them.
-  std::size_t next_agreeing{};  ///< With the best of the other seven.
-  double miss_mm{};             ///< Median distance from there.
+  std::size_t next_agreeing{};  ///< Marks that agree with the best of the other seven maps.
+  double miss_mm{};             ///< Median distance of the marks from where the shifted map puts them.
 };
 
-/// Which of the eight it is, from pairs of aim and place: the one that most marks agree with. False marks do
-/// not matter, and the head's own distortion is small against a wrong map.
+/// Finds the map of the eight that most marks agree with, from pairs of aim and place. False marks do not
+/// matter, and the head's own distortion is small against a wrong map.
 /// @throws HeadCalibrationError for fewer than five marks, marks all in a line, or if no more than half of
 /// the
 ///   marks agree with any of the eight, or not clearly more with one than with another: marks of another job,

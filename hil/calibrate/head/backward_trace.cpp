@@ -17,8 +17,9 @@ using Eigen::Vector3d;
 using ByVector = Eigen::Matrix<double, 2, 3>;
 using ByNumber = Vector2d;
 
-constexpr int kTilts = 3;          // Parameters of a mirror: what turns its normal,
-constexpr int kMirrorSurface = 3;  // and what follows in HeadParameter's order.
+constexpr int kTilts = 3;  // Number of a mirror's parameters that turn its normal.
+/// Index of its surface among a mirror's parameters, in HeadParameter's order.
+constexpr int kMirrorSurface = 3;
 constexpr int kMirrorZero = 4;
 constexpr int kMirrorScale = 5;
 constexpr int kLensParameters = 8;
@@ -125,7 +126,7 @@ struct SlopedLens {
     }
   }
 
-  /// By sin² of the field angle, and by the incidence ratio.
+  /// Dual number with derivatives by sin² of the field angle and by the incidence ratio.
   using Dual2 = Dual<2>;
   struct Meeting {
     Vector3d direction{Vector3d::Zero()}, across{Vector3d::Zero()};
@@ -210,7 +211,7 @@ bool landAndBack(const trace::Plane<double>& plane, const trace::Ray<double>& ra
 }  // namespace
 
 struct BackwardTrace::Head {
-  static constexpr int kBeam = 4;  ///< Its departures: two offsets, two tilts.
+  static constexpr int kBeam = 4;  ///< Departures of the beam: two offsets, two tilts.
   HeadVector units;
   trace::Ray<double> laser;
   std::array<trace::Ray<double>, kBeam> by_beam;

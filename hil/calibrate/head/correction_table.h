@@ -10,9 +10,9 @@
 namespace kerfbench::calibrate {
 
 struct CorrectionTableOptions {
-  Eigen::AlignedBox2d field_W_mm{};      ///< Where the beam shall land.
+  Eigen::AlignedBox2d field_W_mm{};      ///< Field in which the beam shall land.
   double margin_share{0.02};             ///< The grid reaches beyond the field by this share of its sides.
-  double interpolation_error_mm{0.001};  ///< No more in any cell's middle or an edge's; > 0.
+  double interpolation_error_mm{0.001};  ///< Largest error in the middle of any cell or edge; > 0.
   /// A controller that knows nothing but the nodes must not find the grid too coarse: in the middle between
   /// two of them, cubics through neighbouring sets of four differ by no more; > 0. The reference controller
   /// refuses 0.01.

@@ -20,7 +20,7 @@ namespace kerfbench::calibrate {
 
 struct HeadFitOptions {
   HeadTolerances tolerances{};
-  /// Where the beam shall be corrected, in W; the surface covers it, and all marks. Empty: the marks alone.
+  /// Field to correct, in W. The surface covers it, and all marks. Empty: the marks alone.
   Eigen::AlignedBox2d field_W_mm{};
   /// Axes that are exchanged or run backwards are a fault of the wiring and refused; true: fitted all the
   /// same.
@@ -35,19 +35,20 @@ struct HeadFitOptions {
   int most_surface_degree{12};   ///< 0: no residual surface; <= 30.
 };
 
-/// What the marks tell of one parameter.
+/// Finding of a fit about one parameter.
 struct HeadParameterFinding {
   HeadParameter which{};
   double value{};        ///< Departure from the design.
   double sigma{};        ///< k = 1, after the fit.
-  double prior_sigma{};  ///< Before it: the tolerance.
+  double prior_sigma{};  ///< Standard deviation before the fit: the tolerance.
   /// The marks hold it: sigma is below a third of the tolerance.
   bool held{};
-  /// Where it is not held: the parameter that it cannot be told from, if there is one (|correlation| > 0.7).
+  /// Another parameter with the same effect on these marks (|correlation| > 0.7), for one that is not held;
+  /// nullopt where there is none.
   std::optional<HeadParameter> mixed_with;
 };
 
-/// What became of one observation, in the order given.
+/// Fate of one observation, in the order given.
 struct HeadMarkFinding {
   bool used{};
   /// Measured less fitted, where the sheet's shared error is taken as the fit has it.
@@ -61,14 +62,14 @@ struct HeadMarkFinding {
 struct HeadSurface {
   SmoothBasis basis;
   double amplitude_mm{};  ///< Standard deviation of a coefficient of degree zero before the fit.
-  double decay{};         ///< By which it falls from degree to degree.
+  double decay{};         ///< Factor by which it falls from degree to degree.
   double evidence{};      ///< Logarithm of the odds for this surface against none.
 };
 
 /// A head as measured. Immutable.
 class HeadFit {
  public:
-  /// Where the beam lands for an aim.
+  /// Landing point of the beam for an aim.
   struct Spot {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
     Eigen::Matrix2d by_aim{Eigen::Matrix2d::Identity()};
@@ -82,14 +83,14 @@ class HeadFit {
   [[nodiscard]] const std::vector<HeadParameterFinding>& parameters() const { return parameters_; }
   [[nodiscard]] const std::vector<HeadMarkFinding>& marks() const { return marks_; }
   [[nodiscard]] std::size_t rejected() const;
-  /// Scatter of the marks over what they were said to scatter, RMS; near 1 if both model and noise are right.
+  /// Scatter of the marks over their stated scatter, RMS; near 1 if both model and noise are right.
   [[nodiscard]] double noiseRatio() const { return noise_ratio_; }
   /// The ratio is larger than chance explains (1 %): all uncertainties were multiplied by it.
   [[nodiscard]] bool noiseScaled() const { return noise_scaled_; }
 
-  /// Where the beam lands when the controller is aimed there, nullopt where it does not.
+  /// Landing point of the beam for the controller's aim; nullopt where there is none.
   [[nodiscard]] std::optional<Spot> spotOf(const Eigen::Vector2d& aim_W_mm) const;
-  /// What to aim at so that the beam lands at p_W, to 1e-9 mm; nullopt where no aim was found.
+  /// Aim for which the beam lands at p_W, to 1e-9 mm; nullopt where none was found.
   [[nodiscard]] std::optional<Eigen::Vector2d> aimFor(const Eigen::Vector2d& p_W_mm) const;
   /// Covariance of spotOf() for model and surface together, k = 1; noise of a further mark is not in it.
   [[nodiscard]] std::optional<Eigen::Matrix2d> covarianceAt_mm2(const Eigen::Vector2d& aim_W_mm) const;
@@ -117,11 +118,10 @@ class HeadFit {
 
 /// Fits a head to marks, all of any number of sheets together.
 ///
-/// 1. Axes: refused unless they are as told (identifyAxes), or accept_axes.
-/// 2. Model: least squares over marks and tolerances, the latter weighted as measurements of zero
-/// and
-///    what the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at
-///    the scale of the median mark, narrowed until it settles, then none.
+/// 1. Axes: refused unless they are as the controller has them (identifyAxes), or accept_axes.
+/// 2. Model: least squares over marks and tolerances, the latter weighted as measurements of zero, and what
+///    the model cannot describe (tolerances.unmodelled_share) as noise of the marks; Cauchy's loss at the
+///    scale of the median mark, narrowed until it settles, then none.
 /// 3. Model and surface jointly, by Gauss and Newton from there, the surface with what it may be (the same
 ///    share) as its prior. Where that does not settle, 4 at the start, then damped steps (Levenberg and
 ///    Marquardt). What the marks of a sheet share (SharedError) is estimated with them: three errors
@@ -132,7 +132,7 @@ class HeadFit {
 /// 5. With 40 marks or more the surface's amplitude and decay are those of the largest evidence (marginal
 ///    likelihood); there is none unless the odds are 20 : 1 against none. Then 3 and 4 again.
 /// 6. Covariance of model and surface together: inverse of the normal matrix, priors included, so never
-///    singular. It is scaled up where the marks scatter more than they were said to.
+///    singular. It is scaled up where the marks scatter more than stated.
 ///
 /// Deterministic. Marks whose ray lands nowhere in the design are rejected as false.
 /// @throws HeadCalibrationError with everything that is wrong: fewer than five marks, values that are not

@@ -12,23 +12,24 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr std::size_t kMarksThatTell = 40;  // Fewer cannot tell a surface from a head.
+constexpr std::size_t kMarksThatTell = 40;  // Least marks that tell a surface from a head.
 constexpr int kUsualDegree = 4;
 constexpr int kTellingDegree = 8;
 constexpr double kUsualDecay = 0.7;
 constexpr int kWholeSteps = 20;
 constexpr int kDampedSteps = 200;
-constexpr double kFirstDamping = 1.0;  // As much as the tolerances: it holds back what the marks hold badly.
+constexpr double kFirstDamping = 1.0;  // Damping as strong as the tolerances.
 constexpr double kLeastDamping = 0.01, kDampingFactor = 10.0;
-constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Shares of what a step promised.
-constexpr double kSettled = 1e-3;                       // Share of a tolerance,
-constexpr double kLastStep = 3.0;                       // Multiple of what is enough.
-constexpr double kNearlySettled = 0.1;                  // and where it is only about false marks.
+constexpr double kGoodShare = 0.75, kPoorShare = 0.25;  // Gain of a step over the gain that it promised.
+constexpr double kSettled = 1e-3;       // Size in tolerances below which the next step need not be taken.
+constexpr double kLastStep = 3.0;       // Largest size of the last step over kSettled.
+constexpr double kNearlySettled = 0.1;  // kSettled of a fit that only looks for false marks.
 constexpr const char* kNoConvergence =
     "the fit does not converge: are all marks of one head, one field and one sheet, and the design its own?";
 constexpr int kMostPasses = 30;
-constexpr int kPassesToReturn = 10;      // Later no mark comes back, so that the set must settle.
-constexpr double kMostTolerances = 3.0;  // So many parameters all are that far off never.
+constexpr int kPassesToReturn = 10;  // Passes in which a rejected mark may return; the set must settle later.
+/// Largest scale of the tolerances by few marks; more means false marks.
+constexpr double kMostTolerances = 3.0;
 
 }  // namespace
 
@@ -182,7 +183,7 @@ void HeadFitter::settle(int degree, double settled) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     setBasis(degree);
     // A false mark that is still in may bend the model by tolerances, beyond what steps follow: it must go
-    // first, by what the marks tell where they started. Only if none does is it the head that bends.
+    // first, by what the marks show at the start. Only if none does is it the head that bends.
     if (!solve(settled)) {
       if (judge(false)) {
         refuseTooMany();

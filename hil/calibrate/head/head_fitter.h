@@ -33,9 +33,10 @@ class HeadFitter {
   /// Least squares and rejection in turn until the set of marks stays; `settled`: the largest last step, in
   /// tolerances.
   void settle(int degree, double settled);
-  /// Least squares by whole steps; false if they do not settle: then all is as the marks tell at the start.
+  /// Least squares by whole steps; false if they do not settle: then all is as the marks have it at the
+  /// start.
   bool solve(double settled);
-  /// From there by steps that each make it better.
+  /// Least squares from the start by steps that each reduce the misfit.
   void solveDamped(double settled);
   void setBasis(int degree);
   void linearise();
@@ -57,7 +58,8 @@ class HeadFitter {
   void reportParameters(HeadFit& fit) const;
   void setNoiseRatio(HeadFit& fit) const;
 
-  /// With what the model cannot describe counted as noise: the model alone must not be dragged by it.
+  /// Marks that are used. Their noise includes what the model cannot describe, so that it does not pull the
+  /// model alone.
   [[nodiscard]] std::vector<WeighedMark> usedMarks() const;
   /// Two rows for each mark, those of marks that are used.
   template <typename Rows>
@@ -66,7 +68,7 @@ class HeadFitter {
   void predictMarks(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
   /// The surface's part in both.
   void addSurface(Eigen::VectorXd& residuals, Eigen::MatrixXd& modes) const;
-  /// How far the modes move the surface along x and along y, mm, a column for each mark.
+  /// Shifts of the surface by the modes along x and along y, mm, a column for each mark.
   struct SurfaceModes {
     Eigen::MatrixXd x, y;
   };
@@ -87,8 +89,9 @@ class HeadFitter {
   HeadVector scaled_{HeadVector::Zero()};
   Eigen::AlignedBox2d reach_mm_;
   std::optional<SmoothBasis> basis_;
-  Eigen::MatrixXd shared_;  ///< How what sheets share moves all marks, whitened: three columns a sheet.
-  RowMatrix basis_values_;  ///< At all aims, a row each.
+  /// Shifts of all marks by the sheets' shared errors, whitened: three columns a sheet.
+  Eigen::MatrixXd shared_;
+  RowMatrix basis_values_;  ///< Values at all aims, a row each.
   std::optional<SurfacePrior> prior_;
   WhitenedRows rows_;                             ///< Rows of all marks,
   HeadVector linearised_at_{HeadVector::Zero()};  ///< at these scaled departures.

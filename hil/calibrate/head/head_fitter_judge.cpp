@@ -10,6 +10,7 @@
 #include "hil/calibrate/head/head_parameters.h"
 #include "hil/calibrate/head/observation.h"
 #include "hil/calibrate/head/spread.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -29,7 +30,7 @@ HeadFitter::SurfaceModes HeadFitter::surfaceModes() const {
   modes.x.middleRows(kHeadColumns, m) = x.middleRows(kHeadColumns, m).triangularView<Eigen::Lower>() * values;
   modes.x.bottomRows(m).noalias() = x.bottomRows(m) * values;
   modes.y.topRows<kHeadColumns>().noalias() = y.topRows<kHeadColumns>() * values;
-  modes.y.middleRows(kHeadColumns, m).setZero();  // Those of x alone.
+  modes.y.middleRows(kHeadColumns, m).setZero();  // Coefficients of x alone.
   modes.y.bottomRows(m) = y.bottomRows(m).triangularView<Eigen::Lower>() * values;
   return modes;
 }
@@ -93,7 +94,7 @@ bool HeadFitter::judge(bool may_return) {
     noise_chi2_ += residual.squaredNorm();
     noise_freedom_ += 2.0 - predicted.trace();
   }
-  const double scale2 = std::max(1.0, medianOf(distances) / kMedianChiSquare2);
+  const double scale2 = std::max(1.0, upperMedianOf(distances) / kMedianChiSquare2);
   const double limit =
       scale2 * chiSquare2Above(options_.rejection_chance / static_cast<double>(marks_.size()));
   const double worst = *std::ranges::max_element(distances);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadFitter: what is told of the head.
+// HeadFitter: the result.
 #include <cmath>
 
 #include "hil/calibrate/head/head_fitter.h"
@@ -36,7 +36,7 @@ HeadFit HeadFitter::result() const {
 }
 
 void HeadFitter::setNoiseRatio(HeadFit& fit) const {
-  if (noise_freedom_ < 1.0) return;  // Nothing left to tell it from.
+  if (noise_freedom_ < 1.0) return;  // No parameter left that it could be mixed with.
   fit.noise_ratio_ = std::sqrt(noise_chi2_ / noise_freedom_);
   fit.noise_scaled_ = noise_chi2_ > chiSquareAbove(noise_freedom_, kNoiseScaledAt);
 }

@@ -9,6 +9,7 @@
 
 #include "hil/calibrate/head/head_fitter.h"
 #include "hil/calibrate/head/spread.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -90,11 +91,11 @@ void HeadFitter::dropFarMarks() {
     y.push_back(off[i].y());
   }
   if (x.empty()) throw HeadCalibrationError("no mark can be reached by this head");
-  const Eigen::Vector2d middle(medianOf(x), medianOf(y));
+  const Eigen::Vector2d middle(upperMedianOf(x), upperMedianOf(y));
   for (std::size_t i = 0; i < marks_.size(); ++i) {
     if (used_[i]) distances.push_back((off[i] - middle).norm());
   }
-  const double far_mm = kFarInMisses * medianOf(distances);
+  const double far_mm = kFarInMisses * upperMedianOf(distances);
   for (std::size_t i = 0; i < marks_.size(); ++i) used_[i] = used_[i] && (off[i] - middle).norm() <= far_mm;
   refuseTooMany();
 }
@@ -106,7 +107,7 @@ void HeadFitter::fitRobustly() {
   bool converged = false;
   for (int pass = 0; pass < kMostRobustPasses; ++pass) {
     const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, some);
-    const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
+    const double scale = std::max(1.0, upperMedianOf(distances) / std::sqrt(kMedianChiSquare2));
     if (scale >= 0.5 * last) break;
     last = scale;
     const ModelSolution solution =
@@ -115,14 +116,14 @@ void HeadFitter::fitRobustly() {
     converged = solution.converged;
   }
   const std::vector<double> distances = distancesFrom(design_, tolerances_, scaled_, marks);
-  const double scale = std::max(1.0, medianOf(distances) / std::sqrt(kMedianChiSquare2));
+  const double scale = std::max(1.0, upperMedianOf(distances) / std::sqrt(kMedianChiSquare2));
   std::size_t k = 0;
   for (std::size_t i = 0; i < used_.size(); ++i) {
     if (used_[i]) used_[i] = distances[k++] <= kFarInSigmas * scale;
   }
   refuseTooMany();
   if (converged) return;
-  // However far this gets, solve() goes on from there and tells whether it settles.
+  // However far this gets, solve() goes on from there and returns whether it settles.
   scaled_ =
       solveModel(design_, tolerances_, scaled_, spreadOver(usedMarks(), kMarksToBegin), 0.0, kMostIterations)
           .scaled;

@@ -34,8 +34,8 @@ class HeadModel {
 
   [[nodiscard]] const HeadDesign& design() const { return design_; }
 
-  /// Where the beam lands, nullopt where it does not: a mirror from behind, a sheet never met, a field angle
-  /// of 90 degrees.
+  /// Landing point of the beam, nullopt where there is none: a mirror from behind, a sheet never met, a field
+  /// angle of 90 degrees.
   [[nodiscard]] std::optional<Eigen::Vector2d> landing_W_mm(const Eigen::Vector2d& angles_rad,
                                                             const HeadVector& departures) const;
 
@@ -47,7 +47,7 @@ class HeadModel {
     Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};
     Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)> by_departures;  ///< mm per their unit.
   };
-  /// The same with derivatives, by automatic differentiation.
+  /// Spot of a pair of angles with its derivatives, by automatic differentiation.
   [[nodiscard]] std::optional<AngleSlopes> angleSlopesAt(const Eigen::Vector2d& angles_rad,
                                                          const HeadVector& departures) const;
   [[nodiscard]] std::optional<DepartureSlopes> departureSlopesAt(const Eigen::Vector2d& angles_rad,

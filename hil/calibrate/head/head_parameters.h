@@ -11,7 +11,7 @@
 
 namespace kerfbench::calibrate {
 
-/// How a head as built departs from its design; all zero: as drawn. mm, rad, or a share of the design's
+/// Departures of a head as built from its design; all zero: as drawn. mm, rad, or a share of the design's
 /// value. HeadModel says where each acts.
 enum class HeadParameter : std::size_t {
   kThrow,          ///< mm
@@ -21,7 +21,7 @@ enum class HeadParameter : std::size_t {
   kXFaceTilt,      ///< rad; of the reflecting face towards the axis.
   kXSurface,       ///< mm; of the face before the axis.
   kXZero,          ///< rad; mechanical angle at command zero.
-  kXScale,         ///< Share by which it turns further than told.
+  kXScale,         ///< Share by which it turns further than commanded.
   kYAxisTiltA,
   kYAxisTiltB,
   kYFaceTilt,
@@ -48,7 +48,7 @@ enum class HeadParameter : std::size_t {
   kLensIncidence,  ///< The lens's incidence_ratio.
 };
 inline constexpr std::size_t kHeadParameterCount = 32;
-/// The same as an index of matrices.
+/// Number of parameters as an index of matrices.
 inline constexpr int kHeadColumns = static_cast<int>(kHeadParameterCount);
 
 constexpr std::size_t indexOf(HeadParameter parameter) { return static_cast<std::size_t>(parameter); }
@@ -87,11 +87,11 @@ struct HeadTolerances {
   double lens_decentre_mm{1.0};
   double lens_tilt{5e-3};
   double lens_incidence{0.3};
-  /// What encoders, lens and board do beyond all parameters, as a share of the field's longer side: 30 µm of
+  /// Error of encoders, lens and board beyond all parameters, as a share of the field's longer side: 30 µm of
   /// 300 mm. No parameter; it weighs the residual surface where marks are too few to tell it.
   double unmodelled_share{1e-4};
 
-  /// In HeadParameter's order and units.
+  /// Departures in HeadParameter's order and units.
   [[nodiscard]] HeadVector sigmas(const HeadDesign& design) const;
 };
 

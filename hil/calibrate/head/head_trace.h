@@ -91,12 +91,12 @@ struct Plane {
 template <typename T>
 struct Head {
   Ray<T> laser;
-  std::array<Mirror<T>, 2> mirrors;  ///< As the beam meets them.
+  std::array<Mirror<T>, 2> mirrors;  ///< Mirrors in the order in which the beam meets them.
   std::optional<Lens<T>> lens;
   Plane<T> plane;
 };
 
-/// Where the drawing has the mirrors, and which way the beam goes before, between and after them.
+/// Mirrors as drawn, and directions of the beam before, between and after them.
 struct Drawing {
   std::array<Eigen::Vector3d, 3> ways;
   std::array<Eigen::Vector3d, 2> axes;
@@ -239,7 +239,7 @@ bool refract(const Lens<T>& lens, Ray<T>& ray) {
   return true;
 }
 
-/// Where a ray meets the sheet, as measured; false where it does not.
+/// Point where a ray meets the sheet, as measured; false where there is none.
 template <typename T>
 bool land(const Plane<T>& plane, const Ray<T>& ray, Vector2<T>& p_W_mm) {
   const T sink =
@@ -255,7 +255,7 @@ bool land(const Plane<T>& plane, const Ray<T>& ray, Vector2<T>& p_W_mm) {
   return true;
 }
 
-/// Where the beam lands, as measured; false where it does not.
+/// Landing point of the beam, as measured; false where there is none.
 template <typename T>
 bool landing(const Head<T>& head, const Vector2<T>& angles_rad, Vector2<T>& p_W_mm) {
   Ray<T> ray = head.laser;

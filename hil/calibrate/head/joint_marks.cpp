@@ -67,7 +67,8 @@ void JointMarks::linearise(const WhitenedRows& rows, const HeadVector& home) {
   }
   if (shared_.cols() == 0) return;
   shared_rows_.resize(shared_.cols(), rows.cols());
-  for (Eigen::Index k = 0; k < shared_.cols(); ++k)  // They are few: quicker than as matrices.
+  for (Eigen::Index k = 0; k < shared_.cols();
+       ++k)  // Few rows, for which this is faster than products of matrices.
     shared_rows_.row(k).noalias() = shared_.col(k).transpose() * rows;
   shared_normal_.matrixL().solveInPlace(shared_rows_);
   square_.selfadjointView<Eigen::Lower>().rankUpdate(shared_rows_.transpose(), -1.0);

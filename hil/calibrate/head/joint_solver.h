@@ -12,7 +12,7 @@
 
 namespace kerfbench::calibrate {
 
-/// Before it is fitted, a coefficient of degree k of the residual surface is zero ± amplitude · decay^k.
+/// Prior of the residual surface: a coefficient of degree k is zero ± amplitude · decay^k.
 struct SurfacePrior {
   double amplitude_mm{};
   double decay{};
@@ -22,8 +22,8 @@ struct SurfacePrior {
 /// Standard deviations of all coefficients before the fit, for x, then for y.
 Eigen::VectorXd sigmasOf(const SurfacePrior& prior, const SmoothBasis& basis);
 
-/// What marks and tolerances tell of a step of the model's scaled departures, when for any step the surface
-/// and what sheets share are as they fit best.
+/// Information of marks and tolerances on a step of the model's scaled departures, where for any step the
+/// surface and the sheets' shared errors are as they fit best.
 class ModelInformation {
  public:
   static constexpr int kCount = static_cast<int>(kHeadParameterCount);
@@ -64,12 +64,13 @@ class JointSolver {
   /// `marks` must outlive it. `surface_sigmas_mm`: sigmasOf(), empty without a surface.
   JointSolver(const JointMarks& marks, Eigen::VectorXd surface_sigmas_mm);
 
-  /// Both of the marks as they are linearised now.
+  /// Information on the model that the marks hold, as linearised now.
   [[nodiscard]] ModelInformation model() const { return left(taken()); }
   [[nodiscard]] JointSolution solve() const;
 
  private:
-  /// What the surface, in units in which it is independent of variance 1, takes of departures and reading.
+  /// Part of departures and reading that the surface takes, in units in which it is independent of variance
+  /// 1.
   [[nodiscard]] Eigen::MatrixXd taken() const;
   [[nodiscard]] ModelInformation left(const Eigen::MatrixXd& taken) const;
 
@@ -78,10 +79,10 @@ class JointSolver {
   Eigen::LLT<Eigen::MatrixXd> surface_;
 };
 
-/// How far this head is from its drawing, in tolerances, by what the marks hold of it: the root of the mean
-/// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is
-/// 1, to a factor of 2 either way, log-normal). What the marks cannot tell is then no better and no worse
-/// than the rest.
+/// Distance of this head from its drawing, in tolerances, by what the marks hold of it: the root of the mean
+/// square that one factor to all tolerances has, given the marks (marginal likelihood; before them it is 1,
+/// to a factor of 2 either way, log-normal). What the marks cannot tell is then no better and no worse than
+/// the rest.
 double toleranceFactor(const ModelInformation& model);
 
 /// Rows of d(x, y)/d(unknowns) of a mark; only of the departures without a surface.

@@ -22,7 +22,7 @@ struct WeighedMark {
 
 using HeadJacobian = Eigen::Matrix<double, 2, static_cast<int>(kHeadParameterCount)>;
 
-/// Where the model has each mark; `scaled`: departures over their tolerances.
+/// Places of the marks by the model; `scaled`: departures over their tolerances.
 std::vector<std::optional<Eigen::Vector2d>> landings(const HeadDesign& design, const HeadVector& tolerances,
                                                      const HeadVector& scaled,
                                                      std::span<const WeighedMark> marks);
@@ -32,7 +32,7 @@ std::vector<std::optional<Eigen::Vector2d>> landings(const HeadDesign& design, c
 std::vector<double> distancesFrom(const HeadDesign& design, const HeadVector& tolerances,
                                   const HeadVector& scaled, std::span<const WeighedMark> marks);
 
-/// What the model says of a mark at some departures.
+/// Mark by the model at some departures.
 struct ModelledMark {
   bool lands{};
   Eigen::Vector2d p_W_mm{Eigen::Vector2d::Zero()};

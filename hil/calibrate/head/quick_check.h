@@ -14,7 +14,7 @@
 
 namespace kerfbench::calibrate {
 
-/// What may have changed since a head was calibrated.
+/// Quantities that may have changed since a head was calibrated.
 enum class HeadDrift { kZeroX, kZeroY, kGainX, kGainY, kTurn, kSheetHeight };
 inline constexpr std::size_t kHeadDriftCount = 6;
 /// "zero of x", "sheet height", …
@@ -34,7 +34,8 @@ struct QuickCheckLimits {
 struct DriftFinding {
   HeadDrift which{};
   double value{};  ///< Zeros and height in mm on the sheet, gains as a share, turn in rad.
-  double sigma{};  ///< k = 1; of a changed one beside the other changed ones, else beside all six.
+  /// Standard uncertainty, k = 1: of a changed one among the changed ones, else among all six.
+  double sigma{};
   bool changed{};  ///< One of the fewest that explain what was measured.
 };
 

@@ -25,7 +25,7 @@ class SmoothBasis {
 
   struct Values {
     Eigen::VectorXd at;     ///< Value of each function.
-    Eigen::MatrixX2d by_p;  ///< And its slopes, 1/mm.
+    Eigen::MatrixX2d by_p;  ///< Slopes of each function, 1/mm.
   };
   [[nodiscard]] Values at(const Eigen::Vector2d& p_mm) const;
   [[nodiscard]] Eigen::VectorXd valuesAt(const Eigen::Vector2d& p_mm) const;

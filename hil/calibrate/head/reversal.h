@@ -19,10 +19,10 @@ struct SheetView {
 };
 
 struct ReversalOptions {
-  Eigen::AlignedBox2d camera_field_mm{};  ///< What the camera sees, in C; must hold all marks.
+  Eigen::AlignedBox2d camera_field_mm{};  ///< Field of the camera, in C; it must hold all marks.
   int degree{3};                          ///< Degree of the camera's error; 1 … 5.
-  double rejection_chance{0.05};          ///< That one good mark or more is rejected; in (0, 1).
-  double most_false_share{0.1};           ///< More marks may not be rejected; in [0, 0.5).
+  double rejection_chance{0.05};          ///< Chance that one good mark or more is rejected; in (0, 1).
+  double most_false_share{0.1};           ///< Largest share of marks that may be rejected; in [0, 0.5).
   double prior_mm{0.02};  ///< Standard deviation of each of its terms at the field's rim; > 0.
 };
 
@@ -32,20 +32,20 @@ class CameraError {
   struct Term {
     std::string name;  ///< "dx: x y²"
     int degree{};
-    double value_mm{};  ///< At the field's rim.
+    double value_mm{};  ///< Value at the field's rim.
     double sigma_mm{};  ///< k = 1.
-    bool held{};        ///< sigma is below a third of the prior: the views tell it.
+    bool held{};        ///< True where sigma is below a third of the prior: the views measure the term.
   };
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
-  /// By what the camera sees a mark off that is at p_C.
+  /// Camera's error at p_C: seen less true place.
   [[nodiscard]] Eigen::Vector2d at_mm(const Eigen::Vector2d& p_C_mm) const;
-  /// Covariance of at_mm, k = 1; where the views tell nothing, the prior.
+  /// Covariance of at_mm, k = 1; the prior where no view measures it.
   [[nodiscard]] Eigen::Matrix2d covarianceAt_mm2(const Eigen::Vector2d& p_C_mm) const;
 
  private:
   friend class Reversal;
   explicit CameraError(const ReversalOptions& options);
-  /// For 1 mm of each term at the field's rim: what it moves a mark by.
+  /// Shift of a mark by each term, for 1 mm at the field's rim.
   [[nodiscard]] Eigen::Matrix2Xd movesAt(const Eigen::Vector2d& p_C_mm) const;
   void set(const Eigen::VectorXd& values_mm, const Eigen::MatrixXd& covariance_mm2, double prior_mm);
 

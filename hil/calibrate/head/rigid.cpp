@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hil/calibrate/head/spread.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -42,7 +43,7 @@ RigidMotion rigidMotion(std::span<const PlacePair> pairs) {
     motion.X = leastSquares(pairs, used);
     std::vector<double> misses;
     for (const PlacePair& pair : pairs) misses.push_back((pair.second - motion.X * pair.first).norm());
-    motion.median_miss_mm = medianOf(misses);
+    motion.median_miss_mm = upperMedianOf(misses);
     std::vector<bool> next;
     for (const double miss : misses) next.push_back(miss <= kFarInMedians * motion.median_miss_mm);
     if (next == used) break;

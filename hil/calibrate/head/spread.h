@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -21,20 +19,13 @@ inline double distance2(const Eigen::Vector2d& d, const Eigen::Matrix2d& covaria
   return d.dot(covariance.inverse() * d);
 }
 
-/// The upper one of two in the middle; `values` must not be empty.
-inline double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// What chi-square of two degrees of freedom exceeds with this chance.
+/// Value that chi-square of two degrees of freedom exceeds with this chance.
 inline double chiSquare2Above(double chance) { return -2.0 * std::log(chance); }
 
 /// Median of chi-square of two degrees of freedom.
 inline constexpr double kMedianChiSquare2 = 1.3862943611198906;
 
-/// What chi-square of `freedom` degrees exceeds with the chance that a normal variable exceeds `normal`
+/// Value that chi-square of `freedom` degrees exceeds with the chance that a normal variable exceeds `normal`
 /// (Wilson & Hilferty 1931); freedom >= 1.
 inline double chiSquareAbove(double freedom, double normal) {
   const double ninth = 2.0 / (9.0 * freedom);

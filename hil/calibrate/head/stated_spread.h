@@ -13,12 +13,12 @@ namespace kerfbench::calibrate {
 /// Errors of marks against what is stated of them: covariance of the fit, of each mark, and of what the marks
 /// of a sheet share.
 struct StatedSpread {
-  std::size_t marks{};    ///< That the fit says anything of.
-  std::size_t covered{};  ///< How many of them lie within the ellipse that is stated to hold 95 %.
+  std::size_t marks{};    ///< Marks for which the fit states a covariance.
+  std::size_t covered{};  ///< Marks among them within the ellipse that is stated to hold 95 %.
   /// Errors over what is stated, RMS over the marks and both axes; 1 is expected.
   double ratio{};
-  /// What `ratio` exceeds with a chance of 1 % if all that is stated holds. Far above 1 where the marks are
-  /// off together, as after a fit to few marks.
+  /// Value that `ratio` exceeds with a chance of 1 % if all that is stated holds. Far above 1 where the marks
+  /// are off together, as after a fit to few marks.
   double most_ratio{};
   /// The marks do not speak against what is stated.
   [[nodiscard]] bool holds() const { return ratio <= most_ratio; }

@@ -12,11 +12,11 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kMoved =
-    1e-4;  // Share of its prior variance: all of them together change the evidence by 0.02.
+constexpr double kMoved = 1e-4;  // Least gain of a coefficient in units of its prior variance; all others
+                                 // together change the evidence by 0.02.
 const double kLeastEvidence = std::log(20.0);
-constexpr double kLeastScore =
-    3.0;  // Its square over four is about the evidence: below, no surface is tried.
+/// Least score of a surface that is tried; its square over four is about the evidence.
+constexpr double kLeastScore = 3.0;
 
 constexpr int kQuickDegree = 6;
 constexpr double kFirstAmplitude_mm = 0.001, kLeastAmplitude_mm = 1e-4, kMostAmplitude_mm = 10.0;
@@ -27,7 +27,7 @@ Eigen::MatrixXd squareOf(const Eigen::MatrixXd& rows) {
   return square;
 }
 
-/// What the marks tell of the surface when the model is left to fit itself: the model's part projected out.
+/// Information of the marks on the surface, with the model's part projected out.
 class SurfaceInformation {
  public:
   explicit SurfaceInformation(const JointMarks& marks) : marks_(marks) {
@@ -58,7 +58,7 @@ class SurfaceInformation {
       if (sigmas[k] * sigmas[k] * information_(k, k) > kMoved) moved.push_back(k);
     }
     const Eigen::VectorXd scale = sigmas(moved);
-    Eigen::MatrixXd normal(scale.size(), scale.size());  // Its lower part.
+    Eigen::MatrixXd normal(scale.size(), scale.size());  // Normal matrix, lower part.
     for (Eigen::Index j = 0; j < scale.size(); ++j) {
       const auto below = Eigen::seq(j, Eigen::last);
       normal(below, j) = scale[j] * scale(below).cwiseProduct(

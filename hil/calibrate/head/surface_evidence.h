@@ -11,8 +11,8 @@
 
 namespace kerfbench::calibrate {
 
-/// Decays of 0.5 … 1 for which the marks may tell of a surface: of those below, evidence is not worth its
-/// work (score test).
+/// Decays of 0.5 … 1 for which the marks may show a surface. The others are ruled out by a score test, which
+/// costs less than their evidence.
 std::vector<double> promisingDecays(const JointMarks& marks, const SmoothBasis& basis);
 
 /// The prior with the largest marginal likelihood, of these decays and amplitudes of 0.1 µm … 10 mm; nullopt

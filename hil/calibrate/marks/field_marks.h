@@ -17,17 +17,17 @@ namespace kerfbench::calibrate {
 /// A mark as cut.
 struct FieldMark {
   int number{};
-  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Its centre.
+  Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Centre of the mark.
   /// Covariance of p_S_mm, mm², by noise, grid, texture and edges of its own arms: independent from mark to
   /// mark. What all marks have in common is in FieldPictures::poseCovariance().
   Eigen::Matrix2d covariance{Eigen::Matrix2d::Zero()};
-  /// How it lies: directions of M, as drawn, to those in S as cut; about the Jacobian of what the head does
-  /// wrong there. The unit matrix for a perfect head, det < 0 for a mirrored one.
+  /// Map of the directions of M, as drawn, to those in S as cut: about the Jacobian of the head's error
+  /// there. The unit matrix for a perfect head, det < 0 for a mirrored one.
   Eigen::Matrix2d as_cut{Eigen::Matrix2d::Identity()};
-  MarkTurn turn;           ///< The nearest of the eight ways, as_cut rounded.
-  double kerf_width_mm{};  ///< Mean over its arms.
-  Eigen::Vector2d p_V_mm{
-      Eigen::Vector2d::Zero()};  ///< Where in the camera's plane it was seen: for its map's error.
+  MarkTurn turn;                                    ///< The nearest of the eight ways, as_cut rounded.
+  double kerf_width_mm{};                           ///< Mean over its arms.
+  Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};  ///< Place in the camera's plane at which it was seen, for
+                                                    ///< the error of the camera's map.
 };
 
 /// Something that is not a whole mark.
@@ -37,11 +37,11 @@ struct DamagedMark {
 };
 
 struct FieldPictures {
-  std::vector<FieldMark> marks;       ///< By number, then by place; doubled ones are all there.
-  std::vector<DamagedMark> damaged;   ///< By place.
+  std::vector<FieldMark> marks;  ///< Marks sorted by number, then by place; of a doubled one both are here.
+  std::vector<DamagedMark> damaged;   ///< Damaged marks sorted by place.
   int strays{};                       ///< Cuts that belong to no mark: scratches, dust, other work.
   vision::UnitPose pose;              ///< Pose of the sheet on the table, by its printed marks.
-  std::vector<std::string> problems;  ///< Why nothing here may be used: no pose, unfit pictures.
+  std::vector<std::string> problems;  ///< Reasons not to use any of this: no pose, unfit pictures.
 
   /// Error of all marks' places by the sheet's pose, as one error: covariance of what it shifts (x, y in S,
   /// mm) and turns (rad, about p_S, from x to y) them all by.
@@ -67,21 +67,21 @@ FieldPictures findFieldMarks(camera::TileSource& tiles, const vision::CameraCali
 struct MarkPoint {
   WantedMark wanted;
   FieldMark cut;
-  /// Where it landed less where it was asked for, mm.
+  /// Landing point less wanted place, mm.
   [[nodiscard]] Eigen::Vector2d error_mm(const MarkJob& job) const {
     return cut.p_S_mm - job.wanted_S_mm(wanted);
   }
 };
 
-/// What pictures tell of a job.
+/// Finding of the pictures about a job.
 struct MarkedField {
   std::vector<MarkPoint> points;     ///< One for each wanted mark that was found once; in order of number.
   std::vector<int> missing;          ///< Wanted, not found.
   std::vector<int> doubled;          ///< Found more than once; none of them is in points.
   std::vector<int> foreign;          ///< Found, not wanted: another job's.
-  MarkTurn layout;                   ///< How most marks lie.
+  MarkTurn layout;                   ///< Turn of most marks.
   std::vector<std::string> remarks;  ///< All of this in words, and how the axes lie if not as drawn.
-  /// Why the pictures must not be used for this job: another job's sheet, two sheets mixed, too few marks,
+  /// Reasons not to use the pictures for this job: another job's sheet, two sheets mixed, too few marks,
   /// FieldPictures::problems.
   std::vector<std::string> problems;
 };

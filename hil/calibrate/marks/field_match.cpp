@@ -14,9 +14,9 @@
 namespace kerfbench::calibrate {
 namespace {
 
-constexpr double kMostForeign = 0.1;    // of all that was found: more is another job's sheet
-constexpr double kMostOtherwise = 0.1;  // that lie otherwise than most
-constexpr std::size_t kNamed = 12;      // of many in one sentence
+constexpr double kMostForeign = 0.1;    // Largest share of foreign marks of this job's sheet.
+constexpr double kMostOtherwise = 0.1;  // Largest share of marks that are turned otherwise than most.
+constexpr std::size_t kNamed = 12;      // Most marks that one sentence names.
 
 std::string listed(const std::vector<int>& numbers) {
   const std::size_t shown = std::min(numbers.size(), kNamed);

@@ -9,6 +9,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::calibrate {
 namespace {
 
@@ -16,12 +18,11 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kEnd_mm = 0.3;            // Beside its end a kerf is end rather than line.
-constexpr std::size_t kLeastReadings = 4;  // of an arm
-constexpr double kMadToSigma = 1.4826;
-constexpr double kOutlier = 5.0;      // sigmas
-constexpr double kLeastGood = 0.7;    // of the readings
-constexpr double kWildest_mm = 0.02;  // RMS about the parabola: rougher is no line
+constexpr double kEnd_mm = 0.3;            // Part of a kerf at its end that is not line.
+constexpr std::size_t kLeastReadings = 4;  // Least readings of an arm.
+constexpr double kOutlier = 5.0;           // Distance of an outlier, in sigmas.
+constexpr double kLeastGood = 0.7;         // Least share of readings that are no outliers.
+constexpr double kWildest_mm = 0.02;       // Largest RMS about the parabola.
 
 struct Reading {
   double along_mm{};
@@ -83,10 +84,7 @@ std::optional<Parabola> fitOnce(const std::vector<Reading>& readings) {
 void dropOutliers(const Parabola& parabola, std::vector<Reading>& readings) {
   std::vector<double> sizes;
   for (const Reading& r : readings) sizes.push_back(std::abs(r.offset_mm - parabola.at(r.along_mm)));
-  std::vector<double> sorted = sizes;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double scatter_mm = kMadToSigma * *middle;
+  const double scatter_mm = kMadToSigma * upperMedianOf(sizes);
   std::size_t i = 0;
   std::erase_if(readings,
                 [&](const Reading& r) { return sizes[i++] > kOutlier * std::max(scatter_mm, r.noise_mm); });

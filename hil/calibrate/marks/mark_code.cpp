@@ -96,7 +96,7 @@ class Book {
     }
     std::sort(rests.begin(), rests.end());
     if (std::adjacent_find(rests.begin(), rests.end()) != rests.end())
-      return;  // It looks too much like itself, turned.
+      return;  // Refusal of a word that is too similar to itself when turned.
     taken_.insert(rests.begin(), rests.end());
     const int number = static_cast<int>(words_.size());
     for (const MarkTurn& turn : kTurns) readings_[turned(word, turn).to_ullong()] = {number, turn};

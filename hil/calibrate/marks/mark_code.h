@@ -26,7 +26,7 @@ struct MarkTurn {
 };
 std::span<const MarkTurn, 8> markTurns();
 
-/// The word as seen when a mark was laid down in another way.
+/// Word as seen when a mark was laid down turned.
 MarkWord turned(const MarkWord& word, const MarkTurn& turn);
 
 /// The ticks of a number. Of all numbers, in all eight ways of lying, no two words share more than three
@@ -39,7 +39,7 @@ const MarkWord& markWord(int number);
 
 struct MarkReading {
   int number{};
-  MarkTurn turn;  ///< How it lies.
+  MarkTurn turn;  ///< Turn in which the mark lies.
 };
 /// nullopt for whatever is no word.
 std::optional<MarkReading> readWord(const MarkWord& word);

@@ -12,11 +12,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kScale = 0.2;   // by which a head may scale
-constexpr double kAskew = 0.12;  // Sine: of arms to each other and to the line through both.
+constexpr double kScale = 0.2;  // Largest error of scale of a head.
+/// Largest sine of the angle of arms to each other and to the line through both.
+constexpr double kAskew = 0.12;
 constexpr double kSquare = 0.8;  // Least sine of the angle between the two lines.
-constexpr double kMeet = 0.12;   // of half a size: how near the two lines' middles lie
-constexpr double kSlim = 0.5;    // Width of an arm over its length, at most.
+constexpr double kMeet = 0.12;   // Largest distance of the two lines' middles, in half sizes.
+constexpr double kSlim = 0.5;    // Largest width of an arm over its length.
 constexpr double kArm = 1.0 - kArmFrom;
 constexpr double kArmMiddle = 0.5 * (1.0 + kArmFrom);
 

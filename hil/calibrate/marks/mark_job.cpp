@@ -21,11 +21,11 @@ using Eigen::Vector2d;
 
 constexpr double kFarthest_mm = 1e4;
 constexpr double kRounding_mm = 1e-6;
-constexpr double kLeastSize_mm =
-    4.5;  // Smaller, and a dieline's checker takes the ticks for one broken line.
+/// Least size; of smaller marks a dieline's checker takes the ticks for one broken line.
+constexpr double kLeastSize_mm = 4.5;
 constexpr double kMostSize_mm = 100.0;
 constexpr double kSizeStep_mm = 0.5;
-constexpr double kKerfs = 24.0;  // in the size of a mark, where there is room
+constexpr double kKerfs = 24.0;  // Size of a mark in kerf widths, where there is room.
 
 void checkField(const AlignedBox2d& field_mm) {
   if (field_mm.isEmpty() || !field_mm.sizes().allFinite() || !(field_mm.sizes().minCoeff() > 0.0))
@@ -163,27 +163,28 @@ std::vector<Vector2d> gridPlaces(const AlignedBox2d& field_mm, int n) {
   return places_mm;
 }
 
-std::vector<Vector2d> randomPlaces(const AlignedBox2d& field_mm, const RandomPlaces& wish) {
+std::vector<Vector2d> randomPlaces(const AlignedBox2d& field_mm, const RandomPlaces& request) {
   checkField(field_mm);
   constexpr std::uint64_t kStream = 0x6d61726b73ULL;
-  constexpr std::uint64_t kTries = 500;  // for each place
-  const CounterRandom random(wish.seed, kStream);
+  constexpr std::uint64_t kTries = 500;  // Most tries for each place.
+  const CounterRandom random(request.seed, kStream);
   std::vector<Vector2d> places_mm;
-  std::vector<Vector2d> favoured_mm = wish.favoured;
-  const auto wanted = static_cast<std::size_t>(std::max(0, wish.count));
+  std::vector<Vector2d> favoured_mm = request.favoured;
+  const auto wanted = static_cast<std::size_t>(std::max(0, request.count));
   const std::size_t each = (wanted + kEach - 1) / kEach;
   std::size_t favoured = 0;
   for (std::uint64_t n = 0; places_mm.size() < wanted; ++n) {
     if (n >= kTries * wanted) {
       throw std::invalid_argument(fmt::format("marks: there is room for {} of {} places {:.2f} mm apart",
-                                              places_mm.size(), wanted, wish.apart_mm));
+                                              places_mm.size(), wanted, request.apart_mm));
     }
     // First what has the least choice.
     const bool favour = favoured < each && !favoured_mm.empty();
     const bool on_rim = places_mm.size() < favoured + each;
     const Vector2d p_mm =
         favour ? taken(favoured_mm, random.uniform(3 * n)) : draw(random, n, on_rim, field_mm);
-    if (!isFree(p_mm, places_mm, wish.apart_mm) || !isFree(p_mm, wish.known, wish.from_known_mm)) continue;
+    if (!isFree(p_mm, places_mm, request.apart_mm) || !isFree(p_mm, request.known, request.from_known_mm))
+      continue;
     places_mm.push_back(p_mm);
     if (favour) ++favoured;
   }

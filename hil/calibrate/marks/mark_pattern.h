@@ -28,7 +28,7 @@ inline constexpr double kTick = 0.08;
 inline constexpr double kWidestKerf = 1.0 / 16.0;
 /// Marks whose centres are this many sizes apart along Sx or Sy never touch.
 inline constexpr double kMarkPitch = 1.25;
-/// No part of a mark lies farther from its centre than this many halves of its size, along Sx or Sy.
+/// Farthest part of a mark from its centre, along Sx or Sy, in halves of its size.
 inline constexpr double kMarkReach = 1.13;
 
 /// A cut from rest to rest.
@@ -42,7 +42,7 @@ Eigen::Vector2d slotCentre(int slot);
 
 /// The four arms of a mark in the sheet's directions, from its centre, each outwards: along Mx, My, -Mx, -My.
 std::array<MarkStroke, 4> markArms(double size_mm);
-/// Its ticks, in order of slot.
+/// Ticks of a mark, in order of slot.
 std::vector<MarkStroke> markTicks(int number, double size_mm);
 
 }  // namespace kerfbench::calibrate

@@ -19,10 +19,10 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr double kMarkedShare = 0.3;  // of the way from board to open kerf: a mark may not be cut through
-constexpr int kLeastPixels = 6;       // Smaller is noise.
-constexpr double kSame_mm =
-    0.2;  // of one stroke in two pictures, which lens and table place within micrometres
+constexpr double kMarkedShare = 0.3;  // Least brightness of a stroke between board (0) and open kerf (1).
+constexpr int kLeastPixels = 6;       // Least pixels of a stroke; smaller blobs are noise.
+/// Largest distance of one stroke in two pictures; lens and table place it within micrometres.
+constexpr double kSame_mm = 0.2;
 
 struct Moments {
   double count{};
@@ -96,7 +96,7 @@ std::vector<Stroke> uniqueStrokes(const std::vector<Stroke>& strokes) {
   });
   std::vector<Stroke> unique;
   for (const Stroke& stroke : sorted) {
-    // Those before with the same x are the last ones.
+    // Earlier strokes of the same x, which are the last ones of the list.
     auto same = unique.rbegin();
     while (same != unique.rend() && (same->p_T_mm - stroke.p_T_mm).norm() >= kSame_mm &&
            stroke.p_T_mm.x() - same->p_T_mm.x() < kSame_mm)

@@ -13,9 +13,9 @@ namespace kerfbench::calibrate {
 
 /// A bright blob of a picture, as the rod with its second moments.
 struct Stroke {
-  Eigen::Vector2d p_T_mm{Eigen::Vector2d::Zero()};  ///< Its middle, on the table.
-  Eigen::Vector2d half_mm{
-      Eigen::Vector2d::Zero()};  ///< From the middle to one end, kerf's rounding included.
+  Eigen::Vector2d p_T_mm{Eigen::Vector2d::Zero()};  ///< Middle of the stroke on the table.
+  /// Vector from the middle to one end, the kerf's rounding included.
+  Eigen::Vector2d half_mm{Eigen::Vector2d::Zero()};
   double width_mm{};
   double from_middle_mm{};  ///< Distance from the middle of its picture: of a stroke seen in two, the one
                             ///< nearer to the middle is kept.
@@ -37,8 +37,7 @@ struct Cross {
   /// Arms in turn, counter-clockwise as seen; the first is any of them. From middle of an arm to that of the
   /// opposite one its line is straight.
   std::array<Stroke, 4> arms;
-  /// From the centre to a quarter turn's ends of a mark of half size 1: columns along the first and the
-  /// second arm, mm for each unit of M.
+  /// Axes of a mark from its centre: columns along the first and the second arm, mm for each unit of M.
   Eigen::Matrix2d axes_mm{Eigen::Matrix2d::Identity()};
 };
 

@@ -11,7 +11,7 @@
 
 namespace kerfbench::calibrate {
 
-/// What a table says between its nodes.
+/// Interpolation of a table between its nodes.
 enum class Between {
   kBilinear,
   /// Bicubic Hermite, with slopes at the nodes from the polynomial through five neighbours, or through all if
@@ -19,7 +19,7 @@ enum class Between {
   kHermite,
 };
 
-/// What a table says outside of its nodes.
+/// Extrapolation of a table outside of its nodes.
 enum class Outside {
   kRefused,  ///< Nothing.
   kClamped,  ///< The value of the nearest place on the border.
@@ -54,7 +54,7 @@ class AimGrid {
   /// less than 1e-9 mm outside, by rounding, counts as on the border.
   [[nodiscard]] std::optional<Eigen::Vector2d> at_mm(const Eigen::Vector2d& p_W_mm) const;
 
-  /// The same nodes with another rule between and outside. @throws as the constructor.
+  /// Grid of the same nodes with another rule between and outside. @throws as the constructor.
   [[nodiscard]] AimGrid with(Between between, Outside outside) const;
 
  private:

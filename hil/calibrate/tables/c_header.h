@@ -15,7 +15,7 @@ inline constexpr double kNmPerMm = 1e6;
 struct CHeaderOptions {
   enum class Value { kInt16, kInt32 };
   Value value{Value::kInt16};
-  /// What one unit of dx, dy is, nm. 0: 1 nm for int32; for int16 the least that holds the largest value.
+  /// Unit of dx and dy, nm. 0: 1 nm for int32; for int16 the least that holds the largest value.
   std::uint32_t unit_nm{0};
   std::string prefix{"KB_CORRECTION"};  ///< Prefix of all names; capital letters, digits and '_'.
   /// An array of avr-gcc may not be larger than its int. Others bear more.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What writer and reader of C headers share; not for use outside of this folder.
+// Parts that writer and reader of C headers share; for use inside of this folder.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -13,8 +13,8 @@ namespace kerfbench::calibrate {
 struct CHeaderNumbers {
   using Array = std::vector<std::int64_t>;
   std::int64_t unit_nm{};
-  std::int64_t hermite{};  ///< Else bilinear.
-  std::int64_t outside{};  ///< As enum Outside counts.
+  std::int64_t hermite{};  ///< Nonzero: Hermite between the nodes; 0: bilinear.
+  std::int64_t outside{};  ///< Value of enum Outside.
   std::array<Array, 4> arrays;
 };
 

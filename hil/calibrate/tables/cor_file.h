@@ -19,36 +19,36 @@ namespace kerfbench::calibrate {
 /// which order and with which sign, and its readers do not agree (docs/reference/formats.md).
 enum class CorVersion { k1, k2 };
 
-/// How the numbers of a .cor file are understood. The default is as glase's source documents order and sign,
-/// with cells of 1024 units.
+/// Convention for the numbers of a .cor file. The default is as glase's source documents order and sign, with
+/// cells of 1024 units.
 struct CorConvention {
-  enum class First { kDx, kDy };         ///< What comes first in a pair.
-  enum class Fast { kX, kY };            ///< What runs from one pair to the next.
-  enum class Sense { kSubtract, kAdd };  ///< How wrong the uncorrected point is, or the offset of the aim.
+  enum class First { kDx, kDy };         ///< First number of a pair.
+  enum class Fast { kX, kY };            ///< Axis that runs from one pair to the next.
+  enum class Sense { kSubtract, kAdd };  ///< Error of the point, or offset of the aim.
   First first{First::kDy};
   Fast fast{Fast::kY};
   Sense sense{Sense::kSubtract};
   bool x_descends{false};
   bool y_descends{false};
   double units_per_cell{1024.0};  ///< Distance of two nodes; 65 nodes span the 16 bits.
-  /// In place of the file's, which may be a placeholder (1.0) or nonsense.
+  /// Scale in place of the file's, which may be a placeholder (1.0) or nonsense.
   std::optional<double> units_per_mm{};
 
   static CorConvention glase();     ///< dy first, y fast, subtracted, cells of 1000 units, 400 units/mm.
-  static CorConvention meerk40t();  ///< As its nine-point writer: dx first, x fast, subtracted.
-  static CorConvention added();     ///< As firmwares that look it up bilinearly: dx first, x fast, added.
-  /// In words.
+  static CorConvention meerk40t();  ///< Convention of its nine-point writer: dx first, x fast, subtracted.
+  static CorConvention added();     ///< Convention of bilinear firmwares: dx first, x fast, added.
+  /// Convention in words.
   [[nodiscard]] std::string text() const;
 };
 
 struct CorFile {
   CorVersion version{};
-  double units_per_mm{};       ///< That were used.
-  double file_units_per_mm{};  ///< As the file has it.
+  double units_per_mm{};       ///< Units per mm that the grid was made with.
+  double file_units_per_mm{};  ///< Units per mm that the file states.
   AimGrid grid;                ///< Bilinear; refused outside: a galvo does not leave its 16 bits.
 };
 
-/// By the label; nullopt if it is none of JCZ's.
+/// Version of a .cor file by its label; nullopt if the label is none of JCZ's.
 std::optional<CorVersion> corVersionOf(std::string_view bytes);
 
 /// @throws TableFileError with every fault and its byte: label, size, scale out of 5 … 1e5 without

@@ -24,7 +24,8 @@ bool isHeader(std::string_view line, std::size_t number, TableFaults& faults) {
   return false;
 }
 
-/// What the controller wants besides a complete grid: y ascending, and for each y all x ascending.
+/// Order that the controller requires, in addition to a complete grid: y ascending, and for each y all x
+/// ascending.
 void checkOrder(const std::vector<TextNode>& nodes, TableFaults& faults) {
   for (std::size_t i = 1; i < nodes.size(); ++i) {
     const auto& before = nodes[i - 1].value;

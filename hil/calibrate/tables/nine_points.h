@@ -9,10 +9,10 @@
 
 namespace kerfbench::calibrate {
 
-/// Nine-point text (".fixup" of glase): nine lines "ix iy x_wrong_mm y_wrong_mm", in any order, '#' begins a
-/// comment. (ix, iy), whole numbers within ±32, are places in steps of 1000 galvo units; x_wrong_mm,
-/// y_wrong_mm how far the uncorrected point lies beside where it was wanted, which is subtracted. Hermite
-/// between the points, which is the biquadratic surface that glase fits; nothing outside.
+/// Options of nine-point text (".fixup" of glase): nine lines "ix iy x_wrong_mm y_wrong_mm", in any order;
+/// '#' begins a comment. (ix, iy), whole numbers within ±32, are places in steps of 1000 galvo units;
+/// (x_wrong_mm, y_wrong_mm) is the error of the uncorrected point there, which is subtracted. Between the
+/// points the table is Hermite's, which is the biquadratic surface that glase fits; outside there is none.
 struct NinePointOptions {
   /// 2.5: glase's 400 units/mm. A line "# mm_per_index: …", which the writer puts in, is believed; one that
   /// contradicts this is a fault.

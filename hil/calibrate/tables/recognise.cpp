@@ -65,7 +65,7 @@ bool reachable(const Eigen::AlignedBox2d& area, const Vector2d& spot) {
 
 void check(const RecogniseOptions& options) {
   const bool good = options.sigma_mm > 0.0 && std::isfinite(options.sigma_mm) && options.most_share > 0.0 &&
-                    options.most_share < 1.0 && options.told_apart > 0.0 && options.reach_share >= 0.0 &&
+                    options.most_share < 1.0 && options.rival_margin > 0.0 && options.reach_share >= 0.0 &&
                     options.reach_share <= 1.0 && options.same_table_mm >= 0.0;
   if (!good) throw std::invalid_argument("sigma above 0, shares within 0 … 1, and limits not negative");
 }
@@ -143,7 +143,7 @@ class Judge {
     const double n = static_cast<double>(result_.spots);
     const double best = n * result_.fits.front().rms_mm * result_.fits.front().rms_mm;
     const double variance = std::max(options_.sigma_mm * options_.sigma_mm, best / (2.0 * n));
-    return n * fit.rms_mm * fit.rms_mm - best < options_.told_apart * variance;
+    return n * fit.rms_mm * fit.rms_mm - best < options_.rival_margin * variance;
   }
   [[nodiscard]] const ReadingFit& simplest() const {
     const ReadingFit* found = &result_.fits.front();
@@ -166,7 +166,7 @@ class Judge {
         ->rms_mm;
   }
   void tie(const ReadingFit& rival) {
-    result_.verdict = Recognition::Verdict::kCannotBeTold;
+    result_.verdict = Recognition::Verdict::kUndecided;
     result_.text = fmt::format(
         "cannot be told: «{}» leaves {:.3f} mm RMS, «{}» {:.3f} mm, of {:.3f} mm that the spots are off; "
         "mark "

@@ -28,7 +28,7 @@ class TableFaults {
   void throwIfAny() const {
     if (any()) raise();
   }
-  /// After a fault. @throws TableFileError
+  /// Ends the reading after a fault. @throws TableFileError
   [[noreturn]] void raise() const;
 
  private:

@@ -27,8 +27,8 @@ struct TableOptions {
   CHeaderOptions c_header{};
 };
 
-/// By its content: a .cor by its label, a CSV by its header line, the others by what our writers put at their
-/// begin. Text grids and nine points of others look alike: nullopt.
+/// Format of a file by its content: a .cor by its label, a CSV by its header line, the others by the first
+/// lines that the bench writes. nullopt for text grids and nine points of others, which look alike.
 std::optional<TableFormat> formatOf(std::string_view bytes);
 
 /// A table, and the format that its file is in.
@@ -40,11 +40,11 @@ struct TableFile {
 ///   format and none is given.
 TableFile readTableFile(const std::filesystem::path& path, const TableOptions& options = {},
                         std::optional<TableFormat> format = std::nullopt);
-/// The same, where the format does not matter.
+/// Table of a file in any format. @throws as readTableFile().
 AimGrid readTable(const std::filesystem::path& path, const TableOptions& options = {},
                   std::optional<TableFormat> format = std::nullopt);
 
-/// What a format costs: the bytes that writeTable() would write, read back and compared with the original.
+/// Loss by a format: the bytes that writeTable() would write, read back and compared with the original.
 /// @throws std::invalid_argument if the format cannot hold the table.
 TableLoss formatLoss(TableFormat format, const AimGrid& grid, const TableOptions& options = {});
 

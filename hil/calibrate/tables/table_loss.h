@@ -13,19 +13,20 @@ namespace kerfbench::calibrate {
 struct AimDifference {
   double max_um{};
   double rms_um{};
-  Eigen::Vector2d worst_W_mm{Eigen::Vector2d::Zero()};  ///< Where the largest is.
+  Eigen::Vector2d worst_W_mm{Eigen::Vector2d::Zero()};  ///< Place of the largest.
   std::size_t places{};
 };
 
-/// What a table lost on its way into another format: |d' − d|, to first order where the beam lands beside.
+/// Loss of a table by its conversion into another format: |d' − d|, to first order the distance by which the
+/// beam lands elsewhere.
 struct TableLoss {
-  AimDifference nodes;        ///< At the new nodes: what rounding of the numbers does.
-  AimDifference mid_cell;     ///< In the middles of the new cells.
-  AimDifference rim;          ///< Along the new border, eight places a cell.
+  AimDifference nodes;        ///< Difference at the new nodes, by rounding of the numbers.
+  AimDifference mid_cell;     ///< Difference in the middles of the new cells.
+  AimDifference rim;          ///< Difference along the new border, eight places a cell.
   AimDifference anywhere;     ///< Five by five places in each new cell, its border included.
-  std::size_t not_covered{};  ///< Places where the original says nothing; not counted above.
+  std::size_t not_covered{};  ///< Places that the original does not cover; not counted above.
   double covered_share{};     ///< Share of the original's area that the new nodes cover.
-  /// Lines of what was found, the largest differences with their places.
+  /// Report in lines, the largest differences with their places.
   [[nodiscard]] std::string text() const;
 };
 

@@ -13,16 +13,7 @@ namespace {
 
 constexpr double kFarthest_mm = 1e5;
 constexpr double kLargest_mm = 1e4;
-constexpr std::size_t kMostShown = 40;
 constexpr std::size_t kMostTextNodes = AimGrid::kMostNodes * AimGrid::kMostNodes;
-constexpr std::string_view kBlanks = " \t\r";
-
-/// A word of a file as it may be shown: short, and without what a terminal would obey.
-std::string shown(std::string_view word) {
-  std::string text;
-  for (const char c : word.substr(0, kMostShown)) text += c >= ' ' && c < '\x7f' ? c : '?';
-  return word.size() > kMostShown ? text + "…" : text;
-}
 
 std::vector<double> places(const std::vector<TextNode>& nodes, std::size_t axis) {
   std::vector<double> all;
@@ -49,7 +40,8 @@ void checkWhole(std::string_view text, const std::string& note, TableFaults& fau
     line = trimmed(line.substr(1));
     if (!line.starts_with(kNote)) return;
     noted = true;
-    if (line != note) faults.atLine(number, fmt::format("the file says '{}' and has {}", shown(line), note));
+    if (line != note)
+      faults.atLine(number, fmt::format("the file says {} and has {}", base::inQuotes(line), note));
   });
   if (noted && !text.ends_with('\n')) faults.ofFile("the last line has no end: the file was cut off");
 }
@@ -57,12 +49,6 @@ void checkWhole(std::string_view text, const std::string& note, TableFaults& fau
 }  // namespace
 
 std::string nodesNote(const AimGrid& grid) { return noteOf(grid.x_mm().size(), grid.y_mm().size()); }
-
-std::string_view trimmed(std::string_view text) {
-  const auto from = text.find_first_not_of(kBlanks);
-  if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(kBlanks) - from + 1);
-}
 
 void forEachLine(std::string_view text, const std::function<void(std::size_t, std::string_view)>& take) {
   std::size_t number = 0;
@@ -83,10 +69,10 @@ std::vector<std::string_view> wordsOf(std::string_view line, char separator) {
     }
     return words;
   }
-  for (std::size_t from = line.find_first_not_of(kBlanks); from != std::string_view::npos;) {
-    const std::size_t to = std::min(line.find_first_of(kBlanks, from), line.size());
+  for (std::size_t from = line.find_first_not_of(base::kBlanks); from != std::string_view::npos;) {
+    const std::size_t to = std::min(line.find_first_of(base::kBlanks, from), line.size());
     words.push_back(line.substr(from, to - from));
-    from = line.find_first_not_of(kBlanks, to);
+    from = line.find_first_not_of(base::kBlanks, to);
   }
   return words;
 }
@@ -96,7 +82,7 @@ bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults
   if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
   const auto number = base::numberFrom<double>(digits);
   if (!number || !std::isfinite(*number)) {
-    faults.atLine(line, fmt::format("'{}' is no number", shown(word)));
+    faults.atLine(line, base::inQuotes(word) + " is no number");
     return false;
   }
   value = *number;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the readers of text share; not for use outside of this folder.
+// Helpers of the readers of text; for use inside of this folder.
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/base/text.h"
 #include "hil/calibrate/tables/aim_grid.h"
 #include "hil/calibrate/tables/table_faults.h"
 
@@ -23,7 +24,7 @@ struct TextNode {
 /// Calls `take(number, line)` for each line, from 1 on, without blanks at its ends; empty ones too.
 void forEachLine(std::string_view text, const std::function<void(std::size_t, std::string_view)>& take);
 
-std::string_view trimmed(std::string_view text);
+using base::trimmed;
 
 /// Words between separators: any of `separators`, and blanks. Two commas in a row enclose an empty word.
 std::vector<std::string_view> wordsOf(std::string_view line, char separator = ' ');
@@ -36,7 +37,7 @@ bool numberOf(std::string_view word, double bound, std::size_t line, TableFaults
 void addNode(const std::vector<std::string_view>& words, std::size_t line, TableFaults& faults,
              std::vector<TextNode>& nodes);
 
-/// "nodes: 7 x 5": the note by which a file of ours that was cut off is told from a smaller one.
+/// "nodes: 7 x 5": a note that tells a smaller file from one that was cut off.
 std::string nodesNote(const AimGrid& grid);
 
 /// The complete grid of these nodes, in any order; values as given. Missing and doubled nodes are faults;

@@ -42,7 +42,7 @@ class TwinTileSource final : public TileSource {
 
   std::vector<KerfTile> nextBatch(std::size_t max) override;
   [[nodiscard]] std::size_t size() const { return plan_.size(); }
-  /// How a unit lies on the table: the truth, for tests.
+  /// Pose of a unit on the table: the truth, for tests.
   [[nodiscard]] const Eigen::Isometry2d& lay(int unit) const {
     return lay_.at(static_cast<std::size_t>(unit));
   }

@@ -23,14 +23,14 @@ struct TwinViews {
 
 /// Squares of about 50 pixels, over the whole picture and beyond; coarser where the markers would not do.
 calibrate::CalibrationTarget targetOf(const twin::CameraDescription& camera);
-/// `tilted`: number of views besides the first.
+/// `tilted`: number of views after the first.
 TwinViews twinViews(const twin::CameraDescription& camera, const calibrate::CalibrationTarget& target,
                     int tilted);
 
 twin::TargetBoard boardOf(const calibrate::CalibrationTarget& target);
 
-/// Fills target, place, size, views and picture of a job; pictures are drawn by seed and number when they are
-/// asked for.
+/// Fills target, place, size, views and picture of a job; pictures are rendered by seed and number when they
+/// are asked for.
 void setTwinViews(const twin::CameraDescription& camera, const TwinViews& views, std::uint64_t seed,
                   calibrate::CalibrationJob& job);
 

@@ -10,7 +10,7 @@
 
 namespace kerfbench::camera {
 
-/// What came next from a camera.
+/// Next event of a camera.
 struct StreamEvent {
   enum class Kind {
     kFrame,
@@ -21,7 +21,7 @@ struct StreamEvent {
     kEnd,          ///< A recording is over.
   };
   Kind kind{Kind::kFrame};
-  BufferNote note{};  ///< What the driver says of a frame.
+  BufferNote note{};  ///< Note of the driver on a frame.
   std::span<const std::uint8_t>
       bytes{};          ///< Bytes of a frame, in the stream's own memory, until the next call.
   std::string words{};  ///< Description of anything else.

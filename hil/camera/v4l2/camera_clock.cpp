@@ -152,7 +152,8 @@ template <typename Sighting>
 CameraClockFit fitted(std::span<const Sighting> sightings, const CameraClockOptions& options) {
   if (const std::string faults = faultsOf(options); !faults.empty())
     throw std::invalid_argument("fitCameraClock: " + faults);
-  constexpr std::size_t kLeast = 3;  // Neither of two that contradict each other is to be believed.
+  /// Least sightings of a fit: of two that contradict each other neither can be trusted.
+  constexpr std::size_t kLeast = 3;
   CameraClockFit fit;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     if (const std::string fault = faultOf(sightings[i]); !fault.empty()) {

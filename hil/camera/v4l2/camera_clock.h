@@ -12,7 +12,7 @@ namespace kerfbench::camera {
 /// An edge of light on the pins (a strobe, or the laser's gate going on) and the first frame that shows it.
 /// The light stays on until the end of that frame's exposure.
 struct EdgeSighting {
-  double edge_s{};        ///< On the clock of the pins.
+  double edge_s{};        ///< Time on the clock of the pins.
   double dark_stamp_s{};  ///< The camera's stamp of the last frame before without the light.
   double lit_stamp_s{};   ///< Stamp of the first frame with it; later than the dark one.
   double row_delay_s{};   ///< Rolling shutter: how much later the row where it is seen begins; else 0.
@@ -20,16 +20,15 @@ struct EdgeSighting {
   std::optional<double> lit_share;
 };
 
-/// What a frame's light, or that it has none, tells of when its exposure began on the clock of the pins. A
-/// frame that shows a light which was on from on_s to off_s at most began between on_s - exposure and off_s.
+/// Bounds by a frame's light or darkness of the begin of its exposure on the clock of the pins. A frame that
+/// shows a light which was on from on_s to off_s at most began between on_s - exposure and off_s.
 struct BeginSighting {
   double stamp_s{};  ///< The camera's, of the frame.
   double earliest_s{};
-  double latest_s{};  ///< Not before earliest_s.
+  double latest_s{};  ///< Latest begin; not before earliest_s.
 };
 
-/// What is known beforehand. The bounds are bounds, not standard deviations: what the fit tells rests on
-/// them.
+/// Prior knowledge. The bounds are bounds, not standard deviations: the result of the fit rests on them.
 struct CameraClockOptions {
   double exposure_s{};       ///< Exposure of every frame; > 0.
   double stamp_jitter_s{};   ///< A stamp is off by at most this; >= 0.
@@ -71,7 +70,7 @@ class CameraClock {
 
 struct CameraClockFit {
   std::optional<CameraClock> clock;
-  std::string why_not;  ///< In words, where there is no clock.
+  std::string why_not;  ///< Reason in words, where there is no clock.
   /// Sightings that contradict the others: leaving out any one of these makes the rest agree. Empty where all
   /// agree.
   std::vector<std::size_t> suspects;
@@ -89,8 +88,8 @@ struct CameraClockFit {
 /// answer of no clock comes with the reason. @throws std::invalid_argument that names every option out of
 /// range.
 CameraClockFit fitCameraClock(std::span<const EdgeSighting> sightings, const CameraClockOptions& options);
-/// The same by what frames tell of their begin. Only a light's first and last frames say much: others may be
-/// left out.
+/// Fits the clock to the begins of frames. Only a light's first and last frames contribute much; others may
+/// be left out.
 CameraClockFit fitCameraClockToBegins(std::span<const BeginSighting> sightings,
                                       const CameraClockOptions& options);
 

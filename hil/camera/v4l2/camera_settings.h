@@ -12,7 +12,7 @@
 
 namespace kerfbench::camera {
 
-/// What a camera is asked for. What is not said stays as the driver has it.
+/// Settings that a camera is asked for. What is not set stays as the driver has it.
 struct CameraSettings {
   const PixelFormat* format{};  ///< One of pixelFormats(); required.
   int width_px{};
@@ -22,7 +22,7 @@ struct CameraSettings {
   /// of it is in the outcomes.
   std::optional<double> exposure_s{};
   std::optional<double> frame_rate_hz{};
-  std::optional<std::int32_t> gain{};  ///< In the driver's units; its automatic is switched off.
+  std::optional<std::int32_t> gain{};  ///< Gain in the driver's units; the automatic is switched off.
   /// Further controls by their keys (see controlKey()), set in this order after those above: V4L2 has no
   /// control of its own for an external trigger, so its driver's name for it stands here.
   struct Control {
@@ -32,7 +32,7 @@ struct CameraSettings {
   std::vector<Control> controls{};
 };
 
-/// What a driver made of one setting.
+/// Outcome of one setting.
 struct SettingOutcome {
   std::string setting;  ///< "exposure_s", "frame_rate_hz", "gain" or a control's key.
   double wanted{};
@@ -41,12 +41,12 @@ struct SettingOutcome {
 
 struct CameraSetup {
   FrameLayout layout;
-  std::vector<SettingOutcome> outcomes;  ///< In the order of CameraSettings.
-  std::optional<double> frame_period_s;  ///< What the driver says of it.
-  std::optional<double> exposure_s;      ///< Where it was asked for, as read back.
+  std::vector<SettingOutcome> outcomes;  ///< Outcomes in the order of CameraSettings.
+  std::optional<double> frame_period_s;  ///< Period by the driver.
+  std::optional<double> exposure_s;      ///< Exposure as read back, where it was asked for.
 };
 
-/// What a device has not or refuses.
+/// Settings that a device has not or refuses.
 struct SettingFault {
   std::string setting;  ///< "format", "size", "bits", or as in SettingOutcome.
   std::string words;

@@ -21,21 +21,21 @@ struct SizeListing {
   int width_px{}, height_px{};          ///< The only one, or the smallest.
   int max_width_px{}, max_height_px{};  ///< Equal to the above for the only one.
   int step_width_px{}, step_height_px{};
-  std::vector<IntervalListing> intervals;  ///< At the largest size; empty where the driver does not tell.
+  std::vector<IntervalListing> intervals;  ///< Rates at the largest size; empty where the driver lists none.
 };
 
 struct FormatListing {
   std::string fourcc;
-  std::string description;  ///< The driver's.
-  bool is_readable{};       ///< By decodeFrame().
-  std::string cost;         ///< See PixelFormat; of a format that cannot be read, empty.
+  std::string description;  ///< Description by the driver.
+  bool is_readable{};       ///< True where decodeFrame() reads the format.
+  std::string cost;         ///< PixelFormat::cost; empty where the format cannot be read.
   std::vector<SizeListing> sizes;
 };
 
 struct ControlListing {
   std::uint32_t id{};
   std::string name;  ///< The driver's.
-  std::string key;   ///< What a setting calls it: see controlKey().
+  std::string key;   ///< Name of the control in a setting; see controlKey().
   std::int64_t min{}, max{}, step{}, fallback{};
   std::int64_t value{};
   bool has_value{};               ///< False where it cannot be read (a button, say).
@@ -46,7 +46,7 @@ struct ControlListing {
 /// One /dev/video*.
 struct CameraListing {
   std::string path;
-  /// Why nothing more is known (no permission, say, and what to do), or empty.
+  /// Reason why nothing more is known (no permission, say, and what to do), or empty.
   std::string problem;
   std::string card, driver, bus;
   bool captures{};  ///< Gives pictures, by the means that the bench uses (streaming).
@@ -55,10 +55,10 @@ struct CameraListing {
 };
 
 /// All video devices of this machine, those that cannot be opened included. Changes no setting. Never throws
-/// for a device's sake: what it refuses is missing or told in `problem`.
+/// for a device's sake: what it refuses is missing or named in `problem`.
 std::vector<CameraListing> listCameras(VideoCalls& calls);
 
-/// Why a device cannot be used, and what to do, in words.
+/// Reason why a device cannot be used, and what to do, in words.
 std::string problemOf(const std::system_error& error);
 
 /// A listing in lines for people.

@@ -10,10 +10,10 @@
 namespace kerfbench::camera {
 
 struct RecordOptions {
-  int timeout_ms{1000};         ///< Without a frame for so long the camera has stopped; > 0.
-  int first_timeout_ms{1000};   ///< The same before the first frame.
-  std::uint64_t discard{1};     ///< See V4l2FrameOptions; these are not recorded.
-  std::uint64_t most_frames{};  ///< 0: as many as come.
+  int timeout_ms{1000};         ///< Time without a frame after which the camera has stopped; > 0.
+  int first_timeout_ms{1000};   ///< Time to wait for the first frame; > 0.
+  std::uint64_t discard{1};     ///< Frames at the start that are not recorded; see V4l2FrameOptions.
+  std::uint64_t most_frames{};  ///< Most frames to record; 0: no limit.
 };
 
 /// Writes what a camera gives until `stop` says so (asked at least every 50 ms), until most_frames are there,

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -18,7 +17,9 @@
 
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
+#include "hil/base/file_content.h"
 #include "hil/base/number_from.h"
+#include "hil/base/unique_fd.h"
 #include "hil/base/yaml_reader.h"
 
 namespace kerfbench::camera {
@@ -50,9 +51,9 @@ std::string yamlText(const std::string& text) {
 }
 
 std::string contentOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::optional<std::string> content = base::fileContent(path);
+  if (!content) throw base::ConfigError(fmt::format("{}: cannot be read", path.string()));
+  return *std::move(content);
 }
 
 void requireWritten(const std::ofstream& file, const fs::path& path) {
@@ -119,10 +120,8 @@ void FrameRecordingWriter::finish(const std::string& ended) {
   for (auto [file, name] : {std::pair{&raw_, kRaw}, std::pair{&index_, kIndex}}) {
     file->close();
     requireWritten(*file, folder_ / name);
-    const int fd = ::open((folder_ / name).c_str(), O_RDONLY | O_CLOEXEC);
-    const bool is_safe = fd >= 0 && ::fsync(fd) == 0;
-    if (fd >= 0) (void)::close(fd);
-    if (!is_safe)
+    const base::UniqueFd fd(::open((folder_ / name).c_str(), O_RDONLY | O_CLOEXEC));
+    if (!fd.valid() || ::fsync(fd.get()) != 0)
       throw std::system_error(errno, std::generic_category(), "cannot sync " + (folder_ / name).string());
   }
   const CameraSetup& setup = camera_.setup;

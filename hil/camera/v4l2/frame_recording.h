@@ -12,10 +12,10 @@
 
 namespace kerfbench::camera {
 
-/// Whose pictures a recording has.
+/// Camera of a recording.
 struct RecordedCamera {
   std::string device;             ///< Path, when it was recorded.
-  std::string card, driver, bus;  ///< As the driver says.
+  std::string card, driver, bus;  ///< Names by the driver.
   bool is_triggered{};            ///< See V4l2FrameOptions.
   bool sensor_has_noise{true};    ///< See WatchOptions.
   CameraSetup setup;
@@ -61,7 +61,7 @@ class FrameRecording final : public BufferStream {
   [[nodiscard]] const CameraSetup& setup() const override { return camera_.setup; }
   [[nodiscard]] const RecordedCamera& camera() const { return camera_; }
   [[nodiscard]] std::size_t frames() const { return entries_.size(); }
-  /// Why fewer came than were wanted, or empty.
+  /// Reason why fewer frames came than were wanted, or empty.
   [[nodiscard]] const std::string& ended() const { return ended_; }
   /// Digest of all that the recording is.
   [[nodiscard]] const std::string& digest() const { return digest_; }

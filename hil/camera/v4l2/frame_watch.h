@@ -8,20 +8,20 @@
 
 namespace kerfbench::camera {
 
-/// What a driver says its time stamps are.
+/// Clock of a driver's time stamps, as the driver declares it.
 enum class StampClock {
-  kUnknown,    ///< Not told (v4l2loopback, though it is CLOCK_MONOTONIC there).
+  kUnknown,    ///< Not declared (v4l2loopback, though it is CLOCK_MONOTONIC there).
   kMonotonic,  ///< CLOCK_MONOTONIC.
-  kCopied,     ///< Whatever the writer of a loop gave.
+  kCopied,     ///< The clock of whoever writes a loop device.
 };
 
-/// What a driver says of one buffer.
+/// Driver's note on one buffer.
 struct BufferNote {
   std::uint32_t sequence{};
   std::int64_t stamp_ns{};
-  std::int64_t arrival_ns{};  ///< CLOCK_MONOTONIC, when we took it.
+  std::int64_t arrival_ns{};  ///< CLOCK_MONOTONIC, when the bench took it.
   StampClock clock{StampClock::kUnknown};
-  bool is_start_of_exposure{};  ///< What the stamp is the time of; else the frame's end.
+  bool is_start_of_exposure{};  ///< The stamp is the start of the exposure; false: the frame's end.
   bool has_error{};             ///< V4L2_BUF_FLAG_ERROR.
   bool is_short{};              ///< Fewer bytes than a frame has, or more than the driver says.
 };
@@ -30,22 +30,22 @@ enum class FrameFault {
   kErrorFlag,
   kShort,
   kUnreadable,        ///< See decodeFrame().
-  kRepeatedSequence,  ///< The number of the frame before.
+  kRepeatedSequence,  ///< The number is that of the frame before.
   kRepeatedImage,     ///< Every byte as in the frame before, which a sensor's noise forbids.
-  kSequenceBack,      ///< A smaller number than the frame before.
-  kStampBack,         ///< Not later than the frame before.
-  kStampAhead,        ///< Later than its arrival by more than allowed.
-  kStampStale,        ///< Earlier than its arrival by more than allowed.
-  kStampGap,          ///< Later after the frame before than the sequence says: frames lost without a number.
+  kSequenceBack,      ///< The number is smaller than that of the frame before.
+  kStampBack,         ///< The stamp is not later than that of the frame before.
+  kStampAhead,        ///< The stamp is later than its arrival by more than allowed.
+  kStampStale,        ///< The stamp is earlier than its arrival by more than allowed.
+  kStampGap,          ///< The stamp is later than the sequence says: frames lost without a number.
 };
 std::string_view nameOf(FrameFault fault);
 
 struct FrameIntegrity {
-  std::uint64_t sequence{};  ///< Since the first frame, across the wrap at 2^32.
+  std::uint64_t sequence{};  ///< Number since the first frame, across the wrap at 2^32.
   std::vector<FrameFault> faults;
   std::uint64_t lost_before{};  ///< Numbers that are missing between this frame and the one before.
-  /// Stamps between which frames were lost, or this one is not to be believed: of the last good frame and of
-  /// this one. Equal where nothing is wrong.
+  /// Interval without trusted frames, from the last good frame's stamp to this one's. Empty where nothing is
+  /// wrong.
   std::int64_t from_ns{}, to_ns{};
 
   [[nodiscard]] bool isGood() const { return faults.empty(); }
@@ -59,8 +59,8 @@ struct WatchOptions {
   bool sensor_has_noise{true};  ///< False for test patterns and loops: equal pictures are no fault there.
 };
 
-/// Holds what a driver says of its frames against what it said before. Nothing that is wrong is mended:
-/// faults are told, and the caller leaves the frame out, so that it is missing in the sequence.
+/// Compares a driver's note on each frame with those before. It corrects nothing: it returns the faults, and
+/// the caller leaves the frame out, so that it is missing in the sequence.
 class FrameWatch {
  public:
   explicit FrameWatch(const WatchOptions& options) : options_(options) {}
@@ -78,8 +78,8 @@ class FrameWatch {
   void judgeStamp(const BufferNote& note, bool has_own_number, FrameIntegrity& frame);
 
   WatchOptions options_;
-  std::optional<std::uint32_t> last_number_;  ///< The driver's, of the last frame that had one of its own.
-  std::uint64_t sequence_{};                  ///< Ours, of the same.
+  std::optional<std::uint32_t> last_number_;  ///< Driver's number of the last frame that had its own.
+  std::uint64_t sequence_{};                  ///< Number of that frame since the first one.
   std::optional<Stamped> last_stamped_;
   std::optional<std::int64_t> last_good_ns_;
 };

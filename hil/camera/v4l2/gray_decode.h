@@ -10,20 +10,20 @@
 
 namespace kerfbench::camera {
 
-/// How a driver lays out a frame.
+/// Layout of a driver's frame.
 struct FrameLayout {
   const PixelFormat* format{};  ///< One of pixelFormats().
   int width_px{};               ///< > 0; even for YUYV and Bayer.
   int height_px{};              ///< > 0; even for Bayer.
-  std::size_t stride_bytes{};   ///< From row to row; of no meaning for JPEG.
+  std::size_t stride_bytes{};   ///< Bytes from row to row; of no meaning for JPEG.
   /// Significant bits of a pixel: format->bits, or fewer for Y16 and SxxxX16, where many sensors of 10 or 12
   /// bits leave the upper ones dark; in [8, format->bits].
   int bits{8};
   bool full_range{};  ///< YUYV alone: brightness is 0 ... 255 and not 16 ... 235.
 
-  std::size_t most_bytes{};  ///< That the driver gives a frame; 0: it does not say.
+  std::size_t most_bytes{};  ///< Largest frame that the driver announces; 0: none announced.
 
-  /// The fewest bytes a whole frame has; 1 for JPEG.
+  /// Least bytes of a whole frame; 1 for JPEG.
   [[nodiscard]] std::size_t leastBytes() const;
 };
 

@@ -19,13 +19,13 @@ namespace {
 /// Begins of light that are tried against each interval: the first may be a reflex, or an interval's second
 /// half.
 constexpr std::size_t kTriedBegins = 4;
-/// An interval of fewer frames need not be seen.
+/// Least length of an interval that must be seen, in frames.
 constexpr double kSeenFrames = 3.0;
 /// Share of lit frames that may lie outside of all intervals.
 constexpr double kStrayShare = 0.01;
-/// Another answer must leave so much more unexplained, in frames.
+/// Least lead over another answer, in unexplained frames.
 constexpr double kClearlyBetter = 3.0;
-/// A first guess is off by no more than this, in frames.
+/// Largest error of a first guess, in frames.
 constexpr double kGuessFrames = 6.0;
 /// Stretches of time from each of which the frames that say most are taken, and how many of either side.
 constexpr std::size_t kStretches = 10;
@@ -72,10 +72,10 @@ class LightFit {
   struct Guess {
     double offset_s{};     ///< Pins' time less the camera's.
     double strays{};       ///< Lit frames outside of all intervals.
-    double unexplained{};  ///< Those, and intervals without a lit frame.
+    double unexplained{};  ///< Strays, and intervals without a lit frame.
   };
 
-  /// After darkness of two frames or more.
+  /// Begins of light after two or more dark frames.
   [[nodiscard]] std::vector<double> beginsOfLight() const {
     std::vector<double> begins;
     double last_s = -std::numeric_limits<double>::infinity();
@@ -164,8 +164,8 @@ class LightFit {
   /// Where frames turn from dark to lit or back.
   struct Turn {
     double dark_s{}, lit_s{};  ///< Stamps.
-    double share{};            ///< Share of light in the lit frame, compared with those next to it …
-    double share_error{};      ///< … which differ by so much among themselves.
+    double share{};            ///< Light in the lit frame over that in the frames next to it.
+    double share_error{};      ///< Difference between the frames next to it.
     [[nodiscard]] bool isBegin() const { return dark_s < lit_s; }
   };
 
@@ -264,7 +264,7 @@ class LightFit {
         if (const auto seen = sightingOf(stamp_s, known)) sightings.push_back(*seen);
       }
       sightings = telling(std::move(sightings));
-      // Only what is known a little tells which light a dark frame is beside.
+      // Light of which a dark frame is a neighbour: it follows from a clock that is roughly known.
       if (round > 0) addTurns(known, sightings);
       CameraClockFit fit = fitCameraClockToBegins(sightings, wide);
       if (!fit.clock) return fit;

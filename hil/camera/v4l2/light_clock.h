@@ -8,7 +8,7 @@
 
 namespace kerfbench::camera {
 
-/// When the light may have been on, by the pins.
+/// Interval in which the light may have been on, by the pins.
 struct LightInterval {
   double on_s{};
   double off_s{};
@@ -25,7 +25,7 @@ struct LightInterval {
 /// Then bounds: a lit frame overlaps one of the intervals that it can overlap by what is known so far. That
 /// narrows what is known, so again, until it narrows no more. A light may begin and end softly (a laser whose
 /// power follows the speed): that a frame is dark says nothing, unless options.is_light_hard. Then a dark
-/// frame beside a lit one had none, and the first and last lit ones their share of it.
+/// frame next to a lit one had none, and the first and last lit ones their share of it.
 ///
 /// Last, if a profile is given, sharpened() makes of it what it can. What is late in all intervals alike (a
 /// tube's delay) is taken for the clock's offset.

@@ -12,12 +12,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::camera {
 namespace {
 
 constexpr std::size_t kFewest = 40;
-constexpr std::size_t kMostFrames = 4000;  // Most frames that are fitted …
-constexpr std::size_t kTried = 400;        // … and with which all places are tried.
+constexpr std::size_t kMostFrames = 4000;  // Most frames of a fit.
+constexpr std::size_t kTried = 400;        // Most frames with which all places are tried.
 constexpr std::size_t kBlocks = 10;
 constexpr double kCoverage = 4.1;  // 99.7 % by Student's t of kBlocks - 1 degrees of freedom.
 /// Light is a mix of what is asked for during the exposure and around it, spread by so much either way: a
@@ -26,16 +28,16 @@ constexpr std::array kSpreads_s{0.0, 0.5e-3, 2e-3};
 constexpr int kGains = static_cast<int>(kSpreads_s.size());
 /// Steps in which places are tried, to the window in which light is gathered.
 constexpr double kStepsToWindow = 8.0;
-/// That are tried: a second or so.
+/// Most places that are tried; they take about a second.
 constexpr double kMostPlaces = 50'000.0;
-/// Two places that are so many windows apart are not the same.
+/// Least distance of two places that are not the same, in windows.
 constexpr double kApart = 2.0;
-/// Any other place must leave so much more, else it might be that.
+/// Least factor by which any other place must leave more.
 constexpr double kClearlyBrighter = 1.05;
-/// A neighbour that leaves up to so much more may be the true one: noise decides.
+/// Factor up to which a neighbour that leaves more may be the true place, by noise.
 constexpr double kRival = 1.15;
-/// How light varies with what is asked for leaves no more than this: a strobe that shows single pulses shows
-/// nothing of how many there are.
+/// Largest share of the light that the fit may leave: a strobe that shows single pulses says nothing of their
+/// number.
 constexpr double kUnexplained = 0.15;
 constexpr double kFinest_s = 1e-6;
 constexpr double kOutlier = 5.0;  // Standard deviations.
@@ -133,11 +135,11 @@ class LightRegression {
 
  private:
   struct Seen {
-    double begin_s{};  ///< By the rough clock.
-    double place{};    ///< -1 … 1 over the span.
+    double begin_s{};  ///< Begin of the exposure by the rough clock.
+    double place{};    ///< Position in the span, -1 … 1.
     double light{};
   };
-  /// What a shift of the clock leaves of the light, as a sum of squares.
+  /// Shift of the clock, and the sum of squares that it leaves of the light.
   struct Place {
     double late_s{}, swing_s{};
     Gains gains{Gains::Zero()};
@@ -254,10 +256,7 @@ class LightRegression {
     for (const Seen& seen : seen_)
       off.push_back(
           std::abs(seen.light - at.gains.dot(asked(seen.begin_s + at.late_s + at.swing_s * seen.place))));
-    std::vector<double> sorted = off;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
-    const double most = kOutlier * 1.4826 * *middle;
+    const double most = kOutlier * kMadToSigma * upperMedianOf(off);
     std::size_t i = 0;
     std::erase_if(seen_, [&](const Seen&) { return off[i++] > most; });
   }
@@ -270,7 +269,7 @@ class LightRegression {
   std::vector<Seen> seen_;
 };
 
-/// At the finest scale that stamps tell by their jitter and that is not too many places.
+/// Clock at the finest scale that the jitter of the stamps allows and that needs no more than kMostPlaces.
 std::optional<CameraClock> sharpenedAtBestScale(const CameraClock& rough, const std::vector<FrameLight>& lit,
                                                 const LightProfile& profile,
                                                 const CameraClockOptions& options) {

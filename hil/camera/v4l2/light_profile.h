@@ -9,7 +9,7 @@
 
 namespace kerfbench::camera {
 
-/// What a frame tells of a light.
+/// Light in one frame.
 struct FrameLight {
   double stamp_s{};  ///< The camera's.
   double light{};    ///< Light of the whole spot above its surroundings, in any unit; 0: dark.
@@ -17,16 +17,16 @@ struct FrameLight {
   [[nodiscard]] bool isLit() const { return light > 0.0; }
 };
 
-/// How much light the pins ask for, over time: a level that is on or off, so fast (PWM) that its mean counts.
+/// Light that the pins ask for, over time: a level that is on or off, so fast (PWM) that its mean counts.
 class LightProfile {
  public:
   struct Step {
     double time_s{};
     bool is_on{};
   };
-  /// By time; off before the first.
+  /// Takes the steps in order of time; the light is off before the first.
   explicit LightProfile(std::span<const Step> steps);
-  /// Share of the time that it was on; `to_s` > `from_s`.
+  /// Share of the time for which the light was on; `to_s` > `from_s`.
   [[nodiscard]] double meanOver(double from_s, double to_s) const;
   /// Time on until then.
   [[nodiscard]] double onUntil_s(double time_s) const;
@@ -34,7 +34,7 @@ class LightProfile {
  private:
   struct Knot {
     double time_s{};
-    double on_s{};  ///< Time on until then.
+    double on_s{};  ///< Time for which the light was on until then.
     bool is_on{};   ///< After.
   };
   std::vector<Knot> knots_;

@@ -10,7 +10,7 @@
 
 namespace kerfbench::camera {
 
-/// What a frame's bytes are.
+/// Kind of a frame's bytes.
 enum class PixelPacking {
   kGrey8,   ///< A byte a pixel.
   kGrey16,  ///< Two bytes a pixel, the lower first; grey in the lower bits.
@@ -24,11 +24,11 @@ enum class BayerOrder { kNone, kBggr, kGbrg, kGrbg, kRggb };
 /// One pixel format of V4L2 that becomes a grey image.
 struct PixelFormat {
   std::uint32_t fourcc{};
-  std::string_view name;  ///< As in the documentation of V4L2: GREY, Y10, SRGGB12 …
+  std::string_view name;  ///< Name as in the documentation of V4L2: GREY, Y10, SRGGB12 …
   PixelPacking packing{PixelPacking::kGrey8};
   BayerOrder bayer{BayerOrder::kNone};
   int bits{8};            ///< Significant bits of a pixel; of Y16 and SxxxX16 the most there can be.
-  std::string_view cost;  ///< What it costs a measurement, in words; empty: nothing.
+  std::string_view cost;  ///< Cost of the format to a measurement, in words; empty: none.
 
   [[nodiscard]] int bytesPerPixel() const {
     return packing == PixelPacking::kGrey16 || packing == PixelPacking::kYuyv ? 2 : 1;

@@ -22,22 +22,24 @@ struct CaptureIncident {
 };
 
 struct CaptureReport {
-  std::uint64_t taken{};   ///< Frames that came, without those discarded at the start.
-  std::uint64_t good{};    ///< How many of those are good, and given out.
-  std::uint64_t lost{};    ///< Missing in the driver's sequence.
-  double worst_ahead_s{};  ///< How far a stamp lay after its frame's arrival, at most; 0 for none.
-  StampClock clock{StampClock::kUnknown};        ///< Clock of the last frame.
-  std::uint64_t incidents{};                     ///< All of them.
+  std::uint64_t taken{};                   ///< Frames that came, without those discarded at the start.
+  std::uint64_t good{};                    ///< Frames among them that are good, and given out.
+  std::uint64_t lost{};                    ///< Missing in the driver's sequence.
+  double worst_ahead_s{};                  ///< Largest time of a stamp after its frame's arrival; 0 for none.
+  StampClock clock{StampClock::kUnknown};  ///< Clock of the last frame.
+  std::uint64_t incidents{};               ///< All of them.
   std::vector<CaptureIncident> first_incidents;  ///< The first 1000.
-  std::string ended_early;  ///< Why fewer frames came than were asked for; empty if they all came.
+  std::string ended_early;  ///< Reason why fewer frames came than were asked for; empty if they all came.
 };
 
 struct V4l2FrameOptions {
-  double exposure_s{};       ///< > 0: by the camera's shutter, or the strobe's length where that is shorter.
-  std::uint64_t frames{};    ///< How many are taken, good or not; > 0.
-  int timeout_ms{1000};      ///< Without a frame for so long the camera has stopped; > 0.
-  std::uint64_t discard{1};  ///< At the start: the first buffer of a loopback holds an old picture.
-  WatchOptions watch{};      ///< Its period is the driver's if it has none and is_triggered is false.
+  double exposure_s{};     ///< Time of the camera's shutter, or of the strobe where that is shorter; > 0.
+  std::uint64_t frames{};  ///< Number of frames that are taken, good or not; > 0.
+  int timeout_ms{1000};    ///< Time without a frame after which the camera has stopped; > 0.
+  /// Frames left out at the start: the first buffer of a loopback holds an old picture.
+  std::uint64_t discard{1};
+  /// Watch of the frames; without a period it takes the driver's, unless is_triggered.
+  WatchOptions watch{};
   bool is_triggered{};
 };
 

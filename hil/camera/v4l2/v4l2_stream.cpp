@@ -36,7 +36,7 @@ StampClock clockOf(std::uint32_t flags) {
   }
 }
 
-/// What is no time at all becomes the nearest that is one: FrameWatch tells of it.
+/// Stamp that is no time becomes the nearest that is one; FrameWatch reports it.
 std::int64_t stampOf_ns(const timeval& stamp) {
   constexpr std::int64_t kMost_s = 4'000'000'000;  // The difference of two still has room in 64 bits.
   const std::int64_t whole_s = std::clamp(std::int64_t{stamp.tv_sec}, std::int64_t{0}, kMost_s);
@@ -89,7 +89,8 @@ void V4l2Stream::requireCapture() {
     throw std::invalid_argument(device_.path() + ": gives no pictures by streaming");
 }
 
-// Few drivers have such events; the layout is asked besides. They are of one input, not of the device.
+// Events of the source, which few drivers have; the layout is read in addition. They are those of one input,
+// not of the device.
 void V4l2Stream::subscribe() {
   int input = 0;
   (void)device_.request(VIDIOC_G_INPUT, &input);

@@ -9,14 +9,13 @@
 namespace kerfbench::camera {
 
 /// The system calls that a video device needs, one to one, so that a test can put a device of its own behind
-/// them and reach every error. Failures are told as the calls tell them: -1 (a null pointer for mmap) and
-/// errno.
+/// them and reach every error. Failures are reported as by the calls: -1 (a null pointer for mmap) and errno.
 class VideoCalls {
  public:
   virtual ~VideoCalls() = default;
   /// /dev/video* in order of their numbers; empty where there are none.
   virtual std::vector<std::string> nodes() = 0;
-  /// For reading and writing, not blocking.
+  /// Opens for reading and writing, not blocking.
   virtual int open(const std::string& path) = 0;
   virtual int close(int fd) = 0;
   virtual int ioctl(int fd, unsigned long request, void* argument) = 0;

@@ -12,15 +12,13 @@ void throwVideoError(int error, const std::string& path, const char* name) {
 }
 
 VideoDevice::VideoDevice(VideoCalls& calls, std::string path)
-    : calls_(&calls), path_(std::move(path)), fd_(calls.open(path_)) {
-  if (fd_ < 0) throwVideoError(errno, path_, "open");
+    : calls_(&calls), path_(std::move(path)), fd_(calls.open(path_), {&calls}) {
+  if (!fd_.valid()) throwVideoError(errno, path_, "open");
 }
-
-VideoDevice::~VideoDevice() { (void)calls_->close(fd_); }
 
 int VideoDevice::request(unsigned long code, void* argument) {
   for (;;) {
-    if (calls_->ioctl(fd_, code, argument) >= 0) return 0;
+    if (calls_->ioctl(fd_.get(), code, argument) >= 0) return 0;
     if (errno != EINTR) return errno;
   }
 }

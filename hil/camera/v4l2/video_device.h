@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "hil/base/unique_fd.h"
 #include "hil/camera/v4l2/video_calls.h"
 
 namespace kerfbench::camera {
@@ -12,7 +13,6 @@ class VideoDevice {
  public:
   /// `calls` must outlive this. @throws std::system_error with the path.
   VideoDevice(VideoCalls& calls, std::string path);
-  ~VideoDevice();
   VideoDevice(const VideoDevice&) = delete;
   VideoDevice& operator=(const VideoDevice&) = delete;
 
@@ -22,19 +22,19 @@ class VideoDevice {
   void require(unsigned long code, void* argument, const char* name);
 
   [[nodiscard]] VideoCalls& calls() const { return *calls_; }
-  [[nodiscard]] int fd() const { return fd_; }
+  [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
   VideoCalls* calls_;
   std::string path_;
-  int fd_;
+  base::OwnedFd<base::SystemClose<VideoCalls*>> fd_;
 };
 
 /// @throws std::system_error "PATH: NAME".
 [[noreturn]] void throwVideoError(int error, const std::string& path, const char* name);
 
-/// As v4l2-ctl spells a control: "Exposure Time, Absolute" is exposure_time_absolute.
+/// Key of a control as v4l2-ctl spells it: "Exposure Time, Absolute" is exposure_time_absolute.
 std::string controlKey(const std::string& name);
 
 }  // namespace kerfbench::camera

@@ -11,9 +11,9 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"
-#include "hil/inspect/evidence/extreme.h"
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -38,7 +38,6 @@ LineKind kindOf(const Evidence& evidence, const ReadingLine& line) {
 
 /// Readings this far from the median, in units of their scatter, are not the kerf's width.
 constexpr double kOutlier = 5.0;
-constexpr double kSigmaOfMad = 1.4826;
 // A width is the difference of two flanks, an offset their mean: twice as much if they erred each for itself;
 // what artefacts of known width show (`kerfbench gauge`).
 constexpr double kFlanks = 1.4;
@@ -65,7 +64,7 @@ KerfWidth widthOf(const vision::EntityKerf& kerf, const ReadingLine& line) {
   if (widths.empty()) return {};
   const double median = medianOf(widths);
   for (const double w : widths) off.push_back(std::abs(w - median));
-  const double scatter = kSigmaOfMad * medianOf(off);
+  const double scatter = kMadToSigma * medianOf(off);
   double sum = 0.0;
   double n = 0.0;
   double variance = 0.0;

@@ -10,6 +10,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -24,7 +25,6 @@ constexpr std::size_t kBlocks = 5;  // Blocks of one look at the depth: to 0.2 %
 /// the end, where one alone scatters by 1.1 %. Wang, Li, Chen 2010 except the start point too. What a loop on
 /// the power does until it has measured is judged: 0.5 % deeper over 2 mm there.
 constexpr double kEnd_mm = 0.3;
-constexpr double kMedianSquare = 0.4549;  // Median square of a standard normal value.
 
 struct Reading {
   double share{};       ///< Depth over the board's thickness.

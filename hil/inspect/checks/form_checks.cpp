@@ -11,6 +11,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "hil/inspect/checks/spot_checks.h"
-#include "hil/inspect/evidence/extreme.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

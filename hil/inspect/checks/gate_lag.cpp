@@ -14,6 +14,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

@@ -13,6 +13,7 @@
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

@@ -12,8 +12,8 @@
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"
-#include "hil/inspect/evidence/extreme.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "twin/base/statistics.h"
 #include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::inspect {
@@ -15,8 +16,7 @@ constexpr double kEstimatorPx = 0.005;
 constexpr double kLeastNoise_mm = 1e-5;
 constexpr double kMostCorrelated = 0.95;
 constexpr std::size_t kFewestDifferences = 30;
-constexpr double kClipped = 0.9850;       // Variance left by clipping a normal value at 3 sigma.
-constexpr double kMedianSquare = 0.4549;  // Median square of a standard normal value.
+constexpr double kClipped = 0.9850;  // Variance left by clipping a normal value at 3 sigma.
 
 /// Square root of a covariance, column by column; small negative eigenvalues are rounding.
 Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
@@ -107,9 +107,7 @@ double neighbourCorrelation(const std::vector<std::vector<double>>& series) {
     }
   }
   if (squares.size() < kFewestDifferences) return 0.0;
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  const double limit = 9.0 * *middle / kMedianSquare;
+  const double limit = 9.0 * upperMedianIn(squares) / kMedianSquare;
   double sum = 0.0;
   for (const double s : squares) sum += std::min(s, limit) / kClipped;
   const double share = sum / static_cast<double>(squares.size());

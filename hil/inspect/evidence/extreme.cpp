@@ -41,11 +41,4 @@ void ExtremeEstimate::add(double reading, double sigma) {
 double ExtremeEstimate::value() const { return 0.5 * (upper_ + lower_); }
 double ExtremeEstimate::expandedU() const { return 0.5 * (upper_ - lower_); }
 
-double medianOf(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 }  // namespace kerfbench::inspect

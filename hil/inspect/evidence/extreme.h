@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 namespace kerfbench::inspect {
 
@@ -38,8 +37,5 @@ class ExtremeEstimate {
 
 /// The z within which all of `count` independent standard normal values stay with 95.45 % probability.
 double extremeQuantile(std::size_t count);
-
-/// NaN of an empty set; the mean of the two middle values of an even one.
-double medianOf(std::vector<double> values);
 
 }  // namespace kerfbench::inspect

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "hil/inspect/evidence/entity_index.h"
-#include "hil/inspect/evidence/extreme.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect {
 namespace {

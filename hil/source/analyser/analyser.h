@@ -26,7 +26,7 @@ struct AnalyserDevice {
   std::string serial;                 ///< May be empty.
   std::string conn;                   ///< "1.14" (USB bus and address), "/dev/ttyUSB0"; may be empty.
   std::vector<std::string> channels;  ///< Names of its logic channels.
-  std::string samplerates;            ///< For people: "1 Hz … 1000000000 Hz".
+  std::string samplerates;            ///< Rates for people: "1 Hz … 1000000000 Hz".
 };
 
 struct AnalyserList {
@@ -36,10 +36,10 @@ struct AnalyserList {
   std::vector<std::string> faults;  ///< Devices that were found and cannot be opened, in words.
 };
 
-/// What to listen to.
-struct AnalyserWish {
+/// Request for a capture.
+struct AnalyserRequest {
   std::string driver;
-  std::string conn;    ///< Empty: whatever is there, if it is one.
+  std::string conn;    ///< Empty: the only device there is.
   std::string serial;  ///< Empty: any.
   std::uint64_t samplerate_hz{};
   std::vector<std::string> channels;  ///< Names; at most kMostChannels.
@@ -48,11 +48,11 @@ struct AnalyserWish {
   ListenFor listen;
 };
 
-/// How listening ended.
+/// End of a capture.
 struct AnalyserEnd {
   using Reason = analyser_stream::AnalyserReason;
   Reason reason{Reason::kBroken};
-  std::vector<std::string> problems;  ///< Errors that the driver told of while it sampled.
+  std::vector<std::string> problems;  ///< Errors that the driver reported while it sampled.
   std::vector<std::string> notes;
 };
 
@@ -75,11 +75,11 @@ class AnalyserSystem {
   virtual AnalyserList list() = 0;
   /// Starts sampling. @throws AnalyserError: no such driver or device, more than one, a channel, rate or
   /// setting that it does not have.
-  virtual std::unique_ptr<AnalyserFeed> acquire(const AnalyserWish& wish) = 0;
+  virtual std::unique_ptr<AnalyserFeed> acquire(const AnalyserRequest& request) = 0;
 };
 
-/// By libsigrok, in a process of its own (kerfbench-sigrok in `bin_dir`): the library is under the GPL, and a
-/// driver that crashes leaves the bench whole.
+/// Analysers by libsigrok, in a process of its own (kerfbench-sigrok in `bin_dir`): the library is under the
+/// GPL, and a driver that crashes leaves the bench whole.
 std::shared_ptr<AnalyserSystem> sigrokAnalysers(const std::filesystem::path& bin_dir);
 
 }  // namespace kerfbench::source

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// How bench and kerfbench-sigrok talk: one request on the child's standard input, frames on its standard
+/// Protocol of bench and kerfbench-sigrok: one request on the child's standard input, frames on its standard
 /// output, each a type, a length of 4 bytes (little-endian) and as many bytes.
 ///
 ///   request: lines, the last of them empty
@@ -22,7 +22,7 @@
 ///     kError               text: it does not come to that; the child ends
 ///     kStarted             text: the device; it samples at the rate asked for
 ///     kRuns                any number of runs: u64 samples, u32 levels
-///     kProblem, kNote      text: an error or warning that the driver told of while it sampled
+///     kProblem, kNote      text: an error or warning that the driver reported while it sampled
 ///     kFinished            u8 AnalyserReason; the child ends
 ///     kListed              nothing; the list is complete, the child ends
 namespace kerfbench::source::analyser_stream {
@@ -40,12 +40,12 @@ enum class AnalyserFrame : std::uint8_t {
   kListed = 'z',
 };
 
-/// Why sampling ended.
+/// Reason why sampling ended.
 enum class AnalyserReason : std::uint8_t {
   kQuiet = 0,
   kLimit = 1,
   kDevice = 2,  ///< The device stopped by itself: memory full, overrun, unplugged.
-  kBroken = 3,  ///< Never sent: the program that reads it died or talked nonsense; see `problems`.
+  kBroken = 3,  ///< Reason that is never sent: the child died or its frames made no sense; see `problems`.
 };
 
 inline constexpr std::size_t kHeadBytes = 5;

@@ -18,25 +18,26 @@ std::uint64_t samplesOf(double time_s, std::uint64_t samplerate_hz) {
   return static_cast<std::uint64_t>(samples);
 }
 
-AnalyserWish wishOf(const AnalyserCaptureOptions& options) {
-  if (options.wish.samplerate_hz == 0 || options.wish.channels.size() != options.signals.size())
+AnalyserRequest captureRequest(const AnalyserCaptureOptions& options) {
+  if (options.request.samplerate_hz == 0 || options.request.channels.size() != options.signals.size())
     throw std::invalid_argument("an analyser needs a rate, and a signal for each channel");
-  AnalyserWish wish = options.wish;
-  wish.listen = {samplesOf(options.quiet_s, wish.samplerate_hz),
-                 samplesOf(options.time_limit_s, wish.samplerate_hz)};
-  return wish;
+  AnalyserRequest request = options.request;
+  request.listen = {samplesOf(options.quiet_s, request.samplerate_hz),
+                    samplesOf(options.time_limit_s, request.samplerate_hz)};
+  return request;
 }
 
-std::string stoppedWords(const AnalyserWish& wish, std::uint64_t samples) {
+std::string stoppedWords(const AnalyserRequest& request, std::uint64_t samples) {
   return fmt::format(
       "the analyser stopped by itself after {} samples, {:.6f} s at {} Hz: it was too slow for this rate "
       "(another "
       "USB port, a lower rate, fewer channels), its memory is full, or it was unplugged",
-      samples, static_cast<double>(samples) / static_cast<double>(wish.samplerate_hz), wish.samplerate_hz);
+      samples, static_cast<double>(samples) / static_cast<double>(request.samplerate_hz),
+      request.samplerate_hz);
 }
 
-/// Why what was heard cannot be trusted.
-std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const AnalyserWish& wish,
+/// Reasons not to trust the capture.
+std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const AnalyserRequest& request,
                                     const RunRecorder& heard, const AnalyserEnd& end, bool too_many) {
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < options.signals.size(); ++i) {
@@ -51,7 +52,7 @@ std::vector<std::string> problemsOf(const AnalyserCaptureOptions& options, const
   problems.insert(problems.end(), end.problems.begin(), end.problems.end());
   if (end.reason == AnalyserEnd::Reason::kLimit)
     problems.push_back(timeLimitWords(options.time_limit_s, heard.edges() > 0));
-  if (end.reason == AnalyserEnd::Reason::kDevice) problems.push_back(stoppedWords(wish, heard.samples()));
+  if (end.reason == AnalyserEnd::Reason::kDevice) problems.push_back(stoppedWords(request, heard.samples()));
   return problems;
 }
 
@@ -73,8 +74,8 @@ PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMa
   RunRecorder heard(options.signals, map);
   if (std::ranges::any_of(options.signals, isSensor))
     throw std::invalid_argument("an analyser listens to outputs of the controller");
-  const AnalyserWish wish = wishOf(options);
-  const auto feed = system.acquire(wish);
+  const AnalyserRequest request = captureRequest(options);
+  const auto feed = system.acquire(request);
   std::vector<LevelRun> runs;
   bool too_many = false;
   while (!too_many && feed->read(runs)) {
@@ -84,10 +85,10 @@ PinCapture captureAnalyser(const AnalyserCaptureOptions& options, const SignalMa
   }
   const AnalyserEnd end = feed->end();
   PinCapture captured;
-  captured.recording = recordingOf(heard, wish.samplerate_hz);
+  captured.recording = recordingOf(heard, request.samplerate_hz);
   captured.edges = heard.edges();
   captured.notes = end.notes;
-  captured.recording.problems = problemsOf(options, wish, heard, end, too_many);
+  captured.recording.problems = problemsOf(options, request, heard, end, too_many);
   if (!options.signals.empty()) spoilEnd(captured.recording, map.pin(options.signals.front())->port);
   return captured;
 }

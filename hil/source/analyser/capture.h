@@ -10,12 +10,12 @@
 namespace kerfbench::source {
 
 struct AnalyserCaptureOptions {
-  AnalyserWish wish;            ///< But for `listen`.
-  std::vector<Signal> signals;  ///< On each channel of the wish; outputs that `map` has.
+  AnalyserRequest request;      ///< `listen` is set by the capture.
+  std::vector<Signal> signals;  ///< Signal on each channel of the request; outputs that `map` has.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long; by samples.
   double time_limit_s{
       60.0};  ///< Limit of the whole capture, waiting for the first edge included; by samples.
-  std::vector<Signal> low_at_start;  ///< As in GpioCaptureOptions.
+  std::vector<Signal> low_at_start;  ///< Signals that must be low at the start, as in GpioCaptureOptions.
 };
 
 /// Records levels, in ticks of one sample, until the pins are quiet. An edge was somewhere in the period

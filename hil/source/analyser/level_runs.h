@@ -8,7 +8,7 @@
 
 namespace kerfbench::source {
 
-/// So many samples in a row with these levels; bit i is channel i of those that were asked for.
+/// Run of samples with the same levels; bit i is the i-th requested channel.
 struct LevelRun {
   std::uint64_t samples{};
   std::uint32_t levels{};
@@ -35,9 +35,9 @@ class SamplePacker {
   std::uint32_t levels_{};
 };
 
-/// Until when an analyser is listened to.
+/// End of a capture.
 struct ListenFor {
-  std::uint64_t quiet_samples{};  ///< After the first edge; > 0.
+  std::uint64_t quiet_samples{};  ///< Silence after the first edge that ends it; > 0.
   std::uint64_t limit_samples{};  ///< Most samples of the whole capture; > 0.
 };
 

@@ -25,17 +25,17 @@ class RunRecorder {
   [[nodiscard]] std::uint64_t edges() const { return edges_; }
   /// Levels of the first sample.
   [[nodiscard]] std::uint32_t firstLevels() const { return first_levels_; }
-  /// Where the first and last edges are, in samples; 0: there is none.
+  /// Samples of the first and the last edge; 0: there is none.
   [[nodiscard]] std::uint64_t firstEdge() const { return first_edge_; }
   [[nodiscard]] std::uint64_t lastEdge() const { return last_edge_; }
 
-  /// Where a recording lies in what was heard.
+  /// Position of a recording in the capture.
   struct Cut {
     std::int64_t origin{};  ///< Sample of tick 0; not after the first edge.
     Tick start{};           ///< Time of the levels that are high at the start; before the first edge.
     Tick end{};
   };
-  /// What was heard so far, of `samplerate_hz`.
+  /// Recording of the capture so far, at `samplerate_hz`.
   [[nodiscard]] PinRecording recording(std::uint64_t samplerate_hz, const Cut& cut) const;
 
  private:
@@ -51,7 +51,7 @@ class RunRecorder {
   std::uint64_t last_edge_{};
   std::map<std::uint16_t, std::uint16_t> port_levels_;
   std::vector<PinEvent> start_;    ///< Events that stand for the first sample's levels.
-  std::vector<PinEvent> outputs_;  ///< By sample.
+  std::vector<PinEvent> outputs_;  ///< Events of the outputs by sample.
   std::vector<SensorEdge> sensors_;
 };
 

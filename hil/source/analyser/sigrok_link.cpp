@@ -100,22 +100,22 @@ AnalyserDevice deviceOf(const std::string& text) {
   return device;
 }
 
-std::string requestOf(const AnalyserWish& wish) {
-  std::string request = "acquire\n";
+std::string requestOf(const AnalyserRequest& request) {
+  std::string text = "acquire\n";
   const auto line = [&](const char* key, const std::string& value) {
     if (value.find_first_of(std::string("\n\0", 2)) != std::string::npos)
       throw AnalyserError(fmt::format("a {} with a line break makes no sense", key));
-    request += fmt::format("{} {}\n", key, value);
+    text += fmt::format("{} {}\n", key, value);
   };
-  line("driver", wish.driver);
-  if (!wish.conn.empty()) line("conn", wish.conn);
-  if (!wish.serial.empty()) line("serial", wish.serial);
-  line("samplerate", std::to_string(wish.samplerate_hz));
-  line("quiet", std::to_string(wish.listen.quiet_samples));
-  line("limit", std::to_string(wish.listen.limit_samples));
-  for (const std::string& channel : wish.channels) line("channel", channel);
-  for (const auto& [key, value] : wish.settings) line("setting", fmt::format("{}={}", key, value));
-  return request + "\n";
+  line("driver", request.driver);
+  if (!request.conn.empty()) line("conn", request.conn);
+  if (!request.serial.empty()) line("serial", request.serial);
+  line("samplerate", std::to_string(request.samplerate_hz));
+  line("quiet", std::to_string(request.listen.quiet_samples));
+  line("limit", std::to_string(request.listen.limit_samples));
+  for (const std::string& channel : request.channels) line("channel", channel);
+  for (const auto& [key, value] : request.settings) line("setting", fmt::format("{}={}", key, value));
+  return text + "\n";
 }
 
 class LinkedFeed final : public AnalyserFeed {
@@ -193,14 +193,14 @@ class LinkedAnalysers final : public AnalyserSystem {
     return list;
   }
 
-  std::unique_ptr<AnalyserFeed> acquire(const AnalyserWish& wish) override {
+  std::unique_ptr<AnalyserFeed> acquire(const AnalyserRequest& request) override {
     std::unique_ptr<AnalyserFeed> feed;
-    converse(requestOf(wish), [&](Conversation& conversation) {
+    converse(requestOf(request), [&](Conversation& conversation) {
       const Message message = conversation.next(ByteLink::Clock::now() + kToStart);
       if (message.frame == Frame::kError) throw AnalyserError(message.text());
       if (message.frame != Frame::kStarted) throw LinkBroken("what reads the analyser talks nonsense");
-      const double limit_s = static_cast<double>(wish.listen.limit_samples) /
-                             static_cast<double>(std::max<std::uint64_t>(wish.samplerate_hz, 1));
+      const double limit_s = static_cast<double>(request.listen.limit_samples) /
+                             static_cast<double>(std::max<std::uint64_t>(request.samplerate_hz, 1));
       const auto limit = std::chrono::duration_cast<ByteLink::Clock::duration>(
           std::chrono::duration<double>(std::min(limit_s, 1e6)));
       feed = std::make_unique<LinkedFeed>(std::move(conversation), message.text(),

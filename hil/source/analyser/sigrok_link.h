@@ -20,7 +20,7 @@ class ByteLink {
   virtual ~ByteLink() = default;
   virtual ChildProcess::Io write(std::span<const std::uint8_t> bytes, Clock::time_point deadline) = 0;
   virtual ChildProcess::Io read(std::span<std::uint8_t> into, Clock::time_point deadline) = 0;
-  /// How the child ended, and what it said last, for people.
+  /// End of the child and its last words, for people.
   virtual std::string farewell() = 0;
 };
 

@@ -12,7 +12,7 @@
 
 namespace kerfbench::source {
 
-/// What a channel of a session file is called, where it is not called as its signal.
+/// Name of a channel of a session file, where it is not that of its signal.
 using ChannelNames = std::vector<std::pair<Signal, std::string>>;
 
 /// Reads a session file of sigrok (a zip with metadata and samples), as sigrok-cli and PulseView save it. A

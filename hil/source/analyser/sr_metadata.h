@@ -8,7 +8,7 @@
 
 namespace kerfbench::source {
 
-/// What a session file says of its samples.
+/// Metadata of a session file's samples.
 struct SrMetadata {
   std::uint64_t samplerate_hz{};
   std::size_t sample_bytes{};
@@ -16,7 +16,7 @@ struct SrMetadata {
   std::vector<std::pair<unsigned, std::string>> channels;  ///< Bit of a sample, name.
 };
 
-/// What is wrong is appended to `faults`, each a sentence.
+/// Reads the metadata; faults are appended to `faults`, each a sentence.
 SrMetadata readSrMetadata(const std::string& text, std::vector<std::string>& faults);
 
 std::string srMetadataText(const SrMetadata& metadata);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Parts of the zip that a session file is, besides its samples.
+/// Parts of the zip that a session file is, but for its samples.
 namespace kerfbench::source::sr_parts {
 
 inline constexpr const char* kVersion = "version";

@@ -47,13 +47,13 @@ class ZipWriter {
  public:
   /// @throws ZipError.
   explicit ZipWriter(const std::filesystem::path& path);
-  ~ZipWriter();  ///< Without commit() nothing is written.
+  ~ZipWriter();  ///< Writes nothing without commit().
   ZipWriter(const ZipWriter&) = delete;
   ZipWriter& operator=(const ZipWriter&) = delete;
 
   void add(const std::string& part, std::uint64_t bytes, ZipFill fill);
   void add(const std::string& part, const std::string& text);
-  /// Writes all, beside the place of the archive, and puts it there.
+  /// Writes all into a file next to the archive, and renames it to the archive.
   void commit();
 
  private:

@@ -7,7 +7,7 @@
 
 namespace kerfbench::avr_child {
 
-/// What goes into the controller's memories. Bytes that the image does not set are 0xFF, as after an erase.
+/// Content of the controller's memories. Bytes that the image does not set are 0xFF, as after an erase.
 struct Image {
   std::vector<std::uint8_t> flash;
   std::vector<std::uint8_t> eeprom;  ///< Empty if the image has none.

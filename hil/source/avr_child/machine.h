@@ -105,7 +105,8 @@ class Machine {
   std::deque<std::uint8_t> to_send_;
   std::deque<SentByte> sent_;
   std::uint64_t next_byte_at_{};
-  std::uint64_t byte_remainder_{};  // in cycles / baud, so that the pace is right in the long run
+  std::uint64_t byte_remainder_{};  // Rest of the byte time in cycles / baud, so that the pace is right in
+                                    // the long run.
   std::uint64_t watermark_{};
   std::uint64_t horizon_{};
   bool xoff_{};

@@ -19,7 +19,7 @@ struct PinEvent {
   std::uint16_t level{};
 };
 
-/// What the controller's pins do, port by port.
+/// Controller's pins, port by port.
 ///
 /// A pin is driven only if its DDR bit is set; then it follows its PORT bit, unless a timer's compare unit is
 /// connected to it. simavr lets a compare unit write the PORT register, so that a pin stays high after the

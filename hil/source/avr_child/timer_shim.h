@@ -36,7 +36,7 @@ class TimerShim {
   [[nodiscard]] bool watches(avr_io_addr_t addr) const;
   void beforeWrite(avr_io_addr_t addr);
   void afterWrite(avr_io_addr_t addr);
-  /// After every reset, including the first: simavr has connected its compare units to the pins again.
+  /// Call after every reset, including the first: simavr has connected its compare units to the pins again.
   void afterReset();
   void setCountWriter(avr_io_write_t writer, void* param) {
     write_count_ = writer, write_count_param_ = param;

@@ -26,7 +26,7 @@ class Capture {
       : options_(options),
         map_(map),
         system_(std::move(system)),
-        request_(system_, options.chip, lineWishes(options.wires, map, false)),
+        request_(system_, options.chip, chipLinesOf(options.wires, map, false)),
         levels_(request_.levels()),
         begin_ns_(system_->now_ns()),
         order_(levels_, begin_ns_) {}

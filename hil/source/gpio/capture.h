@@ -14,7 +14,7 @@
 namespace kerfbench::source {
 
 struct GpioCaptureOptions {
-  std::filesystem::path chip;   ///< As "/dev/gpiochip0".
+  std::filesystem::path chip;   ///< Path such as "/dev/gpiochip0".
   std::vector<GpioWire> wires;  ///< Outputs that `map` has; one without a wire stays low.
   double stamp_err_s{};         ///< Declared bias and jitter of a time stamp.
   double quiet_s{2.0};          ///< The job is over when no edge has come for this long.

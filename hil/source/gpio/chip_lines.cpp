@@ -9,11 +9,11 @@
 namespace kerfbench::source {
 namespace {
 
-void checkChip(GpioSystem& system, int fd, const std::string& chip, const std::vector<LineWish>& lines) {
+void checkChip(GpioSystem& system, int fd, const std::string& chip, const std::vector<ChipLine>& lines) {
   gpiochip_info info{};
   const KernelAnswer known = system.control(fd, GPIO_GET_CHIPINFO_IOCTL, &info);
   if (known.failed()) throw GpioError(chipWords(chip, known.error));
-  for (const LineWish& line : lines) {
+  for (const ChipLine& line : lines) {
     if (line.offset >= info.lines) {
       throw GpioError(fmt::format("{}: there is no line {} for {}, it has {} lines", chip, line.offset,
                                   line.name, info.lines));
@@ -22,9 +22,9 @@ void checkChip(GpioSystem& system, int fd, const std::string& chip, const std::v
 }
 
 // The kernel's answer to the request itself does not say which line is taken.
-void checkFree(GpioSystem& system, int fd, const std::string& chip, const std::vector<LineWish>& lines) {
+void checkFree(GpioSystem& system, int fd, const std::string& chip, const std::vector<ChipLine>& lines) {
   std::string taken;
-  for (const LineWish& line : lines) {
+  for (const ChipLine& line : lines) {
     gpio_v2_line_info info{};
     info.offset = line.offset;
     const KernelAnswer known = system.control(fd, GPIO_V2_GET_LINEINFO_IOCTL, &info);
@@ -40,10 +40,10 @@ void checkFree(GpioSystem& system, int fd, const std::string& chip, const std::v
 }  // namespace
 
 GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::string& chip,
-                     const std::vector<LineWish>& lines) {
+                     const std::vector<ChipLine>& lines) {
   const KernelAnswer opened = system->open(chip);
   if (opened.failed()) throw GpioError(openWords(chip, opened.error));
-  GpioFd fd(system, opened.value);
+  GpioFd fd(opened.value, {system});
   checkChip(*system, fd.get(), chip, lines);
   checkFree(*system, fd.get(), chip, lines);
   return fd;

@@ -10,11 +10,11 @@
 
 namespace kerfbench::source {
 
-/// Whom the kernel tells others that a line belongs to.
+/// Owner of a line, as the kernel reports it to others.
 inline constexpr char kGpioConsumer[] = "kerfbench";
 
-/// A line that is asked for: where it is, and how people call it ("galvo_x_pul").
-struct LineWish {
+/// Line of a chip by its number there, with its name for people ("galvo_x_pul").
+struct ChipLine {
   std::uint32_t offset{};
   std::string name;
 };
@@ -23,6 +23,6 @@ struct LineWish {
 /// @throws GpioError: chip missing, no gpiochip, not allowed, kernel without the second interface, every line
 /// that is taken (and by whom), a line beyond the chip.
 GpioFd openChipLines(const std::shared_ptr<GpioSystem>& system, const std::string& chip,
-                     const std::vector<LineWish>& lines);
+                     const std::vector<ChipLine>& lines);
 
 }  // namespace kerfbench::source

@@ -54,7 +54,8 @@ void EdgeOrder::takeAll(std::vector<LineEdge>& edges) {
   ready_.clear();
 }
 
-/// Those at the front whose numbers follow on each other, and those behind a gap that has been waited for.
+/// Places the edges at the front whose numbers follow on each other, and those behind a gap whose wait is
+/// over.
 void EdgeOrder::place(std::uint64_t now_ns, bool last) {
   auto at = waiting_.begin();
   for (; at != waiting_.end(); ++at) {

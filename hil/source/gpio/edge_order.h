@@ -18,10 +18,10 @@ struct LineEdge {
   bool gap{};      ///< Something before or at this edge is not as it was on the wire: evidence is INVALID.
 };
 
-/// What is wrong with the edges of a request; all zero: nothing.
+/// Faults of the edges of a request; all zero: none.
 struct EdgeFaults {
   std::uint64_t missing{};    ///< Numbers of the request that never came.
-  std::uint64_t dropped{};    ///< How many of those the full buffer has cost: the line's numbers lack too.
+  std::uint64_t dropped{};    ///< Edges among them lost by a full buffer: the line's numbers lack too.
   std::uint64_t repeated{};   ///< Edges to the level that the line had already: two became one.
   std::uint64_t backwards{};  ///< Stamps before those of earlier edges.
   std::uint64_t worst_backwards_ns{};
@@ -53,13 +53,13 @@ class EdgeOrder {
   void add(const std::vector<KernelEdge>& edges, std::uint64_t now_ns);
   /// Appends the edges whose place is certain and whose stamp is <= until_ns.
   void take(std::uint64_t now_ns, std::uint64_t until_ns, std::vector<LineEdge>& edges);
-  /// As take(), with all edges that there are: what is missing now will not come.
+  /// Takes all remaining edges: what is missing now will not come.
   void takeAll(std::vector<LineEdge>& edges);
 
   [[nodiscard]] const EdgeFaults& faults() const { return faults_; }
-  /// In words, a sentence for each kind; empty if there is none.
+  /// Faults in words, a sentence for each kind; empty if there is none.
   [[nodiscard]] std::vector<std::string> problems() const;
-  /// As the edges that were put in their place leave the lines.
+  /// Levels after the edges that were put in their place.
   [[nodiscard]] const std::vector<bool>& levels() const { return levels_; }
   [[nodiscard]] std::uint64_t edges() const { return placed_; }
 
@@ -85,8 +85,8 @@ class EdgeOrder {
   std::uint64_t placed_{};
   bool any_fault_{};
   EdgeFaults faults_;
-  std::vector<Waiting> waiting_;  ///< By number.
-  std::vector<LineEdge> ready_;   ///< In order, not yet handed on.
+  std::vector<Waiting> waiting_;  ///< Edges that wait, by number.
+  std::vector<LineEdge> ready_;   ///< Edges in order that are not yet handed on.
 };
 
 }  // namespace kerfbench::source

@@ -17,7 +17,7 @@ struct PlayedEdge {
   std::size_t line{};
   bool level{};
   std::uint64_t planned_ns{};
-  std::uint64_t put_ns{};  ///< When the call came back: never before the edge. Ascends.
+  std::uint64_t put_ns{};  ///< Time at which the call came back: never before the edge. Ascends.
 };
 
 /// Puts edges onto output lines when their time has come, never before. Whoever owns it calls play() as often
@@ -32,7 +32,7 @@ class EdgePlayer {
   void plan(std::size_t line, bool level, std::uint64_t at_ns);
   /// Puts out what is due, and appends what it has put out. @throws GpioError as OutputLines::set().
   void play(std::vector<PlayedEdge>& played);
-  /// When the next edge is due; kNever: none is planned.
+  /// Time at which the next edge is due; kNever: none is planned.
   [[nodiscard]] std::uint64_t nextDue_ns() const {
     return planned_.empty() ? kNever : planned_.front().due_ns;
   }
@@ -40,15 +40,15 @@ class EdgePlayer {
  private:
   struct Planned {
     std::uint64_t due_ns{};
-    std::uint64_t wished_ns{};  ///< As it was planned; before `due_ns` where the line's last edge is later.
+    std::uint64_t wished_ns{};  ///< Planned time; before `due_ns` where the line's last edge is later.
     std::size_t line{};
     bool level{};
   };
 
   std::shared_ptr<GpioSystem> system_;
   OutputLines lines_;
-  std::deque<Planned> planned_;          ///< By `due_ns`.
-  std::vector<std::uint64_t> last_due_;  ///< Time of the last edge that each line was given.
+  std::deque<Planned> planned_;          ///< Edges that are planned, by `due_ns`.
+  std::vector<std::uint64_t> last_due_;  ///< Time of the last planned edge of each line.
   std::uint64_t last_put_ns_{};
 };
 

@@ -5,7 +5,7 @@
 
 namespace kerfbench::source {
 
-/// How far edges are from their plan; later is positive.
+/// Lag of edges behind their plan; later is positive.
 class LagMeter {
  public:
   void add(std::int64_t lag_ns, std::uint64_t at_ns);

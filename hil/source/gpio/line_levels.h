@@ -14,11 +14,11 @@ namespace kerfbench::source {
 std::vector<std::string> highAtStart(const std::vector<GpioWire>& wires, const std::vector<bool>& levels,
                                      const std::vector<Signal>& low_at_start);
 
-/// A second way to know that no edge was lost: where the last edge leaves each line, there it is. In words,
-/// the lines where it is not, or why nobody can tell.
+/// Second check that no edge was lost: each line has the level of its last edge. In words, the lines that
+/// have another, or why nobody knows.
 std::vector<std::string> levelsAgainstEdges(LineRequest& request, const EdgeOrder& order);
 
-/// What is wrong with the edges, in words, with the place of the first trouble.
+/// Faults of the edges in words, with the place of the first one.
 std::vector<std::string> edgeTroubles(const EdgeOrder& order, std::uint64_t begin_ns);
 
 }  // namespace kerfbench::source

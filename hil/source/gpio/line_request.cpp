@@ -15,7 +15,7 @@
 
 namespace kerfbench::source {
 LineRequest::LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-                         std::vector<LineWish> lines)
+                         std::vector<ChipLine> lines)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
   if (lines_.size() < 2 || lines_.size() > GPIO_V2_LINES_MAX) {
     throw GpioError(fmt::format(
@@ -37,7 +37,7 @@ void LineRequest::request() {
   request.event_buffer_size = kEventBuffer;
   const KernelAnswer granted = system_->control(chip_fd_.get(), GPIO_V2_GET_LINE_IOCTL, &request);
   if (granted.failed()) throw GpioError(requestWords(chip_, granted.error));
-  fd_ = GpioFd(system_, request.fd);
+  fd_ = GpioFd(request.fd, {system_});
 }
 
 void LineRequest::gone(int error) const { throw GpioError(readWords(chip_, error)); }
@@ -60,7 +60,7 @@ bool LineRequest::read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>
     throw GpioError(
         fmt::format("{}: the kernel gave {} bytes, which is no whole number of edges", chip_, bytes));
   for (const gpio_v2_line_event& event : std::span(events).first(bytes / sizeof events[0])) {
-    const auto line = std::ranges::find(lines_, event.offset, &LineWish::offset);
+    const auto line = std::ranges::find(lines_, event.offset, &ChipLine::offset);
     const bool rising = event.id == GPIO_V2_LINE_EVENT_RISING_EDGE;
     if (line == lines_.end() || (!rising && event.id != GPIO_V2_LINE_EVENT_FALLING_EDGE)) {
       throw GpioError(

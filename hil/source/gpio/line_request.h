@@ -13,16 +13,16 @@
 
 namespace kerfbench::source {
 
-/// An edge as the kernel tells it.
+/// Edge as the kernel reports it.
 struct KernelEdge {
   std::uint64_t stamp_ns{};    ///< CLOCK_MONOTONIC, taken in the interrupt.
   std::size_t line{};          ///< Index among the lines that were asked for.
-  bool level{};                ///< Behind the edge; on a late interrupt thread that of a later edge.
+  bool level{};                ///< Level after the edge; on a late interrupt thread that of a later edge.
   std::uint32_t seqno{};       ///< Among all edges of the request, from 1; counted in the interrupt.
   std::uint32_t line_seqno{};  ///< Among those of the line, from 1; counted in the interrupt's thread.
 };
 
-/// How many edges the kernel keeps for a reader that is late: the most that it grants (16 for each of 64).
+/// Edges that the kernel keeps for a reader that is late: the most that it grants (16 for each of 64).
 inline constexpr std::uint32_t kEventBuffer = 1024;
 
 /// Lines of one chip as inputs with both edges, in one request of the kernel's second interface
@@ -35,7 +35,7 @@ class LineRequest {
   /// @throws GpioError: chip missing, no gpiochip, not allowed, kernel without the second interface, line
   /// beyond the chip or taken (and by whom), fewer than two lines.
   LineRequest(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-              std::vector<LineWish> lines);
+              std::vector<ChipLine> lines);
 
   /// Edges that one read() takes; fewer: the kernel had no more.
   static constexpr std::size_t kMostAtOnce = 64;
@@ -44,7 +44,7 @@ class LineRequest {
   bool read(std::chrono::nanoseconds timeout, std::vector<KernelEdge>& edges);
   /// Levels of all lines now. @throws GpioError as read().
   std::vector<bool> levels();
-  [[nodiscard]] const std::vector<LineWish>& lines() const { return lines_; }
+  [[nodiscard]] const std::vector<ChipLine>& lines() const { return lines_; }
 
  private:
   void request();
@@ -52,12 +52,12 @@ class LineRequest {
 
   std::shared_ptr<GpioSystem> system_;
   std::string chip_;
-  std::vector<LineWish> lines_;
+  std::vector<ChipLine> lines_;
   GpioFd chip_fd_;
   GpioFd fd_;
 };
 
-/// Why edges of this chip cannot be read by the second interface, in words; empty: they can.
+/// Reason why edges of this chip cannot be read by the second interface, in words; empty: they can.
 std::string edgeTrouble(GpioSystem& system, const std::filesystem::path& chip);
 
 }  // namespace kerfbench::source

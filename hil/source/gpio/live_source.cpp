@@ -38,10 +38,10 @@ GpioLiveSource::GpioLiveSource(const GpioLiveOptions& options, const SignalMap& 
       played_(touchedRoom(options.out.empty() ? 0 : kRoom)),
       real_time_(system_),
       uart_(std::move(uart)),
-      request_(system_, options.in.chip, lineWishes(options.in.wires, map, false)),
+      request_(system_, options.in.chip, chipLinesOf(options.in.wires, map, false)),
       ports_(pinsOf(options.in.wires, map)) {
   if (options_.out.empty()) return;
-  player_.emplace(system_, OutputLines(system_, options_.out_chip, lineWishes(options_.out, map, true),
+  player_.emplace(system_, OutputLines(system_, options_.out_chip, chipLinesOf(options_.out, map, true),
                                        levelsAtStart(options_)));
   const std::vector<PinId> pins = pinsOf(options_.out, map);
   for (std::size_t i = 0; i < pins.size(); ++i) out_line_.emplace(pins[i], i);
@@ -56,7 +56,7 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   batch.events.clear();
   batch.uart.clear();
   batch.watermark = watermark_;
-  batch.uart_heard = uartHeard();
+  batch.uart_received = uartReceived();
   if (stop_ != Stop::kReached) return stop_;
   if (until <= watermark_) throw std::invalid_argument("advance() must go forward");
   try {
@@ -76,11 +76,11 @@ Stop GpioLiveSource::advance(Tick until, Batch& batch) {
   order_->take(system_->now_ns(), nsOf(until), edges_);
   batch.events = std::exchange(start_events_, {});
   for (const LineEdge& edge : edges_) ports_.add(edge, edge.stamp_ns - origin_ns_, batch.events);
-  for (; handed_bytes_ < heard_.size(); ++handed_bytes_) {
-    const std::vector<std::uint8_t>& bytes = heard_[handed_bytes_].bytes;
+  for (; handed_bytes_ < received_.size(); ++handed_bytes_) {
+    const std::vector<std::uint8_t>& bytes = received_[handed_bytes_].bytes;
     batch.uart.insert(batch.uart.end(), bytes.begin(), bytes.end());
   }
-  batch.uart_heard = uartHeard();
+  batch.uart_received = uartReceived();
   batch.watermark = watermark_ = until;
   const bool quiet = options_.ends_when_quiet && came_ > 0 &&
                      system_->now_ns() - last_edge_ns_ >= nanosecondsUp(options_.in.quiet_s);
@@ -97,7 +97,7 @@ void GpioLiveSource::begin() {
   origin_ns_ = begin_ns_ - 1;
   order_.emplace(levels, begin_ns_);
   ports_.start(levels, 1, start_events_);
-  for (const Wish& wish : before_start_) player_->plan(wish.line, wish.level, nsOf(wish.at));
+  for (const EarlyEdge& edge : before_start_) player_->plan(edge.line, edge.level, nsOf(edge.at));
   before_start_.clear();
 }
 
@@ -137,7 +137,7 @@ void GpioLiveSource::pumpUart() {
   uart_->pump(bytes);
   if (bytes.empty()) return;
   const Tick now = system_->now_ns() - origin_ns_;
-  heard_.push_back({heard_.empty() ? now : std::max(now, heard_.back().tick + 1), std::move(bytes)});
+  received_.push_back({received_.empty() ? now : std::max(now, received_.back().tick + 1), std::move(bytes)});
 }
 
 void GpioLiveSource::drive(PinId pin, bool level, Tick at) {
@@ -183,8 +183,8 @@ GpioLiveRecord GpioLiveSource::finish(Tick end) {
     LagMeter& lag = answersToPins(signal) ? record.switch_lag : record.lag;
     lag.add(static_cast<std::int64_t>(edge.put_ns) - static_cast<std::int64_t>(edge.planned_ns), tick);
   }
-  for (const HeardBytes& heard : heard_) {
-    if (heard.tick <= end) record.uart.push_back(heard);
+  for (const ReceivedBytes& bytes : received_) {
+    if (bytes.tick <= end) record.uart.push_back(bytes);
   }
   return record;
 }

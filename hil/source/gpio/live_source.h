@@ -28,23 +28,23 @@ constexpr bool answersToPins(Signal signal) { return signal == Signal::kLimitX |
 struct GpioLiveOptions {
   GpioCaptureOptions in;  ///< The controller's outputs. Its time limit is the caller's affair.
   std::filesystem::path out_chip;
-  std::vector<GpioWire> out;          ///< The controller's inputs; may be empty.
+  std::vector<GpioWire> out;          ///< Wires of the controller's inputs; may be empty.
   std::vector<Signal> high_at_start;  ///< Signals of `out` that are high from before tick 0 on.
-  /// The job is started at the machine: it is over when no edge has come for in.quiet_s. If not, whoever
-  /// talks to the controller knows when it is over.
+  /// True for a job that is started at the machine: it is over when no edge has come for in.quiet_s. False
+  /// where the dialog with the controller knows when it is over.
   bool ends_when_quiet{};
-  std::size_t most_edges{kMostCapturedEdges};  ///< More, of the inputs together, end the run.
+  std::size_t most_edges{kMostCapturedEdges};  ///< Most edges of all inputs together; more end the run.
 };
 
-/// What a live run leaves, besides the events that it handed out. Ticks are ns since tick 0.
+/// Record of a live run, besides the events that it handed out. Ticks are ns since tick 0.
 struct GpioLiveRecord {
-  std::vector<SensorEdge> sensors;  ///< As they were put out, those of the start at tick 1.
-  std::vector<HeardBytes> uart;     ///< When they were read.
+  std::vector<SensorEdge> sensors;  ///< Edges as they were put out, those of the start at tick 1.
+  std::vector<ReceivedBytes> uart;  ///< Bytes at the times of reading.
   std::vector<std::string> problems;
-  std::vector<std::string> notes;  ///< As PinCapture's.
+  std::vector<std::string> notes;  ///< Circumstances, as in PinCapture.
   LagMeter lag;           ///< Lag of the output edges behind their plan; without those that answer to pins.
-  LagMeter switch_lag;    ///< Lag of these, which come kHoldBack_ns late by design.
-  std::uint64_t edges{};  ///< That came in.
+  LagMeter switch_lag;    ///< Lag of edges that answer to pins; kHoldBack_ns of it is by design.
+  std::uint64_t edges{};  ///< Number of edges that came in.
 };
 
 /// A controller's real pins while a model runs along: its outputs are read, its inputs are driven, its UART
@@ -68,9 +68,9 @@ struct GpioLiveRecord {
 class GpioLiveSource final : public SignalSource {
  public:
   static constexpr TickRate kRate = kNanoseconds;
-  /// A little more than EdgeOrder waits, so that it has made up its mind about a missing number.
+  /// Time slightly longer than EdgeOrder's wait, so that it has decided about a missing number.
   static constexpr std::uint64_t kHoldBack_ns = EdgeOrder::kHold_ns + 1'000'000;
-  /// By which the caller may be late before the run is given up: edges would be lost in the kernel's buffer.
+  /// Lateness of the caller at which the run is given up: edges would be lost in the kernel's buffer.
   static constexpr std::uint64_t kHopeless_ns = 250'000'000;
 
   /// `uart` may be null. @throws GpioError if lines cannot be had, std::invalid_argument for wires that `map`
@@ -88,7 +88,7 @@ class GpioLiveSource final : public SignalSource {
   void uartWrite(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] std::string message() const override { return message_; }
 
-  /// After the last advance(): looks at the lines once more. What was put out or heard after `end` is left
+  /// Record after the last advance(), with one more look at the lines. Edges and bytes after `end` are left
   /// out.
   GpioLiveRecord finish(Tick end);
 
@@ -99,25 +99,28 @@ class GpioLiveSource final : public SignalSource {
   void drain(std::uint64_t until_ns);
   void pumpUart();
   /// Time of the last bytes that the caller has.
-  [[nodiscard]] Tick uartHeard() const { return handed_bytes_ == 0 ? 0 : heard_[handed_bytes_ - 1].tick; }
+  [[nodiscard]] Tick uartReceived() const {
+    return handed_bytes_ == 0 ? 0 : received_[handed_bytes_ - 1].tick;
+  }
   void lookAgain(std::vector<std::string>& problems);
   Stop stop(Stop why, std::string message);
   [[nodiscard]] std::uint64_t nsOf(Tick tick) const { return origin_ns_ + tick; }
 
   GpioLiveOptions options_;
   std::shared_ptr<GpioSystem> system_;
-  std::vector<PlayedEdge> played_;  ///< Before real_time_, which locks its memory.
+  /// Edges that were put out; declared before real_time_, which locks their memory.
+  std::vector<PlayedEdge> played_;
   RealTime real_time_;
   std::unique_ptr<SerialLine> uart_;
   LineRequest request_;
   std::optional<EdgePlayer> player_;
   std::map<PinId, std::size_t> out_line_;  ///< Line of each pin that is driven.
-  struct Wish {
+  struct EarlyEdge {
     std::size_t line{};
     bool level{};
     Tick at{};
   };
-  std::vector<Wish> before_start_;
+  std::vector<EarlyEdge> before_start_;
 
   bool begun_{};
   std::uint64_t origin_ns_{};
@@ -128,8 +131,8 @@ class GpioLiveSource final : public SignalSource {
   std::vector<std::string> start_problems_;
   std::vector<KernelEdge> read_;
   std::vector<LineEdge> edges_;
-  std::vector<HeardBytes> heard_;
-  std::size_t handed_bytes_{};  ///< Entries of heard_ that the caller has.
+  std::vector<ReceivedBytes> received_;
+  std::size_t handed_bytes_{};  ///< Number of entries of received_ that the caller has.
   std::uint64_t last_edge_ns_{};
   std::size_t came_{};  ///< Edges.
   Tick watermark_{};

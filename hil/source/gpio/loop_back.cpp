@@ -168,7 +168,7 @@ std::string wireTrouble(const std::shared_ptr<GpioSystem>& system, const LoopBac
 
 LoopBackStep measureLoopBack(const std::shared_ptr<GpioSystem>& system, const LoopBackLines& lines,
                              EdgeTrain& train, const TrainPlan& plan) {
-  LineRequest request = listenTo(system, lines);  // Its numbers begin anew.
+  LineRequest request = listenTo(system, lines);  // New request, so that its numbers begin anew.
   LoopReader reader(system, request, plan.edges);
   train.begin(plan);
   reader.listen(train);

@@ -13,7 +13,7 @@
 namespace kerfbench::source {
 
 OutputLines::OutputLines(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-                         std::vector<LineWish> lines, const std::vector<bool>& levels)
+                         std::vector<ChipLine> lines, const std::vector<bool>& levels)
     : system_(std::move(system)), chip_(chip.string()), lines_(std::move(lines)) {
   if (lines_.empty() || lines_.size() > GPIO_V2_LINES_MAX) {
     throw GpioError(fmt::format("{}: {} lines were asked for as outputs, and it must be 1 to {}", chip_,
@@ -34,7 +34,7 @@ OutputLines::OutputLines(std::shared_ptr<GpioSystem> system, const std::filesyst
   request.num_lines = static_cast<std::uint32_t>(lines_.size());
   const KernelAnswer granted = system_->control(chip_fd_.get(), GPIO_V2_GET_LINE_IOCTL, &request);
   if (granted.failed()) throw GpioError(outputWords(chip_, granted.error));
-  fd_ = GpioFd(system_, request.fd);
+  fd_ = GpioFd(request.fd, {system_});
 }
 
 void OutputLines::set(const std::vector<Change>& changes) {

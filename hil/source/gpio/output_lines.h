@@ -20,7 +20,7 @@ class OutputLines {
   /// Takes the lines, with these levels from the first moment on. @throws GpioError: as openChipLines();
   /// lines that cannot be outputs; not 1 to 64 of them.
   OutputLines(std::shared_ptr<GpioSystem> system, const std::filesystem::path& chip,
-              std::vector<LineWish> lines, const std::vector<bool>& levels);
+              std::vector<ChipLine> lines, const std::vector<bool>& levels);
 
   struct Change {
     std::size_t line{};  ///< Index among the lines that were asked for.
@@ -28,12 +28,12 @@ class OutputLines {
   };
   /// Puts out all changes at once; of two of one line the last. @throws GpioError when the chip has gone.
   void set(const std::vector<Change>& changes);
-  [[nodiscard]] const std::vector<LineWish>& lines() const { return lines_; }
+  [[nodiscard]] const std::vector<ChipLine>& lines() const { return lines_; }
 
  private:
   std::shared_ptr<GpioSystem> system_;
   std::string chip_;
-  std::vector<LineWish> lines_;
+  std::vector<ChipLine> lines_;
   GpioFd chip_fd_;
   GpioFd fd_;
 };

@@ -15,7 +15,7 @@ namespace kerfbench::source {
 /// Edges at even distances, high first, so that an even number leaves the line low.
 struct TrainPlan {
   std::uint64_t edges{};      ///< Even.
-  std::uint64_t period_ns{};  ///< From edge to edge; > 0.
+  std::uint64_t period_ns{};  ///< Time from edge to edge; > 0.
 };
 
 /// An edge that the bench made itself. The line changed between the two times (CLOCK_MONOTONIC).
@@ -24,7 +24,7 @@ struct DrivenEdge {
   std::uint64_t after_ns{};   ///< The call came back.
 };
 
-/// What became of a plan.
+/// Outcome of a plan.
 struct DrivenTrain {
   std::vector<DrivenEdge> edges;  ///< Fewer than planned if the line cannot be driven that fast.
   LagMeter lag;                   ///< Lag of `after_ns` behind the plan.

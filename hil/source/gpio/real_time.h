@@ -21,7 +21,7 @@ class RealTime {
   ~RealTime() { system_->leaveRealTime(); }
   RealTime(const RealTime&) = delete;
   RealTime& operator=(const RealTime&) = delete;
-  /// What was not allowed, what that costs, and how to allow it.
+  /// Rights that lack, what that costs, and how to grant them.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:

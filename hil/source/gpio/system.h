@@ -7,7 +7,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <utility>
+
+#include "hil/base/unique_fd.h"
 
 namespace kerfbench::source {
 
@@ -16,7 +17,7 @@ class GpioError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the kernel answered: a value >= 0, or -1 and an errno.
+/// Answer of the kernel: a value >= 0, or -1 and an errno.
 struct KernelAnswer {
   int value{};
   int error{};
@@ -47,25 +48,7 @@ class GpioSystem {
 /// The real ones.
 std::shared_ptr<GpioSystem> linuxGpioSystem();
 
-/// A move-only file descriptor of such a system.
-class GpioFd {
- public:
-  GpioFd() = default;
-  GpioFd(std::shared_ptr<GpioSystem> system, int fd) : system_(std::move(system)), fd_(fd) {}
-  GpioFd(GpioFd&& other) noexcept : system_(std::move(other.system_)), fd_(std::exchange(other.fd_, -1)) {}
-  GpioFd& operator=(GpioFd&& other) noexcept {
-    std::swap(system_, other.system_);
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~GpioFd() {
-    if (fd_ >= 0) system_->close(fd_);
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  std::shared_ptr<GpioSystem> system_;
-  int fd_{-1};
-};
+/// A file descriptor of such a system.
+using GpioFd = base::OwnedFd<base::SystemClose<std::shared_ptr<GpioSystem>>>;
 
 }  // namespace kerfbench::source

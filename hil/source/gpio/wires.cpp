@@ -6,14 +6,14 @@
 
 namespace kerfbench::source {
 
-std::vector<LineWish> lineWishes(const std::vector<GpioWire>& wires, const SignalMap& map, bool sensors) {
-  std::vector<LineWish> wishes;
+std::vector<ChipLine> chipLinesOf(const std::vector<GpioWire>& wires, const SignalMap& map, bool sensors) {
+  std::vector<ChipLine> lines;
   for (const GpioWire& wire : wires) {
     if (!map.pin(wire.signal) || isSensor(wire.signal) != sensors)
       throw std::invalid_argument("a wire for a signal that the machine does not have this way");
-    wishes.push_back({wire.offset, std::string(signalName(wire.signal))});
+    lines.push_back({wire.offset, std::string(signalName(wire.signal))});
   }
-  return wishes;
+  return lines;
 }
 
 std::vector<PinId> pinsOf(const std::vector<GpioWire>& wires, const SignalMap& map) {

@@ -9,15 +9,15 @@
 
 namespace kerfbench::source {
 
-/// Which line of a chip carries which signal.
+/// Line of a chip that carries a signal.
 struct GpioWire {
   Signal signal{};
   std::uint32_t offset{};
 };
 
-/// What is asked of the kernel for these wires. @throws std::invalid_argument if one is for a signal that
+/// Lines of a chip for these wires. @throws std::invalid_argument if one is for a signal that
 /// `map` does not have, or that is no sensor (`sensors`) or one (not `sensors`).
-std::vector<LineWish> lineWishes(const std::vector<GpioWire>& wires, const SignalMap& map, bool sensors);
+std::vector<ChipLine> chipLinesOf(const std::vector<GpioWire>& wires, const SignalMap& map, bool sensors);
 /// The pins of these wires, as `map` has them.
 std::vector<PinId> pinsOf(const std::vector<GpioWire>& wires, const SignalMap& map);
 

@@ -6,7 +6,7 @@
 
 namespace kerfbench::source {
 
-/// What an errno of each step means to people, and what they can do: in one place for reader and doctor.
+/// Meaning of an errno of each step for people, and what they can do; for reader and doctor alike.
 std::string openWords(const std::string& chip, int error);
 std::string chipWords(const std::string& chip, int error);
 std::string lineInfoWords(const std::string& chip, int error);

@@ -37,31 +37,30 @@ SerialLine::SerialLine(std::shared_ptr<SerialSystem> system, std::string path, s
     : system_(std::move(system)), path_(std::move(path)) {
   const SerialAnswer opened = system_->open(path_);
   if (opened.failed()) throw SerialError(path_ + ": " + openWords(opened.error));
-  fd_ = static_cast<int>(opened.value);
+  fd_ = SerialFd(static_cast<int>(opened.value), {system_});
   try {
     configure(baud);
   } catch (...) {
-    letGo();
+    allowOthers();
     throw;
   }
 }
 
-SerialLine::~SerialLine() { letGo(); }
+SerialLine::~SerialLine() { allowOthers(); }
 
-void SerialLine::letGo() {
+void SerialLine::allowOthers() {
   // The next program may have the line again: the mark outlives close() while anybody has the line open.
-  if (is_alone_) (void)system_->control(fd_, TIOCNXCL, nullptr);
-  system_->close(fd_);
+  if (is_alone_) (void)system_->control(fd_.get(), TIOCNXCL, nullptr);
 }
 
 void SerialLine::configure(std::uint32_t baud) {
   termios2 settings{};
-  const SerialAnswer known = system_->control(fd_, TCGETS2, &settings);
+  const SerialAnswer known = system_->control(fd_.get(), TCGETS2, &settings);
   if (known.failed()) {
     if (known.error == ENOTTY || known.error == EINVAL) throw SerialError(path_ + ": is no serial line");
     fail("does not tell its settings", known.error);
   }
-  const SerialAnswer alone = system_->control(fd_, TIOCEXCL, nullptr);
+  const SerialAnswer alone = system_->control(fd_.get(), TIOCEXCL, nullptr);
   if (alone.failed()) fail("cannot be had alone", alone.error);
   is_alone_ = true;
   settings.c_iflag = IGNBRK | IGNPAR;
@@ -72,10 +71,10 @@ void SerialLine::configure(std::uint32_t baud) {
   // With O_NONBLOCK and one byte to wait for, "nothing there" is EAGAIN and 0 is the end of the line.
   settings.c_cc[VMIN] = 1;
   settings.c_cc[VTIME] = 0;
-  const SerialAnswer set = system_->control(fd_, TCSETS2, &settings);
+  const SerialAnswer set = system_->control(fd_.get(), TCSETS2, &settings);
   if (set.failed()) fail(fmt::format("cannot be set to {} baud", baud), set.error);
   // The call succeeds if any one setting could be made.
-  const SerialAnswer again = system_->control(fd_, TCGETS2, &settings);
+  const SerialAnswer again = system_->control(fd_.get(), TCGETS2, &settings);
   if (again.failed()) fail("does not tell its settings", again.error);
   if (std::abs(static_cast<double>(settings.c_ospeed) - baud) > kMaxBaudError * baud) {
     throw SerialError(
@@ -85,8 +84,8 @@ void SerialLine::configure(std::uint32_t baud) {
 }
 
 void SerialLine::discard() {
-  // By value, not by address.
-  const SerialAnswer flushed = system_->control(fd_, TCFLSH, reinterpret_cast<void*>(TCIFLUSH));
+  // TCIFLUSH is passed by value, not by address.
+  const SerialAnswer flushed = system_->control(fd_.get(), TCFLSH, reinterpret_cast<void*>(TCIFLUSH));
   if (flushed.failed()) fail("cannot be emptied", flushed.error);
 }
 
@@ -97,7 +96,7 @@ void SerialLine::pump(std::vector<std::uint8_t>& received) {
 
 void SerialLine::send() {
   while (!waiting_.empty()) {
-    const SerialAnswer sent = system_->write(fd_, std::as_bytes(std::span(waiting_)));
+    const SerialAnswer sent = system_->write(fd_.get(), std::as_bytes(std::span(waiting_)));
     if (sent.failed()) {
       if (sent.error == EAGAIN) return;
       if (sent.error == EINTR) continue;
@@ -110,7 +109,7 @@ void SerialLine::send() {
 void SerialLine::receive(std::vector<std::uint8_t>& received) {
   std::array<std::uint8_t, 4096> bytes{};
   for (;;) {
-    const SerialAnswer got = system_->read(fd_, std::as_writable_bytes(std::span(bytes)));
+    const SerialAnswer got = system_->read(fd_.get(), std::as_writable_bytes(std::span(bytes)));
     if (got.failed() && got.error == EINTR) continue;
     if (got.failed() && got.error == EAGAIN) return;
     if (got.failed() && got.error != EIO) fail("can no longer be read", got.error);

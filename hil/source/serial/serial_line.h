@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/base/unique_fd.h"
 #include "hil/source/serial/serial_system.h"
 
 namespace kerfbench::source {
@@ -16,7 +17,7 @@ namespace kerfbench::source {
 /// the old list.
 class SerialLine {
  public:
-  /// How far the driver's nearest rate may be from the one asked for: half a bit in ten, shared by both ends.
+  /// Largest error of the driver's nearest rate: half a bit in ten, shared by both ends.
   static constexpr double kMaxBaudError = 0.02;
 
   /// @throws SerialError: no such line, not allowed, no serial line, used by others, rate not to be had.
@@ -37,15 +38,17 @@ class SerialLine {
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
+  using SerialFd = base::OwnedFd<base::SystemClose<std::shared_ptr<SerialSystem>>>;
+
   void configure(std::uint32_t baud);
-  void letGo();
+  void allowOthers();
   void send();
   void receive(std::vector<std::uint8_t>& received);
   [[noreturn]] void fail(const std::string& what, int error) const;
 
   std::shared_ptr<SerialSystem> system_;
   std::string path_;
-  int fd_{-1};
+  SerialFd fd_;
   bool is_alone_{};
   std::vector<std::uint8_t> waiting_;
 };

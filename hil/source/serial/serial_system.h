@@ -14,7 +14,7 @@ class SerialError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the kernel answered: a value >= 0, or -1 and an errno.
+/// Answer of the kernel: a value >= 0, or -1 and an errno.
 struct SerialAnswer {
   long value{};
   int error{};
@@ -25,8 +25,8 @@ struct SerialAnswer {
 class SerialSystem {
  public:
   virtual ~SerialSystem() = default;
-  /// For both ways, without waiting for a carrier, without becoming the controlling terminal; reads and
-  /// writes never wait.
+  /// Opens for reading and writing, without waiting for a carrier, without becoming the controlling terminal;
+  /// reads and writes never wait.
   virtual SerialAnswer open(const std::string& path) = 0;
   virtual SerialAnswer control(int fd, unsigned long request, void* argument) = 0;
   virtual SerialAnswer read(int fd, std::span<std::byte> into) = 0;

@@ -22,16 +22,16 @@ constexpr int kMostEvaluations = 40;
 constexpr double kTolerance = 1e-5;
 constexpr Index kLeastPixels = 200;
 constexpr double kLeastNoise_gray = 0.3;
-constexpr double kClearlyShort = 0.8;  // of the squares that an arc leaves
+constexpr double kClearlyShort = 0.8;  // Largest sum of squares of ends that stop short, over that of an arc.
 
-/// Bounds of all that is asked, in sigmas.
+/// Sum of the squared residuals at x.
 double squaresOf(const CornerProblem& problem, const VectorXd& x) {
   VectorXd f(problem.values());
   problem(x, f);
   return f.squaredNorm();
 }
 
-/// The nearest of some shapes to begin with.
+/// Start of a fit: the best of some shapes.
 VectorXd startOf(const CornerProblem& problem, const CornerKnown& known, Meeting meeting) {
   constexpr std::array<std::array<double, 2>, 8> kEnds{{{0.01, 0.01},
                                                         {0.07, 0.07},

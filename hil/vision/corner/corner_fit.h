@@ -14,23 +14,23 @@ namespace kerfbench::vision {
 /// The picture of a corner.
 struct CornerPicture {
   PixelGrid grid;
-  std::vector<float> gray;   ///< In even light, row by row.
+  std::vector<float> gray;   ///< Grey in even light, row by row.
   std::vector<bool> counts;  ///< Pixels that the corner's own kerf alone makes.
   double noise_gray{};       ///< Standard deviation of a pixel of plain board.
 };
 
-/// What is known of a leg by other means than the picture.
+/// Knowledge of a leg by other means than the picture.
 struct KnownLeg {
   struct Point {
-    double along_mm{}, offset_mm{};  ///< As in CornerLeg.
+    double along_mm{}, offset_mm{};  ///< Place as in CornerLeg.
     double sigma_mm{};
   };
   std::vector<Point> points;
-  double curvature_sigma_per_mm{0.5};  ///< How much it may be bent,
-  double twist_sigma_per_mm2{1.0};     ///< and that may change: standard deviations about nothing.
+  double curvature_sigma_per_mm{0.5};  ///< Standard deviation of its curvature about zero.
+  double twist_sigma_per_mm2{1.0};     ///< Standard deviation of its twist about zero.
 };
 
-/// What is known of a corner before its pixels are looked at.
+/// Knowledge of a corner before its pixels are looked at.
 struct CornerKnown {
   /// First guesses, at least one; all have the same nominal curves.
   std::vector<CornerShape> legs;
@@ -43,10 +43,11 @@ struct CornerKnown {
 struct CornerFit {
   CornerShape shape;
   CornerLight light;
-  /// Of (offset, slope, curvature and twist of the leg in; the same of the leg out; rounding, or what both
-  /// legs run over together, and by how much more the leg in does): mm, 1, 1/mm, 1/mm².
+  /// Covariance of offset, slope, curvature and twist of the leg in, of the same of the leg out, and of the
+  /// rounding, or of the overrun of both legs together and the excess of that of the leg in: mm, 1, 1/mm,
+  /// 1/mm².
   Eigen::MatrixXd covariance;
-  double scatter{};  ///< RMS of what the model leaves, over the noise of the pixels.
+  double scatter{};  ///< RMS of the residuals over the noise of the pixels.
 
   /// Shape for a deviation of the parameters, in the covariance's order.
   [[nodiscard]] CornerShape shapeAt(const Eigen::VectorXd& change) const;

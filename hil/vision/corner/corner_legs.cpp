@@ -9,17 +9,18 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr double kBeforeNextMm = 0.25;
-// What calipers tell of a leg: all, where they lie on a straight line, else what a cubic can follow.
+// Leg by its calipers: all of them where they lie on a straight line, else those that a cubic can follow.
 constexpr double kCalipersFromMm = 0.35;
 constexpr double kStraightToMm = 1.9;
 constexpr double kBentToMm = 1.25;
-// Nearer, an arc that cuts the corner from afar has calipers follow it, so far off the line of the others.
+// Distance from the corner up to which calipers may follow an arc that cuts it; they lie kOnArcMm off the
+// line of the others.
 constexpr double kBehindArcMm = 0.85;
 constexpr double kOnArcMm = 0.04;
-constexpr double kStraight = 1.5;  // of the readings' own sigma
+constexpr double kStraight = 1.5;  // Largest scatter of a straight leg's readings, in their own sigmas.
 constexpr double kStraightCurvature_per_mm = 0.01;
 constexpr double kStraightTwist_per_mm2 = 0.02;
-constexpr double kPointsFromMm = 0.5;  // Nearer, a usual arc touches a caliper's window.
+constexpr double kPointsFromMm = 0.5;  // Distance from which on no usual arc touches a caliper's window.
 constexpr double kCubicSigma = 0.004;
 constexpr double kSharedPixels = 1.4;  // Neighbours share half of their pixels.
 constexpr std::size_t kCubicFrom = 6;

@@ -7,26 +7,26 @@
 
 namespace kerfbench::vision {
 
-/// From here on, measured from the corner, calipers tell where a leg lies, mm.
+/// Distance from the corner from which on calipers measure a leg, mm.
 inline constexpr double kLegFromMm = 0.3;
 
-/// How much of each leg the picture of a corner holds.
+/// Length of each leg in the picture of a corner.
 inline constexpr double kCornerLegMm = 0.65;
 
 /// A leg on its nominal curve.
 CornerLeg nominalLeg(const JointScene& scene, const EntityEnd& end);
 
-/// How much of a leg is looked at: a short entity has its next joint there.
+/// Length of a leg that is looked at: a short entity has its next joint there.
 double lookedAtMm(const JointScene& scene, const EntityEnd& end);
 
-/// What calipers tell of a leg: where it lies near the corner; where it would if an arc that cuts the corner
-/// from afar had them follow it; and their readings, which know of scorch.
+/// Leg by its calipers: where it lies near the corner; where it would if an arc that cuts the corner from
+/// afar had them follow it; and their readings, which know of scorch.
 struct LegGuess {
   CornerLeg near, far;
   KnownLeg known;
 };
 
-/// `measured` tells where the leg lies if calipers are too few for more.
+/// `measured` places the leg where calipers are too few for more.
 LegGuess followCalipers(const JointScene& scene, const EntityEnd& end, const KerfLeg& measured);
 
 }  // namespace kerfbench::vision

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kSamples = 2;   // Per pixel, each way.
+constexpr int kSamples = 2;   // Per pixel, each path.
 constexpr int kMarginPx = 3;  // Around the picture, for the blur.
 constexpr int kMarginSamples = kSamples * kMarginPx;
 constexpr int kModelArcPieces = 12;
@@ -50,13 +50,13 @@ struct Piece {
 };
 
 /// The arc in short pieces, which each add their share times a Gaussian of the distance.
-std::vector<Piece> piecesOf(const CornerWay& way, const CornerLight& light) {
+std::vector<Piece> piecesOf(const CornerPath& path, const CornerLight& light) {
   const double per_mm =
       0.5 * (light.peak_in + light.peak_out) * std::sqrt(2.0 / std::numbers::pi) / light.beam_radius_mm;
   std::vector<Piece> pieces;
-  for (std::size_t i = 1; i < way.arc.size(); i += 2) {
-    const double length_mm = (way.arc[i] - way.arc[i - 1]).norm() + (way.arc[i + 1] - way.arc[i]).norm();
-    pieces.push_back({way.arc[i].cast<float>(), static_cast<float>(per_mm * length_mm)});
+  for (std::size_t i = 1; i < path.arc.size(); i += 2) {
+    const double length_mm = (path.arc[i] - path.arc[i - 1]).norm() + (path.arc[i + 1] - path.arc[i]).norm();
+    pieces.push_back({path.arc[i].cast<float>(), static_cast<float>(per_mm * length_mm)});
   }
   return pieces;
 }
@@ -117,10 +117,10 @@ CornerModel::CornerModel(const PixelGrid& grid, const std::vector<bool>& counts,
 void CornerModel::render(CornerShape shape, const CornerLight& light, std::vector<float>& gray) {
   shape.in.offset_mm += light.scorch_in_mm;
   shape.out.offset_mm += light.scorch_out_mm;
-  const CornerWay way = wayOf(shape, 2 * kModelArcPieces);
-  const LegLight in(shape.in, light.peak_in, way.end_in_mm, light.beam_radius_mm);
-  const LegLight out(shape.out, light.peak_out, way.end_out_mm, light.beam_radius_mm);
-  const std::vector<Piece> arc = piecesOf(way, light);
+  const CornerPath path = pathOf(shape, 2 * kModelArcPieces);
+  const LegLight in(shape.in, light.peak_in, path.end_in_mm, light.beam_radius_mm);
+  const LegLight out(shape.out, light.peak_out, path.end_out_mm, light.beam_radius_mm);
+  const std::vector<Piece> arc = piecesOf(path, light);
   const auto per_radius2 = static_cast<float>(2.0 / (light.beam_radius_mm * light.beam_radius_mm));
   const auto board = static_cast<float>(light.board_gray);
   const auto depth = static_cast<float>(std::log(light.open_gray / light.board_gray));

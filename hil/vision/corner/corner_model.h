@@ -10,20 +10,20 @@
 
 namespace kerfbench::vision {
 
-/// What makes a kerf's picture beside its shape.
+/// Light of a kerf's picture, beyond its shape.
 struct CornerLight {
-  double peak_in{1.5};         ///< Share of the cutting fluence in the middle of the leg that comes in,
-  double peak_out{1.5};        ///< and of the one that goes out; 1 and more cuts through.
+  double peak_in{1.5};         ///< Peak fluence of the leg in, over that which cuts through.
+  double peak_out{1.5};        ///< Peak fluence of the leg out, over that which cuts through.
   double beam_radius_mm{0.1};  ///< 1/e².
   double board_gray{};
   double open_gray{};
   double blur_px{0.7};     ///< RMS of the lens, the pixel's own area included.
-  double scorch_in_mm{};   ///< By which scorch on one side shifts the picture of the leg in to its left,
-  double scorch_out_mm{};  ///< and of the leg out.
+  double scorch_in_mm{};   ///< Shift of the picture of the leg in to its left, by scorch on one side.
+  double scorch_out_mm{};  ///< Shift of the picture of the leg out to its left, by scorch on one side.
 };
 
-/// A rectangle of pixels and where they lie: p_mm = first_mm + column * per_column_mm + row * per_row_mm,
-/// from the nominal corner, in the sheet's directions.
+/// Rectangle of pixels and their places: p_mm = first_mm + column * per_column_mm + row * per_row_mm, from
+/// the nominal corner, in the sheet's directions.
 struct PixelGrid {
   int columns{};
   int rows{};
@@ -39,14 +39,15 @@ struct PixelGrid {
   }
 };
 
-/// The picture of a corner that a Gaussian beam cuts on a way, row by row, in gray.
+/// Picture of a corner that a Gaussian beam cuts on a path, row by row, in gray.
 ///
 /// Fluence as KerfOutline has it: along a leg s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside it and a
 /// beyond its end, and s0 sqrt(2/pi)/w exp(-2 d²/w²) per length of an arc at a distance d. Light by Beer's
 /// law over the depth that is left; then the blur. Two samples per pixel, each way.
 class CornerModel {
  public:
-  /// Only pixels that count are right. The nominal curves of `legs` are those of all shapes to come.
+  /// Picture that is right in pixels that count alone. The nominal curves of `legs` are those of all shapes
+  /// to come.
   CornerModel(const PixelGrid& grid, const std::vector<bool>& counts, const CornerShape& legs);
 
   void render(CornerShape shape, const CornerLight& light, std::vector<float>& gray);

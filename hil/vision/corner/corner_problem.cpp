@@ -11,22 +11,25 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What is known beforehand: standard deviations.
+// Standard deviations of prior knowledge.
 constexpr double kSlopeSigma = 0.2;
-// What one leg runs over alone can hardly be told from what the other does as long as it is little: their
-// difference is about as large as both together, or this. And neither stops short where the other runs over.
+// Prior of the difference of both overruns, which hardly shows in a picture as long as they are small: it is
+// about as large as their sum, or this. Neither leg stops short where the other one overruns.
 constexpr double kUneven_mm = 0.005;
 constexpr double kOpposite_mm = 0.003;
-constexpr double kPeakSigma = 1.0;          // of its logarithm
-constexpr double kRadiusSigma = 0.02;       // of its logarithm
-constexpr double kBoardSigma = 10.0;        // gray
-constexpr double kOpenSigma = 4.0;          // gray
-constexpr double kBlurShapePx = 0.02;       // A lens blurs by no Gaussian quite.
-constexpr double kScorchSigma_mm = 0.0025;  // Calipers know of it (FlankModel), this model does not.
-constexpr double kLengthStep_mm = 5e-4;     // of differences
+constexpr double kPeakSigma = 1.0;     // Standard deviation of the logarithm of a peak.
+constexpr double kRadiusSigma = 0.02;  // Standard deviation of the logarithm of the beam radius.
+/// Standard deviation of the board, gray.
+constexpr double kBoardSigma = 10.0;
+constexpr double kOpenSigma = 4.0;  // Standard deviation of open kerf, gray.
+/// Standard deviation of the blur, as no lens blurs quite by a Gaussian.
+constexpr double kBlurShapePx = 0.02;
+/// Standard deviation of scorch, which the calipers correct for (FlankModel).
+constexpr double kScorchSigma_mm = 0.0025;
+constexpr double kLengthStep_mm = 5e-4;  // Step of differences by lengths.
 constexpr double kGrayStep = 0.2;
 constexpr double kOtherStep = 2e-3;
-constexpr double kDarkShare = 0.1;  // between board and open kerf
+constexpr double kDarkShare = 0.1;  // Share of the way from board to open kerf.
 constexpr double kLeastNoise_gray2 = 0.09;
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace kerfbench::vision {
 
-/// Whether two legs are joined by an arc, or each ends where it will.
+/// Joint of two legs: an arc, or an end of each.
 enum class Meeting { kArc, kEnds };
 
 /// Order of a corner's parameters: the legs, what lights them, and how they meet: rounding, or what both run
@@ -36,13 +36,13 @@ enum CornerParameter : Eigen::Index {
 constexpr Eigen::Index kLegParameters = 8;
 
 Eigen::VectorXd parametersOf(const CornerShape& shape, const CornerLight& light, Meeting meeting);
-/// `shape` tells the nominal curves.
+/// Shape of these parameters; `shape` has the nominal curves.
 CornerShape shapeOf(const Eigen::VectorXd& x, CornerShape shape);
 CornerLight lightOf(const Eigen::VectorXd& x);
-/// Sets what the legs run over.
+/// Sets the overrun of the legs.
 void setEnds(double together_mm, double more_in_mm, CornerShape& shape);
 
-/// What lmder asks for: residuals in sigmas, those of what is known beforehand last.
+/// Problem in the form of lmder: residuals in sigmas, those of prior knowledge last.
 class CornerProblem {
  public:
   using Scalar = double;
@@ -51,12 +51,12 @@ class CornerProblem {
   using JacobianType = Eigen::MatrixXd;
   enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
 
-  /// Both must outlive this.
+  /// Takes a picture and what is known; both must outlive the problem.
   CornerProblem(const CornerPicture& picture, const CornerKnown& known);
-  /// The same for all pixels.
+  /// Sets one noise for all pixels.
   void setNoise(double noise_gray) { noise_gray_.assign(used_.size(), noise_gray); }
-  /// By how much pixels of the same brightness scatter about the model: light comes in photons, and edges
-  /// are rough, so the brighter the more.
+  /// Sets the noise by the scatter about the model of pixels of the same brightness: it grows with the light,
+  /// as light comes in photons and edges are rough.
   void setNoiseFrom(const Eigen::VectorXd& x);
   void setMeeting(Meeting meeting) { inputs_ = kMeet + (meeting == Meeting::kArc ? 1 : 2); }
 

@@ -32,7 +32,7 @@ double distanceToPiece(const Vector2d& p, const Vector2d& a, const Vector2d& b) 
   return (a + u * d - p).norm();
 }
 
-/// Distance from the nominal way.
+/// Distance from the nominal path.
 double offNominalMm(const CornerShape& shape, const Vector2d& p_mm) {
   const auto toLeg = [&](const CornerLeg& leg) {
     const CornerLeg::Place place = leg.placeOf(p_mm);
@@ -90,35 +90,36 @@ double arcLegMm(double turn_rad, double rounding_mm) {
   return rounding_mm / std::max(1e-6, 1.0 / std::cos(half) - 1.0) * std::tan(half);
 }
 
-CornerWay wayOf(const CornerShape& shape, int pieces) {
+CornerPath pathOf(const CornerShape& shape, int pieces) {
   const Vector2d vertex = vertexOf(shape.in, shape.out);
-  CornerWay way{vertex.dot(shape.in.outwards), vertex.dot(shape.out.outwards), {}};
+  CornerPath path{vertex.dot(shape.in.outwards), vertex.dot(shape.out.outwards), {}};
   if (!(shape.rounding_mm > 0.0)) {
-    way.end_in_mm -= shape.in.over_mm;
-    way.end_out_mm -= shape.out.over_mm;
-    return way;
+    path.end_in_mm -= shape.in.over_mm;
+    path.end_out_mm -= shape.out.over_mm;
+    return path;
   }
   const Vector2d in = -directionOf(shape.in);
   const Vector2d out = directionOf(shape.out);
   const double turn = std::atan2(cross(in, out), in.dot(out));
   const double arc_mm = arcLegMm(turn, shape.rounding_mm);
   const double radius_mm = arc_mm / std::max(1e-9, std::tan(0.5 * std::abs(turn)));
-  way.end_in_mm += arc_mm * -in.dot(shape.in.outwards);
-  way.end_out_mm += arc_mm * out.dot(shape.out.outwards);
+  path.end_in_mm += arc_mm * -in.dot(shape.in.outwards);
+  path.end_out_mm += arc_mm * out.dot(shape.out.outwards);
   const Vector2d begin = vertex - arc_mm * in;
   const Vector2d centre = begin + std::copysign(radius_mm, turn) * leftOf(in);
   for (int i = 0; i <= pieces; ++i)
-    way.arc.push_back(centre + Eigen::Rotation2Dd(turn * i / pieces) * (begin - centre));
-  return way;
+    path.arc.push_back(centre + Eigen::Rotation2Dd(turn * i / pieces) * (begin - centre));
+  return path;
 }
 
 double deviationMm(const CornerShape& shape, double reach_mm) {
-  const CornerWay way = wayOf(shape, kShapeArcPieces);
-  const std::vector<Vector2d> in = legPoints(shape.in, way.end_in_mm, std::max(way.end_in_mm, reach_mm));
-  const std::vector<Vector2d> out = legPoints(shape.out, way.end_out_mm, std::max(way.end_out_mm, reach_mm));
+  const CornerPath path = pathOf(shape, kShapeArcPieces);
+  const std::vector<Vector2d> in = legPoints(shape.in, path.end_in_mm, std::max(path.end_in_mm, reach_mm));
+  const std::vector<Vector2d> out =
+      legPoints(shape.out, path.end_out_mm, std::max(path.end_out_mm, reach_mm));
   double to_nominal = 0.0;
   double from_nominal = std::min(in.front().norm(), out.front().norm());
-  for (const std::vector<Vector2d>* part : {&in, &out, &way.arc}) {
+  for (const std::vector<Vector2d>* part : {&in, &out, &path.arc}) {
     for (std::size_t i = 0; i < part->size(); ++i) {
       to_nominal = std::max(to_nominal, offNominalMm(shape, (*part)[i]));
       if (i > 0)

@@ -7,16 +7,16 @@
 
 namespace kerfbench::vision {
 
-/// One leg of a corner as cut, beside its nominal curve. Lengths count along that, from the nominal corner in
-/// the origin outwards; offsets to the left of who goes outwards.
+/// Leg of a corner as cut, against its nominal curve. Lengths count along that curve outwards from the
+/// nominal corner in the origin; offsets are to the left in this direction.
 struct CornerLeg {
   Eigen::Vector2d outwards{Eigen::Vector2d::UnitX()};  ///< Unit, away from the corner.
   double bend_per_mm{};                                ///< Curvature of the nominal curve, > 0 to the left.
-  double offset_mm{};         ///< Offset of the centre line where the nominal curve has its corner,
-  double slope{};             ///< how it changes with the length,
-  double curvature_per_mm{};  ///< its second derivative
-  double twist_per_mm2{};     ///< and its third; before the corner it runs straight on.
-  double over_mm{};  ///< How far the beam ran beyond where the two legs meet; < 0: it stopped short of that.
+  double offset_mm{};                                  ///< Offset of the centre line at the nominal corner.
+  double slope{};                                      ///< Derivative of the offset by the length, there.
+  double curvature_per_mm{};                           ///< Second derivative of the offset.
+  double twist_per_mm2{};  ///< Third derivative of the offset; before the corner the line runs straight on.
+  double over_mm{};        ///< Overrun of the beam beyond where the two legs meet; < 0: it stopped short.
 
   struct Place {
     double along_mm, beside_mm;
@@ -27,30 +27,31 @@ struct CornerLeg {
   [[nodiscard]] Eigen::Vector2d at(double along_mm) const;
 };
 
-/// A corner as cut, about the nominal one in the origin.
+/// Corner as cut, about the nominal one in the origin.
 struct CornerShape {
-  CornerLeg in{.outwards = -Eigen::Vector2d::UnitX()};  ///< The beam comes along it,
-  CornerLeg out{.outwards = Eigen::Vector2d::UnitY()};  ///< and leaves along this.
-  double rounding_mm{};  ///< > 0: an arc that touches both legs passes so far inside of where they meet.
+  CornerLeg in{.outwards = -Eigen::Vector2d::UnitX()};  ///< Leg along which the beam comes.
+  CornerLeg out{.outwards = Eigen::Vector2d::UnitY()};  ///< Leg along which the beam leaves.
+  double rounding_mm{};  ///< Distance of an arc that touches both legs from where they meet; 0: none.
 };
 
-/// The way of the beam near a corner.
-struct CornerWay {
+/// Path of the beam near a corner.
+struct CornerPath {
   double end_in_mm{};  ///< Along the legs, where they end.
   double end_out_mm{};
   std::vector<Eigen::Vector2d> arc;  ///< Even pieces from end to end; empty without rounding.
 };
 
-/// Where both legs would meet if they ran straight on from the nominal corner. They must not be parallel.
+/// Point where both legs would meet if they ran straight on from the nominal corner. They must not be
+/// parallel.
 Eigen::Vector2d vertexOf(const CornerLeg& in, const CornerLeg& out);
 
-/// How far before the vertex an arc begins that passes so far inside of it.
+/// Distance from the vertex at which an arc begins that passes `rounding_mm` inside of it.
 double arcLegMm(double turn_rad, double rounding_mm);
 
-/// @param pieces of the arc.
-CornerWay wayOf(const CornerShape& shape, int pieces);
+/// Path with an arc of so many pieces.
+CornerPath pathOf(const CornerShape& shape, int pieces);
 
-/// Hausdorff distance of the corner's two ways, the nominal one and that of the beam, over the legs' first
+/// Hausdorff distance of the corner's two paths, the nominal one and that of the beam, over the legs' first
 /// `reach_mm`: the farthest that any place of one lies from the other.
 double deviationMm(const CornerShape& shape, double reach_mm);
 

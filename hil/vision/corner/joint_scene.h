@@ -9,7 +9,7 @@
 
 namespace kerfbench::vision {
 
-/// What corners and ends are measured in.
+/// Scene in which corners and ends are measured.
 struct JointScene {
   const TileIndex* tiles{};
   const CameraCalibration* calibration{};

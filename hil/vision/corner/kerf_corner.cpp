@@ -19,25 +19,26 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBesideMm = 0.36;   // of each leg, to both sides
-constexpr double kOnLegMm = 0.05;    // A point of another curve is not so near to a leg of the corner.
-constexpr double kMostOffMm = 0.35;  // Where a kerf lies farther off, the pixels do not hold it.
+constexpr double kBesideMm = 0.36;   // Half width of the strip along each leg that is looked at.
+constexpr double kOnLegMm = 0.05;    // Distance from a leg up to which a point belongs to it.
+constexpr double kMostOffMm = 0.35;  // Largest offset of a kerf that the pixels still hold.
 constexpr int kDraws = 64;
 constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
-// What the model of the picture leaves, measured on artefacts (./bench gauge): the lens is not known better.
+// Error of the model of the picture, measured on artefacts (./bench gauge): the lens is not known better.
 constexpr double kArcModelMm = 0.0003;
 constexpr double kLegsModelMm = 0.0003;
 constexpr double kRoundingModelMm = 0.0003;
-constexpr double kFlickerShare =
-    1.7;  // Multiple of how far the legs' half widths flicker: the arc has fewer places.
-// Uncertainty of where a leg ends that runs over. One that hardly stands out is none; told worst are those of
-// about 10 um, which the flank of the other leg half hides; the farther out, the less the lens matters.
-constexpr double kEndsNearShare = 1.0 / 3.0;  // of how far it runs over
-constexpr double kEndsFarMm2 = 3.8e-5;        // over how far it runs over
-constexpr double kBentDeviation = 0.25;  // of how far a bent leg leaves its tangent where nothing tells of it
+/// Uncertainty over the flicker of the legs' half widths, as the arc has fewer places.
+constexpr double kFlickerShare = 1.7;
+// Uncertainty of the end of a leg that overruns: none where it hardly stands out, largest at about 10 um,
+// which the flank of the other leg half hides, and smaller farther out, where the lens matters less.
+constexpr double kEndsNearShare = 1.0 / 3.0;  // Uncertainty over the overrun, for a short one.
+constexpr double kEndsFarMm2 = 3.8e-5;        // Uncertainty times the overrun, for a long one.
+/// Share of the distance by which a bent leg leaves its tangent unseen.
+constexpr double kBentDeviation = 0.25;
 constexpr double kBentMeeting = 1.3;
 
-/// Points of other curves near the corner, from it.
+/// Points of other curves near the corner, relative to it.
 std::vector<Vector2d> othersNear(const JointScene& scene, const PlannedCorner& corner,
                                  const CornerShape& nominal) {
   std::vector<Vector2d> others;
@@ -128,7 +129,7 @@ struct Spread {
 };
 
 /// How far a bent leg leaves its tangent over the length where an arc takes its place, or where it runs over:
-/// there nothing tells of it.
+/// no pixel shows it there.
 double bendWithin(const CornerLeg& leg, double length_mm) {
   return length_mm * length_mm *
          (std::abs(leg.curvature_per_mm) / 2.0 + std::abs(leg.twist_per_mm2) * length_mm / 6.0);
@@ -151,7 +152,7 @@ double deviationModelMm(const CornerShape& shape, double reach_mm) {
   return std::hypot(kLegsModelMm, of_ends_mm);
 }
 
-/// Deviation and how the legs meet, with what they are worth.
+/// Deviation of the corner and meeting of its legs, with their uncertainties.
 void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKerf& out) {
   const auto overOf = [](const CornerShape& s) { return std::max({0.0, s.in.over_mm, s.out.over_mm}); };
   const double deviation_mm = deviationMm(fit.shape, reach_mm);

@@ -19,13 +19,14 @@ namespace {
 // What the outline's model leaves, measured: tests/hil/vision, kerf_joint_test.
 constexpr double kEndMm = 0.0015;
 constexpr double kFaintEndMm = 0.0018;
-constexpr double kThrough = 0.75;      // brightness
-constexpr double kEndInsideMm = 0.3;   // An end that is shorter is looked at from the last caliper.
-constexpr double kReachMm = 0.8;       // of a look along a leg
-constexpr double kStripWidths = 0.35;  // half the strip, in half kerfs
-constexpr double kWindowMm = 0.1;      // half of what a caliper averages along the curve
+constexpr double kThrough = 0.75;  // Least brightness of a kerf that is cut through.
+/// Distance inside of an end from which it is looked at; less for a shorter one.
+constexpr double kEndInsideMm = 0.3;
+constexpr double kReachMm = 0.8;       // Reach of a look along a leg.
+constexpr double kStripWidths = 0.35;  // Half width of the strip, in half kerfs.
+constexpr double kWindowMm = 0.1;      // Half of the length that a caliper averages along the curve.
 
-/// A look along a leg or a bisector.
+/// Look along a leg or a bisector.
 struct Look {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d direction{Eigen::Vector2d::UnitX()};  ///< Outwards.
@@ -116,7 +117,7 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
     const Eigen::Vector2d& tangent = stations[from].tangent;
     const Eigen::Vector2d outward = end.at_start ? Eigen::Vector2d(-tangent) : tangent;
     const Eigen::Vector2d left(-tangent.y(), tangent.x());
-    // The kerf may lie beside the nominal curve, and askew to it: look along the kerf.
+    // The kerf may lie off the nominal curve, and askew to it: look along the kerf.
     const auto lookAt = [&](const EndLine& line) -> std::optional<double> {
       const double inside_mm = std::min(kEndInsideMm, insideMm(stations[from], half_width_mm));
       const Eigen::Vector2d along = (outward - line.slope * left).normalized();
@@ -178,7 +179,7 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
   if (before && after) {
     const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);
     const double reach_mm = outline.reachMm(strip_mm);
-    // Both look from opposite sides: the dark between them is -(before + after).
+    // Gap of two looks from opposite sides: the dark between them is -(before + after).
     out.gap_mm = std::max(0.0, 2.0 * reach_mm - *before - *after);
   }
   return out;

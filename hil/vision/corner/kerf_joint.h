@@ -5,7 +5,7 @@
 
 namespace kerfbench::vision {
 
-/// Where a kerf ends, from the outline beyond it along the curve.
+/// End of a kerf, from the outline beyond it along the curve.
 LineEnd measureEnd(const JointScene& scene, const EntityEnd& end);
 
 /// The gap between start and end of a closed curve, from the light along it: 0 where it is closed.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/vision/image/multiversion.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -78,12 +79,6 @@ KERFBENCH_WIDE void sortColumns(std::uint8_t* table, std::size_t rows, std::size
   }
 }
 
-std::uint8_t medianOf(std::vector<std::uint8_t> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Part of a row of a table: whole registers.
 std::size_t strideFor(std::size_t columns) { return (columns + 31) / 32 * 32; }
 
@@ -118,7 +113,7 @@ class Samples {
       } else if (sliver && begin > 0) {
         medians[begin + i] = medians[begin + i - columns_];
       } else {
-        medians[begin + i] = medianOf(values);
+        medians[begin + i] = upperMedianOf(values);
       }
     }
     sortColumns(table_.data(), kPerCell, stride_);
@@ -183,7 +178,7 @@ std::vector<int> filledIn(const std::vector<std::uint8_t>& own, int columns, int
           around.push_back(own[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)]);
       }
       int& here = level[row + static_cast<std::size_t>(i)];
-      here = std::max(here, static_cast<int>(medianOf(around)));
+      here = std::max(here, static_cast<int>(upperMedianOf(around)));
     }
     if (j == 0 || j + 1 == rows || columns < 3) continue;
     for (std::size_t k = 0; k < 9; ++k) {

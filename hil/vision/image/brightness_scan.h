@@ -15,8 +15,8 @@ class Background {
   static constexpr int kCellPx = 64;
 
   explicit Background(const GrayImage& image) : Background(image, {}) {}
-  /// The same, while visit(top, bottom) is called for each band of rows [top, bottom) just before it is
-  /// sampled: who must read the whole picture anyway does so there, and its memory is read once.
+  /// Samples a picture and calls visit(top, bottom) for each band of rows [top, bottom) just before it is
+  /// sampled, so that work on the whole picture reads its memory only once.
   Background(const GrayImage& image, const std::function<void(int, int)>& visit);
 
   /// Board gray around a pixel: the median of its cell, or of the cells around where something dark covers
@@ -33,7 +33,7 @@ class Background {
   [[nodiscard]] double noise() const { return noise_; }
   /// Share of the picture at the top of the scale.
   [[nodiscard]] double saturatedShare() const { return saturated_share_; }
-  /// No two neighbours differ anywhere: not the picture of a sensor.
+  /// True where no two neighbours differ anywhere: not the picture of a sensor.
   [[nodiscard]] bool lifeless() const { return lifeless_; }
 
  private:

@@ -34,9 +34,9 @@ struct CameraCalibration {
   double rms_px{};          ///< Reprojection residual of all corners, per axis.
   Eigen::AlignedBox2d
       area_mm{};  ///< Area of plane P that the target covered: outside, map_u_mm says nothing.
-  /// How the map may be wrong, as independent standard normal draws e_k would show it: the covariance of the
-  /// parameters of planeFromPixel, its columns scaled by their standard deviations. Order of the parameters:
-  /// fx fy cx cy, k1 k2 p1 p2 k3, rotation vector of the plane (rad, left-multiplied), its translation (mm).
+  /// Error modes of the map: their sum, weighted by independent standard normal values, has the covariance of
+  /// the parameters of planeFromPixel. Order of the parameters: fx fy cx cy, k1 k2 p1 p2 k3, rotation vector
+  /// of the plane (rad, left-multiplied), its translation (mm).
   static constexpr int kParameters = 15;
   std::vector<Eigen::Matrix<double, kParameters, 1>> error_modes{};
   /// Shift of the point of the plane seen at p_mm for one standard deviation of error mode k, mm.
@@ -46,7 +46,7 @@ struct CameraCalibration {
   [[nodiscard]] Eigen::Vector2d planeFromPixel(const Eigen::Vector2d& pixel) const;
   /// Point of the plane to its pixel, in the image or not. @throws std::domain_error behind the camera.
   [[nodiscard]] Eigen::Vector2d pixelFromPlane(const Eigen::Vector2d& p_mm) const;
-  /// The same with its Jacobian. @throws std::domain_error behind the camera.
+  /// Point of the plane to its pixel, with the Jacobian. @throws std::domain_error behind the camera.
   [[nodiscard]] LocalPixelMap localMap(const Eigen::Vector2d& p_mm) const;
   /// The pixel, if it lies in the image at least border_px away from its edge. Points so far out that the
   /// lens polynomial folds them back into the picture are not seen.

@@ -9,7 +9,8 @@ struct LensBlur {
   double sigma_px{};
 };
 
-/// Where no printed mark tells (see blurOf()): a lens that resolves its sensor blurs by 0.5 … 0.9 px.
+/// Usual blur, for pictures without printed marks (see blurOf()): a lens that resolves its sensor blurs by
+/// 0.5 … 0.9 px.
 inline constexpr LensBlur kUsualBlur{0.7, 0.1};
 
 }  // namespace kerfbench::vision

@@ -14,7 +14,8 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastContrast = 0.03;  // of board to open kerf; less is dirt or shading
+/// Least contrast of a kerf over that of board and open kerf; less is dirt or shading.
+constexpr double kLeastContrast = 0.03;
 constexpr std::array<double, 3> kLevels{0.4, 0.5, 0.6};
 
 struct Peak {
@@ -56,7 +57,7 @@ std::optional<double> crossing(const Profile& profile, std::size_t inside, int d
 double boardOf(const Profile& profile) {
   static thread_local std::vector<float> sorted;
   sorted.clear();
-  // The spline is wider than two samples: every other one tells as much.
+  // The spline is wider than two samples: every other one has the same information.
   for (std::size_t i = 0; i < profile.size(); i += 2) {
     if (profile.seen(i)) sorted.push_back(profile.gray[i]);
   }
@@ -155,7 +156,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   for (std::size_t i = peak->first; i <= peak->last; ++i) {
     if (profile.gray[i] > profile.gray[top]) top = i;
   }
-  // The spline dims a narrow kerf: the pixels in its middle tell how bright it is.
+  // The spline dims a narrow kerf: the pixels in its middle have its brightness.
   const double middle_mm =
       profile.first_mm + 0.5 * static_cast<double>(peak->first + peak->last) * profile.step_mm;
   reading.top_gray = std::max<double>(profile.gray[top], lightAt(profile, middle_mm).value_or(0.0));
@@ -170,7 +171,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
     return std::array{*left, *right};
   };
   const auto half = edges(0.5);
-  if (!half) return nothing();  // It runs out of the caliper.
+  if (!half) return nothing();  // Flank beyond the caliper.
   double centre = 0.0;
   int levels = 0;
   for (const double share : kLevels) {

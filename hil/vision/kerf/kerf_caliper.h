@@ -5,7 +5,7 @@
 
 namespace kerfbench::vision {
 
-/// What a profile tells of a kerf, beyond what a Caliper reports.
+/// Kerf in one profile, with more than a Caliper reports.
 struct KerfReading {
   bool found{};
   double offset_mm{};
@@ -16,15 +16,15 @@ struct KerfReading {
   double base_gray{};
   /// Left minus right at kBesidePx beyond the flanks, mirrored about the centre; NaN where hidden.
   double odd_gray{};
-  /// What the same difference on whole board, kBoardMm from the centre, would shift the centre if it lay on
-  /// the flanks: grain of the board does. NaN where hidden.
+  /// Shift of the centre that the same difference on whole board, kBoardMm from the centre, would make if it
+  /// lay on the flanks, as grain of the board does. NaN where hidden.
   double board_mm{};
 };
 
-/// Where beside its flanks a kerf is compared with its mirror image, px.
+/// Distance outside of the flanks at which a kerf is compared with its mirror image, px.
 inline constexpr double kBesidePx = 2.75;
 
-/// Where beside a kerf the board is plain: farther than any scorch worth the name.
+/// Distance from the centre of a kerf to plain board, beyond any visible scorch.
 inline constexpr double kBoardMm = 0.45;
 
 /// The kerf in a profile that lies nearest to the nominal place. `open_gray`: brightness 1.

@@ -12,19 +12,21 @@
 #include <Eigen/LU>
 
 #include "hil/vision/marks/mark_look.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
 
-constexpr int kDarkGray = 4;  // Less light through the board tells kerf from board no longer.
+constexpr int kDarkGray = 4;  // Least light through the board that shows a kerf.
 constexpr double kSaturatedShare = 0.02;
-constexpr double kInk = 0.6;           // Share of the radius: all ink within …
-constexpr double kBoard = 1.25;        // … all board from here to kOuterRim.
+constexpr double kInk = 0.6;           // Share of the radius within which all is ink.
+constexpr double kBoard = 1.25;        // Share of the radius from which on, up to kOuterRim, all is board.
 constexpr double kMarkBlurPx = 0.015;  // Scatter of one mark of 100 px; counts as kBlurBelief marks.
 constexpr double kBlurBelief = 4.0;
-constexpr double kPrintEdgePx = 0.006;  // What a sharp print seemed to be blurred by.
-constexpr double kEdgePx = 4.0;         // Each way: pixels farther from the edge add nothing but noise.
-constexpr std::size_t kNamed = 8;       // pictures of many
+constexpr double kPrintEdgePx = 0.006;  // Blur that a sharp print seemed to have.
+/// Half width of the rim that counts: pixels farther from the edge add nothing but noise.
+constexpr double kEdgePx = 4.0;
+constexpr std::size_t kNamed = 8;  // Most pictures that one sentence names.
 
 /// Means of ink and board about a disc.
 struct Levels {
@@ -91,9 +93,7 @@ LensBlur blurOf(const std::vector<TileView>& tiles, const CameraCalibration& cal
     }
   }
   if (blur_px.empty()) return kUsualBlur;
-  const auto middle = blur_px.begin() + static_cast<std::ptrdiff_t>(blur_px.size() / 2);
-  std::nth_element(blur_px.begin(), middle, blur_px.end());
-  const double median = *middle;
+  const double median = upperMedianIn(blur_px);
   const auto n = static_cast<double>(blur_px.size());
   double squares = kBlurBelief * kMarkBlurPx * kMarkBlurPx;
   for (const double blur : blur_px) squares += (blur - median) * (blur - median);

@@ -15,19 +15,20 @@ namespace {
 
 constexpr int kGridPerPx = 8;
 constexpr int kFlankTopSamples = 24;
-constexpr double kReachPx = 7.0;   // beyond half a kerf
-constexpr double kSmoothMm = 1.0;  // along the curve, each way
+constexpr double kReachPx = 7.0;   // Reach of the profile beyond half a kerf.
+constexpr double kSmoothMm = 1.0;  // Half length of the mean along the curve.
 constexpr double kIndependentMm = 0.2;
 // Share of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
 // scorch.
 constexpr double kScorchBlur = 0.93;
-constexpr double kModelShare = 0.22;  // of the shift: what the model of scorch leaves
-constexpr double kLeastOdd = 0.05;    // of the board's light: less cannot be told from noise
+constexpr double kModelShare = 0.22;  // Share of the shift that the model of scorch leaves.
+/// Least difference of the sides over the board's light; less is lost in noise.
+constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
 constexpr double kTightModel_mm = 0.001;
 constexpr double kBarelyOpen = 0.9;
 constexpr double kWidestMm = 0.6;
-constexpr double kBendMm = 0.3;  // between the readings that tell how a kerf bends
+constexpr double kBendMm = 0.3;  // Distance of the readings by which the bend of a kerf is measured.
 
 /// Samples of an even and some odd functions over y >= 0 at a fixed step.
 struct Shapes {
@@ -273,7 +274,7 @@ void correctCurvatureBias(const EntityPlan& plan, double lens_mm, EntityKerf& ke
   const double pitch_mm = plan.length_mm / static_cast<double>(n - 1);
   const auto apart = static_cast<std::size_t>(std::max(1.0, std::round(kBendMm / pitch_mm)));
   const double apart_mm = static_cast<double>(apart) * pitch_mm;
-  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to tell.
+  if (apart_mm > 2.0 * kBendMm) return;  // Too far apart to measure a bend.
   const auto offsetAt = [&](std::size_t i) {
     const Caliper& c = kerf.calipers[i];
     return c.found && !c.near_joint ? c.offset_mm : std::numeric_limits<double>::quiet_NaN();

@@ -9,10 +9,10 @@
 
 namespace kerfbench::vision {
 
-/// How a kerf's profile looks, so that what scorch does to its two flanks can be told.
+/// Profile of a kerf, by which the effect of scorch on its two flanks is computed.
 struct FlankQuery {
-  double half_width_mm{};  ///< At half height.
-  double top_gray{};       ///< In the middle.
+  double half_width_mm{};  ///< Half the width at half height.
+  double top_gray{};       ///< Grey in the middle.
   double board_gray{};
   double open_gray{};
   double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
@@ -20,9 +20,9 @@ struct FlankQuery {
   double lens_px{};  ///< Standard deviation of the picture's blur.
 };
 
-/// Scorch takes a share k of the light of all board that is still there, more on one side than on the other:
-/// the two flanks part from each other's mirror image, and their middle moves. How far follows from what is
-/// seen of it beside the kerf, on the board that is whole.
+/// Model of a kerf's flanks under scorch, which takes a share k of the light of all remaining board, more on
+/// one side than on the other: the two flanks differ from each other's mirror image, and their middle moves.
+/// The shift follows from the scorch seen on whole board next to the kerf.
 ///
 /// The profile of the model: a Gaussian beam of peak s0 burns the share s = s0 exp(-2 y²/w²) of what cuts;
 /// board lets open (board / open)^(1 - s) of the light through (Beer's law over the depth left); blurred by
@@ -34,7 +34,7 @@ class FlankModel {
 
   /// Shift of the middle of the flanks towards the left normal, from KerfReading::odd_gray.
   [[nodiscard]] double shiftMm(double odd_gray) const { return gain_mm_ * odd_gray; }
-  /// By how much lens and spline make the kerf look wider than light that comes through it is.
+  /// Widening of the kerf by lens and spline, over the light that comes through.
   [[nodiscard]] double widening_mm() const { return widening_mm_; }
 
  private:
@@ -42,7 +42,7 @@ class FlankModel {
   double widening_mm_{};  ///< 0 where the model does not hold.
 };
 
-/// What makes a flank of a kerf look as it does.
+/// Parts of the look of a kerf's flank.
 struct FlankOptics {
   const KerfScanOptions& options;  ///< Gray of open board, radius of the beam.
   double pixel_mm;                 ///< Side of a pixel on the sheet.

@@ -47,7 +47,7 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double f
   for (const double half_mm : half_widths_mm)
     flicker += (half_mm - leg.half_width_mm) * (half_mm - leg.half_width_mm) / (n - 1.0);
   leg.flicker_mm = std::sqrt(std::max(0.0, flicker - kStatedShare * width_variance / n));
-  // A short leg does not tell a direction.
+  // A short leg has no measurable direction.
   const bool directed = readings.size() > 3 && farthest_mm - nearest_mm > 0.6 * kLegMm;
   leg.offset_mm = directed ? polynomialThrough(readings, 1)[0] : mean_mm / n;
   return leg;

@@ -7,13 +7,16 @@
 
 #include <Eigen/Cholesky>
 
+#include "twin/base/statistics.h"
+
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastShare = 0.05;  // darker is no light to measure in
+constexpr double kLeastShare = 0.05;  // Least share of the light to measure in.
 constexpr int kRounds = 8;
-constexpr double kOutlier = 0.06;    // of the board's gray: ink, a mark, a cut that fills a cell
-constexpr double kLeastCells = 0.3;  // that must agree
+/// Distance of an outlier, over the board's gray: ink, a mark, a cut that fills a cell.
+constexpr double kOutlier = 0.06;
+constexpr double kLeastCells = 0.3;  // Least share of the cells that must agree.
 
 struct Cell {
   Eigen::Matrix<double, 6, 1> terms;
@@ -49,9 +52,7 @@ LightField::LightField(std::span<const Background* const> pictures, int width_px
 
   std::vector<double> grays;
   for (const Cell& cell : cells) grays.push_back(cell.gray);
-  const auto middle = grays.begin() + static_cast<std::ptrdiff_t>(grays.size() / 2);
-  std::nth_element(grays.begin(), middle, grays.end());
-  const double typical = *middle;
+  const double typical = upperMedianIn(grays);
   if (!(typical > 4.0)) return;
 
   // Weighted by Cauchy's rule, narrowing: the median starts it.

@@ -10,13 +10,13 @@
 
 namespace kerfbench::vision {
 
-/// How bright the back light is over the picture, 1 in its middle: lamp and lens. A polynomial of second
+/// Brightness of the back light over the picture, 1 in the middle: lamp and lens. A polynomial of second
 /// degree, which holds a lens that darkens towards the corners and a lamp that falls off to one side.
 class LightField {
  public:
   LightField() = default;  ///< Even light.
-  /// From the board in the pictures of one camera, whatever lies on it: cuts and print are left out as
-  /// outliers. Falls back to even light where the board is too much covered to tell.
+  /// Light field by the board in the pictures of one camera, whatever lies on it: cuts and print are left out
+  /// as outliers. Falls back to even light where too much of the board is covered.
   LightField(std::span<const Background* const> pictures, int width_px, int height_px);
 
   [[nodiscard]] double at(const Eigen::Vector2d& pixel) const;

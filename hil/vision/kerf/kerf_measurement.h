@@ -15,40 +15,41 @@ struct Caliper {
   double u{};                                       ///< Parameter on the entity's curve.
   double station_mm{};                              ///< Arc length from its start.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The nominal point.
-  Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};  ///< Where in the camera's plane it was looked at.
-  bool found{};                                     ///< A kerf (or crease) crosses the caliper.
+  /// Place in the camera's plane at which it was looked at.
+  Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};
+  bool found{};        ///< A kerf (or crease) crosses the caliper.
   double offset_mm{};  ///< Kerf centre minus nominal, along the left normal; NaN if not found.
   double
       sigma_mm{};  ///< Standard uncertainty of offset_mm by noise and texture, on its own (no pose, no map).
   double steady_sigma_mm{};  ///< The part of sigma_mm that neighbours have in common, over long stretches.
-  double width_mm{};         ///< Where half of the middle's light comes through; NaN if not found.
+  double width_mm{};         ///< Width where half of the middle's light comes through; NaN if not found.
   double width_sigma_mm{};
   double brightness{};  ///< Peak of the profile, 0 board … 1 open kerf.
-  bool near_joint{};  ///< Within reach of a corner, crossing or neighbour, where the profile is not a single
-                      ///< kerf's.
+  bool near_joint{};    ///< True within reach of a corner, crossing or neighbour, where the profile is not a
+                        ///< single kerf's.
 };
 
 struct EntityKerf {
   int unit{};
   int entity{};                   ///< Entity id.
-  std::vector<Caliper> calipers;  ///< In order of station.
-  double widening_mm{};           ///< By which blur makes it look wider than Caliper::width_mm.
-  /// Standard uncertainty of that, common to all kerfs of the picture: how well its blur is known.
+  std::vector<Caliper> calipers;  ///< Calipers in order of station.
+  double widening_mm{};           ///< Widening of the kerf by blur, over Caliper::width_mm.
+  /// Standard uncertainty of the widening, common to all kerfs of the picture, by that of its blur.
   double widening_sigma_mm{};
 };
 
-/// Where two entities of one unit meet, or one turns: its corner as cut.
+/// Corner as cut, where two entities of one unit meet or one turns.
 struct CornerKerf {
   int unit{};
   int entity_in{}, entity_out{};                    ///< Entity ids; the same for a corner within one.
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Nominal.
-  double turn_rad{};                                ///< From the tangent in to the tangent out, (-pi, pi].
+  double turn_rad{};  ///< Angle from the tangent in to the tangent out, (-pi, pi].
   bool found{};
-  /// How the corner is cut, relative to where its own legs as cut would meet: a cut that is displaced as a
+  /// Rounding of the corner, relative to where its own legs as cut would meet: a cut that is displaced as a
   /// whole has neither.
   double rounding_mm{};   ///< Distance of the kerf's centre line inside of that place; >= 0.
-  double overshoot_mm{};  ///< How far the farther leg runs on beyond it, along the leg; >= 0.
-  /// Where the corner lies: the farthest that the kerf's centre line lies from the nominal dieline within
+  double overshoot_mm{};  ///< Overrun of the farther leg beyond that point, along the leg; >= 0.
+  /// Deviation of the corner: the farthest that the kerf's centre line lies from the nominal dieline within
   /// KerfScanOptions::joint_clearance_mm of the corner, or the nominal corner from the centre line (Hausdorff
   /// distance); >= 0. A displaced cut has it.
   double deviation_mm{};
@@ -56,7 +57,7 @@ struct CornerKerf {
   double rounding_sigma_mm{}, overshoot_sigma_mm{}, deviation_sigma_mm{};
 };
 
-/// Where an open entity begins or ends freely.
+/// Free begin or end of an open entity.
 struct LineEnd {
   int unit{};
   int entity{};
@@ -67,12 +68,12 @@ struct LineEnd {
   double sigma_mm{};
 };
 
-/// How a unit lies on the table, by its printed marks: p_T = R(angle) p_S + p_TS.
+/// Pose of a unit on the table, by its printed marks: p_T = R(angle) p_S + p_TS.
 struct UnitPose {
   int unit{};
   Eigen::Vector2d p_TS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
-  /// Of (p_TS x, p_TS y, angle) by the noise of the marks: mm², mm rad, rad².
+  /// Covariance of p_TS x, p_TS y and angle by the noise of the marks: mm², mm rad, rad².
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
@@ -100,7 +101,7 @@ struct KerfScanOptions {
   double reach_mm{0.6};  ///< Half length of a caliper.
   double joint_clearance_mm{0.4};
   double stray_min_mm{0.5};  ///< Smaller blobs are dust.
-  int patches{6};            ///< How many worst places to keep pictures of.
+  int patches{6};            ///< Number of worst places to keep pictures of.
   /// 1/e² radius of the beam, from the set-up of the laser: how far a kerf's outline reaches beyond where the
   /// beam stopped or turned follows from it and from the kerf's width. 0: as far as a round tool as wide as
   /// the kerf.
@@ -112,15 +113,15 @@ struct KerfScanOptions {
 };
 
 struct KerfScan {
-  std::vector<EntityKerf> entities;  ///< units x entities that are not kIgnore.
+  std::vector<EntityKerf> entities;  ///< Kerfs of all units and all entities that are not kIgnore.
   std::vector<CornerKerf> corners;
   std::vector<LineEnd> ends;
-  std::vector<UnitPose> units;  ///< Those whose marks told their place.
+  std::vector<UnitPose> units;  ///< Poses of the units whose marks were found.
   std::vector<StrayCut> strays;
-  std::vector<KerfPatch> patches;  ///< Worst first.
+  std::vector<KerfPatch> patches;  ///< Patches, the worst first.
   double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.
-  std::vector<std::string>
-      problems;  ///< Whatever makes the scan untrustworthy (marks not found, tile missing): INVALID.
+  /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
+  std::vector<std::string> problems;
 };
 
 }  // namespace kerfbench::vision

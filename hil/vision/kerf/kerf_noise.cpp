@@ -10,24 +10,24 @@
 
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kApartMm = 0.35;  // of readings that share neither pixel nor grain
-constexpr double kGain = 20.0;     // of a third difference, on the variance
-constexpr double kPoolMm = 6.0;    // each way
-constexpr double kBelief = 12.0;   // third differences worth, in what other cuts show
+constexpr double kApartMm = 0.35;  // Distance of readings that share neither pixel nor grain.
+constexpr double kGain = 20.0;     // Variance of a third difference over that of a reading.
+constexpr double kPoolMm = 6.0;    // Half length of the pool.
+constexpr double kBelief = 12.0;   // Weight of what other cuts show, in third differences.
 constexpr double kClipSigmas = 3.0;
-constexpr double kClipped = 0.9850;       // variance left by clipping a normal value there
-constexpr double kMedianSquare = 0.4549;  // of a standard normal value
+constexpr double kClipped = 0.9850;  // Variance left by clipping a normal value at kClipSigmas.
 constexpr double kLeast_mm = 1e-5;
 constexpr double kGridPx = 0.009;
-// What readings 0.35 mm apart may scatter by noise, in the variance that neighbours and plain board tell.
-// That of edges rough over 0.06 mm, the worst seen of noise, was 2.1 times as much; that of a beam that
-// follows steps of its mirrors 5 … 30 times.
+// Largest scatter by noise of readings 0.35 mm apart, in the variance that neighbours and plain board show.
+// Edges that are rough over 0.06 mm, the worst noise seen, had 2.1 times as much; a beam that follows steps
+// of its mirrors has 5 … 30 times.
 constexpr double kMostByNoise = 2.5;
-constexpr double kGrainInFlank = 0.33;  // of the variance that grain makes on plain board
+constexpr double kGrainInFlank = 0.33;  // Variance by grain in a flank over that on plain board.
 
 /// Variance of a third difference of readings so far apart, in that of one reading: windows that overlap
 /// share pixels.
@@ -116,7 +116,7 @@ class Scatter {
     }
   }
 
-  /// Around a station; nullopt where no cut of the process tells.
+  /// Variance around a station; nullopt where no cut of the process has differences.
   [[nodiscard]] std::optional<Variance> around(std::size_t entity, std::size_t station,
                                                double pitch_mm) const {
     const Pool& all = of_process_.at(plan_.entities[entity].process);
@@ -145,9 +145,7 @@ class Scatter {
                    [](double s) { return std::isfinite(s); });
     }
     if (squares.empty()) return std::numeric_limits<double>::infinity();
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    return kClipSigmas * kClipSigmas * *middle / kMedianSquare;
+    return kClipSigmas * kClipSigmas * upperMedianIn(squares) / kMedianSquare;
   }
 
   const KerfPlan& plan_;

@@ -7,17 +7,17 @@
 
 namespace kerfbench::vision {
 
-/// What is known of the errors of one entity's offsets beside their scatter, by station.
+/// Known errors of one entity's offsets beyond their scatter, by station.
 struct CutNoise {
-  std::vector<double> pixels_mm;  ///< What the pixels' noise alone would make; NaN where nothing was found.
+  std::vector<double> pixels_mm;  ///< Error by the pixels' noise alone; NaN where nothing was found.
   std::vector<double> board_mm;   ///< KerfReading::board_mm.
-  std::vector<double> grid_mm;    ///< What the grid of pixels leaves.
-  std::vector<double> model_mm;   ///< What the model of the flanks leaves.
+  std::vector<double> grid_mm;    ///< Error that the grid of pixels leaves.
+  std::vector<double> model_mm;   ///< Error that the model of the flanks leaves.
 };
 
-/// What the grid of pixels leaves of a caliper's offset, px: the light between the pixels is not seen, and a
-/// line along the grid meets the same gaps at all of its pixels. Along a window that crosses rows the gaps
-/// cancel. The size was measured: tests/hil/vision/kerf_uncertainty_test.cpp.
+/// Error that the grid of pixels leaves in a caliper's offset, px: the light between the pixels is not seen,
+/// and a line along the grid meets the same gaps at all of its pixels. Along a window that crosses rows the
+/// gaps cancel. The size was measured: tests/hil/vision/kerf_uncertainty_test.cpp.
 double gridNoisePx(const Eigen::Vector2d& window_along_px);
 
 /// Sets sigma_mm, steady_sigma_mm and width_sigma_mm of all calipers of one unit.
@@ -30,7 +30,7 @@ double gridNoisePx(const Eigen::Vector2d& window_along_px);
 ///
 /// A kerf that winds from millimetre to millimetre, as that of a beam does that follows the steps of its
 /// mirrors, scatters too, and that is no noise. But it is smooth over the beam's own width, and noise is not:
-/// no more is taken for noise than neighbouring readings, and the plain board beside the kerf, bear out.
+/// no more is taken for noise than neighbouring readings, and the plain board next to the kerf, bear out.
 ///
 /// What the scatter shows beyond the pixels' noise is added to each caliper's own share of that; so is what
 /// is the same over long stretches, where no scatter tells: grid and model (steady_sigma_mm).

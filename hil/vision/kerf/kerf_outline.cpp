@@ -13,10 +13,10 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr int kStripLines = 11;
-constexpr double kLensPx = kUsualBlur.px;     // pixel's own area included
-constexpr double kStripEndsPx2 = 1.0 / 12.0;  // variance by pixels that count in part at a strip's ends
+constexpr double kLensPx = kUsualBlur.px;     // Blur of the lens, the pixel's own area included.
+constexpr double kStripEndsPx2 = 1.0 / 12.0;  // Variance by pixels that count in part at a strip's ends.
 constexpr double kStepsPerPx = 4.0;
-constexpr double kReachMm = 0.45;  // of a look, each way
+constexpr double kReachMm = 0.45;  // Reach of a look, each way.
 constexpr int kOutlineTopSamples = 40;
 constexpr double kMostShare = 50.0;
 
@@ -45,7 +45,7 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
     peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
     return;
   }
-  // The wider, the more energy; a kerf that is not open tells by its light, which the lens has dimmed.
+  // The wider, the more energy; a kerf that is not open shows it by its light, which the lens has dimmed.
   const bool open = look_.brightness > 0.85;
   double low = std::max(1e-3, std::min(1.0, seen_peak));
   double high = kMostShare;

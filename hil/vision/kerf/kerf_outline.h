@@ -5,9 +5,9 @@
 
 namespace kerfbench::vision {
 
-/// How a kerf looks in the picture.
+/// Look of a kerf in the picture.
 struct KerfLook {
-  double half_width_mm{};  ///< At half height, as seen.
+  double half_width_mm{};  ///< Half the width at half height, as seen.
   double brightness{1.0};  ///< Brightness of its middle.
   double board_gray{};
   double open_gray{};
@@ -15,10 +15,9 @@ struct KerfLook {
   double pixel_mm{};
 };
 
-/// Where the edge of a kerf is seen beyond its end: how far the outline reaches beyond where the beam
-/// stopped.
+/// Outline of a kerf beyond its end: its reach beyond where the beam stopped.
 ///
-/// A Gaussian beam of radius w lays along a straight way, s0 being the share of the cutting fluence in the
+/// A Gaussian beam of radius w lays along a straight path, s0 being the share of the cutting fluence in the
 /// middle of it, s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside and a beyond its end. Light by Beer's
 /// law, as in FlankModel; then the blur of lens and spline. s0 is what makes the kerf as wide as it is seen.
 class KerfOutline {

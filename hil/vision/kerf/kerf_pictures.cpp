@@ -15,7 +15,8 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr std::size_t kTilesPerBatch = 8;
-constexpr double kNoiseSigmas = 3.0;  // of one pixel: nine of a mean of nine, where no grain binds them
+constexpr double kNoiseSigmas = 3.0;  // Least contrast in sigmas of one pixel: nine sigmas of a mean of nine
+                                      // where no grain correlates them.
 
 std::vector<double> diametersOf(const PrintLayout& print) {
   std::vector<double> diameters_mm;

@@ -31,15 +31,15 @@ struct UnitPictures {
   LensBlur blur;
 };
 
-/// Looks at board, printed marks of `print`, light and blur; pictures that must not be measured in are told
+/// Looks at board, printed marks of `print`, light and blur; pictures that must not be measured in are named
 /// in `problems`.
 UnitPictures viewUnit(std::vector<camera::KerfTile> tiles, int unit, const PrintLayout& print,
                       const CameraCalibration& calibration, const KerfScanOptions& options,
                       std::vector<std::string>& problems);
 
-/// What is brighter than the board of its surroundings by this share of the way from board to open kerf, and
-/// by three sigma of a pixel: 255 there, else 0. The mean of nine pixels finds a cut that is thinner than a
-/// pixel, or not through.
+/// Mask of what is brighter than the board of its surroundings by this share of the way from board to open
+/// kerf, and by three sigma of a pixel: 255 there, else 0. The mean of nine pixels finds a cut that is
+/// thinner than a pixel, or not through.
 GrayImage brightPlaces(const TileView& view, double open_gray, double least_share);
 
 }  // namespace kerfbench::vision

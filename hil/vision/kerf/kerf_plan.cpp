@@ -11,12 +11,12 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr double kSamplePitchMm = 0.1;
-constexpr double kWindowMm = 0.1;       // half the length of curve that a caliper looks at
-constexpr double kParallelSine = 0.14;  // 8 degrees
+constexpr double kWindowMm = 0.1;       // Half the length of curve that a caliper looks at.
+constexpr double kParallelSine = 0.14;  // Sine of 8 degrees.
 constexpr double kSameLineMm = 0.03;
-constexpr double kOwnApartMm = 0.65;  // along the own curve, from where it is a neighbour of itself
-constexpr double kMeetMm = 0.02;      // of ends that are drawn to touch
-constexpr double kAloneMm = 0.7;      // around a corner or a free end
+constexpr double kOwnApartMm = 0.65;  // Distance along a curve from which on it is a neighbour of itself.
+constexpr double kMeetMm = 0.02;      // Largest distance of ends that are drawn to touch.
+constexpr double kAloneMm = 0.7;      // Distance around a corner or a free end without other curves.
 /// On a bend tighter than this a caliper's straight window holds more turn than line, as at a corner.
 constexpr double kTightestMm = 0.15;
 
@@ -70,7 +70,7 @@ void hideOthers(Station& at, std::size_t index, EntityPlan& own, const SampleGri
       double apart_mm = std::abs(other.station_mm - at.station_mm);
       if (own.closed) apart_mm = std::min(apart_mm, own.length_mm - apart_mm);
       if (apart_mm <= kOwnApartMm) return;
-      // Straight on along the curve is not beside it.
+      // Places straight on along the curve do not count as neighbours.
       if (std::abs(d.dot(at.tangent)) > std::abs(cross(at.tangent, d))) return;
     } else if (isSameLine(at, other)) {
       return;
@@ -108,7 +108,7 @@ std::vector<EntityEnd> endsOf(const std::vector<EntityPlan>& plans) {
 }
 
 PlannedCorner cornerOf(const EntityEnd& a, const EntityEnd& b) {
-  // The way runs through the corner in the sense of the entity that ends there, if one does.
+  // The path runs through the corner in the sense of the entity that ends there, if one does.
   const bool turned = a.at_start && !b.at_start;
   PlannedCorner corner{.in = turned ? b : a, .out = turned ? a : b};
   corner.tangent_in = corner.in.outward;

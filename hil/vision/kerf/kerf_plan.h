@@ -19,9 +19,9 @@ struct Station {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};
   double curvature_per_mm{};
-  bool near_corner{};  ///< Within the clearance of a corner.
+  bool near_corner{};  ///< True within the clearance of a corner.
   std::size_t hidden_begin{};
-  std::size_t hidden_count{};  ///< How many entries of EntityPlan::hidden_S_mm.
+  std::size_t hidden_count{};  ///< Number of entries of EntityPlan::hidden_S_mm.
 };
 
 struct EntityPlan {
@@ -51,21 +51,21 @@ struct PlannedCorner {
   EntityEnd in;
   EntityEnd out;
   Eigen::Vector2d tangent_in{Eigen::Vector2d::UnitX()};   ///< Direction of the beam towards the corner.
-  Eigen::Vector2d tangent_out{Eigen::Vector2d::UnitX()};  ///< And away from it.
+  Eigen::Vector2d tangent_out{Eigen::Vector2d::UnitX()};  ///< Direction of the beam away from the corner.
   double turn_rad{};
 };
 
 struct KerfPlan {
   std::vector<EntityPlan> entities;
   std::vector<PlannedCorner> corners;
-  std::vector<EntityEnd> free_ends;  ///< With no other curve near.
+  std::vector<EntityEnd> free_ends;  ///< Ends with no other curve near.
   std::vector<EntityEnd> closures;   ///< Starts of closed entities that go round smoothly.
 };
 
 /// A pixel so near to a point of another curve may belong to the kerf of that: half a usual kerf, its blur
 /// and its error.
 inline constexpr double kHiddenMm = 0.2;
-/// What of a caliper must be seen, to both sides, so that it is measured: the same for the own kerf.
+/// Reach of a caliper that must be seen, to both sides, so that it is measured; the same for the own kerf.
 inline constexpr double kOwnMm = 0.16;
 
 /// Stations of all entities that are not kIgnore, and where they meet. A tangent continuation is neither

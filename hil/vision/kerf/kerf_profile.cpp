@@ -14,15 +14,16 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kLeastRest = 0.1;  // of the radius: beyond the centre of a hole its far side begins
+/// Least rest of the radius: beyond the centre of a hole its far side begins.
+constexpr double kLeastRest = 0.1;
 constexpr double kStraight_per_mm = 1e-6;
 
 constexpr std::size_t kStepsPerPixel = 3;
-constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // the quintic B-spline is six pixels wide
+constexpr std::size_t kTaps = 6 * kStepsPerPixel;  // Taps of the quintic B-spline, which is six pixels wide.
 constexpr float kFoot = 0.5F * static_cast<float>(kTaps);
-constexpr std::size_t kPhases = 64;  // of a sample's step
+constexpr std::size_t kPhases = 64;  // Phases of a sample's step.
 
-constexpr std::size_t kPadded = (kTaps + 7) / 8 * 8;  // whole vectors of the processor
+constexpr std::size_t kPadded = (kTaps + 7) / 8 * 8;  // Taps filled up to whole vectors of the processor.
 
 using Taps = std::array<float, kPadded>;
 

@@ -9,12 +9,12 @@
 
 namespace kerfbench::vision {
 
-/// A caliper's window reaches so far along the curve, each way, where curve and ends allow.
+/// Half length of a caliper's window along the curve, where curve and ends allow.
 inline constexpr double kWindowHalfMm = 0.1;
-inline constexpr double kLongestArcRad = 0.35;  ///< Nor farther round a curve than this, each way.
+inline constexpr double kLongestArcRad = 0.35;  ///< Half of the longest arc of a caliper.
 
-/// A window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to
-/// both sides of it.
+/// Window of the picture laid along a curve: `back` and `ahead` of a place along the tangent, `reach` to both
+/// sides of it.
 struct CaliperWindow {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
   Eigen::Vector2d tangent{Eigen::Vector2d::UnitX()};
@@ -29,15 +29,15 @@ struct PixelAcross {
   float across_mm{};
   float along_mm{};
   float gray{};   ///< Gray as under even light: the uneven light is taken out.
-  float share{};  ///< How much of it lies between the ends of the window; (0, 1].
+  float share{};  ///< Share of the pixel between the ends of the window; (0, 1].
 };
 
 /// Brightness across a curve; sample i lies at first_mm + i * step_mm along the left normal.
 ///
 /// Every pixel of the window counts at its own distance from the curve, spread by a quintic B-spline of
 /// pixels (0.71 px RMS: about the blur of a lens, so noise is weighed best). That is smooth enough that the
-/// grid of pixels hardly shows: a line along the grid would otherwise be read up to 0.03 px off, the same way
-/// over a long stretch, and no scatter would tell.
+/// grid of pixels hardly shows: a line along the grid would otherwise be read up to 0.03 px off, alike over a
+/// long stretch, and no scatter would show it.
 struct Profile {
   std::vector<float> gray;
   std::vector<float> weight;  ///< Pixels per sample, in pixels: 0 where all are hidden.
@@ -45,7 +45,7 @@ struct Profile {
   double step_mm{};
   double pixel_mm{};
   double noise_gray{};              ///< Noise of one pixel, on the board.
-  std::vector<PixelAcross> pixels;  ///< What it was made of.
+  std::vector<PixelAcross> pixels;  ///< Pixels of the profile.
 
   [[nodiscard]] std::size_t size() const { return gray.size(); }
   [[nodiscard]] bool seen(std::size_t i) const { return weight[i] >= kLeastWeight; }

@@ -13,9 +13,9 @@ namespace kerfbench::vision {
 namespace {
 
 constexpr double kOffDielineMm = 0.35;
-constexpr double kStrayContrast = 0.035;  // of board to open kerf
+constexpr double kStrayContrast = 0.035;  // Least contrast of a stray cut over that of board and open kerf.
 constexpr double kTouchMm = 0.15;
-constexpr int kShiftBits = 4;  // OpenCV draws in 1/16 px
+constexpr int kShiftBits = 4;  // Fraction bits of the coordinates in which OpenCV draws: 1/16 px.
 
 /// Paints the dieline out of a mask.
 void eraseDieline(cv::Mat& mask, const TileView& view, const CameraCalibration& calibration,

@@ -19,8 +19,8 @@ std::vector<StrayBox> findStrays(const TileView& view, std::size_t tile, const C
                                  const PlaneMotion& X_TS, const std::vector<EntityPlan>& plans,
                                  double open_gray);
 
-/// The same blob seen in tiles that overlap counts once; blobs shorter than least_mm are left out. In order
-/// of place.
+/// Stray cuts in order of place. A blob seen in tiles that overlap counts once; blobs shorter than least_mm
+/// are left out.
 std::vector<StrayCut> mergeStrays(std::vector<StrayBox> boxes, int unit, double least_mm);
 
 }  // namespace kerfbench::vision

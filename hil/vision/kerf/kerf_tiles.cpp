@@ -10,13 +10,14 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kSameMarkMm = 0.5;  // of one mark in two tiles
-constexpr double kTableShiftMm =
-    12.0;  // how far a unit may lie from its nominal place, lever arm of its angle included
+constexpr double kSameMarkMm = 0.5;  // Largest distance of one mark in two tiles.
+/// Largest distance of a unit from its nominal place, lever arm of its angle included.
+constexpr double kTableShiftMm = 12.0;
 constexpr double kMaxTableAngleRad = 0.03;
 constexpr double kDisagreementMm = 0.1;
-constexpr std::size_t kMovedMarks = 4;  // More than one in so many that moved make the unit's place doubtful.
-constexpr double kMostCells = 256.0;    // of the index, each way
+/// Marks of which one may have moved; more make the unit's place doubtful.
+constexpr std::size_t kMovedMarks = 4;
+constexpr double kMostCells = 256.0;  // Most cells of the index, each way.
 
 struct TableMark {
   Eigen::Vector2d p_T_mm;

@@ -23,11 +23,11 @@ namespace kerfbench::vision {
 /// A tile with what is needed to measure in it.
 struct TileView {
   camera::KerfTile tile;
-  Eigen::Vector2d centre_T_mm{Eigen::Vector2d::Zero()};  ///< What the middle of the image sees.
+  Eigen::Vector2d centre_T_mm{Eigen::Vector2d::Zero()};  ///< Place that the middle of the image sees.
   double half_diagonal_mm{};
   std::optional<Background> background;
   double noise_gray{};
-  std::vector<FoundMark> marks;  ///< In the camera's plane V.
+  std::vector<FoundMark> marks;  ///< Marks by their places in the camera's plane V.
   LightField light;              ///< Back light over the field; see shareLight().
 };
 
@@ -57,16 +57,16 @@ class TileIndex {
   std::vector<std::vector<std::uint32_t>> cells_;  ///< Tiles that may see a point of the cell.
 };
 
-/// How one unit lies on the table.
+/// Pose of one unit on the table.
 struct UnitPlace {
   PlaneMotion X_TS;
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
-  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< As UnitPose's.
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< Covariance as UnitPose's.
 };
 
-/// From the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
-/// nullopt if the marks do not tell.
+/// Pose by the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
+/// nullopt if the marks do not suffice.
 std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
                                    const PrintLayout& print, const CameraCalibration& calibration,
                                    std::vector<std::string>& problems);

@@ -32,12 +32,12 @@ struct MarkPair {
 struct MotionFit {
   PlaneMotion motion;
   double rms_mm{};  ///< NaN with one pair.
-  int pairs{};      ///< That were used.
-  /// Of (shift x, shift y, angle): mm², mm rad, rad². See motionCovariance().
+  int pairs{};      ///< Number of pairs that were used.
+  /// Covariance of shift x, shift y and angle: mm², mm rad, rad². See motionCovariance().
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
-/// Least squares. One pair keeps angle_guess_rad. @throws std::invalid_argument without a pair.
+/// Motion by least squares. One pair keeps angle_guess_rad. @throws std::invalid_argument without a pair.
 PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad);
 
 /// Covariance of fitMotion's (shift x, shift y, angle) by the pairs' own sigma_mm, checked against how well
@@ -45,8 +45,8 @@ PlaneMotion fitMotion(std::span<const MarkPair> pairs, double angle_guess_rad);
 /// sigmas the residuals alone tell. The angle of one pair is not measured: its row is zero.
 Eigen::Matrix3d motionCovariance(std::span<const MarkPair> pairs, const PlaneMotion& motion);
 
-/// The same without pairs that disagree with the others by more than limit_mm. Of two pairs that disagree
-/// with each other, the one nearer to `expected` is kept.
+/// Motion without pairs that disagree with the others by more than limit_mm. Of two pairs that disagree with
+/// each other, the one nearer to `expected` is kept.
 MotionFit fitMotionRobust(std::vector<MarkPair> pairs, const PlaneMotion& expected, double limit_mm);
 
 struct ConstellationQuery {
@@ -57,10 +57,12 @@ struct ConstellationQuery {
   double max_angle_rad{0.03};  ///< Around expected.angle_rad.
   double tolerance_mm{0.5};
   PlaneMotion expected;   ///< Motion that is expected of the web; S of unit 0.
-  double max_shift_mm{};  ///< From expected, at the mark itself; infinity where nothing is known.
+  double max_shift_mm{};  ///< Largest distance from `expected`, at the mark itself; infinity where nothing is
+                          ///< known.
   bool
       prefer_least_advanced{};  ///< Takes the smallest x of equally good ones, as for a web that just enters.
-  /// Whether a mark at this place would have been seen; expected but unseen marks speak against a motion.
+  /// Returns whether a mark at this place would have been seen; expected but unseen marks speak against a
+  /// motion.
   std::function<bool(const Eigen::Vector2d& q_mm)> in_view;
 };
 

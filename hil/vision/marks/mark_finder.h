@@ -13,13 +13,13 @@
 
 namespace kerfbench::vision {
 
-/// A printed disc that was found, darker than the board around it.
+/// Printed disc that was found, darker than the board around it.
 struct FoundMark {
-  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Its centre in the camera's plane.
-  Eigen::Vector2d pixel{
-      Eigen::Vector2d::Zero()};  ///< Centroid of its picture; not quite the picture of its centre.
-  double diameter_mm{};          ///< That was looked for.
-  double contrast_gray{};        ///< Board minus ink.
+  Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};  ///< Centre of the disc in the camera's plane.
+  /// Centroid of the picture; not quite the picture of the centre.
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
+  double diameter_mm{};    ///< Diameter that was looked for.
+  double contrast_gray{};  ///< Board minus ink.
   /// Standard uncertainty of p_mm per axis, from how the edge of this disc scatters about a circle: noise,
   /// grain and a rough print, but not the map.
   double sigma_mm{};
@@ -35,7 +35,7 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
 std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration& calibration,
                                  const Background& background, std::span<const double> diameters_mm);
 
-/// How far from the edge of the image the centre of a disc must be to be measured, px.
+/// Least distance of a disc's centre from the edge of the image, px.
 double markBorderPx(double radius_px);
 
 }  // namespace kerfbench::vision

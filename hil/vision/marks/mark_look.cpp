@@ -13,11 +13,11 @@
 namespace kerfbench::vision {
 namespace {
 
-constexpr double kInnerRim = 0.75;  // of the radius: all ink inside
+constexpr double kInnerRim = 0.75;  // Share of the radius within which all is ink.
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
 
-/// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge hold beside a
+/// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge show beyond a
 /// shift and a growth of the disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
 double centroidNoise(const std::array<double, kSectors>& sector, double radius_px, double area_px) {
   double mean = 0.0;
@@ -162,8 +162,8 @@ class MarkSums {
   double ink_sum_{0.0}, board_sum_{0.0};
   int board_count_{0};
   double board_squares_{0.0};
-  double edge_spread_{0.0};        // Sum of squares of an axis over the edge …
-  double edge_spread_light_{0.0};  // … and weighted by grey.
+  double edge_spread_{0.0};        // Sum of squares of an axis over the edge.
+  double edge_spread_light_{0.0};  // Sum of squares of an axis over the edge, weighted by grey.
   Eigen::Vector2d board_moment_{Eigen::Vector2d::Zero()};
   Eigen::Vector2d board_place_{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d board_spread_{Eigen::Matrix2d::Zero()};

@@ -9,7 +9,7 @@
 
 namespace kerfbench::vision {
 
-// Parts of measureMark(): what one look at a printed disc tells.
+// Parts of measureMark(): one look at a printed disc.
 
 inline constexpr double kOuterRim = 1.4;  ///< Ring of board, in radii of a disc: all board out to here.
 
@@ -22,7 +22,7 @@ struct MarkLevels {
 };
 
 struct PixelBox {
-  int left, top, right, bottom;  // inclusive
+  int left, top, right, bottom;  // Columns and rows, the last ones included.
 };
 
 std::optional<PixelBox> boxAround(const GrayImage& image, const Eigen::Vector2d& centre, double half_px);
@@ -39,10 +39,10 @@ struct MarkLook {
   double sigma_px;         ///< Standard deviation of the centroid, per axis.
 };
 
-/// Where a disc should be, and how its picture is drawn out by the camera's tilt.
+/// Expected disc, and the stretch of its picture by the camera's tilt.
 struct DiscPlace {
-  Eigen::Vector2d centre;        ///< In the picture, px.
-  Eigen::Matrix2d mm_per_pixel;  ///< From the picture to the plane, at the centre.
+  Eigen::Vector2d centre;        ///< Centre in the picture, px.
+  Eigen::Matrix2d mm_per_pixel;  ///< Map from the picture to the plane, at the centre.
   double radius_mm;
   double edge_half_px;  ///< Half the width of the disc's blurred edge.
 

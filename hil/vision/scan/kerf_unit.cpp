@@ -181,7 +181,7 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) cons
   scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
-      continue;  // It may end in a bridge.
+      continue;  // Perforations may end in a bridge.
     scan.ends.push_back(measureEnd(scene, end));
   }
   for (const EntityEnd& start : plan_.closures) {

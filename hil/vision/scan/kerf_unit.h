@@ -43,7 +43,7 @@ class UnitScan {
   struct WindowOnPixels {
     Eigen::Vector2d along_px{Eigen::Vector2d::Zero()};
     Eigen::Vector2d across_px{Eigen::Vector2d::Zero()};
-    /// What the grid leaves of the offset of a kerf that lies askew in the window.
+    /// Error that the grid leaves in the offset of a kerf that lies askew in the window.
     [[nodiscard]] double gridNoise_mm(double slope, double pixel_mm) const {
       return gridNoisePx(along_px + slope * across_px) * pixel_mm;
     }

@@ -32,8 +32,7 @@ void keepAngle(MotionFit& fit, std::span<const MarkPair> pairs, double angle_var
   fit.covariance += angle_variance * by_angle * by_angle.transpose();
 }
 
-/// Variance of the angle that a match of these discs tells: of their greatest distance, or nothing but its
-/// limits.
+/// Variance of the angle by a match of these discs: of their greatest distance, or nothing but its limits.
 double angleVarianceOf(const std::vector<FoundMark>& seen, double max_angle_rad) {
   double smallest = max_angle_rad * max_angle_rad / 3.0;
   for (const FoundMark& a : seen) {
@@ -121,8 +120,8 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
   return out;
 }
 
-/// What twelve sectors of one edge tell of its noise scatters by a quarter; the marks before had the same
-/// noise, but for the length of their edge.
+/// The noise by twelve sectors of one edge scatters by a quarter; the marks before had the same noise, but
+/// for the length of their edge.
 void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double own = pairs[i].sigma_mm * pairs[i].sigma_mm * diameters_mm[i];

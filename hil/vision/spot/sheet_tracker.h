@@ -22,7 +22,7 @@ class SheetTracker {
  public:
   SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s);
 
-  /// What lies where the glowing spot is cannot be measured.
+  /// Area of the glowing spot, where no mark can be measured.
   struct KeepOut {
     Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
     double radius_mm{};
@@ -72,9 +72,9 @@ class SheetTracker {
   double largest_diameter_mm_{};
   std::map<int, UnitState> units_;
   double contrast_gray_{80.0};
-  double pooled_mm3_{};  ///< Mean of variance times diameter of the marks before …
-  double pooled_{};      ///< … and of how many.
-  bool angle_known_{};   ///< Two marks of a unit were seen at once, ever.
+  double pooled_mm3_{};  ///< Mean of variance times diameter of the marks so far.
+  double pooled_{};      ///< Number of marks in pooled_mm3_.
+  bool angle_known_{};   ///< True once two marks of a unit were seen at once.
   double time_s_{};
 };
 

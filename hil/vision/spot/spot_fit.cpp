@@ -27,7 +27,7 @@ using Vector = SpotParameters::Vector;
 using Matrix = SpotParameters::Matrix;
 
 struct Window {
-  int left, top, right, bottom;  // inclusive
+  int left, top, right, bottom;  // Columns and rows, the last ones included.
   [[nodiscard]] int width() const { return right - left + 1; }
   [[nodiscard]] int height() const { return bottom - top + 1; }
 };
@@ -44,7 +44,7 @@ double withoutPrint(const GrayImage& image, int c, int r, std::span<const DiscIn
   return value;
 }
 
-/// The bright region around the peak tells size and direction to start from.
+/// The bright region around the peak gives size and direction to start from.
 std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, double board, double noise,
                                 std::span<const DiscInPicture> discs) {
   const double floor_gray = board + std::max(3.0 * noise, 0.2 * static_cast<double>(peak.height));
@@ -161,7 +161,7 @@ class SpotProblem {
   std::vector<Pixel> pixels_;
 };
 
-/// Print that nobody told of is no part of the model: neither are its blurred edges.
+/// Print that is not listed is no part of the model: neither are its blurred edges.
 void SpotProblem::leaveOutPrint() {
   constexpr int kEdgePx = 2;
   const double dark =
@@ -185,7 +185,7 @@ Sums SpotProblem::sums(SpotShape shape, const Vector& q) {
   forEach([&](const Pixel& pixel, int c, int r) {
     if (!pixel.used) return;
     const SpotLight light = spotLight(shape, q, c, r, pixel.cover, j);
-    // As bright as it can be: agrees, and tells no more.
+    // Saturated pixel that agrees with the model, and adds nothing.
     if (pixel.value >= kSaturated && light.value >= kSaturated) {
       ++sums.saturated;
       return;

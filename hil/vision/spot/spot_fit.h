@@ -13,7 +13,7 @@
 
 namespace kerfbench::vision {
 
-/// A printed disc as the fit of a spot beside it must know it.
+/// Printed disc as the fit of a nearby spot must know it.
 struct DiscInPicture {
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};
   Eigen::Matrix2d mm_per_pixel{Eigen::Matrix2d::Identity()};
@@ -24,14 +24,14 @@ struct DiscInPicture {
 /// A glowing spot in pixels: an elliptical Gaussian, or a round one that ran along a line during the
 /// exposure.
 struct SpotFit {
-  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Its middle.
+  Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};           ///< Middle of the spot.
   Eigen::Matrix2d covariance_px2{Eigen::Matrix2d::Zero()};  ///< Covariance of the estimated centre.
   double long_sigma_px{};  ///< Standard deviation of the light along its longer axis.
   double short_sigma_px{};
   double
       height_gray{};  ///< Height of its brightest place above the board; more than 255 for a saturated spot.
   ShotEvidence shot;
-  /// How the centre follows the grey of a pixel of the spot.
+  /// Influence of a pixel of the spot on its centre.
   struct Influence {
     int column{}, row{};
     Eigen::Vector2d by_gray{Eigen::Vector2d::Zero()};  ///< px / grey

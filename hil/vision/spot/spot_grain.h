@@ -10,8 +10,8 @@
 
 namespace kerfbench::vision {
 
-/// What pixels of plain board have in common with their neighbours: noise alone has nothing in common, the
-/// board's grain does. Taken from the surroundings of the spots of all frames so far.
+/// Correlation of neighbouring pixels of plain board: noise alone has nothing in common, the board's grain
+/// does. Taken from the surroundings of the spots of all frames so far.
 class BoardGrain {
  public:
   /// Looks at the board around a spot.

@@ -5,8 +5,8 @@
 
 namespace kerfbench::vision {
 
-/// How the light of a spot lies on the pixels: a Gaussian bell of height 1, or one that ran evenly along a
-/// line while the shutter was open, its light spread over the line.
+/// Distribution of a spot's light over the pixels: a Gaussian bell of height 1, or one that ran evenly along
+/// a line while the shutter was open, its light spread over the line.
 enum class SpotShape { kBell, kStreak };
 
 /// Parameters of a spot in its window:
@@ -27,10 +27,10 @@ struct SpotLight {
   double value{};  ///< Grey, not clipped.
 };
 
-/// `cover`: share of the pixel under ink.
+/// Light of a pixel; `cover`: share of it under ink.
 SpotLight spotLight(SpotShape shape, const SpotParameters::Vector& q, double c, double r, double cover);
 
-/// The same with the derivative of the grey by the parameters.
+/// Light of a pixel with its derivative by the parameters.
 SpotLight spotLight(SpotShape shape, const SpotParameters::Vector& q, double c, double r, double cover,
                     SpotParameters::Vector& derivative);
 

@@ -7,8 +7,8 @@ namespace kerfbench::vision {
 
 /// Noise of a pixel: read noise and, growing with the light, shot noise.
 struct PixelNoise {
-  double board_gray{};      ///< Gray of the plain board …
-  double board_variance{};  ///< … and the variance there, grey².
+  double board_gray{};      ///< Gray of the plain board.
+  double board_variance{};  ///< Variance on the plain board, gray².
   double per_gray{};        ///< Variance for each grey of light; in [0, board_variance / board_gray].
 
   [[nodiscard]] double variance(double gray) const {
@@ -16,7 +16,7 @@ struct PixelNoise {
   }
 };
 
-/// What the pixels of a spot tell of shot noise: how far they lie off the fitted spot, against how much
+/// Evidence of shot noise in the pixels of a spot: how far they lie off the fitted spot, against how much
 /// brighter than the board they are.
 struct ShotEvidence {
   double products{};

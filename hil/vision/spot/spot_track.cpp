@@ -21,15 +21,15 @@ namespace {
 
 constexpr std::size_t kBatch = 16;
 constexpr std::size_t kCandidates = 4;
-constexpr int kSearchEvery = 20;        // frames, at most
-constexpr double kSearchEveryMm = 5.0;  // of belt, at most
+constexpr int kSearchEvery = 20;        // Most frames between two searches.
+constexpr double kSearchEveryMm = 5.0;  // Most travel of the belt between two searches.
 constexpr int kDarkGray = 8;
 constexpr double kSaturatedShare = 0.02;
-// Shares of all marks that should have been seen.
+// Shares of all marks that were expected.
 constexpr double kMissingShare = 0.2;
 constexpr double kMovedShare = 0.05;
 
-/// What can be told from one frame alone.
+/// Measurement of one frame alone.
 struct Glance {
   std::optional<SpotFit> spot;
   double board_gray{};

@@ -11,32 +11,33 @@
 
 namespace kerfbench::vision {
 
-/// Where one unit of the web is, as its printed marks tell: p_W = R(angle) p_S + t, rigid. S is the unit's
-/// own frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of
-/// unit k.
+/// Pose of one unit of the web, by its printed marks: p_W = R(angle) p_S + t, rigid. S is the unit's own
+/// frame S_k, the dieline's coordinates: the pose of unit k + 1 lies one pitch upstream (-x) of that of unit
+/// k.
 struct SheetPose {
-  int unit{};  ///< Which unit's marks were seen.
+  int unit{};  ///< Unit whose marks were seen.
   Eigen::Vector2d p_WS_mm{Eigen::Vector2d::Zero()};
   double angle_rad{};
   double residual_mm{};  ///< RMS distance of the marks from their places; NaN with one mark.
-  int marks{};           ///< How many marks; one alone keeps the angle of the frames before.
+  int marks{};           ///< Number of marks; one alone keeps the angle of the frames before.
   int expected{};        ///< Marks that lie well within the picture and not under the spot.
-  int moved{};           ///< Marks that were seen, but not where the others let expect them: not used.
-  /// Of (p_WS x, p_WS y, angle) by the noise of this frame: mm², mm rad, rad². With one mark the angle is as
-  /// uncertain as it was when last measured, and errs alike in all frames since. Without map_u_mm.
+  int moved{};           ///< Marks that were seen elsewhere than the others make expect; not used.
+  /// Covariance of p_WS x, p_WS y and angle by the noise of this frame: mm², mm rad, rad²; without map_u_mm.
+  /// With one mark the angle has the uncertainty of its last measurement, and the same error in all frames
+  /// since.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
 
-/// What makes a frame unfit to measure in.
+/// Faults that make a frame unfit to measure in.
 struct FrameFaults {
   bool dark{};       ///< Hardly any light on the board.
   bool saturated{};  ///< A large part of the picture is as bright as it can be.
   bool blurred{};    ///< The spot is wider than SpotTrackOptions::widest_spot_mm.
-  bool lifeless{};   ///< No noise at all: not the picture of a sensor.
+  bool lifeless{};   ///< Picture without any noise, so not of a sensor.
   [[nodiscard]] bool any() const { return dark || saturated || blurred || lifeless; }
 };
 
-/// What one frame of the spot camera showed.
+/// Measurement of one frame of the spot camera.
 struct FrameMeasurement {
   std::uint64_t sequence{};
   double mid_s{};                            ///< Middle of the exposure.
@@ -50,17 +51,17 @@ struct FrameMeasurement {
 
 struct SpotTrackOptions {
   int threads{1};  ///< The result is the same at any number.
-  /// Speed of the belt, for telling the units apart between frames; from the scenario.
+  /// Speed of the belt, to tell the units apart between frames; from the scenario.
   double nominal_speed_mm_s{};
-  /// Standard deviation of the light across its way, beyond which the picture is blurred, mm.
+  /// Standard deviation of the light across its path beyond which the picture is blurred, mm.
   double widest_spot_mm{0.3};
 };
 
 struct SpotTrack {
   std::vector<FrameMeasurement> frames;
   std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
-  /// Why the frames must not be judged by, in sentences: unfit frames, marks missing or moved in many of
-  /// them. INVALID when there is any. Lost frames are told by frames_lost alone.
+  /// Reasons not to judge by the frames, in sentences: unfit frames, marks missing or moved in many of them.
+  /// INVALID when there is any. Lost frames are in frames_lost alone.
   std::vector<std::string> problems{};
 };
 

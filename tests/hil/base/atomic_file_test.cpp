@@ -3,17 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <iterator>
 #include <system_error>
 
+#include "tests/hil/base/temp_folder.h"
+
 namespace kerfbench::base {
 namespace {
-
-std::string contentOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class AtomicFileTest : public testing::Test {
  protected:

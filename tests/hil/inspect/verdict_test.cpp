@@ -118,11 +118,5 @@ TEST(ExtremeQuantile, GrowsWithTheCountAsTablesSay) {
   EXPECT_NEAR(extremeQuantile(10000), 4.58, 0.03);  // 1 - 0.9545^(1/10000) = 4.66e-6, two-sided.
 }
 
-TEST(Median, IsTheMiddle) {
-  EXPECT_EQ(medianOf({3, 1, 2}), 2);
-  EXPECT_EQ(medianOf({4, 1, 2, 3}), 2.5);
-  EXPECT_TRUE(std::isnan(medianOf({})));
-}
-
 }  // namespace
 }  // namespace kerfbench::inspect

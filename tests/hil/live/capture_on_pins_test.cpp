@@ -26,10 +26,10 @@ class EventfulAnalyser final : public source::AnalyserSystem {
   int started{};
 
   source::AnalyserList list() override { return script.list(); }
-  std::unique_ptr<source::AnalyserFeed> acquire(const source::AnalyserWish& wish) override {
+  std::unique_ptr<source::AnalyserFeed> acquire(const source::AnalyserRequest& request) override {
     ++started;
     event_();
-    return script.acquire(wish);
+    return script.acquire(request);
   }
 
  private:

@@ -39,7 +39,7 @@ class ScriptedSource : public source::SignalSource {
     batch = {};
     const Tick from = advanced.empty() ? 0 : advanced.back();
     batch.watermark = std::min(until, stop_at);
-    batch.uart_heard = batch.watermark + heard_behind;
+    batch.uart_received = batch.watermark + heard_behind;
     for (const PinEvent& e : events) {
       if (e.tick > from && e.tick <= batch.watermark) batch.events.push_back(e);
     }

@@ -182,7 +182,7 @@ TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_TRUE(std::isnan(sums.beltFaster_s(1050.0, 0.04)));
   EXPECT_LT(sums.beltFaster_s(950.0, 0.04), 0.1);
   controller::UartListener::Account told{{0.1, 90}, {0.9, 888}, {4, 0, 0, 0, 0}};
-  const auto account = sums.accountBeside(told, {250e3, 0.0});
+  const auto account = sums.compareWithReport(told, {250e3, 0.0});
   ASSERT_EQ(account.axes.size(), 1U) << "what is wired";
   EXPECT_EQ(account.axes[0].name, "galvo_x");
   EXPECT_EQ(account.axes[0].seen, 4);
@@ -190,11 +190,11 @@ TEST(PulseCounter, PulsesCountWithTheirSenseAndTheBeltWithItsOwn) {
   EXPECT_EQ(account.belt->told, 798);
   EXPECT_EQ(account.belt->seen_min, 800 - 3);  // The controller can have read its belt within 3.64 ms.
   EXPECT_EQ(account.belt->seen_max, 800 + 3);
-  // A word that is read up to 16 ms late may have been read that much earlier.
-  const auto late = sums.accountBeside(told, {250e3, 16e-3});
+  // Read up to 16 ms late, it may have looked so much earlier.
+  const auto late = sums.compareWithReport(told, {250e3, 16e-3});
   EXPECT_EQ(late.belt->seen_min, 800 - 3 - 16);
   EXPECT_EQ(late.belt->seen_max, 800 + 3 + 16);
-  EXPECT_FALSE(sums.accountBeside(std::nullopt, {250e3, 0.0}).told);
+  EXPECT_FALSE(sums.compareWithReport(std::nullopt, {250e3, 0.0}).told);
 }
 
 }  // namespace

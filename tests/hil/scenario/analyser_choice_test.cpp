@@ -40,13 +40,13 @@ TEST_F(AnalyserChoiceTest, TheSameScenarioRunsOnAnAnalyser) {
                                "  settings: {voltage_threshold: 1.2-1.2}\n");
   EXPECT_TRUE(test_case.scenario.firmware.onRealPins());
   const source::AnalyserCaptureOptions options = captureOptions(test_case.scenario.firmware.analyser);
-  EXPECT_EQ(options.wish.driver, "fx2lafw");
-  EXPECT_EQ(options.wish.conn, "1.14");
-  EXPECT_EQ(options.wish.serial, "0007");
-  EXPECT_EQ(options.wish.samplerate_hz, 24'000'000U);
-  EXPECT_THAT(options.wish.channels, ElementsAre("D0", "D1", "D2", "D3", "D4", "D5"));
+  EXPECT_EQ(options.request.driver, "fx2lafw");
+  EXPECT_EQ(options.request.conn, "1.14");
+  EXPECT_EQ(options.request.serial, "0007");
+  EXPECT_EQ(options.request.samplerate_hz, 24'000'000U);
+  EXPECT_THAT(options.request.channels, ElementsAre("D0", "D1", "D2", "D3", "D4", "D5"));
   EXPECT_EQ(options.signals[4], Signal::kLaserGate);
-  EXPECT_THAT(options.wish.settings, ElementsAre(std::pair("voltage_threshold", "1.2-1.2")));
+  EXPECT_THAT(options.request.settings, ElementsAre(std::pair("voltage_threshold", "1.2-1.2")));
   EXPECT_EQ(options.quiet_s, 3.0);
   EXPECT_THROW((void)run::openRelease(test_case.scenario.firmware, temp_.path()), base::InputError);
 }
@@ -112,8 +112,8 @@ TEST_F(AnalyserChoiceTest, ItIsListenedToForAsLongAsTheScenarioSays) {
   analyser.runs = {{24'000'000, 0b000}, {240, 0b001}, {24'000'000, 0}};
   base::Console console(true);
   const source::PinCapture captured = live::captureAnalyserCase(test_case, analyser, console);
-  EXPECT_EQ(analyser.wished.listen.limit_samples, 96'000'000U);
-  EXPECT_EQ(analyser.wished.listen.quiet_samples, 12'000'000U);
+  EXPECT_EQ(analyser.requested.listen.limit_samples, 96'000'000U);
+  EXPECT_EQ(analyser.requested.listen.quiet_samples, 12'000'000U);
   EXPECT_EQ(captured.edges, 2U);
   // A PUL that rests high is allowed by some drives.
   analyser.runs = {{24'000'000, 0b001}, {240, 0b000}, {24'000'000, 1}};

@@ -75,7 +75,7 @@ void setRate(Library& library, sr_dev_inst* device, std::uint64_t rate_hz) {
   if (granted_hz != rate_hz) refuse("it grants " + std::to_string(granted_hz) + " Hz");
 }
 
-/// An analyser that does not stream takes as many samples as it is told, and no more than its memory holds.
+/// An analyser that does not stream takes as many samples as it is set to, and no more than its memory holds.
 void setLimit(Library& library, sr_dev_inst* device, std::uint64_t limit) {
   if (sr_dev_has_option(device, SR_CONF_CONTINUOUS) == TRUE ||
       sr_dev_has_option(device, SR_CONF_LIMIT_SAMPLES) == FALSE)

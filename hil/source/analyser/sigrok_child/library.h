@@ -9,7 +9,7 @@
 
 namespace kerfbench::sigrok_child {
 
-/// What libsigrok's drivers say: it is the only place in which they tell of overruns.
+/// Messages of libsigrok's drivers, the only place in which they report overruns.
 class DriverLog {
  public:
   DriverLog();
@@ -38,7 +38,7 @@ class Library {
   std::vector<sr_dev_inst*> scan(sr_dev_driver* driver, const std::string& conn);
   [[nodiscard]] sr_context* context() const { return context_.get(); }
   DriverLog& log() { return log_; }
-  /// What went wrong by libsigrok's code, and what its drivers have said since.
+  /// Error in words by libsigrok's code, and what its drivers have said since.
   std::string why(int code);
 
  private:
@@ -52,7 +52,7 @@ std::string nameOf(sr_dev_inst* device);
 std::string describe(sr_dev_inst* device);
 /// Logic channels.
 std::vector<sr_channel*> logicChannels(sr_dev_inst* device);
-/// Rates that the open device has, for people; empty: it does not tell.
+/// Rates of the open device, for people; empty: it lists none.
 std::string ratesOf(sr_dev_inst* device);
 
 }  // namespace kerfbench::sigrok_child

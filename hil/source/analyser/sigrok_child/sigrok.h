@@ -15,10 +15,10 @@ namespace kerfbench::sigrok_child {
 
 using Frame = source::analyser_stream::AnalyserFrame;
 
-/// Where frames go; may throw, which ends the work.
+/// Receiver of frames; one that throws ends the work.
 using Sink = std::function<void(Frame, const std::string& payload)>;
 
-/// It does not come to sampling; what() says in words why.
+/// Failure before sampling begins; what() gives the reason in words.
 class SigrokError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

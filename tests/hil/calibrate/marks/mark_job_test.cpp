@@ -220,13 +220,13 @@ TEST(MarkPlaces, AGridHasItsRimAndGoesToAndFro) {
 }
 
 TEST(MarkPlaces, RandomOnesKeepApartAndReachTheRimAndDependOnTheirSeedAlone) {
-  RandomPlaces wish;
-  wish.count = 150;
-  wish.apart_mm = 5.5;
-  wish.known = gridPlaces(kField, 9);
-  wish.from_known_mm = 2.0;
-  wish.seed = 5;
-  const auto places = randomPlaces(kField, wish);
+  RandomPlaces request;
+  request.count = 150;
+  request.apart_mm = 5.5;
+  request.known = gridPlaces(kField, 9);
+  request.from_known_mm = 2.0;
+  request.seed = 5;
+  const auto places = randomPlaces(kField, request);
   ASSERT_EQ(places.size(), 150U);
   int on_rim = 0;
   Vector2d mean(0.0, 0.0);
@@ -235,26 +235,25 @@ TEST(MarkPlaces, RandomOnesKeepApartAndReachTheRimAndDependOnTheirSeedAlone) {
     mean += places[i] / 150.0;
     if (places[i].cwiseAbs().maxCoeff() == 50.0) ++on_rim;
     for (std::size_t j = 0; j < i; ++j) ASSERT_GE(marksApart_mm(places[i], places[j]), 5.5);
-    for (const Vector2d& known : wish.known) ASSERT_GE(marksApart_mm(places[i], known), 2.0);
+    for (const Vector2d& known : request.known) ASSERT_GE(marksApart_mm(places[i], known), 2.0);
   }
   EXPECT_EQ(on_rim, 15);
-  // The displacements are even: one standard deviation is 2 mm in each direction.
-  EXPECT_LT(mean.norm(), 10.0);
-  EXPECT_EQ(randomPlaces(kField, wish), places);
-  wish.seed = 6;
-  EXPECT_NE(randomPlaces(kField, wish), places);
-  wish.count = 1500;
-  EXPECT_THROW(static_cast<void>(randomPlaces(kField, wish)), std::invalid_argument);
+  EXPECT_LT(mean.norm(), 10.0);  // Evenly: one standard deviation is 2 mm each way.
+  EXPECT_EQ(randomPlaces(kField, request), places);
+  request.seed = 6;
+  EXPECT_NE(randomPlaces(kField, request), places);
+  request.count = 1500;
+  EXPECT_THROW(static_cast<void>(randomPlaces(kField, request)), std::invalid_argument);
 }
 
 TEST(MarkPlaces, VerifyingManyTakesSeveralSheetsWithRimAndMiddlesOfCellsOnEach) {
-  VerifyPlaces wish;
-  wish.count = 401;
-  wish.mark_size_mm = 5.0;
-  wish.marked = gridPlaces(kField, 17);
-  for (int i = 0; i < 64; ++i) wish.middles.emplace_back(-45.1 + 13.0 * (i % 8), -45.1 + 13.0 * (i / 8));
-  wish.seed = 7;
-  const auto sheets = verifySheets(kField, wish);
+  VerifyPlaces request;
+  request.count = 401;
+  request.mark_size_mm = 5.0;
+  request.marked = gridPlaces(kField, 17);
+  for (int i = 0; i < 64; ++i) request.middles.emplace_back(-45.1 + 13.0 * (i % 8), -45.1 + 13.0 * (i / 8));
+  request.seed = 7;
+  const auto sheets = verifySheets(kField, request);
   ASSERT_EQ(sheets.size(), 4U);
   std::size_t count = 0;
   std::set<std::pair<double, double>> middles;
@@ -265,12 +264,12 @@ TEST(MarkPlaces, VerifyingManyTakesSeveralSheetsWithRimAndMiddlesOfCellsOnEach) 
     std::size_t on_middle = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i].cwiseAbs().maxCoeff() == 50.0) ++on_rim;
-      if (std::ranges::find(wish.middles, places[i]) != wish.middles.end()) {
+      if (std::ranges::find(request.middles, places[i]) != request.middles.end()) {
         ++on_middle;
         EXPECT_TRUE(middles.emplace(places[i].x(), places[i].y()).second);
       }
       for (std::size_t j = 0; j < i; ++j) ASSERT_GE(marksApart_mm(places[i], places[j]), 6.25);
-      for (const Vector2d& marked : wish.marked) ASSERT_GE(marksApart_mm(places[i], marked), 1.25);
+      for (const Vector2d& marked : request.marked) ASSERT_GE(marksApart_mm(places[i], marked), 1.25);
     }
     EXPECT_GE(on_rim, 10U);
     EXPECT_LE(on_rim, 11U);
@@ -279,22 +278,22 @@ TEST(MarkPlaces, VerifyingManyTakesSeveralSheetsWithRimAndMiddlesOfCellsOnEach) 
     EXPECT_LE(on_middle, 10U);
   }
   EXPECT_EQ(count, 401U);
-  EXPECT_EQ(verifySheets(kField, wish), sheets);
+  EXPECT_EQ(verifySheets(kField, request), sheets);
   EXPECT_NE(sheets[0], sheets[1]);
-  wish.seed = 8;
-  EXPECT_NE(verifySheets(kField, wish), sheets);
+  request.seed = 8;
+  EXPECT_NE(verifySheets(kField, request), sheets);
 }
 
 TEST(MarkPlaces, VerifyingFewTakesOneSheetAndNoRoomIsRefused) {
-  VerifyPlaces wish;
-  wish.count = 20;
-  wish.mark_size_mm = 5.0;
-  EXPECT_EQ(verifySheets(kField, wish).size(), 1U);
-  wish.mark_size_mm = 0.0;
-  EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
-  wish.mark_size_mm = 30.0;
-  wish.marked = gridPlaces(kField, 17);  // Every place lies next to one of these marks.
-  EXPECT_THROW(static_cast<void>(verifySheets(kField, wish)), std::invalid_argument);
+  VerifyPlaces request;
+  request.count = 20;
+  request.mark_size_mm = 5.0;
+  EXPECT_EQ(verifySheets(kField, request).size(), 1U);
+  request.mark_size_mm = 0.0;
+  EXPECT_THROW(static_cast<void>(verifySheets(kField, request)), std::invalid_argument);
+  request.mark_size_mm = 30.0;
+  request.marked = gridPlaces(kField, 17);  // Every place lies beside one of them.
+  EXPECT_THROW(static_cast<void>(verifySheets(kField, request)), std::invalid_argument);
 }
 
 TEST(MarkPlaces, NumbersRunOnFromJobToJob) {

@@ -28,9 +28,9 @@ class AnalyserCaptureTest : public testing::Test {
     map.assign(Signal::kGalvoXDir, {0, 5});
     map.assign(Signal::kLaserGate, {1, 0});
     map.assign(Signal::kEncoderA, {2, 0});
-    options.wish.driver = "demo";
-    options.wish.samplerate_hz = kRate;
-    options.wish.channels = {"D0", "D1", "D2"};
+    options.request.driver = "demo";
+    options.request.samplerate_hz = kRate;
+    options.request.channels = {"D0", "D1", "D2"};
     options.signals = {Signal::kGalvoXPul, Signal::kGalvoXDir, Signal::kLaserGate};
     options.quiet_s = 0.5;
     options.time_limit_s = 3.0;
@@ -63,8 +63,8 @@ TEST_F(AnalyserCaptureTest, EdgesHaveTheTickOfTheirFirstSampleAfterALead) {
                           PinEvent{100'000, 1, 1, 1, 0}, PinEvent{100'005, 0, 0x08, 0x20, 0},
                           PinEvent{100'006, 1, 1, 0, 0}));
   EXPECT_EQ(captured.recording.end, 300'006U);
-  EXPECT_EQ(analyser.wished.listen.quiet_samples, 500'000U);
-  EXPECT_EQ(analyser.wished.listen.limit_samples, 3'000'000U);
+  EXPECT_EQ(analyser.requested.listen.quiet_samples, 500'000U);
+  EXPECT_EQ(analyser.requested.listen.limit_samples, 3'000'000U);
 }
 
 TEST_F(AnalyserCaptureTest, AnEdgeAtTheVeryStartIsLaterThanTheLevelsAtTheStart) {
@@ -146,7 +146,7 @@ TEST_F(AnalyserCaptureTest, WishesThatMakeNoSenseAreMistakesOfOurs) {
   refused([](auto& o) { o.signals[0] = Signal::kEncoderA; });
   refused([](auto& o) { o.signals[0] = Signal::kFeedPul; });
   refused([](auto& o) { o.signals.pop_back(); });
-  refused([](auto& o) { o.wish.samplerate_hz = 0; });
+  refused([](auto& o) { o.request.samplerate_hz = 0; });
   refused([](auto& o) { o.quiet_s = 0.0; });
   refused([](auto& o) { o.time_limit_s = 1e12; });
 }

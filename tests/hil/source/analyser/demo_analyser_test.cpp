@@ -18,15 +18,15 @@ class DemoAnalyser : public testing::Test {
   DemoAnalyser() {
     map.assign(Signal::kGalvoXPul, {0, 0});
     map.assign(Signal::kGalvoXDir, {0, 1});
-    options.wish.driver = "demo";
-    options.wish.samplerate_hz = 1'000'000;
-    // The demo driver fills the first n channels if n are on, whichever they are.
-    options.wish.channels = {"D0", "D1"};
+    options.request.driver = "demo";
+    options.request.samplerate_hz = 1'000'000;
+    // Of n channels that are on the demo driver fills the first n, whichever they are.
+    options.request.channels = {"D0", "D1"};
     options.signals = {Signal::kGalvoXPul, Signal::kGalvoXDir};
     options.time_limit_s = 0.02;
   }
   PinCapture capture(const std::string& pattern) {
-    options.wish.settings = {{"pattern", pattern}};
+    options.request.settings = {{"pattern", pattern}};
     return captureAnalyser(options, map, *analysers);
   }
   std::string refusal() {
@@ -86,31 +86,31 @@ TEST_F(DemoAnalyser, RefusesWhatItDoesNotHaveAndSaysWhatThereIs) {
   const AnalyserCaptureOptions good = options;
   const auto refused = [&](auto change) {
     options = good;
-    change(options.wish);
+    change(options.request);
     return refusal();
   };
-  EXPECT_THAT(refused([](AnalyserWish& w) {
+  EXPECT_THAT(refused([](AnalyserRequest& w) {
                 w.channels = {"D8", "CLK"};
               }),
               HasSubstr("it has no channel 'D8', 'CLK'; it has D0 D1 D2 D3 D4 D5 D6 D7"));
-  EXPECT_THAT(refused([](AnalyserWish& w) { w.driver = "demon"; }),
+  EXPECT_THAT(refused([](AnalyserRequest& w) { w.driver = "demon"; }),
               AllOf(HasSubstr("no driver 'demon'"), HasSubstr(" demo "), HasSubstr(" fx2lafw ")));
-  EXPECT_THAT(refused([](AnalyserWish& w) { w.serial = "5"; }),
+  EXPECT_THAT(refused([](AnalyserRequest& w) { w.serial = "5"; }),
               AllOf(HasSubstr("no analyser with the serial 5"), HasSubstr("Demo device")));
-  EXPECT_THAT(refused([](AnalyserWish& w) { w.conn = "1.14"; }), HasSubstr("no analyser at 1.14"));
-  EXPECT_THAT(refused([](AnalyserWish& w) {
+  EXPECT_THAT(refused([](AnalyserRequest& w) { w.conn = "1.14"; }), HasSubstr("no analyser at 1.14"));
+  EXPECT_THAT(refused([](AnalyserRequest& w) {
                 w.settings = {{"pattern", "plaid"}};
               }),
               HasSubstr("setting pattern: plaid: not taken"));
-  EXPECT_THAT(refused([](AnalyserWish& w) {
+  EXPECT_THAT(refused([](AnalyserRequest& w) {
                 w.settings = {{"colour", "red"}};
               }),
               HasSubstr("no setting of this name"));
-  EXPECT_THAT(refused([](AnalyserWish& w) {
+  EXPECT_THAT(refused([](AnalyserRequest& w) {
                 w.settings = {{"voltage_threshold", "1.2-1.2"}};
               }),
               HasSubstr("has no such setting"));
-  EXPECT_THAT(refused([](AnalyserWish& w) {
+  EXPECT_THAT(refused([](AnalyserRequest& w) {
                 w.settings = {{"averaging", "maybe"}};
               }),
               HasSubstr("no value for it"));

@@ -21,16 +21,16 @@ class ScriptedAnalyser final : public AnalyserSystem {
   std::vector<std::string> problems, notes;
   AnalyserList listed;
 
-  AnalyserWish wished;  ///< The last wish.
+  AnalyserRequest requested;  ///< The last one.
 
   AnalyserList list() override {
     if (refusal) throw AnalyserError(*refusal);
     return listed;
   }
-  std::unique_ptr<AnalyserFeed> acquire(const AnalyserWish& wish) override {
-    wished = wish;
+  std::unique_ptr<AnalyserFeed> acquire(const AnalyserRequest& request) override {
+    requested = request;
     if (refusal) throw AnalyserError(*refusal);
-    return std::make_unique<Feed>(*this, wish.listen);
+    return std::make_unique<Feed>(*this, request.listen);
   }
 
  private:

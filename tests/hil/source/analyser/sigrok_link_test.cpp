@@ -61,15 +61,15 @@ std::string run(std::uint64_t samples, std::uint32_t levels) {
 class SigrokLinkTest : public testing::Test {
  protected:
   SigrokLinkTest() : analysers(linkedAnalysers([this] { return std::make_unique<ScriptedLink>(script); })) {
-    wish.driver = "fx2lafw";
-    wish.samplerate_hz = 24'000'000;
-    wish.channels = {"D0", "D 1"};
-    wish.listen = {48'000'000, 240'000'000};
+    request.driver = "fx2lafw";
+    request.samplerate_hz = 24'000'000;
+    request.channels = {"D0", "D 1"};
+    request.listen = {48'000'000, 240'000'000};
   }
   std::string refusal(const std::string& replies) {
     script.replies = replies;
     try {
-      (void)analysers->acquire(wish);
+      (void)analysers->acquire(request);
     } catch (const AnalyserError& e) {
       return e.what();
     }
@@ -77,7 +77,7 @@ class SigrokLinkTest : public testing::Test {
   }
   AnalyserEnd endAfter(const std::string& replies) {
     script.replies = frame(Frame::kStarted, "a device") + replies;
-    const auto feed = analysers->acquire(wish);
+    const auto feed = analysers->acquire(request);
     runs.clear();
     while (feed->read(runs)) {
     }
@@ -86,14 +86,14 @@ class SigrokLinkTest : public testing::Test {
   }
   Script script;
   const std::shared_ptr<AnalyserSystem> analysers;
-  AnalyserWish wish;
+  AnalyserRequest request;
   std::vector<LevelRun> runs;
 };
 
 TEST_F(SigrokLinkTest, AWishIsAskedForLineByLine) {
-  wish.conn = "1.14";
-  wish.serial = "A7";
-  wish.settings = {{"voltage_threshold", "1.2-1.2"}};
+  request.conn = "1.14";
+  request.serial = "A7";
+  request.settings = {{"voltage_threshold", "1.2-1.2"}};
   (void)endAfter(frame(Frame::kFinished, std::string(1, '\0')));
   EXPECT_EQ(script.asked,
             "acquire\ndriver fx2lafw\nconn 1.14\nserial A7\nsamplerate 24000000\nquiet 48000000\nlimit "
@@ -122,7 +122,7 @@ TEST_F(SigrokLinkTest, WhatItRefusesIsAnErrorInItsWords) {
 }
 
 TEST_F(SigrokLinkTest, ALineBreakInAWishIsRefused) {
-  wish.conn = "x\nserial 5";
+  request.conn = "x\nserial 5";
   EXPECT_THAT(refusal(""), HasSubstr("a conn with a line break"));
   EXPECT_EQ(script.asked, "");
 }

@@ -22,10 +22,10 @@ constexpr std::chrono::milliseconds kWait{10};
 
 class LineRequestTest : public testing::Test {
  protected:
-  LineRequest open(std::vector<LineWish> lines = {{4, "pul"}, {5, "dir"}}) {
+  LineRequest open(std::vector<ChipLine> lines = {{4, "pul"}, {5, "dir"}}) {
     return {kernel, "/dev/gpiochip0", std::move(lines)};
   }
-  std::string refusal(std::vector<LineWish> lines = {{4, "pul"}, {5, "dir"}}) {
+  std::string refusal(std::vector<ChipLine> lines = {{4, "pul"}, {5, "dir"}}) {
     return wordsOf<GpioError>([&] { open(std::move(lines)); });
   }
   std::string readFault() {
@@ -52,7 +52,7 @@ TEST_F(LineRequestTest, AsksForAllLinesInOneRequestWithBothEdgesAndTheLargestBuf
 
 TEST_F(LineRequestTest, ALineOfItsOwnWouldHideMergedEdges) {
   EXPECT_THAT(refusal({{4, "pul"}}), HasSubstr("must be 2 to 64"));
-  EXPECT_THAT(refusal(std::vector<LineWish>(65)), HasSubstr("must be 2 to 64"));
+  EXPECT_THAT(refusal(std::vector<ChipLine>(65)), HasSubstr("must be 2 to 64"));
 }
 
 TEST_F(LineRequestTest, SaysWhyAChipCannotBeOpened) {

@@ -332,7 +332,7 @@ TEST_F(GpioLiveSourceTest, TheUartIsTheSerialLine) {
   serial->to_bench = {5, 6};
   runTo(2 * kMs);
   EXPECT_THAT(batch.uart, ElementsAre(5, 6));
-  const Tick heard = batch.uart_heard;
+  const Tick heard = batch.uart_received;
   runTo(3 * kMs);
   EXPECT_THAT(batch.uart, IsEmpty());
   // The answer is handed on at once, and recorded with the time at which it came.
@@ -340,7 +340,7 @@ TEST_F(GpioLiveSourceTest, TheUartIsTheSerialLine) {
   ASSERT_THAT(record.uart, SizeIs(1));
   EXPECT_GT(record.uart[0].tick, GpioLiveSource::kHoldBack_ns);
   EXPECT_EQ(heard, record.uart[0].tick);
-  EXPECT_EQ(batch.uart_heard, heard) << "there was nothing new";
+  EXPECT_EQ(batch.uart_received, heard) << "there was nothing new";
   EXPECT_THAT(source->finish(10 * kMs).uart, IsEmpty());
 }
 

@@ -19,7 +19,7 @@ using testing::IsEmpty;
 
 class OutputLinesTest : public testing::Test {
  protected:
-  OutputLines open(std::vector<LineWish> lines = {{4, "a"}, {5, "b"}, {7, "mark"}},
+  OutputLines open(std::vector<ChipLine> lines = {{4, "a"}, {5, "b"}, {7, "mark"}},
                    const std::vector<bool>& levels = {true, false, true}) {
     return {kernel, "/dev/gpiochip1", std::move(lines), levels};
   }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace kerfbench::base {
+
+/// All bytes of a file; nothing where it cannot be read, with the reason in errno.
+std::optional<std::string> fileContent(const std::filesystem::path& path);
+
+}  // namespace kerfbench::base
