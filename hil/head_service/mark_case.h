@@ -9,7 +9,7 @@
 #include "twin/description/fidelity.h"
 #include "twin/description/imperfections.h"
 
-namespace kerfbench::scenario {
+namespace kerfbench::head_service {
 
 /// How marks are cut.
 struct MarkCutting {
@@ -30,4 +30,4 @@ struct MarkCutting {
 std::string markScenario(const calibrate::MarkJob& job, const std::filesystem::path& dieline,
                          const MarkCutting& cutting);
 
-}  // namespace kerfbench::scenario
+}  // namespace kerfbench::head_service

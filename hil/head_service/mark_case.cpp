@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/scenario/mark_case.h"
+#include "hil/head_service/mark_case.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::scenario {
+namespace kerfbench::head_service {
 namespace {
 
 constexpr double kCutFluence_j_mm2 = 0.5;
@@ -37,8 +37,8 @@ std::string markScenario(const calibrate::MarkJob& job, const std::filesystem::p
       "twin: {}\n"
       "board: {{thickness_mm: 0.25, cut_fluence_j_mm2: {}, transmission: 0.12}}\n"
       "print:\n  units: 1\n  pitch_mm: 2000\n  eye_mark_x_mm: {:.9f}\n  eye_mark_length_mm: 4\n  marks:\n",
-      job.name, dieline.string(), cutting.machine.string(), nameOf(cutting.imperfections), cutting.seed,
-      nameOf(cutting.fidelity), kCutFluence_j_mm2, job.p_SW_mm.x());
+      job.name, dieline.string(), cutting.machine.string(), scenario::nameOf(cutting.imperfections),
+      cutting.seed, scenario::nameOf(cutting.fidelity), kCutFluence_j_mm2, job.p_SW_mm.x());
   for (const RegistrationMark& mark : job.print)
     text += fmt::format("    - {{x_mm: {:.9f}, y_mm: {:.9f}, diameter_mm: {:.9f}}}\n", mark.p_SM_mm.x(),
                         mark.p_SM_mm.y(), mark.diameter_mm);
@@ -57,4 +57,4 @@ std::string markScenario(const calibrate::MarkJob& job, const std::filesystem::p
                     cutting.acceleration_mm_s2, energy_j_mm);
 }
 
-}  // namespace kerfbench::scenario
+}  // namespace kerfbench::head_service
