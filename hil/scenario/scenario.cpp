@@ -8,7 +8,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/day.h"
 #include "hil/scenario/scenario_sections.h"
 
 namespace kerfbench::scenario {

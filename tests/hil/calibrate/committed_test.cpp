@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/app/calibrate_command.h"
-#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/files/calibration_file.h"
 #include "hil/scenario/camera_files.h"
 #include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/small_camera.h"

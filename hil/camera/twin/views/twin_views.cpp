@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/camera/twin/twin_views.h"
+#include "hil/camera/twin/views/twin_views.h"
 
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/calibrate/camera/target_print.h"
 #include "twin/camera/target_camera.h"
 
 namespace kerfbench::camera {

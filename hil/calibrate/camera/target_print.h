@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <string>
+#include <vector>
 
-#include "hil/calibrate/camera/target.h"
+#include "hil/calibrate/files/target.h"
 
 namespace kerfbench::calibrate {
 
-/// The target's description, to be kept beside its print and corrected by what is measured there.
-std::string targetText(const CalibrationTarget& target);
-/// @throws ConfigError with everything that is wrong.
-CalibrationTarget readTarget(const std::filesystem::path& path);
+/// Cells of a marker as printed, row by row, border included: 0 black, 1 white. @throws std::out_of_range.
+std::vector<std::uint8_t> markerCells(int marker);
 
 /// The target to print, true to scale in mm, with a margin of one square (10 mm at least), a ruler line and a
 /// line that says what it is.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "hil/calibrate/camera/calibrate_camera.h"
+#include "hil/calibrate/files/target.h"
 #include "twin/camera/camera.h"
 #include "twin/camera/target_board.h"
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -39,8 +37,5 @@ struct CalibrationTarget {
 /// The smallest target of handy squares that covers `field_mm` (> 0) with `margin` (share of each side) and
 /// whose squares are no smaller than `least_square_mm`.
 CalibrationTarget targetFor(const Eigen::Vector2d& field_mm, double margin, double least_square_mm);
-
-/// Cells of a marker as printed, row by row, border included: 0 black, 1 white. @throws std::out_of_range.
-std::vector<std::uint8_t> markerCells(int marker);
 
 }  // namespace kerfbench::calibrate

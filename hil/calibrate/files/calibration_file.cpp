@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/files/calibration_file.h"
 
 #include <cmath>
 #include <span>
@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/day.h"
 
 namespace kerfbench::calibrate {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/camera/target.h"
+#include "hil/calibrate/files/target.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <opencv2/aruco.hpp>
 
 namespace kerfbench::calibrate {
 
@@ -57,20 +57,6 @@ CalibrationTarget targetFor(const Eigen::Vector2d& field_mm, double margin, doub
     }
     if (decade > 1e6) throw std::invalid_argument("calibration target: the field is too large");
   }
-}
-
-std::vector<std::uint8_t> markerCells(int marker) {
-  if (marker < 0 || marker >= CalibrationTarget::kMostMarkers)
-    throw std::out_of_range("calibration target: no such marker");
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000);
-  cv::Mat picture;
-  dictionary->drawMarker(marker, CalibrationTarget::kMarkerCells, picture, 1);
-  std::vector<std::uint8_t> cells;
-  for (int r = 0; r < picture.rows; ++r) {
-    for (int c = 0; c < picture.cols; ++c)
-      cells.push_back(picture.at<std::uint8_t>(r, c) != 0 ? std::uint8_t{1} : std::uint8_t{0});
-  }
-  return cells;
 }
 
 }  // namespace kerfbench::calibrate
