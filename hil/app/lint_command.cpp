@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <string>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"

@@ -4,12 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/calibrate_command.h"
-#include "hil/app/calibrate_head_command.h"
-#include "hil/app/cli.h"
+#include "hil/cli/program.h"
+#include "hil/instrument/calibrate_command.h"
+#include "hil/instrument/calibrate_head_command.h"
+#include "hil/instrument/cli.h"
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 void addWhichCamera(CLI::App& command, CalibrateOptions& options, bool required) {
@@ -62,7 +63,7 @@ void addSourceOfPictures(CLI::App* head, HeadCalibrateOptions& options) {
       ->needs(job);
 }
 
-void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+void addCalibrateHead(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<HeadCalibrateOptions>();
   HeadCalibrateOptions& options = *holder;
   options.jobs = program.jobs;
@@ -111,7 +112,7 @@ void addCalibrateHead(CLI::App& calibrate, const CliProgram& program, CliActions
   actions.add(head, std::move(holder), calibrateHeadCommand);
 }
 
-void addCalibrateCamera(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+void addCalibrateCamera(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<CalibrateOptions>();
   CalibrateOptions& options = *holder;
   options.jobs = program.jobs;
@@ -158,7 +159,7 @@ void addCalibrateCamera(CLI::App& calibrate, const CliProgram& program, CliActio
   actions.add(camera, std::move(holder), calibrateCameraCommand);
 }
 
-void addCalibrateTarget(CLI::App& calibrate, CliActions& actions) {
+void addCalibrateTarget(CLI::App& calibrate, cli::CliActions& actions) {
   auto holder = std::make_shared<CalibrateOptions>();
   CalibrateOptions& options = *holder;
   CLI::App* target =
@@ -175,9 +176,8 @@ void addCalibrateTarget(CLI::App& calibrate, CliActions& actions) {
 
 }  // namespace
 
-void addCalibrate(CLI::App& app, const CliProgram& program, CliActions& actions) {
-  CLI::App* calibrate =
-      app.add_subcommand("calibrate", "Calibrate a camera from pictures of a target, a scan head by marks");
+void addCalibrate(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
+  CLI::App* calibrate = app.add_subcommand(cli::kCalibrate.name, cli::kCalibrate.help);
   calibrate->require_subcommand(1);
   addCalibrateCamera(*calibrate, program, actions);
   addCalibrateTarget(*calibrate, actions);
@@ -185,4 +185,4 @@ void addCalibrate(CLI::App& app, const CliProgram& program, CliActions& actions)
   addHeadTools(*calibrate, program, actions);
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

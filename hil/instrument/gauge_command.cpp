@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/gauge_command.h"
+#include "hil/instrument/gauge_command.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -10,20 +10,20 @@
 #include <cstdio>
 #include <string>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/version.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/camera/png.h"
+#include "hil/cli/run_guarded.h"
 #include "hil/gauge/gauge.h"
 #include "hil/gauge/gauge_report.h"
 #include "hil/judge/results_folder.h"
 #include "hil/scenario/camera_files.h"
 #include "hil/scenario/case.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,7 +205,7 @@ int gauge(const GaugeCommandOptions& options) {
 }  // namespace
 
 int gaugeCommand(const GaugeCommandOptions& options) {
-  return runGuarded(options.machine, [&] { return gauge(options); });
+  return cli::runGuarded(options.machine, [&] { return gauge(options); });
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

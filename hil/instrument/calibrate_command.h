@@ -8,7 +8,7 @@
 
 #include "hil/base/exit_codes.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// See calibrateCameraCommand() and calibrateTargetCommand().
 struct CalibrateOptions {
@@ -40,4 +40,4 @@ int calibrateCameraCommand(const CalibrateOptions& options);
 /// Writes a target to print (SVG) and its description beside it (YAML). Returns 0 or base::kExitInput.
 int calibrateTargetCommand(const CalibrateOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -4,11 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/cli.h"
-#include "hil/app/gauge_command.h"
+#include "hil/cli/program.h"
+#include "hil/instrument/cli.h"
+#include "hil/instrument/gauge_command.h"
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 namespace {
 
@@ -42,20 +43,12 @@ void addCounts(CLI::App* gauge, gauge::GaugeOptions& g) {
 
 }  // namespace
 
-void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
+void addGauge(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<GaugeCommandOptions>();
   GaugeCommandOptions& options = *holder;
   options.command_line = program.command_line;
   options.gauge.jobs = program.jobs;
-  CLI::App* gauge = app.add_subcommand(
-      "gauge",
-      "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
-      "at by\n"
-      "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
-      "docs/explanation/what-it-is-worth.md says how to read the result. Exit code 0: every claim holds or "
-      "needs more cases; 1: "
-      "one\n"
-      "does not hold.");
+  CLI::App* gauge = app.add_subcommand(cli::kGauge.name, cli::kGauge.help);
   gauge->add_option("MACHINE", options.machine, "Machine file, whose cameras are gauged")
       ->capture_default_str();
   gauge::GaugeOptions& g = options.gauge;
@@ -82,4 +75,4 @@ void addGauge(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(gauge, std::move(holder), gaugeCommand);
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/table_command.h"
+#include "hil/instrument/table_command.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/console.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/tables/recognise.h"
 #include "hil/calibrate/tables/table_files.h"
+#include "hil/cli/run_guarded.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 using Eigen::Vector2d;
@@ -235,7 +235,7 @@ int table(const TableCommandOptions& options) {
 }  // namespace
 
 int calibrateTableCommand(const TableCommandOptions& options) {
-  return runGuarded(options.file, [&] {
+  return cli::runGuarded(options.file, [&] {
     try {
       return table(options);
     } catch (const calibrate::TableFileError& error) {
@@ -247,4 +247,4 @@ int calibrateTableCommand(const TableCommandOptions& options) {
   });
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

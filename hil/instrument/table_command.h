@@ -7,7 +7,7 @@
 
 #include "hil/base/exit_codes.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// See calibrateTableCommand().
 struct TableCommandOptions {
@@ -34,4 +34,4 @@ inline constexpr const char* kCorConventions[] = {"default", "glase", "meerk40t"
 /// not righted by `out`) and 4 if the check cannot tell, both with nothing written; base::kExitInput.
 int calibrateTableCommand(const TableCommandOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/cli.h"
-#include "hil/app/head_check_command.h"
-#include "hil/app/reversal_command.h"
-#include "hil/app/table_command.h"
+#include "hil/instrument/cli.h"
+#include "hil/instrument/head_check_command.h"
+#include "hil/instrument/reversal_command.h"
+#include "hil/instrument/table_command.h"
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 const std::vector<std::string> kTableFormats{"csv", "c-header", "cor1", "cor2", "grid-text", "nine-points"};
@@ -66,7 +66,7 @@ void addTwin(CLI::App& command, Options& o) {
       ->capture_default_str();
 }
 
-void addCheck(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+void addCheck(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<HeadCheckOptions>();
   HeadCheckOptions& o = *holder;
   o.bin_dir = program.bin_dir;
@@ -99,7 +99,7 @@ void addCheck(CLI::App& calibrate, const CliProgram& program, CliActions& action
   actions.add(check, std::move(holder), checkHeadCommand);
 }
 
-void addReversal(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+void addReversal(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<ReversalCommandOptions>();
   ReversalCommandOptions& o = *holder;
   o.bin_dir = program.bin_dir;
@@ -144,7 +144,7 @@ void addReversal(CLI::App& calibrate, const CliProgram& program, CliActions& act
   actions.add(reversal, std::move(holder), reversalCommand);
 }
 
-void addTable(CLI::App& calibrate, CliActions& actions) {
+void addTable(CLI::App& calibrate, cli::CliActions& actions) {
   auto holder = std::make_shared<TableCommandOptions>();
   TableCommandOptions& o = *holder;
   CLI::App* table = calibrate.add_subcommand(
@@ -181,10 +181,10 @@ void addTable(CLI::App& calibrate, CliActions& actions) {
 
 }  // namespace
 
-void addHeadTools(CLI::App& calibrate, const CliProgram& program, CliActions& actions) {
+void addHeadTools(CLI::App& calibrate, const cli::CliProgram& program, cli::CliActions& actions) {
   addCheck(calibrate, program, actions);
   addReversal(calibrate, program, actions);
   addTable(calibrate, actions);
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -7,7 +7,7 @@
 
 #include "hil/base/exit_codes.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// See checkHeadCommand().
 struct HeadCheckOptions {
@@ -36,4 +36,4 @@ struct HeadCheckOptions {
 /// base::kExitWaiting until there are pictures.
 int checkHeadCommand(const HeadCheckOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/run_guarded.h"
+#include "hil/cli/run_guarded.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include "hil/run/release.h"
 #include "twin/machine/divergence.h"
 
-namespace kerfbench::app {
+namespace kerfbench::cli {
 
 int runGuarded(const std::filesystem::path& scenario, const std::function<int()>& work) {
   try {
@@ -34,4 +34,4 @@ int runGuarded(const std::filesystem::path& scenario, const std::function<int()>
   return base::kExitInput;
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::cli

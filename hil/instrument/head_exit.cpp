@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/head_exit.h"
+#include "hil/instrument/head_exit.h"
 
 #include <fmt/format.h>
 
 #include <cstdio>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
+#include "hil/cli/run_guarded.h"
 #include "hil/head_service/sheet_by_hand.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 int guardedHead(const std::filesystem::path& machine, const std::string& so,
                 const std::function<int()>& work) {
@@ -20,7 +20,7 @@ int guardedHead(const std::filesystem::path& machine, const std::string& so,
     return kExitInvalid;
   };
   try {
-    return runGuarded(machine, work);
+    return cli::runGuarded(machine, work);
   } catch (const head_service::HeadEvidenceError& error) {
     return invalid(error.what());
   } catch (const calibrate::HeadCalibrationError& error) {
@@ -31,4 +31,4 @@ int guardedHead(const std::filesystem::path& machine, const std::string& so,
   }
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

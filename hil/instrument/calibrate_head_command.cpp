@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/calibrate_head_command.h"
+#include "hil/instrument/calibrate_head_command.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "hil/app/head_exit.h"
-#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/version.h"
@@ -16,9 +14,10 @@
 #include "hil/head_service/head_procedure.h"
 #include "hil/head_service/head_report.h"
 #include "hil/head_service/sheet_by_hand.h"
+#include "hil/instrument/head_exit.h"
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 namespace fs = std::filesystem;
@@ -268,4 +267,4 @@ int calibrateHeadCommand(const HeadCalibrateOptions& options) {
   return guardedHead(options.machine, "no table is written", [&] { return calibrate(options); });
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -8,7 +8,7 @@
 
 #include "hil/base/exit_codes.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// See reversalCommand().
 struct ReversalCommandOptions {
@@ -36,4 +36,4 @@ struct ReversalCommandOptions {
 /// reversal.json. Returns 0; 3 for pictures that cannot be trusted; base::kExitInput.
 int reversalCommand(const ReversalCommandOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

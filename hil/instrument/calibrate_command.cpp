@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/calibrate_command.h"
+#include "hil/instrument/calibrate_command.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"
@@ -25,7 +24,7 @@
 #include "hil/machine_file/machine_file.h"
 #include "hil/scenario/camera_files.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 namespace fs = std::filesystem;
@@ -228,4 +227,4 @@ int calibrateTargetCommand(const CalibrateOptions& options) {
   }
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/reversal_command.h"
+#include "hil/instrument/reversal_command.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "hil/app/head_exit.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/version.h"
@@ -22,10 +21,11 @@
 #include "hil/head_service/head_procedure.h"
 #include "hil/head_service/sheet_on_twin.h"
 #include "hil/head_service/turned_view.h"
+#include "hil/instrument/head_exit.h"
 #include "hil/scenario/scenario.h"
 #include "twin/base/symmetric_eigen.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 namespace fs = std::filesystem;
@@ -260,4 +260,4 @@ int reversalCommand(const ReversalCommandOptions& options) {
                      [&] { return reversal(options); });
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/run_guarded.h"
+#include "hil/cli/run_guarded.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include "tests/hil/base/temp_folder.h"
 #include "twin/machine/divergence.h"
 
-namespace kerfbench::app {
+namespace kerfbench::cli {
 namespace {
 
 using testing::AllOf;
@@ -50,4 +50,4 @@ TEST(ExitCodes, TheGravestOfSeveralCounts) {
 }
 
 }  // namespace
-}  // namespace kerfbench::app
+}  // namespace kerfbench::cli

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/app/head_check_command.h"
+#include "hil/instrument/head_check_command.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "hil/app/head_exit.h"
-#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/version.h"
@@ -15,9 +13,10 @@
 #include "hil/head_service/head_record.h"
 #include "hil/head_service/sheet_by_hand.h"
 #include "hil/head_service/sheet_on_twin.h"
+#include "hil/instrument/head_exit.h"
 #include "hil/scenario/scenario.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,4 +128,4 @@ int checkHeadCommand(const HeadCheckOptions& options) {
   return guardedHead(options.machine, "nothing is said of the head", [&] { return check(options); });
 }
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

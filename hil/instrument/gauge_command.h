@@ -9,7 +9,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/gauge/gauge.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// What gauge can be asked for.
 inline constexpr std::array kGaugeStudies{"verdicts", "coverage", "type1", "grr", "stillness"};
@@ -30,4 +30,4 @@ struct GaugeCommandOptions {
 /// returns 0.
 int gaugeCommand(const GaugeCommandOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument

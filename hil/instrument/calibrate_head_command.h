@@ -9,7 +9,7 @@
 #include "hil/base/exit_codes.h"
 #include "hil/calibrate/head/head_parameters.h"
 
-namespace kerfbench::app {
+namespace kerfbench::instrument {
 
 /// See calibrateHeadCommand().
 struct HeadCalibrateOptions {
@@ -43,4 +43,4 @@ struct HeadCalibrateOptions {
 /// as it was. By hand base::kExitWaiting until the pictures of the next sheet are there.
 int calibrateHeadCommand(const HeadCalibrateOptions& options);
 
-}  // namespace kerfbench::app
+}  // namespace kerfbench::instrument
