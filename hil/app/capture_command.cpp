@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/app/capture_command.h"
 
-#include "hil/app/run_guarded.h"
+#include "hil/cli/run_guarded.h"
 
 namespace kerfbench::app {
 
 int captureCommand(const live::CaptureOptions& options) {
-  return runGuarded(options.scenario,
-                    [&] { return live::captureOnPins(live::realPins(options.bin_dir), options); });
+  return cli::runGuarded(options.scenario,
+                         [&] { return live::captureOnPins(live::realPins(options.bin_dir), options); });
 }
 
 }  // namespace kerfbench::app

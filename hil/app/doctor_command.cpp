@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "hil/app/run_guarded.h"
+#include "hil/cli/run_guarded.h"
 #include "hil/doctor/doctor.h"
 #include "hil/doctor/loopback.h"
 
@@ -37,7 +37,7 @@ int examine(const DoctorOptions& options) {
 
 int doctorCommand(const DoctorOptions& options) {
   if (options.bench.wanted) return doctor::measureLoopback(options.bench, options.json);
-  return runGuarded(options.scenario, [&] { return examine(options); });
+  return cli::runGuarded(options.scenario, [&] { return examine(options); });
 }
 
 }  // namespace kerfbench::app

@@ -12,7 +12,7 @@
 #include "hil/live/spot_recorder.h"
 
 namespace kerfbench::app {
-void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actions) {
+void addRecordFrames(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<live::RecordFramesOptions>();
   live::RecordFramesOptions& options = *holder;
   options.bin_dir = program.bin_dir;
@@ -35,7 +35,7 @@ void addRecordFrames(CLI::App& app, const CliProgram& program, CliActions& actio
   actions.add(record, std::move(holder), recordFramesCommand);
 }
 
-void addCapture(CLI::App& app, const CliProgram& program, CliActions& actions) {
+void addCapture(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<live::CaptureOptions>();
   live::CaptureOptions& options = *holder;
   options.bin_dir = program.bin_dir;
@@ -54,7 +54,7 @@ void addCapture(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(capture, std::move(holder), captureCommand);
 }
 
-void addDoctor(CLI::App& app, const CliProgram& program, CliActions& actions) {
+void addDoctor(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<DoctorOptions>();
   DoctorOptions& options = *holder;
   options.bin_dir = program.bin_dir;

@@ -7,11 +7,10 @@
 #include <cstdio>
 #include <string>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/camera/calibration_file.h"
-#include "hil/calibrate/camera/target_files.h"
+#include "hil/calibrate/files/calibration_file.h"
+#include "hil/calibrate/files/target_file.h"
 #include "hil/dieline/read.h"
 #include "hil/judge/run_options.h"
 #include "hil/machine_file/machine_check.h"

@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <cstddef>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 #include "hil/app/cli.h"
+#include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
 #include "hil/app/run_command.h"
-#include "hil/app/run_guarded.h"
 #include "hil/base/exit_codes.h"
-#include "hil/base/freed_memory.h"
-#include "hil/base/version.h"
+#include "hil/cli/cli.h"
+#include "hil/cli/program.h"
 #include "hil/judge/run_options.h"
 #include "hil/scenario/scenario.h"
 
@@ -26,16 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace kerfbench;
 using namespace kerfbench::app;
-
-std::string commandLine(int argc, char** argv) {
-  std::string line = "./bench";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
-    line += plain ? " " + word : " '" + word + "'";
-  }
-  return line;
-}
+using namespace kerfbench::cli;
 
 std::shared_ptr<judge::RunOptions> commonOptions(const CliProgram& program) {
   auto options = std::make_shared<judge::RunOptions>();
@@ -116,26 +104,17 @@ void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   actions.add(lint, [=] { return lintCommand(*files, *options); });
 }
 
-int dispatch(int argc, char** argv) {
-  const CliProgram program{
-      .bin_dir = fs::read_symlink("/proc/self/exe").parent_path(),
-      .command_line = commandLine(argc, argv),
-      .jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U))};
-  CLI::App app{
-      "Kerfbench: hardware-in-the-loop test bench and digital twin for laser die-cutters.\n"
-      "Takes a firmware release, lets it cut a dieline on a modelled machine, looks at the cut with a "
-      "camera\n"
-      "and says whether the release is good.",
-      "kerfbench"};
-  app.set_version_flag("--version", kerfbench::base::version());
-  app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
-      "guard band),\n"
-      "2 the bench itself broke, 64 wrong command line, 65 bad input file.\n"
-      "Several scenarios: INVALID outweighs FAIL, FAIL outweighs NOT PROVEN.");
-  // In the order of the help.
-  CliActions actions;
+/// Commands of kerfbench-instrument: only their names are here.
+void addInstrument(CLI::App& app, const CliProgram& program) {
+  for (const CommandText& text : kInstrumentCommands) {
+    CLI::App* command = app.add_subcommand(text.name, text.help);
+    command->preparse_callback(
+        [program, name = text.name](std::size_t) { becomeInstrument(program.bin_dir, name, program.argv); });
+  }
+}
+
+/// In the order of the help.
+void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) {
   addRun(app, program, actions);
   addReplay(app, program, actions);
   addRecordFrames(app, program, actions);
@@ -143,25 +122,18 @@ int dispatch(int argc, char** argv) {
   addLint(app, program, actions);
   addDoctor(app, program, actions);
   addShow(app, program, actions);
-  addCalibrate(app, program, actions);
-  addGauge(app, program, actions);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    const int code = app.exit(e);  // Prints help, version or the fault.
-    return code == 0 ? 0 : base::kExitUsage;
-  }
-  return actions.run().value_or(base::kExitUsage);
+  addInstrument(app, program);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  kerfbench::base::keepFreedMemory();
-  try {
-    return dispatch(argc, argv);
-  } catch (const std::exception& e) {
-    std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
-    return base::kExitBroken;
-  }
+  return guardedMain([argc, argv] {
+    try {
+      return dispatch(argc, argv, addCommands);
+    } catch (const InstrumentMissing& e) {
+      std::fputs(fmt::format("{}\n", e.what()).c_str(), stderr);
+      return base::kExitBroken;
+    }
+  });
 }

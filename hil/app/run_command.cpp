@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/digest.h"
 #include "hil/base/exit_codes.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/cli/run_guarded.h"
 #include "hil/judge/conclude.h"
 #include "hil/judge/controller_evidence.h"
 #include "hil/judge/results_folder.h"
@@ -128,14 +128,14 @@ int runOne(const fs::path& path, const judge::RunOptions& options) {
 int runCommand(const std::vector<fs::path>& scenarios, const judge::RunOptions& options) {
   int code = 0;
   for (const fs::path& scenario : scenarios) {
-    code = base::worstExitCode(code, runGuarded(scenario, [&] { return runOne(scenario, options); }));
+    code = base::worstExitCode(code, cli::runGuarded(scenario, [&] { return runOne(scenario, options); }));
   }
   return code;
 }
 
 int replayCommand(const fs::path& recording, const fs::path& scenario, const fs::path& frames,
                   const judge::RunOptions& options) {
-  return runGuarded(scenario, [&] { return replayOne(recording, scenario, frames, options); });
+  return cli::runGuarded(scenario, [&] { return replayOne(recording, scenario, frames, options); });
 }
 
 }  // namespace kerfbench::app

@@ -26,7 +26,7 @@ std::string readSize(const std::string& text, ShowOptions& options) {
 
 }  // namespace
 
-void addShow(CLI::App& app, const CliProgram& program, CliActions& actions) {
+void addShow(CLI::App& app, const cli::CliProgram& program, cli::CliActions& actions) {
   auto holder = std::make_shared<ShowOptions>();
   ShowOptions& options = *holder;
   options.bin_dir = program.bin_dir;

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "hil/app/run_guarded.h"
 #include "hil/base/atomic_file.h"
 #include "hil/base/console.h"
 #include "hil/base/exit_codes.h"

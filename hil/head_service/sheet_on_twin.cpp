@@ -10,8 +10,8 @@
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/tables/csv_table.h"
 #include "hil/camera/tile_folder.h"
+#include "hil/head_service/mark_case.h"
 #include "hil/run/cut_on_twin.h"
-#include "hil/scenario/mark_case.h"
 
 namespace kerfbench::head_service {
 namespace {
@@ -70,7 +70,7 @@ scenario::Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const S
   fs::create_directories(request.folder);
   calibrate::writeMarkJob(request.folder / kSheetJob, request.job);
   keepTable(request);
-  scenario::MarkCutting cutting;
+  MarkCutting cutting;
   if (!bench.firmware.empty()) cutting.firmware = bench.firmware;
   cutting.machine = fs::absolute(machineWith(setup, request));
   cutting.beam_radius_mm = setup.beam_radius_mm;
@@ -78,7 +78,7 @@ scenario::Case sheetCase(const HeadSetup& setup, const TwinBench& bench, const S
   cutting.seed = bench.seed;
   cutting.fidelity = bench.fidelity;
   const fs::path scenario = request.folder / "run.yaml";
-  base::writeFileAtomically(scenario, scenario::markScenario(request.job, "marks.dxf", cutting));
+  base::writeFileAtomically(scenario, markScenario(request.job, "marks.dxf", cutting));
   return scenario::readCase(scenario, bench.bin_dir.parent_path() / "firmware");
 }
 

@@ -9,8 +9,8 @@
 
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/camera/calibration_file.h"
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/calibration_file.h"
+#include "hil/calibrate/files/day.h"
 
 namespace kerfbench::scenario {
 namespace {

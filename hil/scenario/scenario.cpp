@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "hil/base/file_content.h"
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/day.h"
 #include "hil/scenario/scenario_sections.h"
 
 namespace kerfbench::scenario {

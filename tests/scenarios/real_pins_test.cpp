@@ -2,7 +2,6 @@
 // Edges of a gpiochip to a verdict: the native release's pins through a scripted kernel.
 #include "hil/live/real_pins.h"
 #include "hil/app/run_command.h"
-#include "hil/app/run_guarded.h"
 #include "hil/base/exit_codes.h"
 #include "hil/live/capture_on_pins.h"
 

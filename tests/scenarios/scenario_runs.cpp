@@ -17,7 +17,8 @@ namespace kerfbench::test {
 namespace fs = std::filesystem;
 
 ProgramRun program(const std::string& name, const std::string& arguments) {
-  const std::string command = fmt::format("'{}/bin/{}' {} 2>&1", KERFBENCH_BINARY_DIR, name, arguments);
+  const fs::path path = fs::path(KERFBENCH_BINARY_DIR) / "bin" / name;
+  const std::string command = fmt::format("'{}' {} 2>&1", path.string(), arguments);
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("popen failed");
   ProgramRun run;

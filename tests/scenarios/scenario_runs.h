@@ -15,7 +15,8 @@ struct ProgramRun {
   std::string output;  ///< Standard output and standard error.
 };
 
-/// Runs a program of the build with these arguments in a shell, as a user would.
+/// Runs a program of the build, or one by its absolute path, with these arguments in a shell, as a user
+/// would.
 ProgramRun program(const std::string& name, const std::string& arguments);
 /// Runs the program of all commands. A run and a replay have one thread, unless the arguments say how many:
 /// ctest runs as many tests at a time as there are cores.

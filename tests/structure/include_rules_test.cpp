@@ -83,7 +83,8 @@ TEST(IncludeRules, VisionAndInspectionDoNotReachTheTwinByWayOfAnotherFolder) {
   EXPECT_EQ(offenders([](const Include& i) {
               return (in(i.file, "hil/vision") || in(i.file, "hil/inspect") || in(i.file, "hil/calibrate")) &&
                      (in(i.target, "firmware_under_test") || in(i.target, "hil/app") ||
-                      in(i.target, "hil/source") || in(i.target, "hil/scene") || in(i.target, "hil/gauge") ||
+                      in(i.target, "hil/instrument") || in(i.target, "hil/source") ||
+                      in(i.target, "hil/scene") || in(i.target, "hil/gauge") ||
                       in(i.target, "hil/camera/twin"));
             }),
             "");
@@ -104,11 +105,11 @@ TEST(IncludeRules, TheHeadsCalibrationHasOpticsOfItsOwn) {
 
 // Gauge contains the model's truth, to measure the measurement's error by it. Code that judges a run may not
 // use it.
-TEST(IncludeRules, OnlyTheProgramAsksTheGauge) {
+TEST(IncludeRules, OnlyItsCommandAsksTheGauge) {
   EXPECT_EQ(offenders([](const Include& i) {
               return in(i.target, "hil/gauge") && !in(i.file, "hil/gauge") &&
-                     i.file != "hil/app/gauge_command.h" && i.file != "hil/app/gauge_command.cpp" &&
-                     !in(i.file, "tests/hil/gauge");
+                     i.file != "hil/instrument/gauge_command.h" &&
+                     i.file != "hil/instrument/gauge_command.cpp" && !in(i.file, "tests/hil/gauge");
             }),
             "");
 }

@@ -12,8 +12,8 @@
 #include "hil/base/parallel.h"
 #include "hil/calibrate/camera/bundle.h"
 #include "hil/calibrate/camera/coverage.h"
-#include "hil/calibrate/camera/day.h"
 #include "hil/calibrate/camera/map_covariance.h"
+#include "hil/calibrate/files/day.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {

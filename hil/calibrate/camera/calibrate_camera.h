@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "hil/calibrate/camera/target.h"
 #include "hil/calibrate/camera/target_finder.h"
+#include "hil/calibrate/files/target.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "twin/base/image.h"
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "hil/calibrate/camera/target.h"
+#include "hil/calibrate/files/target.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::calibrate {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/day.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "twin/base/random.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/files/calibration_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

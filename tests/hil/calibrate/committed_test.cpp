@@ -2,8 +2,8 @@
 // Calibrations in fixtures/machines: good for a micrometre, and equal to the command's results.
 #include <gtest/gtest.h>
 
-#include "hil/app/calibrate_command.h"
-#include "hil/calibrate/camera/calibration_file.h"
+#include "hil/calibrate/files/calibration_file.h"
+#include "hil/instrument/calibrate_command.h"
 #include "hil/scenario/camera_files.h"
 #include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/small_camera.h"
@@ -35,7 +35,7 @@ TEST(CommittedCalibrations, MisplaceNoPointByAMicrometre) {
 
 TEST(CommittedCalibrations, AreWhatTheCommandMakes) {
   const base::TempFolder temp;
-  app::CalibrateOptions options;
+  instrument::CalibrateOptions options;
   options.machine = base::fixture("machines/two-mirror.yaml");
   options.camera = "kerf";
   options.date = "2026-11-20";
@@ -43,7 +43,7 @@ TEST(CommittedCalibrations, AreWhatTheCommandMakes) {
   options.quiet = true;
   options.out = temp.path() / "kerf.yaml";
   options.picture = temp.path() / "kerf.svg";
-  ASSERT_EQ(app::calibrateCameraCommand(options), 0);
+  ASSERT_EQ(instrument::calibrateCameraCommand(options), 0);
   EXPECT_EQ(base::contentOf(options.out),
             base::contentOf(base::fixture("machines/two-mirror.kerf.camera.yaml")));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/camera/day.h"
+#include "hil/calibrate/files/day.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "hil/calibrate/camera/calibrate_camera.h"
-#include "hil/camera/twin/twin_views.h"
+#include "hil/camera/twin/views/twin_views.h"
 #include "twin/camera/camera.h"
 
 namespace kerfbench::calibrate::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hil/calibrate/camera/target.h"
+#include "hil/calibrate/files/target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,9 @@
 #include <set>
 
 #include "hil/base/yaml_reader.h"
-#include "hil/calibrate/camera/target_files.h"
-#include "hil/camera/twin/twin_views.h"
+#include "hil/calibrate/camera/target_print.h"
+#include "hil/calibrate/files/target_file.h"
+#include "hil/camera/twin/views/twin_views.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::calibrate {

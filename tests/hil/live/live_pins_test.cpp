@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/app/run_command.h"
-#include "hil/app/run_guarded.h"
 #include "hil/judge/run_options.h"
 #include "hil/live/real_pins.h"
 #include "hil/live/run_on_pins.h"

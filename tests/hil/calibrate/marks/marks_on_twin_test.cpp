@@ -13,9 +13,9 @@
 #include "firmware_under_test/planner/head/axes.h"
 #include "hil/calibrate/marks/field_marks.h"
 #include "hil/calibrate/marks/mark_job_file.h"
+#include "hil/head_service/mark_case.h"
 #include "hil/run/cut_on_twin.h"
 #include "hil/scenario/camera_files.h"
-#include "hil/scenario/mark_case.h"
 #include "hil/vision/marks/constellation.h"
 #include "tests/hil/base/temp_folder.h"
 #include "twin/optics/scan_head.h"
@@ -113,11 +113,11 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   const std::filesystem::path binary = KERFBENCH_BINARY_DIR;
   const MarkJob job = jobFor(field);
   writeMarkJob(folder.path() / "marks.yaml", job);
-  scenario::MarkCutting cutting;
+  head_service::MarkCutting cutting;
   cutting.machine = base::fixture(std::string("machines/") + field.machine + ".yaml");
   cutting.beam_radius_mm = field.beam_radius_mm;
   scenario::Case test_case = scenario::readCase(
-      folder.write("run.yaml", scenario::markScenario(job, "marks.dxf", cutting)), binary / "firmware");
+      folder.write("run.yaml", head_service::markScenario(job, "marks.dxf", cutting)), binary / "firmware");
   test_case.scenario.fidelity = twin::Fidelity::kFast;
   test_case.scenario.seed = 3;
 

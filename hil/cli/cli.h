@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace kerfbench::cli {
+
+/// What a program knows of itself.
+struct CliProgram {
+  std::filesystem::path bin_dir;  ///< See binDir().
+  char** argv{};                  ///< As main() got it.
+  std::string command_line;       ///< As typed.
+  int jobs{1};                    ///< Unless told otherwise.
+};
+
+/// What is to be done for each command.
+class CliActions {
+ public:
+  /// `command` must outlive this.
+  void add(const CLI::App* command, std::function<int()> action) {
+    actions_.emplace_back(command, std::move(action));
+  }
+  /// For a command whose options `action` takes.
+  template <typename Options>
+  void add(const CLI::App* command, std::shared_ptr<Options> options, int (*action)(const Options&)) {
+    add(command, [options = std::move(options), action] { return action(*options); });
+  }
+  /// Does what was asked for on the command line. Returns its exit code; nullopt if nothing was.
+  [[nodiscard]] std::optional<int> run() const {
+    for (const auto& [command, action] : actions_) {
+      if (command->parsed()) return action();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<std::pair<const CLI::App*, std::function<int()>>> actions_;
+};
+
+/// Adds the commands of a program, in the order of its help.
+using AddCommands = void (*)(CLI::App& app, const CliProgram& program, CliActions& actions);
+
+/// Reads the command line and does what it asks for; help, version and what is wrong with it are told as
+/// `kerfbench` tells them, in whichever program. Returns the exit code.
+int dispatch(int argc, char** argv, AddCommands add_commands);
+
+}  // namespace kerfbench::cli

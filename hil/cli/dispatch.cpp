@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/cli/cli.h"
+
+#include <algorithm>
+#include <string>
+#include <thread>
+
+#include "hil/base/exit_codes.h"
+#include "hil/base/version.h"
+#include "hil/cli/program.h"
+
+namespace kerfbench::cli {
+namespace {
+
+std::string commandLine(int argc, char** argv) {
+  std::string line = "./bench";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t'\"$`\\*?;&|<>()") == std::string::npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
+}
+
+}  // namespace
+
+int dispatch(int argc, char** argv, AddCommands add_commands) {
+  const CliProgram program{
+      .bin_dir = binDir(),
+      .argv = argv,
+      .command_line = commandLine(argc, argv),
+      .jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U))};
+  CLI::App app{
+      "Kerfbench: hardware-in-the-loop test bench and digital twin for laser die-cutters.\n"
+      "Takes a firmware release, lets it cut a dieline on a modelled machine, looks at the cut with a "
+      "camera\n"
+      "and says whether the release is good.",
+      "kerfbench"};
+  app.set_version_flag("--version", base::version());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
+      "guard band),\n"
+      "2 the bench itself broke, 64 wrong command line, 65 bad input file.\n"
+      "Several scenarios: INVALID outweighs FAIL, FAIL outweighs NOT PROVEN.");
+  CliActions actions;
+  add_commands(app, program, actions);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    const int code = app.exit(e);  // Prints help, version or the fault.
+    return code == 0 ? 0 : base::kExitUsage;
+  }
+  return actions.run().value_or(base::kExitUsage);
+}
+
+}  // namespace kerfbench::cli

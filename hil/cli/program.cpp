@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/cli/program.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "hil/base/freed_memory.h"
+
+namespace kerfbench::cli {
+
+std::filesystem::path binDir() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
+int guardedMain(const std::function<int()>& work) {
+  base::keepFreedMemory();
+  try {
+    return work();
+  } catch (const std::exception& e) {
+    std::fputs(fmt::format("kerfbench: the bench itself broke: {}\n", e.what()).c_str(), stderr);
+    return base::kExitBroken;
+  }
+}
+
+}  // namespace kerfbench::cli

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+
+#include "hil/base/exit_codes.h"
+
+namespace kerfbench::cli {
+
+/// A command and what the help says of it.
+struct CommandText {
+  const char* name;
+  const char* help;
+};
+
+inline constexpr const char* kInstrumentProgram = "kerfbench-instrument";
+
+inline constexpr CommandText kCalibrate{"calibrate",
+                                        "Calibrate a camera from pictures of a target, a scan head by marks"};
+inline constexpr CommandText kGauge{
+    "gauge",
+    "Prove the measuring instrument: artefacts with known deviation are cut on the model's sheet, looked "
+    "at by\n"
+    "the machine's cameras and judged as in a run; what was measured is compared with what is true.\n"
+    "docs/explanation/what-it-is-worth.md says how to read the result. Exit code 0: every claim holds or "
+    "needs more cases; 1: "
+    "one\n"
+    "does not hold."};
+
+/// Commands of kerfbench whose code is in kInstrumentProgram, in the order of the help.
+inline constexpr std::array kInstrumentCommands{kCalibrate, kGauge};
+
+/// The folder of the program that runs: its children are there, and the programs built with it.
+std::filesystem::path binDir();
+
+/// What main() of a program does: the work, whose exit code it returns. If the bench itself breaks (any
+/// exception) that is told on standard error: base::kExitBroken.
+int guardedMain(const std::function<int()>& work);
+
+}  // namespace kerfbench::cli

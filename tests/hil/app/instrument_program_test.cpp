@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/app/instrument_program.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <system_error>
+#include <tuple>
+
+#include "tests/hil/base/temp_folder.h"
+
+namespace kerfbench::app {
+namespace {
+
+TEST(InstrumentProgram, ThatIsNotBuiltIsToldWithTheCommandThatBuildsIt) {
+  const base::TempFolder folder;
+  std::array<char*, 1> no_words{};
+  try {
+    becomeInstrument(folder.path(), "gauge", no_words.data());
+  } catch (const InstrumentMissing& e) {
+    EXPECT_STREQ(e.what(),
+                 "kerfbench gauge is in kerfbench-instrument, which is not built: ./bench setup builds it");
+  }
+}
+
+TEST(InstrumentProgram, ThatCannotBeStartedIsNotTakenForMissing) {
+  const base::TempFolder folder;
+  std::ignore = folder.write("kerfbench-instrument", "no program");
+  std::array<char*, 1> no_words{};
+  EXPECT_THROW(becomeInstrument(folder.path(), "gauge", no_words.data()), std::system_error);
+}
+
+}  // namespace
+}  // namespace kerfbench::app
