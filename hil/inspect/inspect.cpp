@@ -48,11 +48,14 @@ std::vector<Finding> pinFindings(const Evidence& evidence) {
           checks::accountFinding(evidence), checks::finishFinding(evidence)};
 }
 
+/// A finding taken back; what does not apply stays so.
+Finding withheld(const Finding& finding, const std::string& reason) {
+  return finding ? notJudged(*finding, reason) : finding;
+}
+
 /// Takes back what judges nothing, for a reason that all have in common; what does not apply stays so.
 void withhold(std::vector<Finding>& findings, const std::string& reason) {
-  for (Finding& finding : findings) {
-    if (finding) finding = notJudged(*finding, reason);
-  }
+  for (Finding& finding : findings) finding = withheld(finding, reason);
 }
 
 void add(const Finding& finding, InspectionResult& result) {
@@ -125,6 +128,14 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
                              checks::gateLagCheck(evidence, limits, m.lit),
                              checks::lineEnergyCheck(evidence, limits, m.lit)};
   const bool blank = checks::isBlank(result.entities);
+  if (!blank && checks::isElsewhere(evidence)) {
+    const std::string reason =
+        "Most of the cut lies where no line of the dieline is, so kerfs were read that belong to other lines "
+        "or "
+        "to none; see path, coverage and stray.";
+    cut[1] = withheld(cut[1], reason);
+    withhold(form, reason);
+  }
   const bool dark = m.lit.lit == 0;
   if (blank) {
     withhold(cut, "Nothing was cut along the dieline; see coverage.");

@@ -63,6 +63,9 @@ std::vector<EntityResult> measureEntities(const Evidence& evidence, const Tolera
                                           const DeviationResult& deviations);
 /// Corners and ends, in the order of the scan.
 std::vector<JointResult> measureJoints(const Evidence& evidence);
+/// True when less than half of what was to be cut is cut there: the beam was on another path, and what a
+/// caliper finds may be any line's kerf.
+bool isElsewhere(const Evidence& evidence);
 /// True when next to nothing was burnt on any unit: then offsets and widths are moot.
 bool isBlank(const std::vector<EntityResult>& entities);
 /// Readings, calibrations, times and limits that are no numbers; what was not measured may be NaN, and says

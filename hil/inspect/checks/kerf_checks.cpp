@@ -136,6 +136,19 @@ bool isBlank(const std::vector<EntityResult>& entities) {
                      [](const EntityResult& e) { return e.coverage < 0.05 && std::isnan(e.worst_mm); });
 }
 
+bool isElsewhere(const Evidence& evidence) {
+  std::size_t stations = 0;
+  std::size_t uncut = 0;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    const dieline::Process process = entityOf(evidence, kerf.entity).process;
+    if (process == dieline::Process::kPerforation) continue;
+    stations += kerf.calipers.size();
+    uncut += static_cast<std::size_t>(
+        std::ranges::count_if(kerf.calipers, [&](const vision::Caliper& c) { return isUncut(c, process); }));
+  }
+  return 2 * uncut > stations;
+}
+
 std::vector<std::string> kerfProblems(const Evidence& evidence) {
   std::vector<std::string> problems;
   std::set<std::pair<int, int>> scanned;

@@ -140,6 +140,30 @@ TEST(Doubts, DoNotOutweighALineThatIsNotThere) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid) << "what was recorded is spoiled";
 }
 
+TEST(Unjudged, ACutThatLiesElsewhereIsOneFaultAndNotMany) {
+  SyntheticRun run;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) {
+      // Here and there another line's kerf crosses the caliper.
+      if (static_cast<int>(c.station_mm) % 4 == 0) {
+        c.offset_mm = 0.5;
+        c.width_mm = 0.4;
+        continue;
+      }
+      c.found = false;
+      c.brightness = 0.0;
+      c.offset_mm = c.width_mm = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(result, "path").verdict, Verdict::kFail);
+  for (const char* name : {"kerf_width", "laser_timing", "depth"}) {
+    EXPECT_FALSE(hasCheck(result, name)) << name;
+    EXPECT_TRUE(unjudgedOf(result, name).applies) << name;
+  }
+}
+
 TEST(Unjudged, NothingCutLeavesOneCauseAndNoGuesses) {
   SyntheticRun run;
   for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
