@@ -37,12 +37,17 @@ struct PinRecording {
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
 /// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller sent. Only
 /// wired signals are written; what a port does on other pins is lost.
+/// The last line is the SHA-256 of all before it.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
 void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 
 /// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped.
 /// Without Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become
 /// one event.
+///
+/// A file whose header announces a sum that does not fit any more has a problem, so that no verdict rests on
+/// it: somebody cut, edited or converted it. Whoever wants that judged takes Kerfbench's comments out of the
+/// header.
 ///
 /// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin,
 /// unknown identifiers, a wire twice, a controller's pin of `map` that the file lacks, and anything truncated

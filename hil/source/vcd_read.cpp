@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/base/digest.h"
 #include "hil/base/number_from.h"
 #include "hil/base/text.h"
 #include "hil/source/vcd.h"
@@ -160,6 +161,8 @@ class Reader {
     } else if (words[1] == "end") {
       own_end_ = base::numberFrom<Tick>(words[2]);
       if (!own_end_) fault("an end of " + base::inQuotes(words[2]) + " makes no sense");
+    } else if (words[1] == "sum") {
+      has_sum_ = true;
     } else if (words[1] == "stamp_err") {
       own_stamp_err_ = base::numberFrom<std::uint32_t>(words[2]);
       if (!own_stamp_err_) fault("an error of " + base::inQuotes(words[2]) + " ticks makes no sense");
@@ -249,7 +252,9 @@ class Reader {
           break;
         case '$':
           if (token == "$comment") {
+            const auto begin = static_cast<std::size_t>(token.data() - text_.data());
             const auto words = section(token);
+            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "sum") checkSum(begin, words[2]);
             if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") received(words);
           } else if (token != "$end" && !token.starts_with("$dump")) {
             fault("unknown section " + base::inQuotes(token));
@@ -260,6 +265,12 @@ class Reader {
       }
     }
     finish();
+  }
+
+  /// Whether the file up to `begin` is as it was written.
+  void checkSum(std::size_t begin, std::string_view sum) {
+    sum_fits_ = sum == base::sha256(text_.substr(0, begin)) &&
+                text_.find_first_not_of(" \n", text_.find('\n', begin)) == std::string_view::npos;
   }
 
   void stamp(std::string_view digits) {
@@ -327,6 +338,9 @@ class Reader {
       fault("the file ends before its end: it is truncated");
     if (recording_.uart.size() != own_words_.value_or(recording_.uart.size()))
       fault("not all of the controller's words are there: it is truncated");
+    if (has_sum_ && !sum_fits_)
+      recording_.problems.emplace_back(
+          "the recording is not as it was written: the sum at its end does not fit what stands before it");
     for (const auto& gap : gaps_) {
       auto& events = recording_.outputs;
       auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
@@ -362,6 +376,8 @@ class Reader {
   std::optional<Tick> own_end_;
   std::optional<std::size_t> own_words_;
   std::optional<std::uint32_t> own_stamp_err_;
+  bool has_sum_{};  ///< The header says that the file ends with its own sum.
+  bool sum_fits_{};
   std::vector<Gap> gaps_;
   std::array<bool, kSignalCount> seen_{};
   std::unordered_map<std::string_view, Wire> wires_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/digest.h"
 #include "hil/source/vcd.h"
 #include "hil/source/vcd_scale.h"
 #include "hil/source/vcd_words.h"
@@ -46,6 +47,8 @@ class Writer {
     const Tick last = stamped_ ? tick_ + 1 : 0;
     stamp(std::max(recording_.end, last));
     words();
+    const std::string sum = base::sha256(text_);
+    text_ += "$comment kerfbench sum " + sum + " $end\n";
     return std::move(text_);
   }
 
@@ -53,7 +56,7 @@ class Writer {
   void header() {
     text_ += "$version kerfbench $end\n$comment kerfbench tick " + std::to_string(recording_.rate.num) + "/" +
              std::to_string(recording_.rate.den) + " $end\n$comment kerfbench end " +
-             std::to_string(recording_.end) + " $end\n";
+             std::to_string(recording_.end) + " $end\n$comment kerfbench sum sha256 $end\n";
     if (recording_.stamp_err_ticks > 0)
       text_ += "$comment kerfbench stamp_err " + std::to_string(recording_.stamp_err_ticks) + " $end\n";
     if (!recording_.uart.empty())

@@ -10,9 +10,9 @@
 
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
-#include "hil/inspect/evidence/extreme.h"
 #include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include "hil/base/digest.h"
 #include "hil/source/open.h"
 #include "tests/hil/source/vcd_sample.h"
 
@@ -40,14 +41,32 @@ TEST_F(VcdTest, SixteenMegahertzIsWrittenIn100ps) {
   recording.sensors = {{2, Signal::kPrintMark, true}};
   recording.end = 3;
   writeVcd(file("tiny.vcd"), recording, sampleMap());
-  EXPECT_EQ(
-      contentOf(file("tiny.vcd")),
+  const std::string before =
       "$version kerfbench $end\n$comment kerfbench tick 1/16000000 $end\n$comment kerfbench end 3 $end\n"
+      "$comment kerfbench sum sha256 $end\n"
       "$timescale 100 ps $end\n$scope module pins $end\n$var wire 1 ! galvo_x_pul $end\n"
       "$var wire 1 \" galvo_x_dir $end\n$var wire 1 # galvo_y_pul $end\n$var wire 1 + laser_gate $end\n"
       "$var wire 1 - encoder_a $end\n$var wire 1 / print_mark $end\n$upscope $end\n$enddefinitions $end\n"
-      "#0\n$dumpvars\n0!\n0\"\n0#\n0+\n0-\n0/\n$end\n#625\n1!\n1#\n#1250\n1/\n#1875\n0#\n#2500\n");
+      "#0\n$dumpvars\n0!\n0\"\n0#\n0+\n0-\n0/\n$end\n#625\n1!\n1#\n#1250\n1/\n#1875\n0#\n#2500\n";
+  EXPECT_EQ(contentOf(file("tiny.vcd")),
+            before + "$comment kerfbench sum " + base::sha256(before) + " $end\n");
   EXPECT_EQ(readVcd(file("tiny.vcd"), sampleMap()).outputs, recording.outputs);
+}
+
+TEST_F(VcdTest, AFileThatWasChangedHasAProblem) {
+  writeVcd(file("whole.vcd"), sampleRecording(100), sampleMap());
+  ASSERT_TRUE(readVcd(file("whole.vcd"), sampleMap()).problems.empty());
+  const std::string whole = contentOf(file("whole.vcd"));
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    const auto at = text.rfind(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    std::ofstream(file("changed.vcd"), std::ios::binary) << text.replace(at, from.size(), to);
+    return readVcd(file("changed.vcd"), sampleMap()).problems.size();
+  };
+  EXPECT_EQ(changed("1!\n", ""), 1U) << "an edge is left out";
+  EXPECT_EQ(changed(" $end\n", " $end \n"), 0U) << "a blank behind the sum";
+  EXPECT_EQ(changed("$comment kerfbench sum", "$comment nobody's sum"), 1U) << "the sum is taken away";
 }
 
 TEST_F(VcdTest, EmptyRunIsAFileToo) {
