@@ -137,7 +137,7 @@ std::set<std::string> includedBy(const std::string& path) {
   return seen;
 }
 
-TEST(Rooms, ThatHoldATwinAreTheRunAndTheAdaptersOfItsCameras) {
+TEST(Rooms, ThatHoldATwinIsTheRunAlone) {
   int holders = 0;
   for (const auto& entry : fs::recursive_directory_iterator(sourceRoot() / "hil")) {
     if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
