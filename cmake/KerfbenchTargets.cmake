@@ -96,6 +96,18 @@ function(kerfbench_room name)
   set_property(GLOBAL PROPERTY KERFBENCH_LINKS_${name} ${ARG_PUBLIC} ${ARG_PRIVATE})
 endfunction()
 
+# kerfbench_program(kerfbench SOURCES main.cpp LIBS kerfbench::hil_app): a program with a command line. CLI11 takes longer to
+# compile than all the rest of these files: they are one translation unit, which nothing that is slow passes through.
+function(kerfbench_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE kerfbench_options ${ARG_LIBS} CLI11::CLI11 fmt::fmt)
+  if(CMAKE_BUILD_TYPE STREQUAL Release)
+    target_compile_options(${name} PRIVATE -O1)
+  endif()
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+endfunction()
+
 # build/…/rooms.txt: a line for each room, "hil/vision/spot: hil/base hil/camera …", in the order in which they are built.
 function(kerfbench_write_rooms)
   get_property(rooms GLOBAL PROPERTY KERFBENCH_ROOMS)

@@ -2,10 +2,12 @@
 #include "twin/description/axis_faults.h"
 
 #include <cmath>
+#include <complex>
+#include <limits>
 #include <numbers>
 #include <variant>
 
-#include <Eigen/Eigenvalues>
+#include "twin/base/general_eigen.h"
 
 namespace kerfbench::twin {
 namespace {
@@ -95,7 +97,7 @@ void requireQuietServo(FaultList& faults, const std::string& name, const ServoDe
     return;
   }
   // States: motor angle and speed, load angle and speed, torque.
-  Eigen::Matrix<double, 5, 5> rates = Eigen::Matrix<double, 5, 5>::Zero();
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(5, 5);
   const double inertia = plant.motor_inertia + plant.load_inertia;
   // Without a current loop's lag the torque follows at once: much faster than anything else here.
   const double lag_s = std::max(servo.current_lag_s, 1e-3 / std::max(wn, load_w));
@@ -109,7 +111,7 @@ void requireQuietServo(FaultList& faults, const std::string& name, const ServoDe
   rates.row(4) << -inertia * wn * wn / lag_s, -2.0 * servo.damping * inertia * wn / lag_s, 0.0, 0.0,
       -1.0 / lag_s;
   if (!rates.allFinite()) return;
-  const Eigen::Matrix<std::complex<double>, 5, 1> poles = rates.eigenvalues();
+  const Eigen::VectorXcd poles = GeneralEigen(rates).values;
   for (const std::complex<double>& pole : poles) {
     if (pole.imag() < 0.0 || pole.real() <= 1e-6 * std::abs(pole)) continue;
     faults.require(

@@ -6,8 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
+#include "twin/base/general_eigen.h"
 #include "twin/machine/mechanism_faults.h"
 
 namespace kerfbench::twin {
@@ -139,16 +138,16 @@ void Mechanism::requireSlowerThan(double step_s) const {
   std::vector<ForceLaw::Piece> pieces(law_.pieceCount(), 0);
   for (std::size_t i = 0; i < law_.springs.size(); ++i) pieces[i] = law_.springs[i].half_play > 0 ? 1 : 0;
   const AffineRate rate = affineRate(law_, inverse_mass_, pieces.data());
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(rate.A);
+  const GeneralEigen motions(rate.A);
   for (Eigen::Index k = 0; k < rate.A.rows(); ++k) {
-    const double rate_1_s = std::abs(solver.eigenvalues()[k]);
+    const double rate_1_s = std::abs(motions.values[k]);
     if (rate_1_s * step_s <= 1.0) continue;
     // The joint in the message has the largest share of the kinetic energy in this motion.
     std::size_t joint = 0;
     double most = -1.0;
     for (std::size_t i = 0; i < law_.joints; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      const double speed = std::abs(solver.eigenvectors()(row + static_cast<Eigen::Index>(law_.joints), k));
+      const double speed = std::abs(motions.vectors(row + static_cast<Eigen::Index>(law_.joints), k));
       const double energy = speed * speed / inverse_mass_(row, row);
       if (energy > most) {
         most = energy;
