@@ -31,14 +31,14 @@ struct PinWiring {
 /// What the pins say by themselves. Times in s from tick 0 of the recording.
 struct PinEvidence {
   std::vector<PulseTiming> pulses;           ///< One for each wired drive.
-  std::vector<inspect::GateInterval> gates;  ///< By time; a gate that is open at the end closes there.
+  std::vector<inspect::GateInterval> gates;  ///< Sorted by time; a gate that is open at the end closes there.
   /// Spans in which the laser emits: gate and PWM are high; the gate alone where no PWM is wired. By time.
   std::vector<inspect::Span> light;
   /// Spans in which the interlock is open, after it was closed for the first time; by time. Absent: the
   /// recording has no edge of it.
   std::optional<std::vector<inspect::Span>> guard_open;
-  std::vector<inspect::BeltEdge> belt;  ///< By time.
-  std::vector<double> power_edges_s;    ///< By time; the meter's delay is taken off.
+  std::vector<inspect::BeltEdge> belt;  ///< Sorted by time.
+  std::vector<double> power_edges_s;    ///< Sorted by time; the meter's delay is taken off.
 };
 
 /// Reads a recording and nothing else: no model takes part, so an error in the twin's decoder cannot vouch

@@ -15,8 +15,8 @@ struct CalibrateOptions {
   std::filesystem::path machine;
   std::string camera;                        ///< spot, kerf.
   std::vector<std::filesystem::path> views;  ///< Pictures, or folders of them; none: drawn by the twin.
-  std::filesystem::path target;              ///< Its description; empty: the one that fits the camera.
-  std::vector<double> origin_mm{0.0, 0.0};   ///< Origin of the target in the first view.
+  std::filesystem::path target;  ///< Description of the target; empty: the one that fits the camera.
+  std::vector<double> origin_mm{0.0, 0.0};  ///< Origin of the target in the first view.
   double turn_deg{};
   std::string date;
   std::uint64_t seed{1};

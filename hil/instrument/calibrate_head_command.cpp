@@ -91,7 +91,7 @@ head_service::HeadPlan planOf(const HeadCalibrateOptions& options, const head_se
           .seed = options.seed};
 }
 
-/// By their numbers: false, by all others. The fit is of this sheet alone.
+/// Rejection flag of each mark, in the order of their numbers; the fit is of this sheet alone.
 std::vector<int> rejectedOf(const head_service::MeasuredSheet& sheet, const calibrate::HeadFit& fit) {
   std::vector<int> numbers;
   for (std::size_t i = 0; i < sheet.marks.size(); ++i)

@@ -26,11 +26,12 @@ struct HeadCalibrateOptions {
   std::string date;           ///< Empty: the kerf camera's calibration's.
   std::filesystem::path out;  ///< Empty: correction.csv in the results.
   bool keep_pictures{};
-  bool by_hand{};                  ///< People cut the sheets and photograph them.
-  std::filesystem::path image;     ///< By hand: the controller's release; empty: the native one for galvos.
+  bool by_hand{};  ///< People cut the sheets and photograph them.
+  std::filesystem::path
+      image;  ///< Release of the controller, for sheets cut by hand; empty: the native one for galvos.
   std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts.
   std::filesystem::path pictures;  ///< Pictures of that sheet: a folder with tiles.yaml.
-  std::filesystem::path table;  ///< That it was cut with; empty: the one that the machine file names, if any.
+  std::filesystem::path table;     ///< Table with which the sheet was cut; empty: the machine file's, if any.
   int jobs{1};
   bool quiet{};
   std::filesystem::path bin_dir;

@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kExitChanged = 1;
 constexpr int kMarksEachWay = 3;
-constexpr int kCheckSheet = 1000;  // Its pictures have another noise than those of the calibration.
+constexpr int kCheckSheet = 1000;  // Number of a sheet whose pictures have a noise of their own.
 
 Json jsonOf(const calibrate::DriftFinding& drift) {
   return {{"name", calibrate::nameOf(drift.which)},

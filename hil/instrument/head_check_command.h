@@ -14,14 +14,13 @@ struct HeadCheckOptions {
   std::filesystem::path machine;
   std::filesystem::path calibration{"results/head"};  ///< Results of `calibrate head`.
   std::filesystem::path results_dir{"results/head-check"};
-  std::filesystem::path
-      table;  ///< That the controller uses; empty: the machine file's, or the calibration's.
+  std::filesystem::path table;  ///< Table of the controller; empty: the machine file's, or the calibration's.
   std::uint64_t seed{1};
   std::string imperfections{"static"};
   std::string twin{"fast"};
   bool keep_pictures{};
   bool by_hand{};
-  std::filesystem::path image;     ///< By hand: the controller's release.
+  std::filesystem::path image;     ///< Release of the controller, for a sheet that is cut by hand.
   std::filesystem::path job;       ///< Job file of a sheet that was cut; empty: the twin cuts, or people.
   std::filesystem::path pictures;  ///< Pictures of that sheet.
   int jobs{1};

@@ -32,9 +32,9 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Json = nlohmann::ordered_json;
 
-constexpr int kReversalSheet = 2000;   // Its pictures have a noise of their own.
+constexpr int kReversalSheet = 2000;   // Number of a sheet whose pictures have a noise of their own.
 constexpr double kFieldBorder_mm = 1;  // Around the marks.
-constexpr double kToldSigmas = 4.0;    // Of 16 terms one is beyond by chance once in a thousand.
+constexpr double kToldSigmas = 4.0;  // Sigmas beyond which one of 16 terms lies by chance once in a thousand.
 constexpr double kRough =
     2.0;  // Scatter over what pictures say from which on the camera's error is not smooth.
 
@@ -125,7 +125,7 @@ struct Shares {
   double camera_mm{}, camera_sigma_mm{};  ///< Largest, and its standard deviation in the worst direction.
   double head_mm{};                       ///< Largest, the camera's part taken off.
   double both_mm{};                       ///< As the first view shows it.
-  std::vector<std::pair<int, Vector2d>> head;  ///< By number.
+  std::vector<std::pair<int, Vector2d>> head;  ///< Sorted by number.
 };
 
 Shares sharesOf(const Seen& seen, const calibrate::ReversalResult& result) {
@@ -217,7 +217,7 @@ void tell(const Seen& seen, const calibrate::ReversalResult& result, base::Conso
         result.noise_ratio));
 }
 
-/// Those beyond doubt, the largest first. The common scale is never among them.
+/// Terms beyond doubt, the largest first. The common scale is never among them.
 std::string toldTerms(const calibrate::CameraError& camera) {
   std::vector<calibrate::CameraError::Term> told;
   for (const calibrate::CameraError::Term& term : camera.terms()) {

@@ -17,7 +17,7 @@ struct ReversalCommandOptions {
   std::vector<double> turns_deg{
       180.0, 90.0};  ///< Angles by which the sheet is turned in the further views, counter-clockwise.
   int grid{9};       ///< Marks each way.
-  std::filesystem::path table;  ///< That the sheet is cut with; empty: the machine file's, if any.
+  std::filesystem::path table;  ///< Table with which the sheet is cut; empty: the machine file's, if any.
   std::uint64_t seed{1};
   std::string imperfections{"static"};
   std::string twin{"fast"};

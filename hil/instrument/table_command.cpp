@@ -20,7 +20,7 @@ using Eigen::Vector2d;
 
 constexpr int kExitOtherwise = 1;
 constexpr int kExitNotTold = 4;
-constexpr double kCheckAt = 0.8;  // of the way to a side: where nine marks are usually put
+constexpr double kCheckAt = 0.8;  // Share of the distance to a side at which nine marks are usually put.
 constexpr double kOffTheGrid =
     0.07;  // no three of them in line with (0, 0), so that no mirror maps them on themselves
 constexpr double kCorHalfCells = 32.0;  // 65 x 65 nodes

@@ -19,7 +19,7 @@ bool canBeAsked(const scenario::ProvokeChoice& provoke) {
          provoke.cause != scenario::ProvokeChoice::Cause::kUartNoise;
 }
 
-/// To both that do not have it: a recording says so already in its replay.
+/// Adds the problem to run and recording, unless it is there: a replay has it already.
 void addProblem(const std::string& problem, run::RecordedRun& run) {
   if (problem.empty()) return;
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems}) {

@@ -8,7 +8,7 @@
 namespace kerfbench::judge {
 namespace {
 
-/// By which the web may lag behind its encoder.
+/// Distance by which the web may lag behind its encoder.
 constexpr double kSlip_mm = 1.0;
 
 /// Travel of the web by its encoder up to a time, mm.

@@ -14,16 +14,18 @@ namespace {
 using Cause = scenario::ProvokeChoice::Cause;
 
 constexpr double kReport_s = 0.05;
-constexpr double kFrameBits = 134 * 10;  // a frame may be on the wire when the host falls silent
+constexpr double kFrameBits =
+    134 * 10;  // Bits of a frame that may be on the wire when the host falls silent.
 constexpr double kSilence_s = 0.25;
 constexpr double kEncoderCounts = 16;
 constexpr double kFast_s = 7e-3;
-constexpr double kMarks = 8;             // of which one is lost
-constexpr double kFieldNear_mm = 0.5;    // from where on the bench waits for the controller
-constexpr double kFieldWaver_mm = 0.5;   // that the controller may grant beyond
-constexpr double kFilterPeriods = 12;    // until the tracked speed has settled
-constexpr double kBeltSpan_s = 40e-3;    // over which the bench measures the belt's speed
-constexpr double kFramePause_s = 20e-3;  // after which a frame is given up
+constexpr double kMarks = 8;  // Marks of which one is lost.
+constexpr double kFieldNear_mm =
+    0.5;  // Distance to the edge from which on the bench waits for the controller.
+constexpr double kFieldWaver_mm = 0.5;   // Distance beyond the edge that the controller may grant.
+constexpr double kFilterPeriods = 12;    // Periods until the tracked speed has settled.
+constexpr double kBeltSpan_s = 40e-3;    // Time over which the bench measures the belt's speed.
+constexpr double kFramePause_s = 20e-3;  // Pause after which a frame is given up.
 
 double encoderWindow_s(const scenario::Case& test_case, double period_s) {
   const double counts_per_s =

@@ -21,7 +21,7 @@ namespace kerfbench::report {
 struct ReportPicture {
   std::string file;     ///< Name relative to the results folder.
   std::string caption;  ///< One line.
-  std::string png{};    ///< Its bytes, if the page is to show it; empty: the page only links to it.
+  std::string png{};    ///< Bytes of a picture that the page shows; empty: the page only links to it.
 };
 
 /// One value of the machine that was sampled for the run.
@@ -56,7 +56,7 @@ struct ModelFacts {
   std::string imperfections;  ///< "ideal", "static", "dynamic".
   std::string twin;           ///< "reference", "fast".
   std::vector<SampledValue> sampled;
-  std::vector<LostStepsNote> lost_steps;  ///< By time.
+  std::vector<LostStepsNote> lost_steps;  ///< Sorted by time.
   std::vector<SpotParting> partings;      ///< Where frames of a real spot camera and the model part, by cut.
 };
 

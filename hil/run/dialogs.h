@@ -17,10 +17,10 @@ struct PreparedJob {
   std::string gcode;    ///< For the results folder.
   /// What the image says of itself; empty if it is not the reference controller's.
   std::string controller{};
-  planner::Target target;              ///< That was planned for.
+  planner::Target target;              ///< Controller for which the job was planned.
   double belt_stop_mm_s{};             ///< As the planner has told the controller.
   Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,
-  long long starved_pulses{};          ///< and its pulses in what the host has.
+  long long starved_pulses{};          ///< Pulses of starved_pul in what the host has.
 };
 
 /// Plans the job (reference controller) or reads the G-code (line-and-ok firmware). No dialog for a job that

@@ -16,8 +16,9 @@ namespace kerfbench::inspect::checks {
 namespace {
 
 constexpr std::size_t kLeastFrames = 5;  // for a slope that means something
-constexpr double kLeastCounts = 2.0;     // of travel: less tells of rounding only
-constexpr double kCoarse = 0.5;          // of the limit: an encoder less certain than that tells nothing
+constexpr double kLeastCounts = 2.0;     // Least travel in counts; below it rounding is all that there is.
+constexpr double kCoarse =
+    0.5;  // Share of the limit above which the uncertainty of an encoder makes it useless.
 
 /// Place of the belt between the encoder's edges, mm.
 double beltAt(const std::vector<BeltEdge>& edges, double time_s) {
@@ -33,7 +34,7 @@ double beltAt(const std::vector<BeltEdge>& edges, double time_s) {
 struct Parting {
   const LitFrame* first{};
   double drift_mm{};   ///< Sheet less belt, over the cut, by least squares.
-  double sigma_mm{};   ///< By the scatter about that line.
+  double sigma_mm{};   ///< Standard uncertainty from the scatter about that line.
   double travel_mm{};  ///< Travel of the belt.
 };
 

@@ -39,7 +39,7 @@ std::vector<const vision::Caliper*> innerStations(const vision::EntityKerf& kerf
 
 /// A piece of a line between two of its stations.
 struct Stretch {
-  double from_mm{}, to_mm{};  ///< Its first and last station.
+  double from_mm{}, to_mm{};  ///< First and last station of the piece.
   double length_mm{};         ///< What the light of its stations and of those beside them says; 0: none.
 };
 /// The longest piece whose stations are all `missing`. A caliper averages over 2 kWindowHalfMm of its line: a

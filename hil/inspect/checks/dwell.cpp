@@ -44,7 +44,7 @@ class Light {
 
 struct Rest {
   const LitFrame* at{};
-  double light_s{};  ///< Of full power.
+  double light_s{};  ///< Time of full power that gives as much light.
   double time_s{};
 };
 

@@ -35,7 +35,7 @@ struct Reading {
 /// Entities of one process that go on where the one before ends.
 struct Chain {
   int unit{};
-  int entity{};  ///< Its first.
+  int entity{};  ///< First entity of the chain.
   dieline::Process process{};
   double length_mm{};
   std::vector<Reading> readings;

@@ -17,7 +17,7 @@ double lastLight_s(const std::vector<GateInterval>& gates) {
   return last_s;
 }
 
-// It speaks when laser and axes are at rest.
+// The controller reports its end when laser and axes are at rest.
 bool atRest(const ControllerEnd& end, const std::vector<GateInterval>& gates) {
   return lastLight_s(gates) <= end.time_s && end.last_pulse_s <= end.time_s;
 }

@@ -29,8 +29,8 @@ constexpr double kRoughness_mm = 0.005;
 /// Above this the motion was neither of the two: a jerk-limited start, or a cut that goes on from another.
 constexpr double kMaxChiSquare = 9.0;
 
-/// By which chi square must fall for the parameter that a start at speed has more: by chance one start in
-/// forty.
+/// Drop of chi square that justifies the extra parameter of a start at speed; by chance one start in forty
+/// has it.
 constexpr double kClearlyBetter = 6.0;
 
 /// A line shorter than this may have no frame that is its own.

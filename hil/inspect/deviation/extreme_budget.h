@@ -26,9 +26,9 @@ struct ExtremeLine {
 struct ExtremeBudget {
   double extreme_bias{};    ///< Mean of the largest |seen + errors| less the largest |seen|.
   double smoothing_bias{};  ///< Largest |seen| less the largest |likely|.
-  double u_noise{};         ///< By noise, by errors of single lines, and by which line is the largest.
-  double u_pose{};          ///< By errors that the lines of a unit share.
-  double u_camera{};        ///< By errors that all share.
+  double u_noise{};         ///< Part by noise, by errors of single lines, and by which line is the largest.
+  double u_pose{};          ///< Part by errors that the lines of a unit share.
+  double u_camera{};        ///< Part by errors that all share.
 };
 
 /// Distribution for one line: that no value of its noise lies above w is taken as a Markov chain of

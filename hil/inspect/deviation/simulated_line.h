@@ -45,7 +45,7 @@ class SimulatedLine {
   double noise_share{};              ///< Share of the estimates' noise variance that likely_mm still holds.
   double error_squares{};            ///< Expected sum of squares of the readings' errors.
   std::vector<double> reading_mm;    ///< Readings of the last measure().
-  std::vector<double> simulated_mm;  ///< Those smoothed.
+  std::vector<double> simulated_mm;  ///< Readings of the last measure(), smoothed.
 
  private:
   [[nodiscard]] std::vector<double> likelyTruth();

@@ -17,7 +17,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kDraws = 1000;
 constexpr std::uint64_t kStreams = 4;  // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
-constexpr std::uint64_t kRoundStream = kHiddenStream + 1;  // And on, for each draw of each line.
+constexpr std::uint64_t kRoundStream =
+    kHiddenStream + 1;  // First stream of the circles; each draw of each line takes one from here on.
 
 std::size_t placeOfLargest(const std::vector<double>& values) {
   const auto at = std::max_element(values.begin(), values.end(),

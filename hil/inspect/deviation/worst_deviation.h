@@ -31,7 +31,7 @@ struct DeviationResult {
   std::vector<Quantity> widths;       ///< Kerf width of each line; filled for lines of a kerf.
   std::vector<double> width_own_U;    ///< U of the width without what the widths of all lines have in common.
   UncertaintyBudget budget;           ///< Budget of all.worst.
-  double chance_beyond{};             ///< That the truth of all.worst lies above the limit.
+  double chance_beyond{};             ///< Chance that the truth of all.worst lies above the limit.
 };
 
 /// What a line of the model is.

@@ -17,7 +17,8 @@ namespace kerfbench::inspect::checks {
 
 /// On which side of each entity the kerf must lie so that the edge of the wanted piece is on the dieline.
 struct EdgeSides {
-  /// By entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other processes).
+  /// Side by entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other
+  /// processes).
   std::vector<int> side;
   int outlines{};  ///< Closed cuts with the kerf outside.
   int holes{};     ///< With the kerf inside.

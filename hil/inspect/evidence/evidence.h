@@ -28,8 +28,8 @@ struct Evidence {
   std::vector<Span> light;  ///< Spans in which gate and PWM let the laser emit; by time.
   /// Spans in which the interlock was open; absent: the pins do not show it.
   std::optional<std::vector<Span>> guard_open;
-  std::vector<BeltEdge> belt;                ///< By time; empty without an encoder, or if the belt stood.
-  double belt_count_mm{};                    ///< Travel of one count.
+  std::vector<BeltEdge> belt;  ///< Edges by time; none without an encoder, or if the belt stood.
+  double belt_count_mm{};      ///< Travel of one count.
   std::optional<ControllerAccount> account;  ///< Absent: see no_words.
   std::optional<ControllerEnd> end;          ///< Absent: see no_words.
   /// Why the controller's report is absent, in one sentence.

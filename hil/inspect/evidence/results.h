@@ -88,7 +88,7 @@ std::string_view jointName(JointResult::Kind kind);
 
 struct InspectionResult {
   Verdict verdict{Verdict::kInvalid};
-  std::vector<Check> checks;       ///< Those that were judged.
+  std::vector<Check> checks;       ///< Checks that were judged.
   std::vector<Unjudged> unjudged;  ///< All others, in the order of the report.
   std::vector<EntityResult> entities;
   std::vector<LayerResult> layers;

@@ -23,7 +23,7 @@ struct LitFrame {
   int left_entity{-1};    ///< Line that the run of a spot off every line had followed, or came back to.
   double deviation_mm{};  ///< Along the left normal of either; NaN if there is none.
   double n_x{};           ///< x of that normal in W.
-  double distance_mm{};   ///< To the nearest entity of any kind; kSearch_mm if there is none so near.
+  double distance_mm{};   ///< Distance to the nearest entity of any kind; kSearch_mm if none is nearer.
   bool ambiguous{};       ///< Another entity that runs another way is within reach: a corner or a crossing.
 };
 
