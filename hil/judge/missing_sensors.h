@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/inspect/evidence/evidence.h"
+#include "hil/inspect/inspect.h"
 #include "hil/scenario/case.h"
 #include "hil/source/vcd.h"
 

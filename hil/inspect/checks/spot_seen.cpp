@@ -15,14 +15,15 @@
 namespace kerfbench::inspect::checks {
 namespace {
 
-/// Power is proportional to speed: where the beam sets off and stops it glows too little to be seen …
+/// Time around a switch of the gate in which a dark frame is excused: power is proportional to speed, and
+/// where the beam sets off and stops it glows too little to be seen.
 constexpr double kRamp_s = 0.02;
-/// … and where it is slower than this share of its usual speed, as in corners and on the ramps of heavy heads
-/// (82 ms on strip-stop-and-go) …
+/// Share of the usual speed below which a dark frame is excused, as in corners and on the ramps of heavy
+/// heads (82 ms on strip-stop-and-go).
 constexpr double kSlowShare = 0.6;
-/// … or where a frame beside it is so faint that it places the spot this many times worse than usual. On
-/// carton-on-belt, whose creases take half the power, one is dark at 0.7 of the speed beside one of 2.5
-/// times; at full speed those creases are at 1.7 times.
+/// Factor of the usual uncertainty of a spot beyond which a neighbouring frame is so faint that a dark one is
+/// excused. On carton-on-belt, whose creases take half the power, one is dark at 0.7 of the speed next to one
+/// of 2.5 times; at full speed those creases are at 1.7 times.
 constexpr double kFaintSpot = 2.0;
 /// Whether a faint spot is found is a matter of noise: so many of all frames may be dark without an excuse,
 /// but never two in a row.

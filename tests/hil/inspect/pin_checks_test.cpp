@@ -158,7 +158,7 @@ TEST(Unjudged, ACutThatLiesElsewhereIsOneFaultAndNotMany) {
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "path").verdict, Verdict::kFail);
-  for (const char* name : {"kerf_width", "laser_timing", "depth"}) {
+  for (const char* name : {"kerf_width", "depth"}) {
     EXPECT_FALSE(hasCheck(result, name)) << name;
     EXPECT_TRUE(unjudgedOf(result, name).applies) << name;
   }

@@ -20,7 +20,7 @@ class DemoAnalyser : public testing::Test {
     map.assign(Signal::kGalvoXDir, {0, 1});
     options.request.driver = "demo";
     options.request.samplerate_hz = 1'000'000;
-    // Of n channels that are on the demo driver fills the first n, whichever they are.
+    // The demo driver fills the first n channels if n are on, whichever they are.
     options.request.channels = {"D0", "D1"};
     options.signals = {Signal::kGalvoXPul, Signal::kGalvoXDir};
     options.time_limit_s = 0.02;
