@@ -196,9 +196,8 @@ TEST(Nesting, ThatCannotBeToldIsRefusedThoughTheReasonIsNotChosen) {
   entities.push_back(arc(-30.0, 12.0, 2.5, 90.0, 360.0));  // The hole once more.
   const dieline::Dieline dieline = test::dielineOf(entities);
   const auto refusalOf = [&](double radius_mm) {
-    return refusal([&] {
-      makeGcode(chosen(dieline, "8"), twoMirror(), jobWith(Order::kShortest, radius_mm));
-    });
+    return refusal(
+        [&] { makeGcode(chosen(dieline, "8"), twoMirror(), jobWith(Order::kShortest, radius_mm)); });
   };
   EXPECT_THAT(refusalOf(0.1), AllOf(HasSubstr("E8 and E19"), HasSubstr("meets another one"),
                                     HasSubstr("cuts that are not selected")));
