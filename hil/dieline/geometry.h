@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -79,7 +80,14 @@ struct Entity {
   Process process{Process::kCut};
   std::string layer;   ///< DXF layer, or the SVG stroke colour as #rrggbb.
   std::string origin;  ///< Place in the file, e.g. "line 204: LWPOLYLINE" .
+  /// What it was drawn for, if a selection leaves it out: its process is kIgnore then. Empty for all others,
+  /// those that a rule of the layers ignores among them.
+  std::optional<Process> left_out{};
 };
+
+/// Tells what the entity was drawn for, whether it is selected or not. Inside and outside follow from this: a
+/// hole that is cut alone is still a hole.
+inline Process drawnFor(const Entity& entity) { return entity.left_out.value_or(entity.process); }
 
 struct Dieline {
   std::string path;

@@ -27,6 +27,23 @@ void refuseUnfit(const dieline::Dieline& dieline) {
   if (!message.empty()) throw base::ConfigError(message);
 }
 
+/// With a selection, what is not selected still tells outlines from holes, so all of the drawing must be fit.
+void refuseUnfitNesting(const Case& test_case) {
+  const Scenario& scenario = test_case.scenario;
+  const bool counts =
+      scenario.limits.edge != inspect::Tolerances::Edge::kCentre || scenario.job.kerf_radius_mm > 0.0;
+  if (!counts || scenario.selection.all()) return;
+  dieline::Dieline whole = test_case.dieline;
+  for (dieline::Entity& entity : whole.entities) entity.process = dieline::drawnFor(entity);
+  try {
+    refuseUnfit(whole);
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(
+        fmt::format("{}: select: the whole drawing tells outlines from holes, and is unfit:\n{}",
+                    scenario.path.string(), error.what()));
+  }
+}
+
 /// The catalogue's entry of an axis's drive.
 planner::DriveNeeds needsOf(const twin::AxisDescription& axis) {
   const DriverProfile& profile = axis.profile;
@@ -84,6 +101,7 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
     throw base::ConfigError(fmt::format("{}: select: {}", test_case.scenario.path.string(), error.what()));
   }
   refuseUnfit(test_case.dieline);
+  refuseUnfitNesting(test_case);
   return test_case;
 }
 

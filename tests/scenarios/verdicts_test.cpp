@@ -18,6 +18,17 @@ using testing::Contains;
 /// Length of a run: as shipped, or the same claim in a fraction of the time, a single unit on the fast twin.
 enum Length { kAsShipped, kOneUnit };
 
+/// The hole (E8) of a label with its kerf compensated, cut alone and in the order of the drawing.
+ProgramRun runOfHoleAlone(const std::string& more, const ScratchFolder& scratch) {
+  const auto path = scratch.path() / "hole.yaml";
+  std::ofstream(path) << fmt::format(
+      "extends: '{}'\nname: hole\nprint: {{units: 1}}\nselect: {{entities: '8'}}\nplanner: {{order: "
+      "drawn{}}}\n",
+      fixture("scenarios/native/label-edges.yaml").string(), more);
+  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'", path.string(),
+                               scratch.path().string()));
+}
+
 ProgramRun runOf(const std::string& scenario, Length length, const ScratchFolder& scratch) {
   auto path = fixture("scenarios/" + scenario);
   std::string options;
@@ -51,6 +62,11 @@ TEST(GoodRelease, LabelAvrPasses) { passes("label-on-belt.yaml"); }
 TEST(GoodRelease, LabelEdgesAvrPasses) { passes("label-edges.yaml", kOneUnit); }
 TEST(GoodReleaseLong, LabelEdgesAvrPasses) { passes("label-edges.yaml"); }
 TEST(GoodReleaseLong, LabelEdgesNativePasses) { passes("native/label-edges.yaml"); }
+TEST(GoodRelease, HoleAlonePasses) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOfHoleAlone("", scratch);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
 TEST(GoodRelease, LabelFedPasses) { passes("label-fed.yaml", kOneUnit); }
 TEST(GoodReleaseLong, LabelFedPasses) { passes("label-fed.yaml"); }
 TEST(GoodReleaseLong, LabelNativePasses) { passes("native/label-on-belt.yaml"); }
@@ -85,6 +101,12 @@ TEST(BadReleaseLong, GateLateFailsByGateLag) { failsBy("gate-late", "gate_lag");
 TEST(BadReleaseLong, EdgesUncompensatedFailsByEdge) { failsBy("edges-uncompensated", "edge"); }
 TEST(BadRelease, EdgesWrongSideFailsByEdge) { failsBy("edges-wrong-side", "edge", kOneUnit); }
 TEST(BadReleaseLong, EdgesWrongSideFailsByEdge) { failsBy("edges-wrong-side", "edge"); }
+TEST(BadRelease, HoleAloneOnTheWrongSideFailsByEdge) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOfHoleAlone(", faults: {kerf_wrong_side: true}", scratch);
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_THAT(checksThat(verdictOf(scratch.path() / "hole"), "FAIL"), Contains("edge")) << run.output;
+}
 TEST(BadRelease, ButtonStraightHooksFailsByJoints) { failsBy("button-straight-hooks", "joints", kOneUnit); }
 TEST(BadRelease, ShortLinesOpenLoopFailsByLineEnergy) { failsBy("short-lines-open-loop", "line_energy"); }
 TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepth) {

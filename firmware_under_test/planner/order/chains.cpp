@@ -115,25 +115,19 @@ void setNesting(std::vector<Chain>& chains) {
   }
 }
 
-}  // namespace
-
-std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParameters& job,
-                              const PlannerFaults& faults) {
-  std::vector<Chain> pool;
-  std::vector<Chain> twice;
-  for (const dieline::Entity& entity : dieline.entities) {
-    if (entity.process == dieline::Process::kIgnore || entity.id == faults.skip_entity) continue;
-    Chain chain;
-    chain.process = entity.process;
-    for (Segment segment : flatten(entity.curve, kFlattenMm)) {
-      segment.entity = entity.id;
-      segment.z = zOf(entity.process, job);
-      if (segment.lengthMm() > 0.0) chain.segments.push_back(segment);
-    }
-    if (chain.segments.empty()) continue;
-    if (entity.id == faults.repeat_entity) twice.push_back(chain);
-    pool.push_back(std::move(chain));
+/// The entity as it was drawn, whether it is selected or not.
+Chain chainOf(const dieline::Entity& entity, const JobParameters& job) {
+  Chain chain;
+  chain.process = dieline::drawnFor(entity);
+  for (Segment segment : flatten(entity.curve, kFlattenMm)) {
+    segment.entity = entity.id;
+    segment.z = zOf(chain.process, job);
+    if (segment.lengthMm() > 0.0) chain.segments.push_back(segment);
   }
+  return chain;
+}
+
+std::vector<Chain> joined(std::vector<Chain> pool) {
   std::vector<Chain> chains;
   while (!pool.empty()) {
     Chain chain = pool.front();
@@ -146,9 +140,52 @@ std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParamete
     }
     chains.push_back(std::move(chain));
   }
+  return chains;
+}
+
+}  // namespace
+
+std::set<int> leftOut(const dieline::Dieline& dieline) {
+  std::set<int> ids;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (entity.left_out) ids.insert(entity.id);
+  }
+  return ids;
+}
+
+std::vector<Chain> stretchesOf(const Chain& chain, const std::function<bool(int)>& wanted) {
+  const auto isWanted = [&](const Segment& segment) { return wanted(segment.entity); };
+  std::vector<Segment> segments = chain.segments;
+  const auto gap = std::find_if_not(segments.begin(), segments.end(), isWanted);
+  if (gap == segments.end()) return {chain};
+  if (chain.closed()) std::rotate(segments.begin(), gap, segments.end());
+  std::vector<Chain> stretches;
+  bool goes_on = false;
+  for (const Segment& segment : segments) {
+    const bool is_wanted = isWanted(segment);
+    if (is_wanted && !goes_on) stretches.push_back({chain.process, {}, chain.nesting});
+    if (is_wanted) stretches.back().segments.push_back(segment);
+    goes_on = is_wanted;
+  }
+  return stretches;
+}
+
+std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParameters& job,
+                              const PlannerFaults& faults) {
+  std::vector<Chain> pool;
+  std::vector<Chain> twice;
+  for (const dieline::Entity& entity : dieline.entities) {
+    if (dieline::drawnFor(entity) == dieline::Process::kIgnore || entity.id == faults.skip_entity) continue;
+    Chain chain = chainOf(entity, job);
+    if (chain.segments.empty()) continue;
+    if (entity.id == faults.repeat_entity && !entity.left_out) twice.push_back(chain);
+    pool.push_back(std::move(chain));
+  }
+  std::vector<Chain> chains = joined(std::move(pool));
+  const std::set<int> left_out = leftOut(dieline);
   if (job.kerf_radius_mm > 0.0) {
     setNesting(chains);
-    chains = compensate(chains, job, faults).chains;
+    chains = compensate(chains, job, faults, left_out).chains;
   }
   for (Chain& chain : chains) {
     chain.nesting = 0;
@@ -156,7 +193,13 @@ std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParamete
   }
   chains.insert(chains.end(), twice.begin(), twice.end());
   setNesting(chains);
-  return chains;
+  if (left_out.empty()) return chains;
+  std::vector<Chain> selected;
+  for (const Chain& chain : chains) {
+    for (Chain& stretch : stretchesOf(chain, [&](int entity) { return !left_out.contains(entity); }))
+      selected.push_back(std::move(stretch));
+  }
+  return selected;
 }
 
 std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm) {

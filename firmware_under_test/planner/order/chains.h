@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <set>
 #include <vector>
 
 #include "firmware_under_test/planner/geometry/segment.h"
@@ -26,8 +28,18 @@ struct Chain {
 /// Joins the entities; where several meet, the straightest continuation is taken. Sets the nesting. With a
 /// kerf radius the cuts are those of the beam's centre (kerf.h, which states what it refuses). A closed chain
 /// begins at its most downstream corner, or joint if it has no corner.
+///
+/// All this is done with the whole drawing. What a selection leaves out (dieline::Entity::left_out) is
+/// dropped in the end, so that the rest is cut as in the whole job.
 std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParameters& job,
                               const PlannerFaults& faults);
+
+/// Lists the entities that a selection leaves out.
+std::set<int> leftOut(const dieline::Dieline& dieline);
+
+/// Finds the stretches of a chain along the entities that are wanted: all of it, or open ones, which may run
+/// through the start of a closed chain.
+std::vector<Chain> stretchesOf(const Chain& chain, const std::function<bool(int)>& wanted);
 
 /// Divides a path into dashes, beginning and ending with a cut if it is open; cut and gap are scaled by one
 /// factor to fit.

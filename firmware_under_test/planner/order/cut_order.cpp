@@ -37,6 +37,15 @@ int rankOf(const Chain& chain, int deepest) {
   return chain.process == dieline::Process::kCut ? 1 + deepest - chain.nesting : 0;
 }
 
+/// Whether a path along a curve runs from its end to its start. Told by the longest segment, which is not one
+/// of a corner's.
+bool runsAgainst(const std::vector<Segment>& path, const dieline::Curve& curve) {
+  const auto longest = std::ranges::max_element(path, {}, &Segment::lengthMm);
+  const double middle_mm = 0.5 * longest->lengthMm();
+  const Vector2d t = dieline::tangentAt(curve, dieline::nearestOn(curve, longest->at(middle_mm)).u);
+  return longest->tangentAt(middle_mm).dot(t) < 0.0;
+}
+
 struct Choice {
   std::size_t index{};
   bool reverse{};
@@ -123,6 +132,18 @@ std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParamet
 std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
                              const PlannerFaults& faults) {
   std::vector<Stop> order;
+  if (job.kerf_radius_mm > 0.0) {
+    const std::vector<Chain> chains = joinChains(dieline, job, faults);
+    for (const dieline::Entity& entity : dieline.entities) {
+      for (const Chain& chain : chains) {
+        for (Chain& stretch : stretchesOf(chain, [&](int id) { return id == entity.id; })) {
+          if (runsAgainst(stretch.segments, entity.curve)) stretch.segments = reversedPath(stretch.segments);
+          order.push_back({std::move(stretch), 0});
+        }
+      }
+    }
+    return order;
+  }
   dieline::Dieline one;
   for (const dieline::Entity& entity : dieline.entities) {
     one.entities = {entity};

@@ -30,7 +30,8 @@ struct OrderOptions {
 std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParameters& job,
                                const PlannerFaults& faults, const OrderOptions& options);
 
-/// Keeps entities in the order and sense of the drawing.
+/// Keeps entities in the order and sense of the drawing. With a kerf radius each has its part of the beam's
+/// path round the whole outline; an arc round a corner belongs to one of the two lines that meet there.
 std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
                              const PlannerFaults& faults);
 

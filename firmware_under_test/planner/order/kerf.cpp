@@ -20,6 +20,10 @@ std::vector<int> entitiesOf(const std::vector<Segment>& segments) {
   return entities;
 }
 
+bool areAllIn(const std::set<int>& left_out, const std::vector<int>& entities) {
+  return std::ranges::all_of(entities, [&](int entity) { return left_out.contains(entity); });
+}
+
 /// Side of a closed cut that is waste: outside of an outline, inside of a hole.
 Side wasteSide(const std::vector<Segment>& segments, int nesting) {
   const bool hole = nesting % 2 == 1;
@@ -33,11 +37,12 @@ struct Work {
   std::vector<const Chain*> chains;
 };
 
-Work workOf(const std::vector<Chain>& chains, const JobParameters& job, Compensated& result,
-            std::vector<std::string>& faults) {
+Work workOf(const std::vector<Chain>& chains, const JobParameters& job, const std::set<int>& left_out,
+            Compensated& result, std::vector<std::string>& faults) {
   Work work;
   for (const Chain& chain : chains) {
     const bool cut = chain.process == dieline::Process::kCut;
+    if (cut && !chain.closed() && areAllIn(left_out, entitiesOf(chain.segments))) continue;
     if (cut && !chain.closed() && job.open_cuts == OpenCuts::kOnTheLine) {
       result.notes.push_back(placeName(entitiesOf(chain.segments), chain.start()) +
                              ": an open cut, the beam runs on its line");
@@ -84,12 +89,13 @@ std::string sentenceOf(const LostStretch& lost, double radius_mm) {
                      place, 2.0 * radius_mm, lost.depth_mm, lost.length_mm);
 }
 
-/// Adds notes on what is lost; losses that need consent go to `faults`.
-void tell(const std::vector<LostStretch>& all, const JobParameters& job, std::vector<std::string>& notes,
-          std::vector<std::string>& faults) {
+/// Adds notes on what is lost of entities that are not left out; losses that need consent go to `faults`.
+void tell(const std::vector<LostStretch>& all, const JobParameters& job, const std::set<int>& left_out,
+          std::vector<std::string>& notes, std::vector<std::string>& faults) {
   int rounded = 0;
   const LostStretch* deepest = nullptr;
   for (const LostStretch& lost : all) {
+    if (areAllIn(left_out, lost.entities)) continue;
     if (lost.kind == LostStretch::Kind::kRounded) {
       ++rounded;
       if (deepest == nullptr || lost.depth_mm > deepest->depth_mm) deepest = &lost;
@@ -108,10 +114,10 @@ void tell(const std::vector<LostStretch>& all, const JobParameters& job, std::ve
 }  // namespace
 
 Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
-                       const PlannerFaults& planner_faults) {
+                       const PlannerFaults& planner_faults, const std::set<int>& left_out) {
   Compensated result;
   std::vector<std::string> faults;
-  Work work = workOf(chains, job, result, faults);
+  Work work = workOf(chains, job, left_out, result, faults);
   if (planner_faults.kerf_wrong_side) {
     for (Contour& contour : work.contours)
       contour.side = contour.side == Side::kLeft ? Side::kRight : Side::kLeft;
@@ -121,10 +127,11 @@ Compensated compensate(const std::vector<Chain>& chains, const JobParameters& jo
   } catch (const CompensationError& error) {
     faults.emplace_back(error.what());
   }
-  tell(result.offset.lost, job, result.notes, faults);
+  tell(result.offset.lost, job, left_out, result.notes, faults);
   if (!faults.empty()) {
-    throw PlanError(
-        fmt::format("kerf compensation by {:g} mm:\n{}", job.kerf_radius_mm, fmt::join(faults, "\n")));
+    throw PlanError(fmt::format("kerf compensation by {:g} mm{}:\n{}", job.kerf_radius_mm,
+                                left_out.empty() ? "" : " (cuts that are not selected count as well)",
+                                fmt::join(faults, "\n")));
   }
   for (const BeamPath& path : result.offset.paths) {
     const Chain& source = *work.chains[path.contour];
@@ -137,7 +144,12 @@ Compensated compensate(const std::vector<Chain>& chains, const JobParameters& jo
 Compensated compensate(const dieline::Dieline& dieline, const JobParameters& job) {
   JobParameters as_drawn = job;
   as_drawn.kerf_radius_mm = 0.0;
-  return compensate(joinChains(dieline, as_drawn, {}), job);
+  dieline::Dieline whole = dieline;
+  for (dieline::Entity& entity : whole.entities) {
+    entity.process = dieline::drawnFor(entity);
+    entity.left_out.reset();
+  }
+  return compensate(joinChains(whole, as_drawn, {}), job, {}, leftOut(dieline));
 }
 
 }  // namespace kerfbench::planner

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,13 @@ struct Compensated {
 ///
 /// What the beam is too wide for is never left out without a note: rounded inner corners and features that
 /// are lost are notes; a contour without any path, or a narrow feature off by more than kLostMm, is refused
-/// unless allow_lost_features. @throws PlanError that lists all of it, and cuts that touch or cross
-/// themselves or each other.
+/// unless allow_lost_features.
+///
+/// The chains are those of the whole drawing, for each path depends on the others. Entities of a closed cut
+/// that are `left_out` of the job have paths as well, but their losses are not told. @throws PlanError that
+/// lists all faults, and cuts, left out or not, that touch or cross themselves or each other.
 Compensated compensate(const std::vector<Chain>& chains, const JobParameters& job,
-                       const PlannerFaults& faults = {});
+                       const PlannerFaults& faults = {}, const std::set<int>& left_out = {});
 
 /// Compensates a dieline whose chains are not joined yet.
 Compensated compensate(const dieline::Dieline& dieline, const JobParameters& job);

@@ -45,7 +45,7 @@ void requireSane(const dieline::Dieline& dieline) {
     throw PlanError(fmt::format("the drawing holds {} entities; {} can be put in order",
                                 dieline.entities.size(), kMostEntities));
   for (const dieline::Entity& entity : dieline.entities) {
-    if (entity.process == dieline::Process::kIgnore) continue;
+    if (dieline::drawnFor(entity) == dieline::Process::kIgnore) continue;
     double farthest = 0.0;
     bool finite = true;
     for (int i = 0; i <= 16; ++i) {

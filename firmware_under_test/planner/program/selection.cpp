@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -131,7 +132,8 @@ void select(dieline::Dieline& dieline, const Selection& selection) {
         holds(selection.entities, entity.id) &&
         (selection.layers.empty() || selection.layers.count(base::lowered(entity.layer)) > 0) &&
         (selection.processes.empty() || selection.processes.count(entity.process) > 0);
-    if (!chosen) entity.process = dieline::Process::kIgnore;
+    if (!chosen && entity.process != dieline::Process::kIgnore)
+      entity.left_out = std::exchange(entity.process, dieline::Process::kIgnore);
     any = any || entity.process != dieline::Process::kIgnore;
   }
   if (faults.empty() && !any) faults.emplace_back("nothing is chosen: no entity is in all lists");

@@ -24,7 +24,8 @@ struct Selection {
 /// "cut,half-cut". Empty text: no limit of that kind. @throws PlanError with everything wrong.
 Selection selectionFrom(const std::string& entities, const std::string& layers, const std::string& processes);
 
-/// Excludes what is not chosen by dieline::Process::kIgnore, so that planner and judge leave it out.
+/// Excludes what is not chosen by dieline::Process::kIgnore, so that planner and judge leave it out. What it
+/// was drawn for is kept in Entity::left_out, because it still takes part in the nesting.
 /// @throws PlanError if a range or a layer chooses nothing that is in the drawing, or all together choose
 /// nothing.
 void select(dieline::Dieline& dieline, const Selection& selection);

@@ -77,6 +77,22 @@ Leg legOf(const vision::KerfScan& scan, const dieline::Dieline& dieline, const E
   return leg;
 }
 
+/// By how much the way out of an end of `curve` turns into a cut that begins or ends there but is not
+/// selected; 0 if there is none. No corner of the scan tells of it.
+double turnIntoLeftOut(const dieline::Dieline& dieline, const dieline::Curve& curve, bool at_start) {
+  const Eigen::Vector2d end_mm = dieline::pointAt(curve, at_start ? 0.0 : 1.0);
+  const Eigen::Vector2d out = (at_start ? -1.0 : 1.0) * dieline::tangentAt(curve, at_start ? 0.0 : 1.0);
+  for (const dieline::Entity& other : dieline.entities) {
+    if (other.left_out != dieline::Process::kCut) continue;
+    for (const double u : {0.0, 1.0}) {
+      if ((dieline::pointAt(other.curve, u) - end_mm).norm() > kAtCorner_mm) continue;
+      const Eigen::Vector2d on = (u == 0.0 ? 1.0 : -1.0) * dieline::tangentAt(other.curve, u);
+      return std::atan2(out.x() * on.y() - out.y() * on.x(), out.dot(on));
+    }
+  }
+  return 0.0;
+}
+
 void readAtEdge(const Leg& in, const Leg& out, vision::CornerKerf& corner) {
   if (!corner.found || in.side == 0 || in.side != out.side) return;
   Eigen::Matrix2d normals;
@@ -216,6 +232,9 @@ double shortenedBy(const vision::KerfScan& scan, const dieline::Dieline& dieline
     if (sense * sideOf(sides, kerf.entity) * corner.turn_rad > 0.0)
       return half_kerf_mm * std::tan(0.5 * std::abs(corner.turn_rad));
   }
+  const double turn_rad = turnIntoLeftOut(dieline, curve, at_start);
+  if ((at_start ? -1.0 : 1.0) * sideOf(sides, kerf.entity) * turn_rad > 0.0)
+    return half_kerf_mm * std::tan(0.5 * std::abs(turn_rad));
   return 0.0;
 }
 

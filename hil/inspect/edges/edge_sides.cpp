@@ -38,6 +38,15 @@ struct Contour {
   int nesting{};
 };
 
+bool isLeftOut(const dieline::Dieline& dieline, int id) {
+  return dieline.entities[static_cast<std::size_t>(id)].left_out.has_value();
+}
+
+/// Whether any of the contour is selected, so that it is cut and judged.
+bool isJudged(const dieline::Dieline& dieline, const std::vector<Step>& steps) {
+  return !std::ranges::all_of(steps, [&](const Step& step) { return isLeftOut(dieline, step.entity); });
+}
+
 void meet(std::vector<End>& ends) {
   std::vector<std::size_t> order(ends.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -85,7 +94,8 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& p_mm) {
   return inside;
 }
 
-/// Joins the open curves of `ids` to closed contours; what does not close is counted in sides.open.
+/// Joins the open curves of `ids` to closed contours; what is selected and does not close is counted in
+/// sides.open.
 void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
                   std::vector<Contour>& contours, EdgeSides& sides) {
   const auto curveOf = [&](int id) -> const dieline::Curve& {
@@ -113,7 +123,8 @@ void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
     }
     if (!closed) {
       // The rest of an open chain may lie before its first curve; each is open for itself.
-      sides.open += static_cast<int>(contour.steps.size());
+      sides.open += static_cast<int>(std::ranges::count_if(
+          contour.steps, [&](const Step& step) { return !isLeftOut(dieline, step.entity); }));
       continue;
     }
     for (const Step& step : contour.steps) append(curveOf(step.entity), step.forward, contour.polygon);
@@ -121,9 +132,11 @@ void joinContours(const dieline::Dieline& dieline, const std::vector<int>& ids,
   }
   for (std::size_t e = 0; e < ends.size(); ++e) {
     if (ends[e].partners < 2) continue;
-    sides.problems.push_back(
-        fmt::format("At {} the cut E{} meets {} others: which side of it is the wanted piece cannot be told.",
-                    placeOf(ends[e].p_mm), ids[e / 2], ends[e].partners));
+    sides.problems.push_back(fmt::format(
+        "At {} the cut E{}{} meets {} others: which side of it is the wanted piece cannot be told.",
+        placeOf(ends[e].p_mm), ids[e / 2],
+        isLeftOut(dieline, ids[e / 2]) ? ", which is not selected but counts for the nesting," : "",
+        ends[e].partners));
   }
 }
 
@@ -136,7 +149,7 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
   std::vector<Contour> contours;
   std::vector<int> open;
   for (const dieline::Entity& entity : dieline.entities) {
-    if (entity.process != dieline::Process::kCut) continue;
+    if (dieline::drawnFor(entity) != dieline::Process::kCut) continue;
     if (!dieline::isClosed(entity.curve)) {
       open.push_back(entity.id);
       continue;
@@ -147,6 +160,7 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
   }
   joinContours(dieline, open, contours, sides);
   for (Contour& contour : contours) {
+    if (!isJudged(dieline, contour.steps)) continue;
     const Eigen::Vector2d p_mm = contour.polygon[contour.polygon.size() / 3];
     for (const Contour& other : contours) {
       if (&other != &contour && contains(other.polygon, p_mm)) ++contour.nesting;
@@ -155,8 +169,10 @@ EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge) {
         edge == Tolerances::Edge::kInside || (edge == Tolerances::Edge::kNesting && contour.nesting % 2 == 1);
     ++(hole ? sides.holes : sides.outlines);
     const bool left = (doubleArea(contour.polygon) > 0.0) == hole;
-    for (const Step& step : contour.steps)
-      sides.side[static_cast<std::size_t>(step.entity)] = left == step.forward ? 1 : -1;
+    for (const Step& step : contour.steps) {
+      if (!isLeftOut(dieline, step.entity))
+        sides.side[static_cast<std::size_t>(step.entity)] = left == step.forward ? 1 : -1;
+    }
   }
   return sides;
 }

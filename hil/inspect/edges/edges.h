@@ -17,18 +17,18 @@ namespace kerfbench::inspect::checks {
 
 /// On which side of each entity the kerf must lie so that the edge of the wanted piece is on the dieline.
 struct EdgeSides {
-  /// Side by entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other
-  /// processes).
+  /// Side by entity id: +1 left of the curve in its own sense, -1 right, 0 on it (open cuts, other processes)
+  /// or not selected.
   std::vector<int> side;
-  int outlines{};  ///< Closed cuts with the kerf outside.
+  int outlines{};  ///< Closed cuts with the kerf outside. What is not selected is not counted.
   int holes{};     ///< With the kerf inside.
   int open{};      ///< Open cuts: they have no inside.
   /// Cuts that branch, so that nobody can say which side is the piece.
   std::vector<std::string> problems;
 };
 
-/// From the drawing alone: entities of process cut are joined where their ends meet (0.02 mm), and a closed
-/// cut within an odd number of others is a hole. kCentre: all 0.
+/// From the whole drawing, selected or not: entities drawn as cuts are joined where their ends meet
+/// (0.02 mm), and a closed cut within an odd number of others is a hole. kCentre: all 0.
 EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge);
 
 /// The scan as read at the piece's edge: Caliper::offset_mm less side · width / 2, and CornerKerf's deviation
@@ -63,7 +63,8 @@ void measureFromBeamLine(const EdgeSides& sides, double half_kerf_mm, LitFrames&
 void measureFromOwnKerf(const vision::KerfScan& edge_scan, const EdgeSides& sides, LitFrames& lit);
 
 /// Length at an end of an entity along which no kerf is to be expected beside it, mm: in a corner whose kerf
-/// lies inside of the turn the beam turns h tan(t/2) before it.
+/// lies inside of the turn the beam turns h tan(t/2) before it. Where the other line of the corner is not
+/// selected, the corner is the drawing's.
 double shortenedBy(const vision::KerfScan& scan, const dieline::Dieline& dieline, const EdgeSides& sides,
                    double half_kerf_mm, const vision::EntityKerf& kerf, bool at_start);
 

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -78,6 +81,57 @@ TEST(KerfSides, CutsThatBranchAreAProblem) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
+/// As a selection of these entities leaves the drawing.
+void keepOnly(dieline::Dieline& dieline, const std::vector<int>& ids) {
+  for (dieline::Entity& entity : dieline.entities) {
+    if (std::ranges::find(ids, entity.id) != ids.end() || entity.process == dieline::Process::kIgnore)
+      continue;
+    entity.left_out = std::exchange(entity.process, dieline::Process::kIgnore);
+  }
+}
+
+TEST(KerfSides, OfASelectionAreThoseOfTheWholeDrawing) {
+  const double turn = 2.0 * std::numbers::pi;
+  const dieline::Dieline whole =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{30, 50}, {60, 0}},
+                 dieline::LineCurve{{30, 50}, {0, 0}}, dieline::ArcCurve{{30, 20}, 8, 0, -turn},
+                 dieline::ArcCurve{{30, 20}, 3, 0, turn}, dieline::ArcCurve{{90, 20}, 8, 0, turn}});
+  for (const Edge edge : {Edge::kNesting, Edge::kOutside, Edge::kInside}) {
+    const auto all = checks::kerfSides(whole, edge);
+    for (const std::vector<int>& ids : std::vector<std::vector<int>>{
+             {3}, {0, 1, 2}, {0, 1, 2, 3}, {4}, {3, 4}, {1}, {0, 2, 5}, {5}, {3, 5}}) {
+      dieline::Dieline part = whole;
+      keepOnly(part, ids);
+      const auto sides = checks::kerfSides(part, edge);
+      for (int id = 0; id < 6; ++id) {
+        const bool is_kept = std::ranges::find(ids, id) != ids.end();
+        const auto i = static_cast<std::size_t>(id);
+        EXPECT_EQ(sides.side[i], is_kept ? all.side[i] : 0) << id;
+      }
+      EXPECT_EQ(sides.open, 0);
+      EXPECT_TRUE(sides.problems.empty());
+    }
+  }
+  dieline::Dieline hole = whole;
+  keepOnly(hole, {3});
+  EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).holes, 1);
+  EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).outlines, 0);
+  for (std::size_t i = 0; i < 3; ++i) hole.entities[i].left_out.reset();  // Of a layer that is ignored.
+  EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).holes, 0);
+}
+
+TEST(KerfSides, CutsThatBranchAreAProblemThoughNotSelected) {
+  dieline::Dieline dieline =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{60, 0}, {30, 40}},
+                 dieline::LineCurve{{30, 40}, {0, 0}}, dieline::LineCurve{{60, 0}, {90, 0}},
+                 dieline::ArcCurve{{30, 15}, 3, 0, 2.0 * std::numbers::pi}});
+  keepOnly(dieline, {4});
+  const auto sides = checks::kerfSides(dieline, Edge::kNesting);
+  EXPECT_EQ(sides.open, 0);
+  ASSERT_FALSE(sides.problems.empty());
+  EXPECT_NE(sides.problems[0].find("not selected"), std::string::npos);
+}
+
 /// A run whose kerfs lie by `shift_mm` on the side that nesting requires.
 SyntheticRun displaced(double shift_mm, double width_change_mm = 0.0) {
   SyntheticRun run;
@@ -114,6 +168,24 @@ TEST(Edges, AKerfBesideTheLinePassesByItsEdgeAndOnTheLineFails) {
     EXPECT_EQ(checkOf(bad, "edge").verdict, Verdict::kFail);
     EXPECT_NEAR(checkOf(bad, "edge").value, kHalf_mm - shift_mm, 0.01);
   }
+}
+
+/// A run of the hole alone, its kerf by `shift_mm` inside of its line.
+SyntheticRun holeAlone(double shift_mm) {
+  SyntheticRun run = displaced(shift_mm);
+  keepOnly(run.dieline, {kHole});
+  std::erase_if(run.evidence.kerf.entities,
+                [](const vision::EntityKerf& kerf) { return kerf.entity != kHole; });
+  return run;
+}
+
+TEST(Edges, AHoleAloneIsJudgedAsAHole) {
+  const auto inside = holeAlone(kHalf_mm).inspected();
+  EXPECT_EQ(checkOf(inside, "edge").verdict, Verdict::kPass) << checkOf(inside, "edge").explanation;
+  EXPECT_TRUE(inside.problems.empty());
+  const auto outside = holeAlone(-kHalf_mm).inspected();
+  EXPECT_EQ(checkOf(outside, "edge").verdict, Verdict::kFail) << checkOf(outside, "edge").explanation;
+  EXPECT_NEAR(checkOf(outside, "edge").value, 2.0 * kHalf_mm, 0.01);
 }
 
 TEST(Edges, AWiderKerfTakesHalfOfItFromThePiece) {
@@ -189,6 +261,15 @@ TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
   EXPECT_EQ(shortened(inside, kBottom, true), 0.0);
   EXPECT_EQ(shortened(inside, kTop, true), 0.0);
   EXPECT_EQ(shortened(outside, kBottom, false), 0.0);
+
+  // The bottom alone: both of its corners are with lines that are not selected.
+  run.evidence.kerf.corners.clear();
+  EXPECT_EQ(shortened(inside, kBottom, false), 0.0);
+  keepOnly(run.dieline, {kBottom});
+  for (const bool at_start : {false, true}) {
+    EXPECT_NEAR(shortened(inside, kBottom, at_start), kHalf_mm, 1e-9);
+    EXPECT_EQ(shortened(outside, kBottom, at_start), 0.0);
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/power/model.h"
+#include "firmware_under_test/planner/program/plan.h"
 #include "hil/base/yaml_reader.h"
 #include "hil/run/dialogs.h"
 #include "tests/hil/base/temp_folder.h"
@@ -108,6 +109,34 @@ TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
   EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
               AllOf(HasSubstr("'0-x'"), HasSubstr("'burn'"), HasSubstr("s.yaml:3")));
   EXPECT_THAT(faultsOf("select: {entities: '70'}\n"), HasSubstr("select: E70: there is no such entity"));
+}
+
+/// The label's drawing has a window (E8) in an outline (E0 to E7).
+TEST_F(CaseTest, WhatIsNotSelectedStillCountsForTheNesting) {
+  const std::string lines = "select: {entities: '8'}\nplanner: {kerf_radius_mm: 0.066, order: ";
+  for (const std::string order : {"shortest", "nearest", "drawn"}) {
+    const Case test_case = label(lines + order + "}\nchecks: {edge: nesting}\n");
+    for (const dieline::Entity& entity : test_case.dieline.entities) {
+      EXPECT_EQ(dieline::drawnFor(entity), dieline::Process::kCut);
+      EXPECT_EQ(entity.left_out.has_value(), entity.id != 8);
+    }
+    const std::string gcode =
+        planner::makeGcode(test_case.dieline, plannerMachine(test_case), plannerJob(test_case));
+    EXPECT_THAT(gcode, HasSubstr("I-2.4340"));
+  }
+}
+
+TEST_F(CaseTest, WhatIsNotSelectedMustBeFitIfItCountsForTheNesting) {
+  (void)temp_.write("twice.svg",
+                    "<svg xmlns='http://www.w3.org/2000/svg' width='90mm' height='90mm' viewBox='0 0 90 90'>"
+                    "<g fill='none' stroke='#ff0000'><circle cx='40' cy='40' r='20'/>"
+                    "<circle cx='40' cy='40' r='20'/><circle cx='40' cy='40' r='5'/></g></svg>");
+  const std::string lines = "dieline: twice.svg\nlayers: {'#ff0000': cut}\nselect: {entities: '2'}\n";
+  EXPECT_EQ(faultsOf(lines), "");
+  for (const std::string more : {"checks: {edge: nesting}\n", "planner: {kerf_radius_mm: 0.1}\n"}) {
+    EXPECT_THAT(faultsOf(lines + more),
+                AllOf(HasSubstr("s.yaml: select: the whole drawing"), HasSubstr("repeats")));
+  }
 }
 
 TEST_F(CaseTest, GcodeEditedByHandTakesThePlaceOfThePlanners) {
