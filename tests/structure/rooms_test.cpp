@@ -144,8 +144,7 @@ TEST(Rooms, ThatHoldATwinIsTheRunAlone) {
     const std::string path = fs::relative(entry.path(), sourceRoot()).string();
     const bool holds = includedBy(path).contains("twin/cutter/twin.h");
     if (holds) ++holders;
-    EXPECT_FALSE(holds && !path.starts_with("hil/run/"))
-        << path << " reaches twin/cutter/twin.h";
+    EXPECT_FALSE(holds && !path.starts_with("hil/run/")) << path << " reaches twin/cutter/twin.h";
   }
   EXPECT_GT(holders, 2);
 }

@@ -77,7 +77,7 @@ Leg legOf(const vision::KerfScan& scan, const dieline::Dieline& dieline, const E
   return leg;
 }
 
-/// By how much the way out of an end of `curve` turns into a cut that begins or ends there but is not
+/// Turn of the path out of an end of `curve` into a cut that begins or ends there but is not
 /// selected; 0 if there is none. No corner of the scan tells of it.
 double turnIntoLeftOut(const dieline::Dieline& dieline, const dieline::Curve& curve, bool at_start) {
   const Eigen::Vector2d end_mm = dieline::pointAt(curve, at_start ? 0.0 : 1.0);

@@ -116,7 +116,7 @@ TEST(KerfSides, OfASelectionAreThoseOfTheWholeDrawing) {
   keepOnly(hole, {3});
   EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).holes, 1);
   EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).outlines, 0);
-  for (std::size_t i = 0; i < 3; ++i) hole.entities[i].left_out.reset();  // Of a layer that is ignored.
+  for (std::size_t i = 0; i < 3; ++i) hole.entities[i].left_out.reset();  // A layer that is ignored.
   EXPECT_EQ(checks::kerfSides(hole, Edge::kNesting).holes, 0);
 }
 
