@@ -63,26 +63,27 @@ class Parabola {
 
 }  // namespace
 
-GaussianFootprint asSplineCoefficients(GaussianFootprint bell) {
-  bell.variance_x -= kSplineVariance;
-  bell.variance_y -= kSplineVariance;
-  if (bell.covariance == 0.0) {
-    bell.variance_x = std::max(bell.variance_x, kMinVariance);
-    bell.variance_y = std::max(bell.variance_y, kMinVariance);
-    return bell;
+GaussianFootprint splineCoefficientsOf(GaussianFootprint footprint) {
+  footprint.variance_x -= kSplineVariance;
+  footprint.variance_y -= kSplineVariance;
+  if (footprint.covariance == 0.0) {
+    footprint.variance_x = std::max(footprint.variance_x, kMinVariance);
+    footprint.variance_y = std::max(footprint.variance_y, kMinVariance);
+    return footprint;
   }
   // The smaller eigenvalue is no less than kMinVariance: its determinant says so without a root.
-  const double room_x = bell.variance_x - kMinVariance;
-  const double room_y = bell.variance_y - kMinVariance;
-  if (room_x >= 0.0 && room_y >= 0.0 && room_x * room_y >= bell.covariance * bell.covariance) return bell;
-  const double mean = 0.5 * (bell.variance_x + bell.variance_y);
-  const double half = 0.5 * (bell.variance_x - bell.variance_y);
-  const double spread = std::sqrt(half * half + bell.covariance * bell.covariance);
+  const double room_x = footprint.variance_x - kMinVariance;
+  const double room_y = footprint.variance_y - kMinVariance;
+  if (room_x >= 0.0 && room_y >= 0.0 && room_x * room_y >= footprint.covariance * footprint.covariance)
+    return footprint;
+  const double mean = 0.5 * (footprint.variance_x + footprint.variance_y);
+  const double half = 0.5 * (footprint.variance_x - footprint.variance_y);
+  const double spread = std::sqrt(half * half + footprint.covariance * footprint.covariance);
   const double major = std::max(mean + spread, kMinVariance);
   const double kept_mean = 0.5 * (major + kMinVariance);
   const double kept_share = 0.5 * (major - kMinVariance) / spread;
-  return {bell.centre, kept_mean + half * kept_share, kept_mean - half * kept_share,
-          bell.covariance * kept_share};
+  return {footprint.centre, kept_mean + half * kept_share, kept_mean - half * kept_share,
+          footprint.covariance * kept_share};
 }
 
 void SampledBell::sample(const GaussianFootprint& bell, double sum) {

@@ -15,9 +15,9 @@ struct GaussianFootprint {
   double variance_x{}, variance_y{}, covariance{};
 };
 
-/// Bell whose coefficients of the cubic B-spline give `bell`: narrower by the spline's own variance, but no
-/// narrower than its samples can carry. Axes and centre stay.
-GaussianFootprint asSplineCoefficients(GaussianFootprint bell);
+/// Footprint whose coefficients of the cubic B-spline give `footprint`: narrower by the spline's own
+/// variance, but no narrower than its samples can carry. Axes and centre stay.
+GaussianFootprint splineCoefficientsOf(GaussianFootprint footprint);
 
 /// A Gaussian sampled at whole nodes, row by row, ready to be added to the map:
 ///

@@ -92,7 +92,7 @@ void Sheet::burn(const Footprint& from, const Footprint& to, double energy_j) {
   const int parts = partsOf(from, to);
   for (int part = 0; part < parts; ++part) {
     const Footprint middle = between(from, to, (part + 0.5) / parts);
-    lay(asSplineCoefficients(smeared(middle, move_mm / parts)), energy_j / parts);
+    lay(splineCoefficientsOf(smeared(middle, move_mm / parts)), energy_j / parts);
   }
 }
 
