@@ -36,7 +36,9 @@ std::vector<std::string> missingSensors(const scenario::Case& test_case,
                                         const inspect::Evidence& pins) {
   const SignalMap& wired = test_case.machine.signals;
   std::vector<std::string> problems;
-  if (!test_case.scenario.sheetMoves() || pins.gates.empty()) return problems;
+  // What the controller feeds moves between the cuts, if at all.
+  if (!test_case.scenario.sheetMoves() || test_case.scenario.belt_by_controller || pins.gates.empty())
+    return problems;
   if (wired.pin(Signal::kEncoderA) && wired.pin(Signal::kEncoderB) && pins.belt.empty()) {
     problems.push_back(
         fmt::format("The web moves at {:g} mm/s, and the recording holds no edge of its encoder.",

@@ -3,6 +3,7 @@
 #include "hil/live/real_pins.h"
 #include "hil/app/run_command.h"
 #include "hil/base/exit_codes.h"
+#include "hil/judge/results_folder.h"
 #include "hil/live/capture_on_pins.h"
 
 #include <fmt/format.h>
@@ -242,7 +243,8 @@ TEST_F(PinsToVerdict, ACaptureHoldsTheRecordingAndItsScenarioAndNoMore) {
   const CaptureOptions options = captureOptions(*good_);
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
   EXPECT_EQ(textOf(options.out / "scenario.yaml"), textOf(options.scenario));
-  EXPECT_EQ(std::distance(fs::directory_iterator(options.out), {}), 2);
+  EXPECT_TRUE(fs::exists(options.out / judge::kResultsList));
+  EXPECT_EQ(std::distance(fs::directory_iterator(options.out), {}), 3);
   // A second recording takes its place.
   EXPECT_EQ(captureOnPins(pins(good_->kernel()), options), 0);
 }
