@@ -9,6 +9,7 @@
 
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
+#include "twin/base/constants.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
