@@ -105,7 +105,7 @@ function(kerfbench_program name)
   if(CMAKE_BUILD_TYPE STREQUAL Release)
     target_compile_options(${name} PRIVATE -O1)
   endif()
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin UNITY_BUILD ${KERFBENCH_UNITY} UNITY_BUILD_BATCH_SIZE 0)
 endfunction()
 
 # build/…/rooms.txt: a line for each room, "hil/vision/spot: hil/base hil/camera …", in the order in which they are built.

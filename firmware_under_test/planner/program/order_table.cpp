@@ -5,6 +5,7 @@
 
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/program/check.h"
+#include "firmware_under_test/planner/program/plan.h"
 
 namespace kerfbench::planner {
 
