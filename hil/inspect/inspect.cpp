@@ -130,9 +130,9 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
   const bool blank = checks::isBlank(result.entities);
   if (!blank && checks::isElsewhere(evidence)) {
     const std::string reason =
-        "Most of the cut lies where no line of the dieline is, so kerfs were read that belong to other lines "
-        "or "
-        "to none; see path, coverage and stray.";
+        "Most of the cut lies where no line of the dieline is, so the kerfs that were read belong to others "
+        "or to "
+        "none; see path, coverage and stray.";
     cut[1] = withheld(cut[1], reason);
     withhold(form, reason);
   }
