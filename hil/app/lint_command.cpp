@@ -11,6 +11,7 @@
 #include "hil/base/yaml_reader.h"
 #include "hil/calibrate/files/calibration_file.h"
 #include "hil/calibrate/files/target_file.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "hil/judge/run_options.h"
 #include "hil/machine_file/machine_check.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::camera {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/jpeg.h"
+#include "twin/base/image.h"
 
 #include <csetjmp>
 #include <cstddef>

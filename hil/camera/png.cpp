@@ -12,6 +12,7 @@
 
 #include "hil/base/png_codec.h"
 #include "hil/camera/jpeg.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::camera {
 

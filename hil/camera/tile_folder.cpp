@@ -15,7 +15,9 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/png.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/spline.h"
 
 namespace kerfbench::dieline {

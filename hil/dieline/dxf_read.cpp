@@ -7,6 +7,7 @@
 
 #include "hil/dieline/dxf_entities.h"
 #include "hil/dieline/dxf_tags.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 

@@ -3,12 +3,13 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "hil/dieline/process.h"
 
 namespace kerfbench::dieline {
 
@@ -68,10 +69,6 @@ Nearest nearestOn(const Curve& curve, const Eigen::Vector2d& p_mm);
 
 /// Parameters at arc-length stations no more than `pitch_mm` apart, both ends included (>= 2 values).
 std::vector<double> stations(const Curve& curve, double pitch_mm);
-
-/// Process of the laser along an entity.
-enum class Process { kCut, kHalfCut, kCrease, kPerforation, kIgnore };
-std::string_view processName(Process process);
 
 /// One curve of the drawing with what it is for and where it came from.
 struct Entity {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/curve_math.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
 namespace kerfbench::dieline {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/curve_math.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/text.h"
 

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "hil/dieline/geometry.h"
+#include <Eigen/Core>
+
+#include "hil/dieline/process.h"
 
 namespace kerfbench::dieline {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/dieline/spline.h"
+#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <array>

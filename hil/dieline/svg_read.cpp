@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <pugixml.hpp>
 
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/readers.h"
 #include "hil/dieline/svg_shapes.h"
 #include "hil/dieline/svg_style.h"

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/svg_path.h"
 #include "hil/dieline/svg_style.h"
 #include "hil/dieline/text.h"

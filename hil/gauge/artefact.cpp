@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/dieline/geometry.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::gauge {

@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include "hil/dieline/geometry.h"
 #include "twin/base/constants.h"
 #include "twin/laser/power_noise.h"
 

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "hil/vision/scan/kerf_scan.h"
 #include "twin/base/random.h"
 #include "twin/camera/camera.h"

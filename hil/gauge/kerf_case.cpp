@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "hil/gauge/statistics.h"
 #include "twin/base/random.h"
 

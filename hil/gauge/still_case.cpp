@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/camera/twin/twin_frames.h"
+#include "hil/dieline/geometry.h"
 #include "hil/gauge/beam.h"
 #include "hil/vision/spot/spot_track.h"
 #include "twin/base/constants.h"

@@ -80,7 +80,7 @@ void SheetByHand::writeFiles(const SheetRequest& request) const {
   const scenario::Case test_case = sheetCase(setup_, bench_, request);
   planner::MachineParameters machine = scenario::plannerMachine(test_case);
   machine.target = planner::findTarget(test_case.scenario.firmware.image).value_or(planner::Target{});
-  const planner::Plan plan = planner::plan(test_case.dieline, machine, scenario::plannerJob(test_case));
+  const planner::Plan plan = planner::plan(*test_case.dieline, machine, scenario::plannerJob(test_case));
   base::writeFileAtomically(request.folder / "job.gcode", plan.gcode);
   base::writeFileAtomically(request.folder / "program.txt", planner::programText(plan.program));
   base::writeFileAtomically(request.folder / "print.svg", printSvg(request.job));

@@ -23,6 +23,7 @@
 #include "hil/camera/twin/views/twin_views.h"
 #include "hil/machine_file/machine_file.h"
 #include "hil/scenario/camera_files.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::instrument {
 namespace {

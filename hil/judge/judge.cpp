@@ -36,7 +36,7 @@ inspect::Evidence pinsAndWords(const scenario::Case& test_case, const run::Recor
   const evidence::PinWiring wiring = pinWiring(test_case);
   evidence::PinEvidence pins = evidence::pinEvidence(run.recording, wiring);
   inspect::Evidence result;
-  result.dieline = &test_case.dieline;
+  result.dieline = test_case.dieline.get();
   result.print = test_case.scenario.print;
   result.pulses = std::move(pins.pulses);
   result.gates = std::move(pins.gates);
@@ -93,7 +93,7 @@ class Look {
     options.threads = cameras_.threads;
     options.station_pitch_mm = kStationPitch_mm;
     options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
-    evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, test_case_.dieline, options);
+    evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");
   }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
+#include "hil/dieline/geometry.h"
 #include "hil/scene/picture.h"
 
 namespace kerfbench::judge {
@@ -40,7 +41,7 @@ std::vector<report::ReportPicture> writeMachinePictures(const run::MachineFilm& 
     return pictures;
   }
   const twin::WebDescription web = scenario::webOf(test_case);
-  const Eigen::AlignedBox2d unit = unitOf(test_case.dieline);
+  const Eigen::AlignedBox2d unit = unitOf(*test_case.dieline);
   try {
     scene::PictureOptions options = reportSize();
     const double middle_s = film.middleOfLongestCut_s();

@@ -12,6 +12,7 @@
 #include "hil/camera/v4l2/light_clock.h"
 #include "hil/camera/v4l2/v4l2_frames.h"
 #include "hil/vision/spot/light_seen.h"
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::judge {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
 
 namespace kerfbench::report {
@@ -94,7 +95,7 @@ void drawMeasured(const vision::EntityKerf& kerf, const dieline::Entity& entity,
 
 std::string nominalPath(const RunReport& report, double size_mm) {
   std::string path;
-  for (const dieline::Entity& entity : report.dieline.entities) {
+  for (const dieline::Entity& entity : report.dieline->entities) {
     if (!isUsed(entity.process)) continue;
     bool first = true;
     const bool straight = std::holds_alternative<dieline::LineCurve>(entity.curve);
@@ -110,10 +111,10 @@ std::string panel(const RunReport& report, int unit, std::size_t stride, const s
   Drawing drawing;
   for (const vision::EntityKerf& kerf : report.kerf.entities) {
     const auto index = static_cast<std::size_t>(kerf.entity);
-    if (kerf.unit != unit || index >= report.dieline.entities.size()) continue;
-    drawMeasured(kerf, report.dieline.entities[index], report.limits.path_mm, stride, drawing);
+    if (kerf.unit != unit || index >= report.dieline->entities.size()) continue;
+    drawMeasured(kerf, report.dieline->entities[index], report.limits.path_mm, stride, drawing);
   }
-  Eigen::AlignedBox2d box = report.dieline.bounds();
+  Eigen::AlignedBox2d box = report.dieline->bounds();
   const double margin = std::max(0.05 * box.sizes().maxCoeff(), 2.0 * kExaggeration * report.limits.path_mm);
   const double x = box.min().x() - margin;
   const double y = -box.max().y() - margin;
@@ -170,13 +171,13 @@ std::string patchLine(const vision::KerfPatch& patch, const dieline::Curve& curv
 
 std::string dielineFigures(const RunReport& report) {
   const std::vector<int> units = unitsToShow(report);
-  if (units.empty() || report.dieline.bounds().isEmpty()) return {};
+  if (units.empty() || report.dieline->bounds().isEmpty()) return {};
   std::size_t points = 0;
   for (const vision::EntityKerf& kerf : report.kerf.entities) {
     if (std::find(units.begin(), units.end(), kerf.unit) != units.end()) points += kerf.calipers.size();
   }
   const std::size_t stride = std::max<std::size_t>(1, (points + kMaxPoints - 1) / kMaxPoints);
-  const std::string nominal = nominalPath(report, report.dieline.bounds().sizes().maxCoeff());
+  const std::string nominal = nominalPath(report, report.dieline->bounds().sizes().maxCoeff());
   std::string html = "<div class=legend><span class=key><i class=kn></i>dieline</span>";
   html += limitLegend(report.limits.path_mm);
   html +=
@@ -199,12 +200,12 @@ std::string worstPlaces(const RunReport& report) {
   std::string html;
   for (std::size_t i = 0; i < report.kerf.patches.size(); ++i) {
     const vision::KerfPatch& patch = report.kerf.patches[i];
-    if (patch.image.width <= 0 || patch.image.height <= 0) continue;
+    if (patch.image->width <= 0 || patch.image->height <= 0) continue;
     const double scale_px_mm = std::sqrt(std::abs(patch.pixel_from_S.linear().determinant()));
     if (!(scale_px_mm > 0.0)) continue;
-    const double reach_mm = 0.75 * std::max(patch.image.width, patch.image.height) / scale_px_mm;
+    const double reach_mm = 0.75 * std::max(patch.image->width, patch.image->height) / scale_px_mm;
     std::string lines;
-    for (const dieline::Entity& entity : report.dieline.entities) {
+    for (const dieline::Entity& entity : report.dieline->entities) {
       if (!isUsed(entity.process) || dieline::nearestOn(entity.curve, patch.p_S_mm).distance_mm > reach_mm)
         continue;
       lines += fmt::format("<path class=pn d='{}'/>", patchLine(patch, entity.curve, 0.0, reach_mm));
@@ -220,14 +221,14 @@ std::string worstPlaces(const RunReport& report) {
     const std::string worst = found != report.result.entities.end() && std::isfinite(found->worst_mm)
                                   ? fmt::format(", {:+.1f} µm", 1e3 * found->worst_mm)
                                   : std::string();
-    const int w = patch.image.width;
-    const int h = patch.image.height;
+    const int w = patch.image->width;
+    const int h = patch.image->height;
     html += fmt::format(
         "<figure><svg class=patch viewBox='-0.5 -0.5 {} {}' role=img aria-label='Place {}'><image class=px "
         "x=-0.5 y=-0.5 "
         "width={} height={} href='{}'/>{}</svg><figcaption><b>{}</b> unit {}, E{}{}<br>x {:.2f}, y {:.2f} "
         "mm</figcaption></figure>",
-        w, h, i + 1, w, h, pngDataUri(patch.image), lines, i + 1, patch.unit, patch.entity, worst,
+        w, h, i + 1, w, h, pngDataUri(*patch.image), lines, i + 1, patch.unit, patch.entity, worst,
         patch.p_S_mm.x(), patch.p_S_mm.y());
   }
   if (html.empty()) return {};

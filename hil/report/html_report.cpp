@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
 
 namespace kerfbench::report {
@@ -138,16 +139,16 @@ std::string entityTable(const RunReport& report) {
   for (std::size_t i = 0; i < std::min(rows.size(), kMaxEntityRows); ++i) {
     const inspect::EntityResult& e = *rows[i];
     const auto index = static_cast<std::size_t>(e.entity);
-    const bool known = index < report.dieline.entities.size();
+    const bool known = index < report.dieline->entities.size();
     html += fmt::format(
         "<tr><td>unit {}, E{}<td>{}<td>{} <small>{}</small><td class='num{}'>{}<td class=num>{}<td "
         "class='num{}'>{}<td class=num>{}<td class=num>{}<td class='num{}'>{}</tr>",
-        e.unit, e.entity, known ? dieline::processName(report.dieline.entities[index].process) : "",
-        known ? escapeHtml(report.dieline.entities[index].origin) : std::string(),
-        known ? escapeHtml(report.dieline.entities[index].layer) : std::string(),
+        e.unit, e.entity, known ? dieline::processName(report.dieline->entities[index].process) : "",
+        known ? escapeHtml(report.dieline->entities[index].origin) : std::string(),
+        known ? escapeHtml(report.dieline->entities[index].layer) : std::string(),
         std::abs(e.worst_mm) > report.limits.path_mm ? " hit" : "", withU(e.worst_mm, e.worst_U_mm),
         withU(e.rms_mm, e.rms_U_mm),
-        known && report.dieline.entities[index].process != dieline::Process::kPerforation &&
+        known && report.dieline->entities[index].process != dieline::Process::kPerforation &&
                 e.uncut_mm > report.limits.uncut_mm
             ? " hit"
             : "",
@@ -168,7 +169,7 @@ std::string environment(const RunReport& report) {
   html += htmlRow("Repeat with", report.repeat_command, true);
   html += htmlRow("Digest", digestOf(report), true);
   html += htmlRow("Scenario", report.scenario_path, true);
-  html += htmlRow("Dieline", report.dieline.path, true);
+  html += htmlRow("Dieline", report.dieline->path, true);
   html += htmlRow("Firmware", report.firmware);
   html += htmlRow("Signal source", report.source_id);
   html += htmlRow("Machine", report.machine);

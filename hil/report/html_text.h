@@ -11,7 +11,7 @@
 
 #include "hil/base/text.h"
 #include "hil/report/run_report.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::report {
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/base/digest.h"
+#include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
 #include "hil/report/run_report.h"
 
@@ -289,10 +290,10 @@ std::string verdictJson(const RunReport& report) {
   for (const inspect::EntityResult& e : result.entities) {
     auto j = entityJson<OrderedJson>(e);
     const auto index = static_cast<std::size_t>(e.entity);
-    if (index < report.dieline.entities.size()) {
-      j["process"] = dieline::processName(report.dieline.entities[index].process);
-      j["layer"] = report.dieline.entities[index].layer;
-      j["origin"] = report.dieline.entities[index].origin;
+    if (index < report.dieline->entities.size()) {
+      j["process"] = dieline::processName(report.dieline->entities[index].process);
+      j["layer"] = report.dieline->entities[index].layer;
+      j["origin"] = report.dieline->entities[index].origin;
     }
     root["entities"].push_back(std::move(j));
   }

@@ -4,6 +4,7 @@
 
 #include "hil/base/png_codec.h"
 #include "hil/report/html_text.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::report {
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/report/run_report.h"
 
 namespace kerfbench::report {
@@ -65,7 +66,7 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   };
   add("wide_limit", wideLimits(report.limits));
   add("not_judged", unjudged(report.result));
-  add("part_not_judged", leftOut(report.dieline));
+  add("part_not_judged", leftOut(*report.dieline));
   add("model_pictures", report.model_pictures
                             ? "the pins are real, but the pictures are of the model: no real cut was seen"
                             : "");

@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "hil/base/stopwatch.h"
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 #include "hil/inspect/inspect.h"
 #include "hil/vision/kerf/kerf_measurement.h"
 #include "hil/vision/spot/spot_track.h"
@@ -91,7 +92,7 @@ struct RunReport {
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
   // What was measured.
   inspect::Tolerances limits;
-  dieline::Dieline dieline;
+  std::shared_ptr<const dieline::Dieline> dieline;  ///< Never null.
   PrintLayout print;
   vision::KerfScan kerf;
   vision::SpotTrack spot;

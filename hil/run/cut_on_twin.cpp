@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/dieline/geometry.h"
 #include "hil/run/dialogs.h"
 #include "hil/run/release.h"
 
@@ -29,7 +30,7 @@ camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Sh
   const scenario::Scenario& scenario = test_case.scenario;
   options.seed = scenario.seed;
   return {twin::KerfCamera(test_case.machine.kerf_camera, scenario.print, scenario.seed), sheet,
-          boxesOf(test_case.dieline), options};
+          boxesOf(*test_case.dieline), options};
 }
 
 CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,

@@ -86,7 +86,7 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
   if (!image.empty()) machine.target = planner::findTarget(image).value_or(planner::Target{});
   const planner::JobParameters parameters = scenario::plannerJob(test_case);
   const planner::PlannerFaults& faults = test_case.scenario.planner_faults;
-  planner::Plan plan = edited.empty() ? planner::plan(test_case.dieline, machine, parameters, faults)
+  planner::Plan plan = edited.empty() ? planner::plan(*test_case.dieline, machine, parameters, faults)
                                       : planner::planFromGcode(textOf(edited), machine, parameters, faults);
   job.summary = fmt::format(
       "{} unit{}, {:.0f} mm of marks and {:.0f} mm of jumps in {:.2f} s each; belt {} mm/s, at most {:.1f}",

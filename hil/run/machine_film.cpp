@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "twin/base/image.h"
 #include "twin/cutter/twin.h"
 
 namespace kerfbench::run {

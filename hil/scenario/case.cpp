@@ -10,6 +10,7 @@
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/head/correction.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/dieline/geometry.h"
 #include "hil/machine_file/machine_check.h"
 #include "twin/cutter/machine_faults.h"
 
@@ -28,12 +29,10 @@ void refuseUnfit(const dieline::Dieline& dieline) {
 }
 
 /// With a selection, what is not selected still tells outlines from holes, so all of the drawing must be fit.
-void refuseUnfitNesting(const Case& test_case) {
-  const Scenario& scenario = test_case.scenario;
+void refuseUnfitNesting(const Scenario& scenario, dieline::Dieline whole) {
   const bool counts =
       scenario.limits.edge != inspect::Tolerances::Edge::kCentre || scenario.job.kerf_radius_mm > 0.0;
   if (!counts || scenario.selection.all()) return;
-  dieline::Dieline whole = test_case.dieline;
   for (dieline::Entity& entity : whole.entities) entity.process = dieline::drawnFor(entity);
   try {
     refuseUnfit(whole);
@@ -42,6 +41,19 @@ void refuseUnfitNesting(const Case& test_case) {
         fmt::format("{}: select: the whole drawing tells outlines from holes, and is unfit:\n{}",
                     scenario.path.string(), error.what()));
   }
+}
+
+/// The drawing as the scenario wants it cut.
+dieline::Dieline selectedDieline(const Scenario& scenario) {
+  dieline::Dieline dieline = dieline::readDieline(scenario.dieline, scenario.layers);
+  try {
+    planner::select(dieline, scenario.selection);
+  } catch (const planner::PlanError& error) {
+    throw base::ConfigError(fmt::format("{}: select: {}", scenario.path.string(), error.what()));
+  }
+  refuseUnfit(dieline);
+  refuseUnfitNesting(scenario, dieline);
+  return dieline;
 }
 
 /// The catalogue's entry of an axis's drive.
@@ -94,14 +106,7 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
                     test_case.scenario.path.string(), test_case.scenario.machine.string()));
   }
   refuseUnfit(file, webOf(test_case));
-  test_case.dieline = dieline::readDieline(test_case.scenario.dieline, test_case.scenario.layers);
-  try {
-    planner::select(test_case.dieline, test_case.scenario.selection);
-  } catch (const planner::PlanError& error) {
-    throw base::ConfigError(fmt::format("{}: select: {}", test_case.scenario.path.string(), error.what()));
-  }
-  refuseUnfit(test_case.dieline);
-  refuseUnfitNesting(test_case);
+  test_case.dieline = std::make_shared<const dieline::Dieline>(selectedDieline(test_case.scenario));
   return test_case;
 }
 

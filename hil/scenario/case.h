@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "hil/dieline/read.h"
 #include "hil/machine_file/machine_file.h"
@@ -17,8 +18,8 @@ struct Case {
   twin::MachineDescription machine;  ///< Machine as described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
   machine_file::CameraFile spot_camera,
-      kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
-  dieline::Dieline dieline;
+      kerf_camera;                                  ///< Cameras as the bench knows them: id and calibration.
+  std::shared_ptr<const dieline::Dieline> dieline;  ///< Never null.
 };
 
 /// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as

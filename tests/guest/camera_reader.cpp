@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/guest/camera_reader.h"
+#include "twin/base/image.h"
 
 #include <utility>
 

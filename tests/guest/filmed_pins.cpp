@@ -2,6 +2,7 @@
 #include "tests/guest/filmed_pins.h"
 
 #include "tests/scenarios/filmed_cut.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 

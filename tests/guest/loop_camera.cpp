@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "tests/guest/player.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 namespace {

@@ -14,6 +14,7 @@
 #include "tests/guest/camera_reader.h"
 #include "tests/guest/loop_camera.h"
 #include "tests/guest/player.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 namespace {

@@ -17,6 +17,7 @@
 #include "hil/run/twin_model.h"
 #include "hil/source/open.h"
 #include "tests/scenarios/twin_cameras.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::test {
 namespace {

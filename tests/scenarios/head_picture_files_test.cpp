@@ -10,6 +10,7 @@
 
 #include "hil/camera/png.h"
 #include "tests/scenarios/head_pictures.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::test {
 namespace {

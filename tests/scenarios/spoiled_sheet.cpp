@@ -7,8 +7,10 @@
 
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/marks/mark_pattern.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/tile_folder.h"
 #include "hil/head_service/measured_sheet.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::test {
 namespace {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 #include "twin/base/print_layout.h"
 #include "twin/camera/camera_imperfections.h"
 #include "twin/sheet/sheet.h"

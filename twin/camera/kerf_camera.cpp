@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 #include "twin/camera/camera.h"
 #include "twin/camera/gaussian_blur.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twin/camera/sensor_noise.h"
+#include "twin/base/image.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::twin {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 #include "twin/camera/board_field.h"
 #include "twin/camera/camera.h"

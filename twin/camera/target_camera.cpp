@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 #include "twin/camera/gaussian_blur.h"
 #include "twin/camera/projection.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/geometry/flatten.h"
+#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <array>

@@ -26,6 +26,7 @@
 #include "firmware_under_test/planner/program/plan.h"
 #include "firmware_under_test/planner/program/program.h"
 #include "firmware_under_test/planner/program/selection.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
 namespace {

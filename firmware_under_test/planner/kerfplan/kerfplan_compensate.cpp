@@ -14,6 +14,7 @@
 #include "firmware_under_test/planner/compensation/svg_sheet.h"
 #include "firmware_under_test/planner/kerfplan/input_text.h"
 #include "firmware_under_test/planner/order/kerf.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 
 namespace kerfbench::planner {

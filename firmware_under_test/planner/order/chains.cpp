@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/planner/geometry/flatten.h"
 #include "firmware_under_test/planner/order/kerf.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

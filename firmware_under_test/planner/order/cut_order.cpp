@@ -7,6 +7,7 @@
 
 #include "firmware_under_test/planner/motion/solve.h"
 #include "firmware_under_test/planner/order/chains.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "firmware_under_test/planner/compensation/curves.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

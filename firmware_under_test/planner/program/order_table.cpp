@@ -6,6 +6,7 @@
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/plan.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 

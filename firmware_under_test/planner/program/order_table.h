@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware_under_test/planner/job/job.h"
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 
 namespace kerfbench::planner {
 

@@ -17,6 +17,7 @@
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/job_issues.h"
 #include "firmware_under_test/planner/program/program.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

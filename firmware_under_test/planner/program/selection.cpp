@@ -13,6 +13,7 @@
 
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "hil/base/text.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

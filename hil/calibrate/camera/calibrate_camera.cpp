@@ -14,6 +14,7 @@
 #include "hil/calibrate/camera/coverage.h"
 #include "hil/calibrate/camera/map_covariance.h"
 #include "hil/calibrate/files/day.h"
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {

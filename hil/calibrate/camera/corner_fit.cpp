@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::calibrate {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/camera/picture_check.h"
+#include "twin/base/image.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::calibrate {
 

@@ -13,6 +13,7 @@
 
 #include "hil/calibrate/camera/corner_fit.h"
 #include "hil/calibrate/camera/picture_check.h"
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "hil/calibrate/files/target.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::calibrate {
 

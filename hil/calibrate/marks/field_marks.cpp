@@ -17,6 +17,8 @@
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/mark_reader.h"
 #include "hil/calibrate/marks/mark_strokes.h"
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_pictures.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/scan/kerf_unit.h"

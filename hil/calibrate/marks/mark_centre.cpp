@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "hil/dieline/geometry.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::calibrate {

@@ -11,6 +11,7 @@
 
 #include "hil/calibrate/files/day.h"
 #include "hil/calibrate/marks/mark_pattern.h"
+#include "hil/dieline/geometry.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::calibrate {

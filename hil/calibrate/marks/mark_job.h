@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 #include "twin/base/print_layout.h"
 
 namespace kerfbench::calibrate {

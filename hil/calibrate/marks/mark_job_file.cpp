@@ -9,6 +9,7 @@
 #include "hil/base/atomic_file.h"
 #include "hil/base/digest.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::calibrate {
 namespace {

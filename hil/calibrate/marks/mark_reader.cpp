@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hil/calibrate/marks/mark_pattern.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::calibrate {
 namespace {

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "hil/vision/kerf/kerf_pictures.h"
+#include "twin/base/image.h"
 #include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::calibrate {

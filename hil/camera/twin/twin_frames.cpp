@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 

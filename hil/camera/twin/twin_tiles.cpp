@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
+#include "hil/camera/kerf_tile.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::camera {

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "hil/camera/png.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

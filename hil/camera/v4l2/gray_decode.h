@@ -6,7 +6,7 @@
 #include <span>
 
 #include "hil/camera/v4l2/pixel_format.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::camera {
 

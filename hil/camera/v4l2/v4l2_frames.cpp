@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hil/camera/v4l2/gray_decode.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"

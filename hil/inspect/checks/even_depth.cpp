@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/evidence/extreme.h"

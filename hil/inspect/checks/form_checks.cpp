@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "twin/base/constants.h"

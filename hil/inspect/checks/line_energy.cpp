@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "hil/inspect/evidence/spot_association.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/dieline/geometry.h"
 #include "twin/base/statistics.h"
 #include "twin/base/symmetric_eigen.h"
 

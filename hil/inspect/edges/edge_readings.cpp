@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/edges/edges.h"
 #include "hil/inspect/evidence/places.h"
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/edges/edges.h"
 #include "hil/inspect/evidence/places.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 #include "hil/inspect/evidence/pin_evidence.h"
 #include "hil/inspect/verdict/controller_account.h"
 #include "hil/inspect/verdict/controller_end.h"

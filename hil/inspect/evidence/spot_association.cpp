@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/evidence/entity_index.h"
 #include "twin/base/statistics.h"
 

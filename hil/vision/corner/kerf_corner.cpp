@@ -12,6 +12,7 @@
 #include "hil/vision/corner/corner_legs.h"
 #include "hil/vision/kerf/kerf_leg.h"
 #include "twin/base/constants.h"
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/vision/image/multiversion.h"
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::vision {

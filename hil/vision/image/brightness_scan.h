@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
 

@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "hil/vision/marks/mark_look.h"
+#include "twin/base/image.h"
 #include "twin/base/statistics.h"
 
 namespace kerfbench::vision {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
 
@@ -91,7 +92,7 @@ struct KerfPatch {
   int unit{};
   int entity{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
-  GrayImage image;
+  std::shared_ptr<const GrayImage> image;  ///< Never null.
   Eigen::Affine2d pixel_from_S{
       Eigen::Affine2d::Identity()};  ///< Local map, to draw the dieline into the patch.
 };

@@ -9,7 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "hil/base/parallel.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/vision/kerf/kerf_faults.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_grid.h"
 
 namespace kerfbench::vision {

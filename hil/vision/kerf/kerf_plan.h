@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 #include "hil/vision/kerf/kerf_measurement.h"
 
 namespace kerfbench::vision {

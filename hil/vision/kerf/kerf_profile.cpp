@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "hil/vision/image/multiversion.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "hil/vision/kerf/kerf_pictures.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

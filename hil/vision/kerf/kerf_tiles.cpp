@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "hil/camera/kerf_tile.h"
 #include "hil/vision/image/brightness_scan.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "hil/camera/tile_source.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/vision/image/brightness_scan.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "hil/vision/kerf/kerf_light.h"

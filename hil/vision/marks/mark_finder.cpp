@@ -13,6 +13,7 @@
 
 #include "hil/vision/marks/mark_look.h"
 #include "twin/base/constants.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

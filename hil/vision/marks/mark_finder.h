@@ -9,7 +9,7 @@
 
 #include "hil/vision/image/brightness_scan.h"
 #include "hil/vision/image/camera_calibration.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
 

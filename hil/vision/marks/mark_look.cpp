@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "twin/base/constants.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_pictures.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"

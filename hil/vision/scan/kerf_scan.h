@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hil/camera/tile_source.h"
-#include "hil/dieline/geometry.h"
+#include "hil/dieline/process.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "hil/vision/kerf/kerf_measurement.h"
 #include "twin/base/print_layout.h"

@@ -13,6 +13,7 @@
 #include "hil/vision/corner/kerf_joint.h"
 #include "hil/vision/kerf/kerf_flank.h"
 #include "hil/vision/kerf/kerf_stray.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -45,10 +46,11 @@ std::optional<KerfPatch> cropPatch(const Worst& worst, int unit, const TileIndex
   patch.unit = unit;
   patch.entity = worst.plan->entity;
   patch.p_S_mm = worst.station->p_S_mm;
-  patch.image = GrayImage(width, height);
+  const auto cut_out = std::make_shared<GrayImage>(width, height);
   for (int r = 0; r < height; ++r) {
-    for (int c = 0; c < width; ++c) patch.image.at(c, r) = image.at(left + c, top + r);
+    for (int c = 0; c < width; ++c) cut_out->at(c, r) = image.at(left + c, top + r);
   }
+  patch.image = cut_out;
   patch.pixel_from_S.linear() = map.pixel_per_mm * X_TS.rotation();
   patch.pixel_from_S.translation() =
       map.pixel - Eigen::Vector2d(left, top) - patch.pixel_from_S.linear() * worst.station->p_S_mm;

@@ -6,6 +6,7 @@
 #include "hil/vision/image/brightness_scan.h"
 #include "hil/vision/spot/spot_fit.h"
 #include "hil/vision/spot/spot_noise.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/spot/sheet_tracker.h"
+#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cmath>

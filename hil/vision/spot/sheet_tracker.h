@@ -11,7 +11,7 @@
 #include "hil/vision/marks/mark_finder.h"
 #include "hil/vision/spot/spot_fit.h"
 #include "hil/vision/spot/spot_track.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 #include "twin/base/print_layout.h"
 
 namespace kerfbench::vision {

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "hil/vision/spot/spot_model.h"
+#include "twin/base/image.h"
 #include "twin/base/symmetric_eigen.h"
 
 namespace kerfbench::vision {

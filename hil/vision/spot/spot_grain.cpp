@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/spot/spot_grain.h"
+#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cmath>

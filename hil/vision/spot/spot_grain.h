@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "hil/vision/spot/spot_fit.h"
-#include "twin/base/image.h"
+#include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
 

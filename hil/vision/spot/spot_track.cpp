@@ -15,6 +15,7 @@
 #include "hil/vision/spot/sheet_tracker.h"
 #include "hil/vision/spot/spot_fit.h"
 #include "hil/vision/spot/spot_grain.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

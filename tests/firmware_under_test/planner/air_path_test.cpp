@@ -12,6 +12,7 @@
 
 #include "firmware_under_test/planner/order/cut_order.h"
 #include "firmware_under_test/planner/program/order_table.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "player.h"
 

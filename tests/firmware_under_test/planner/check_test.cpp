@@ -6,6 +6,7 @@
 
 #include "firmware_under_test/planner/gcode/gcode.h"
 #include "firmware_under_test/planner/order/cut_twice.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "player.h"
 

@@ -10,6 +10,7 @@
 #include "firmware_under_test/planner/head/axes.h"
 #include "firmware_under_test/planner/motion/solve.h"
 #include "firmware_under_test/planner/motion/unit.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "player.h"
 

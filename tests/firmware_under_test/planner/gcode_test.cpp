@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/gcode/gcode.h"
+#include "hil/dieline/geometry.h"
 
 #include <cmath>
 #include <numbers>

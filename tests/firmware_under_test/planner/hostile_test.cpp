@@ -15,6 +15,7 @@
 #include "firmware_under_test/planner/head/correction.h"
 #include "firmware_under_test/planner/program/check.h"
 #include "firmware_under_test/planner/program/job_issues.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

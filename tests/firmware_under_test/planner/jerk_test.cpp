@@ -11,6 +11,7 @@
 #include "firmware_under_test/planner/motion/jerk_profile.h"
 #include "firmware_under_test/planner/motion/speed.h"
 #include "firmware_under_test/planner/motion/unit.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

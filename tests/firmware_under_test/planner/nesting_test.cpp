@@ -17,6 +17,7 @@
 #include "firmware_under_test/planner/order/cut_order.h"
 #include "firmware_under_test/planner/order/kerf.h"
 #include "firmware_under_test/planner/program/selection.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

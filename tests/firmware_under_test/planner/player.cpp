@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "firmware_under_test/controller/protocol.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner::test {
 namespace {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware_under_test/controller/protocol.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

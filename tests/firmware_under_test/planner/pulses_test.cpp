@@ -10,6 +10,7 @@
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/job/pulses.h"
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

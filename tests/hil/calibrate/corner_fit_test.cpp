@@ -7,6 +7,7 @@
 
 #include "hil/calibrate/camera/target_finder.h"
 #include "tests/hil/calibrate/small_camera.h"
+#include "twin/base/image.h"
 #include "twin/camera/target_camera.h"
 
 namespace kerfbench::calibrate {

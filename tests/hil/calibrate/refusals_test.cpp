@@ -10,6 +10,7 @@
 
 #include "hil/calibrate/camera/calibrate_camera.h"
 #include "tests/hil/calibrate/small_camera.h"
+#include "twin/base/image.h"
 #include "twin/camera/target_camera.h"
 
 namespace kerfbench::calibrate {

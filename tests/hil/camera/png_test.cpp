@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/base/png_codec.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

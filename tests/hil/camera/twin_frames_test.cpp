@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hil/camera/small_cameras.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

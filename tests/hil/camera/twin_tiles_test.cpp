@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/camera/kerf_tile.h"
 #include "tests/hil/camera/small_cameras.h"
 
 namespace kerfbench::camera {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "tests/hil/dieline/files.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/dieline/geometry.h"
 #include "hil/gauge/case_plan.h"
 #include "hil/gauge/cut.h"
 

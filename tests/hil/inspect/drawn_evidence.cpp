@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "twin/base/random.h"

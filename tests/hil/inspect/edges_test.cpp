@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "twin/base/random.h"

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/spot_checks.h"
 
 namespace kerfbench::inspect {

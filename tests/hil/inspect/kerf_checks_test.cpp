@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/evidence/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "twin/base/random.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/hil/inspect/synthetic_run.h"
+#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,9 +14,11 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "tests/hil/report/page_checks.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::report {
 namespace {
@@ -27,13 +29,14 @@ using ::testing::Not;
 
 /// A kerf as the camera might show it, bent by `offset_mm` to one side.
 vision::KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, double offset_mm) {
-  vision::KerfPatch patch{unit, entity, p_S_mm, GrayImage(48, 48, 38), Eigen::Affine2d::Identity()};
+  const auto image = std::make_shared<GrayImage>(48, 48, 38);
+  vision::KerfPatch patch{unit, entity, p_S_mm, image, Eigen::Affine2d::Identity()};
   constexpr double kPixel_mm = 0.04;
   for (int row = 0; row < 48; ++row) {
     for (int column = 0; column < 48; ++column) {
       const double across_mm = (column - 23.5) * kPixel_mm + offset_mm;
       const double edge = 1.0 / (1.0 + std::exp((std::abs(across_mm) - 0.105) / 0.012));
-      patch.image.at(column, row) = static_cast<std::uint8_t>(38 + 190 * edge + (row * 7 + column * 13) % 9);
+      image->at(column, row) = static_cast<std::uint8_t>(38 + 190 * edge + (row * 7 + column * 13) % 9);
     }
   }
   patch.pixel_from_S.linear() << 1.0 / kPixel_mm, 0, 0, -1.0 / kPixel_mm;
@@ -57,8 +60,9 @@ RunReport reportOf(const inspect::testing::SyntheticRun& run) {
   report.virtual_s = 4.25;
   report.versions = {{"kerfbench", "0.1.0"}, {"OpenCV", "4.6.0"}};
   report.limits = run.limits;
-  report.dieline = run.dieline;
-  report.dieline.path = "fixtures/dielines/carton.dxf";
+  dieline::Dieline drawing = run.dieline;
+  drawing.path = "fixtures/dielines/carton.dxf";
+  report.dieline = std::make_shared<const dieline::Dieline>(std::move(drawing));
   report.print = run.evidence.print;
   report.kerf = run.evidence.kerf;
   report.spot = run.evidence.spot;
@@ -161,7 +165,10 @@ TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
   std::shuffle(b.result.checks.begin(), b.result.checks.end(), random);
   std::shuffle(b.kerf.entities.begin(), b.kerf.entities.end(), random);
   std::shuffle(b.pulses.begin(), b.pulses.end(), random);
-  b.scenario_path = b.dieline.path = "elsewhere";
+  b.scenario_path = "elsewhere";
+  dieline::Dieline moved = *a.dieline;
+  moved.path = "elsewhere";
+  b.dieline = std::make_shared<const dieline::Dieline>(std::move(moved));
   b.host = "bench-2";
   b.timing.clear();
   b.kerf.entities[3].calipers[7].offset_mm += 1e-10;

@@ -12,6 +12,7 @@
 #include "firmware_under_test/planner/power/model.h"
 #include "firmware_under_test/planner/program/plan.h"
 #include "hil/base/yaml_reader.h"
+#include "hil/dieline/geometry.h"
 #include "hil/run/dialogs.h"
 #include "tests/hil/base/temp_folder.h"
 #include "twin/optics/scan_head.h"
@@ -103,7 +104,7 @@ TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
 TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
   const Case test_case = label("select: {entities: '0-3'}\n");
   int cut = 0;
-  for (const dieline::Entity& entity : test_case.dieline.entities)
+  for (const dieline::Entity& entity : test_case.dieline->entities)
     cut += entity.process != dieline::Process::kIgnore ? 1 : 0;
   EXPECT_EQ(cut, 4);
   EXPECT_THAT(faultsOf("select: {entities: '0-x', process: burn}\n"),
@@ -116,12 +117,12 @@ TEST_F(CaseTest, WhatIsNotSelectedStillCountsForTheNesting) {
   const std::string lines = "select: {entities: '8'}\nplanner: {kerf_radius_mm: 0.066, order: ";
   for (const std::string order : {"shortest", "nearest", "drawn"}) {
     const Case test_case = label(lines + order + "}\nchecks: {edge: nesting}\n");
-    for (const dieline::Entity& entity : test_case.dieline.entities) {
+    for (const dieline::Entity& entity : test_case.dieline->entities) {
       EXPECT_EQ(dieline::drawnFor(entity), dieline::Process::kCut);
       EXPECT_EQ(entity.left_out.has_value(), entity.id != 8);
     }
     const std::string gcode =
-        planner::makeGcode(test_case.dieline, plannerMachine(test_case), plannerJob(test_case));
+        planner::makeGcode(*test_case.dieline, plannerMachine(test_case), plannerJob(test_case));
     EXPECT_THAT(gcode, HasSubstr("I-2.4340"));
   }
 }

@@ -12,11 +12,14 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/twin/twin_tiles.h"
+#include "hil/dieline/geometry.h"
 #include "hil/vision/scan/kerf_scan.h"
 #include "hil/vision/scan/kerf_unit.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/vision/corner/corner_shape.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"

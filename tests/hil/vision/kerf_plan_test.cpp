@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/kerf/kerf_plan.h"
+#include "hil/dieline/geometry.h"
 
 #include <gtest/gtest.h>
 

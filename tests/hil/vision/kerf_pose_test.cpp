@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
+#include "hil/dieline/geometry.h"
 #include "hil/vision/marks/constellation.h"
 #include "tests/hil/vision/kerf_twin.h"
 

@@ -8,8 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_faults.h"
 #include "tests/hil/vision/kerf_twin.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

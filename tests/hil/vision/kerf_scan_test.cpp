@@ -14,7 +14,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "tests/hil/vision/kerf_workpiece.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -193,13 +196,13 @@ TEST_F(KerfScanTest, PatchesShowTheWorstPlaces) {
     before = worst;
     const Vector2d pixel = patch.pixel_from_S * patch.p_S_mm;
     ASSERT_GT(pixel.x(), 8.0);
-    ASSERT_LT(pixel.x(), patch.image.width - 8.0);
+    ASSERT_LT(pixel.x(), patch.image->width - 8.0);
     // The kerf itself lies within half its width and its offset.
     int brightest = 0;
     for (int r = -5; r <= 5; ++r) {
       for (int c = -5; c <= 5; ++c) {
         brightest = std::max<int>(
-            brightest, patch.image.at(static_cast<int>(pixel.x()) + c, static_cast<int>(pixel.y()) + r));
+            brightest, patch.image->at(static_cast<int>(pixel.x()) + c, static_cast<int>(pixel.y()) + r));
       }
     }
     EXPECT_GT(brightest, 70);

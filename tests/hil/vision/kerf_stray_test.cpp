@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_stray.h"
 #include "tests/hil/vision/kerf_twin.h"
 

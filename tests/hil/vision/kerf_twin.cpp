@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/camera/kerf_tile.h"
+#include "hil/dieline/geometry.h"
 #include "hil/vision/scan/kerf_scan.h"
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/random.h"

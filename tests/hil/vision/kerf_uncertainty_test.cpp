@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "tests/hil/vision/kerf_twin.h"
 
 namespace kerfbench::vision {

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "tests/hil/vision/spot_twin.h"
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision {

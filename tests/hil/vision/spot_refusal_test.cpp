@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hil/vision/spot_twin.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -9,6 +9,7 @@
 #include "hil/vision/image/brightness_scan.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/spot_twin.h"
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hil/vision/synthetic.h"
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision {

@@ -5,6 +5,7 @@
 
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::vision::test {
 

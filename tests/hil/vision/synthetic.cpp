@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "hil/camera/kerf_tile.h"
+#include "twin/base/image.h"
 #include "twin/base/random.h"
 
 namespace kerfbench::vision::test {

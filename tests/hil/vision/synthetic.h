@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "hil/camera/frame_source.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/tile_source.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "twin/base/image.h"

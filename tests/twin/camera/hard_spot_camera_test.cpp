@@ -12,6 +12,7 @@
 
 #include "tests/twin/camera/cameras.h"
 #include "tests/twin/camera/statistics.h"
+#include "twin/base/image.h"
 #include "twin/camera/projection.h"
 
 namespace kerfbench::twin {

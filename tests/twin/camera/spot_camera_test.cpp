@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "tests/twin/camera/cameras.h"
+#include "twin/base/image.h"
 #include "twin/camera/projection.h"
 
 namespace kerfbench::twin {

@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/twin/camera/cameras.h"
+#include "twin/base/image.h"
 #include "twin/camera/projection.h"
 
 namespace kerfbench::twin {

@@ -12,11 +12,13 @@
 #include <Eigen/LU>
 
 #include "hil/base/yaml_reader.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/tile_folder.h"
 #include "hil/vision/marks/constellation.h"
 #include "tests/hil/base/temp_folder.h"
 #include "tests/hil/calibrate/marks/marked_sheet.h"
 #include "tests/hil/vision/synthetic.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::calibrate {
 namespace {

@@ -16,6 +16,7 @@
 #include "hil/calibrate/marks/mark_job_file.h"
 #include "hil/calibrate/marks/mark_pattern.h"
 #include "hil/calibrate/marks/verify_places.h"
+#include "hil/dieline/geometry.h"
 #include "hil/dieline/read.h"
 #include "tests/hil/base/temp_folder.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/camera/kerf_tile.h"
 #include "tests/hil/vision/synthetic.h"
 
 namespace kerfbench::calibrate::test {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/v4l2/gray_decode.h"
+#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cstddef>

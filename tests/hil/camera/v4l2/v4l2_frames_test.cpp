@@ -12,6 +12,7 @@
 
 #include "fake_video.h"
 #include "hil/camera/v4l2/v4l2_stream.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+namespace kerfbench::dieline {
+
+struct Dieline;  // Defined in hil/dieline/geometry.h.
+
+/// Process of the laser along an entity.
+enum class Process { kCut, kHalfCut, kCrease, kPerforation, kIgnore };
+std::string_view processName(Process process);
+
+}  // namespace kerfbench::dieline
