@@ -223,6 +223,32 @@ TEST(PlaneOffset, AFilletAsTightAsTheBeamAndTighter) {
   }
 }
 
+TEST(PlaneOffset, ACornerWithABowedLegIsACorner) {
+  // A side that bends towards the beam by a few degrees leaves a little more of the corner than a straight
+  // one.
+  for (const double bow_deg : {1.0, 5.0, 12.0}) {
+    const Contour hole = closed({arc(0.0, 0.0, 5.0, 0.0, -bow_deg / 180.0 * kPi), line(5.0, 0.0, 5.0, 5.0),
+                                 line(5.0, 5.0, 0.0, 5.0), line(0.0, 5.0, 0.0, 0.0)},
+                                Side::kLeft);
+    const Offset offset = checked({hole}, 0.1);
+    EXPECT_EQ(offset.paths.size(), 1U);
+    EXPECT_EQ(offset.lost.size(), 4U);
+    for (const LostStretch& lost : offset.lost)
+      EXPECT_EQ(lost.kind, LostStretch::Kind::kRounded) << bow_deg << ": " << lost.depth_mm << " mm deep";
+  }
+}
+
+TEST(PlaneOffset, APocketInACornerIsNoCorner) {
+  // The corner at the origin reaches out along the diagonal, as wide as the kerf is not.
+  const Contour hole = closed(
+      polygon({{0.1, 0.0}, {5.0, 0.0}, {5.0, 5.0}, {0.0, 5.0}, {0.0, 0.1}, {-0.3, -0.2}, {-0.2, -0.3}}),
+      Side::kLeft);
+  const Offset offset = checked({hole}, 0.2);
+  int narrow = 0;
+  for (const LostStretch& lost : offset.lost) narrow += lost.kind == LostStretch::Kind::kNarrow;
+  EXPECT_EQ(narrow, 1);
+}
+
 TEST(PlaneOffset, LabelsCloserThanTheKerfAreTold) {
   Contour a = square(2.0, Side::kRight, 10);
   Contour b = square(2.0, Side::kRight, 20);
