@@ -39,7 +39,36 @@ inspect::Tolerances::Edge readEdge(base::YamlReader& checks) {
   return edge == "inside" ? Edge::kInside : Edge::kCentre;
 }
 
-inspect::Tolerances readTolerances(base::YamlReader& checks) {
+inspect::Tolerances::OrderedDepth readDepth(base::YamlReader depth) {
+  const inspect::Tolerances::OrderedDepth order{depth.number("min", {.min = 0, .max = 1, .fallback = 0.0}),
+                                                depth.number("max", {.min = 0, .max = 1, .fallback = 0.0})};
+  if (order.least >= order.most && (order.most > 0.0 || order.least > 0.0))
+    depth.fault("min", "must be less than max");
+  return order;
+}
+
+/// What the cut is to be. Without an order of its own a perforation is held against what the planner is told;
+/// where another plans, nothing is ordered.
+void readOrder(base::YamlReader& checks, const Scenario& s, inspect::Tolerances& tolerances) {
+  const bool planned = s.firmware.dialog == FirmwareChoice::Dialog::kKerfbench && s.job_gcode.empty();
+  auto perforation = checks.section("perforation");
+  auto& order = tolerances.perforation;
+  order.cut_mm = perforation.number(
+      "cut_mm", {.min = 0.3, .max = 50, .fallback = planned ? s.job.perforation_cut_mm : 0.0});
+  order.bridge_mm = perforation.number(
+      "bridge_mm", {.min = 0.3, .max = 50, .fallback = planned ? s.job.perforation_gap_mm : 0.0});
+  order.limit_mm = perforation.number("limit_mm", {.min = 0.05, .max = 10, .fallback = order.limit_mm});
+  if ((order.cut_mm > 0.0) != (order.bridge_mm > 0.0))
+    perforation.fault("cut_mm", "needs bridge_mm, and the other way round");
+  auto width = checks.section("ordered_width");
+  tolerances.ordered_width.nominal_mm = width.number("nominal_mm", {.min = 0, .max = 2, .fallback = 0.0});
+  tolerances.ordered_width.limit_mm =
+      width.number("limit_mm", {.min = 0.001, .max = 2, .fallback = tolerances.ordered_width.limit_mm});
+  tolerances.crease_depth = readDepth(checks.section("crease_depth"));
+  tolerances.half_cut_depth = readDepth(checks.section("half_cut_depth"));
+}
+
+inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) {
   inspect::Tolerances tolerances;
   tolerances.edge = readEdge(checks);
   const auto read = [&](const char* key, double min, double max, double& value) {
@@ -57,6 +86,7 @@ inspect::Tolerances readTolerances(base::YamlReader& checks) {
   read("gate_lag_ms", 0.01, 100, gate_lag_ms);
   tolerances.gate_lag_s = 1e-3 * gate_lag_ms;
   read("stray_mm", 0.05, 100, tolerances.stray_mm);
+  readOrder(checks, s, tolerances);
   return tolerances;
 }
 
@@ -106,7 +136,7 @@ void readProvocation(base::YamlReader& file, Scenario& s) {
 
 void readChecks(base::YamlReader& file, Scenario& s) {
   auto checks = file.section("checks");
-  s.limits = readTolerances(checks);
+  s.limits = readTolerances(checks, s);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
   s.calibration_max_age_days = static_cast<int>(
       checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
@@ -121,7 +151,9 @@ fs::path fileOf(base::YamlReader& reader, std::string_view key, const fs::path& 
   if (name.empty()) return {};
   for (const fs::path& folder : {reader.folderOf(key), second_base}) {
     const fs::path candidate = fs::absolute(folder / name).lexically_normal();
-    if (fs::is_regular_file(candidate)) return candidate;
+    if (!fs::is_regular_file(candidate)) continue;
+    reader.names(candidate);
+    return candidate;
   }
   reader.fault(key, fmt::format("no such file '{}'{}", name,
                                 second_base.empty()
@@ -161,6 +193,7 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   s.imperfections = presetFromName(readChoice(file, "imperfections", kPresetNames));
   s.fidelity = fidelityFromName(readChoice(file, "twin", kFidelityNames));
   result.keys = file.asked();
+  s.inputs = file.inputs();
   file.finish();
   return result;
 }

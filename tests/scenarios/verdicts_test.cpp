@@ -74,6 +74,9 @@ TEST(GoodRelease, CartonAvrPasses) { passes("carton-on-belt.yaml"); }
 TEST(GoodReleaseLong, CartonNativePasses) { passes("native/carton-on-belt.yaml"); }
 TEST(GoodReleaseLong, ThreeLayersAvrPasses) { passes("carton-three-layers.yaml"); }
 TEST(GoodReleaseLong, ThreeLayersNativePasses) { passes("native/carton-three-layers.yaml"); }
+TEST(GoodRelease, CouponPerforatedAvrPasses) { passes("coupon-perforated.yaml", kOneUnit); }
+TEST(GoodReleaseLong, CouponPerforatedAvrPasses) { passes("coupon-perforated.yaml"); }
+TEST(GoodReleaseLong, CouponPerforatedNativePasses) { passes("native/coupon-perforated.yaml"); }
 TEST(GoodRelease, ShortLinesAvrPasses) { passes("short-lines.yaml"); }
 TEST(GoodReleaseLong, ShortLinesNativePasses) { passes("native/short-lines.yaml"); }
 TEST(GoodRelease, ButtonAvrPasses) { passes("button.yaml"); }
@@ -113,6 +116,11 @@ TEST(BadRelease, ShortLinesConstantPowerFailsByEvenDepth) {
   failsBy("short-lines-constant-power", "even_depth");
 }
 TEST(BadRelease, HalfCutThroughFailsByDepth) { failsBy("half-cut-through", "depth", kOneUnit); }
+TEST(BadRelease, PerforationOtherFailsByPerforation) {
+  failsBy("perforation-other", "perforation", kOneUnit);
+}
+TEST(BadReleaseLong, PerforationOtherFailsByPerforation) { failsBy("perforation-other", "perforation"); }
+TEST(BadRelease, EnergyTooHighFailsByOrderedWidth) { failsBy("energy-too-high", "ordered_width", kOneUnit); }
 TEST(BadRelease, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage", kOneUnit); }
 TEST(BadReleaseLong, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage"); }
 TEST(BadRelease, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat", kOneUnit); }

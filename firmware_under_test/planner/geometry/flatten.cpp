@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/geometry/flatten.h"
-#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <variant>
+
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner {
 namespace {

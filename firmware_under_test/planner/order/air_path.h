@@ -13,6 +13,7 @@ struct Stop {
   Chain chain;
   /// Rank: a chain of a lower rank is cut before one of a higher, as far as the given order does so.
   int rank{};
+  bool has_bridges{};  ///< True where the chain is a perforation whose cuts are already laid.
 };
 
 /// Length of path with the laser off from the first mark to the last.

@@ -144,6 +144,30 @@ std::vector<Chain> joined(std::vector<Chain> pool) {
   return chains;
 }
 
+/// Lays the pattern along a chain without a corner.
+void addDashes(const Chain& chain, const JobParameters& job, std::vector<Segment>& dashes) {
+  double length_mm = 0.0;
+  for (const Segment& segment : chain.segments) length_mm += segment.lengthMm();
+  const bool endless =
+      chain.closed() && turnRad(chain.segments.back(), chain.segments.front()) <= kTangentRad;
+  const double cut_mm = job.perforation_cut_mm;
+  const double pattern_mm = cut_mm + job.perforation_gap_mm;
+  const double wanted = (endless ? length_mm : length_mm + job.perforation_gap_mm) / pattern_mm;
+  const int cuts = std::max(1, static_cast<int>(std::lround(wanted)));
+  const double scale = length_mm / (endless ? cuts * pattern_mm : cuts * pattern_mm - job.perforation_gap_mm);
+  double s0_mm = 0.0;
+  for (const Segment& segment : chain.segments) {
+    const double s1_mm = s0_mm + segment.lengthMm();
+    for (int i = 0; i < cuts; ++i) {
+      const double from_mm = std::max(s0_mm, i * pattern_mm * scale);
+      const double to_mm = std::min(s1_mm, (i * pattern_mm + cut_mm) * scale);
+      // A sliver of a dash beyond a joint is too short for a G-code line.
+      if (to_mm - from_mm > 1e-3) dashes.push_back(segment.part(from_mm - s0_mm, to_mm - s0_mm));
+    }
+    s0_mm = s1_mm;
+  }
+}
+
 }  // namespace
 
 std::set<int> leftOut(const dieline::Dieline& dieline) {
@@ -203,27 +227,20 @@ std::vector<Chain> joinChains(const dieline::Dieline& dieline, const JobParamete
   return selected;
 }
 
-std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm) {
-  double length_mm = 0.0;
-  for (const Segment& segment : chain.segments) length_mm += segment.lengthMm();
-  const bool closed = chain.closed();
-  const double pattern_mm = cut_mm + gap_mm;
-  const double wanted = (closed ? length_mm : length_mm + gap_mm) / pattern_mm;
-  const int dashes = std::max(1, static_cast<int>(std::lround(wanted)));
-  const double scale = length_mm / (closed ? dashes * pattern_mm : dashes * pattern_mm - gap_mm);
-  std::vector<Segment> out;
-  double s0_mm = 0.0;
+std::vector<Chain> brokenAtCorners(const Chain& chain) {
+  std::vector<Chain> pieces;
   for (const Segment& segment : chain.segments) {
-    const double s1_mm = s0_mm + segment.lengthMm();
-    for (int i = 0; i < dashes; ++i) {
-      const double from_mm = std::max(s0_mm, i * pattern_mm * scale);
-      const double to_mm = std::min(s1_mm, (i * pattern_mm + cut_mm) * scale);
-      // A sliver of a dash beyond a joint is too short for a G-code line.
-      if (to_mm - from_mm > 1e-3) out.push_back(segment.part(from_mm - s0_mm, to_mm - s0_mm));
-    }
-    s0_mm = s1_mm;
+    const bool corner = pieces.empty() || turnRad(pieces.back().segments.back(), segment) > kTangentRad;
+    if (corner) pieces.push_back(Chain{chain.process, {}, chain.nesting});
+    pieces.back().segments.push_back(segment);
   }
-  return out;
+  return pieces;
+}
+
+std::vector<Segment> dashed(const Chain& chain, const JobParameters& job) {
+  std::vector<Segment> dashes;
+  for (const Chain& run : brokenAtCorners(chain)) addDashes(run, job, dashes);
+  return dashes;
 }
 
 }  // namespace kerfbench::planner

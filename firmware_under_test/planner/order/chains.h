@@ -41,8 +41,12 @@ std::set<int> leftOut(const dieline::Dieline& dieline);
 /// through the start of a closed chain.
 std::vector<Chain> stretchesOf(const Chain& chain, const std::function<bool(int)>& wanted);
 
-/// Divides a path into dashes, beginning and ending with a cut if it is open; cut and gap are scaled by one
-/// factor to fit.
-std::vector<Segment> dashed(const Chain& chain, double cut_mm, double gap_mm);
+/// Breaks a chain where it turns by more than kTangentRad.
+std::vector<Chain> brokenAtCorners(const Chain& chain);
+
+/// Lays a perforation along a chain: between two corners, or ends, a whole number of cuts, the first and the
+/// last at the corners, cut and gap scaled by one factor to fit. A closed chain without a corner ends with a
+/// gap.
+std::vector<Segment> dashed(const Chain& chain, const JobParameters& job);
 
 }  // namespace kerfbench::planner

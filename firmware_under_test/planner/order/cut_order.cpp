@@ -23,16 +23,6 @@ double downstreamMm(const std::vector<Segment>& path) {
   return x;
 }
 
-std::vector<Chain> brokenAtCorners(const Chain& chain) {
-  std::vector<Chain> pieces;
-  for (const Segment& segment : chain.segments) {
-    const bool corner = pieces.empty() || turnRad(pieces.back().segments.back(), segment) > kTangentRad;
-    if (corner) pieces.push_back(Chain{chain.process, {}, chain.nesting});
-    pieces.back().segments.push_back(segment);
-  }
-  return pieces;
-}
-
 /// Rank of a chain: a lower one comes first.
 int rankOf(const Chain& chain, int deepest) {
   return chain.process == dieline::Process::kCut ? 1 + deepest - chain.nesting : 0;
@@ -132,23 +122,25 @@ std::vector<Stop> nearestOrder(const dieline::Dieline& dieline, const JobParamet
 
 std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameters& job,
                              const PlannerFaults& faults) {
+  // Perforations and the beam's way beside a cut follow from more than one entity.
+  std::vector<Chain> whole = joinChains(dieline, job, faults);
+  for (Chain& chain : whole)
+    if (chain.process == dieline::Process::kPerforation) chain.segments = dashed(chain, job);
   std::vector<Stop> order;
-  if (job.kerf_radius_mm > 0.0) {
-    const std::vector<Chain> chains = joinChains(dieline, job, faults);
-    for (const dieline::Entity& entity : dieline.entities) {
-      for (const Chain& chain : chains) {
-        for (Chain& stretch : stretchesOf(chain, [&](int id) { return id == entity.id; })) {
-          if (runsAgainst(stretch.segments, entity.curve)) stretch.segments = reversedPath(stretch.segments);
-          order.push_back({std::move(stretch), 0});
-        }
-      }
-    }
-    return order;
-  }
   dieline::Dieline one;
   for (const dieline::Entity& entity : dieline.entities) {
-    one.entities = {entity};
-    for (Chain& chain : joinChains(one, job, faults)) order.push_back({std::move(chain), 0});
+    const bool has_bridges = entity.process == dieline::Process::kPerforation;
+    if (!has_bridges && job.kerf_radius_mm == 0.0) {
+      one.entities = {entity};
+      for (Chain& chain : joinChains(one, job, faults)) order.push_back({std::move(chain), 0});
+      continue;
+    }
+    for (const Chain& chain : whole) {
+      for (Chain& stretch : stretchesOf(chain, [&](int id) { return id == entity.id; })) {
+        if (runsAgainst(stretch.segments, entity.curve)) stretch.segments = reversedPath(stretch.segments);
+        order.push_back({std::move(stretch), 0, has_bridges});
+      }
+    }
   }
   return order;
 }
@@ -156,9 +148,8 @@ std::vector<Stop> drawnOrder(const dieline::Dieline& dieline, const JobParameter
 std::vector<std::vector<Segment>> piecesOf(const std::vector<Stop>& order, const JobParameters& job) {
   std::vector<std::vector<Segment>> pieces;
   for (const Stop& stop : order) {
-    pieces.push_back(stop.chain.process == dieline::Process::kPerforation
-                         ? dashed(stop.chain, job.perforation_cut_mm, job.perforation_gap_mm)
-                         : stop.chain.segments);
+    const bool lay = stop.chain.process == dieline::Process::kPerforation && !stop.has_bridges;
+    pieces.push_back(lay ? dashed(stop.chain, job) : stop.chain.segments);
   }
   return pieces;
 }

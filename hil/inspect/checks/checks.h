@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/deviation/worst_deviation.h"
 #include "hil/inspect/edges/edges.h"
 #include "hil/inspect/evidence/evidence.h"
@@ -81,12 +82,16 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
 Finding depthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Creases and half-cuts are as deep everywhere, by the light that comes through.
 Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits);
+/// The depth of creases and half-cuts against what was ordered.
+Finding orderedDepthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Energy per length of the marks, by power meter and spot camera.
 Finding lineEnergyCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
-Finding perforationCheck(const Evidence& evidence, const Tolerances& limits,
-                         const std::vector<EntityResult>& entities);
+Finding perforationCheck(const Evidence& evidence, const Tolerances& limits);
 Check kerfWidthCheck(const Evidence& evidence, const Tolerances& limits,
                      const std::vector<EntityResult>& entities);
+/// The width of cuts against the one that was ordered.
+Finding orderedWidthCheck(const Evidence& evidence, const Tolerances& limits,
+                          const std::vector<EntityResult>& entities);
 Check strayCheck(const Evidence& evidence, const Tolerances& limits);
 Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
                          const std::vector<EntityResult>& entities, const EdgeSides* edges = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kerf looks like: depth, teeth, width, ends.
+// What the kerf looks like: depth, width, ends.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -99,32 +99,6 @@ Finding depthCheck(const Evidence& evidence, const Tolerances& limits) {
           ? "No crease or half-cut lets the full light through."
           : fmt::format("{} is cut through over {:.2f} mm without a break, longer than any other.",
                         check.subject, check.value);
-  return check;
-}
-
-Finding perforationCheck(const Evidence& evidence, const Tolerances& limits,
-                         const std::vector<EntityResult>& entities) {
-  Check check{.name = "perforation", .title = "Teeth and bridges of perforations", .unit = "share"};
-  const bool ordered = limits.perforation_open_share > 0.0;
-  // Without an order for the pattern all that is sure is that it must have both teeth and bridges.
-  const double expected = ordered ? limits.perforation_open_share : 0.6;
-  check.limit = ordered ? limits.perforation_share : 0.35;
-  double worst_share = kNan;
-  for (const EntityResult& e : entities) {
-    if (entityOf(evidence, e.entity).process != dieline::Process::kPerforation) continue;
-    const double departure = std::abs(e.coverage - expected);
-    if (std::isnan(worst_share) || departure > check.value) {
-      check.value = departure;
-      worst_share = e.coverage;
-      check.subject = nameOf(e.unit, e.entity);
-    }
-  }
-  if (std::isnan(worst_share)) return notApplicable(check, "The dieline has no perforation.");
-  decide(check);
-  check.explanation =
-      fmt::format("The open share of {} is {:.1f} %, {}.", check.subject, 100.0 * worst_share,
-                  ordered ? fmt::format("ordered are {:.1f} %", 100.0 * expected)
-                          : std::string("and as the scenario orders no pattern, 25 to 95 % are accepted"));
   return check;
 }
 

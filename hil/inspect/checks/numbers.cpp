@@ -159,11 +159,30 @@ void addOrder(const Evidence& evidence, const Tolerances& limits, Numbers& n) {
     n.need(dieline::lengthOf(entity.curve), "the length of an entity");
     for (const double u : {0.0, 1.0}) n.need(dieline::pointAt(entity.curve, u), "a point of the dieline");
   }
-  for (const double v :
-       {limits.path_mm, limits.stillness_mm, limits.uncut_mm, limits.cut_through_mm, limits.dwell_mm,
-        limits.kerf_width_mm, limits.stray_mm, limits.end_gap_mm, limits.passes, limits.gate_tail_s,
-        limits.gate_lag_s, limits.perforation_open_share, limits.perforation_share, limits.even_depth_share,
-        limits.board_transmission, limits.line_energy_j_mm, limits.line_energy_share})
+  for (const double v : {limits.path_mm,
+                         limits.stillness_mm,
+                         limits.uncut_mm,
+                         limits.cut_through_mm,
+                         limits.dwell_mm,
+                         limits.kerf_width_mm,
+                         limits.stray_mm,
+                         limits.end_gap_mm,
+                         limits.passes,
+                         limits.gate_tail_s,
+                         limits.gate_lag_s,
+                         limits.perforation.cut_mm,
+                         limits.perforation.bridge_mm,
+                         limits.perforation.limit_mm,
+                         limits.ordered_width.nominal_mm,
+                         limits.ordered_width.limit_mm,
+                         limits.crease_depth.least,
+                         limits.crease_depth.most,
+                         limits.half_cut_depth.least,
+                         limits.half_cut_depth.most,
+                         limits.even_depth_share,
+                         limits.board_transmission,
+                         limits.line_energy_j_mm,
+                         limits.line_energy_share})
     n.need(v, "a limit");
 }
 

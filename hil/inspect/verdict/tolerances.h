@@ -6,6 +6,10 @@ namespace kerfbench::inspect {
 /// Longest time from an open guard, or from whatever else must stop a run, to a dark laser.
 inline constexpr double kLaserOff_s = 100e-6;
 
+/// Defaults of orders.
+inline constexpr double kPerforationLimit_mm = 0.15;
+inline constexpr double kOrderedWidthLimit_mm = 0.03;
+
 /// What a cut may be off, and which checks a scenario asks for.
 struct Tolerances {
   /// What must lie on the dieline: the kerf's centre, or the edge of the wanted piece, with the kerf outside
@@ -13,6 +17,28 @@ struct Tolerances {
   /// number of others). Open cuts and other processes have no such edge and are judged by their centre.
   enum class Edge { kCentre, kOutside, kInside, kNesting };
   Edge edge{Edge::kCentre};
+
+  /// A perforation as ordered. Between two corners (0.05 rad) or ends, whatever entities it is drawn of, a
+  /// whole number of cuts is laid, the first and the last at the corners: cut and bridge are stretched by one
+  /// factor, as little as it takes. A closed line without a corner may begin anywhere. Lengths are those of
+  /// the holes.
+  struct Perforation {
+    double cut_mm{3.0};  ///< 0: nothing is ordered.
+    double bridge_mm{1.0};
+    double limit_mm{kPerforationLimit_mm};  ///< Departure of a length, or of the place of an end.
+  };
+  /// Width of cuts where half of the middle's light comes through; 0: nothing is ordered.
+  struct OrderedWidth {
+    double nominal_mm{0.0};
+    double limit_mm{kOrderedWidthLimit_mm};
+  };
+  /// Depth over the board's thickness, from the least to the most that is allowed; most 0: nothing is
+  /// ordered.
+  struct OrderedDepth {
+    double least{0.0};
+    double most{0.0};
+  };
+
   double path_mm{0.05};  ///< Deviation of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double uncut_mm{0.15};        ///< Longest piece of a line, away from its ends, that is not burnt.
@@ -25,8 +51,10 @@ struct Tolerances {
   double dwell_mm{1.0};         ///< Light on one place, as that of so long a cut; see dwellCheck().
   double gate_lag_s{
       0.0005};  ///< Between the laser's gate and the instant at which the beam sets off, either way.
-  double perforation_open_share{0};  ///< Tooth / (tooth + bridge) of a perforation as ordered; 0: not given.
-  double perforation_share{0.10};    ///< Largest departure of the measured share from the ordered one.
+  Perforation perforation{};
+  OrderedWidth ordered_width{};
+  OrderedDepth crease_depth{};
+  OrderedDepth half_cut_depth{};
   double even_depth_share{0};        ///< Largest change of depth along creases and half-cuts; 0: not judged.
   double board_transmission{0.12};   ///< Light through whole board, by which depth is told.
   double line_energy_j_mm{0};        ///< Laser energy per length that marks were to get; 0: not judged.

@@ -80,9 +80,13 @@ double shareAt(const FlankQuery& q, double peak, double y_mm) {
   return peak * std::exp(-2.0 * a * a);
 }
 
+double middleSigma_mm(const FlankQuery& q) {
+  return std::hypot(q.lens_px, kPeakPx / std::numbers::sqrt3) * q.pixel_mm;
+}
+
 /// Light that the pixels in the middle of a kerf show, which the lens has mixed with that of its flanks.
 double seenTop(const FlankQuery& q, double peak, double transmission) {
-  const double sigma_mm = std::hypot(q.lens_px, kPeakPx / std::numbers::sqrt3) * q.pixel_mm;
+  const double sigma_mm = middleSigma_mm(q);
   double sum = 0.0;
   double weight = 0.0;
   for (int i = -kFlankTopSamples; i <= kFlankTopSamples; ++i) {
@@ -236,6 +240,7 @@ void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& re
   const FlankQuery mean = meanFlank(plan, readings, optics, kerf);
   const FlankModel model(mean);
   kerf.widening_mm = model.widening_mm();
+  kerf.middle_sigma_mm = middleSigma_mm(mean);
   FlankQuery blurred = mean;
   blurred.lens_px += optics.blur.sigma_px;
   kerf.widening_sigma_mm = std::abs(FlankModel(blurred).widening_mm() - kerf.widening_mm);

@@ -39,7 +39,7 @@ std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double f
     width_variance += 0.25 * c.width_sigma_mm * c.width_sigma_mm;
   }
   const auto n = static_cast<double>(readings.size());
-  if (readings.size() < 2) return std::nullopt;
+  if (readings.size() < kFewestOnLeg) return std::nullopt;
   leg.half_width_mm /= n;
   leg.brightness /= n;
   leg.sigma_mm = std::sqrt(variance / n);

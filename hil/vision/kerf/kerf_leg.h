@@ -19,7 +19,10 @@ struct KerfLeg {
   double sigma_mm{};  ///< Standard uncertainty of one caliper, RMS.
 };
 
-/// Leg from `from_mm` away from the joint on; nullopt where fewer than two calipers saw it.
+/// Calipers from which a leg is told.
+inline constexpr int kFewestOnLeg = 2;
+
+/// Leg from `from_mm` away from the joint on; nullopt where fewer than kFewestOnLeg calipers saw it.
 std::optional<KerfLeg> legAt(const EntityKerf& kerf, double station_mm, double from_mm);
 
 /// Kerf as a caliper near a joint saw it.

@@ -30,13 +30,25 @@ struct Caliper {
                         ///< single kerf's.
 };
 
+/// Light at a place along a perforation.
+struct LightReading {
+  double station_mm{};
+  double brightness{};  ///< As Caliper::brightness.
+  bool near_joint{};    ///< As Caliper::near_joint: light of other kerfs may be in it.
+};
+
 struct EntityKerf {
   int unit{};
   int entity{};                   ///< Entity id.
   std::vector<Caliper> calipers;  ///< Calipers in order of station.
-  double widening_mm{};           ///< Widening of the kerf by blur, over Caliper::width_mm.
+  /// Light along the entity if it is a perforation, more densely than by the calipers; in order of station.
+  std::vector<LightReading> light{};
+  double widening_mm{};  ///< Widening of the kerf by blur, over Caliper::width_mm.
   /// Standard uncertainty of the widening, common to all kerfs of the picture, by that of its blur.
   double widening_sigma_mm{};
+  /// Standard deviation of the light that Caliper::brightness mixes, across the kerf: lens, pixel, and the
+  /// pixels that count as its middle.
+  double middle_sigma_mm{};
 };
 
 /// Corner as cut, where two entities of one unit meet or one turns.
@@ -46,6 +58,9 @@ struct CornerKerf {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Nominal.
   double turn_rad{};  ///< Angle from the tangent in to the tangent out, (-pi, pi].
   bool found{};
+  /// A leg is so short that no caliper lies on it undisturbed by the joints at its ends, so the corner cannot
+  /// be measured, however well it was cut. Follows from the drawing alone.
+  bool short_leg{};
   /// Rounding of the corner, relative to where its own legs as cut would meet: a cut that is displaced as a
   /// whole has neither.
   double rounding_mm{};   ///< Distance of the kerf's centre line inside of that place; >= 0.

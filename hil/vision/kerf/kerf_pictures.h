@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/camera/tile_source.h"
 #include "hil/vision/image/lens_blur.h"
 #include "hil/vision/kerf/kerf_tiles.h"
 

@@ -187,6 +187,11 @@ void markTightBends(double clearance_mm, std::vector<EntityPlan>& plans) {
   }
 }
 
+const Station& nearestTo(const Station& at, const std::vector<Station>& stations) {
+  return *std::ranges::min_element(stations, {},
+                                   [&](const Station& s) { return std::abs(s.station_mm - at.station_mm); });
+}
+
 }  // namespace
 
 KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& options) {
@@ -203,6 +208,8 @@ KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& option
     own.length_mm = dieline::lengthOf(entity.curve);
     own.closed = dieline::isClosed(entity.curve);
     own.stations = stationsOf(entity.curve, options.station_pitch_mm, own.length_mm);
+    if (own.process == dieline::Process::kPerforation)
+      own.light_stations = stationsOf(entity.curve, kLightPitchMm, own.length_mm);
     for (const Station& s : stationsOf(entity.curve, kSamplePitchMm, own.length_mm)) {
       grid.add({s.p_S_mm, s.tangent, s.curvature_per_mm, s.station_mm, plan.entities.size()});
     }
@@ -215,6 +222,10 @@ KerfPlan planKerf(const dieline::Dieline& dieline, const KerfScanOptions& option
   for (std::size_t i = 0; i < plan.entities.size(); ++i) {
     EntityPlan& own = plan.entities[i];
     for (Station& station : own.stations) hideOthers(station, i, own, grid, options.reach_mm);
+    for (Station& station : own.light_stations) {
+      station.near_corner = nearestTo(station, own.stations).near_corner;
+      hideOthers(station, i, own, grid, options.reach_mm);
+    }
   }
   return plan;
 }

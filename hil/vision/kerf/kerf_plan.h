@@ -30,6 +30,9 @@ struct EntityPlan {
   double length_mm{};
   bool closed{};
   std::vector<Station> stations;
+  /// Stations at which the light of a perforation is read, no more than kLightPitchMm apart; empty for
+  /// others.
+  std::vector<Station> light_stations;
   std::vector<Eigen::Vector2d> hidden_S_mm;
 
   /// Points of other curves, and of far parts of this one, that a station's caliper meets.
@@ -65,6 +68,9 @@ struct KerfPlan {
 /// A pixel so near to a point of another curve may belong to the kerf of that: half a usual kerf, its blur
 /// and its error.
 inline constexpr double kHiddenMm = 0.2;
+/// Half a caliper's length: with overlapping windows the light falls along a straight line where a cut ends,
+/// and is half where it does.
+inline constexpr double kLightPitchMm = 0.1;
 /// Reach of a caliper that must be seen, to both sides, so that it is measured; the same for the own kerf.
 inline constexpr double kOwnMm = 0.16;
 

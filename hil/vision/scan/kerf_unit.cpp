@@ -129,6 +129,14 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     noise.board_mm.push_back(reading.board_mm);
     windows.push_back(windowOnPixels(plan, station, view));
   }
+  for (const Station& station : plan.light_stations) {
+    Caliper caliper{.near_joint = station.near_corner};
+    KerfReading reading;
+    const TileView* view = index_.best(X_TS_ * station.p_S_mm, border_px);
+    if (view == nullptr) continue;  // The calipers there say so.
+    this->caliper(plan, station, *view, scratch, caliper, reading);
+    kerf.light.push_back({station.station_mm, caliper.brightness, caliper.near_joint});
+  }
   correctFlankBias(plan, readings, {options_, pixel_mm, blur_}, kerf, noise.model_mm);
   correctCurvatureBias(plan, blur_.px * pixel_mm, kerf);
   for (std::size_t i = 0; i < windows.size(); ++i)

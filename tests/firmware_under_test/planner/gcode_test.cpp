@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware_under_test/planner/gcode/gcode.h"
-#include "hil/dieline/geometry.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
 #include "player.h"
 
 namespace kerfbench::planner {

@@ -116,6 +116,36 @@ TEST(Perforation, BeginsAndEndsWithADashAndKeepsTheRatio) {
   }
 }
 
+TEST(Perforation, BeginsAnewAtACornerWithACut) {
+  for (const OrderOptions& options : {OrderOptions{}, OrderOptions{.break_at_corners = true}}) {
+    const Pieces pieces = order(test::dielineOf({test::line(-40, 0, 0, 0, Process::kPerforation),
+                                                 test::line(0, 0, 0, 22, Process::kPerforation)}),
+                                0.0, options);
+    std::vector<Segment> dashes;
+    for (const auto& piece : pieces) dashes.insert(dashes.end(), piece.begin(), piece.end());
+    EXPECT_EQ(dashes.size(), 10U + 6U);  // 40 and 22 mm, of 3 and 1 mm.
+    const auto at_corner = [](const Segment& s) {
+      return std::min(s.start_mm.norm(), s.end_mm.norm()) < 1e-9;
+    };
+    EXPECT_EQ(std::ranges::count_if(dashes, at_corner), 2);
+  }
+}
+
+TEST(Perforation, AsDrawnHasTheSamePatternOverTwoEntities) {
+  JobParameters job;
+  job.order = JobParameters::Order::kDrawn;
+  const auto lengthOfAll = [&](const dieline::Dieline& dieline) {
+    double length_mm = 0.0;
+    for (const auto& piece : piecesOf(drawnOrder(dieline, job, {}), job))
+      for (const Segment& s : piece) length_mm += s.lengthMm();
+    return length_mm;
+  };
+  const double whole = lengthOfAll(test::dielineOf({test::line(-40, 0, 0, 0, Process::kPerforation)}));
+  const double parts = lengthOfAll(test::dielineOf(
+      {test::line(-40, 0, -18, 0, Process::kPerforation), test::line(0, 0, -18, 0, Process::kPerforation)}));
+  EXPECT_NEAR(parts, whole, 1e-9);
+}
+
 TEST(Perforation, ClosedOnesEndWithAGap) {
   dieline::Entity circle = test::arc(-30, 0, 10, 0, 360);
   circle.process = Process::kPerforation;

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "firmware_under_test/planner/program/plan.h"
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::planner::test {
 

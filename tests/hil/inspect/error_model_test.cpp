@@ -43,10 +43,9 @@ TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
 TEST(ErrorModel, ReadingsBesideAGapDoNotKnowOfEachOther) {
   const SyntheticRun run;
   const ErrorModel model = errorModelOf(run.evidence);
-  // The line has 36 mm with a bridge of 1 mm after every tooth of 3 mm; the last station begins a tenth
-  // tooth.
+  // The line has 35 mm: nine teeth of 3 mm with bridges of 1 mm between them.
   const ReadingLine& teeth = lineOf(model, run, 0, kPerforationLine);
-  EXPECT_EQ(teeth.segment.size(), 10U + 1U);
+  EXPECT_EQ(teeth.segment.size(), 9U + 1U);
   for (std::size_t s = 0; s + 1 < teeth.segment.size(); ++s) {
     for (std::size_t i = teeth.segment[s] + 1; i < teeth.segment[s + 1]; ++i)
       EXPECT_EQ(teeth.caliper[i], teeth.caliper[i - 1] + 1);

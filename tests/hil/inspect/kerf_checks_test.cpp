@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <tuple>
+#include <utility>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
@@ -129,26 +135,197 @@ TEST(DepthCheck, AHalfCutCutThroughFails) {
   EXPECT_EQ(checkOf(run.inspected(), "depth").verdict, Verdict::kFail);
 }
 
-TEST(PerforationCheck, ComparesTheOpenShareWithTheOrder) {
-  SyntheticRun run;
-  run.limits.perforation_open_share = 0.75;
-  EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kPass);
-  for (const double too_different : {0.5, 0.95}) {
-    run.limits.perforation_open_share = too_different;
-    EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kFail) << too_different;
-  }
+/// The cuts of the order, one of them changed.
+std::vector<std::pair<double, double>> cutsWith(std::size_t index, double from_mm, double to_mm) {
+  auto cuts = SyntheticRun::cutsOf(3.0, 1.0);
+  cuts.at(index) = {from_mm, to_mm};
+  return cuts;
 }
 
-TEST(PerforationCheck, WithoutBridgesFailsEvenWithoutAnOrder) {
+const Check perforated(const std::vector<std::pair<double, double>>& cuts_mm,
+                       const Tolerances::Perforation& order = {}) {
   SyntheticRun run;
-  for (vision::Caliper& c : run.kerf(0, kPerforationLine).calipers) {
-    c.found = true;
-    c.offset_mm = 0.0;
-    c.width_mm = 0.21;
-    c.sigma_mm = c.width_sigma_mm = 0.001;
-    c.brightness = 1.0;
+  run.limits.perforation = order;
+  run.perforate(1, cuts_mm);
+  return checkOf(run.inspected(), "perforation");
+}
+
+TEST(PerforationCheck, PassesWhatWasOrdered) {
+  const Check check = perforated(SyntheticRun::cutsOf(3.0, 1.0));
+  EXPECT_EQ(check.verdict, Verdict::kPass);
+  EXPECT_LT(check.value, 0.002);
+  // What lies beyond the first and the last cut no caliper shows.
+  EXPECT_THAT(check.explanation, ::testing::HasSubstr("Of 14 cuts and 16 bridges"));
+}
+
+TEST(PerforationCheck, FailsAnotherPatternOfTheSameShare) {
+  const Tolerances::Perforation order{.cut_mm = 6.0, .bridge_mm = 2.0};
+  EXPECT_EQ(perforated(SyntheticRun::cutsOf(3.0, 1.0), order).verdict, Verdict::kFail);
+  EXPECT_EQ(perforated(SyntheticRun::cutsOf(2.0, 2.0)).verdict, Verdict::kFail);
+}
+
+TEST(PerforationCheck, MeasuresAShortBridgeAndALongCut) {
+  // The fourth cut is ordered from 12 to 15 mm.
+  for (const double longer_mm : {0.3, 0.6}) {
+    const Check check = perforated(cutsWith(3, 12.0, 15.0 + longer_mm));
+    EXPECT_EQ(check.verdict, Verdict::kFail);
+    EXPECT_NEAR(check.value, longer_mm, 0.002);
+    EXPECT_EQ(check.subject, "unit 1, E6");
   }
-  EXPECT_EQ(checkOf(run.inspected(), "perforation").verdict, Verdict::kFail);
+  EXPECT_EQ(perforated(cutsWith(3, 12.0, 15.1)).verdict, Verdict::kPass);
+  EXPECT_EQ(perforated(cutsWith(3, 12.0, 14.8)).verdict, Verdict::kFail);
+}
+
+TEST(PerforationCheck, NearTheLimitProvesNothing) {
+  EXPECT_EQ(perforated(cutsWith(3, 12.0, 15.165)).verdict, Verdict::kNotProven);
+}
+
+TEST(PerforationCheck, FindsACutThatIsMissingAndABridgeTooMany) {
+  auto one_less = SyntheticRun::cutsOf(3.0, 1.0);
+  one_less.erase(one_less.begin() + 4);
+  EXPECT_NEAR(perforated(one_less).value, 4.0, 0.01);
+  auto one_more = SyntheticRun::cutsOf(3.0, 1.0);
+  one_more[4].second = one_more[4].first + 1.2;
+  one_more.emplace_back(one_more[4].second + 0.5, one_more[4].first + 3.0);
+  EXPECT_EQ(perforated(one_more).verdict, Verdict::kFail);
+}
+
+TEST(PerforationCheck, FindsAPatternThatIsShifted) {
+  auto shifted = SyntheticRun::cutsOf(3.0, 1.0);
+  for (auto& [from_mm, to_mm] : shifted) {
+    from_mm += 0.4;
+    to_mm += 0.4;
+  }
+  const Check check = perforated(shifted);
+  EXPECT_EQ(check.verdict, Verdict::kFail);
+  EXPECT_NEAR(check.value, 0.4, 0.002);
+}
+
+TEST(PerforationCheck, WithoutBridgesAndWithoutCutsFails) {
+  EXPECT_EQ(perforated({{0.0, 35.0}}).verdict, Verdict::kFail);
+  EXPECT_EQ(perforated({}).verdict, Verdict::kFail);
+}
+
+TEST(PerforationCheck, LinesThatMeetEndToEndHaveOnePattern) {
+  SyntheticRun run;
+  // 35 mm in two pieces that part in the middle of a cut, the second drawn backward.
+  run.dieline.entities[kPerforationLine].curve = dieline::LineCurve{{45, 2}, {45, 15}};
+  run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{45, 37}, {45, 15}},
+                                 dieline::Process::kPerforation, "OTHER", "line 74: LINE"};
+  for (int unit = 0; unit < 2; ++unit) {
+    vision::EntityKerf& all = run.kerf(unit, kPerforationLine);
+    vision::EntityKerf rest{unit, kNote, {}};
+    const auto beyond = [](const auto& reading) { return reading.station_mm > 13.0; };
+    std::ranges::copy_if(all.calipers, std::back_inserter(rest.calipers), beyond);
+    std::ranges::copy_if(all.light, std::back_inserter(rest.light), beyond);
+    std::erase_if(all.calipers, beyond);
+    std::erase_if(all.light, beyond);
+    std::ranges::reverse(rest.calipers);
+    std::ranges::reverse(rest.light);
+    for (vision::LightReading& r : rest.light) r.station_mm = 35.0 - r.station_mm;
+    for (vision::Caliper& c : rest.calipers) {
+      c.station_mm = 35.0 - c.station_mm;
+      c.u = c.station_mm / 22.0;
+    }
+    for (vision::Caliper& c : all.calipers) c.u = c.station_mm / 13.0;
+    run.evidence.kerf.entities.push_back(rest);
+  }
+  const Check check = checkOf(run.inspected(), "perforation");
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
+  EXPECT_LT(check.value, 0.002);
+}
+
+TEST(PerforationCheck, WithoutAnOrderIsNotJudged) {
+  SyntheticRun run;
+  run.limits.perforation.cut_mm = 0.0;
+  EXPECT_TRUE(unjudgedOf(run.inspected(), "perforation").applies);
+}
+
+/// The width that is farthest from 0.24 mm, as measured.
+double worstWidth(const SyntheticRun& run) {
+  double worst_mm = 0.24;
+  for (const EntityResult& e : run.inspected().entities) {
+    const bool is_cut =
+        run.dieline.entities[static_cast<std::size_t>(e.entity)].process == dieline::Process::kCut;
+    if (is_cut && std::abs(e.width_mm - 0.24) > std::abs(worst_mm - 0.24)) worst_mm = e.width_mm;
+  }
+  return worst_mm;
+}
+
+TEST(OrderedWidth, IsHeldAgainstTheOrderAndNotAgainstTheOthers) {
+  SyntheticRun run;
+  EXPECT_FALSE(unjudgedOf(run.inspected(), "ordered_width").applies);
+  run.limits.ordered_width = {.nominal_mm = 0.21, .limit_mm = 0.02};
+  EXPECT_EQ(checkOf(run.inspected(), "ordered_width").verdict, Verdict::kPass);
+  for (const double nominal_mm : {0.18, 0.24}) {
+    run.limits.ordered_width.nominal_mm = nominal_mm;
+    const InspectionResult result = run.inspected();
+    EXPECT_EQ(checkOf(result, "ordered_width").verdict, Verdict::kFail) << nominal_mm;
+    EXPECT_EQ(checkOf(result, "kerf_width").verdict, Verdict::kPass);
+    EXPECT_EQ(result.verdict, Verdict::kFail);
+  }
+  run.limits.ordered_width.limit_mm = std::abs(worstWidth(run) - 0.24);
+  run.limits.ordered_width.nominal_mm = 0.24;
+  EXPECT_EQ(checkOf(run.inspected(), "ordered_width").verdict, Verdict::kNotProven);
+}
+
+/// Light through a groove's middle as a lens shows it, by a sum over its profile.
+double brightnessOfGroove(double depth, double beam_mm, double lens_mm, double transmission) {
+  double sum = 0.0;
+  double weight = 0.0;
+  for (double x_mm = -5.0 * lens_mm; x_mm <= 5.0 * lens_mm; x_mm += 0.01 * lens_mm) {
+    const double w = std::exp(-0.5 * x_mm * x_mm / (lens_mm * lens_mm));
+    const double at = std::min(1.0, depth * std::exp(-2.0 * x_mm * x_mm / (beam_mm * beam_mm)));
+    sum += w * std::pow(transmission, 1.0 - at);
+    weight += w;
+  }
+  return (sum / weight - transmission) / (1.0 - transmission);
+}
+
+/// A carton whose crease is `depth` deep, as the bench sees it.
+SyntheticRun creased(double depth, double beam_mm = 0.105, double transmission = 0.12) {
+  SyntheticRun run;
+  run.evidence.beam_radius_mm = 0.105;
+  const double brightness = brightnessOfGroove(depth, beam_mm, 0.02, transmission);
+  for (int unit = 0; unit < 2; ++unit) {
+    vision::EntityKerf& kerf = run.kerf(unit, kCreaseLine);
+    kerf.middle_sigma_mm = 0.02;
+    for (vision::Caliper& c : kerf.calipers) c.brightness = brightness;
+  }
+  return run;
+}
+
+TEST(OrderedDepth, IsHeldAgainstBothBounds) {
+  SyntheticRun run = creased(0.6);
+  EXPECT_FALSE(unjudgedOf(run.inspected(), "ordered_depth").applies);
+  for (const auto& [least, most, verdict] :
+       {std::tuple{0.50, 0.70, Verdict::kPass}, std::tuple{0.65, 0.90, Verdict::kFail},
+        std::tuple{0.40, 0.55, Verdict::kFail}, std::tuple{0.58, 0.75, Verdict::kNotProven},
+        std::tuple{0.45, 0.62, Verdict::kNotProven}}) {
+    run.limits.crease_depth = {least, most};
+    const Check check = checkOf(run.inspected(), "ordered_depth");
+    EXPECT_EQ(check.verdict, verdict) << check.explanation;
+    EXPECT_NEAR(check.value, std::min(0.6 - least, most - 0.6), 0.002);
+  }
+  run.evidence.beam_radius_mm = 0.0;
+  EXPECT_TRUE(unjudgedOf(run.inspected(), "ordered_depth").applies);
+  run.limits.crease_depth = {};
+  run.limits.half_cut_depth = {0.1, 0.2};  // The carton has no half-cut.
+  EXPECT_FALSE(unjudgedOf(run.inspected(), "ordered_depth").applies);
+}
+
+TEST(OrderedDepth, IsWithinItsUncertaintyForAnotherBeamAndAnotherBoard) {
+  for (const double depth : {0.3, 0.6, 0.8}) {
+    for (const auto& [beam, transmission] :
+         {std::pair{1.1, 1.0}, std::pair{0.9, 1.0}, std::pair{1.0, 1.1}, std::pair{1.0, 0.9}}) {
+      SyntheticRun run = creased(depth, 0.105 * beam, 0.12 * transmission);
+      // The bench reads against the grey of whole board as it is, and takes 12 % for its transmission.
+      run.limits.crease_depth = {0.01, 0.99};
+      const Check check = checkOf(run.inspected(), "ordered_depth");
+      EXPECT_NEAR(check.value, std::min(depth - 0.01, 0.99 - depth), 1.05 * check.u + 0.002)
+          << depth << " " << beam << " " << transmission;
+    }
+  }
 }
 
 TEST(KerfWidthCheck, FindsTheLineThatIsWider) {

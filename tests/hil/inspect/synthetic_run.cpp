@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/hil/inspect/synthetic_run.h"
-#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,9 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "hil/dieline/geometry.h"
+#include "hil/vision/kerf/kerf_profile.h"
 
 namespace kerfbench::inspect::testing {
 namespace {
@@ -53,7 +55,7 @@ SyntheticRun::SyntheticRun() {
       {line(0, 40, 0, 0), dieline::Process::kCut},
       {dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi}, dieline::Process::kCut},
       {line(30, 2, 30, 38), dieline::Process::kCrease},
-      {line(45, 2, 45, 38), dieline::Process::kPerforation},
+      {line(45, 2, 45, 37), dieline::Process::kPerforation},
       {line(0, -10, 20, -10), dieline::Process::kIgnore},
   };
   for (const auto& [curve, process] : parts) {
@@ -136,8 +138,8 @@ void SyntheticRun::addKerf() {
         c.p_V_mm = c.p_S_mm - Eigen::Vector2d(30.0, 20.0);
         const bool outline = entity.id <= kLeft;
         c.near_joint = outline && (c.station_mm < 0.4 || c.station_mm > length_mm - 0.4);
-        c.found = entity.process != dieline::Process::kPerforation || std::fmod(c.station_mm, 4.0) <= 3.0;
-        c.brightness = !c.found ? 0.0 : entity.process == dieline::Process::kCrease ? 0.4 : 1.0;
+        c.found = true;
+        c.brightness = entity.process == dieline::Process::kCrease ? 0.4 : 1.0;
         c.offset_mm = c.found ? kNoise_mm * noise() : std::numeric_limits<double>::quiet_NaN();
         c.width_mm = c.found
                          ? (entity.process == dieline::Process::kCrease ? 0.15 : 0.21) + kNoise_mm * noise()
@@ -147,6 +149,7 @@ void SyntheticRun::addKerf() {
       }
       evidence.kerf.entities.push_back(std::move(kerf));
     }
+    perforate(unit, cutsOf(3.0, 1.0));
   }
 }
 
@@ -200,6 +203,40 @@ void SyntheticRun::addFrames() {
 void SyntheticRun::followAgain(int unit, int entity) {
   follow(unit, entity);
   for (int i = 0; i < 5; ++i) addFrame(false, unit, {});
+}
+
+std::vector<std::pair<double, double>> SyntheticRun::cutsOf(double cut_mm, double bridge_mm) {
+  std::vector<std::pair<double, double>> cuts;
+  for (double at_mm = 0.0; at_mm < kPerforation_mm; at_mm += cut_mm + bridge_mm)
+    cuts.emplace_back(at_mm, std::min(at_mm + cut_mm, kPerforation_mm));
+  return cuts;
+}
+
+void SyntheticRun::perforate(int unit, const std::vector<std::pair<double, double>>& cuts_mm) {
+  const auto lightAt = [&](double station_mm) {
+    double open_mm = 0.0;
+    for (const auto& [from_mm, to_mm] : cuts_mm) {
+      open_mm += std::max(0.0, std::min(to_mm, station_mm + vision::kWindowHalfMm) -
+                                   std::max(from_mm, station_mm - vision::kWindowHalfMm));
+    }
+    return std::min(1.0, open_mm / (2.0 * vision::kWindowHalfMm));
+  };
+  vision::EntityKerf& line = kerf(unit, kPerforationLine);
+  line.light.clear();
+  for (double at_mm = 0.0; at_mm <= kPerforation_mm; at_mm += 0.1)
+    line.light.push_back({at_mm, lightAt(at_mm), false});
+  for (vision::Caliper& c : line.calipers) {
+    c.brightness = lightAt(c.station_mm);
+    c.found = c.brightness > 0.15;
+    if (!c.found) {
+      c.brightness = 0.0;
+      c.offset_mm = c.width_mm = c.sigma_mm = c.width_sigma_mm = std::numeric_limits<double>::quiet_NaN();
+    } else if (!std::isfinite(c.offset_mm)) {
+      c.offset_mm = 0.0;
+      c.width_mm = 0.21;
+      c.sigma_mm = c.width_sigma_mm = kNoise_mm;
+    }
+  }
 }
 
 vision::EntityKerf& SyntheticRun::kerf(int unit, int entity) {

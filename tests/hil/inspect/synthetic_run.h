@@ -3,7 +3,10 @@
 
 #include <functional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "hil/dieline/geometry.h"
 #include "hil/inspect/inspect.h"
 
 namespace kerfbench::inspect::testing {
@@ -23,6 +26,12 @@ struct SyntheticRun {
   Tolerances limits;
 
   vision::EntityKerf& kerf(int unit, int entity);
+  /// Length of the perforated line.
+  static constexpr double kPerforation_mm = 35.0;
+  /// Cuts of a pattern that begins with one, along the perforated line.
+  static std::vector<std::pair<double, double>> cutsOf(double cut_mm, double bridge_mm);
+  /// Cuts the perforated line of a unit anew.
+  void perforate(int unit, const std::vector<std::pair<double, double>>& cuts_mm);
   /// Moves each spot while it follows `entity` of `unit`: the shift in mm along W from the time since its
   /// first frame.
   void shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm);
