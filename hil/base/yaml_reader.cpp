@@ -58,6 +58,12 @@ struct YamlReader::File {
   std::vector<Fault> faults;
   std::vector<std::shared_ptr<KeyBook>> books;
   std::map<std::string, Asked> asked;
+  std::vector<std::filesystem::path> inputs;
+
+  void depend(const std::filesystem::path& on) {
+    const std::filesystem::path whole = std::filesystem::absolute(on).lexically_normal();
+    if (std::ranges::find(inputs, whole) == inputs.end()) inputs.push_back(whole);
+  }
 };
 
 // One mapping, and below it the mapping that it extends, if any.
@@ -140,6 +146,7 @@ YamlReader YamlReader::openFile(const std::filesystem::path& path) {
       throw ConfigError(fmt::format("{}: extends more than {} files deep", path.string(), kDeepest));
     }
     chain.emplace_back(next, loadMapping(next));
+    file->depend(next);
     const YAML::Node constant = chain.back().second;
     const YAML::Node extends = constant["extends"];
     next = given(extends) && extends.IsScalar() ? next.parent_path() / extends.Scalar()
@@ -329,6 +336,10 @@ std::string YamlReader::placeOf(std::string_view whole_key) const {
 void YamlReader::fault(std::string_view key, std::string_view message) { node_->fault(key, message); }
 
 const std::filesystem::path& YamlReader::path() const { return node_->file->path; }
+
+void YamlReader::names(const std::filesystem::path& path) { node_->file->depend(path); }
+
+std::vector<std::filesystem::path> YamlReader::inputs() const { return node_->file->inputs; }
 
 std::filesystem::path YamlReader::folderOf(std::string_view key) const {
   return std::filesystem::absolute(node_->ownerOf(key).book->path).parent_path();

@@ -75,6 +75,11 @@ class YamlReader {
   /// Adds a fault of the caller's own at a key.
   void fault(std::string_view key, std::string_view message);
   [[nodiscard]] const std::filesystem::path& path() const;
+  /// Notes that this file names another, on which its meaning depends.
+  void names(const std::filesystem::path& path);
+  /// All on which the meaning of this file depends: itself, what it extends, what it names; absolute, each
+  /// once.
+  [[nodiscard]] std::vector<std::filesystem::path> inputs() const;
   /// The folder of the file that gives `key`, for file names relative to it.
   [[nodiscard]] std::filesystem::path folderOf(std::string_view key) const;
   /// Checks for unknown keys in every section opened. @throws ConfigError listing all faults, by line.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "hil/base/atomic_file.h"
+#include "hil/base/digest.h"
 #include "hil/base/version.h"
 #include "hil/judge/judge.h"
 #include "hil/judge/machine_pictures.h"
@@ -57,6 +58,10 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
     report.versions.emplace_back("firmware sha256", conclusion.firmware_sha256);
   if (!conclusion.firmware_version.empty())
     report.versions.emplace_back("controller", conclusion.firmware_version);
+  for (const std::filesystem::path& input : test_case.inputs) {
+    report.inputs.push_back(
+        {input.lexically_relative(scenario.path.parent_path()).generic_string(), base::sha256File(input)});
+  }
   report.limits = scenario.limits;
   report.dieline = test_case.dieline;
   report.print = scenario.print;
@@ -88,6 +93,7 @@ void tell(const report::RunReport& report, const std::filesystem::path& folder, 
                              but.empty() ? "" : " (" + but + ")"));
   console.say(fmt::format("report: {}", (folder / "report.html").string()));
   console.say(fmt::format("digest: {}", report::digestOf(report)));
+  console.say(fmt::format("inputs: {}", report::inputsDigestOf(report)));
 }
 
 void tellTiming(const base::Stopwatch& stopwatch, double virtual_s, base::Console& console) {

@@ -48,6 +48,7 @@ CameraFile readCameraFile(base::YamlReader& camera, const std::filesystem::path&
                                           (machine_file.stem().string() + "." + which + ".camera.yaml")
                                     : camera.folderOf("calibration") / name;
   result.calibration = std::filesystem::absolute(result.calibration).lexically_normal();
+  if (std::filesystem::is_regular_file(result.calibration)) camera.names(result.calibration);
   return result;
 }
 
@@ -64,7 +65,10 @@ void readCameras(base::YamlReader cameras, MachineFile& file, const std::filesys
 
 DriveCatalogue readCatalogueOf(base::YamlReader& file) {
   const std::string drivers = file.text("drivers");
-  return drivers.empty() ? DriveCatalogue{} : readCatalogue(file.folderOf("drivers") / drivers);
+  if (drivers.empty()) return {};
+  const std::filesystem::path path = file.folderOf("drivers") / drivers;
+  file.names(path);
+  return readCatalogue(path);
 }
 
 }  // namespace
@@ -95,6 +99,7 @@ twin::ControllerDescription readController(base::YamlReader told, MachineDescrip
     const auto path = std::filesystem::absolute(told.folderOf("correction") / table).lexically_normal();
     if (!std::filesystem::is_regular_file(path))
       told.fault("correction", fmt::format("no such file '{}'", table));
+    told.names(path);
     result.correction_file = path.string();
   }
   const auto field = readBox(told, "field_x_mm", "field_y_mm");
@@ -179,6 +184,7 @@ MachineFile readMachineFile(const std::filesystem::path& path) {
   machine.controller = readController(file.section("controller"), machine.kind);
   result.spread = readSpread(file.section("imperfections"));
   file.finish();
+  result.inputs = file.inputs();
   result.keys = file.asked();
   for (const base::YamlReader::Asked& asked : result.keys) {
     for (std::string key = asked.key;; key.resize(key.rfind('.'))) {

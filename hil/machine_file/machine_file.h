@@ -26,6 +26,8 @@ struct MachineFile {
   twin::MachineDescription machine;
   twin::ImperfectionSpread spread;  ///< Section `imperfections`.
   CameraFile spot_camera, kerf_camera;
+  /// The file, what it extends, and the files that these name: drives, correction table, calibrations.
+  std::vector<std::filesystem::path> inputs;
   /// Every key that was asked for, the given and the others.
   std::vector<base::YamlReader::Asked> keys;
   /// "file:line" of what the twin calls by the name of a field, e.g. "galvo_x.load_inertia"; of the section,

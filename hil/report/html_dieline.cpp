@@ -12,6 +12,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/report/html_text.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::report {
 namespace {

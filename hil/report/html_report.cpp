@@ -168,6 +168,7 @@ std::string environment(const RunReport& report) {
   std::string html = "<table><tbody>";
   html += htmlRow("Repeat with", report.repeat_command, true);
   html += htmlRow("Digest", digestOf(report), true);
+  html += htmlRow("Digest of inputs", inputsDigestOf(report), true);
   html += htmlRow("Scenario", report.scenario_path, true);
   html += htmlRow("Dieline", report.dieline->path, true);
   html += htmlRow("Firmware", report.firmware);

@@ -31,6 +31,7 @@ void addProperties(const RunReport& report, pugi::xml_node suite) {
   };
   property("verdict", std::string(inspect::verdictName(report.result.verdict)));
   property("digest", digestOf(report));
+  property("inputs_digest", inputsDigestOf(report));
   property("firmware", report.firmware);
   property("machine", report.machine);
   property("seed", std::to_string(report.seed));

@@ -17,24 +17,26 @@ using inspect::Tolerances;
 struct Limit {
   const char* key;
   const char* unit;
-  double Tolerances::*value;
+  double (*value)(const Tolerances&);
   double scale{1.0};
 };
-constexpr std::array kLimits{Limit{"path_mm", "mm", &Tolerances::path_mm},
-                             Limit{"stillness_mm", "mm", &Tolerances::stillness_mm},
-                             Limit{"uncut_mm", "mm", &Tolerances::uncut_mm},
-                             Limit{"cut_through_mm", "mm", &Tolerances::cut_through_mm},
-                             Limit{"kerf_width_mm", "mm", &Tolerances::kerf_width_mm},
-                             Limit{"stray_mm", "mm", &Tolerances::stray_mm},
-                             Limit{"gate_lag_ms", "ms", &Tolerances::gate_lag_s, 1e3},
-                             Limit{"line_energy_share", "", &Tolerances::line_energy_share}};
+constexpr std::array kLimits{
+    Limit{"path_mm", "mm", [](const Tolerances& t) { return t.path_mm; }},
+    Limit{"stillness_mm", "mm", [](const Tolerances& t) { return t.stillness_mm; }},
+    Limit{"uncut_mm", "mm", [](const Tolerances& t) { return t.uncut_mm; }},
+    Limit{"cut_through_mm", "mm", [](const Tolerances& t) { return t.cut_through_mm; }},
+    Limit{"kerf_width_mm", "mm", [](const Tolerances& t) { return t.kerf_width_mm; }},
+    Limit{"perforation.limit_mm", "mm", [](const Tolerances& t) { return t.perforation.limit_mm; }},
+    Limit{"stray_mm", "mm", [](const Tolerances& t) { return t.stray_mm; }},
+    Limit{"gate_lag_ms", "ms", [](const Tolerances& t) { return t.gate_lag_s; }, 1e3},
+    Limit{"line_energy_share", "", [](const Tolerances& t) { return t.line_energy_share; }}};
 
 std::string wideLimits(const Tolerances& limits) {
   const Tolerances defaults;
   std::string text;
   for (const Limit& limit : kLimits) {
-    const double value = limits.*limit.value;
-    const double usual = defaults.*limit.value;
+    const double value = limit.value(limits);
+    const double usual = limit.value(defaults);
     if (!(value > usual)) continue;
     text += fmt::format("{}{} {:g} (default {:g})", text.empty() ? "" : ", ", limit.key, limit.scale * value,
                         limit.scale * usual);
@@ -57,6 +59,13 @@ std::string leftOut(const dieline::Dieline& dieline) {
                      dieline.entities.size());
 }
 
+std::string shortLegs(const inspect::InspectionResult& result) {
+  const auto corners = std::ranges::count_if(result.joints, [](const inspect::JointResult& j) {
+    return j.short_leg && j.kind == inspect::JointResult::Kind::kCorner;
+  });
+  return corners == 0 ? "" : fmt::format("{} corners have a leg too short to be read", corners);
+}
+
 }  // namespace
 
 std::vector<Reservation> reservationsOf(const RunReport& report) {
@@ -67,6 +76,7 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   add("wide_limit", wideLimits(report.limits));
   add("not_judged", unjudged(report.result));
   add("part_not_judged", leftOut(*report.dieline));
+  add("part_not_judged", shortLegs(report.result));
   add("model_pictures", report.model_pictures
                             ? "the pins are real, but the pictures are of the model: no real cut was seen"
                             : "");

@@ -73,6 +73,12 @@ struct Reservation {
   std::string text;  ///< A clause without a full stop, for people.
 };
 
+/// A file on which a run depends.
+struct InputFile {
+  std::string name;  ///< As seen from the scenario's folder.
+  std::string sha256;
+};
+
 /// Everything a report tells of one run. Fill what is known; empty fields are left out of the pages.
 struct RunReport {
   // What was run.
@@ -90,9 +96,10 @@ struct RunReport {
   double virtual_s{};  ///< Duration on the clock of the pins.
   std::vector<std::pair<std::string, std::string>>
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
+  std::vector<InputFile> inputs;
   // What was measured.
   inspect::Tolerances limits;
-  std::shared_ptr<const dieline::Dieline> dieline;  ///< Never null.
+  std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
   PrintLayout print;
   vision::KerfScan kerf;
   vision::SpotTrack spot;
@@ -117,6 +124,9 @@ std::string reservationsLine(const RunReport& report);
 /// of the entities, the model's own knowledge, the host, the paths and the time that the run took. Lengths
 /// enter rounded to 1 nm, the rest to 1e-6.
 std::string digestOf(const RunReport& report);
+/// SHA-256 over the bytes of all files on which the run depends, wherever they lie, and seed, twin and
+/// imperfections: what a verdict was given on.
+std::string inputsDigestOf(const RunReport& report);
 
 /// verdict.json, schema_version 1.
 std::string verdictJson(const RunReport& report);

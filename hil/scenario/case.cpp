@@ -88,6 +88,10 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   test_case.spread = file.spread;
   test_case.spot_camera = file.spot_camera;
   test_case.kerf_camera = file.kerf_camera;
+  test_case.inputs = test_case.scenario.inputs;
+  for (const std::filesystem::path& input : file.inputs)
+    if (std::ranges::find(test_case.inputs, input) == test_case.inputs.end())
+      test_case.inputs.push_back(input);
   if (test_case.scenario.belt_by_controller && !(test_case.machine.belt.feed.step > 0)) {
     throw base::ConfigError(fmt::format("{}: belt.drive: the controller cannot feed, {} has no belt.feed",
                                         test_case.scenario.path.string(),

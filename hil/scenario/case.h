@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "hil/dieline/read.h"
 #include "hil/machine_file/machine_file.h"
@@ -18,8 +19,10 @@ struct Case {
   twin::MachineDescription machine;  ///< Machine as described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
   machine_file::CameraFile spot_camera,
-      kerf_camera;                                  ///< Cameras as the bench knows them: id and calibration.
-  std::shared_ptr<const dieline::Dieline> dieline;  ///< Never null.
+      kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
+  /// All files on which the run depends: those of the scenario and of the machine, each once.
+  std::vector<std::filesystem::path> inputs;
+  std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
 };
 
 /// @throws ConfigError or DielineError with everything wrong in the first file that is bad; ConfigError as

@@ -57,6 +57,8 @@ struct FirmwareChoice {
 struct Scenario {
   std::filesystem::path path;
   std::string text;  ///< The file as it is, for the report.
+  /// The file, what it extends, and the files that these name.
+  std::vector<std::filesystem::path> inputs;
   std::string name;
   std::string title;
   std::filesystem::path dieline;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <regex>
 #include <sstream>
@@ -192,6 +193,59 @@ TEST(Digest, ChangesWithAnyMeasurement) {
   b = a;
   ++b.pulses[0].setup_histogram[30];
   EXPECT_NE(digest, digestOf(b));
+}
+
+TEST(Digest, ChangesWithJointsPosesUncertaintiesAndWords) {
+  const inspect::testing::SyntheticRun run;
+  RunReport a = reportOf(run);
+  a.result.joints.push_back({inspect::JointResult::Kind::kCorner, 0, 1, 2, {60, 40}, false, {0.01, 0.002}});
+  a.result.problems = {"The list /home/me/tiles.yaml is short."};
+  a.result.unjudged.push_back({"joints", "", true, "None was found."});
+  const std::string digest = digestOf(a);
+  const std::vector<std::function<void(RunReport&)>> changes{
+      [](RunReport& r) { r.result.joints.back().mm.value += 3e-6; },
+      [](RunReport& r) { r.result.joints.back().mm.U += 3e-6; },
+      [](RunReport& r) { r.result.joints.back().p_S_mm.x() += 3e-6; },
+      [](RunReport& r) { r.result.rms_mm.value += 3e-6; },
+      [](RunReport& r) { r.result.problems[0] = "The list /home/me/tiles.yaml is long."; },
+      [](RunReport& r) { r.result.unjudged.back().reason = "Many were found."; },
+      [](RunReport& r) { r.kerf.entities[3].calipers[7].sigma_mm *= 1.001; },
+      [](RunReport& r) { r.kerf.units[1].p_TS_mm.y() += 3e-6; },
+      [](RunReport& r) { r.kerf.units[1].covariance(0, 2) += 1e-10; },
+      [](RunReport& r) { r.spot.frames[9].sheet[0].angle_rad += 1e-7; },
+      [](RunReport& r) { r.spot.frames[9].sheet[0].covariance(1, 1) += 1e-10; },
+      [](RunReport& r) { r.spot.frames[9].mid_s += 1e-6; },
+      [](RunReport& r) { r.spot.frames_lost += 1; }};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    RunReport b = a;
+    changes[i](b);
+    EXPECT_NE(digest, digestOf(b)) << "change " << i;
+  }
+  RunReport b = a;
+  b.result.problems = {"The list /srv/elsewhere/tiles.yaml is short."};
+  EXPECT_EQ(digest, digestOf(b));
+}
+
+TEST(InputsDigest, BindsTheBytesOfAllFilesAndNotTheirPlaces) {
+  const inspect::testing::SyntheticRun run;
+  RunReport a = reportOf(run);
+  a.inputs = {{"label.dxf", std::string(64, 'a')}, {"machine.yaml", std::string(64, 'b')}};
+  RunReport b = a;
+  std::swap(b.inputs[0], b.inputs[1]);
+  b.inputs[0].name = "elsewhere/machine.yaml";
+  EXPECT_EQ(inputsDigestOf(a), inputsDigestOf(b));
+  EXPECT_EQ(digestOf(a), digestOf(b));
+  b.inputs[0].sha256[5] = 'c';
+  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
+  b = a;
+  b.inputs.pop_back();
+  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
+  b = a;
+  ++b.seed;
+  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
+  const auto json = nlohmann::json::parse(verdictJson(a));
+  EXPECT_EQ(json["inputs_digest"], inputsDigestOf(a));
+  EXPECT_EQ(json["inputs"][0]["file"], "label.dxf");
 }
 
 TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {

@@ -3,6 +3,8 @@
 #include "firmware_under_test/planner/program/job_issues.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -99,6 +101,20 @@ TEST_F(CaseTest, AMachineWithoutAFeedDriveCannotFeed) {
   const std::string lines = "machine: " + path.string() + "\n";
   EXPECT_EQ(faultsOf(lines), "");
   EXPECT_THAT(faultsOf(lines + "belt: {drive: controller}\n"), HasSubstr("feed"));
+}
+
+TEST_F(CaseTest, NamesEveryFileOnWhichTheRunDepends) {
+  std::set<std::string> names;
+  const Case test_case = label("");
+  for (const std::filesystem::path& input : test_case.inputs) {
+    EXPECT_TRUE(input.is_absolute()) << input;
+    EXPECT_TRUE(names.insert(input.filename().string()).second) << input;
+  }
+  // The scenario, what it extends, and what these and the machine name.
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"s.yaml", "label-on-belt.yaml", "label-60x40.dxf",
+                                              "two-mirror.yaml", "drivers.yaml", "two-mirror.spot.camera.yaml",
+                                              "two-mirror.kerf.camera.yaml"}));
+  EXPECT_EQ(names.size(), test_case.inputs.size());
 }
 
 TEST_F(CaseTest, WhatIsNotSelectedIsNeitherCutNorJudged) {
