@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/jpeg.h"
-#include "twin/base/image.h"
 
 #include <csetjmp>
 #include <cstddef>
@@ -8,6 +7,8 @@
 #include <utility>
 
 #include <jpeglib.h>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {

@@ -216,6 +216,8 @@ Eigen::AlignedBox2d boundsOf(const Curve& curve) {
   return box;
 }
 
+std::shared_ptr<const Dieline> emptyDieline() { return std::make_shared<const Dieline>(); }
+
 std::string_view processName(Process process) {
   switch (process) {
     case Process::kCut:

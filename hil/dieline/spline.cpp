@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/dieline/spline.h"
-#include "hil/dieline/geometry.h"
 
 #include <algorithm>
 #include <array>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::dieline {
 namespace {

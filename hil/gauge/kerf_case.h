@@ -11,6 +11,7 @@
 #include "hil/gauge/cut.h"
 #include "hil/gauge/instrument.h"
 #include "hil/gauge/quantity.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::gauge {
 

@@ -72,6 +72,7 @@ struct Measured {
   const Evidence& evidence;
   const Tolerances& limits;
   const checks::EdgeSides* edges;
+  double half_light_mm{};  ///< Half of the kerfs' mean width by the light.
   double half_kerf_mm{};
   LitFrames lit{};
   DeviationResult deviations{};
@@ -79,8 +80,8 @@ struct Measured {
 };
 
 Measured measured(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
-                  InspectionResult& result) {
-  Measured m{evidence, limits, edges};
+                  double half_light_mm, InspectionResult& result) {
+  Measured m{evidence, limits, edges, half_light_mm};
   m.lit = followDieline(evidence.spot, *evidence.dieline);
   m.half_kerf_mm = edges != nullptr ? checks::halfKerf(evidence.kerf, *edges) : 0.0;
   LitFrames motion = m.lit;
@@ -112,8 +113,9 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
   const Evidence& evidence = m.evidence;
   const Tolerances& limits = m.limits;
   const Check path = checks::pathCheck(evidence, limits, m.deviations);
-  std::vector<Finding> cut{m.edges == nullptr ? path : checks::edgeCheck(path, *m.edges, m.half_kerf_mm),
-                           checks::jointsCheck(evidence, limits, result.joints, result.entities)};
+  std::vector<Finding> cut{
+      m.edges == nullptr ? path : checks::edgeCheck(path, *m.edges, m.half_kerf_mm, m.half_light_mm),
+      checks::jointsCheck(evidence, limits, result.joints, result.entities)};
   std::vector<Finding> lit{checks::stillnessCheck(limits, m.lit, m.stillness),
                            checks::excursionCheck(limits, m.stillness),
                            checks::beltCheck(evidence, limits, m.lit),
@@ -121,9 +123,12 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
                            checks::spotPathCheck(evidence, limits, m.lit),
                            checks::repeatCheck(evidence, limits, m.lit, result.entities),
                            checks::dwellCheck(evidence, limits, m.lit)};
-  std::vector<Finding> form{checks::depthCheck(evidence, limits), checks::evenDepthCheck(evidence, limits),
-                            checks::perforationCheck(evidence, limits, result.entities),
+  std::vector<Finding> form{checks::depthCheck(evidence, limits),
+                            checks::evenDepthCheck(evidence, limits),
+                            checks::orderedDepthCheck(evidence, limits),
+                            checks::perforationCheck(evidence, limits),
                             checks::kerfWidthCheck(evidence, limits, result.entities),
+                            checks::orderedWidthCheck(evidence, limits, result.entities),
                             checks::laserTimingCheck(evidence, limits, result.entities, m.edges)};
   std::vector<Finding> light{checks::laserGateCheck(evidence, limits),
                              checks::gateLagCheck(evidence, limits, m.lit),
@@ -136,6 +141,12 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
         "none; see path, coverage and stray.";
     cut[1] = withheld(cut[1], reason);
     withhold(form, reason);
+  }
+  if (checks::isBesideEveryLine(m.lit)) {
+    const std::string reason =
+        "Nearly all frames show the spot beside every line, so nothing tells which of them it followed; see "
+        "spot_path.";
+    for (Finding* finding : {&lit[0], &lit[1], &lit[5], &light[1]}) *finding = withheld(*finding, reason);
   }
   const bool dark = m.lit.lit == 0;
   if (blank) {
@@ -163,9 +174,9 @@ bool isProvenByAbsence(const std::vector<Check>& checks) {
 }
 
 void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const checks::EdgeSides* edges,
-                      InspectionResult& result) {
+                      double half_light_mm, InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
-  const Measured m = measured(evidence, limits, edges, result);
+  const Measured m = measured(evidence, limits, edges, half_light_mm, result);
   const bool sound = result.problems.empty();
   const std::vector<std::string> doubts = checks::doubtsOf(evidence, m.lit);
   append(result.problems, doubts);
@@ -195,14 +206,19 @@ InspectionResult inspect(const Evidence& evidence, const Tolerances& limits) {
   append(result.problems, structural);
   if (!structural.empty()) return result;
   if (limits.edge == Tolerances::Edge::kCentre) {
-    measureAndDecide(evidence, limits, nullptr, result);
+    measureAndDecide(evidence, limits, nullptr, 0.0, result);
     return result;
   }
   const checks::EdgeSides edges = checks::kerfSides(*evidence.dieline, limits.edge);
   append(result.problems, edges.problems);
   Evidence at_edges = evidence;
-  at_edges.kerf = checks::edgeScan(evidence.kerf, *evidence.dieline, edges);
-  measureAndDecide(at_edges, limits, &edges, result);
+  const double half_light_mm = checks::halfKerf(evidence.kerf, edges);
+  if (evidence.beam_radius_mm > 0.0) {
+    at_edges.kerf =
+        checks::severedScan(evidence.kerf, edges, evidence.beam_radius_mm, limits.board_transmission);
+  }
+  at_edges.kerf = checks::edgeScan(at_edges.kerf, *evidence.dieline, edges);
+  measureAndDecide(at_edges, limits, &edges, half_light_mm, result);
   result.edges = std::move(at_edges.kerf);
   return result;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/guest/camera_reader.h"
-#include "twin/base/image.h"
 
 #include <utility>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 

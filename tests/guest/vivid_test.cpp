@@ -13,6 +13,7 @@
 #include "hil/camera/v4l2/device_list.h"
 #include "hil/camera/v4l2/video_device.h"
 #include "tests/guest/camera_reader.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 namespace {

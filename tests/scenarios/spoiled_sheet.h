@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "hil/calibrate/marks/field_marks.h"
+#include "hil/camera/kerf_tile.h"
 #include "hil/camera/tile_source.h"
 #include "hil/head_service/head_setup.h"
 #include "hil/vision/kerf/kerf_measurement.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twin/camera/sensor_noise.h"
-#include "twin/base/image.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,8 @@
 #include <numbers>
 #include <utility>
 #include <vector>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::twin {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/calibrate/camera/picture_check.h"
-#include "twin/base/image.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::calibrate {
 namespace {

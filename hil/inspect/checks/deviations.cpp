@@ -172,6 +172,7 @@ std::vector<JointResult> measureJoints(const Evidence& evidence) {
   for (const vision::CornerKerf& c : evidence.kerf.corners) {
     const double place_mm = placeSigma(evidence, c.unit, c.p_S_mm);
     JointResult j{JointResult::Kind::kCorner, c.unit, c.entity_in, c.entity_out, c.p_S_mm, false, {}};
+    j.short_leg = c.short_leg;
     j.mm = quantity(c.found, c.deviation_mm, c.deviation_sigma_mm, place_mm);
     joints.push_back(j);
     // Against its own legs, which move with the sheet.

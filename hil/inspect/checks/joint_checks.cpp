@@ -15,7 +15,7 @@ namespace {
 /// Less of an entity than that: it is not there, which is a matter of coverage.
 constexpr double kCut = 0.5;
 
-enum class Judged { kYes, kNotThere, kNotAlike };
+enum class Judged { kYes, kNotThere, kNotAlike, kShortLeg };
 
 /// What of a joint is a deviation from the dieline. Rounding and overshoot tell the reason for one.
 bool isDeviation(JointResult::Kind kind) {
@@ -36,7 +36,7 @@ Judged judgedOf(const Evidence& evidence, const JointResult& joint,
     const bool own = e.unit == joint.unit && (e.entity == joint.entity || e.entity == joint.entity_out);
     if (own && e.coverage < kCut) return Judged::kNotThere;
   }
-  return Judged::kYes;
+  return joint.short_leg ? Judged::kShortLeg : Judged::kYes;
 }
 
 std::string jointOf(const JointResult& j) {
@@ -65,55 +65,80 @@ std::string storyOf(const JointResult& j, const std::vector<JointResult>& joints
   return story;
 }
 
+/// Joints by what can be said of them.
+struct SortedJoints {
+  std::vector<const JointResult*> judged;
+  std::vector<const JointResult*> unseen;
+  std::vector<const JointResult*> short_legs;
+  std::size_t unlike{};
+};
+
+SortedJoints sorted(const Evidence& evidence, const std::vector<JointResult>& joints,
+                    const std::vector<EntityResult>& entities) {
+  SortedJoints s;
+  for (const JointResult& j : joints) {
+    if (!isDeviation(j.kind)) continue;
+    const Judged decision = judgedOf(evidence, j, entities);
+    if (decision == Judged::kNotAlike) ++s.unlike;
+    if (decision == Judged::kShortLeg) s.short_legs.push_back(&j);
+    if (decision == Judged::kYes)
+      (std::isfinite(j.mm.value) && std::isfinite(j.mm.U) ? s.judged : s.unseen).push_back(&j);
+  }
+  return s;
+}
+
+/// Corners that are not judged, and why; empty if all are.
+std::string notJudgedStory(const SortedJoints& s) {
+  std::string story;
+  if (s.unlike > 0)
+    story += fmt::format(" {} corners of two processes or of a perforation are not judged.", s.unlike);
+  if (!s.short_legs.empty()) {
+    const JointResult& first = *s.short_legs.front();
+    story += fmt::format(" {} with a leg too short to be read are not judged; the first is the {} of {}.",
+                         s.short_legs.size(), jointOf(first), nameOf(first.unit, first.entity));
+  }
+  return story;
+}
+
 }  // namespace
 
 Finding jointsCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<JointResult>& joints, const std::vector<EntityResult>& entities) {
   Check check{.name = "joints", .title = "Corners, line ends and closures lie on the dieline", .unit = "mm"};
   check.limit = limits.path_mm;
-  std::vector<const JointResult*> judged;
-  std::vector<const JointResult*> unseen;
-  std::size_t unlike = 0;
-  for (const JointResult& j : joints) {
-    if (!isDeviation(j.kind)) continue;
-    const Judged decision = judgedOf(evidence, j, entities);
-    if (decision == Judged::kNotAlike) ++unlike;
-    if (decision != Judged::kYes) continue;
-    (std::isfinite(j.mm.value) && std::isfinite(j.mm.U) ? judged : unseen).push_back(&j);
-  }
-  if (judged.empty() && unseen.empty()) {
-    if (unlike == 0)
+  const SortedJoints s = sorted(evidence, joints, entities);
+  const std::string others = notJudgedStory(s);
+  if (s.judged.empty() && s.unseen.empty()) {
+    if (others.empty())
       return notApplicable(check,
                            "Nothing of the dieline that was cut has a corner, a free end or a closure.");
-    return notJudged(check, fmt::format("All {} corners are of two processes or of a perforation.", unlike));
+    return notJudged(check, "No joint can be judged." + others);
   }
-  ExtremeEstimate extreme(judged.size());
+  ExtremeEstimate extreme(s.judged.size());
   const JointResult* worst = nullptr;
   double none_beyond = 1.0;
   const auto most = [](const JointResult& j) { return std::abs(j.mm.value) + j.mm.U; };
-  for (const JointResult* j : judged) {
+  for (const JointResult* j : s.judged) {
     extreme.add(j->mm.value, 0.5 * j->mm.U);
     none_beyond *= 1.0 - chanceAboveNormal(check.limit, {std::abs(j->mm.value), j->mm.U});
     if (worst == nullptr || most(*j) > most(*worst)) worst = j;
   }
-  check.value = unseen.empty() ? extreme.value() : std::numeric_limits<double>::quiet_NaN();
+  check.value = s.unseen.empty() ? extreme.value() : std::numeric_limits<double>::quiet_NaN();
   check.u = check.guard = extreme.expandedU();
   check.chance_beyond = 1.0 - none_beyond;
   decide(check);
-  const JointResult& named = unseen.empty() ? *worst : *unseen.front();
+  const JointResult& named = s.unseen.empty() ? *worst : *s.unseen.front();
   check.subject = nameOf(named.unit, named.entity);
-  if (!unseen.empty()) {
+  if (!s.unseen.empty()) {
     check.explanation =
-        fmt::format("{} of {} joints could not be measured; the first is the {} of {}.", unseen.size(),
-                    unseen.size() + judged.size(), jointOf(named), check.subject);
+        fmt::format("{} of {} joints could not be measured; the first is the {} of {}.", s.unseen.size(),
+                    s.unseen.size() + s.judged.size(), jointOf(named), check.subject);
   } else {
     check.explanation =
         fmt::format("Of {} corners, ends and closures the worst is the {} of {}: {}; its own U is {:.4f} mm.",
-                    judged.size(), jointOf(named), check.subject, storyOf(named, joints), named.mm.U);
+                    s.judged.size(), jointOf(named), check.subject, storyOf(named, joints), named.mm.U);
   }
-  if (unlike > 0)
-    check.explanation +=
-        fmt::format(" {} corners of two processes or of a perforation are not judged.", unlike);
+  check.explanation += others;
   return check;
 }
 

@@ -60,6 +60,9 @@ Finding excursionCheck(const Tolerances& limits, const Stillness& stillness);
 Finding beltCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 /// Frames that should show a spot and do not, as a share: INVALID beyond one in a thousand, or two in a row.
 Check spotSeenCheck(const Evidence& evidence, const LitFrames& lit);
+/// True when the spot is away from every line in more than nine of ten frames: then those few that lie near
+/// one do so by chance, and tell neither stillness nor passes.
+bool isBesideEveryLine(const LitFrames& lit);
 Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit);
 Check repeatCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit,
                   const std::vector<EntityResult>& entities);

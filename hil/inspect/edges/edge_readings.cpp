@@ -239,13 +239,16 @@ double shortenedBy(const vision::KerfScan& scan, const dieline::Dieline& dieline
   return 0.0;
 }
 
-Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm) {
+Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm, double half_light_mm) {
   path.name = "edge";
   path.title = "Deviation of the wanted piece's edge from the dieline";
   path.explanation += fmt::format(
       " Judged is the kerf's edge on the piece's side, not its centre: kerf outside of {} closed "
-      "cuts, inside of {}; half a kerf is {:.4f} mm wide.",
+      "cuts, inside of {}; half a kerf is {:.4f} mm wide where the board is severed",
       sides.outlines, sides.holes, half_kerf_mm);
+  path.explanation += half_kerf_mm < half_light_mm
+                          ? fmt::format(", {:.4f} mm where half of the light comes through.", half_light_mm)
+                          : " by the light, as nothing is known of the beam.";
   if (sides.open > 0)
     path.explanation +=
         fmt::format(" {} open cuts have no inside and are judged by their centre.", sides.open);

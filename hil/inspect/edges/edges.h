@@ -31,6 +31,15 @@ struct EdgeSides {
 /// (0.02 mm), and a closed cut within an odd number of others is a hole. kCentre: all 0.
 EdgeSides kerfSides(const dieline::Dieline& dieline, Tolerances::Edge edge);
 
+/// The scan with the widths of all kerfs that have an edge as the board is severed, rather than where half of
+/// the light comes through: board of transmission T lets half of the light through at a depth of d = 1 -
+/// ln((1 + T) / 2) / ln T. A beam of 1/e² radius w that severs to x has the fluence for that depth at sqrt(x²
+/// - w²/2 ln d), so the severed half width is sqrt(h² + w²/2 ln d) for h by the light; 0 where it is not
+/// severed. What is not known of w, T and the law of depth is common to all kerfs, and added to
+/// EntityKerf::widening_sigma_mm.
+vision::KerfScan severedScan(const vision::KerfScan& scan, const EdgeSides& sides, double beam_radius_mm,
+                             double transmission);
+
 /// The scan as read at the piece's edge: Caliper::offset_mm less side · width / 2, and CornerKerf's deviation
 /// by the edges of its own legs. Entities of side 0 stay as they are.
 ///
@@ -69,6 +78,7 @@ double shortenedBy(const vision::KerfScan& scan, const dieline::Dieline& dieline
                    double half_kerf_mm, const vision::EntityKerf& kerf, bool at_start);
 
 /// pathCheck() of an edgeScan(), named and explained as what it is.
-Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm);
+/// `half_light_mm` is halfKerf() by the light; half_kerf_mm as it is severed.
+Check edgeCheck(Check path, const EdgeSides& sides, double half_kerf_mm, double half_light_mm);
 
 }  // namespace kerfbench::inspect::checks

@@ -42,6 +42,9 @@ struct Evidence {
   /// without a stated uncertainty of its own each make the verdict INVALID.
   std::optional<vision::CameraCalibration> kerf_calibration;
   std::optional<vision::CameraCalibration> spot_calibration;
+  /// 1/e² radius of the beam on the board, from the laser's data sheet, by which the severed edge is told
+  /// from the light; 0: not known, and the edge is where half of the light comes through.
+  double beam_radius_mm{0.0};
   double pin_u_s{
       0.0};  ///< Standard uncertainty of the time of one pin edge; 0 for an emulator, which counts cycles.
   /// How far the frames' times can be off on the clock of the pins, one and the same for all of them: of a

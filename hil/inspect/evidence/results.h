@@ -82,6 +82,7 @@ struct JointResult {
   /// kCorner: how far the cut lies off the dieline there; kRounding, kOvershoot: how far off where its own
   /// legs would meet (CornerKerf). All >= 0. A gap is > 0, an overlap < 0. NaN if not found.
   Quantity mm;
+  bool short_leg{};  ///< For a corner: CornerKerf::short_leg. Not judged.
 };
 /// "corner", "rounding", "overshoot", "end_gap", "closure"
 std::string_view jointName(JointResult::Kind kind);

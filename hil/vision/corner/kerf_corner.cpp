@@ -107,6 +107,16 @@ CornerPicture pictureOf(const JointScene& scene, const PlannedCorner& corner, co
   return picture;
 }
 
+/// Whether the drawing leaves fewer calipers on a leg than its line is told from.
+bool isShort(const JointScene& scene, const EntityEnd& end) {
+  const EntityPlan& plan = scene.plan->entities[end.plan];
+  const double from_mm = scene.stationOf(end);
+  const auto tells = [&](const Station& s) {
+    return !s.near_corner && std::abs(s.station_mm - from_mm) >= kLegFromMm;
+  };
+  return std::ranges::count_if(plan.stations, tells) < kFewestOnLeg;
+}
+
 /// Share of the cutting fluence in the middle of a leg, by how wide it is.
 double peakOf(const KerfScanOptions& options, const KerfLeg& leg, double board_gray) {
   const double w = options.beam_radius_mm > 0.0 ? options.beam_radius_mm : 2.0 * leg.half_width_mm;
@@ -202,6 +212,8 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
                  .rounding_sigma_mm = kNan,
                  .overshoot_sigma_mm = kNan,
                  .deviation_sigma_mm = kNan};
+  out.short_leg = isShort(scene, corner.in) || isShort(scene, corner.out);
+  if (out.short_leg) return out;
   const TileView* view = scene.tileFor(out.p_S_mm, kCornerLegMm + kBesideMm);
   const auto in = legAt((*scene.kerfs)[corner.in.plan], scene.stationOf(corner.in), kLegFromMm);
   const auto on = legAt((*scene.kerfs)[corner.out.plan], scene.stationOf(corner.out), kLegFromMm);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/spot/sheet_tracker.h"
-#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,8 @@
 #include <stdexcept>
 
 #include <Eigen/LU>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/spot/spot_grain.h"
-#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,8 @@
 #include <vector>
 
 #include <Eigen/LU>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::vision {
 

@@ -206,6 +206,85 @@ TEST(Edges, WhatIsNotKnownOfTheWidthIsPartOfTheUncertainty) {
   EXPECT_EQ(with.guard, with.u);
 }
 
+/// Place at which a falling function crosses a level.
+template <typename Function>
+double crossing(double from_mm, double to_mm, double level, const Function& at) {
+  for (int i = 0; i < 60; ++i) {
+    const double middle_mm = 0.5 * (from_mm + to_mm);
+    (at(middle_mm) > level ? from_mm : to_mm) = middle_mm;
+  }
+  return 0.5 * (from_mm + to_mm);
+}
+
+TEST(SeveredEdge, FollowsFromTheLightOfAGaussianCut) {
+  constexpr double kBeam_mm = 0.105;
+  for (const double transmission : {0.05, 0.12, 0.30}) {
+    for (const double peak : {1.2, 1.6, 3.0}) {  // Over the fluence that severs.
+      const auto depthAt = [&](double x_mm) {
+        return std::min(1.0, peak * std::exp(-2.0 * x_mm * x_mm / (kBeam_mm * kBeam_mm)));
+      };
+      const double severed_mm = crossing(0.0, 0.5, 1.0 - 1e-12, depthAt);
+      const double light_mm = crossing(0.0, 0.5, 0.5, [&](double x_mm) {
+        return (std::pow(transmission, 1.0 - depthAt(x_mm)) - transmission) / (1.0 - transmission);
+      });
+      SyntheticRun run;
+      for (vision::EntityKerf& kerf : run.evidence.kerf.entities)
+        for (vision::Caliper& c : kerf.calipers) c.width_mm = 2.0 * light_mm;
+      const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+      const auto scan = checks::severedScan(run.evidence.kerf, sides, kBeam_mm, transmission);
+      for (const vision::EntityKerf& kerf : scan.entities) {
+        const bool has_edge = sides.side[static_cast<std::size_t>(kerf.entity)] != 0;
+        EXPECT_NEAR(kerf.calipers[9].width_mm, 2.0 * (has_edge ? severed_mm : light_mm), 1e-6)
+            << transmission << " " << peak;
+      }
+    }
+  }
+}
+
+TEST(SeveredEdge, IsWithinItsUncertaintyForAnotherBeamBoardAndLaw) {
+  // What the bench is told: 0.105 mm and 12 %, depth in proportion to fluence. What is: up to two standard
+  // uncertainties of one of these.
+  struct World {
+    double beam_mm, transmission, law;
+  };
+  for (const World& world :
+       {World{0.105 * 1.09, 0.12, 1.0}, World{0.105 * 0.91, 0.12, 1.0}, World{0.105, 0.12 * 1.1, 1.0},
+        World{0.105, 0.12, 0.8}, World{0.105, 0.12, 1.25}}) {
+    const auto depthAt = [&](double x_mm) {
+      const double share = 1.6 * std::exp(-2.0 * x_mm * x_mm / (world.beam_mm * world.beam_mm));
+      return std::min(1.0, std::pow(share, world.law));
+    };
+    const double severed_mm = crossing(0.0, 0.5, 1.0 - 1e-12, depthAt);
+    const double light_mm = crossing(0.0, 0.5, 0.5, [&](double x_mm) {
+      return (std::pow(world.transmission, 1.0 - depthAt(x_mm)) - world.transmission) /
+             (1.0 - world.transmission);
+    });
+    SyntheticRun run;
+    vision::EntityKerf& kerf = run.kerf(0, kHole);
+    for (vision::Caliper& c : kerf.calipers) c.width_mm = 2.0 * light_mm;
+    kerf.widening_sigma_mm = 0.0;
+    const auto scan =
+        checks::severedScan(run.evidence.kerf, checks::kerfSides(run.dieline, Edge::kNesting), 0.105, 0.12);
+    const auto& told = *std::ranges::find_if(
+        scan.entities, [](const vision::EntityKerf& k) { return k.unit == 0 && k.entity == kHole; });
+    EXPECT_NEAR(0.5 * told.calipers[9].width_mm, severed_mm, told.widening_sigma_mm)  // Half a width, k = 2.
+        << world.beam_mm << " " << world.transmission << " " << world.law;
+  }
+}
+
+TEST(Edges, IsJudgedWhereTheBoardIsSevered) {
+  SyntheticRun run;
+  run.limits.edge = Edge::kNesting;
+  run.limits.path_mm = 0.12;
+  const double by_light_mm = checkOf(run.inspected(), "edge").value;
+  run.evidence.beam_radius_mm = 0.15;
+  // 0.105² - 0.15² / 2 ln(1 / 0.727) = 0.0862²: the kerf is on the line, its edge half of its width off.
+  const Check& edge = checkOf(run.inspected(), "edge");
+  EXPECT_NEAR(by_light_mm, 0.105, 0.002);
+  EXPECT_NEAR(edge.value, 0.0862, 0.002);
+  EXPECT_GT(edge.u, 0.004);
+}
+
 TEST(Edges, AKerfWithoutAWidthIsInvalid) {
   SyntheticRun run = displaced(kHalf_mm);
   run.kerf(0, kTop).calipers[40].width_mm = std::numeric_limits<double>::quiet_NaN();

@@ -69,6 +69,29 @@ TEST(JointsCheck, ProvesACornerAndTellsWhy) {
   EXPECT_EQ(result.verdict, Verdict::kFail);
 }
 
+TEST(JointsCheck, ACornerWithAShortLegIsNamedAndNotJudged) {
+  JointRun run;
+  run.corner(2).found = false;
+  run.corner(2).deviation_mm = kNan;
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+  run.corner(2).short_leg = true;
+  const auto result = run.inspected();
+  EXPECT_EQ(result.verdict, Verdict::kPass);
+  EXPECT_NE(checkOf(result, "joints").explanation.find("the first is the corner to E3 at x 0.00, y 40.00 mm"),
+            std::string::npos)
+      << checkOf(result, "joints").explanation;
+  // A fault at another corner is still found.
+  run.corner(1).deviation_mm = 0.075;
+  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kFail);
+}
+
+TEST(JointsCheck, WithShortLegsAloneIsNotJudged) {
+  JointRun run;
+  for (vision::CornerKerf& corner : run.evidence.kerf.corners) corner.short_leg = true;
+  run.evidence.kerf.ends.clear();
+  EXPECT_TRUE(unjudgedOf(run.inspected(), "joints").applies);
+}
+
 TEST(JointsCheck, ACornerThatIsOnlyDisplacedDeviates) {
   JointRun run;
   run.corner(0).deviation_mm = 0.075;

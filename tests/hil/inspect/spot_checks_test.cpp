@@ -26,6 +26,24 @@ TEST(FollowDieline, PutsEverySpotOnTheEntityThatItFollows) {
   }
 }
 
+TEST(SpotBesideEveryLine, IsProvenByItsPathAndTellsNoStillness) {
+  const auto shifted = [](const Eigen::Vector2d& shift_mm) {
+    SyntheticRun run;
+    for (vision::FrameMeasurement& frame : run.evidence.spot.frames)
+      if (frame.spot_W_mm) *frame.spot_W_mm += shift_mm;
+    return run.inspected();
+  };
+  const InspectionResult beside = shifted({0.5, 0.5});
+  EXPECT_EQ(beside.verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(beside, "spot_path").verdict, Verdict::kFail);
+  for (const char* name : {"stillness_x", "stillness_peak", "repeat", "gate_lag"})
+    EXPECT_TRUE(unjudgedOf(beside, name).applies) << name;
+  // Near enough to be followed all are judged, and a constant offset is no motion.
+  const InspectionResult near = shifted({0.15, 0.0});
+  EXPECT_EQ(checkOf(near, "spot_path").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(near, "stillness_x").verdict, Verdict::kPass);
+}
+
 TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   SyntheticRun run;
   run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{20, 10.13}, {40, 10.13}},

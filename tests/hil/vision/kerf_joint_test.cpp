@@ -167,6 +167,25 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
   }
 }
 
+TEST(KerfJoint, ACornerWithAShortLegIsToldFromOneThatIsNotCut) {
+  for (const double leg_mm : {0.72, 0.8, 1.05, 1.3}) {
+    for (const bool is_cut : {true, false}) {
+      TwinCut cut;
+      const int leg = cut.add(dieline::LineCurve{{0.0, 0.0}, {0.0, leg_mm}});
+      cut.add(dieline::LineCurve{{-4.0, 0.0}, {0.0, 0.0}});
+      cut.add(dieline::LineCurve{{0.0, leg_mm}, {4.0, leg_mm}});
+      if (!is_cut) cut.share_of[leg] = 0.0;
+      const KerfScan scan = cut.scan();
+      ASSERT_EQ(scan.corners.size(), 2U) << leg_mm;
+      for (const CornerKerf& corner : scan.corners) {
+        // 0.4 mm at either end belong to the joints, and a leg is told by two calipers 0.25 mm apart.
+        EXPECT_EQ(corner.short_leg, leg_mm < 1.0) << leg_mm;
+        EXPECT_EQ(corner.found, is_cut && leg_mm > 1.0) << leg_mm;
+      }
+    }
+  }
+}
+
 TEST(KerfJoint, CrossingsHideOnlyWhatLiesUnderTheOtherKerf) {
   for (const double angle : {0.5 * kPi, 0.25 * kPi, 0.15 * kPi}) {
     TwinCut cut;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/vision/kerf/kerf_plan.h"
-#include "hil/dieline/geometry.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
+
+#include "hil/dieline/geometry.h"
 
 namespace kerfbench::vision {
 namespace {

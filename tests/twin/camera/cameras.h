@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "twin/base/image.h"
 #include "twin/camera/camera.h"
 
 namespace kerfbench::twin {

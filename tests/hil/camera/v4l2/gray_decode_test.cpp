@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/v4l2/gray_decode.h"
-#include "twin/base/image.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,6 +15,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <jpeglib.h>
+
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {
