@@ -11,6 +11,7 @@
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
 #include "hil/judge/missing_sensors.h"
+#include "hil/judge/oblique_view.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
 #include "hil/judge/real_spot.h"
@@ -145,6 +146,10 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
   judgement.facts = std::move(look.facts());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());
+  const bool real_kerf = !test_case.scenario.cameras.kerf.tiles.empty();
+  if (real_kerf && calibrated.kerf)
+    judgement.oblique_mm =
+        obliqueShift_mm(evidence.kerf, *calibrated.kerf, test_case.scenario.board.thickness_mm);
   judgement.kerf = judgement.result.edges ? std::move(*judgement.result.edges) : std::move(evidence.kerf);
   judgement.result.edges.reset();
   judgement.spot = std::move(evidence.spot);
@@ -173,6 +178,7 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.kerf = std::move(judgement.kerf);
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
+  report.oblique_mm = judgement.oblique_mm;
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }
 

@@ -36,6 +36,7 @@ struct Judgement {
   vision::KerfScan kerf;
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
+  double oblique_mm{};  ///< Of real kerf pictures: obliqueShift_mm().
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
 };
