@@ -164,6 +164,17 @@ TEST(PerforationCheck, FailsAnotherPatternOfTheSameShare) {
   EXPECT_EQ(perforated(SyntheticRun::cutsOf(2.0, 2.0)).verdict, Verdict::kFail);
 }
 
+TEST(PerforationCheck, StretchesTheOrderToAWholeNumberOfCuts) {
+  const Tolerances::Perforation order{.cut_mm = 6.0, .bridge_mm = 2.0};
+  const double stretch = 35.0 / (5.0 * 8.0 - 2.0);  // Five cuts.
+  SyntheticRun run;
+  run.limits.perforation = order;
+  for (const int unit : {0, 1}) run.perforate(unit, SyntheticRun::cutsOf(6.0 * stretch, 2.0 * stretch));
+  const Check check = checkOf(run.inspected(), "perforation");
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
+  EXPECT_LT(check.value, 0.002);
+}
+
 TEST(PerforationCheck, MeasuresAShortBridgeAndALongCut) {
   // The fourth cut is ordered from 12 to 15 mm.
   for (const double longer_mm : {0.3, 0.6}) {
