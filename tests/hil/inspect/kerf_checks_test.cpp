@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
@@ -142,16 +143,18 @@ std::vector<std::pair<double, double>> cutsWith(std::size_t index, double from_m
   return cuts;
 }
 
-const Check perforated(const std::vector<std::pair<double, double>>& cuts_mm,
-                       const Tolerances::Perforation& order = {}) {
+Check perforationOf(const SyntheticRun& run) { return *checks::perforationCheck(run.evidence, run.limits); }
+
+Check perforated(const std::vector<std::pair<double, double>>& cuts_mm,
+                 const Tolerances::Perforation& order = {}) {
   SyntheticRun run;
   run.limits.perforation = order;
   run.perforate(1, cuts_mm);
-  return checkOf(run.inspected(), "perforation");
+  return perforationOf(run);
 }
 
 TEST(PerforationCheck, PassesWhatWasOrdered) {
-  const Check check = perforated(SyntheticRun::cutsOf(3.0, 1.0));
+  const Check check = checkOf(SyntheticRun().inspected(), "perforation");
   EXPECT_EQ(check.verdict, Verdict::kPass);
   EXPECT_LT(check.value, 0.002);
   // What lies beyond the first and the last cut no caliper shows.
@@ -170,7 +173,7 @@ TEST(PerforationCheck, StretchesTheOrderToAWholeNumberOfCuts) {
   SyntheticRun run;
   run.limits.perforation = order;
   for (const int unit : {0, 1}) run.perforate(unit, SyntheticRun::cutsOf(6.0 * stretch, 2.0 * stretch));
-  const Check check = checkOf(run.inspected(), "perforation");
+  const Check check = perforationOf(run);
   EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
   EXPECT_LT(check.value, 0.002);
 }
@@ -241,7 +244,7 @@ TEST(PerforationCheck, LinesThatMeetEndToEndHaveOnePattern) {
     for (vision::Caliper& c : all.calipers) c.u = c.station_mm / 13.0;
     run.evidence.kerf.entities.push_back(rest);
   }
-  const Check check = checkOf(run.inspected(), "perforation");
+  const Check check = perforationOf(run);
   EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
   EXPECT_LT(check.value, 0.002);
 }
@@ -314,7 +317,7 @@ TEST(OrderedDepth, IsHeldAgainstBothBounds) {
         std::tuple{0.40, 0.55, Verdict::kFail}, std::tuple{0.58, 0.75, Verdict::kNotProven},
         std::tuple{0.45, 0.62, Verdict::kNotProven}}) {
     run.limits.crease_depth = {least, most};
-    const Check check = checkOf(run.inspected(), "ordered_depth");
+    const Check check = *checks::orderedDepthCheck(run.evidence, run.limits);
     EXPECT_EQ(check.verdict, verdict) << check.explanation;
     EXPECT_NEAR(check.value, std::min(0.6 - least, most - 0.6), 0.002);
   }
@@ -332,7 +335,7 @@ TEST(OrderedDepth, IsWithinItsUncertaintyForAnotherBeamAndAnotherBoard) {
       SyntheticRun run = creased(depth, 0.105 * beam, 0.12 * transmission);
       // The bench reads against the grey of whole board as it is, and takes 12 % for its transmission.
       run.limits.crease_depth = {0.01, 0.99};
-      const Check check = checkOf(run.inspected(), "ordered_depth");
+      const Check check = *checks::orderedDepthCheck(run.evidence, run.limits);
       EXPECT_NEAR(check.value, std::min(depth - 0.01, 0.99 - depth), 1.05 * check.u + 0.002)
           << depth << " " << beam << " " << transmission;
     }
