@@ -112,8 +112,8 @@ TEST_F(CaseTest, NamesEveryFileOnWhichTheRunDepends) {
   }
   // The scenario, what it extends, and what these and the machine name.
   EXPECT_THAT(names, ::testing::IsSupersetOf({"s.yaml", "label-on-belt.yaml", "label-60x40.dxf",
-                                              "two-mirror.yaml", "drivers.yaml", "two-mirror.spot.camera.yaml",
-                                              "two-mirror.kerf.camera.yaml"}));
+                                              "two-mirror.yaml", "drivers.yaml",
+                                              "two-mirror.spot.camera.yaml", "two-mirror.kerf.camera.yaml"}));
   EXPECT_EQ(names.size(), test_case.inputs.size());
 }
 
