@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "hil/camera/tile_source.h"
 
 namespace kerfbench::camera {
