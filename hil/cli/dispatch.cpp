@@ -42,7 +42,7 @@ int dispatch(int argc, char** argv, AddCommands add_commands) {
       "Exit codes: 0 PASS, 1 FAIL, 3 INVALID (the evidence cannot be trusted), 4 NOT PROVEN (inside the "
       "guard band),\n"
       "2 the bench itself broke, 64 wrong command line, 65 bad input file.\n"
-      "Several scenarios: the gravest of them, in the order 0, 4, 1, 3, 65, 2.");
+      "Several scenarios: the worst of them, in the order 0, 4, 1, 3, 65, 2.");
   CliActions actions;
   add_commands(app, program, actions);
   try {

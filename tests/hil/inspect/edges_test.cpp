@@ -279,7 +279,7 @@ TEST(Edges, IsJudgedWhereTheBoardIsSevered) {
   const double by_light_mm = checkOf(run.inspected(), "edge").value;
   run.evidence.beam_radius_mm = 0.15;
   // 0.105² - 0.15² / 2 ln(1 / 0.727) = 0.0862²: the kerf is on the line, its edge half of its width off.
-  const Check& edge = checkOf(run.inspected(), "edge");
+  const Check edge = checkOf(run.inspected(), "edge");
   EXPECT_NEAR(by_light_mm, 0.105, 0.002);
   EXPECT_NEAR(edge.value, 0.0862, 0.002);
   EXPECT_GT(edge.u, 0.004);
