@@ -120,7 +120,7 @@ TEST(BadRelease, PerforationOtherFailsByPerforation) {
   failsBy("perforation-other", "perforation", kOneUnit);
 }
 TEST(BadReleaseLong, PerforationOtherFailsByPerforation) { failsBy("perforation-other", "perforation"); }
-TEST(BadRelease, EnergyTooHighFailsByOrderedWidth) { failsBy("energy-too-high", "ordered_width", kOneUnit); }
+TEST(BadReleaseLong, EnergyTooHighFailsByOrderedWidth) { failsBy("energy-too-high", "ordered_width"); }
 TEST(BadRelease, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage", kOneUnit); }
 TEST(BadReleaseLong, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage"); }
 TEST(BadRelease, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat", kOneUnit); }
