@@ -29,6 +29,17 @@ TEST(InterlockCheck, PassesWhereTheLaserGoesOffInTime) {
   EXPECT_EQ(checkOf(run.inspected(), "interlock").verdict, Verdict::kFail);
 }
 
+TEST(InterlockCheck, JudgesTheWorstOfManyOpenings) {
+  SyntheticRun run;
+  const GateInterval& early = run.evidence.gates.at(1);
+  run.evidence.guard_open->push_back({early.off_s - 0.5 * kLaserOff_s, early.off_s + 1e-4});
+  const GateInterval& late = run.evidence.gates.at(2);
+  run.evidence.guard_open->push_back({late.off_s - 20.0 * kLaserOff_s, late.off_s});
+  const Check interlock = checkOf(run.inspected(), "interlock");
+  EXPECT_EQ(interlock.verdict, Verdict::kFail);
+  EXPECT_NEAR(interlock.value, 2.0, 1e-6);  // ms
+}
+
 TEST(InterlockCheck, WithoutTheWireItDoesNotApply) {
   SyntheticRun run;
   run.evidence.guard_open.reset();
