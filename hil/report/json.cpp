@@ -69,6 +69,20 @@ OrderedJson modelJson(const ModelFacts& model) {
   return j;
 }
 
+OrderedJson cutsJson(const std::vector<inspect::CutResult>& cuts) {
+  const auto judged =
+      std::ranges::count_if(cuts, [](const inspect::CutResult& c) { return std::isfinite(c.drift_mm); });
+  OrderedJson j = {{"count", cuts.size()}, {"judged", judged}, {"list", OrderedJson::array()}};
+  for (const inspect::CutResult& c : cuts) j["list"].push_back(cutJson<OrderedJson>(c));
+  return j;
+}
+
+OrderedJson inputsJson(const std::vector<InputFile>& inputs) {
+  OrderedJson j = OrderedJson::array();
+  for (const InputFile& input : inputs) j.push_back({{"file", input.name}, {"sha256", input.sha256}});
+  return j;
+}
+
 }  // namespace
 
 std::string verdictJson(const RunReport& report) {
@@ -123,18 +137,13 @@ std::string verdictJson(const RunReport& report) {
   root["uncertainty_budgets"] = OrderedJson::array();
   for (const inspect::UncertaintyBudget& b : result.budgets)
     root["uncertainty_budgets"].push_back(budgetJson(b));
-  const auto judged = std::count_if(result.cuts.begin(), result.cuts.end(),
-                                    [](const inspect::CutResult& c) { return std::isfinite(c.drift_mm); });
-  root["cuts"] = {{"count", result.cuts.size()}, {"judged", judged}, {"list", OrderedJson::array()}};
-  for (const inspect::CutResult& c : result.cuts) root["cuts"]["list"].push_back(cutJson<OrderedJson>(c));
+  root["cuts"] = cutsJson(result.cuts);
   root["pulses"] = OrderedJson::array();
   for (const PulseTiming& t : report.pulses) root["pulses"].push_back(pulseJson<OrderedJson>(t));
   root["frames"] = {{"count", report.spot.frames.size()}, {"lost", report.spot.frames_lost}};
   root["mark_residual_mm"] = rounded(report.kerf.mark_residual_mm);
   root["inputs_digest"] = inputsDigestOf(report);
-  root["inputs"] = OrderedJson::array();
-  for (const InputFile& input : report.inputs)
-    root["inputs"].push_back({{"file", input.name}, {"sha256", input.sha256}});
+  root["inputs"] = inputsJson(report.inputs);
   root["versions"] = OrderedJson::object();
   for (const auto& [name, version] : report.versions) root["versions"][name] = version;
   root["repeat_command"] = report.repeat_command;
