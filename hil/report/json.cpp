@@ -83,6 +83,35 @@ OrderedJson inputsJson(const std::vector<InputFile>& inputs) {
   return j;
 }
 
+// The checks with what a person reads of them; the digest binds them without.
+OrderedJson checksJson(const std::vector<inspect::Check>& checks) {
+  OrderedJson list = OrderedJson::array();
+  for (const inspect::Check& c : checks) {
+    auto j = checkJson<OrderedJson>(c);
+    j["title"] = c.title;
+    j["explanation"] = c.explanation;
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
+// The entities with what the dieline says of each.
+OrderedJson entitiesJson(const RunReport& report) {
+  OrderedJson list = OrderedJson::array();
+  for (const inspect::EntityResult& e : report.result.entities) {
+    auto j = entityJson<OrderedJson>(e);
+    const auto index = static_cast<std::size_t>(e.entity);
+    if (index < report.dieline->entities.size()) {
+      const dieline::Entity& entity = report.dieline->entities[index];
+      j["process"] = dieline::processName(entity.process);
+      j["layer"] = entity.layer;
+      j["origin"] = entity.origin;
+    }
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string verdictJson(const RunReport& report) {
@@ -101,30 +130,14 @@ std::string verdictJson(const RunReport& report) {
   root["model"] = modelJson(report.model);
   root["virtual_s"] = rounded(report.virtual_s);
   root["problems"] = result.problems;
-  root["checks"] = OrderedJson::array();
-  for (const inspect::Check& c : result.checks) {
-    auto j = checkJson<OrderedJson>(c);
-    j["title"] = c.title;
-    j["explanation"] = c.explanation;
-    root["checks"].push_back(std::move(j));
-  }
+  root["checks"] = checksJson(result.checks);
   root["not_judged"] = OrderedJson::array();
   for (const inspect::Unjudged& u : result.unjudged)
     root["not_judged"].push_back(unjudgedJson<OrderedJson>(u));
   root["reservations"] = OrderedJson::array();
   for (const Reservation& r : reservationsOf(report))
     root["reservations"].push_back({{"kind", r.kind}, {"text", r.text}});
-  root["entities"] = OrderedJson::array();
-  for (const inspect::EntityResult& e : result.entities) {
-    auto j = entityJson<OrderedJson>(e);
-    const auto index = static_cast<std::size_t>(e.entity);
-    if (index < report.dieline->entities.size()) {
-      j["process"] = dieline::processName(report.dieline->entities[index].process);
-      j["layer"] = report.dieline->entities[index].layer;
-      j["origin"] = report.dieline->entities[index].origin;
-    }
-    root["entities"].push_back(std::move(j));
-  }
+  root["entities"] = entitiesJson(report);
   root["layers"] = OrderedJson::array();
   for (const inspect::LayerResult& l : result.layers) {
     root["layers"].push_back({{"layer", l.layer},
