@@ -114,6 +114,7 @@ KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& 
   vision::KerfScanOptions options;
   options.station_pitch_mm = kStationPitch_mm;
   options.beam_radius_mm = setup_.machine.beam.waist_radius_mm;  // As the data sheet has it.
+  options.board_thickness_mm = setup_.board.thickness_mm;
   const vision::CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
   OneTile source(std::move(tile));
   KerfMeasurement m;

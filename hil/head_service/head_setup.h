@@ -22,6 +22,9 @@ class HeadEvidenceError : public std::runtime_error {
 };
 
 /// Knowledge of a head before anything is measured, and of how its marks are made.
+/// Thickness of the board that marks are cut in.
+inline constexpr double kMarkBoard_mm = 0.25;
+
 struct HeadSetup {
   std::filesystem::path machine;     ///< Absolute path of the machine file.
   std::string name;                  ///< Name of the machine.

@@ -35,10 +35,10 @@ std::string markScenario(const calibrate::MarkJob& job, const std::filesystem::p
       "imperfections: {}\n"
       "seed: {}\n"
       "twin: {}\n"
-      "board: {{thickness_mm: 0.25, cut_fluence_j_mm2: {}, transmission: 0.12}}\n"
+      "board: {{thickness_mm: {}, cut_fluence_j_mm2: {}, transmission: 0.12}}\n"
       "print:\n  units: 1\n  pitch_mm: 2000\n  eye_mark_x_mm: {:.9f}\n  eye_mark_length_mm: 4\n  marks:\n",
       job.name, dieline.string(), cutting.machine.string(), scenario::nameOf(cutting.imperfections),
-      cutting.seed, scenario::nameOf(cutting.fidelity), kCutFluence_j_mm2, job.p_SW_mm.x());
+      cutting.seed, scenario::nameOf(cutting.fidelity), kMarkBoard_mm, kCutFluence_j_mm2, job.p_SW_mm.x());
   for (const RegistrationMark& mark : job.print)
     text += fmt::format("    - {{x_mm: {:.9f}, y_mm: {:.9f}, diameter_mm: {:.9f}}}\n", mark.p_SM_mm.x(),
                         mark.p_SM_mm.y(), mark.diameter_mm);

@@ -47,8 +47,10 @@ TurnedView lookAt(camera::TileSource& tiles, std::size_t pictures, const calibra
   const Isometry2d X_US = turnOf(job, turn_deg);
   std::vector<RegistrationMark> print = job.print;
   for (RegistrationMark& mark : print) mark.p_SM_mm = X_US * mark.p_SM_mm;
-  const calibrate::FieldSearchOptions search{
-      .size_mm = job.size_mm, .beam_radius_mm = setup.beam_radius_mm, .threads = threads};
+  const calibrate::FieldSearchOptions search{.size_mm = job.size_mm,
+                                             .beam_radius_mm = setup.beam_radius_mm,
+                                             .board_thickness_mm = kMarkBoard_mm,
+                                             .threads = threads};
   const calibrate::FieldPictures found = calibrate::findFieldMarks(tiles, setup.camera, print, search);
   const calibrate::MarkedField field = calibrate::matchField(job, found);
   const std::string name = fmt::format("turned by {:g}°", turn_deg);

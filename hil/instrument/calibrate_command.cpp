@@ -86,6 +86,7 @@ void setViews(const CalibrateOptions& options, const Chosen& chosen, calibrate::
                std::numbers::pi / 180.0 * options.turn_deg};
   job.width_px = chosen.camera->width_px;
   job.height_px = chosen.camera->height_px;
+  job.telecentric_mm = chosen.camera->telecentric_mm;
   const std::vector<fs::path> files = pictureFiles(options.views);
   for (const fs::path& file : files) job.views.push_back(file.filename().string());
   job.picture = [files](std::size_t v) { return readPicture(files.at(v)); };
@@ -135,6 +136,10 @@ void tell(const calibrate::CameraCalibrationResult& result, base::Console& conso
       "  focal {:.3f} {:.3f} px, centre {:.3f} {:.3f} px, distortion {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}",
       c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.distortion[0], c.distortion[1], c.distortion[2], c.distortion[3],
       c.distortion[4]));
+  if (c.telecentric_mm > 0.0) {
+    console.say(fmt::format("  telecentric, square to the plane within {:.3f}° (95 %)",
+                            180.0 / std::numbers::pi * c.square_within_rad));
+  }
   console.say(fmt::format("  covers x {:.2f} … {:.2f} mm, y {:.2f} … {:.2f} mm; {} of {} corners left out",
                           c.area_mm.min().x(), c.area_mm.max().x(), c.area_mm.min().y(), c.area_mm.max().y(),
                           result.outliers, result.corners + result.outliers));

@@ -94,7 +94,9 @@ class Look {
     vision::KerfScanOptions options;
     options.threads = cameras_.threads;
     options.station_pitch_mm = kStationPitch_mm;
-    options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
+    options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;     // As the laser's data sheet has it.
+    options.board_thickness_mm = test_case_.scenario.board.thickness_mm;  // As the board's has it.
+    options.table_sigma_mm = test_case_.kerf_camera.table_sigma_mm;
     evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");
   }

@@ -45,6 +45,12 @@ twin::CameraDescription readCamera(base::YamlReader& camera, bool timed) {
   const auto centre_mm = camera.numbers("centre_mm", 2, {.min = -1e4, .max = 1e4, .fallback = 0.0});
   const double tilt_rad =
       std::numbers::pi / 180.0 * camera.number("tilt_deg", {.min = -30, .max = 30, .fallback = 0.0});
+  const std::string lens = camera.text("lens", "entocentric");
+  if (lens == "telecentric") {
+    result.telecentric_mm = height_mm;
+  } else if (lens != "entocentric") {
+    camera.fault("lens", fmt::format("'{}' is none of entocentric, telecentric", lens));
+  }
   const auto distortion = camera.numbers("distortion", 5, {.min = -10, .max = 10, .fallback = 0.0});
   std::ranges::copy(distortion, result.distortion.begin());
   result.fx_px = result.fy_px = height_mm / pitch_mm;

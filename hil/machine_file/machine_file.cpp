@@ -37,6 +37,9 @@ void readGantry(base::YamlReader& file, const DriveCatalogue& catalogue, Machine
   machine.travel_max_mm = box[1];
 }
 
+/// Repeatability of linear stages with an encoder, as data sheets state it for both directions: 1 to 3 um.
+constexpr double kUsualTable_um = 2.0;
+
 CameraFile readCameraFile(base::YamlReader& camera, const std::filesystem::path& machine_file,
                           const std::string& which) {
   CameraFile result;
@@ -57,6 +60,8 @@ void readCameras(base::YamlReader cameras, MachineFile& file, const std::filesys
   auto kerf = cameras.section("kerf");
   file.spot_camera = readCameraFile(spot, path, "spot");
   file.kerf_camera = readCameraFile(kerf, path, "kerf");
+  file.kerf_camera.table_sigma_mm =
+      1e-3 * kerf.number("table_um", {.min = 0, .max = 100, .fallback = kUsualTable_um});
   MachineDescription& machine = file.machine;
   machine.glow_gray_per_w = spot.number("glow_gray_per_w", {.min = 0.01, .max = 1000});
   machine.spot_camera = readCamera(spot, true);

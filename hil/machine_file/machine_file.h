@@ -19,6 +19,8 @@ struct CameraFile {
   std::filesystem::path calibration;  ///< Absolute; it need not be there.
   bool named_here{};  ///< True where this machine's own file or its default names it; false for a file that
                       ///< it extends.
+  /// Kerf camera: standard uncertainty of a tile's place as the inspection table reads it, per axis.
+  double table_sigma_mm{};
 };
 
 /// A machine file, read and checked. docs/reference/machine.md explains every key.

@@ -87,6 +87,7 @@ std::string cameraFingerprint(const twin::CameraDescription& camera) {
       add(value);
     }
   }
+  if (camera.telecentric_mm > 0.0) text += fmt::format(" telecentric {:.9g}", camera.telecentric_mm);
   return base::sha256(text).substr(0, 16);
 }
 

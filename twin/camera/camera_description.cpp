@@ -72,12 +72,15 @@ std::string faultsOf(const CameraDescription& camera) {
   require(positive(camera.fy_px), "fy_px must be > 0");
   require(std::isfinite(camera.cx_px) && std::isfinite(camera.cy_px), "cx_px and cy_px must be finite");
   for (const double k : camera.distortion) require(std::isfinite(k), "distortion must be finite");
+  require(notNegative(camera.telecentric_mm), "telecentric_mm must be >= 0");
   require(camera.X_CP.matrix().allFinite(), "X_CP must be finite");
   const Eigen::Matrix3d R_CP = camera.X_CP.linear();
   require((R_CP.transpose() * R_CP - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6,
           "X_CP must be a rotation and a shift");
   require(camera.bits == 8 || camera.bits == 10 || camera.bits == 12, "bits must be 8, 10 or 12");
   require(within(camera.psf_sigma_px, 0.0, 10.0), "psf_sigma_px must be in [0, 10]");
+  require(within(camera.foot.share, 0.0, 0.5), "foot.share must be in [0, 0.5]");
+  require(within(camera.foot.sigma_px, 0.5, 4.0), "foot.sigma_px must be in [0.5, 4]");
   require(notNegative(camera.read_noise), "read_noise must be >= 0");
   require(camera.full_well_electrons > 0.0, "full_well_electrons must be > 0");
   require(within(camera.board_gray, 0.0, 255.0), "board_gray must be in [0, 255]");

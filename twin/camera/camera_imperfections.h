@@ -43,6 +43,12 @@ struct Plume {
   double wander_mm{};  ///< Standard deviation of the offset per axis from frame to frame; [0, 20].
 };
 
+/// Light that a lens scatters beyond its Gaussian blur. Kerf camera only.
+struct BlurFoot {
+  double share{};        ///< Share of the light in the foot; [0, 0.5].
+  double sigma_px{2.0};  ///< Standard deviation of the foot, in addition to that of the blur; [0.5, 4].
+};
+
 /// Illumination that is not the same all over the picture.
 struct UnevenLight {
   /// Share lost in the corners, growing as the square of the distance from the middle; [0, 0.9].

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 
 #include "twin/base/image.h"
 #include "twin/base/random.h"
@@ -23,6 +24,10 @@ constexpr int kKerfBlockPx = 16;
 constexpr double kSampleMm = 0.0145;  // Supersampling pitch: finer than the spline's cells.
 constexpr double kMaxPsfPx = 2.0;     // The blur must not reach beyond the next block.
 constexpr double kFarMm = 1e6;
+// Ways through the board, in cells of the spline: below the first a line of sight counts as square to the
+// sheet (0.02 um), and one slice is no longer than the second, a quarter of the spline's cell.
+constexpr double kSquareNodes = 1e-3;
+constexpr double kSliceNodes = 0.25;
 constexpr std::uint64_t kKerfGrainStream = 1;
 constexpr std::uint64_t kTileSeed = 0x3a8f05c5d2b17e49ULL;
 
@@ -53,6 +58,7 @@ struct KerfCamera::Model {
   PlaneProjection projection;
   SensorNoise noise;
   GaussianBlur blur;
+  GaussianBlur foot;
   PlaneField field;
   PlaneGrid grid;
   PictureShading shading;
@@ -68,6 +74,10 @@ struct KerfCamera::Model {
   template <class Painter>
   void paint(const PlaneGrid::Block& block, const PlanePatch& patch, const Painter& painter,
              std::vector<float>& light) const;
+  void setSight(const Eigen::Isometry2d& X_NV, TileJob& job) const;
+  /// Number of slices that a block's lines of sight are followed in; the box grows by where they lead.
+  static int slicesOf(const ObliqueSight& sight, Eigen::AlignedBox2d& box);
+  void blurAll(const std::vector<char>& drawn, std::vector<float>& light) const;
   void findPrint(TileJob& job, const Eigen::AlignedBox2d& box, double sample_nodes) const;
   [[nodiscard]] TileJob jobFor(const Sheet& sheet, int unit, const PieceSpan& piece) const;
   void addGrain(const Eigen::Isometry2d& X_NV, float board_gray, std::vector<float>& light) const;
@@ -81,6 +91,7 @@ KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
       noise(camera_.read_noise, camera_.full_well_electrons, camera_.bits),
       // The average over a pixel's area is part of the blur; the supersampling does it.
       blur(camera_.psf_sigma_px * camera_.psf_sigma_px - 1.0 / 12.0),
+      foot(camera_.foot.sigma_px * camera_.foot.sigma_px),
       field(fieldOf(projection, camera_.width_px, camera_.height_px)),
       grid(projection, camera_.width_px, camera_.height_px, kKerfBlockPx),
       shading(camera_) {
@@ -88,6 +99,40 @@ KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& pr
   samples_per_px = std::clamp(static_cast<int>(std::ceil(mm_per_px / kSampleMm)), 3, 8);
   if (camera.texture.grain_gray > 0.0)
     grain.emplace(camera.board_seed, kKerfGrainStream, camera.texture.grain_length_mm);
+}
+
+void KerfCamera::Model::setSight(const Eigen::Isometry2d& X_NV, TileJob& job) const {
+  const BoardDescription& board = job.sheet.board();
+  // From V to N the plane is turned and moved, so the slope's direction turns and its zero moves.
+  const SightSlope slope = projection.sightSlope();
+  const Vector2d at_origin_V = slope.at(X_NV.inverse().translation());
+  job.oblique.emplace(ObliqueSight{WallTable(job.sheet), grayOfLeft(job.sheet, board.transmission),
+                                   grayOfLeft(job.sheet, board.print_transmission),
+                                   board.thickness_mm / Sheet::kCellMm * (X_NV.linear() * at_origin_V),
+                                   board.thickness_mm * slope.per_mm, 0});
+}
+
+int KerfCamera::Model::slicesOf(const ObliqueSight& sight, Eigen::AlignedBox2d& box) {
+  double longest = 0.0;
+  Eigen::AlignedBox2d reached = box;
+  for (const auto corner : {Eigen::AlignedBox2d::BottomLeft, Eigen::AlignedBox2d::BottomRight,
+                            Eigen::AlignedBox2d::TopLeft, Eigen::AlignedBox2d::TopRight}) {
+    const Vector2d way = sight.through(box.corner(corner));
+    longest = std::max(longest, way.norm());
+    reached.extend(box.corner(corner) + way);
+  }
+  box = reached;
+  if (longest < kSquareNodes) return 0;
+  return std::max(1, static_cast<int>(std::ceil(longest / kSliceNodes)));
+}
+
+void KerfCamera::Model::blurAll(const std::vector<char>& drawn, std::vector<float>& light) const {
+  blur.apply(light, camera.width_px, camera.height_px, grid.edgesX(), grid.edgesY(), drawn);
+  if (!(camera.foot.share > 0.0)) return;
+  std::vector<float> scattered = light;
+  foot.apply(scattered, camera.width_px, camera.height_px, grid.edgesX(), grid.edgesY(), drawn);
+  const auto share = static_cast<float>(camera.foot.share);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] += share * (scattered[i] - light[i]);
 }
 
 void KerfCamera::Model::findPrint(TileJob& job, const Eigen::AlignedBox2d& box, double sample_nodes) const {
@@ -108,6 +153,8 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
     corners[n] = (X_NV * p_V_mm[n]) / Sheet::kCellMm;
     box.extend(corners[n]);
   }
+  const Eigen::AlignedBox2d face = box;
+  if (job.oblique) job.oblique->slices = slicesOf(*job.oblique, box);
   // The spline needs one node less: a patch may bulge a little between its corners.
   const int margin = job.rough ? job.rough->reachNodes() : 0;
   Window& burn = job.burn;
@@ -126,21 +173,25 @@ bool KerfCamera::Model::renderBlock(TileJob& job, const Eigen::Isometry2d& X_NV,
     scorched = fill(job.charred, job, shift.x(), job.sheet.unscorchedFluence_j_mm2());
   }
   const double sample_nodes = mm_per_px / samples_per_px / Sheet::kCellMm;
-  findPrint(job, box, sample_nodes);
+  findPrint(job, face, sample_nodes);
   if (!burnt && !scorched && job.near.empty()) return false;
 
   const PlanePatch patch(corners);
   const PlaneGrid::Block block = grid.block(bx, by);
-  const auto paintBy = [&]<bool kScorched, bool kRough>() {
-    paint(block, patch, BlockPainter<kScorched, kRough>(job, weights, burnt, sample_nodes), light);
-  };
   const bool rough = burnt && job.rough;
-  if (rough) job.rough->fill(box);
-  if (scorched) {
-    rough ? paintBy.operator()<true, true>() : paintBy.operator()<true, false>();
-  } else {
-    rough ? paintBy.operator()<false, true>() : paintBy.operator()<false, false>();
-  }
+  if (rough) job.rough->fill(face);
+  const auto paintBy = [&](auto scorch, auto roughness, auto oblique) {
+    using Painter =
+        BlockPainter<decltype(scorch)::value, decltype(roughness)::value, decltype(oblique)::value>;
+    paint(block, patch, Painter(job, weights, burnt, sample_nodes), light);
+  };
+  const auto chosen = [](bool is, const auto& go) { is ? go(std::true_type{}) : go(std::false_type{}); };
+  chosen(scorched, [&](auto scorch) {
+    chosen(rough, [&](auto roughness) {
+      chosen(burnt && job.oblique && job.oblique->slices > 0,
+             [&](auto oblique) { paintBy(scorch, roughness, oblique); });
+    });
+  });
   return true;
 }
 
@@ -180,8 +231,8 @@ TileJob KerfCamera::Model::jobFor(const Sheet& sheet, int unit, const PieceSpan&
   const ScorchDescription& scorch = sheet.board().scorch;
   const bool scorches = scorch.fluence_j_mm2 > 0.0 && scorch.darkening > 0.0;
   TileJob job{sheet,
-              LightTable(sheet, sheet.board().transmission),
-              LightTable(sheet, sheet.board().print_transmission),
+              grayOfFluence(sheet, sheet.board().transmission),
+              grayOfFluence(sheet, sheet.board().print_transmission),
               static_cast<float>(1.0 / sheet.board().cut_fluence_j_mm2),
               toNodes(piece.min_x_S_mm),
               toNodes(piece.max_x_S_mm),
@@ -192,6 +243,7 @@ TileJob KerfCamera::Model::jobFor(const Sheet& sheet, int unit, const PieceSpan&
               {},
               {},
               {},
+              std::nullopt,
               std::nullopt};
   if (camera.roughness.rms_mm > 0.0) job.rough.emplace(camera.board_seed, camera.roughness);
   for (const RegistrationMark& mark : print.marks) {
@@ -266,6 +318,7 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
     throw std::invalid_argument("KerfCamera::render: tile or sheet out of reach");
   }
   TileJob job = model.jobFor(sheet, unit, piece);
+  model.setSight(X_NV, job);
   std::vector<float> light(
       static_cast<std::size_t>(model.camera.width_px) * static_cast<std::size_t>(model.camera.height_px),
       job.board.at(0.0F));
@@ -276,8 +329,7 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
       if (model.renderBlock(job, X_NV, bx, by, light)) drawn[by * blocks_x + bx] = 1;
     }
   }
-  model.blur.apply(light, model.camera.width_px, model.camera.height_px, model.grid.edgesX(),
-                   model.grid.edgesY(), drawn);
+  model.blurAll(drawn, light);
   if (model.grain) model.addGrain(X_NV, job.board.at(0.0F), light);
   model.shading.shadeByLamp(light);
   model.shading.shadeByLens(light);

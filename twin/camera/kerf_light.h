@@ -17,16 +17,13 @@
 /// Transmission of the back light through a burnt sheet; of use to KerfCamera alone.
 namespace kerfbench::twin {
 
-/// Grey level of the back light through board that absorbed a share of the fluence that cuts, where uncut
-/// board transmits `transmission`.
-class LightTable {
+/// A function of a share, 0…1; larger shares count as 1.
+class ShareTable {
  public:
-  LightTable(const Sheet& sheet, double transmission) {
-    for (std::size_t i = 0; i < table_.size(); ++i) {
-      const double share = static_cast<double>(i) / (static_cast<double>(table_.size()) - 1.0);
-      const double depth = sheet.depthCurve().depthAt(share * sheet.board().cut_fluence_j_mm2);
-      table_[i] = static_cast<float>(kOpenKerfGray * std::pow(transmission, 1.0 - depth));
-    }
+  template <class Function>
+  explicit ShareTable(const Function& function) {
+    for (std::size_t i = 0; i < table_.size(); ++i)
+      table_[i] = static_cast<float>(function(static_cast<double>(i) / static_cast<double>(kSteps)));
   }
   [[nodiscard]] float at(float share) const {
     const float place = (share < 1.0F ? share : 1.0F) * static_cast<float>(kSteps);
@@ -36,6 +33,52 @@ class LightTable {
  private:
   static constexpr std::size_t kSteps = 4096;
   std::array<float, kSteps + 1> table_{};
+};
+
+/// DepthCurve::unboundedDepthAt() of board that absorbed a share of the fluence that cuts.
+class WallTable {
+ public:
+  explicit WallTable(const Sheet& sheet)
+      : below_([&](double share) { return depthAt(sheet, share); }),
+        beyond_(static_cast<float>(depthAt(sheet, 2.0) - 1.0)) {}
+  [[nodiscard]] float at(float share) const {
+    return share < 1.0F ? below_.at(share) : 1.0F + beyond_ * (share - 1.0F);
+  }
+
+ private:
+  static double depthAt(const Sheet& sheet, double share) {
+    return sheet.depthCurve().unboundedDepthAt(share * sheet.board().cut_fluence_j_mm2);
+  }
+  ShareTable below_;
+  float beyond_;
+};
+/// Grey level of the back light where a share of the board's thickness is left, of board that transmits
+/// `transmission`.
+inline ShareTable grayOfLeft(const Sheet& sheet, double transmission) {
+  return ShareTable(
+      [&](double left) { return kOpenKerfGray * lightThrough(sheet.board().light_law, transmission, left); });
+}
+/// Grey level where the board absorbed a share of the fluence that cuts, seen square to the sheet.
+inline ShareTable grayOfFluence(const Sheet& sheet, double transmission) {
+  return ShareTable([&](double share) {
+    const double depth = sheet.depthCurve().depthAt(share * sheet.board().cut_fluence_j_mm2);
+    return kOpenKerfGray * lightThrough(sheet.board().light_law, transmission, 1.0 - depth);
+  });
+}
+
+/// Lines of sight that cross a thick board aslant, in the spline's own unit: between its faces they go on by
+/// at_origin + per_node p, p being where they enter.
+struct ObliqueSight {
+  WallTable depth;
+  ShareTable board, print;  ///< grayOfLeft()
+  Eigen::Vector2d at_origin{Eigen::Vector2d::Zero()};
+  double per_node{};
+  int slices{};  ///< Of the block; 0: so little aslant that it counts as square.
+
+  /// Way through the whole board of the line of sight that enters at a place.
+  [[nodiscard]] Eigen::Vector2d through(const Eigen::Vector2d& p_nodes) const {
+    return at_origin + per_node * p_nodes;
+  }
 };
 
 /// A printed mark (round) or other print (a rectangle) in the spline's own unit.
@@ -116,8 +159,8 @@ struct Roughness {
 /// Data that the blocks of one tile share, and scratch.
 struct TileJob {
   const Sheet& sheet;
-  LightTable board;
-  LightTable print;
+  ShareTable board;  ///< grayOfFluence()
+  ShareTable print;
   float share_per_fluence;
   double piece_min_nodes;
   double piece_max_nodes;
@@ -127,10 +170,11 @@ struct TileJob {
   Window charred;  ///< Coefficients that scorched the block: the burn's window less the shift.
   std::vector<PrintShape> near;
   std::optional<Roughness> rough;
+  std::optional<ObliqueSight> oblique;
 };
 
 /// Grey levels of the places of one block.
-template <bool kScorched, bool kRough>
+template <bool kScorched, bool kRough, bool kOblique>
 class BlockPainter {
  public:
   BlockPainter(const TileJob& job, const SplineWeightTable& weights, bool burnt, double sample_nodes)
@@ -144,6 +188,13 @@ class BlockPainter {
     const double y = job.burn.row - job.scorch.shift_nodes.y() - job.charred.row;
     to_charred_x_ = static_cast<float>(x);
     to_charred_y_ = static_cast<float>(y);
+    if constexpr (kOblique) {
+      const ObliqueSight& sight = *job_.oblique;
+      const double per_slice = 1.0 / sight.slices;
+      slice_at_origin_ = (per_slice * sight.through(origin())).template cast<float>();
+      slice_per_node_ = static_cast<float>(per_slice * sight.per_node);
+      per_slice_ = static_cast<float>(per_slice);
+    }
     if constexpr (kRough) {
       const Eigen::Vector2d to_field = origin() * job.rough->fields_per_node - job.rough->window_x.origin();
       to_field_x_ = static_cast<float>(to_field.x());
@@ -164,18 +215,74 @@ class BlockPainter {
  private:
   /// Grey from print and scorch at a place and from depth at another place near it.
   [[nodiscard]] float grayOf(float x, float y, float depth_x, float depth_y) const {
-    const float share =
-        burn_ == nullptr ? 0.0F : share_per_fluence_ * fluence(Around(burn_, columns_, depth_x, depth_y));
-    float gray = job_.board.at(share);
+    if constexpr (kOblique) {
+      const Passage way = burn_ == nullptr ? Passage{} : passage(depth_x, depth_y);
+      const float gray =
+          printed(job_.oblique->board.at(way.left), x, y, [&] { return job_.oblique->print.at(way.left); });
+      if constexpr (kScorched) return scorched(gray, way.open, x, y);
+      return gray;
+    }
+    const float share = burn_ == nullptr ? 0.0F : shareAt(depth_x, depth_y);
+    const float gray = printed(job_.board.at(share), x, y, [&] { return job_.print.at(share); });
+    if constexpr (kScorched) {
+      const bool whole = !(share > kSurelyWhole);
+      return scorched(gray, whole ? 0.0F : through(share, Around(burn_, columns_, depth_x, depth_y)), x, y);
+    }
+    return gray;
+  }
+
+  /// Grey with the print over it; `under_print()` is that of printed board.
+  template <class Gray>
+  [[nodiscard]] float printed(float gray, float x, float y, const Gray& under_print) const {
     for (const PrintShape& shape : job_.near) {
       const double outside =
           shape.outside(static_cast<double>(x) + job_.burn.column, static_cast<double>(y) + job_.burn.row) /
           sample_nodes_;
       const auto covered = static_cast<float>(std::clamp(0.5 - outside, 0.0, 1.0));
-      gray += covered * shape.ink * (job_.print.at(share) - gray);
+      gray += covered * shape.ink * (under_print() - gray);
     }
-    if constexpr (kScorched) return scorched(gray, share, x, y, depth_x, depth_y);
     return gray;
+  }
+
+  [[nodiscard]] float shareAt(float x, float y) const {
+    return share_per_fluence_ * fluence(Around(burn_, columns_, x, y));
+  }
+
+  /// A line of sight through the board.
+  struct Passage {
+    float left{1.0F};  ///< Share of the thickness that it goes through board.
+    float open{};      ///< Share of the sample around it that meets no board at all; with scorch alone.
+  };
+  /// The burn is deep from the face that the line enters by: board is met below it. Depth is taken as
+  /// straight between slices, so the share is exact where walls are.
+  [[nodiscard]] Passage passage(float x, float y) const {
+    const ObliqueSight& sight = *job_.oblique;
+    const float step_x = slice_at_origin_.x() + slice_per_node_ * x;
+    const float step_y = slice_at_origin_.y() + slice_per_node_ * y;
+    Passage way{.left = 0.0F, .open = 1.0F};
+    float above = 0.0F;  // How far the line is within the board, in thicknesses; < 0 within the burn.
+    for (int i = 0; i <= sight.slices; ++i) {
+      const auto down = static_cast<float>(i);
+      const float at_x = x + down * step_x;
+      const float at_y = y + down * step_y;
+      const float share = shareAt(at_x, at_y);
+      const float within = down * per_slice_ - sight.depth.at(share);
+      if (i > 0) way.left += per_slice_ * positiveShare(above, within);
+      above = within;
+      if constexpr (kScorched) {
+        if (way.open > 0.0F) {
+          const bool whole = !(share > kSurelyWhole);
+          way.open = whole ? 0.0F : std::min(way.open, through(share, Around(burn_, columns_, at_x, at_y)));
+        }
+      }
+    }
+    return way;
+  }
+  /// Share of the way from `from` to `to`, a straight line, on which it is above zero.
+  static float positiveShare(float from, float to) {
+    if (from <= 0.0F && to <= 0.0F) return 0.0F;
+    if (from >= 0.0F && to >= 0.0F) return 1.0F;
+    return std::max(from, to) / std::abs(to - from);
   }
 
   [[nodiscard]] Eigen::Vector2f displacement(float x, float y) const {
@@ -191,15 +298,13 @@ class BlockPainter {
     return splineValue(place.nodes, place.stride, weights_.at(place.x), weights_.at(place.y));
   }
 
-  [[nodiscard]] float scorched(float gray, float share, float x, float y, float depth_x,
-                               float depth_y) const {
+  /// Grey where scorch darkens what is not `open`.
+  [[nodiscard]] float scorched(float gray, float open, float x, float y) const {
     const Around cause(job_.charred.nodes.data(), static_cast<std::size_t>(job_.charred.columns),
                        x + to_charred_x_, y + to_charred_y_);
     const float scorch = std::clamp(job_.scorch.per_fluence * fluence(cause), 0.0F, 1.0F);
     const float dark = gray * (1.0F - job_.scorch.darkening * scorch);
-    if (!(share > kSurelyWhole)) return dark;
-    return dark + through(share, Around(burn_, columns_, depth_x, depth_y)) *
-                      (static_cast<float>(kOpenKerfGray) - dark);
+    return dark + open * (static_cast<float>(kOpenKerfGray) - dark);
   }
 
   /// Share of a sample around the place that is cut through. Light jumps where the scorched board ends:
@@ -222,6 +327,8 @@ class BlockPainter {
   std::size_t columns_;
   float share_per_fluence_;
   double sample_nodes_;
+  Eigen::Vector2f slice_at_origin_{Eigen::Vector2f::Zero()};  ///< Way through a slice from the origin.
+  float slice_per_node_{}, per_slice_{};
   float to_field_x_{}, to_field_y_{};
   float to_charred_x_, to_charred_y_;  ///< Shift from the burn's window to that of what scorched it.
 };

@@ -36,6 +36,7 @@ PlaneProjection::PlaneProjection(const CameraDescription& camera)
     : focal_px_(camera.fx_px, camera.fy_px),
       centre_px_(camera.cx_px, camera.cy_px),
       distortion_(camera.distortion),
+      telecentric_mm_(camera.telecentric_mm),
       X_CP_(camera.X_CP),
       fold_slope2_(foldSlope2(camera.distortion)) {}
 
@@ -58,16 +59,19 @@ PlaneProjection::Slopes PlaneProjection::distort(const Eigen::Vector2d& slopes) 
 std::optional<Eigen::Vector2d> PlaneProjection::pixelOf(const Eigen::Vector2d& p_P_mm) const {
   const Eigen::Vector3d p_C = X_CP_ * Eigen::Vector3d(p_P_mm.x(), p_P_mm.y(), 0.0);
   if (!(p_C.z() > 0.0)) return std::nullopt;
-  const Eigen::Vector2d slopes = p_C.head<2>() / p_C.z();
+  const Eigen::Vector2d slopes = p_C.head<2>() / (telecentric_mm_ > 0.0 ? telecentric_mm_ : p_C.z());
   if (!(slopes.squaredNorm() < fold_slope2_)) return std::nullopt;
   return focal_px_.cwiseProduct(distort(slopes).value) + centre_px_;
 }
 
 Eigen::Matrix2d PlaneProjection::jacobianAt(const Eigen::Vector2d& p_P_mm) const {
   const Eigen::Vector3d p_C = X_CP_ * Eigen::Vector3d(p_P_mm.x(), p_P_mm.y(), 0.0);
-  const Eigen::Vector2d slopes = p_C.head<2>() / p_C.z();
   const Eigen::Matrix<double, 3, 2> axes = X_CP_.linear().leftCols<2>();
-  const Eigen::Matrix2d slopes_dp = (axes.topRows<2>() - slopes * axes.row(2)) / p_C.z();
+  const bool pinhole = !(telecentric_mm_ > 0.0);
+  const Eigen::Vector2d slopes = p_C.head<2>() / (pinhole ? p_C.z() : telecentric_mm_);
+  const Eigen::Matrix2d slopes_dp =
+      pinhole ? Eigen::Matrix2d((axes.topRows<2>() - slopes * axes.row(2)) / p_C.z())
+              : Eigen::Matrix2d(axes.topRows<2>() / telecentric_mm_);
   return focal_px_.asDiagonal() * distort(slopes).derivative * slopes_dp;
 }
 
@@ -87,12 +91,29 @@ std::optional<Eigen::Vector2d> PlaneProjection::planePointOf(const Eigen::Vector
     found = miss.norm() < 1e-13;
   }
   if (!found || !(slopes.squaredNorm() < fold_slope2_)) return std::nullopt;
-  // The ray t (a, b, 1) from the camera meets the plane where its z in P vanishes.
   const Eigen::Vector3d normal_C = X_CP_.linear().col(2);
+  if (telecentric_mm_ > 0.0) {
+    // The ray is parallel to the camera's z.
+    Eigen::Vector3d p_C(slopes.x() * telecentric_mm_, slopes.y() * telecentric_mm_, 0.0);
+    p_C.z() = normal_C.dot(X_CP_.translation() - p_C) / normal_C.z();
+    if (!(p_C.z() > 0.0 && std::isfinite(p_C.z()))) return std::nullopt;
+    return (X_CP_.linear().transpose() * (p_C - X_CP_.translation())).head<2>();
+  }
+  // The ray t (a, b, 1) from the camera meets the plane where its z in P vanishes.
   const Eigen::Vector3d ray_C(slopes.x(), slopes.y(), 1.0);
   const double t = normal_C.dot(X_CP_.translation()) / normal_C.dot(ray_C);
   if (!(t > 0.0 && std::isfinite(t))) return std::nullopt;
   return (X_CP_.linear().transpose() * (t * ray_C - X_CP_.translation())).head<2>();
+}
+
+SightSlope PlaneProjection::sightSlope() const {
+  if (telecentric_mm_ > 0.0) {
+    const Eigen::Vector3d axis_P = X_CP_.linear().row(2).transpose();
+    return {axis_P.head<2>() / std::abs(axis_P.z()), 0.0};
+  }
+  const Eigen::Vector3d camera_P = -(X_CP_.linear().transpose() * X_CP_.translation());
+  const double height_mm = std::abs(camera_P.z());
+  return {-camera_P.head<2>() / height_mm, 1.0 / height_mm};
 }
 
 PlanePatch::PlanePatch(const Nodes& nodes) {

@@ -11,8 +11,19 @@
 
 namespace kerfbench::twin {
 
-/// Maps points of the plane P (z = 0) to pixels, and back. With (a, b) the ray's slopes x/z, y/z in C, s = a²
-/// + b²:
+/// How a line of sight runs on below the plane: at the depth h it is at p + h (at_origin + per_mm p), p being
+/// where it crosses the plane.
+struct SightSlope {
+  Eigen::Vector2d at_origin{Eigen::Vector2d::Zero()};
+  double per_mm{};
+
+  [[nodiscard]] Eigen::Vector2d at(const Eigen::Vector2d& p_P_mm) const {
+    return at_origin + per_mm * p_P_mm;
+  }
+};
+
+/// Maps points of the plane P (z = 0) to pixels, and back. With (a, b) the ray's slopes x/z, y/z in C (of a
+/// telecentric lens x and y over telecentric_mm), s = a² + b²:
 ///
 ///     a' = a (1 + k1 s + k2 s² + k3 s³) + 2 p1 a b + p2 (s + 2 a²)
 ///     b' = b (1 + k1 s + k2 s² + k3 s³) + p1 (s + 2 b²) + 2 p2 a b
@@ -30,6 +41,8 @@ class PlaneProjection {
   [[nodiscard]] Eigen::Matrix2d jacobianAt(const Eigen::Vector2d& p_P_mm) const;
   /// Point seen at a pixel, by Newton's method to 1e-13 of a slope; nullopt where the ray misses the plane.
   [[nodiscard]] std::optional<Eigen::Vector2d> planePointOf(const Eigen::Vector2d& pixel) const;
+  /// Lines of sight below the plane, away from the camera.
+  [[nodiscard]] SightSlope sightSlope() const;
 
  private:
   struct Slopes {
@@ -41,6 +54,7 @@ class PlaneProjection {
   Eigen::Vector2d focal_px_;
   Eigen::Vector2d centre_px_;
   std::array<double, 5> distortion_;
+  double telecentric_mm_;  ///< 0: a pinhole.
   Eigen::Isometry3d X_CP_;
   double fold_slope2_;  ///< s where the radial part folds; infinity if never.
 };

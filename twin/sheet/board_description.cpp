@@ -20,6 +20,18 @@ bool isDepthCurve(const std::vector<DepthPoint>& curve) {
 
 }  // namespace
 
+double lightThrough(LightLaw law, double transmission, double left) {
+  switch (law) {
+    case LightLaw::kScatter:
+      return 1.0 / (1.0 + left * (1.0 / transmission - 1.0));
+    case LightLaw::kLinear:
+      return 1.0 - left * (1.0 - transmission);
+    case LightLaw::kBeer:
+      break;
+  }
+  return std::pow(transmission, left);
+}
+
 std::string faultsOf(const BoardDescription& board) {
   std::string faults;
   const auto require = [&faults](bool fine, const char* rule) {

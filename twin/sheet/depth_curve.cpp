@@ -26,6 +26,17 @@ double DepthCurve::depthAt(double fluence_j_mm2) const {
                  (share - a.fluence_share) / (above->fluence_share - a.fluence_share));
 }
 
+double DepthCurve::unboundedDepthAt(double fluence_j_mm2) const {
+  const double share = fluence_j_mm2 / cut_fluence_j_mm2_;
+  const auto along = [share](const DepthPoint& a, const DepthPoint& b) {
+    return between(a.depth_share, b.depth_share,
+                   (share - a.fluence_share) / (b.fluence_share - a.fluence_share));
+  };
+  if (share <= points_.front().fluence_share) return along(points_[0], points_[1]);
+  if (share >= 1.0) return along(points_[points_.size() - 2], points_.back());
+  return depthAt(fluence_j_mm2);
+}
+
 double DepthCurve::fluenceFor_j_mm2(double depth_share) const {
   if (depth_share >= 1.0) return cut_fluence_j_mm2_;
   if (!(depth_share > 0.0)) return points_.front().fluence_share * cut_fluence_j_mm2_;

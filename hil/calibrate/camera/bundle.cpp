@@ -51,9 +51,40 @@ struct State {
   }
 };
 
+/// One of the start's values that count as measured: what is missed by, in standard deviations, and how that
+/// changes with the parameter at `at`.
+struct Known {
+  Index at{};
+  double miss{}, slope{};
+};
+
+/// See adjust(); none for a pinhole.
+std::vector<Known> knownOf(const State& state, const Bundle& start) {
+  if (!(start.lens.telecentric_mm > 0.0)) return {};
+  constexpr double kDistance_mm = 1.0;
+  constexpr double kAxisShare = 0.01;
+  constexpr double kSquare_rad = 0.01745;
+  std::vector<Known> known;
+  for (const Index i : {2, 3}) {
+    const double sigma = kAxisShare * start.lens.pinhole[0];
+    known.push_back({i, (start.lens.pinhole[i] - state.lens.pinhole[i]) / sigma, 1.0 / sigma});
+  }
+  for (std::size_t v = 0; v < start.X_CB.size(); ++v) {
+    const double moved_mm = state.X_CB[v].translation().z() - start.X_CB[v].translation().z();
+    known.push_back(
+        {kLens + kPose * static_cast<Index>(v) + 5, -moved_mm / kDistance_mm, 1.0 / kDistance_mm});
+  }
+  // A small turn by dx about x moves the target's normal n by -dx n_z along y.
+  const Vector3d n = state.X_CB.front().linear().col(2);
+  known.push_back({kLens, -n.y() / kSquare_rad, -n.z() / kSquare_rad});
+  known.push_back({kLens + 1, -n.x() / kSquare_rad, n.z() / kSquare_rad});
+  return known;
+}
+
 /// Weighted sum of squares; infinite for a point behind the camera.
 double costOf(const State& state, const Bundle& bundle, const std::vector<double>& weight) {
   double sum = 0.0;
+  for (const Known& known : knownOf(state, bundle)) sum += known.miss * known.miss;
   for (std::size_t v = 0; v < bundle.points.size(); ++v) {
     double of_view = 0.0;
     for (const BundlePoint& point : bundle.points[v]) {
@@ -93,6 +124,10 @@ Normal normalOf(const State& state, const Bundle& bundle, const std::vector<doub
     normal.matrix.block<kPose, kPose>(at, at) = weight[v] * square.bottomRightCorner<kPose, kPose>();
     normal.right.head<kLens>() += weight[v] * right.head<kLens>();
     normal.right.segment<kPose>(at) = weight[v] * right.tail<kPose>();
+  }
+  for (const Known& known : knownOf(state, bundle)) {
+    normal.matrix(known.at, known.at) += known.slope * known.slope;
+    normal.right[known.at] += known.slope * known.miss;
   }
   return normal;
 }
@@ -179,7 +214,8 @@ double meanVariance(const std::vector<BundlePoint>& points) {
 
 Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Vector2d& p_B_mm) {
   const Vector3d c = X_CB * Vector3d(p_B_mm.x(), p_B_mm.y(), 0.0);
-  const Vector2d d = vision::distort(lens.distortion, c.head<2>() / c.z()).point;
+  const double depth_mm = lens.telecentric_mm > 0.0 ? lens.telecentric_mm : c.z();
+  const Vector2d d = vision::distort(lens.distortion, c.head<2>() / depth_mm).point;
   return {lens.pinhole[2] + lens.pinhole[0] * d.x(), lens.pinhole[3] + lens.pinhole[1] * d.y()};
 }
 
@@ -187,7 +223,9 @@ Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Ve
                  ProjectionSlopes& by) {
   const Vector3d turned = X_CB.linear() * Vector3d(p_B_mm.x(), p_B_mm.y(), 0.0);
   const Vector3d c = turned + X_CB.translation();
-  const Vector2d n = c.head<2>() / c.z();
+  const bool pinhole = !(lens.telecentric_mm > 0.0);
+  const double depth_mm = pinhole ? c.z() : lens.telecentric_mm;
+  const Vector2d n = c.head<2>() / depth_mm;
   const vision::Distorted d = vision::distort(lens.distortion, n);
   const double fx = lens.pinhole[0];
   const double fy = lens.pinhole[1];
@@ -205,7 +243,8 @@ Vector2d project(const BundleLens& lens, const Eigen::Isometry3d& X_CB, const Ve
       fy * n.y() * r2 * r2 * r2;
   Eigen::Matrix<double, 2, 3> by_c;
   by_c << 1.0, 0.0, -n.x(), 0.0, 1.0, -n.y();
-  by_c = Vector2d(fx, fy).asDiagonal() * d.jacobian * by_c / c.z();
+  if (!pinhole) by_c.col(2).setZero();
+  by_c = Vector2d(fx, fy).asDiagonal() * d.jacobian * by_c / depth_mm;
   by.block<2, 3>(0, 9) = -by_c * crossMatrix(turned);
   by.block<2, 3>(0, 12) = by_c;
   return {lens.pinhole[2] + fx * d.point.x(), lens.pinhole[3] + fy * d.point.y()};

@@ -21,6 +21,7 @@ struct BundlePoint {
 struct BundleLens {
   Eigen::Vector4d pinhole{Eigen::Vector4d::Zero()};
   std::array<double, 5> distortion{};
+  double telecentric_mm{};  ///< As CameraCalibration's; 0: a pinhole. Not adjusted.
 };
 
 struct Bundle {
@@ -45,6 +46,11 @@ struct BundleResult {
 /// weighted by their covariances, and each view's covariances are scaled to its own scatter, found on the
 /// way; the covariance is the inverse of the weighted normal matrix (JCGM 102), so it holds for noise that is
 /// independent from corner to corner.
+///
+/// Views by a telecentric lens do not tell all of this: not how far the target is, nor where the axis of the
+/// lens is but by its distortion, and how the first view is tilted only by the square of the angle. So the
+/// start counts as a measurement of these, of standard deviation 1 mm, 1 % of the focal length and, of a
+/// first view square to the axis, 1°.
 /// @throws std::invalid_argument for no views, unequal sizes or a view without points.
 BundleResult adjust(const Bundle& start);
 

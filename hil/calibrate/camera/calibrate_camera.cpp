@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
 #include <opencv2/calib3d.hpp>
 
 #include "hil/base/parallel.h"
@@ -87,20 +89,27 @@ constexpr double kStartGridPx = 1e-2;
 constexpr double kStartGridMm = 1e-2;
 constexpr double kStartGrid = 1e-4;  ///< Step of the first search, for angles (rad) and distortion.
 
+Bundle pointsOf(const CalibrationJob& job, const std::vector<TargetView>& views) {
+  Bundle bundle;
+  for (const TargetView& view : views) {
+    std::vector<BundlePoint>& points = bundle.points.emplace_back();
+    for (const TargetCorner& corner : view.corners)
+      points.push_back(
+          {job.target.square_mm * Vector2d(corner.column, corner.row), corner.pixel, corner.covariance_px2});
+  }
+  return bundle;
+}
+
 /// A start near enough for the bundle: OpenCV's, on some of the corners.
-Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) {
+Bundle pinholeStart(const CalibrationJob& job, const std::vector<TargetView>& views) {
   std::vector<std::vector<cv::Point3f>> board(views.size());
   std::vector<std::vector<cv::Point2f>> picture(views.size());
-  Bundle bundle;
-  bundle.points.resize(views.size());
+  Bundle bundle = pointsOf(job, views);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const std::vector<TargetCorner>& corners = views[v].corners;
-    for (const TargetCorner& corner : corners)
-      bundle.points[v].push_back(
-          {job.target.square_mm * Vector2d(corner.column, corner.row), corner.pixel, corner.covariance_px2});
-    const std::size_t used = std::min(corners.size(), kStartCorners);
+    const std::vector<BundlePoint>& points = bundle.points[v];
+    const std::size_t used = std::min(points.size(), kStartCorners);
     for (std::size_t i = 0; i < used; ++i) {
-      const BundlePoint& p = bundle.points[v][i * corners.size() / used];
+      const BundlePoint& p = points[i * points.size() / used];
       board[v].emplace_back(static_cast<float>(p.p_B_mm.x()), static_cast<float>(p.p_B_mm.y()), 0.0F);
       picture[v].emplace_back(static_cast<float>(p.pixel.x()), static_cast<float>(p.pixel.y()));
     }
@@ -126,6 +135,63 @@ Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) 
     bundle.X_CB.push_back(X_CB);
   }
   return bundle;
+}
+
+/// The affine map from a target to its view: pixel = linear * p + shift, by least squares.
+struct AffineView {
+  Eigen::Matrix2d linear;
+  Vector2d shift;
+};
+
+AffineView affineOf(const std::vector<BundlePoint>& points) {
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  for (const BundlePoint& point : points) {
+    const Vector3d p = point.p_B_mm.homogeneous();
+    square += p * p.transpose();
+    right += p * point.pixel.transpose();
+  }
+  const Eigen::Matrix<double, 2, 3> map = square.ldlt().solve(right).transpose();
+  return {map.leftCols<2>(), map.col(2)};
+}
+
+/// A start for a telecentric lens without distortion: each view is an affine map, the scale is the largest of
+/// all their singular values, since no tilt enlarges, and the other singular value tells the tilt, but not to
+/// which of two sides; both fit alike.
+Bundle telecentricStart(const CalibrationJob& job, const std::vector<TargetView>& views) {
+  Bundle bundle = pointsOf(job, views);
+  std::vector<AffineView> maps;
+  double scale = 0.0;
+  for (const auto& points : bundle.points) {
+    maps.push_back(affineOf(points));
+    scale = std::max(scale, maps.back().linear.jacobiSvd().singularValues()[0]);
+  }
+  const double focal_px = rounded(scale * job.telecentric_mm, kStartGridPx);
+  const Vector2d centre_px(0.5 * (job.width_px - 1), 0.5 * (job.height_px - 1));
+  bundle.lens.telecentric_mm = job.telecentric_mm;
+  bundle.lens.pinhole << focal_px, focal_px, centre_px;
+  for (const AffineView& map : maps) {
+    Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
+    axes.topRows<2>() = map.linear * job.telecentric_mm / focal_px;
+    // The third row makes unit vectors of both columns that are square to each other.
+    const double x = std::sqrt(std::max(0.0, 1.0 - axes.col(0).squaredNorm()));
+    const double y = std::sqrt(std::max(0.0, 1.0 - axes.col(1).squaredNorm()));
+    axes.row(2) << x, axes.topRows<2>().col(0).dot(axes.topRows<2>().col(1)) > 0.0 ? -y : y;
+    Eigen::Matrix3d turn;
+    turn << axes, axes.col(0).cross(axes.col(1));
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turn, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Isometry3d X_CB = Isometry3d::Identity();
+    X_CB.linear() = svd.matrixU() * svd.matrixV().transpose();
+    X_CB.translation() << (map.shift - centre_px) * job.telecentric_mm / focal_px, 0.0;
+    // Far enough that all of a tilted target lies before the camera.
+    X_CB.translation().z() = job.telecentric_mm + job.target.size_mm().norm();
+    bundle.X_CB.push_back(X_CB);
+  }
+  return bundle;
+}
+
+Bundle startOf(const CalibrationJob& job, const std::vector<TargetView>& views) {
+  return job.telecentric_mm > 0.0 ? telecentricStart(job, views) : pinholeStart(job, views);
 }
 
 /// Takes corners out that are far from where all others put them. Returns how many.
@@ -213,6 +279,20 @@ Eigen::Matrix<double, 15, 15> planeCovariance(const BundleResult& result, const 
   return to_plane * result.covariance.topLeftCorner<15, 15>() * to_plane.transpose();
 }
 
+/// Bound (95 %) of the tilt of a telecentric first view. A tilt by a shortens one direction by cos a; how far
+/// below one that may be follows from the focal lengths' uncertainty and that of the view's own corners.
+double squareWithin(const BundleResult& result, const TargetView& first) {
+  const double tilt_rad = std::acos(std::min(1.0, std::abs(result.X_CB.front().linear()(2, 2))));
+  const double focal_share =
+      std::sqrt(result.covariance(0, 0) + result.covariance(1, 1)) / std::abs(result.lens.pinhole[0]);
+  double spread_px2 = 0.0;
+  Eigen::AlignedBox2d box;
+  for (const TargetCorner& corner : first.corners) box.extend(corner.pixel);
+  for (const TargetCorner& corner : first.corners) spread_px2 += (corner.pixel - box.center()).squaredNorm();
+  const double corners_share = result.sigma_px.front() / std::sqrt(0.5 * spread_px2);
+  return std::sqrt(tilt_rad * tilt_rad + 4.0 * std::hypot(focal_share, corners_share));
+}
+
 vision::CameraCalibration calibrationFrom(const CalibrationJob& job, const BundleResult& result,
                                           const std::vector<TargetView>& views) {
   const Isometry3d X_PB = targetInPlane(job.place);
@@ -224,6 +304,7 @@ vision::CameraCalibration calibrationFrom(const CalibrationJob& job, const Bundl
   c.cx_px = result.lens.pinhole[2];
   c.cy_px = result.lens.pinhole[3];
   c.distortion = result.lens.distortion;
+  c.telecentric_mm = job.telecentric_mm;
   c.X_CP = result.X_CB.front() * X_PB.inverse();
   c.camera_id = job.camera_id;
   c.date = job.date;
@@ -233,6 +314,7 @@ vision::CameraCalibration calibrationFrom(const CalibrationJob& job, const Bundl
     c.area_mm.extend(Vector2d((X_PB * Vector3d(p_B_mm.x(), p_B_mm.y(), 0.0)).head<2>()));
   }
   setMapCovariance(planeCovariance(result, X_PB.inverse()), c);
+  if (c.telecentric_mm > 0.0) c.square_within_rad = squareWithin(result, views.front());
   return c;
 }
 

@@ -32,6 +32,9 @@ struct CalibrationJob {
   TargetPlace place;
   int width_px{};  ///< Width that the pictures must have.
   int height_px{};
+  /// 0: an entocentric lens. Else telecentric: the length that stands for the distance in its description, as
+  /// CameraCalibration::telecentric_mm; any will do that is about the picture's width or more.
+  double telecentric_mm{};
   std::string camera_id;
   std::string date;         ///< Date of the views, "2026-11-21".
   double max_rms_px{0.05};  ///< Residual of the corners per axis above which the target or the lens is not as

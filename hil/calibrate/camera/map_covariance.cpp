@@ -26,7 +26,7 @@ constexpr double kNegligible = 1e-3;
 /// the pixel's slopes over its slopes by the point.
 ProjectionSlopes mapSlopes(const vision::CameraCalibration& c, const Eigen::Vector2d& p_mm) {
   ProjectionSlopes by;
-  const BundleLens lens{{c.fx_px, c.fy_px, c.cx_px, c.cy_px}, c.distortion};
+  const BundleLens lens{{c.fx_px, c.fy_px, c.cx_px, c.cy_px}, c.distortion, c.telecentric_mm};
   (void)project(lens, c.X_CP, p_mm, by);
   return -c.localMap(p_mm).pixel_per_mm.inverse() * by;
 }

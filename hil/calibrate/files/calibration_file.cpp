@@ -42,6 +42,9 @@ void readLens(base::YamlReader& file, vision::CameraCalibration& c) {
   c.cy_px = principal[1];
   const auto distortion = file.numbers("distortion", 5, {.min = -1e6, .max = 1e6});
   for (std::size_t i = 0; i < 5; ++i) c.distortion.at(i) = distortion[i];
+  if (!file.has("telecentric_mm")) return;
+  c.telecentric_mm = file.number("telecentric_mm", {.min = 1, .max = 1e5});
+  c.square_within_rad = file.number("square_within_rad", {.min = 0, .max = 1.5});
 }
 
 void readPlane(base::YamlReader plane, vision::CameraCalibration& c) {
@@ -61,6 +64,12 @@ std::string calibrationText(const CalibrationFile& file, const std::string& made
   const Eigen::AngleAxisd turn(c.X_CP.linear());
   const Eigen::Vector3d rotation = turn.angle() * turn.axis();
   const Eigen::Vector3d translation = c.X_CP.translation();
+  const std::string telecentric =
+      c.telecentric_mm > 0.0
+          ? fmt::format(
+                "telecentric_mm: {:.12g}   # Stands for the distance.\nsquare_within_rad: {:.6g}   # 95 %.\n",
+                c.telecentric_mm, c.square_within_rad)
+          : "";
   std::string text = fmt::format(
       "# SPDX-License-Identifier: Apache-2.0\n"
       "# Calibration of a camera from images: docs/how-to/calibrate-a-camera.md. Made by\n"
@@ -73,6 +82,7 @@ std::string calibrationText(const CalibrationFile& file, const std::string& made
       "focal_px: {}\n"
       "principal_px: {}\n"
       "distortion: {}   # k1 k2 p1 p2 k3\n"
+      "{}"
       "plane:   # Pose of the plane in the camera.\n"
       "  rotation_vector_rad: {}\n"
       "  translation_mm: {}\n"
@@ -86,7 +96,7 @@ std::string calibrationText(const CalibrationFile& file, const std::string& made
       "(mm).\n"
       "error_modes:\n",
       made_by, c.camera_id, c.date, file.described_camera, c.width_px, c.height_px,
-      list(std::array{c.fx_px, c.fy_px}), list(std::array{c.cx_px, c.cy_px}), list(c.distortion),
+      list(std::array{c.fx_px, c.fy_px}), list(std::array{c.cx_px, c.cy_px}), list(c.distortion), telecentric,
       listOf(rotation), listOf(translation), file.views, file.corners, c.rms_px, c.map_u_mm,
       listOf(Eigen::Vector2d(c.area_mm.min())), listOf(Eigen::Vector2d(c.area_mm.max())));
   // Modes that compensate each other's parameters need all their digits as well.

@@ -22,6 +22,7 @@
 #include "hil/vision/kerf/kerf_pictures.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/scan/kerf_unit.h"
+#include "hil/vision/scan/sight_pairs.h"
 
 namespace kerfbench::calibrate {
 namespace {
@@ -133,7 +134,11 @@ class FieldSearch {
     }
     const vision::KerfPlan plan = vision::planKerf(arms, scan_);
     vision::KerfScan kerfs;
-    vision::UnitScan(calibration_, plan, scan_, {pictures_.views, index_, 0, X_TS_, pictures_.blur})
+    depths_ =
+        vision::sightDepths(vision::sightPairs(plan, {pictures_.views, index_, X_TS_, calibration_, scan_}),
+                            pictures_.views.size(), scan_.board_thickness_mm, scan_.table_sigma_mm)
+            .depths;
+    vision::UnitScan(calibration_, plan, scan_, {pictures_.views, index_, 0, X_TS_, pictures_.blur, depths_})
         .cuts(kerfs);
     for (std::size_t m = 0; m < read_.size(); ++m) {
       const auto arm = [&](std::size_t k) { return &kerfs.entities.at(4 * m + k); };
@@ -157,8 +162,12 @@ class FieldSearch {
     mark.as_cut = axes_S * matrixOf(read.reading.turn) * R_SM.transpose();
     mark.turn = nearestTurn(mark.as_cut);
     const Vector2d p_T_mm = X_TS_ * centre.p_S_mm;
-    if (const vision::TileView* view = index_.best(p_T_mm, 0.0); view != nullptr)
+    if (const vision::TileView* view = index_.best(p_T_mm, 0.0); view != nullptr) {
       mark.p_V_mm = p_T_mm - view->tile.p_TV_mm;
+      const Vector2d by_depth_mm =
+          depths_.front().sigma_mm * (X_TS_.rotation().transpose() * calibration_.sightSlope(mark.p_V_mm));
+      mark.covariance += by_depth_mm * by_depth_mm.transpose();
+    }
     return mark;
   }
 
@@ -168,6 +177,7 @@ class FieldSearch {
   const vision::UnitPictures& pictures_;
   const vision::TileIndex& index_;
   vision::PlaneMotion X_TS_;
+  vision::SightDepths depths_{};
   std::vector<Read> read_;
 };
 
@@ -183,6 +193,7 @@ FieldPictures searchSheet(camera::TileSource& tiles, const vision::CameraCalibra
   scan.patches = 0;
   scan.beam_radius_mm = options.beam_radius_mm;
   scan.open_gray = options.open_gray;
+  scan.board_thickness_mm = options.board_thickness_mm;
   scan.threads = options.threads;
   PrintLayout layout;
   layout.pitch_mm = 1.0;  // There is one unit alone: any will do.

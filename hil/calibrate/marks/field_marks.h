@@ -54,6 +54,7 @@ struct FieldSearchOptions {
   double size_mm{};         ///< Size of the marks, as drawn.
   double open_gray{235.0};  ///< As KerfScanOptions.
   double beam_radius_mm{};
+  double board_thickness_mm{};
   int threads{1};  ///< The result is the same at any number.
 };
 

@@ -29,16 +29,21 @@ Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
 /// What the error of a unit's pose and the modes of the camera make of one offset.
 class SharedErrors {
  public:
-  SharedErrors(const Evidence& evidence, const ModeField& field) : field_(field) {
+  SharedErrors(const Evidence& evidence, const ModeField& field)
+      : field_(field), camera_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})) {
     for (const vision::UnitPose& pose : evidence.kerf.units)
       poses_.push_back({&pose, rootOf(pose.covariance)});
   }
 
-  [[nodiscard]] Eigen::RowVectorXd of(int unit, const dieline::Curve& curve, const vision::Caliper& c) const {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + field_.modes());
+  [[nodiscard]] Eigen::Index columns() const {
+    return ReadingLine::kOwn + field_.modes() + ReadingLine::kSight;
+  }
+  [[nodiscard]] Eigen::RowVectorXd of(const vision::EntityKerf& kerf, const dieline::Curve& curve,
+                                      const vision::Caliper& c) const {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns());
     row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
     const auto place =
-        std::find_if(poses_.begin(), poses_.end(), [&](const Place& p) { return p.pose->unit == unit; });
+        std::ranges::find_if(poses_, [&](const Place& p) { return p.pose->unit == kerf.unit; });
     if (place == poses_.end()) return row;
     const Eigen::Matrix2d R_TS = Eigen::Rotation2Dd(place->pose->angle_rad).toRotationMatrix();
     const Eigen::Vector2d tangent = R_TS * dieline::tangentAt(curve, c.u);
@@ -49,6 +54,9 @@ class SharedErrors {
     row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
       row[ReadingLine::kOwn + k] = normal.dot(field_.at(k, c.p_V_mm));
+    const double unsquare_mm = 0.5 * kerf.depth_mm * camera_.square_within_rad;
+    row.tail<ReadingLine::kSight>() << kerf.depth_sigma_mm * normal.dot(camera_.sightSlope(c.p_V_mm)),
+        unsquare_mm * normal.x(), unsquare_mm * normal.y();
     return row;
   }
 
@@ -58,6 +66,7 @@ class SharedErrors {
     Eigen::Matrix3d root;
   };
   const ModeField& field_;
+  vision::CameraCalibration camera_;
   std::vector<Place> poses_;
 };
 
@@ -152,7 +161,7 @@ Eigen::Vector2d ModeField::at(Eigen::Index mode, const Eigen::Vector2d& p_mm) co
 ErrorModel errorModelOf(const Evidence& evidence) {
   ErrorModel model;
   const ModeField field(evidence.kerf_calibration.value_or(vision::CameraCalibration{}));
-  model.modes = field.modes();
+  model.modes = field.modes() + ReadingLine::kSight;
   if (evidence.kerf_calibration) model.estimator_mm = kEstimatorPx * evidence.kerf_calibration->pitchMm();
   const SharedErrors shared(evidence, field);
   for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
@@ -170,10 +179,9 @@ ErrorModel errorModelOf(const Evidence& evidence) {
       line.sigma_mm.push_back(noiseOf(c));
     }
     line.segment.push_back(line.size());
-    line.shared.resize(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + field.modes());
+    line.shared.resize(static_cast<Eigen::Index>(line.size()), shared.columns());
     for (std::size_t i = 0; i < line.size(); ++i) {
-      line.shared.row(static_cast<Eigen::Index>(i)) =
-          shared.of(kerf.unit, curve, kerf.calipers[line.caliper[i]]);
+      line.shared.row(static_cast<Eigen::Index>(i)) = shared.of(kerf, curve, kerf.calipers[line.caliper[i]]);
     }
     model.lines.push_back(std::move(line));
   }

@@ -19,11 +19,13 @@ namespace kerfbench::inspect {
 /// standard normal draws that many readings have in common: the first eight belong to the line (what the grid
 /// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
 /// straight line all readings share one, around a circle they change), the next three to the unit (how it was
-/// found to lie by its marks), the others to the camera (modes of its calibration) and so to all units.
+/// found to lie by its marks), the others to the camera and so to all units: the modes of its calibration,
+/// and for kerfs three more by how deep in the board they are seen and how aslant.
 struct ReadingLine {
   static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;
   static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the modes of the camera.
+  static constexpr Eigen::Index kSight = 3;            ///< After them.
 
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
@@ -42,7 +44,7 @@ struct ReadingLine {
 
 struct ErrorModel {
   std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
-  Eigen::Index modes{};            ///< Modes of the camera's calibration.
+  Eigen::Index modes{};            ///< Columns of the camera.
   /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
   /// this model holds, such as a bump that is narrower than a window.
   double estimator_mm{};
@@ -53,8 +55,9 @@ struct ErrorModel {
 bool judgesOffset(const vision::Caliper& c);
 
 /// Pose errors from UnitPose::covariance, turned into shifts of the sheet under the caliper; calibration
-/// errors from the modes of the kerf camera where each caliper was looked at. Part of them cancels, as the
-/// marks are seen through the same lens; that is not counted.
+/// errors from the modes of the kerf camera where each caliper was looked at; there the depth at which the
+/// kerf is seen moves it by its own uncertainty times the slope of the line of sight. Part of them cancels,
+/// as the marks are seen through the same lens; that is not counted.
 ErrorModel errorModelOf(const Evidence& evidence);
 
 /// Correlation of the noise of neighbours from third differences of readings in units of their own sigma,

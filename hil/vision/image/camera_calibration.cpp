@@ -35,6 +35,7 @@ Eigen::Matrix3d planeToCamera(const Eigen::Isometry3d& X_CP) {
   return h;
 }
 
+/// Point of the plane on the line of sight of a normalised pixel.
 Eigen::Vector2d intersect(const Eigen::Matrix3d& camera_to_plane, const Eigen::Vector2d& normalised) {
   const Eigen::Vector3d q = camera_to_plane * normalised.homogeneous();
   // 1 / q.z is the depth of the point in front of the camera.
@@ -42,10 +43,21 @@ Eigen::Vector2d intersect(const Eigen::Matrix3d& camera_to_plane, const Eigen::V
   return q.head<2>() / q.z();
 }
 
+/// The same for lines of sight along the camera's z.
+Eigen::Vector2d intersectTelecentric(const CameraCalibration& c, const Eigen::Vector2d& normalised) {
+  const Eigen::Matrix2d axes = c.X_CP.linear().topLeftCorner<2, 2>();
+  return axes.inverse() * (c.telecentric_mm * normalised - c.X_CP.translation().head<2>());
+}
+
 Eigen::Vector3d inCamera(const Eigen::Isometry3d& X_CP, const Eigen::Vector2d& p_mm) {
   const Eigen::Vector3d c = X_CP * Eigen::Vector3d(p_mm.x(), p_mm.y(), 0.0);
   if (!(c.z() > 0.0)) throw std::domain_error("camera calibration: the point lies behind the camera");
   return c;
+}
+
+/// What x and y of a point in the camera are divided by.
+double scaleDepth(const CameraCalibration& c, const Eigen::Vector3d& p_C_mm) {
+  return c.telecentric_mm > 0.0 ? c.telecentric_mm : p_C_mm.z();
 }
 
 }  // namespace
@@ -64,7 +76,9 @@ void CameraCalibration::planeFromPixels(std::span<const Eigen::Vector2d> pixels,
   const Eigen::Matrix3d camera_to_plane = planeToCamera(X_CP).inverse();
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Eigen::Vector2d distorted((pixels[i].x() - cx_px) / fx_px, (pixels[i].y() - cy_px) / fy_px);
-    p_mm[i] = intersect(camera_to_plane, undistort(distortion, distorted));
+    const Eigen::Vector2d normalised = undistort(distortion, distorted);
+    p_mm[i] = telecentric_mm > 0.0 ? intersectTelecentric(*this, normalised)
+                                   : intersect(camera_to_plane, normalised);
   }
 }
 
@@ -88,17 +102,19 @@ Eigen::Vector2d CameraCalibration::mapError(std::size_t mode, const Eigen::Vecto
 
 Eigen::Vector2d CameraCalibration::pixelFromPlane(const Eigen::Vector2d& p_mm) const {
   const Eigen::Vector3d c = inCamera(X_CP, p_mm);
-  const Eigen::Vector2d d = distort(distortion, c.head<2>() / c.z()).point;
+  const Eigen::Vector2d d = distort(distortion, c.head<2>() / scaleDepth(*this, c)).point;
   return {cx_px + fx_px * d.x(), cy_px + fy_px * d.y()};
 }
 
 LocalPixelMap CameraCalibration::localMap(const Eigen::Vector2d& p_mm) const {
   const Eigen::Vector3d c = inCamera(X_CP, p_mm);
-  const Eigen::Vector2d n = c.head<2>() / c.z();
+  const double depth_mm = scaleDepth(*this, c);
+  const Eigen::Vector2d n = c.head<2>() / depth_mm;
   const Distorted d = distort(distortion, n);
   Eigen::Matrix<double, 2, 3> projection;
   projection << 1.0, 0.0, -n.x(), 0.0, 1.0, -n.y();
-  const Eigen::Matrix2d n_per_mm = projection * X_CP.linear().leftCols<2>() / c.z();
+  if (telecentric_mm > 0.0) projection.col(2).setZero();
+  const Eigen::Matrix2d n_per_mm = projection * X_CP.linear().leftCols<2>() / depth_mm;
   LocalPixelMap out;
   out.pixel = {cx_px + fx_px * d.point.x(), cy_px + fy_px * d.point.y()};
   out.pixel_per_mm = Eigen::Vector2d(fx_px, fy_px).asDiagonal() * d.jacobian * n_per_mm;
@@ -109,7 +125,7 @@ std::optional<Eigen::Vector2d> CameraCalibration::pixelIfSeen(const Eigen::Vecto
                                                               double border_px) const {
   const Eigen::Vector3d c = X_CP * Eigen::Vector3d(p_mm.x(), p_mm.y(), 0.0);
   if (!(c.z() > 0.0)) return std::nullopt;
-  const Eigen::Vector2d n = c.head<2>() / c.z();
+  const Eigen::Vector2d n = c.head<2>() / scaleDepth(*this, c);
   const double r2 = n.squaredNorm();
   const auto [k1, k2, p1, p2, k3] = distortion;
   if (!(1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0)) return std::nullopt;
@@ -118,6 +134,19 @@ std::optional<Eigen::Vector2d> CameraCalibration::pixelIfSeen(const Eigen::Vecto
   const bool seen = pixel.x() >= border_px && pixel.y() >= border_px &&
                     pixel.x() <= width_px - 1 - border_px && pixel.y() <= height_px - 1 - border_px;
   return seen ? std::optional(pixel) : std::nullopt;
+}
+
+Eigen::Vector2d CameraCalibration::sightSlope(const Eigen::Vector2d& p_mm) const {
+  if (telecentric_mm > 0.0) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d camera_P = X_CP.inverse().translation();
+  return (p_mm - camera_P.head<2>()) / std::abs(camera_P.z());
+}
+
+CameraCalibration CameraCalibration::lowered(double depth_mm) const {
+  CameraCalibration below = *this;
+  const Eigen::Vector3d normal_C = X_CP.linear().col(2);
+  below.X_CP.translation() += (normal_C.z() > 0.0 ? depth_mm : -depth_mm) * normal_C;
+  return below;
 }
 
 double CameraCalibration::pitchMm() const {

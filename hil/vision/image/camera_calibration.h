@@ -18,14 +18,20 @@ struct LocalPixelMap {
   Eigen::Matrix2d pixel_per_mm{Eigen::Matrix2d::Identity()};
 };
 
-/// A calibrated pinhole camera above a plane (OpenCV's model and order of distortion coefficients). Frame P
-/// is the plane that it looks at, z = 0 on the board: the work plane W of the spot camera, the inspection
-/// table T of the kerf camera.
+/// A calibrated camera above a plane (OpenCV's model and order of distortion coefficients). Frame P is the
+/// plane that it looks at, z = 0 on the board: the work plane W of the spot camera; for the kerf camera the
+/// inspection table T, at the height of the sheet's printed face.
 struct CameraCalibration {
   int width_px{};
   int height_px{};
   double fx_px{}, fy_px{}, cx_px{}, cy_px{};
-  std::array<double, 5> distortion{};                     ///< k1 k2 p1 p2 k3
+  std::array<double, 5> distortion{};  ///< k1 k2 p1 p2 k3
+  /// 0: entocentric, a pinhole. Else telecentric: lines of sight are parallel, and x and y in the camera,
+  /// divided by this length, take the place of x/z and y/z.
+  double telecentric_mm{};
+  /// Telecentric: bound (95 %) of the angle by which the lines of sight are not square to the plane; its
+  /// direction is not known.
+  double square_within_rad{};
   Eigen::Isometry3d X_CP{Eigen::Isometry3d::Identity()};  ///< Pose of the plane in the camera; lengths in mm.
   double map_u_mm{};  ///< Standard uncertainty of a mapped point within the board area of the calibration.
 
@@ -54,6 +60,12 @@ struct CameraCalibration {
                                                            double border_px) const;
   /// Many pixels at once, without repeating the set-up. @throws std::invalid_argument for unequal sizes.
   void planeFromPixels(std::span<const Eigen::Vector2d> pixels, std::span<Eigen::Vector2d> p_mm) const;
+  /// How far a line of sight that meets the plane at p_mm moves on per millimetre below it: outwards from the
+  /// foot of a pinhole. Zero for a telecentric lens: what it is not square by is in square_within_rad.
+  [[nodiscard]] Eigen::Vector2d sightSlope(const Eigen::Vector2d& p_mm) const;
+  /// The same camera over the plane that lies depth_mm below, farther from it. Frames lie square below each
+  /// other.
+  [[nodiscard]] CameraCalibration lowered(double depth_mm) const;
   /// Mean scale at the image centre, mm per pixel.
   [[nodiscard]] double pitchMm() const;
 };

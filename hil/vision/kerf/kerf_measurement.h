@@ -49,6 +49,10 @@ struct EntityKerf {
   /// Standard deviation of the light that Caliper::brightness mixes, across the kerf: lens, pixel, and the
   /// pixels that count as its middle.
   double middle_sigma_mm{};
+  /// Depth below the printed face at which the camera sees the kerf's middle, and its standard uncertainty;
+  /// see sightDepths(). Offsets are those of that depth.
+  double depth_mm{};
+  double depth_sigma_mm{};
 };
 
 /// Corner as cut, where two entities of one unit meet or one turns.
@@ -124,7 +128,12 @@ struct KerfScanOptions {
   double beam_radius_mm{0.0};
   double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
   double widest_blur_px{
-      1.5};        ///< Standard deviation beyond which the edges of marks show a picture as blurred.
+      1.5};  ///< Standard deviation beyond which the edges of marks show a picture as blurred.
+  /// Thickness of the board by its data sheet; 0: too thin to matter, and kerfs are taken to lie in the plane
+  /// of the marks.
+  double board_thickness_mm{0.0};
+  /// Standard uncertainty of where the inspection table says that a tile was taken, per axis.
+  double table_sigma_mm{0.0};
   int threads{1};  ///< The result is the same at any number.
 };
 
@@ -136,6 +145,9 @@ struct KerfScan {
   std::vector<StrayCut> strays;
   std::vector<KerfPatch> patches;  ///< Patches, the worst first.
   double mark_residual_mm{};       ///< Worst RMS over units of marks against their places.
+  /// RMS per axis of how far the same kerf lies apart in two overlapping tiles, what the board's thickness
+  /// explains taken out; NaN without overlaps.
+  double tile_misfit_mm{};
   /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
   std::vector<std::string> problems;
 };

@@ -173,6 +173,11 @@ void spread(Profile& profile, std::size_t count) {
 
 }  // namespace
 
+double caliperBorderPx(double reach_mm, double pixel_mm) {
+  constexpr double kBorderPx = 4.0;
+  return (reach_mm + 0.1) / pixel_mm * 1.05 + kBorderPx;
+}
+
 CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double reach_mm) {
   CaliperWindow window{.p_S_mm = station.p_S_mm,
                        .tangent = station.tangent,

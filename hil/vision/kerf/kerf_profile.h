@@ -62,6 +62,10 @@ struct OtherKerf {
 void readProfile(const TileView& view, const CameraCalibration& calibration, const PlaneMotion& X_TS,
                  const CaliperWindow& window, const OtherKerf& other, Profile& profile);
 
+/// Distance from a picture's edge that a caliper of this reach needs, with what rounding and a curve's bend
+/// take.
+double caliperBorderPx(double reach_mm, double pixel_mm);
+
 /// The window of a station: as long as curvature and the ends of an open curve allow.
 CaliperWindow windowOf(const Station& station, const EntityPlan& plan, double reach_mm);
 

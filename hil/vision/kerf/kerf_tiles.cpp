@@ -168,15 +168,19 @@ TileIndex::TileIndex(const std::vector<TileView>& tiles, const CameraCalibration
   }
 }
 
-const TileView* TileIndex::best(const Eigen::Vector2d& p_T_mm, double border_px) const {
-  if (!box_T_mm_.contains(p_T_mm)) return nullptr;
+std::span<const std::uint32_t> TileIndex::near(const Eigen::Vector2d& p_T_mm) const {
+  if (!box_T_mm_.contains(p_T_mm)) return {};
   const Eigen::Vector2d cell = (p_T_mm - box_T_mm_.min()) / cell_mm_;
   const int x = std::min(columns_ - 1, static_cast<int>(cell.x()));
   const int y = std::min(rows_ - 1, static_cast<int>(cell.y()));
+  return cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                static_cast<std::size_t>(x)];
+}
+
+const TileView* TileIndex::best(const Eigen::Vector2d& p_T_mm, double border_px) const {
   const TileView* best = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t t : cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
-                                      static_cast<std::size_t>(x)]) {
+  for (const std::uint32_t t : near(p_T_mm)) {
     const TileView& view = tiles_[t];
     const double distance_mm = (p_T_mm - view.centre_T_mm).norm();
     if (distance_mm > view.half_diagonal_mm || distance_mm >= nearest) continue;
@@ -185,6 +189,16 @@ const TileView* TileIndex::best(const Eigen::Vector2d& p_T_mm, double border_px)
     best = &view;
   }
   return best;
+}
+
+std::vector<const TileView*> TileIndex::seeing(const Eigen::Vector2d& p_T_mm, double border_px) const {
+  std::vector<const TileView*> views;
+  for (const std::uint32_t t : near(p_T_mm)) {
+    if (calibration_.pixelIfSeen(p_T_mm - tiles_[t].tile.p_TV_mm, border_px)) views.push_back(&tiles_[t]);
+  }
+  std::ranges::stable_sort(views, {},
+                           [&](const TileView* view) { return (p_T_mm - view->centre_T_mm).norm(); });
+  return views;
 }
 
 }  // namespace kerfbench::vision

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,13 @@ class TileIndex {
   /// The tile that sees the point at least border_px inside its edge, with its middle nearest; nullptr if
   /// there is none.
   [[nodiscard]] const TileView* best(const Eigen::Vector2d& p_T_mm, double border_px) const;
+  /// All tiles that see the point so, the best one first.
+  [[nodiscard]] std::vector<const TileView*> seeing(const Eigen::Vector2d& p_T_mm, double border_px) const;
 
  private:
+  /// Tiles of the cell that a point lies in.
+  [[nodiscard]] std::span<const std::uint32_t> near(const Eigen::Vector2d& p_T_mm) const;
+
   const std::vector<TileView>& tiles_;
   const CameraCalibration& calibration_;
   Eigen::AlignedBox2d box_T_mm_;

@@ -15,6 +15,7 @@
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"
 #include "hil/vision/scan/kerf_unit.h"
+#include "hil/vision/scan/sight_pairs.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -61,12 +62,15 @@ void keepWorstPatches(KerfScan& scan, int count) {
 KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibration, const PrintLayout& print,
                   const dieline::Dieline& dieline, const KerfScanOptions& options) {
   if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
-      !(options.beam_radius_mm >= 0.0)) {
+      !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
+      !(options.table_sigma_mm >= 0.0)) {
     throw std::invalid_argument(
-        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm >= 0");
+        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, board_thickness_mm "
+        "and table_sigma_mm >= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
   KerfScan scan;
+  scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
   std::set<int> done;
   UnitTiles source(tiles, calibration);
   for (;;) {
@@ -90,8 +94,12 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
+    const SightFit sight =
+        sightDepths(sightPairs(plan, {pictures.views, index, place->X_TS, calibration, options}),
+                    pictures.views.size(), options.board_thickness_mm, options.table_sigma_mm);
+    if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
     const UnitScan unit_scan(calibration, plan, options,
-                             {pictures.views, index, unit, place->X_TS, pictures.blur});
+                             {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }

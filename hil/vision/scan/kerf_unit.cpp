@@ -21,7 +21,10 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPatchPx = 80;
 constexpr float kEvenly = 0.75F;
-constexpr double kBorderPx = 4.0;  // what rounding and a curve's bend need
+/// A slit with upright walls that is seen aslant looks narrower by thickness x slope; one that narrows
+/// downwards by more does not. Half of that is taken, and this much of it is uncertain: a rectangle's.
+constexpr double kNarrowing = 0.5;
+constexpr double kNarrowingSigma = 0.289;
 
 struct Worst {
   double offset_mm{};  ///< Magnitude.
@@ -90,10 +93,10 @@ void UnitScan::caliper(const EntityPlan& plan, const Station& station, const Til
                        Caliper& out, KerfReading& reading) const {
   const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
   const auto hidden = plan.hidden(station);
-  readProfile(view, calibration_, X_TS_, window, {hidden, kHiddenMm}, scratch.profile);
+  readProfile(view, cameraFor(plan), X_TS_, window, {hidden, kHiddenMm}, scratch.profile);
   if (!hidden.empty() && !seesOwn(scratch.profile)) {
     out.near_joint = true;
-    readProfile(view, calibration_, X_TS_, window, {}, scratch.profile);
+    readProfile(view, cameraFor(plan), X_TS_, window, {}, scratch.profile);
   }
   reading = measureKerf(scratch.profile, options_.open_gray);
   out.found = reading.found;
@@ -104,7 +107,7 @@ void UnitScan::caliper(const EntityPlan& plan, const Station& station, const Til
 
 void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const {
   const double pixel_mm = calibration_.pitchMm();
-  const double border_px = (options_.reach_mm + 0.1) / pixel_mm * 1.05 + kBorderPx;
+  const double border_px = caliperBorderPx(options_.reach_mm, pixel_mm);
   Scratch scratch;
   std::vector<KerfReading> readings;
   std::vector<WindowOnPixels> windows;
@@ -139,6 +142,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
   }
   correctFlankBias(plan, readings, {options_, pixel_mm, blur_}, kerf, noise.model_mm);
   correctCurvatureBias(plan, blur_.px * pixel_mm, kerf);
+  widen(plan, kerf);
   for (std::size_t i = 0; i < windows.size(); ++i)
     noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
 }
@@ -146,7 +150,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
 UnitScan::WindowOnPixels UnitScan::windowOnPixels(const EntityPlan& plan, const Station& station,
                                                   const TileView* view) const {
   if (view == nullptr) return {};
-  const LocalPixelMap map = calibration_.localMap(X_TS_ * station.p_S_mm - view->tile.p_TV_mm);
+  const LocalPixelMap map = cameraFor(plan).localMap(X_TS_ * station.p_S_mm - view->tile.p_TV_mm);
   const CaliperWindow window = windowOf(station, plan, options_.reach_mm);
   const Eigen::Matrix2d pixel_per_S =
       map.pixel_per_mm * X_TS_.rotation() * (window.back_mm + window.ahead_mm);
@@ -161,6 +165,8 @@ void UnitScan::cuts(KerfScan& scan) const {
   std::vector<CutNoise> noise(plans.size());
   base::forEachIndex(plans.size(), options_.threads, [&](std::size_t e) {
     kerfs[e] = {unit_, plans[e].entity, {}};
+    kerfs[e].depth_mm = depthOf(plans[e]).mm;
+    kerfs[e].depth_sigma_mm = depthOf(plans[e]).sigma_mm;
     measure(plans[e], kerfs[e], noise[e], unseen[e]);
   });
   for (std::size_t e = 0; e < plans.size(); ++e) {
@@ -176,34 +182,76 @@ void UnitScan::cuts(KerfScan& scan) const {
   std::move(kerfs.begin(), kerfs.end(), std::back_inserter(scan.entities));
 }
 
+Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const {
+  const Eigen::Vector2d p_T_mm = X_TS_ * p_S_mm;
+  const TileView* view = index_.best(p_T_mm, 0.0);
+  if (view == nullptr) return Eigen::Vector2d::Zero();
+  const SightDepth& depth = depthOf(plan);
+  // A telecentric lens is not square by an angle of unknown direction.
+  const double unsquare_mm = 0.5 * depth.mm * calibration_.square_within_rad;
+  const Eigen::Vector2d slope =
+      X_TS_.rotation().transpose() * calibration_.sightSlope(p_T_mm - view->tile.p_TV_mm);
+  return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);
+}
+
+void UnitScan::widen(const EntityPlan& plan, EntityKerf& kerf) const {
+  if (kerf.calipers.empty()) return;
+  double sum_mm = 0.0;
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+    const Eigen::Vector2d& t = plan.stations[i].tangent;
+    const Eigen::Vector2d normal = X_TS_.rotation() * Eigen::Vector2d(-t.y(), t.x());
+    const double narrowed_mm =
+        options_.board_thickness_mm * std::abs(calibration_.sightSlope(kerf.calipers[i].p_V_mm).dot(normal));
+    kerf.calipers[i].width_mm += kNarrowing * narrowed_mm;
+    sum_mm += narrowed_mm;
+  }
+  const double mean_mm = sum_mm / static_cast<double>(kerf.calipers.size());
+  kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, kNarrowingSigma * mean_mm);
+}
+
+JointScene UnitScan::sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs) const {
+  return {.tiles = &index_,
+          .calibration = &cameraFor(plan),
+          .X_TS = &X_TS_,
+          .options = &options_,
+          .plan = &plan_,
+          .kerfs = &kerfs,
+          .blur = blur_,
+          .unit = unit_};
+}
+
 void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const {
-  const JointScene scene{.tiles = &index_,
-                         .calibration = &calibration_,
-                         .X_TS = &X_TS_,
-                         .options = &options_,
-                         .plan = &plan_,
-                         .kerfs = &kerfs,
-                         .blur = blur_,
-                         .unit = unit_};
   std::vector<CornerKerf> corners(plan_.corners.size());
-  base::forEachIndex(corners.size(), options_.threads,
-                     [&](std::size_t i) { corners[i] = measureCorner(scene, plan_.corners[i]); });
+  base::forEachIndex(corners.size(), options_.threads, [&](std::size_t i) {
+    const PlannedCorner& planned = plan_.corners[i];
+    const EntityPlan& entity = plan_.entities[planned.in.plan];
+    corners[i] = measureCorner(sceneOf(entity, kerfs), planned);
+    corners[i].deviation_sigma_mm =
+        std::hypot(corners[i].deviation_sigma_mm, depthSigma_mm(entity, planned.in.p_S_mm).norm());
+  });
+  const auto addEnd = [&](LineEnd measured, const EntityEnd& end) {
+    const double by_depth_mm =
+        depthSigma_mm(plan_.entities[end.plan], end.p_S_mm).dot(end.outward.cwiseAbs());
+    measured.sigma_mm = std::hypot(measured.sigma_mm, by_depth_mm);
+    scan.ends.push_back(measured);
+  };
   scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
       continue;  // Perforations may end in a bridge.
-    scan.ends.push_back(measureEnd(scene, end));
+    addEnd(measureEnd(sceneOf(plan_.entities[end.plan], kerfs), end), end);
   }
   for (const EntityEnd& start : plan_.closures) {
     if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;
-    scan.ends.push_back(measureClosure(scene, start));
+    // What start and end have in common does not part them.
+    scan.ends.push_back(measureClosure(sceneOf(plan_.entities[start.plan], kerfs), start));
   }
 }
 
 void UnitScan::strays(KerfScan& scan) const {
   std::vector<std::vector<StrayBox>> per_tile(tiles_.size());
   base::forEachIndex(tiles_.size(), options_.threads, [&](std::size_t t) {
-    per_tile[t] = findStrays(tiles_[t], t, calibration_, X_TS_, plan_.entities, options_.open_gray);
+    per_tile[t] = findStrays(tiles_[t], t, seen_.front(), X_TS_, plan_.entities, options_.open_gray);
   });
   std::vector<StrayBox> boxes;
   for (const auto& some : per_tile) boxes.insert(boxes.end(), some.begin(), some.end());

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "hil/vision/corner/joint_scene.h"
 #include "hil/vision/image/lens_blur.h"
 #include "hil/vision/kerf/kerf_caliper.h"
 #include "hil/vision/kerf/kerf_noise.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"
+#include "hil/vision/scan/sight_depth.h"
 
 namespace kerfbench::vision {
 
@@ -18,6 +21,7 @@ struct PlacedUnit {
   int unit;
   const PlaneMotion& X_TS;
   const LensBlur& blur;
+  const SightDepths& depths;
 };
 
 /// Measures everything about one unit whose place is known.
@@ -26,6 +30,8 @@ class UnitScan {
   UnitScan(const CameraCalibration& calibration, const KerfPlan& plan, const KerfScanOptions& options,
            const PlacedUnit& place)
       : calibration_(calibration),
+        depths_(place.depths),
+        seen_{calibration.lowered(place.depths[0].mm), calibration.lowered(place.depths[1].mm)},
         plan_(plan),
         options_(options),
         tiles_(place.tiles),
@@ -49,6 +55,18 @@ class UnitScan {
     }
   };
   struct Scratch;
+  /// The camera over the plane in which it sees a kerf's middle.
+  [[nodiscard]] const CameraCalibration& cameraFor(const EntityPlan& plan) const {
+    return seen_.at(static_cast<std::size_t>(formOf(plan.process)));
+  }
+  [[nodiscard]] const SightDepth& depthOf(const EntityPlan& plan) const {
+    return depths_.at(static_cast<std::size_t>(formOf(plan.process)));
+  }
+  /// Uncertainty of a place by that of the depth at which an entity is seen, along each axis of S.
+  [[nodiscard]] Eigen::Vector2d depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const;
+  /// What thickness and aslant sight take from the widths, put back.
+  void widen(const EntityPlan& plan, EntityKerf& kerf) const;
+  [[nodiscard]] JointScene sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs) const;
   void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
   void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
                Caliper& out, KerfReading& reading) const;
@@ -57,7 +75,9 @@ class UnitScan {
   void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
   void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
 
-  const CameraCalibration& calibration_;
+  const CameraCalibration& calibration_;  ///< Over the plane of the marks.
+  SightDepths depths_;
+  std::array<CameraCalibration, kKerfForms> seen_;
   const KerfPlan& plan_;
   const KerfScanOptions& options_;
   const std::vector<TileView>& tiles_;

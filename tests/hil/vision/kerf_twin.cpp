@@ -44,11 +44,13 @@ CameraCalibration calibrationOf(const twin::CameraDescription& camera) {
   c.cx_px = camera.cx_px;
   c.cy_px = camera.cy_px;
   c.distortion = camera.distortion;
+  c.telecentric_mm = camera.telecentric_mm;
   c.X_CP = camera.X_CP;
   return c;
 }
 
 TwinCut::TwinCut() {
+  board.thickness_mm = 1e-6;
   print.units = 1;
   print.pitch_mm = 80.0;
   for (const double x : {-17.0, 17.0}) {
@@ -85,7 +87,7 @@ Eigen::Isometry2d TwinCut::lay() const {
          Eigen::Rotation2Dd(0.01 * (random.uniform(2) - 0.5));
 }
 
-std::vector<camera::KerfTile> TwinCut::tiles() const {
+twin::Sheet TwinCut::sheet() const {
   twin::Sheet sheet(board);
   for (const dieline::Entity& entity : dieline.entities) {
     if (entity.process == dieline::Process::kIgnore) continue;
@@ -96,8 +98,13 @@ std::vector<camera::KerfTile> TwinCut::tiles() const {
          share == share_of.end() ? fluence_share : share->second);
   }
   if (also) also(sheet);
+  return sheet;
+}
+
+std::vector<camera::KerfTile> TwinCut::tiles() const {
+  const twin::Sheet cut = sheet();
   const Vector2d p_TV_mm(0.3, -0.2);
-  return {{twin::KerfCamera(camera, print, seed).render(sheet, 0, p_TV_mm, lay()), p_TV_mm, 0}};
+  return {{twin::KerfCamera(camera, print, seed).render(cut, 0, p_TV_mm, lay()), p_TV_mm, 0}};
 }
 
 KerfScan TwinCut::scan() const { return scan(tiles()); }

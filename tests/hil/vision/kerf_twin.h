@@ -24,7 +24,7 @@ constexpr double kBeamRadiusMm = 0.105;
 twin::CameraDescription kerfCamera(double pitch_mm = 0.04, double scale = 1.0);
 CameraCalibration calibrationOf(const twin::CameraDescription& camera);
 
-/// A sheet that the model cuts and photographs, with everything known.
+/// A sheet that the model cuts and photographs, with everything known; thin unless the board says otherwise.
 struct TwinCut {
   twin::BoardDescription board;
   twin::CameraDescription camera = kerfCamera();
@@ -45,6 +45,7 @@ struct TwinCut {
             double share) const;
   void burn(twin::Sheet& sheet, const dieline::Curve& curve, double offset, double share) const;
 
+  [[nodiscard]] twin::Sheet sheet() const;
   [[nodiscard]] std::vector<camera::KerfTile> tiles() const;
   [[nodiscard]] KerfScan scan() const;
   [[nodiscard]] KerfScan scan(std::vector<camera::KerfTile> tiles) const;

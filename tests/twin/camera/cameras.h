@@ -36,6 +36,13 @@ inline CameraDescription withoutNoise(CameraDescription camera) {
   return camera;
 }
 
+/// Board so thin that it looks the same from all sides.
+inline BoardDescription thinBoard() {
+  BoardDescription board;
+  board.thickness_mm = 1e-6;
+  return board;
+}
+
 /// Centroid and sum of |gray - base| in the square of half side `half` around a pixel.
 struct Centroid {
   Eigen::Vector2d pixel{Eigen::Vector2d::Zero()};

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Isometry2d;
 using Eigen::Vector2d;
 
-const double kBoard = kOpenKerfGray * BoardDescription{}.transmission;
+const double kBoard = kOpenKerfGray * thinBoard().transmission;
 
 PrintLayout blank(int units = 1) {
   PrintLayout print;
@@ -42,7 +42,7 @@ GrayImage render(const CameraDescription& description, const Sheet& sheet, const
 }
 
 Sheet sheetWithLine() {
-  Sheet sheet{BoardDescription{}};
+  Sheet sheet{thinBoard()};
   const double energy_j = 0.75 * 0.105 * std::sqrt(std::numbers::pi / 2.0) * 60.0;
   sheet.burn({{-30.0, 0.013}, 0.105, 0.105}, {{30.0, 0.013}, 0.105, 0.105}, energy_j);
   return sheet;
@@ -158,7 +158,7 @@ TEST(HardKerfCamera, GrainAndRoughnessAreFixedToTheBoard) {
 TEST(HardKerfCamera, GrainIsOfTheBoardNotOfTheOpenKerf) {
   CameraDescription description = straight();
   description.texture = {.grain_gray = 4.0, .grain_length_mm = 0.06};
-  Sheet sheet{BoardDescription{}};
+  Sheet sheet{thinBoard()};
   for (double y = -2.0; y <= 2.0; y += 0.05)
     sheet.burn({{-2.0, y}, 0.105, 0.105}, {{2.0, y}, 0.105, 0.105}, 4.0 * 0.05 * 0.75);
   PrintLayout print = blank();
@@ -183,7 +183,7 @@ TEST(HardKerfCamera, OtherPrintLetsLessLightThrough) {
   print.areas = {{.p_SA_mm = {3.0, 4.0}, .size_mm = {3.0, 0.8}, .angle_rad = -0.4},
                  {.p_SA_mm = {-9.0, -5.0}, .size_mm = {2.0, 2.5}, .ink = 0.5}};
   const PlaneProjection projection(description);
-  const Sheet sheet{BoardDescription{}};
+  const Sheet sheet{thinBoard()};
   for (const int unit : {0, 1}) {
     const GrayImage image = render(description, sheet, {0.7, -0.3}, 1, print, unit);
     for (const PrintedArea& area : print.areas) {

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Isometry2d;
 using Eigen::Vector2d;
 
-const double kBoardGray = kOpenKerfGray * BoardDescription{}.transmission;
+const double kBoardGray = kOpenKerfGray * thinBoard().transmission;
 
 PrintLayout blank(int units = 1) {
   PrintLayout print;
@@ -41,7 +41,7 @@ TEST_P(KerfAt, IsWhereTheBeamWasWithinATwentiethOfAPixel) {
   const Isometry2d X_TS = Eigen::Translation2d(0.7, -0.4) * Eigen::Rotation2Dd(0.005);
   const Vector2d along(std::cos(GetParam()), std::sin(GetParam()));
   const Vector2d middle(30.517, -19.321);
-  Sheet sheet{BoardDescription{}};
+  Sheet sheet{thinBoard()};
   cut(sheet, middle - 9.0 * along, middle + 9.0 * along);
   const GrayImage image = camera.render(sheet, 0, p_TV_mm, X_TS);
   const auto pixelOn = [&](double station_mm) {
@@ -93,7 +93,7 @@ TEST(KerfCamera, BoardLetsMoreLightThroughTheDeeperItIsBurnt) {
   const KerfCamera camera(description, blank(), 1);
   const PlaneProjection projection(description);
   for (const double depth : {0.0, 0.25, 0.5, 0.75, 1.2}) {
-    Sheet sheet{BoardDescription{}};
+    Sheet sheet{thinBoard()};
     if (depth > 0.0) burnPatch(sheet, {1.0, 2.0}, depth);
     const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
     const Vector2d pixel = *projection.pixelOf({1.0, 2.0});
@@ -106,7 +106,7 @@ TEST(KerfCamera, BoardLetsMoreLightThroughTheDeeperItIsBurnt) {
 TEST(KerfCamera, AWholeKerfHasTheLightOfItsWidth) {
   const CameraDescription description = withoutNoise(camera40um());
   const KerfCamera camera(description, blank(), 1);
-  Sheet sheet{BoardDescription{}};
+  Sheet sheet{thinBoard()};
   cut(sheet, {-30.0, 0.3}, {30.0, 0.3});
   const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
   // The integral of the transmission across the kerf is compared with the light across the picture's middle
@@ -237,7 +237,7 @@ TEST(KerfCamera, MarksAreDarkerThanTheBoardAndInPlace) {
   print.marks = {{{3.0, 4.0}, 3.0}, {{-8.0, -5.0}, 2.0}};
   const KerfCamera camera(description, print, 1);
   const PlaneProjection projection(description);
-  const Sheet sheet{BoardDescription{}};
+  const Sheet sheet{thinBoard()};
   const Isometry2d X_TS = Eigen::Translation2d(0.9, -0.8) * Eigen::Rotation2Dd(-0.005);
   const Vector2d p_TV_mm(1.5, -2.5);
   for (const int unit : {0, 2}) {
@@ -257,7 +257,7 @@ TEST(KerfCamera, AUnitShowsWhatWasBurntOnePitchUpstream) {
   const CameraDescription description = withoutNoise(camera40um());
   const KerfCamera camera(description, blank(2), 1);
   const PlaneProjection projection(description);
-  Sheet sheet{BoardDescription{}};
+  Sheet sheet{thinBoard()};
   cut(sheet, {-50.0 + 3.0, 0.0}, {-50.0 + 3.0, 5.0});
   const Vector2d pixel = *projection.pixelOf({3.0, 2.5});
   const auto level = [&](int unit, const PieceSpan& piece) {
@@ -275,7 +275,7 @@ TEST(KerfCamera, NoiseIsAsDescribedAndFreshForEachTile) {
   CameraDescription description = camera40um();
   description.read_noise = 1.3;
   const KerfCamera camera(description, blank(2), 5);
-  const Sheet sheet{BoardDescription{}};
+  const Sheet sheet{thinBoard()};
   const GrayImage image = camera.render(sheet, 0, {0, 0}, Isometry2d::Identity());
   double sum = 0.0, square = 0.0;
   for (const std::uint8_t gray : image.pixels) {
@@ -303,7 +303,7 @@ TEST(KerfCamera, NoiseIsAsDescribedAndFreshForEachTile) {
 
 TEST(KerfCamera, RefusesWhatItCannotRender) {
   const KerfCamera camera(camera40um(), blank(2), 5);
-  const Sheet sheet{BoardDescription{}};
+  const Sheet sheet{thinBoard()};
   EXPECT_THROW(static_cast<void>(camera.render(sheet, 2, {0, 0}, Isometry2d::Identity())),
                std::invalid_argument);
   EXPECT_THROW(static_cast<void>(camera.render(sheet, -1, {0, 0}, Isometry2d::Identity())),

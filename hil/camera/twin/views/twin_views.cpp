@@ -30,7 +30,8 @@ double distanceOf(const twin::CameraDescription& camera) {
 }
 
 Vector2d pitchOf(const twin::CameraDescription& camera) {
-  return distanceOf(camera) * Vector2d(1.0 / camera.fx_px, 1.0 / camera.fy_px);
+  return (camera.telecentric_mm > 0.0 ? camera.telecentric_mm : distanceOf(camera)) *
+         Vector2d(1.0 / camera.fx_px, 1.0 / camera.fy_px);
 }
 
 }  // namespace
@@ -95,6 +96,7 @@ void setTwinViews(const twin::CameraDescription& camera, const TwinViews& views,
   job.place = views.place;
   job.width_px = camera.width_px;
   job.height_px = camera.height_px;
+  job.telecentric_mm = camera.telecentric_mm;
   job.views.clear();
   for (std::size_t v = 0; v < views.X_CB.size(); ++v) job.views.push_back(fmt::format("view {}", v));
   const auto eye = std::make_shared<twin::TargetCamera>(camera, boardOf(views.target), seed);
