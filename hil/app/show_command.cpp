@@ -117,7 +117,8 @@ int showScenario(const ShowOptions& options) {
       complain(fmt::format("show: the run ended at {:.4f} s; shown is its end instead of {:g} s",
                            film.end_s(), time_s));
     }
-    save(film.sceneAt(time_s, sampled.machine, scenario::webOf(test_case), judge::unitOf(*test_case.dieline)),
+    save(film.sceneAt(time_s, sampled.machine, scenario::webOn(sampled.machine, test_case),
+                      judge::unitOf(*test_case.dieline)),
          pictureOptions(options), nameAt(out, time_s, times_s.size() > 1));
   }
   return 0;

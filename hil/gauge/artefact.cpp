@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kFaultStream = 0x6661756c74ULL;
 
-Artefact makeArtefact() {
+Artefact makeArtefact(CornerAngle corner) {
   Artefact artefact;
   const auto add = [&](dieline::Curve curve, dieline::Process process = dieline::Process::kCut) {
     const int id = static_cast<int>(artefact.dieline.entities.size());
@@ -30,7 +30,11 @@ Artefact makeArtefact() {
   artefact.circle = add(dieline::ArcCurve{{0.5, 4.5}, 2.2, 0.0, 2.0 * std::numbers::pi});
   add(dieline::LineCurve{{5.0, -1.0}, {10.5, 1.5}}, dieline::Process::kCrease);
   artefact.corner_in = add(dieline::LineCurve{{5.0, 7.5}, {10.5, 7.5}});
-  artefact.corner_out = add(dieline::LineCurve{{10.5, 7.5}, {10.5, 4.0}});
+  constexpr std::array kTurn_deg{30.0, 60.0, 90.0, 120.0, 150.0};
+  const double turn_rad = std::numbers::pi / 180.0 * kTurn_deg.at(static_cast<std::size_t>(corner));
+  const Eigen::Vector2d at(10.5, 7.5);
+  artefact.corner_out =
+      add(dieline::LineCurve{at, at + 3.5 * Eigen::Vector2d(std::cos(turn_rad), -std::sin(turn_rad))});
   artefact.print.units = 1;
   artefact.print.pitch_mm = 80.0;
   // No turn of the sheet maps the marks onto each other.
@@ -63,9 +67,13 @@ std::string_view faultName(FaultKind kind) {
   return "entity";
 }
 
-const Artefact& gaugeArtefact() {
-  static const Artefact artefact = makeArtefact();
-  return artefact;
+const Artefact& gaugeArtefact(CornerAngle corner) {
+  static const std::array<Artefact, kCornerAngles.size()> artefacts = [] {
+    std::array<Artefact, kCornerAngles.size()> all;
+    for (std::size_t i = 0; i < all.size(); ++i) all.at(i) = makeArtefact(kCornerAngles.at(i));
+    return all;
+  }();
+  return artefacts.at(static_cast<std::size_t>(corner));
 }
 
 Fault drawFault(FaultKind kind, double size_mm, const Artefact& artefact, std::uint64_t seed) {

@@ -48,7 +48,11 @@ struct Artefact {
   int circle{};                   ///< Entity ids.
   int corner_in{}, corner_out{};  ///< The first ends where the second begins.
 };
-const Artefact& gaugeArtefact();
+/// Turn of the beam at its corner, degrees.
+enum class CornerAngle : std::size_t { k30, k60, k90, k120, k150 };
+inline constexpr std::array kCornerAngles{CornerAngle::k30, CornerAngle::k60, CornerAngle::k90,
+                                          CornerAngle::k120, CornerAngle::k150};
+const Artefact& gaugeArtefact(CornerAngle corner = CornerAngle::k90);
 
 /// A fault whose shape is sampled from a stream of `seed`, with the size given. Of kBump and kEntity the
 /// entity is one that is cut through and does not meet another.

@@ -71,6 +71,7 @@ KerfCase kerfCase(const CaseId& id, std::uint64_t seed, const KerfStudy& study) 
   c.place_seed = own.bits(1);
   c.board_seed = own.bits(2);
   c.noise_seed = own.bits(3);
+  c.world_seed = own.bits(12);
   switch (id.study) {
     case Study::kBad:
     case Study::kGood: {

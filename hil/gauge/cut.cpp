@@ -21,9 +21,9 @@ using Eigen::Vector2d;
 constexpr double kStep_mm =
     0.03;  // Step of the burn: chords shift the cut of the smallest circle by 0.03 µm.
 constexpr double kSpeed_mm_s = 300.0;
-constexpr double kJump_s = 0.02;   // Between entities.
-constexpr double kCutShare = 1.6;  // Multiple of the fluence that just cuts through.
-constexpr double kCreaseShare = 0.8;
+constexpr double kJump_s = 0.02;        // Between entities.
+constexpr double kCutShare = 1.6;       // Multiple of the fluence that just cuts through.
+constexpr double kCreaseDepth = 0.8;    // Share of the thickness.
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
 constexpr double kLeg_mm = 0.6;         // Leg of a corner, in which its path is looked for,
 constexpr double kFine_mm = 0.001;      // at such steps.
@@ -35,6 +35,12 @@ Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
 /// From a ray that starts in the origin.
 double distanceToRay(const Vector2d& p, const Vector2d& direction) {
   return p.dot(direction) < 0.0 ? p.norm() : std::abs(leftOf(direction).dot(p));
+}
+
+/// Fluence in the middle of a line over that which cuts through.
+double shareOf(dieline::Process process, const twin::BoardDescription& board) {
+  if (process != dieline::Process::kCrease) return kCutShare;
+  return twin::DepthCurve(board).fluenceFor_j_mm2(kCreaseDepth) / board.cut_fluence_j_mm2;
 }
 
 /// How many whole waves go onto a line, so that a closed one still closes.
@@ -171,13 +177,29 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
   return weights > 0.0 ? sum / weights : (pathAt(line, at_mm) - p).dot(normal);
 }
 
-double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share, double transmission) const {
+double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share,
+                            const twin::BoardDescription& board) const {
   const Vector2d normal = leftOf(dieline::tangentAt(line.entity->curve, s_mm / line.length_mm));
   const double sigma_mm = std::sqrt(normal.dot(beam_.covariance_mm2() * normal));
-  // Light by Beer's law over what is left of the depth; depth in proportion to the fluence.
   const double peak = fluence_share * relativePower(line, s_mm) * 0.5 / sigma_mm;
-  const double top = std::pow(transmission, 1.0 - std::min(peak, 1.0));
-  const double half = 1.0 - std::log(0.5 * (top + transmission)) / std::log(transmission);
+  const twin::DepthCurve depth(board);
+  const auto lightAt = [&](double share) {
+    const double fluence = share * board.cut_fluence_j_mm2;
+    const double left = 1.0 - depth.depthAt(fluence);
+    const double light = twin::lightThrough(board.light_law, board.transmission, left);
+    const double scorch = board.scorch.fluence_j_mm2 > 0.0 && left > 0.0
+                              ? board.scorch.darkening * std::min(1.0, fluence / board.scorch.fluence_j_mm2)
+                              : 0.0;
+    return light * (1.0 - scorch);
+  };
+  // The fluence at which half of the light comes through that does in the middle, by bisection.
+  const double wanted = 0.5 * (lightAt(peak) + board.transmission);
+  double half = 0.0;
+  double above = std::min(peak, 1.0);
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (half + above);
+    (lightAt(middle) < wanted ? half : above) = middle;
+  }
   return peak > half ? 2.0 * sigma_mm * std::sqrt(2.0 * std::log(peak / half))
                      : std::numeric_limits<double>::quiet_NaN();
 }
@@ -305,7 +327,7 @@ CutTruth ArtefactCut::truth(const std::vector<vision::EntityKerf>& stations,
   for (const vision::EntityKerf& kerf : stations) {
     const Line& line = lines_.at(static_cast<std::size_t>(kerf.entity));
     EntityTruth e{.entity = kerf.entity, .circularity_mm = std::numeric_limits<double>::quiet_NaN()};
-    const double share = line.entity->process == dieline::Process::kCrease ? kCreaseShare : kCutShare;
+    const double share = shareOf(line.entity->process, board);
     double own_squares = 0.0;
     double own = 0.0;
     for (const vision::Caliper& c : kerf.calipers) {
@@ -314,7 +336,7 @@ CutTruth ArtefactCut::truth(const std::vector<vision::EntityKerf>& stations,
       if (c.near_joint || !judged(line, c.station_mm)) continue;
       e.worst_mm = std::max(e.worst_mm, std::abs(offset_mm));
       own_squares += offset_mm * offset_mm;
-      e.width_mm += widthAt(line, c.station_mm, share * nominal_radius_mm, board.transmission);
+      e.width_mm += widthAt(line, c.station_mm, share * nominal_radius_mm, board);
       own += 1.0;
     }
     e.rms_mm = std::sqrt(own_squares / own);
@@ -376,7 +398,7 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
   const Line& second = lines_[static_cast<std::size_t>(artefact_.corner_out)];
   const double before_mm = beforeCorner();
   for (const Line& line : lines_) {
-    const double share = line.entity->process == dieline::Process::kCrease ? kCreaseShare : kCutShare;
+    const double share = shareOf(line.entity->process, sheet.board());
     double from = line.start_gap_mm;
     double to = line.length_mm - line.end_gap_mm;
     if (&line == &first) to -= before_mm;

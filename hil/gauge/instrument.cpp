@@ -101,20 +101,27 @@ Placement KerfInstrument::draw(std::uint64_t seed) const {
   return placement;
 }
 
-camera::KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const Placement& placement,
-                                         std::uint64_t board_seed, std::uint64_t noise_seed) const {
+camera::KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const World& world,
+                                         const Placement& placement, std::uint64_t board_seed,
+                                         std::uint64_t noise_seed) const {
   twin::CameraDescription camera = windowOf(setup_.machine.kerf_camera, placement.window);
   camera.board_seed = board_seed;
-  return {twin::KerfCamera(camera, artefact_.print, noise_seed)
-              .render(sheet, 0, placement.p_TV_mm, placement.X_TS),
-          placement.p_TV_mm, 0};
+  camera.foot = world.foot;
+  camera.texture = world.texture;
+  camera.roughness = world.roughness;
+  return {
+      twin::KerfCamera(camera, world.print, noise_seed).render(sheet, 0, placement.p_TV_mm, placement.X_TS),
+      placement.p_TV_mm, 0};
 }
 
-KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& placement) const {
+KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& placement,
+                                        double thickness_mm) const {
   vision::KerfScanOptions options;
   options.station_pitch_mm = kStationPitch_mm;
   options.beam_radius_mm = setup_.machine.beam.waist_radius_mm;  // As the data sheet has it.
-  options.board_thickness_mm = setup_.board.thickness_mm;
+  options.beam_radius_sigma = setup_.radius_sigma;
+  options.print_sigma_mm = setup_.print_sigma_mm;
+  options.board_thickness_mm = thickness_mm;
   const vision::CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
   OneTile source(std::move(tile));
   KerfMeasurement m;

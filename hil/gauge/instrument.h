@@ -8,6 +8,7 @@
 
 #include "hil/camera/tile_source.h"
 #include "hil/gauge/artefact.h"
+#include "hil/gauge/world.h"
 #include "hil/inspect/inspect.h"
 #include "hil/vision/image/camera_calibration.h"
 #include "hil/vision/kerf/kerf_measurement.h"
@@ -23,6 +24,9 @@ struct GaugeSetup {
   vision::CameraCalibration kerf_calibration, spot_calibration;
   twin::BoardDescription board;
   inspect::Tolerances limits;
+  double radius_sigma{0.05};  ///< Relative, and the next: what the bench is told of its uncertainty.
+  double print_sigma_mm{};
+  bool mismatch{};  ///< Cases are cut and seen in worlds that are not the bench's own; see otherWorld().
 };
 
 /// A part of a camera's sensor, read out alone: the same lens and mount, fewer pixels. An artefact is smaller
@@ -57,9 +61,12 @@ class KerfInstrument {
   /// Anywhere in the field, shifted by up to 1 mm and turned by up to 0.3 degrees, as in a run.
   [[nodiscard]] Placement draw(std::uint64_t seed) const;
   /// `board_seed`: which piece of board; `noise_seed`: of the sensor's noise.
-  [[nodiscard]] camera::KerfTile picture(const twin::Sheet& sheet, const Placement& placement,
-                                         std::uint64_t board_seed, std::uint64_t noise_seed) const;
-  [[nodiscard]] KerfMeasurement measure(camera::KerfTile tile, const Placement& placement) const;
+  [[nodiscard]] camera::KerfTile picture(const twin::Sheet& sheet, const World& world,
+                                         const Placement& placement, std::uint64_t board_seed,
+                                         std::uint64_t noise_seed) const;
+  /// As in a run: of the world the bench is told the board's thickness alone.
+  [[nodiscard]] KerfMeasurement measure(camera::KerfTile tile, const Placement& placement,
+                                        double thickness_mm) const;
 
  private:
   const GaugeSetup& setup_;

@@ -104,40 +104,55 @@ void addJoints(const KerfMeasurement& m, const CutTruth& truth, std::uint64_t pi
 
 }  // namespace
 
-KerfStudy::KerfStudy(const GaugeSetup& setup)
-    : setup_(setup), artefact_(gaugeArtefact()), instrument_(setup, artefact_) {}
+KerfStudy::KerfStudy(const GaugeSetup& setup) : setup_(setup) {
+  for (const CornerAngle corner : kCornerAngles) instruments_.emplace_back(setup, gaugeArtefact(corner));
+}
 
-ArtefactCut KerfStudy::cutOf(const KerfCase& test_case) const {
+World KerfStudy::worldOf(const KerfCase& test_case) const {
+  const twin::CameraDescription& camera = setup_.machine.kerf_camera;
+  return setup_.mismatch ? otherWorld(setup_.board, camera, test_case.world_seed)
+                         : toldWorld(setup_.board, camera);
+}
+
+ArtefactCut KerfStudy::cutOf(const KerfCase& test_case, const World& world) const {
   const twin::SampledMachine sampled =
       twin::drawImperfections(setup_.machine, setup_.spread, test_case.preset, test_case.machine_seed);
   ArtefactBeam beam(sampled.machine, placeInMachine(setup_.machine, test_case.machine_seed));
   beam.power = sampled.machine.laser.full_power_w / setup_.machine.laser.full_power_w;
-  return {artefact_, test_case.faults, beam, test_case.machine_seed ^ kTubeNoise};
+  beam.radius_x_mm *= world.radius;
+  beam.radius_y_mm *= world.radius;
+  return {gaugeArtefact(world.corner), test_case.faults, beam, test_case.machine_seed ^ kTubeNoise};
 }
 
 void KerfStudy::scaleTo(double truth_mm, KerfCase& test_case) const {
   // Monotonous but for what the others do: regula falsi from the size itself.
+  const World world = worldOf(test_case);
   const double sign = test_case.faults.at(0).size_mm < 0.0 ? -1.0 : 1.0;
   for (int i = 0; i < 8; ++i) {
     const double size = std::abs(test_case.faults[0].size_mm);
-    const double is = cutOf(test_case).worst_mm(0.1);
+    const double is = cutOf(test_case, world).worst_mm(0.1);
     if (std::abs(is - truth_mm) < 1e-4) return;
     test_case.faults[0].size_mm = sign * std::max(1e-6, size * truth_mm / std::max(is, 1e-6));
   }
 }
 
 KerfStudy::Whole KerfStudy::runWhole(const KerfCase& test_case) const {
-  const ArtefactCut cut = cutOf(test_case);
-  twin::Sheet sheet(setup_.board);
+  const World world = worldOf(test_case);
+  const Artefact& artefact = gaugeArtefact(world.corner);
+  const KerfInstrument& instrument = instruments_.at(static_cast<std::size_t>(world.corner));
+  const ArtefactCut cut = cutOf(test_case, world);
+  twin::Sheet sheet(world.board);
   const double radius_mm = setup_.machine.beam.waist_radius_mm;
   cut.burn(sheet, radius_mm);
-  const Placement placement = instrument_.draw(test_case.place_seed);
-  camera::KerfTile tile = instrument_.picture(sheet, placement, test_case.board_seed, test_case.noise_seed);
+  const Placement placement = instrument.draw(test_case.place_seed);
+  camera::KerfTile tile =
+      instrument.picture(sheet, world, placement, test_case.board_seed, test_case.noise_seed);
   Whole whole;
+  whole.world = world;
   whole.picture = tile.image;
-  whole.measurement = instrument_.measure(std::move(tile), placement);
+  whole.measurement = instrument.measure(std::move(tile), placement, world.told_thickness_mm);
   const KerfMeasurement& m = whole.measurement;
-  whole.truth = cut.truth(m.scan.entities, setup_.board, radius_mm);
+  whole.truth = cut.truth(m.scan.entities, world.board, radius_mm);
   KerfOutcome& out = whole.outcome;
   out.name = test_case.name;
   if (!test_case.faults.empty()) {
@@ -152,14 +167,14 @@ KerfStudy::Whole KerfStudy::runWhole(const KerfCase& test_case) const {
   out.problems = m.result.problems;
   if (m.result.entities.size() != whole.truth.entities.size()) return whole;
   const std::uint64_t pick = CounterRandom(test_case.machine_seed, 1).bits(0) % 100000;
-  addLines(m, whole.truth, artefact_.dieline, pick, out.readings);
+  addLines(m, whole.truth, artefact.dieline, pick, out.readings);
   addJoints(m, whole.truth, pick, out.readings);
   for (const inspect::UncertaintyBudget& b : m.result.budgets) {
     out.worst_as_read_mm = b.as_read;
     out.analytic_U_mm = b.analytic_U;
     out.monte_carlo_U_mm = b.monte_carlo_U;
   }
-  addField(m, whole.truth, placement, artefact_.dieline, out.field);
+  addField(m, whole.truth, placement, artefact.dieline, out.field);
   return whole;
 }
 

@@ -25,6 +25,7 @@ struct KerfCase {
   std::uint64_t place_seed{};  ///< Pose under the camera.
   std::uint64_t board_seed{};  ///< Number of the piece of board.
   std::uint64_t noise_seed{};  ///< Seed of the camera's noise.
+  std::uint64_t world_seed{};  ///< Seed of the world, with GaugeSetup::mismatch.
 };
 
 /// Error of one caliper at its place in the camera's field.
@@ -60,6 +61,7 @@ class KerfStudy {
     GrayImage picture;
     KerfMeasurement measurement;
     CutTruth truth;
+    World world;
   };
   [[nodiscard]] Whole runWhole(const KerfCase& test_case) const;
   /// Scales the first fault until KerfOutcome::truth_mm is as given, to 0.1 µm; other faults and the
@@ -67,11 +69,11 @@ class KerfStudy {
   void scaleTo(double truth_mm, KerfCase& test_case) const;
 
  private:
-  [[nodiscard]] ArtefactCut cutOf(const KerfCase& test_case) const;
+  [[nodiscard]] World worldOf(const KerfCase& test_case) const;
+  [[nodiscard]] ArtefactCut cutOf(const KerfCase& test_case, const World& world) const;
 
   const GaugeSetup& setup_;
-  const Artefact& artefact_;
-  KerfInstrument instrument_;
+  std::vector<KerfInstrument> instruments_;  ///< One for each CornerAngle.
 };
 
 }  // namespace kerfbench::gauge

@@ -178,7 +178,7 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
   append(result.problems, checks::kerfProblems(evidence));
   const Measured m = measured(evidence, limits, edges, half_light_mm, result);
   const bool sound = result.problems.empty();
-  const std::vector<std::string> doubts = checks::doubtsOf(evidence, m.lit);
+  const std::vector<std::string> doubts = checks::doubtsOf(evidence, m.lit, limits);
   append(result.problems, doubts);
   for (const Finding& finding : cameraFindings(m, result)) add(finding, result);
   for (const Finding& finding : pinFindings(evidence)) add(finding, result);

@@ -61,6 +61,10 @@ void addGauge(CLI::App& app, const cli::CliProgram& program, cli::CliActions& ac
           },
           "Machines to draw: ideal, static, dynamic or both (static and dynamic, the default)")
       ->check(CLI::IsMember({"ideal", "static", "dynamic", "both"}));
+  gauge->add_flag(
+      "--mismatch", options.mismatch,
+      "Cut and look in worlds that are not the bench's own: other light, walls, beam, lens, board "
+      "and print than\nit is told");
   gauge->add_option("--studies", options.studies, "Only these: verdicts, coverage, type1, grr, stillness")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kGaugeStudies.begin(), kGaugeStudies.end())));

@@ -137,6 +137,7 @@ int repeatCase(const gauge::GaugeSetup& setup, const GaugeCommandOptions& option
   const gauge::KerfStudy::Whole whole = study.runWhole(c);
   console.result(fmt::format("{}: {}, true deviation {:.2f} µm", c.name,
                              inspect::verdictName(whole.outcome.verdict), 1e3 * whole.outcome.truth_mm));
+  if (setup.mismatch) console.result("  world " + gauge::textOf(whole.world));
   for (const gauge::Fault& f : c.faults) {
     console.result(
         fmt::format("  fault {:<9} {:+.2f} µm, E{}, place {:.2f}, length {:.2f} mm, direction {:.0f}°, {}",
@@ -169,7 +170,12 @@ int repeatCase(const gauge::GaugeSetup& setup, const GaugeCommandOptions& option
 int gauge(const GaugeCommandOptions& options) {
   base::Console console(options.quiet);
   gauge::GaugeFacts facts;
-  const gauge::GaugeSetup setup = readSetup(options.machine, facts);
+  gauge::GaugeSetup setup = readSetup(options.machine, facts);
+  setup.mismatch = options.mismatch;
+  if (setup.mismatch) {
+    setup.radius_sigma = gauge::kToldRadius;
+    setup.print_sigma_mm = gauge::kToldPrint_mm;
+  }
   facts.command = options.command_line;
   if (!options.test_case.empty()) return repeatCase(setup, options, console);
   judge::refuseForeignResults(options.results_dir, "gauge");

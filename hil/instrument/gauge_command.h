@@ -22,6 +22,7 @@ struct GaugeCommandOptions {
   std::vector<std::string> studies;  ///< Names of kGaugeStudies; none: all.
   std::string test_case;             ///< Name of one case to repeat; empty: all.
   std::string command_line;          ///< As typed, for the report.
+  bool mismatch{};                   ///< GaugeSetup::mismatch
   bool quiet{};
 };
 

@@ -11,7 +11,6 @@
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
 #include "hil/judge/missing_sensors.h"
-#include "hil/judge/oblique_view.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
 #include "hil/judge/real_spot.h"
@@ -96,6 +95,8 @@ class Look {
     options.station_pitch_mm = kStationPitch_mm;
     options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;     // As the laser's data sheet has it.
     options.board_thickness_mm = test_case_.scenario.board.thickness_mm;  // As the board's has it.
+    options.beam_radius_sigma = test_case_.beam_radius_sigma;
+    options.print_sigma_mm = test_case_.scenario.print_sigma_mm;
     options.table_sigma_mm = test_case_.kerf_camera.table_sigma_mm;
     evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");
@@ -148,10 +149,6 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
   judgement.facts = std::move(look.facts());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());
-  const bool real_kerf = !test_case.scenario.cameras.kerf.tiles.empty();
-  if (real_kerf && calibrated.kerf)
-    judgement.oblique_mm =
-        obliqueShift_mm(evidence.kerf, *calibrated.kerf, test_case.scenario.board.thickness_mm);
   judgement.kerf = judgement.result.edges ? std::move(*judgement.result.edges) : std::move(evidence.kerf);
   judgement.result.edges.reset();
   judgement.spot = std::move(evidence.spot);
@@ -180,7 +177,6 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.kerf = std::move(judgement.kerf);
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
-  report.oblique_mm = judgement.oblique_mm;
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }
 

@@ -36,7 +36,6 @@ struct Judgement {
   vision::KerfScan kerf;
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
-  double oblique_mm{};  ///< What obliqueShift_mm() says of real kerf pictures; 0 for the model's.
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
 };

@@ -102,8 +102,8 @@ LivePins runLive(const scenario::Case& test_case, const twin::SampledMachine& sa
     source::GpioLiveOptions options = scenario::liveOptions(scenario.firmware.gpio, pins.chips());
     options.in.low_at_start = scenario::countedRising(test_case.machine);
     options.ends_when_quiet = job.dialog == nullptr;
-    run::LiveModel model(sampled.machine, scenario::webOf(test_case), source::GpioLiveSource::kRate,
-                         scenario.seed, wantsLimits(test_case));
+    run::LiveModel model(sampled.machine, scenario::webOn(sampled.machine, test_case),
+                         source::GpioLiveSource::kRate, scenario.seed, wantsLimits(test_case));
     options.high_at_start = model.highAtStart();
     // First, because opening it can make a board start anew, with all that its pins do then.
     std::unique_ptr<source::SerialLine> uart = openUart(scenario.firmware, pins);

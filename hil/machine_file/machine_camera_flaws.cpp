@@ -22,6 +22,13 @@ twin::EdgeRoughness readRoughness(base::YamlReader roughness) {
   return result;
 }
 
+twin::BlurFoot readFoot(base::YamlReader foot) {
+  twin::BlurFoot result;
+  result.share = kPercent * foot.number("percent", {.min = 0, .max = 50, .fallback = 0.0});
+  result.sigma_px = foot.number("sigma_px", {.min = 0.5, .max = 4, .fallback = result.sigma_px});
+  return result;
+}
+
 twin::Plume readPlume(base::YamlReader plume) {
   twin::Plume result;
   result.share = kPercent * plume.number("percent", {.min = 0, .max = 100, .fallback = 0.0});
@@ -93,6 +100,7 @@ void readCameraFlaws(base::YamlReader& camera, bool timed, twin::CameraDescripti
     result.link = readLink(camera.section("link"));
   } else {
     result.roughness = readRoughness(camera.section("roughness"));
+    result.foot = readFoot(camera.section("foot"));
   }
 }
 

@@ -37,6 +37,9 @@ void readGantry(base::YamlReader& file, const DriveCatalogue& catalogue, Machine
   machine.travel_max_mm = box[1];
 }
 
+/// What is left of a waist's radius after it was measured by burn marks or a knife edge (ISO 11146: a few
+/// percent).
+constexpr double kUsualRadius_percent = 5.0;
 /// Repeatability of linear stages with an encoder, as data sheets state it for both directions: 1 to 3 um.
 constexpr double kUsualTable_um = 2.0;
 
@@ -181,7 +184,11 @@ MachineFile readMachineFile(const std::filesystem::path& path) {
     readGantry(file, catalogue, machine);
   }
   machine.belt = readBelt(file.section("belt"), catalogue);
-  machine.beam = readBeam(file.section("beam"));
+  auto beam = file.section("beam");
+  machine.beam = readBeam(beam);
+  result.beam_radius_sigma =
+      kPercent *
+      beam.number("waist_radius_percent", {.min = 0.5, .max = 30, .fallback = kUsualRadius_percent});
   machine.surface = readSurface(file.section("surface"));
   machine.laser = readLaser(file.section("laser"));
   machine.power_monitor = readPowerMonitor(file.section("power_monitor"));

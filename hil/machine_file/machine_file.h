@@ -28,6 +28,7 @@ struct MachineFile {
   twin::MachineDescription machine;
   twin::ImperfectionSpread spread;  ///< Section `imperfections`.
   CameraFile spot_camera, kerf_camera;
+  double beam_radius_sigma{};  ///< For the bench: relative standard uncertainty of the beam's radius.
   /// The file, what it extends, and the files that these name: drives, correction table, calibrations.
   std::vector<std::filesystem::path> inputs;
   /// Every key that was asked for, the given and the others.

@@ -22,6 +22,12 @@ twin::ImperfectionSpread readSpread(base::YamlReader section) {
   read("mark_sensor_mm", 1.0, 2, spread.mark_sensor_mm);
   read("power_percent", kPercent, 20, spread.power);
   read("power_monitor_scale_percent", kPercent, 20, spread.power_monitor_scale);
+  read("beam_radius_percent", kPercent, 20, spread.beam_radius);
+  read("board_thickness_percent", kPercent, 20, spread.board_thickness);
+  read("board_transmission_percent", kPercent, 20, spread.board_transmission);
+  read("board_cut_fluence_percent", kPercent, 20, spread.board_cut_fluence);
+  read("table_step_um", 1e-3, 50, spread.table_step_mm);
+  read("table_scale_ppm", kMicro, 1e3, spread.table_scale);
   read("bandwidth_percent", kPercent, 20, spread.bandwidth);
   read("backlash_urad", kMicro, 1e4, spread.backlash_rad);
   read("backlash_mm", 1.0, 1, spread.backlash_mm);

@@ -47,7 +47,7 @@ twin::ScanHeadDescription readHead(base::YamlReader optics) {
   return head;
 }
 
-twin::BeamDescription readBeam(base::YamlReader beam) {
+twin::BeamDescription readBeam(base::YamlReader& beam) {
   twin::BeamDescription result;
   result.waist_radius_mm = beam.number("waist_radius_mm", {.min = 0.032, .max = 5});
   result.rayleigh_mm = beam.number("rayleigh_mm", {.min = 0.1, .max = 1e4, .fallback = result.rayleigh_mm});

@@ -28,7 +28,7 @@ twin::AxisDescription readAxis(base::YamlReader axis, Load load, const DriveCata
                                double roller_inertia_kg_m2 = 0.0, double roller_radius_mm = 0.0);
 
 twin::ScanHeadDescription readHead(base::YamlReader optics);
-twin::BeamDescription readBeam(base::YamlReader beam);
+twin::BeamDescription readBeam(base::YamlReader& beam);
 twin::SurfaceDescription readSurface(base::YamlReader surface);
 twin::BeltDescription readBelt(base::YamlReader belt, const DriveCatalogue& catalogue);
 twin::FrictionDescription readFriction(base::YamlReader friction, Load load);

@@ -32,7 +32,6 @@ constexpr std::array kLimits{
     Limit{"line_energy_share", "", [](const Tolerances& t) { return t.line_energy_share; }}};
 
 /// A shift of kerfs by their walls of less than that is below what a caliper tells.
-constexpr double kSeenAside_mm = 0.001;
 
 std::string wideLimits(const Tolerances& limits) {
   const Tolerances defaults;
@@ -83,12 +82,6 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   add("model_pictures", report.model_pictures
                             ? "the pins are real, but the pictures are of the model: no real cut was seen"
                             : "");
-  if (report.oblique_mm > kSeenAside_mm) {
-    add("oblique_view",
-        fmt::format(
-            "the walls of the kerfs, seen aslant, move them by up to {:.3f} mm, which U does not hold",
-            report.oblique_mm));
-  }
   add("calibration_age",
       report.calibrations_undated ? "the scenario has no date, so no calibration can be too old" : "");
   return all;

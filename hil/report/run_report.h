@@ -69,7 +69,7 @@ std::string stopSentence(const inspect::InspectionResult& result);
 
 /// What narrows a PASS, or anything else that a verdict must not be read without.
 struct Reservation {
-  std::string kind;  ///< "wide_limit", "not_judged", "part_not_judged", "model_pictures", "oblique_view",
+  std::string kind;  ///< "wide_limit", "not_judged", "part_not_judged", "model_pictures",
                      ///< "calibration_age"
   std::string text;  ///< A clause without a full stop, for people.
 };
@@ -107,7 +107,6 @@ struct RunReport {
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
   bool model_pictures{};        ///< The pins are real, and the pictures are the model's.
-  double oblique_mm{};          ///< Real pictures: how far the walls of kerfs, seen aslant, move them.
   bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
   // What the wall clock and the host say.
   std::string host;

@@ -36,7 +36,7 @@ class ModelMachine::Hidden {
  public:
   Hidden(const scenario::Case& test_case, const twin::MachineDescription& machine, TickRate rate,
          const twin::TwinOptions& options)
-      : twin(machine, scenario::webOf(test_case), rate, options) {}
+      : twin(machine, scenario::webOn(machine, test_case), rate, options) {}
   twin::Twin twin;
 };
 
@@ -92,6 +92,7 @@ std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, dou
 std::unique_ptr<camera::TileSource> ModelMachine::kerfTiles(int threads) {
   camera::TwinTileOptions options;
   options.threads = threads;
+  options.table = sampled_.machine.inspection_table;
   return std::make_unique<camera::TwinTileSource>(run::kerfTiles(test_case_, sheet(), options));
 }
 

@@ -88,6 +88,7 @@ Case readCase(const std::filesystem::path& scenario, const std::filesystem::path
   test_case.spread = file.spread;
   test_case.spot_camera = file.spot_camera;
   test_case.kerf_camera = file.kerf_camera;
+  test_case.beam_radius_sigma = file.beam_radius_sigma;
   test_case.inputs = test_case.scenario.inputs;
   for (const std::filesystem::path& input : file.inputs)
     if (std::ranges::find(test_case.inputs, input) == test_case.inputs.end())
@@ -119,7 +120,7 @@ twin::SampledMachine sampledMachine(const Case& test_case) {
   twin::SampledMachine sampled =
       twin::drawImperfections(test_case.machine, test_case.spread, scenario.imperfections, scenario.seed);
   // The description was fit: a draw that is not comes from a spread too wide.
-  const auto faults = twin::faultsOf(sampled.machine, webOf(test_case));
+  const auto faults = twin::faultsOf(sampled.machine, webOn(sampled.machine, test_case));
   if (!faults.empty()) {
     throw base::ConfigError(fmt::format("{}: imperfections: the machine that seed {} draws cannot run: {}",
                                         scenario.machine.string(), scenario.seed, fmt::join(faults, "; ")));
@@ -198,6 +199,16 @@ twin::WebDescription webOf(const Case& test_case) {
   web.belt_speed_mm_s = scenario.belt_speed_mm_s;
   web.belt_speed_changes = scenario.belt_speed_changes;
   web.fed_by_controller = scenario.belt_by_controller;
+  return web;
+}
+
+twin::WebDescription webOn(const twin::MachineDescription& machine, const Case& test_case) {
+  twin::WebDescription web = webOf(test_case);
+  const twin::BoardLot& lot = machine.board_lot;
+  web.board.thickness_mm *= lot.thickness;
+  web.board.cut_fluence_j_mm2 *= lot.cut_fluence;
+  web.board.transmission *= lot.transmission;
+  web.board.print_transmission *= lot.transmission;
   return web;
 }
 

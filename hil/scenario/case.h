@@ -19,7 +19,8 @@ struct Case {
   twin::MachineDescription machine;  ///< Machine as described; sampledMachine() is the one that runs.
   twin::ImperfectionSpread spread;
   machine_file::CameraFile spot_camera,
-      kerf_camera;  ///< Cameras as the bench knows them: id and calibration.
+      kerf_camera;                 ///< Cameras as the bench knows them: id and calibration.
+  double beam_radius_sigma{0.05};  ///< MachineFile::beam_radius_sigma
   /// All files on which the run depends: those of the scenario and of the machine, each once.
   std::vector<std::filesystem::path> inputs;
   std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
@@ -40,7 +41,9 @@ twin::SampledMachine sampledMachine(const Case& test_case);
 planner::MachineParameters plannerMachine(const Case& test_case);
 /// Job as the planner is configured with it, the web's start included.
 planner::JobParameters plannerJob(const Case& test_case);
-/// Web that runs through the machine.
+/// Web that runs through the machine, of board as its data sheet has it.
 twin::WebDescription webOf(const Case& test_case);
+/// The same of the lot that lies on `machine`.
+twin::WebDescription webOn(const twin::MachineDescription& machine, const Case& test_case);
 
 }  // namespace kerfbench::scenario

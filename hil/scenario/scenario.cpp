@@ -14,6 +14,9 @@
 namespace kerfbench::scenario {
 namespace {
 
+/// What printing leaves of where marks are against each other, on one sheet of a press that is in register.
+constexpr double kUsualPrint_um = 2.0;
+
 namespace fs = std::filesystem;
 
 template <typename Value, std::size_t n>
@@ -181,7 +184,10 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   s.layers = readLayers(file);
   s.selection = readSelection(file.section("select"));
   s.board = readBoard(file.section("board"));
-  s.print = readPrint(file.section("print"));
+  auto print = file.section("print");
+  s.print = readPrint(print);
+  s.print_sigma_mm =
+      1e-3 * print.number("registration_um", {.min = 0, .max = 500, .fallback = kUsualPrint_um});
   readBelt(file.section("belt"), s);
   readRelease(file, images, s);
   readPlanner(file.section("planner"), s);

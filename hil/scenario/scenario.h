@@ -67,7 +67,8 @@ struct Scenario {
   planner::Selection selection;  ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
   PrintLayout print;
-  double belt_speed_mm_s{};                          ///< Speed at t = 0, as the planner knows it.
+  double print_sigma_mm{};   ///< For the bench: where a registration mark is printed, per axis.
+  double belt_speed_mm_s{};  ///< Speed at t = 0, as the planner knows it.
   std::vector<twin::SpeedPoint> belt_speed_changes;  ///< Speeds of the line that are to come.
   bool belt_by_controller{};             ///< The controller's feed pulses move the belt, not the line.
   std::optional<double> web_start_x_mm;  ///< x_W of unit 0's origin at t = 0; absent: from the lead time.

@@ -21,6 +21,10 @@ const std::map<std::string, dieline::Process> kProcesses{{"cut", dieline::Proces
                                                          {"perforation", dieline::Process::kPerforation},
                                                          {"ignore", dieline::Process::kIgnore}};
 
+const std::map<std::string, twin::LightLaw> kLightLaws{{"beer", twin::LightLaw::kBeer},
+                                                       {"scatter", twin::LightLaw::kScatter},
+                                                       {"linear", twin::LightLaw::kLinear}};
+
 std::vector<twin::DepthPoint> readDepthCurve(base::YamlReader& board) {
   std::vector<twin::DepthPoint> curve;
   auto points = board.list("depth_curve");
@@ -141,6 +145,11 @@ twin::BoardDescription readBoard(base::YamlReader board) {
       board.number("thickness_mm", {.min = 0.05, .max = 5.0, .fallback = result.thickness_mm});
   result.cut_fluence_j_mm2 =
       board.number("cut_fluence_j_mm2", {.min = 0.001, .max = 100.0, .fallback = result.cut_fluence_j_mm2});
+  const std::string law = board.text("light", "beer");
+  if (const auto found = kLightLaws.find(law); found != kLightLaws.end())
+    result.light_law = found->second;
+  else
+    board.fault("light", fmt::format("'{}' is none of beer, scatter, linear", law));
   result.transmission =
       board.number("transmission", {.min = 0.01, .max = 0.5, .fallback = result.transmission});
   result.print_transmission =
@@ -150,7 +159,7 @@ twin::BoardDescription readBoard(base::YamlReader board) {
   return result;
 }
 
-PrintLayout readPrint(base::YamlReader print) {
+PrintLayout readPrint(base::YamlReader& print) {
   PrintLayout result;
   result.units = static_cast<int>(print.integer("units", {.min = 1, .max = 10000, .fallback = 1.0}));
   result.pitch_mm = print.number("pitch_mm", {.min = 1.0, .max = 10000.0});

@@ -108,6 +108,12 @@ class SpotCamera {
   std::shared_ptr<const Model> model_;
 };
 
+/// The table on which the finished sheet lies under the kerf camera: how far its scales are from the truth.
+struct InspectionTableDescription {
+  double step_mm{};  ///< Standard deviation of where it stops, per axis, anew for each tile.
+  double scale{};    ///< Relative: the way that it goes for a millimetre of its scales, less one.
+};
+
 /// Piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was cut off
 /// before: nothing that was burnt there is seen.
 struct PieceSpan {

@@ -73,7 +73,7 @@ struct ObliqueSight {
   ShareTable board, print;  ///< grayOfLeft()
   Eigen::Vector2d at_origin{Eigen::Vector2d::Zero()};
   double per_node{};
-  int slices{};  ///< Of the block; 0: so little aslant that it counts as square.
+  int slices{};  ///< Slices of the block; 0: so little aslant that it counts as square.
 
   /// Way through the whole board of the line of sight that enters at a place.
   [[nodiscard]] Eigen::Vector2d through(const Eigen::Vector2d& p_nodes) const {

@@ -89,6 +89,13 @@ struct ControllerDescription {
   double laser_lag_s{};  ///< Lag of the power behind the controller's PWM.
 };
 
+/// The lot of board that lies on the machine, against the board's data sheet.
+struct BoardLot {
+  double thickness{1.0};  ///< Factor, > 0; so are the others.
+  double transmission{1.0};
+  double cut_fluence{1.0};
+};
+
 /// A laser die-cutter. Constant; the moving state is in Twin.
 struct MachineDescription {
   enum class Kind { kTwoMirror, kGantry };
@@ -112,6 +119,8 @@ struct MachineDescription {
   PowerMonitorDescription power_monitor;
   CameraDescription spot_camera;
   CameraDescription kerf_camera;
+  InspectionTableDescription inspection_table;
+  BoardLot board_lot;
   double glow_gray_per_w{4.0};  ///< Peak grey that the glowing spot adds for each watt, in the spot camera.
   ControllerDescription controller;
 };

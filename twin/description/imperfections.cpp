@@ -126,6 +126,12 @@ void drawStatic(Drawing& draw, MachineDescription& machine, const ImperfectionSp
   drawRoller(draw, machine.belt, spread.roller_radius);
   draw.add(machine.belt.print_mark_sensor.x_mm, "print_mark_sensor.x", spread.mark_sensor_mm, "mm");
   machine.laser.full_power_w *= draw.relative("laser.full_power", spread.power);
+  machine.beam.waist_radius_mm *= draw.relative("beam.waist_radius", spread.beam_radius);
+  machine.board_lot.thickness *= draw.relative("board.thickness", spread.board_thickness);
+  machine.board_lot.transmission *= draw.relative("board.transmission", spread.board_transmission);
+  machine.board_lot.cut_fluence *= draw.relative("board.cut_fluence", spread.board_cut_fluence);
+  draw.addNoise(machine.inspection_table.step_mm, "inspection_table.step", spread.table_step_mm, "mm");
+  draw.add(machine.inspection_table.scale, "inspection_table.scale", spread.table_scale, "mm/mm");
   machine.power_monitor.scale *= draw.relative("power_monitor.scale", spread.power_monitor_scale);
 }
 

@@ -47,6 +47,12 @@ struct ImperfectionSpread {
   double mark_sensor_mm{0.005};       ///< Place of the print-mark sensor.
   double power{0.01};                 ///< Relative power of the tube.
   double power_monitor_scale{0.005};  ///< Relative scale of the power monitor.
+  double beam_radius{0.03};           ///< Relative radius of the beam's waist.
+  double board_thickness{0.025};      ///< Relative: cartonboard is sold as ±5 %.
+  double board_transmission{0.05};    ///< Relative.
+  double board_cut_fluence{0.03};     ///< Relative energy that cuts through.
+  double table_step_mm{0.002};        ///< n: where the inspection table stops.
+  double table_scale{10e-6};          ///< Relative scale of the inspection table.
   // kDynamic
   double bandwidth{0.01};       ///< Relative bandwidth of each servo: its tracking delay.
   double backlash_rad{0.2e-6};  ///< h: backlash of each mirror, in the seat of a clamp; a galvo has no gear.

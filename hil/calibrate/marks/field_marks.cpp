@@ -212,7 +212,8 @@ FieldPictures searchSheet(camera::TileSource& tiles, const vision::CameraCalibra
   if (unit != 0 || !source.next().empty())
     out.problems.emplace_back("the pictures are of more than one sheet");
   const vision::TileIndex index(pictures.views, calibration);
-  const auto place = vision::placeUnit(pictures.views, index, 0, layout, calibration, out.problems);
+  const auto place =
+      vision::placeUnit(pictures.views, index, {0, &layout, scan.table_sigma_mm}, calibration, out.problems);
   if (!place) return out;
   if (3 * static_cast<std::size_t>(place->marks) < 2 * print.size()) {
     out.problems.push_back(

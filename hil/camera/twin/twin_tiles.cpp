@@ -18,6 +18,7 @@ using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
 constexpr std::uint64_t kLaySeed = 0x71c4e0b9a52f3d86ULL;
+constexpr std::uint64_t kTableSeed = 0x1d9f53b7c06e28a4ULL;
 
 AlignedBox2d widened(const AlignedBox2d& box, double by_mm) {
   return {box.min() - Vector2d::Constant(by_mm), box.max() + Vector2d::Constant(by_mm)};
@@ -62,7 +63,11 @@ void checkOptions(const TwinTileOptions& options, const AlignedBox2d& field) {
 
 TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet,
                                const std::vector<AlignedBox2d>& interest_S_mm, const TwinTileOptions& options)
-    : camera_(std::move(camera)), sheet_(&sheet), threads_(options.threads) {
+    : camera_(std::move(camera)),
+      sheet_(&sheet),
+      threads_(options.threads),
+      seed_(options.seed),
+      table_(options.table) {
   const AlignedBox2d field_V = camera_.field();
   checkOptions(options, field_V);
   const PrintLayout& print = camera_.print();
@@ -122,14 +127,20 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
   }
 }
 
+Vector2d TwinTileSource::takenAt(std::size_t index) const {
+  const CounterRandom random(seed_ ^ kTableSeed, index);
+  return (1.0 + table_.scale) * plan_[index].p_TV_mm +
+         table_.step_mm * Vector2d(random.normal(0), random.normal(1));
+}
+
 std::vector<KerfTile> TwinTileSource::nextBatch(std::size_t max) {
   const std::size_t count = std::min(max, plan_.size() - next_);
   std::vector<KerfTile> tiles(count);
   base::forEachIndex(count, threads_, [&](std::size_t i) {
     const Place& place = plan_[next_ + i];
     const auto unit = static_cast<std::size_t>(place.unit);
-    tiles[i] = {camera_.render(*sheet_, place.unit, place.p_TV_mm, lay_[unit], pieces_[unit]), place.p_TV_mm,
-                place.unit};
+    tiles[i] = {camera_.render(*sheet_, place.unit, takenAt(next_ + i), lay_[unit], pieces_[unit]),
+                place.p_TV_mm, place.unit};
   });
   next_ += count;
   return tiles;

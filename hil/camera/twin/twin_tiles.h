@@ -21,6 +21,7 @@ struct TwinTileOptions {
   /// about the middle of the unit. Inspection must find it by its marks.
   double lay_shift_mm{1.0};
   double lay_angle_rad{0.3 * std::numbers::pi / 180.0};
+  twin::InspectionTableDescription table{};  ///< The tiles are taken where it is, and read where it says.
   double turn_rad{0.0};  ///< Turn of each unit in addition, about its middle; within ±pi.
   std::uint64_t seed{1};
   /// Cover the whole bounds of each unit, marks included; else only tiles that meet a box of interest, blind
@@ -53,9 +54,14 @@ class TwinTileSource final : public TileSource {
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };
 
+  /// Where the camera is when the table says plan_[index].
+  [[nodiscard]] Eigen::Vector2d takenAt(std::size_t index) const;
+
   twin::KerfCamera camera_;
   const twin::Sheet* sheet_;
   int threads_;
+  std::uint64_t seed_;
+  twin::InspectionTableDescription table_;
   std::vector<Eigen::Isometry2d> lay_;  ///< X_TS of each unit.
   std::vector<twin::PieceSpan> pieces_;
   std::vector<Place> plan_;

@@ -15,7 +15,7 @@ namespace {
 /// Less of an entity than that: it is not there, which is a matter of coverage.
 constexpr double kCut = 0.5;
 
-enum class Judged { kYes, kNotThere, kNotAlike, kShortLeg };
+enum class JointState { kYes, kNotThere, kNotAlike, kShortLeg };
 
 /// What of a joint is a deviation from the dieline. Rounding and overshoot tell the reason for one.
 bool isDeviation(JointResult::Kind kind) {
@@ -24,19 +24,19 @@ bool isDeviation(JointResult::Kind kind) {
 
 /// Corners of two processes, or with a perforation, which may have a bridge there: a look at the outline of
 /// one kerf does not tell of them.
-Judged judgedOf(const Evidence& evidence, const JointResult& joint,
-                const std::vector<EntityResult>& entities) {
+JointState judgedOf(const Evidence& evidence, const JointResult& joint,
+                    const std::vector<EntityResult>& entities) {
   const auto processOf = [&](int id) {
     return evidence.dieline->entities[static_cast<std::size_t>(id)].process;
   };
   const dieline::Process process = processOf(joint.entity);
   if (process == dieline::Process::kPerforation || process != processOf(joint.entity_out))
-    return Judged::kNotAlike;
+    return JointState::kNotAlike;
   for (const EntityResult& e : entities) {
     const bool own = e.unit == joint.unit && (e.entity == joint.entity || e.entity == joint.entity_out);
-    if (own && e.coverage < kCut) return Judged::kNotThere;
+    if (own && e.coverage < kCut) return JointState::kNotThere;
   }
-  return joint.short_leg ? Judged::kShortLeg : Judged::kYes;
+  return joint.short_leg ? JointState::kShortLeg : JointState::kYes;
 }
 
 std::string jointOf(const JointResult& j) {
@@ -78,10 +78,10 @@ SortedJoints sorted(const Evidence& evidence, const std::vector<JointResult>& jo
   SortedJoints s;
   for (const JointResult& j : joints) {
     if (!isDeviation(j.kind)) continue;
-    const Judged decision = judgedOf(evidence, j, entities);
-    if (decision == Judged::kNotAlike) ++s.unlike;
-    if (decision == Judged::kShortLeg) s.short_legs.push_back(&j);
-    if (decision == Judged::kYes)
+    const JointState decision = judgedOf(evidence, j, entities);
+    if (decision == JointState::kNotAlike) ++s.unlike;
+    if (decision == JointState::kShortLeg) s.short_legs.push_back(&j);
+    if (decision == JointState::kYes)
       (std::isfinite(j.mm.value) && std::isfinite(j.mm.U) ? s.judged : s.unseen).push_back(&j);
   }
   return s;

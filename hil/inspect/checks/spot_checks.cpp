@@ -43,32 +43,6 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
   return problems;
 }
 
-std::vector<std::string> doubtsOf(const Evidence& evidence, const LitFrames& lit) {
-  std::vector<std::string> doubts;
-  if (evidence.spot_calibration) {
-    const auto outside = std::count_if(lit.frames.begin(), lit.frames.end(), [&](const LitFrame& f) {
-      const auto& spot_W_mm = evidence.spot.frames[f.frame].spot_W_mm;
-      return spot_W_mm && !evidence.spot_calibration->area_mm.contains(*spot_W_mm);
-    });
-    if (outside > 0) {
-      doubts.push_back(fmt::format(
-          "In {} frames the spot lies outside the area that the spot camera's calibration covers.", outside));
-    }
-  }
-  if (!evidence.kerf_calibration) return doubts;
-  std::size_t outside = 0;
-  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
-    outside += static_cast<std::size_t>(std::ranges::count_if(kerf.calipers, [&](const vision::Caliper& c) {
-      return judgesOffset(c) && !evidence.kerf_calibration->area_mm.contains(c.p_V_mm);
-    }));
-  }
-  if (outside > 0) {
-    doubts.push_back(
-        fmt::format("{} readings lie outside the area that the kerf camera's calibration covers.", outside));
-  }
-  return doubts;
-}
-
 void countPasses(const Evidence& evidence, const LitFrames& lit, std::vector<EntityResult>& entities) {
   std::map<std::pair<int, int>, double> swept_mm;
   for (const LitRun& run : lit.runs) {

@@ -49,7 +49,7 @@ std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames&
 
 /// Readings outside of what the calibrations cover. They spoil a measured value; that a line is not there, or
 /// that something is burnt elsewhere, they do not.
-std::vector<std::string> doubtsOf(const Evidence& evidence, const LitFrames& lit);
+std::vector<std::string> doubtsOf(const Evidence& evidence, const LitFrames& lit, const Tolerances& limits);
 
 Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Stillness& stillness);
 /// Largest distance from the mean place on the sheet, of all cuts that show x.

@@ -30,7 +30,9 @@ Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
 class SharedErrors {
  public:
   SharedErrors(const Evidence& evidence, const ModeField& field)
-      : field_(field), camera_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})) {
+      : field_(field),
+        camera_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})),
+        table_sigma_mm_(evidence.kerf.table_sigma_mm) {
     for (const vision::UnitPose& pose : evidence.kerf.units)
       poses_.push_back({&pose, rootOf(pose.covariance)});
   }
@@ -41,7 +43,8 @@ class SharedErrors {
   [[nodiscard]] Eigen::RowVectorXd of(const vision::EntityKerf& kerf, const dieline::Curve& curve,
                                       const vision::Caliper& c) const {
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns());
-    row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
+    row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] =
+        std::hypot(c.steady_sigma_mm, table_sigma_mm_);
     const auto place =
         std::ranges::find_if(poses_, [&](const Place& p) { return p.pose->unit == kerf.unit; });
     if (place == poses_.end()) return row;
@@ -67,6 +70,7 @@ class SharedErrors {
   };
   const ModeField& field_;
   vision::CameraCalibration camera_;
+  double table_sigma_mm_;
   std::vector<Place> poses_;
 };
 

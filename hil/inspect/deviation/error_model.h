@@ -17,10 +17,10 @@ namespace kerfbench::inspect {
 ///
 /// noise_i has the caliper's own sigma_i and the correlation q^|i - j| within a segment. e are independent
 /// standard normal draws that many readings have in common: the first eight belong to the line (what the grid
-/// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
-/// straight line all readings share one, around a circle they change), the next three to the unit (how it was
-/// found to lie by its marks), the others to the camera and so to all units: the modes of its calibration,
-/// and for kerfs three more by how deep in the board they are seen and how aslant.
+/// of pixels, the model of the flanks and the table under its tile leave, one for each eighth of a turn that
+/// it may run in: on a straight line all readings share one, around a circle they change), the next three to
+/// the unit (how it was found to lie by its marks), the others to the camera and so to all units: the modes
+/// of its calibration, and for kerfs three more by how deep in the board they are seen and how aslant.
 struct ReadingLine {
   static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;

@@ -35,7 +35,9 @@ struct CornerKnown {
   /// First guesses, at least one; all have the same nominal curves.
   std::vector<CornerShape> legs;
   CornerLight light;
-  double blur_sigma_px{};  ///< Standard uncertainty of light.blur_px.
+  double blur_sigma_px{};                   ///< Standard uncertainty of light.blur_px.
+  double radius_share_sigma{};              ///< Relative, of light.beam_radius_mm.
+  double law_sigma{1.0}, begin_sigma{0.2};  ///< Standard uncertainty of light.growth.
   KnownLeg in, out;
 };
 

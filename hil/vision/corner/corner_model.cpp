@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hil/vision/kerf/light_law.h"
+
 namespace kerfbench::vision {
 namespace {
 
@@ -123,7 +125,8 @@ void CornerModel::render(CornerShape shape, const CornerLight& light, std::vecto
   const std::vector<Piece> arc = piecesOf(path, light);
   const auto per_radius2 = static_cast<float>(2.0 / (light.beam_radius_mm * light.beam_radius_mm));
   const auto board = static_cast<float>(light.board_gray);
-  const auto depth = static_cast<float>(std::log(light.open_gray / light.board_gray));
+  const auto open = static_cast<float>(light.open_gray);
+  const FastLaw law(light.board_gray / light.open_gray, light.growth);
   for (const Sample& sample : samples_) {
     float share = in.shareAt(sample.in_along_mm, sample.in_beside_mm) +
                   out.shareAt(sample.out_along_mm, sample.out_beside_mm);
@@ -131,7 +134,7 @@ void CornerModel::render(CornerShape shape, const CornerLight& light, std::vecto
       const float d2 = (sample.p_mm - piece.p_mm).squaredNorm() * per_radius2;
       if (d2 < 2.0F * kFarRadii * kFarRadii) share += piece.share * std::exp(-d2);
     }
-    sharp_[sample.index] = share > 0.0F ? board * std::exp(depth * std::min(1.0F, share)) : board;
+    sharp_[sample.index] = share > 0.0F ? open * law.lightAt(share) : board;
   }
   blur(light.blur_px);
   gray.resize(static_cast<std::size_t>(pixel_columns_) * static_cast<std::size_t>(pixel_rows_));

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "hil/vision/corner/corner_shape.h"
+#include "hil/vision/kerf/light_law.h"
 
 namespace kerfbench::vision {
 
@@ -17,6 +18,7 @@ struct CornerLight {
   double beam_radius_mm{0.1};  ///< 1/e².
   double board_gray{};
   double open_gray{};
+  LightGrowth growth{};
   double blur_px{0.7};     ///< RMS of the lens, the pixel's own area included.
   double scorch_in_mm{};   ///< Shift of the picture of the leg in to its left, by scorch on one side.
   double scorch_out_mm{};  ///< Shift of the picture of the leg out to its left, by scorch on one side.
@@ -42,8 +44,8 @@ struct PixelGrid {
 /// Picture of a corner that a Gaussian beam cuts on a path, row by row, in gray.
 ///
 /// Fluence as KerfOutline has it: along a leg s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside it and a
-/// beyond its end, and s0 sqrt(2/pi)/w exp(-2 d²/w²) per length of an arc at a distance d. Light by Beer's
-/// law over the depth that is left; then the blur. Two samples per pixel, each way.
+/// beyond its end, and s0 sqrt(2/pi)/w exp(-2 d²/w²) per length of an arc at a distance d. Light by
+/// LightLaw of the depth that is left; then the blur. Two samples per pixel, each way.
 class CornerModel {
  public:
   /// Picture that is right in pixels that count alone. The nominal curves of `legs` are those of all shapes

@@ -17,8 +17,7 @@ constexpr double kSlopeSigma = 0.2;
 // about as large as their sum, or this. Neither leg stops short where the other one overruns.
 constexpr double kUneven_mm = 0.005;
 constexpr double kOpposite_mm = 0.003;
-constexpr double kPeakSigma = 1.0;     // Standard deviation of the logarithm of a peak.
-constexpr double kRadiusSigma = 0.02;  // Standard deviation of the logarithm of the beam radius.
+constexpr double kPeakSigma = 1.0;  // Standard deviation of the logarithm of a peak.
 /// Standard deviation of the board, gray.
 constexpr double kBoardSigma = 10.0;
 constexpr double kOpenSigma = 4.0;  // Standard deviation of open kerf, gray.
@@ -44,7 +43,8 @@ VectorXd parametersOf(const CornerShape& shape, const CornerLight& light, Meetin
   x.head(kMeet) << shape.in.offset_mm, shape.in.slope, shape.in.curvature_per_mm, shape.in.twist_per_mm2,
       shape.out.offset_mm, shape.out.slope, shape.out.curvature_per_mm, shape.out.twist_per_mm2,
       std::log(light.peak_in), std::log(light.peak_out), std::log(light.beam_radius_mm), light.board_gray,
-      light.open_gray, light.blur_px, light.scorch_in_mm, light.scorch_out_mm;
+      light.open_gray, light.blur_px, light.scorch_in_mm, light.scorch_out_mm, light.growth.law,
+      light.growth.begin;
   if (meeting == Meeting::kArc) {
     x[kMeet] = shape.rounding_mm;
   } else {
@@ -78,6 +78,7 @@ CornerLight lightOf(const VectorXd& x) {
           std::exp(x[kRadius]),
           std::max(1.0, x[kBoard]),
           std::max(2.0, x[kOpen]),
+          {std::clamp(x[kLaw], -2.5, 2.5), std::clamp(x[kBegin], 0.0, 0.85)},
           x[kBlur],
           x[kInScorch],
           x[kOutScorch]};
@@ -133,10 +134,12 @@ int CornerProblem::operator()(const VectorXd& x, VectorXd& f) const {
       x[kOutCurvature] / known_.out.curvature_sigma_per_mm, x[kInTwist] / known_.in.twist_sigma_per_mm2,
       x[kOutTwist] / known_.out.twist_sigma_per_mm2, (x[kPeakIn] - std::log(light.peak_in)) / kPeakSigma,
       (x[kPeakOut] - std::log(light.peak_out)) / kPeakSigma,
-      (x[kRadius] - std::log(light.beam_radius_mm)) / kRadiusSigma,
+      (x[kRadius] - std::log(light.beam_radius_mm)) / known_.radius_share_sigma,
       (x[kBoard] - light.board_gray) / kBoardSigma, (x[kOpen] - light.open_gray) / kOpenSigma,
       (x[kBlur] - light.blur_px) / std::hypot(known_.blur_sigma_px, kBlurShapePx),
-      x[kInScorch] / kScorchSigma_mm, x[kOutScorch] / kScorchSigma_mm, 0.0, 0.0;
+      x[kInScorch] / kScorchSigma_mm, x[kOutScorch] / kScorchSigma_mm,
+      (x[kLaw] - light.growth.law) / known_.law_sigma, (x[kBegin] - light.growth.begin) / known_.begin_sigma,
+      0.0, 0.0;
   if (x.size() > kMeet + 1) {
     const double together_mm = std::abs(x[kMeet]);
     const double apart_mm = x[kMeet + 1];

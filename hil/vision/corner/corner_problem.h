@@ -31,6 +31,8 @@ enum CornerParameter : Eigen::Index {
   kBlur,
   kInScorch,
   kOutScorch,
+  kLaw,
+  kBegin,
   kMeet
 };
 constexpr Eigen::Index kLegParameters = 8;
@@ -71,7 +73,7 @@ class CornerProblem {
   int df(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const;
 
  private:
-  static constexpr Eigen::Index kPriors = 16;
+  static constexpr Eigen::Index kPriors = 18;
   const CornerPicture& picture_;
   const CornerKnown& known_;
   mutable CornerModel model_;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/vision/image/lens_blur.h"
+#include "hil/vision/kerf/flank_belief.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"
 
@@ -17,7 +17,7 @@ struct JointScene {
   const KerfScanOptions* options{};
   const KerfPlan* plan{};
   const std::vector<EntityKerf>* kerfs{};  ///< Kerfs of the unit, in the plan's order.
-  LensBlur blur{kUsualBlur};
+  const FlankBelief* belief{};             ///< Light, beam and blur, by the flanks of all kerfs.
   int unit{};
 
   /// The tile that sees all within `reach_mm` of a point; nullptr if none does.

@@ -11,6 +11,7 @@
 #include "hil/vision/corner/corner_fit.h"
 #include "hil/vision/corner/corner_legs.h"
 #include "hil/vision/kerf/kerf_leg.h"
+#include "hil/vision/kerf/light_law.h"
 #include "twin/base/constants.h"
 #include "twin/base/image.h"
 #include "twin/base/random.h"
@@ -24,11 +25,19 @@ constexpr double kBesideMm = 0.36;   // Half width of the strip along each leg t
 constexpr double kOnLegMm = 0.05;    // Distance from a leg up to which a point belongs to it.
 constexpr double kMostOffMm = 0.35;  // Largest offset of a kerf that the pixels still hold.
 constexpr int kDraws = 64;
+constexpr double kLeastSigma =
+    0.005;  // Least uncertainty of law, begin and radius: a prior must not be exact.
+constexpr double kHardSigma = 0.02;
 constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
-// Error of the model of the picture, measured on artefacts (./bench gauge): the lens is not known better.
-constexpr double kArcModelMm = 0.0003;
-constexpr double kLegsModelMm = 0.0003;
-constexpr double kRoundingModelMm = 0.0003;
+// Error of the model of the picture for a corner that hardly turns, measured in worlds that are not the
+// model's
+// (./bench gauge --mismatch): lens, light and walls are not known better. It grows as the legs' kerfs run
+// into each other over more of their length.
+constexpr double kArcModelMm = 0.0021;
+constexpr double kLegsModelMm = 0.0021;
+constexpr double kRoundingModelMm = 0.0018;
+constexpr double kOverModelMm = 0.0032;
+constexpr double kSharpest = 0.2;  // Cosine of half the turn of the sharpest corner that is told apart.
 /// Uncertainty over the flicker of the legs' half widths, as the arc has fewer places.
 constexpr double kFlickerShare = 1.7;
 // Uncertainty of the end of a leg that overruns: none where it hardly stands out, largest at about 10 um,
@@ -118,12 +127,29 @@ bool isShort(const JointScene& scene, const EntityEnd& end) {
 }
 
 /// Share of the cutting fluence in the middle of a leg, by how wide it is.
-double peakOf(const KerfScanOptions& options, const KerfLeg& leg, double board_gray) {
-  const double w = options.beam_radius_mm > 0.0 ? options.beam_radius_mm : 2.0 * leg.half_width_mm;
-  const double open = options.open_gray / board_gray;
-  const double half = 1.0 + 0.5 * leg.brightness * (open - 1.0);
-  const double a = leg.half_width_mm / w;
-  return std::clamp(std::log(half) / std::log(open) * std::exp(2.0 * a * a), 0.2, 20.0);
+double peakOf(const CornerLight& light, const KerfLeg& leg) {
+  const double transmission = light.board_gray / light.open_gray;
+  const double half = transmission + 0.5 * leg.brightness * (1.0 - transmission);
+  const double a = leg.half_width_mm / light.beam_radius_mm;
+  const double share = LightLaw(transmission, light.growth).shareAt(std::min(half, 1.0));
+  return std::clamp(share * std::exp(2.0 * a * a), 0.2, 20.0);
+}
+
+/// Light, beam and blur as the flanks of all kerfs show them. A hard tool is as wide as the kerf.
+void setLight(const FlankBelief& belief, double kerf_width_mm, CornerKnown& known) {
+  CornerLight& light = known.light;
+  const FlankMoments law = belief.momentsOf([](const FlankView& view) { return view.growth.law; });
+  const FlankMoments begin = belief.momentsOf([](const FlankView& view) { return view.growth.begin; });
+  const FlankMoments blur = belief.momentsOf([](const FlankView& view) { return view.lens_px; });
+  const FlankMoments radius = belief.momentsOf([](const FlankView& view) { return view.beam_radius_mm; });
+  const bool hard = !(radius.likely > 0.0);
+  light.growth = {law.likely, begin.likely};
+  light.blur_px = blur.likely;
+  light.beam_radius_mm = hard ? kerf_width_mm : radius.likely;
+  known.law_sigma = std::max(law.sigma, kLeastSigma);
+  known.begin_sigma = std::max(begin.sigma, kLeastSigma);
+  known.blur_sigma_px = blur.sigma;
+  known.radius_share_sigma = hard ? kHardSigma : std::max(radius.sigma / radius.likely, kLeastSigma);
 }
 
 /// What the fit's covariance makes of a quantity: mean and standard deviation of its change.
@@ -150,9 +176,18 @@ double endModelMm(double over_mm) {
   return over_mm > 0.0 ? std::min(kEndsNearShare * over_mm, kEndsFarMm2 / over_mm) : 0.0;
 }
 
+double turnOf(const CornerShape& shape) {
+  return std::acos(std::clamp(-shape.in.outwards.dot(shape.out.outwards), -1.0, 1.0));
+}
+
+/// Growth of the model's error with the turn.
+double sharpnessOf(const CornerShape& shape) {
+  return 1.0 / std::max(kSharpest, std::cos(0.5 * turnOf(shape)));
+}
+
 /// What the model leaves of a deviation: ends count as far as the deviation is theirs.
 double deviationModelMm(const CornerShape& shape, double reach_mm) {
-  if (shape.rounding_mm > 0.0) return kArcModelMm;
+  if (shape.rounding_mm > 0.0) return sharpnessOf(shape) * kArcModelMm;
   CornerShape longer = shape, shorter = shape;
   for (CornerLeg CornerShape::*leg : {&CornerShape::in, &CornerShape::out}) {
     const double model_mm = endModelMm((shape.*leg).over_mm);
@@ -160,7 +195,7 @@ double deviationModelMm(const CornerShape& shape, double reach_mm) {
     (shorter.*leg).over_mm -= model_mm;
   }
   const double of_ends_mm = 0.5 * (deviationMm(longer, reach_mm) - deviationMm(shorter, reach_mm));
-  return std::hypot(kLegsModelMm, of_ends_mm);
+  return std::hypot(sharpnessOf(shape) * kLegsModelMm, of_ends_mm);
 }
 
 /// Deviation of the corner and meeting of its legs, with their uncertainties.
@@ -182,8 +217,8 @@ void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKe
     rounding.add(shape.rounding_mm - fit.shape.rounding_mm);
   }
   const bool arc = fit.shape.rounding_mm > 0.0;
-  const double turn_rad =
-      std::acos(std::clamp(-fit.shape.in.outwards.dot(fit.shape.out.outwards), -1.0, 1.0));
+  const double turn_rad = turnOf(fit.shape);
+  const double sharp = sharpnessOf(fit.shape);
   const double hidden_mm = arc ? arcLegMm(turn_rad, fit.shape.rounding_mm) : over_mm;
   const double bent_mm = std::max(bendWithin(fit.shape.in, hidden_mm), bendWithin(fit.shape.out, hidden_mm));
   const double unsteady_mm = kFlickerShare * flicker_mm;
@@ -193,9 +228,10 @@ void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKe
   out.deviation_sigma_mm = deviation.sigma(
       std::hypot(deviationModelMm(fit.shape, reach_mm), unsteady_mm, kBentDeviation * bent_mm));
   out.rounding_mm = std::max(0.0, fit.shape.rounding_mm);
-  out.rounding_sigma_mm = rounding.sigma(std::hypot(kArcModelMm, kRoundingModelMm, meeting_mm));
+  out.rounding_sigma_mm =
+      rounding.sigma(std::hypot(sharp * kArcModelMm, sharp * kRoundingModelMm, meeting_mm));
   out.overshoot_mm = arc ? 0.0 : std::max(0.0, over_mm - over.mean());
-  out.overshoot_sigma_mm = over.sigma(std::hypot(kLegsModelMm, endModelMm(over_mm), meeting_mm));
+  out.overshoot_sigma_mm = over.sigma(std::hypot(sharp * kOverModelMm, endModelMm(over_mm), meeting_mm));
 }
 
 }  // namespace
@@ -230,12 +266,9 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   CornerLight& light = known.light;
   light.board_gray = std::clamp(scene.boardAt(*view, out.p_S_mm), 1.0, 0.9 * options.open_gray);
   light.open_gray = options.open_gray;
-  light.peak_in = peakOf(options, *in, light.board_gray);
-  light.peak_out = peakOf(options, *on, light.board_gray);
-  light.beam_radius_mm =
-      options.beam_radius_mm > 0.0 ? options.beam_radius_mm : in->half_width_mm + on->half_width_mm;
-  light.blur_px = scene.blur.px;
-  known.blur_sigma_px = scene.blur.sigma_px;
+  setLight(*scene.belief, in->half_width_mm + on->half_width_mm, known);
+  light.peak_in = peakOf(light, *in);
+  light.peak_out = peakOf(light, *on);
   const auto fit = fitCorner(picture, known);
   if (!fit) return out;
   const double off_mm = std::max(std::abs(fit->shape.in.offset_mm), std::abs(fit->shape.out.offset_mm));

@@ -73,15 +73,22 @@ double stripOf(double half_width_mm, double pixel_mm) {
   return std::max(kStripWidths * half_width_mm, 1.0 * pixel_mm);
 }
 
-KerfOutline outlineOf(const JointScene& scene, const Eigen::Vector2d& p_S_mm, double half_width_mm,
-                      double brightness) {
+/// How far the outline reaches beyond where the beam stopped, by all views of light, beam and blur.
+FlankMoments reachOf(const JointScene& scene, const Eigen::Vector2d& p_S_mm, double half_width_mm,
+                     double brightness) {
   const TileView* view = scene.tileFor(p_S_mm, kReachMm);
-  return KerfOutline({.half_width_mm = half_width_mm,
-                      .brightness = brightness,
-                      .board_gray = view == nullptr ? 0.0 : scene.boardAt(*view, p_S_mm),
-                      .open_gray = scene.options->open_gray,
-                      .beam_radius_mm = scene.options->beam_radius_mm,
-                      .pixel_mm = scene.calibration->pitchMm()});
+  const double strip_mm = stripOf(half_width_mm, scene.calibration->pitchMm());
+  KerfLook look{.half_width_mm = half_width_mm,
+                .brightness = brightness,
+                .board_gray = view == nullptr ? 0.0 : scene.boardAt(*view, p_S_mm),
+                .open_gray = scene.options->open_gray,
+                .pixel_mm = scene.calibration->pitchMm()};
+  return scene.belief->momentsOf([&](const FlankView& seen) {
+    look.growth = seen.growth;
+    look.beam_radius_mm = seen.beam_radius_mm;
+    look.lens_px = seen.lens_px;
+    return KerfOutline(look).reachMm(strip_mm);
+  });
 }
 
 /// A look through a strip against a caliper: one flank of two, and fewer pixels; and what the outline's model
@@ -134,10 +141,10 @@ LineEnd measureEnd(const JointScene& scene, const EntityEnd& end) {
         at = lookAt(*line);
       }
       if (at) {
-        const KerfOutline outline = outlineOf(scene, stations[from].p_S_mm, half_width_mm, leg->brightness);
+        const FlankMoments reach = reachOf(scene, stations[from].p_S_mm, half_width_mm, leg->brightness);
         out.found = true;
-        out.gap_mm = std::abs(station_mm - scene.stationOf(end)) + outline.reachMm(strip_mm) - *at;
-        out.sigma_mm = endSigma(leg->sigma_mm, strip_mm, leg->brightness);
+        out.gap_mm = std::abs(station_mm - scene.stationOf(end)) + reach.likely - *at;
+        out.sigma_mm = std::hypot(endSigma(leg->sigma_mm, strip_mm, leg->brightness), reach.sigma);
         return out;
       }
     }
@@ -177,10 +184,10 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
       std::numbers::sqrt2 * endSigma(std::max(begin->sigma_mm, finish->sigma_mm), strip_mm, brightness);
   out.gap_mm = 0.0;
   if (before && after) {
-    const KerfOutline outline = outlineOf(scene, start.p_S_mm, half_width_mm, brightness);
-    const double reach_mm = outline.reachMm(strip_mm);
+    const FlankMoments reach = reachOf(scene, start.p_S_mm, half_width_mm, brightness);
     // Gap of two looks from opposite sides: the dark between them is -(before + after).
-    out.gap_mm = std::max(0.0, 2.0 * reach_mm - *before - *after);
+    out.gap_mm = std::max(0.0, 2.0 * reach.likely - *before - *after);
+    out.sigma_mm = std::hypot(out.sigma_mm, 2.0 * reach.sigma);
   }
   return out;
 }

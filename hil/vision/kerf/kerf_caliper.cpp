@@ -137,8 +137,13 @@ double flankNoise(const Profile& profile, double at, double span_gray) {
 }  // namespace
 
 KerfReading measureKerf(const Profile& profile, double open_gray) {
-  KerfReading reading{
-      .offset_mm = kNan, .width_mm = kNan, .noise_mm = kNan, .odd_gray = kNan, .board_mm = kNan};
+  KerfReading reading{.offset_mm = kNan,
+                      .width_mm = kNan,
+                      .low_width_mm = kNan,
+                      .high_width_mm = kNan,
+                      .noise_mm = kNan,
+                      .odd_gray = kNan,
+                      .board_mm = kNan};
   const double base = boardOf(profile);
   if (!std::isfinite(base)) return reading;
   const double range = std::max(1.0, open_gray - base);
@@ -183,6 +188,12 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   reading.found = true;
   reading.offset_mm = profile.first_mm + centre / levels * profile.step_mm;
   reading.width_mm = ((*half)[1] - (*half)[0]) * profile.step_mm;
+  const auto widthAt = [&](double share) {
+    const auto at = edges(share);
+    return at ? ((*at)[1] - (*at)[0]) * profile.step_mm : kNan;
+  };
+  reading.low_width_mm = widthAt(0.25);
+  reading.high_width_mm = widthAt(0.75);
   reading.brightness = std::clamp(height / range, 0.0, 1.5);
   const double half_steps = 0.5 * ((*half)[1] - (*half)[0]);
   const double beside_steps = kBesidePx * profile.pixel_mm / profile.step_mm;

@@ -10,6 +10,7 @@ struct KerfReading {
   bool found{};
   double offset_mm{};
   double width_mm{};
+  double low_width_mm{}, high_width_mm{};  ///< At a quarter and three quarters of the height; NaN if hidden.
   double brightness{};
   double noise_mm{};  ///< Noise of the offset, as the noise of the pixels alone would make it.
   double top_gray{};

@@ -8,7 +8,9 @@
 
 #include <Eigen/Core>
 
+#include "hil/vision/kerf/flank_belief.h"
 #include "hil/vision/kerf/kerf_sampling.h"
+#include "hil/vision/kerf/light_law.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -21,7 +23,7 @@ constexpr double kIndependentMm = 0.2;
 // Share of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
 // scorch.
 constexpr double kScorchBlur = 0.93;
-constexpr double kModelShare = 0.22;  // Share of the shift that the model of scorch leaves.
+constexpr double kModelShare = 0.4;  // Share of the shift that the model of scorch leaves.
 /// Least difference of the sides over the board's light; less is lost in noise.
 constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
@@ -85,7 +87,7 @@ double middleSigma_mm(const FlankQuery& q) {
 }
 
 /// Light that the pixels in the middle of a kerf show, which the lens has mixed with that of its flanks.
-double seenTop(const FlankQuery& q, double peak, double transmission) {
+double seenTop(const FlankQuery& q, double peak, const LightLaw& law) {
   const double sigma_mm = middleSigma_mm(q);
   double sum = 0.0;
   double weight = 0.0;
@@ -93,23 +95,21 @@ double seenTop(const FlankQuery& q, double peak, double transmission) {
     const double z = 3.5 * i / kFlankTopSamples;
     const double w = std::exp(-0.5 * z * z);
     const double share = std::min(1.0, shareAt(q, peak, std::abs(z) * sigma_mm));
-    sum += w * q.open_gray * std::pow(transmission, 1.0 - share);
+    sum += w * q.open_gray * law.lightAt(share);
     weight += w;
   }
   return sum / weight;
 }
 
-double peakShare(const FlankQuery& q, double transmission) {
-  const auto shareOf = [&](double gray) {
-    return 1.0 - std::log(std::min(gray, q.open_gray) / q.open_gray) / std::log(transmission);
-  };
+double peakShare(const FlankQuery& q, const LightLaw& law) {
+  const auto shareOf = [&](double gray) { return law.shareAt(std::min(gray, q.open_gray) / q.open_gray); };
   if (q.top_gray < kBarelyOpen * q.open_gray) {
     double low = std::max(0.0, shareOf(q.top_gray));
     if (!(q.beam_radius_mm > 0.0)) return low;
     double high = 1.0;
     for (int i = 0; i < 20; ++i) {
       const double middle = 0.5 * (low + high);
-      (seenTop(q, middle, transmission) < q.top_gray ? low : high) = middle;
+      (seenTop(q, middle, law) < q.top_gray ? low : high) = middle;
     }
     return low;
   }
@@ -123,13 +123,14 @@ Shapes shapesOf(const FlankQuery& q) {
   s.step_mm = q.pixel_mm / kGridPerPx;
   const auto n = static_cast<std::size_t>((q.half_width_mm + kReachPx * q.pixel_mm) / s.step_mm) + 2;
   const double transmission = std::clamp(q.board_gray / q.open_gray, 1e-3, 0.9);
-  const double peak = peakShare(q, transmission);
+  const LightLaw law(transmission, q.growth);
+  const double peak = peakShare(q, law);
   std::vector<double> light(n);
   std::vector<double> left(n);
   for (std::size_t i = 0; i < n; ++i) {
     const double y_mm = static_cast<double>(i) * s.step_mm;
     const double share = shareAt(q, peak, y_mm);
-    light[i] = q.open_gray * std::pow(transmission, 1.0 - std::min(1.0, share));
+    light[i] = q.open_gray * law.lightAt(share);
     left[i] = share >= 1.0 ? 0.0 : light[i];
   }
   s.light = light;
@@ -148,21 +149,26 @@ double halfWidthAt(const std::vector<double>& profile, double level, double step
   return (static_cast<double>(i) - 1.0 + share) * step_mm;
 }
 
-/// The query's own half width is that of the picture, at half of the brightness seen in its middle. What it
-/// would be without blur, so that the model's picture is as wide as the real one.
-double sharpHalfWidth(FlankQuery query, double seen_mm) {
-  const double seen_level = 0.5 * (query.top_gray + query.board_gray);
-  double light_mm = seen_mm;
+}  // namespace
+
+// The query's own half width is that of the picture, at half of the brightness seen in its middle; the
+// model's is changed until its picture is as wide.
+FlankFall fallOf(const FlankQuery& seen) {
+  FlankQuery query = seen;
+  const auto levelAt = [&](double share) {
+    return query.board_gray + share * (query.top_gray - query.board_gray);
+  };
+  FlankFall fall{seen.half_width_mm, seen.half_width_mm, seen.half_width_mm};
   for (int i = 0; i < 4; ++i) {
     const Shapes s = shapesOf(query);
-    light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
-    const double error_mm = halfWidthAt(s.even, seen_level, s.step_mm) - seen_mm;
+    fall.light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
+    fall.low_mm = halfWidthAt(s.even, levelAt(0.25), s.step_mm);
+    fall.high_mm = halfWidthAt(s.even, levelAt(0.75), s.step_mm);
+    const double error_mm = halfWidthAt(s.even, levelAt(0.5), s.step_mm) - seen.half_width_mm;
     query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
   }
-  return light_mm;
+  return fall;
 }
-
-}  // namespace
 
 FlankModel::FlankModel(const FlankQuery& query) {
   const bool sane = query.board_gray > 0.5 && query.open_gray > 1.2 * query.board_gray &&
@@ -185,7 +191,7 @@ FlankModel::FlankModel(const FlankQuery& query) {
   const double beside_mm = f_mm + kBesidePx * query.pixel_mm;
   const double odd_gray = 2.0 * (asymmetry(beside_mm) + shift_mm * s.evenSlope(beside_mm));
   if (std::abs(odd_gray) > kLeastOdd * query.board_gray) gain_mm_ = shift_mm / odd_gray;
-  widening_mm_ = 2.0 * (query.half_width_mm - sharpHalfWidth(query, query.half_width_mm));
+  widening_mm_ = 2.0 * (query.half_width_mm - fallOf(query).light_mm);
 }
 
 namespace {
@@ -198,24 +204,12 @@ bool showsFlanks(const EntityPlan& plan, const EntityKerf& kerf, const std::vect
          std::isfinite(readings[i].odd_gray);
 }
 
-/// The mean flank of an entity.
-FlankQuery meanFlank(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                     const FlankOptics& optics, const EntityKerf& kerf) {
-  FlankQuery mean{.open_gray = optics.options.open_gray,
-                  .beam_radius_mm = optics.options.beam_radius_mm,
-                  .pixel_mm = optics.pixel_mm,
-                  .lens_px = optics.blur.px};
-  double count = 0.0;
-  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
-    if (!showsFlanks(plan, kerf, readings, i)) continue;
-    count += 1.0;
-    mean.half_width_mm += 0.5 * readings[i].width_mm;
-    mean.top_gray += readings[i].top_gray;
-    mean.board_gray += readings[i].base_gray;
-  }
-  for (double* value : {&mean.half_width_mm, &mean.top_gray, &mean.board_gray})
-    *value /= std::max(1.0, count);
-  return mean;
+/// Light, beam and blur of a view on a kerf.
+FlankQuery viewedBy(const FlankView& view, FlankQuery query) {
+  query.growth = view.growth;
+  query.beam_radius_mm = view.beam_radius_mm;
+  query.lens_px = view.lens_px;
+  return query;
 }
 
 /// Running sums of 1, odd gray, and its square, over the stations that show it; one more than stations.
@@ -233,17 +227,43 @@ std::vector<Eigen::Vector3d> oddSums(const EntityPlan& plan, const std::vector<K
 
 }  // namespace
 
+SeenFlank meanFlank(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                    const FlankOptics& optics, const EntityKerf& kerf) {
+  SeenFlank mean{.query = {.open_gray = optics.options.open_gray,
+                           .beam_radius_mm = optics.options.beam_radius_mm,
+                           .pixel_mm = optics.pixel_mm,
+                           .lens_px = optics.blur.px}};
+  FlankQuery& query = mean.query;
+  double count = 0.0;
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
+    // A kerf that is as narrow as the blur may not have all levels.
+    const bool falls = std::isfinite(readings[i].low_width_mm) && std::isfinite(readings[i].high_width_mm);
+    if (!falls || !showsFlanks(plan, kerf, readings, i)) continue;
+    count += 1.0;
+    query.half_width_mm += 0.5 * readings[i].width_mm;
+    query.top_gray += readings[i].top_gray;
+    query.board_gray += readings[i].base_gray;
+    mean.low_half_mm += 0.5 * readings[i].low_width_mm;
+    mean.high_half_mm += 0.5 * readings[i].high_width_mm;
+  }
+  for (double* value :
+       {&query.half_width_mm, &query.top_gray, &query.board_gray, &mean.low_half_mm, &mean.high_half_mm})
+    *value /= std::max(1.0, count);
+  return mean;
+}
+
 void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                      const FlankOptics& optics, EntityKerf& kerf, std::vector<double>& model_mm) {
+                      const FlankOptics& optics, const FlankBelief& belief, EntityKerf& kerf,
+                      std::vector<double>& model_mm) {
   const std::size_t n = kerf.calipers.size();
   model_mm.assign(n, 0.0);
-  const FlankQuery mean = meanFlank(plan, readings, optics, kerf);
+  const FlankQuery mean = meanFlank(plan, readings, optics, kerf).query;
   const FlankModel model(mean);
-  kerf.widening_mm = model.widening_mm();
+  const FlankMoments widening =
+      belief.momentsOf([&](const FlankView& view) { return FlankModel(viewedBy(view, mean)).widening_mm(); });
+  kerf.widening_mm = widening.likely;
+  kerf.widening_sigma_mm = widening.sigma;
   kerf.middle_sigma_mm = middleSigma_mm(mean);
-  FlankQuery blurred = mean;
-  blurred.lens_px += optics.blur.sigma_px;
-  kerf.widening_sigma_mm = std::abs(FlankModel(blurred).widening_mm() - kerf.widening_mm);
 
   const std::vector<Eigen::Vector3d> sums = oddSums(plan, readings, kerf);
   const double pitch_mm = n > 1 ? plan.length_mm / static_cast<double>(n - 1) : 1.0;

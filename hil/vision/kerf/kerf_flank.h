@@ -6,6 +6,7 @@
 #include "hil/vision/image/lens_blur.h"
 #include "hil/vision/kerf/kerf_caliper.h"
 #include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/kerf/light_law.h"
 
 namespace kerfbench::vision {
 
@@ -18,16 +19,23 @@ struct FlankQuery {
   double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
   double pixel_mm{};
   double lens_px{};  ///< Standard deviation of the picture's blur.
+  LightGrowth growth{};
 };
+
+/// How a kerf that is as wide as seen falls off.
+struct FlankFall {
+  double light_mm{};           ///< Half width of the light that comes through, without blur.
+  double low_mm{}, high_mm{};  ///< Half widths at a quarter and three quarters of the height, blurred.
+};
+FlankFall fallOf(const FlankQuery& query);
 
 /// Model of a kerf's flanks under scorch, which takes a share k of the light of all remaining board, more on
 /// one side than on the other: the two flanks differ from each other's mirror image, and their middle moves.
 /// The shift follows from the scorch seen on whole board next to the kerf.
 ///
 /// The profile of the model: a Gaussian beam of peak s0 burns the share s = s0 exp(-2 y²/w²) of what cuts;
-/// board lets open (board / open)^(1 - s) of the light through (Beer's law over the depth left); blurred by
-/// lens and spline. One difference of k between the sides stands for all distances. Of scorch that moves the
-/// flanks by up to 5 um, 1 um is left.
+/// light by LightLaw; blurred by lens and spline. One difference of k between the
+/// sides stands for all distances. Of scorch that moves the flanks by up to 5 um, 1 um is left.
 class FlankModel {
  public:
   explicit FlankModel(const FlankQuery& query);
@@ -42,6 +50,9 @@ class FlankModel {
   double widening_mm_{};  ///< 0 where the model does not hold.
 };
 
+struct FlankBelief;
+struct SeenFlank;
+
 /// Parts of the look of a kerf's flank.
 struct FlankOptics {
   const KerfScanOptions& options;  ///< Gray of open board, radius of the beam.
@@ -53,7 +64,12 @@ struct FlankOptics {
 /// and what blur does to their widths. The scorch is taken as the mean over 1 mm along the curve each way.
 /// `model_mm` gets what remains uncertain of that, per station.
 void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& readings,
-                      const FlankOptics& optics, EntityKerf& kerf, std::vector<double>& model_mm);
+                      const FlankOptics& optics, const FlankBelief& belief, EntityKerf& kerf,
+                      std::vector<double>& model_mm);
+
+/// The mean flank of an entity; its half width is 0 where no reading shows one.
+SeenFlank meanFlank(const EntityPlan& plan, const std::vector<KerfReading>& readings,
+                    const FlankOptics& optics, const EntityKerf& kerf);
 
 /// Takes out what the length of the window and the lens do where the kerf itself bends: a caliper reads the
 /// mean over its window, which of a kerf of curvature k lies k L²/24 (window of length L) inside, and the

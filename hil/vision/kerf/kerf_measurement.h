@@ -126,6 +126,8 @@ struct KerfScanOptions {
   /// beam stopped or turned follows from it and from the kerf's width. 0: as far as a round tool as wide as
   /// the kerf.
   double beam_radius_mm{0.0};
+  /// Relative standard uncertainty of beam_radius_mm: an end is as uncertain as that share of the radius.
+  double beam_radius_sigma{0.05};
   double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
   double widest_blur_px{
       1.5};  ///< Standard deviation beyond which the edges of marks show a picture as blurred.
@@ -134,6 +136,8 @@ struct KerfScanOptions {
   double board_thickness_mm{0.0};
   /// Standard uncertainty of where the inspection table says that a tile was taken, per axis.
   double table_sigma_mm{0.0};
+  /// Standard uncertainty of where a registration mark is printed, per axis.
+  double print_sigma_mm{0.0};
   int threads{1};  ///< The result is the same at any number.
 };
 
@@ -148,6 +152,7 @@ struct KerfScan {
   /// RMS per axis of how far the same kerf lies apart in two overlapping tiles, what the board's thickness
   /// explains taken out; NaN without overlaps.
   double tile_misfit_mm{};
+  double table_sigma_mm{};  ///< As KerfScanOptions::table_sigma_mm.
   /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
   std::vector<std::string> problems;
 };

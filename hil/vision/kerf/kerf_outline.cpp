@@ -6,14 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/vision/image/lens_blur.h"
 #include "hil/vision/kerf/kerf_sampling.h"
 
 namespace kerfbench::vision {
 namespace {
 
 constexpr int kStripLines = 11;
-constexpr double kLensPx = kUsualBlur.px;     // Blur of the lens, the pixel's own area included.
 constexpr double kStripEndsPx2 = 1.0 / 12.0;  // Variance by pixels that count in part at a strip's ends.
 constexpr double kStepsPerPx = 4.0;
 constexpr double kReachMm = 0.45;  // Reach of a look, each way.
@@ -22,7 +20,10 @@ constexpr double kMostShare = 50.0;
 
 }  // namespace
 
-KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixel_mm / kStepsPerPx) {
+KerfOutline::KerfOutline(const KerfLook& look)
+    : look_(look),
+      law_(std::clamp(look.board_gray / look.open_gray, 0.5 / look.open_gray, 0.9), look.growth),
+      step_mm_(look.pixel_mm / kStepsPerPx) {
   look_.board_gray = std::clamp(look.board_gray, 0.5, 0.9 * look.open_gray);
   const int samples = samplesOfLook();
   const auto seenHalf = [&](double peak, double hard_half_mm) {
@@ -38,9 +39,8 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
     }
     return fallMm(gray, -kReachMm);
   };
-  const double transmission = look_.board_gray / look_.open_gray;
   const double top = look_.board_gray + look_.brightness * (look_.open_gray - look_.board_gray);
-  const double seen_peak = 1.0 - std::log(std::min(1.0, top / look_.open_gray)) / std::log(transmission);
+  const double seen_peak = law_.shareAt(std::min(1.0, top / look_.open_gray));
   if (!(look_.beam_radius_mm > 0.0)) {
     peak_share_ = look_.brightness > 0.9 ? 1.0 : seen_peak;
     return;
@@ -60,7 +60,7 @@ KerfOutline::KerfOutline(const KerfLook& look) : look_(look), step_mm_(look.pixe
 int KerfOutline::samplesOfLook() const { return 1 + static_cast<int>(2.0 * kReachMm / step_mm_); }
 
 double KerfOutline::seenTop(double peak) const {
-  const double sigma_mm = std::hypot(kLensPx, kPeakPx / std::numbers::sqrt3) * look_.pixel_mm;
+  const double sigma_mm = std::hypot(look_.lens_px, kPeakPx / std::numbers::sqrt3) * look_.pixel_mm;
   double sum = 0.0;
   double weight = 0.0;
   for (int i = -kOutlineTopSamples; i <= kOutlineTopSamples; ++i) {
@@ -73,13 +73,10 @@ double KerfOutline::seenTop(double peak) const {
   return sum / weight;
 }
 
-double KerfOutline::grayAt(double share) const {
-  const double left = 1.0 - std::min(1.0, share);
-  return look_.open_gray * std::pow(look_.board_gray / look_.open_gray, left);
-}
+double KerfOutline::grayAt(double share) const { return look_.open_gray * law_.lightAt(share); }
 
 double KerfOutline::fallMm(const std::vector<double>& gray, double first_mm) const {
-  const double sigma = std::hypot(kLensPx, kSplinePx) * kStepsPerPx;
+  const double sigma = std::hypot(look_.lens_px, kSplinePx) * kStepsPerPx;
   const int reach = static_cast<int>(std::ceil(3.5 * sigma));
   const double level = look_.board_gray + 0.5 * look_.brightness * (look_.open_gray - look_.board_gray);
   const int n = static_cast<int>(gray.size());
@@ -117,7 +114,7 @@ double KerfOutline::shareAt(double beyond_mm, double beside_mm) const {
 
 double KerfOutline::reachMm(double strip_mm) const {
   // Across the strip the lens averages too, and pixels count in part at its ends.
-  const double lens_mm = kLensPx * look_.pixel_mm;
+  const double lens_mm = look_.lens_px * look_.pixel_mm;
   const double even_mm =
       std::sqrt(strip_mm * strip_mm + 3.0 * kStripEndsPx2 * look_.pixel_mm * look_.pixel_mm);
   std::vector<std::array<double, 2>> lines;  // Place and weight.

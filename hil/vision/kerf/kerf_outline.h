@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "hil/vision/kerf/light_law.h"
+
 namespace kerfbench::vision {
 
 /// Look of a kerf in the picture.
@@ -13,13 +15,15 @@ struct KerfLook {
   double open_gray{};
   double beam_radius_mm{};  ///< 1/e²; 0: a round tool as wide as the kerf.
   double pixel_mm{};
+  double lens_px{0.7};  ///< Standard deviation of the picture's blur.
+  LightGrowth growth{};
 };
 
 /// Outline of a kerf beyond its end: its reach beyond where the beam stopped.
 ///
 /// A Gaussian beam of radius w lays along a straight path, s0 being the share of the cutting fluence in the
-/// middle of it, s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside and a beyond its end. Light by Beer's
-/// law, as in FlankModel; then the blur of lens and spline. s0 is what makes the kerf as wide as it is seen.
+/// middle of it, s0 exp(-2 n²/w²) erfc(sqrt(2) a/w) / 2 at n beside and a beyond its end. Light by LightLaw,
+/// as in FlankModel; then the blur of lens and spline. s0 is what makes the kerf as wide as it is seen.
 class KerfOutline {
  public:
   explicit KerfOutline(const KerfLook& look);
@@ -37,6 +41,7 @@ class KerfOutline {
   [[nodiscard]] double fallMm(const std::vector<double>& gray, double first_mm) const;
 
   KerfLook look_;
+  LightLaw law_;
   double step_mm_;
   double peak_share_{1.0};
 };

@@ -69,10 +69,11 @@ TileView viewTile(camera::KerfTile tile, const CameraCalibration& calibration,
   return view;
 }
 
-std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
-                                   const PrintLayout& print, const CameraCalibration& calibration,
+std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index,
+                                   const WantedUnit& wanted, const CameraCalibration& calibration,
                                    std::vector<std::string>& problems) {
-  const std::string name = "unit " + std::to_string(unit) + ": ";
+  const PrintLayout& print = *wanted.print;
+  const std::string name = "unit " + std::to_string(wanted.unit) + ": ";
   const std::vector<TableMark> marks = uniqueMarks(tiles);
   std::vector<Eigen::Vector2d> seen;
   for (const TableMark& mark : marks) seen.push_back(mark.p_T_mm);
@@ -106,7 +107,7 @@ std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const Til
     });
     if ((*nearest - expected).norm() < query.tolerance_mm) {
       const auto at = static_cast<std::size_t>(nearest - seen.begin());
-      pairs.push_back({mark.p_SM_mm, *nearest, marks[at].sigma_mm});
+      pairs.push_back({mark.p_SM_mm, *nearest, std::hypot(marks[at].sigma_mm, wanted.mark_sigma_mm)});
     }
   }
   if (pairs.size() < 2) {

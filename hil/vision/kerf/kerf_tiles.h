@@ -71,10 +71,18 @@ struct UnitPlace {
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< Covariance as UnitPose's.
 };
 
+/// The unit that is looked for.
+struct WantedUnit {
+  int unit{};
+  const PrintLayout* print{};
+  double
+      mark_sigma_mm{};  ///< Uncertainty of where a mark is printed and where the table says it is, per axis.
+};
+
 /// Pose by the marks in the tiles, wherever on the table the unit lies. Faults are added to `problems`.
 /// nullopt if the marks do not suffice.
-std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index, int unit,
-                                   const PrintLayout& print, const CameraCalibration& calibration,
+std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const TileIndex& index,
+                                   const WantedUnit& wanted, const CameraCalibration& calibration,
                                    std::vector<std::string>& problems);
 
 }  // namespace kerfbench::vision

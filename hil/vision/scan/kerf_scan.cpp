@@ -63,14 +63,17 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
                   const dieline::Dieline& dieline, const KerfScanOptions& options) {
   if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
       !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
-      !(options.table_sigma_mm >= 0.0)) {
+      !(options.table_sigma_mm >= 0.0) || !(options.print_sigma_mm >= 0.0)) {
     throw std::invalid_argument(
-        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, board_thickness_mm "
-        "and table_sigma_mm >= 0");
+        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, "
+        "board_thickness_mm, "
+        "table_sigma_mm and print_sigma_mm >= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
+  const double mark_sigma_mm = std::hypot(options.table_sigma_mm, options.print_sigma_mm);
   KerfScan scan;
   scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
+  scan.table_sigma_mm = options.table_sigma_mm;
   std::set<int> done;
   UnitTiles source(tiles, calibration);
   for (;;) {
@@ -86,7 +89,7 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
         viewUnit(std::move(of_unit), unit, print, calibration, options, scan.problems);
     const TileIndex index(pictures.views, calibration);
     const std::optional<UnitPlace> place =
-        placeUnit(pictures.views, index, unit, print, calibration, scan.problems);
+        placeUnit(pictures.views, index, {unit, &print, mark_sigma_mm}, calibration, scan.problems);
     if (!place) {
       addUnseen(plan, unit, scan);
       continue;

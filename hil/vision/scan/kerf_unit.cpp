@@ -105,12 +105,9 @@ void UnitScan::caliper(const EntityPlan& plan, const Station& station, const Til
   out.brightness = reading.brightness;
 }
 
-void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const {
-  const double pixel_mm = calibration_.pitchMm();
-  const double border_px = caliperBorderPx(options_.reach_mm, pixel_mm);
+void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) const {
+  const double border_px = caliperBorderPx(options_.reach_mm, calibration_.pitchMm());
   Scratch scratch;
-  std::vector<KerfReading> readings;
-  std::vector<WindowOnPixels> windows;
   kerf.calipers.reserve(plan.stations.size());
   for (const Station& station : plan.stations) {
     Caliper caliper{.u = station.u, .station_mm = station.station_mm, .p_S_mm = station.p_S_mm};
@@ -121,16 +118,16 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     reading.noise_mm = reading.board_mm = kNan;
     const TileView* view = index_.best(X_TS_ * station.p_S_mm, border_px);
     if (view == nullptr) {
-      ++unseen;
+      ++out.unseen;
     } else {
       caliper.p_V_mm = X_TS_ * station.p_S_mm - view->tile.p_TV_mm;
       this->caliper(plan, station, *view, scratch, caliper, reading);
     }
     kerf.calipers.push_back(caliper);
-    readings.push_back(reading);
-    noise.pixels_mm.push_back(reading.noise_mm);
-    noise.board_mm.push_back(reading.board_mm);
-    windows.push_back(windowOnPixels(plan, station, view));
+    out.readings.push_back(reading);
+    out.noise.pixels_mm.push_back(reading.noise_mm);
+    out.noise.board_mm.push_back(reading.board_mm);
+    out.windows.push_back(windowOnPixels(plan, station, view));
   }
   for (const Station& station : plan.light_stations) {
     Caliper caliper{.near_joint = station.near_corner};
@@ -140,11 +137,29 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise
     this->caliper(plan, station, *view, scratch, caliper, reading);
     kerf.light.push_back({station.station_mm, caliper.brightness, caliper.near_joint});
   }
-  correctFlankBias(plan, readings, {options_, pixel_mm, blur_}, kerf, noise.model_mm);
+}
+
+FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs,
+                               const std::vector<Measured>& measured) const {
+  std::vector<SeenFlank> flanks;
+  for (std::size_t e = 0; e < kerfs.size(); ++e) {
+    const EntityPlan& plan = plan_.entities[e];
+    if (plan.process != dieline::Process::kCut) continue;
+    const SeenFlank flank =
+        meanFlank(plan, measured[e].readings, {options_, calibration_.pitchMm(), blur_}, kerfs[e]);
+    if (flank.query.half_width_mm > 0.0) flanks.push_back(flank);
+  }
+  return vision::beliefOf(flanks, {options_.beam_radius_mm, options_.beam_radius_sigma, blur_});
+}
+
+void UnitScan::correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf,
+                       Measured& out) const {
+  const double pixel_mm = calibration_.pitchMm();
+  correctFlankBias(plan, out.readings, {options_, pixel_mm, blur_}, belief, kerf, out.noise.model_mm);
   correctCurvatureBias(plan, blur_.px * pixel_mm, kerf);
   widen(plan, kerf);
-  for (std::size_t i = 0; i < windows.size(); ++i)
-    noise.grid_mm.push_back(windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
+  for (std::size_t i = 0; i < out.windows.size(); ++i)
+    out.noise.grid_mm.push_back(out.windows[i].gridNoise_mm(slopeAt(kerf, i), pixel_mm));
 }
 
 UnitScan::WindowOnPixels UnitScan::windowOnPixels(const EntityPlan& plan, const Station& station,
@@ -161,23 +176,27 @@ UnitScan::WindowOnPixels UnitScan::windowOnPixels(const EntityPlan& plan, const 
 void UnitScan::cuts(KerfScan& scan) const {
   const std::vector<EntityPlan>& plans = plan_.entities;
   std::vector<EntityKerf> kerfs(plans.size());
-  std::vector<std::size_t> unseen(plans.size(), 0);
-  std::vector<CutNoise> noise(plans.size());
+  std::vector<Measured> measured(plans.size());
   base::forEachIndex(plans.size(), options_.threads, [&](std::size_t e) {
     kerfs[e] = {unit_, plans[e].entity, {}};
     kerfs[e].depth_mm = depthOf(plans[e]).mm;
     kerfs[e].depth_sigma_mm = depthOf(plans[e]).sigma_mm;
-    measure(plans[e], kerfs[e], noise[e], unseen[e]);
+    measure(plans[e], kerfs[e], measured[e]);
   });
+  const FlankBelief belief = beliefOf(kerfs, measured);
+  base::forEachIndex(plans.size(), options_.threads,
+                     [&](std::size_t e) { correct(plans[e], belief, kerfs[e], measured[e]); });
+  std::vector<CutNoise> noise;
   for (std::size_t e = 0; e < plans.size(); ++e) {
-    if (unseen[e] > 0) {
-      scan.problems.push_back("unit " + std::to_string(unit_) + ": " + std::to_string(unseen[e]) + " of " +
-                              std::to_string(plans[e].stations.size()) + " calipers of E" +
+    noise.push_back(std::move(measured[e].noise));
+    if (measured[e].unseen > 0) {
+      scan.problems.push_back("unit " + std::to_string(unit_) + ": " + std::to_string(measured[e].unseen) +
+                              " of " + std::to_string(plans[e].stations.size()) + " calipers of E" +
                               std::to_string(plans[e].entity) + " lie outside the tiles");
     }
   }
   setSigmas(plan_, noise, kerfs);
-  joints(kerfs, scan);
+  joints(kerfs, belief, scan);
   patches(kerfs, scan);
   std::move(kerfs.begin(), kerfs.end(), std::back_inserter(scan.entities));
 }
@@ -209,42 +228,44 @@ void UnitScan::widen(const EntityPlan& plan, EntityKerf& kerf) const {
   kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, kNarrowingSigma * mean_mm);
 }
 
-JointScene UnitScan::sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs) const {
+JointScene UnitScan::sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs,
+                             const FlankBelief& belief) const {
   return {.tiles = &index_,
           .calibration = &cameraFor(plan),
           .X_TS = &X_TS_,
           .options = &options_,
           .plan = &plan_,
           .kerfs = &kerfs,
-          .blur = blur_,
+          .belief = &belief,
           .unit = unit_};
 }
 
-void UnitScan::joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const {
+void UnitScan::joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& belief, KerfScan& scan) const {
   std::vector<CornerKerf> corners(plan_.corners.size());
   base::forEachIndex(corners.size(), options_.threads, [&](std::size_t i) {
     const PlannedCorner& planned = plan_.corners[i];
     const EntityPlan& entity = plan_.entities[planned.in.plan];
-    corners[i] = measureCorner(sceneOf(entity, kerfs), planned);
+    corners[i] = measureCorner(sceneOf(entity, kerfs, belief), planned);
     corners[i].deviation_sigma_mm =
-        std::hypot(corners[i].deviation_sigma_mm, depthSigma_mm(entity, planned.in.p_S_mm).norm());
+        std::hypot(corners[i].deviation_sigma_mm, depthSigma_mm(entity, planned.in.p_S_mm).norm(),
+                   options_.table_sigma_mm);
   });
   const auto addEnd = [&](LineEnd measured, const EntityEnd& end) {
     const double by_depth_mm =
         depthSigma_mm(plan_.entities[end.plan], end.p_S_mm).dot(end.outward.cwiseAbs());
-    measured.sigma_mm = std::hypot(measured.sigma_mm, by_depth_mm);
+    measured.sigma_mm = std::hypot(measured.sigma_mm, by_depth_mm, options_.table_sigma_mm);
     scan.ends.push_back(measured);
   };
   scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
       continue;  // Perforations may end in a bridge.
-    addEnd(measureEnd(sceneOf(plan_.entities[end.plan], kerfs), end), end);
+    addEnd(measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end), end);
   }
   for (const EntityEnd& start : plan_.closures) {
     if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;
     // What start and end have in common does not part them.
-    scan.ends.push_back(measureClosure(sceneOf(plan_.entities[start.plan], kerfs), start));
+    scan.ends.push_back(measureClosure(sceneOf(plan_.entities[start.plan], kerfs, belief), start));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "hil/vision/corner/joint_scene.h"
 #include "hil/vision/image/lens_blur.h"
+#include "hil/vision/kerf/flank_belief.h"
 #include "hil/vision/kerf/kerf_caliper.h"
 #include "hil/vision/kerf/kerf_noise.h"
 #include "hil/vision/kerf/kerf_plan.h"
@@ -66,13 +67,25 @@ class UnitScan {
   [[nodiscard]] Eigen::Vector2d depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const;
   /// What thickness and aslant sight take from the widths, put back.
   void widen(const EntityPlan& plan, EntityKerf& kerf) const;
-  [[nodiscard]] JointScene sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs) const;
-  void measure(const EntityPlan& plan, EntityKerf& kerf, CutNoise& noise, std::size_t& unseen) const;
+  [[nodiscard]] JointScene sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs,
+                                   const FlankBelief& belief) const;
+  /// One entity while it is measured.
+  struct Measured {
+    CutNoise noise;
+    std::vector<KerfReading> readings;
+    std::vector<WindowOnPixels> windows;
+    std::size_t unseen{};  ///< Calipers outside of the tiles.
+  };
+  void measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) const;
+  void correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf, Measured& out) const;
+  /// What all kerfs that are cut through, as seen, tell of light, beam and blur.
+  [[nodiscard]] FlankBelief beliefOf(const std::vector<EntityKerf>& kerfs,
+                                     const std::vector<Measured>& measured) const;
   void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
                Caliper& out, KerfReading& reading) const;
   [[nodiscard]] WindowOnPixels windowOnPixels(const EntityPlan& plan, const Station& station,
                                               const TileView* view) const;
-  void joints(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
+  void joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& belief, KerfScan& scan) const;
   void patches(const std::vector<EntityKerf>& kerfs, KerfScan& scan) const;
 
   const CameraCalibration& calibration_;  ///< Over the plane of the marks.

@@ -21,7 +21,7 @@ struct SightDepth {
   double mm{};
   double sigma_mm{};  ///< Standard uncertainty.
 };
-using SightDepths = std::array<SightDepth, kKerfForms>;  ///< By KerfForm.
+using SightDepths = std::array<SightDepth, kKerfForms>;  ///< One for each KerfForm.
 
 /// What geometry alone tells of board of this thickness. A kerf is a slit with walls. Seen aslant, its middle
 /// lies at half of the thickness if the walls are upright; at the bottom if the kerf narrows downwards by

@@ -36,6 +36,7 @@ inline vision::CameraCalibration truthOf(const twin::CameraDescription& camera) 
   truth.cx_px = camera.cx_px;
   truth.cy_px = camera.cy_px;
   truth.distortion = camera.distortion;
+  truth.telecentric_mm = camera.telecentric_mm;
   truth.X_CP = camera.X_CP;
   return truth;
 }

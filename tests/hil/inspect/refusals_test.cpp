@@ -371,6 +371,44 @@ TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {
   EXPECT_EQ(result.verdict, Verdict::kFail);
 }
 
+/// A run whose kerfs are seen 0.28 mm deep in the board, at up to 7 degrees.
+SyntheticRun seenAslant(double depth_sigma_mm) {
+  SyntheticRun run;
+  run.evidence.kerf_calibration->X_CP.translation() = Eigen::Vector3d(0.0, 0.0, 300.0);
+  double side_mm = 37.0;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    kerf.depth_mm = 0.28;
+    kerf.depth_sigma_mm = depth_sigma_mm;
+    for (vision::Caliper& c : kerf.calipers) c.p_V_mm = {side_mm = -side_mm, 0.0};
+  }
+  run.evidence.kerf_calibration->area_mm = {Eigen::Vector2d(-40.0, -40.0), Eigen::Vector2d(40.0, 40.0)};
+  return run;
+}
+
+TEST(Refusals, WallsThatLeaveMoreOpenThanHalfTheLimitAreInvalid) {
+  EXPECT_FALSE(tells(seenAslant(0.08).inspected(), "telecentric lens"));
+  const SyntheticRun run = seenAslant(0.12);
+  EXPECT_TRUE(tells(run.inspected(), "looks at the board at up to 7.0°"));
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+  // A lens that is square to the sheet sees none of it.
+  SyntheticRun square = seenAslant(0.12);
+  square.evidence.kerf_calibration->telecentric_mm = 300.0;
+  square.evidence.kerf_calibration->square_within_rad = 0.005;
+  EXPECT_FALSE(tells(square.inspected(), "telecentric lens"));
+  square.evidence.kerf_calibration->square_within_rad = 0.1;
+  EXPECT_TRUE(tells(square.inspected(), "telecentric lens"));
+}
+
+TEST(Refusals, TilesThatDisagreeByMoreThanTheTableDoesAreInvalid) {
+  SyntheticRun run;
+  run.evidence.kerf.table_sigma_mm = 0.002;
+  run.evidence.kerf.tile_misfit_mm = 0.0055;
+  EXPECT_FALSE(tells(run.inspected(), "overlapping tiles"));
+  run.evidence.kerf.tile_misfit_mm = 0.0065;
+  EXPECT_TRUE(tells(run.inspected(), "overlapping tiles"));
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+}
+
 TEST(Refusals, ACrossOfTheFieldsBorderIsInvalid) {
   SyntheticRun run;
   run.evidence.spot_calibration->area_mm.max().x() = 100.0;

@@ -341,16 +341,6 @@ TEST(Reservations, AreNoneOfARunThatIsJudgedInFull) {
   EXPECT_THAT(kindsOf(report), ::testing::IsEmpty());
 }
 
-TEST(Reservations, SayHowFarTheWallsOfKerfsMoveThem) {
-  const inspect::testing::SyntheticRun run;
-  RunReport report = reportOf(run);
-  report.oblique_mm = 0.0005;
-  EXPECT_THAT(kindsOf(report), Not(::testing::Contains("oblique_view")));
-  report.oblique_mm = 0.0254;
-  EXPECT_THAT(kindsOf(report), ::testing::Contains("oblique_view"));
-  EXPECT_THAT(verdictSentence(report), HasSubstr("by up to 0.025 mm"));
-}
-
 TEST(Reservations, NameCornersThatCannotBeRead) {
   const inspect::testing::SyntheticRun run;
   RunReport report = reportOf(run);

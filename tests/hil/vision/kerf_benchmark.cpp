@@ -124,7 +124,7 @@ const Placed& placed() {
     shareLight(out.views);
     out.index = std::make_unique<TileIndex>(out.views, p.calibration);
     std::vector<std::string> problems;
-    out.X_TS = placeUnit(out.views, *out.index, 0, p.cut.print, p.calibration, problems).value().X_TS;
+    out.X_TS = placeUnit(out.views, *out.index, {0, &p.cut.print, 0.0}, p.calibration, problems).value().X_TS;
     return out;
   }();
   return once;

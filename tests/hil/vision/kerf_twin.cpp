@@ -58,6 +58,8 @@ TwinCut::TwinCut() {
   }
   options.station_pitch_mm = 0.1;
   options.beam_radius_mm = kBeamRadiusMm;
+  options.beam_radius_sigma =
+      0.01;  // As the beam is exactly what is told, wide uncertainties would hide errors.
 }
 
 int TwinCut::add(dieline::Curve curve, dieline::Process process) {

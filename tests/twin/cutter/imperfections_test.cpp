@@ -84,6 +84,11 @@ void beltAndLaserFields(Fields& all, const MachineDescription& m) {
   all["laser.drift"] = m.laser.drift;
   all["laser.gate_delay"] = m.laser.gate_delay_s;
   all["monitor.scale"] = m.power_monitor.scale;
+  all["board.thickness"] = m.board_lot.thickness;
+  all["board.transmission"] = m.board_lot.transmission;
+  all["board.cut_fluence"] = m.board_lot.cut_fluence;
+  all["inspection_table.step"] = m.inspection_table.step_mm;
+  all["inspection_table.scale"] = m.inspection_table.scale;
 }
 
 void controllerFields(Fields& all, const ControllerDescription& c) {
@@ -124,8 +129,8 @@ std::set<std::string> changed(const MachineDescription& before, const MachineDes
   return names;
 }
 
-constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                                   0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                   0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /// Usual spread, with that of an uncalibrated head.
 constexpr ImperfectionSpread kUncalibrated = [] {
@@ -180,6 +185,12 @@ std::vector<Quantity> quantities() {
       both(&S::mark_sensor_mm, true, {"mark.x"}),
       both(&S::power, true, {"laser.full_power"}),
       both(&S::power_monitor_scale, true, {"monitor.scale"}),
+      both(&S::beam_radius, true, {"beam.waist"}),
+      both(&S::board_thickness, true, {"board.thickness"}),
+      both(&S::board_transmission, true, {"board.transmission"}),
+      both(&S::board_cut_fluence, true, {"board.cut_fluence"}),
+      both(&S::table_step_mm, true, {"inspection_table.step"}),
+      both(&S::table_scale, true, {"inspection_table.scale"}),
       {&S::bandwidth,
        false,
        {"galvo_x.bandwidth", "galvo_y.bandwidth", "feed.bandwidth", "line.bandwidth"},
@@ -259,7 +270,7 @@ TEST(Imperfections, TheSameSeedIsTheSameMachineAndAnotherIsNot) {
     // Levels of noise are the same on every machine.
     using S = ImperfectionSpread;
     if (q.member == &S::encoder_jitter_counts || q.member == &S::mark_jitter_mm ||
-        q.member == &S::power_noise) {
+        q.member == &S::power_noise || q.member == &S::table_step_mm) {
       continue;
     }
     for (const auto& name : q.mirrors) EXPECT_NE(four.at(name), five.at(name)) << name;

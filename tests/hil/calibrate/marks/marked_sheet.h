@@ -17,7 +17,7 @@ namespace kerfbench::calibrate::test {
 struct MarkedSheet {
   MarkJob job;
   twin::CameraDescription camera = vision::test::kerfCamera();
-  twin::BoardDescription board;
+  twin::BoardDescription board{.thickness_mm = 1e-6};  ///< So thin that it looks the same from all sides.
   /// Place where the beam lands that is aimed at p_S.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> head = [](const Eigen::Vector2d& p) { return p; };
   std::set<std::pair<int, int>> skipped;  ///< Strokes left out: number of the mark; 0 … 3 arms, 4 … ticks.

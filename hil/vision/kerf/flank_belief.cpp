@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/kerf/flank_belief.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace kerfbench::vision {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr int kFlankSize = 4;  // Law, begin, radius, blur.
+using Vector = Eigen::Matrix<double, kFlankSize, 1>;
+using Matrix = Eigen::Matrix<double, kFlankSize, kFlankSize>;
+
+// Before any look: anywhere from light in proportion to depth to light that scatters, and from depth in
+// proportion to the fluence to walls that stand steep.
+constexpr double kLawMean = 0.0;
+constexpr double kLawSigma = 0.8;
+constexpr double kMostLaw = 2.0;
+constexpr double kBeginMean = 0.0;
+constexpr double kBeginSigma = 0.3;
+constexpr double kMostBegin = 0.85;
+constexpr double kBlurShape_px = 0.03;  // No lens blurs quite by a Gaussian.
+constexpr double kLeastBlur_px = 0.3;
+/// What grid, grain, roughness and the shape of the lens's blur leave of a mean half width.
+constexpr double kHalfWidthModel_mm = 8e-4;
+constexpr int kFlankRounds = 8;
+constexpr double kFlankStep = 0.05;  ///< Step of differences, in standard deviations.
+
+/// Views by departures from what is known before, in its standard deviations.
+class FlankProblem {
+ public:
+  FlankProblem(const std::vector<SeenFlank>& flanks, const FlankKnown& known)
+      : flanks_(flanks), known_(known), blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {}
+
+  [[nodiscard]] FlankView viewAt(const Vector& x) const {
+    return {.growth = {std::clamp(kLawMean + kLawSigma * x[0], -kMostLaw, kMostLaw),
+                       std::clamp(kBeginMean + kBeginSigma * x[1], 0.0, kMostBegin)},
+            .beam_radius_mm = known_.beam_radius_mm * std::exp(known_.radius_share_sigma * x[2]),
+            .lens_px = std::max(kLeastBlur_px, known_.blur.px + blur_sigma_px_ * x[3])};
+  }
+  /// What the view misses of each flank, as if all flanks together were one.
+  [[nodiscard]] VectorXd missesAt(const Vector& x) const {
+    const FlankView view = viewAt(x);
+    const auto n = static_cast<Eigen::Index>(flanks_.size());
+    VectorXd misses(2 * n);
+    const double sigma_mm = kHalfWidthModel_mm * std::sqrt(static_cast<double>(n));
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const SeenFlank& flank = flanks_[static_cast<std::size_t>(i)];
+      FlankQuery query = flank.query;
+      query.growth = view.growth;
+      query.beam_radius_mm = view.beam_radius_mm;
+      query.lens_px = view.lens_px;
+      const FlankFall fall = fallOf(query);
+      misses[2 * i] = (fall.low_mm - flank.low_half_mm) / sigma_mm;
+      misses[2 * i + 1] = (fall.high_mm - flank.high_half_mm) / sigma_mm;
+    }
+    return misses;
+  }
+
+ private:
+  const std::vector<SeenFlank>& flanks_;
+  const FlankKnown& known_;
+  double blur_sigma_px_;
+};
+
+double costOf(const Vector& x, const VectorXd& misses) { return x.squaredNorm() + misses.squaredNorm(); }
+
+}  // namespace
+
+FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known) {
+  const FlankProblem problem(flanks, known);
+  Vector x = Vector::Zero();
+  Matrix normal = Matrix::Identity();
+  VectorXd misses = problem.missesAt(x);
+  for (int round = 0; round < kFlankRounds && !flanks.empty(); ++round) {
+    Eigen::MatrixXd slope(misses.size(), kFlankSize);
+    for (Eigen::Index k = 0; k < kFlankSize; ++k)
+      slope.col(k) = (problem.missesAt(x + kFlankStep * Vector::Unit(k)) - misses) / kFlankStep;
+    normal = Matrix::Identity() + slope.transpose() * slope;
+    const Vector full = -normal.ldlt().solve(Vector(x + slope.transpose() * misses));
+    // Half the step as long as it leads uphill.
+    double share = 1.0;
+    for (; share > 0.05; share *= 0.5) {
+      const Vector next = x + share * full;
+      const VectorXd there = problem.missesAt(next);
+      if (!(costOf(next, there) <= costOf(x, misses))) continue;  // Nor where it is no number.
+      x = next;
+      misses = there;
+      break;
+    }
+    if (share <= 0.05 || (share * full).norm() < 1e-3) break;
+  }
+  // A scatter beyond what is expected is that of the model: it holds for the views as well.
+  const double excess = flanks.empty() ? 1.0 : std::max(1.0, misses.squaredNorm() / 2.0);
+  const Matrix covariance = excess * Matrix(normal.inverse());
+  const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
+  FlankBelief belief{problem.viewAt(x), {}};
+  for (Eigen::Index k = 0; k < kFlankSize; ++k) {
+    for (const double side : {-1.0, 1.0}) {
+      const Vector away = side * std::sqrt(static_cast<double>(kFlankSize)) * root.col(k);
+      belief.views.push_back(problem.viewAt(x + away));
+      belief.views.back().weight = 0.5 / kFlankSize;
+    }
+  }
+  return belief;
+}
+
+}  // namespace kerfbench::vision
