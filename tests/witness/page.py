@@ -61,7 +61,8 @@ def text(plan, results, calibrations, unknown, commit):
     for note in notes(plan, calibrations, unknown):
         lines += [note, ""]
     lines += ["## Lines", "", LINES, "", *figures.line_table(results), "",
-              "The same by the distance of the worst place from the middle of the picture:", "", *figures.ring_table(results), "",
+              "The same by the distance of the worst place from the middle of the picture:", "",
+              *figures.ring_table(results), "",
               "## Walls", "", WALLS, "", *figures.walls_table(results), "",
               "## Widths, corners, ends", "", OTHERS, "", *figures.other_table(results)]
     return "\n".join(lines) + "\n"
