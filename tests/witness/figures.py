@@ -145,7 +145,7 @@ def other_table(results):
 def told(row, found):
     """Lines of a row, in a sentence."""
     of = summary(of_kind(found, "line"))
-    return (f"{row[0]}, board {row[1]} mm: {of.number} lines, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f}, cover "
+    return (f"{row[0]}, board {row[1]}: {of.number} lines, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f}, cover "
             f"{100 * of.cover:.0f} %")
 
 
@@ -156,6 +156,6 @@ def failing(results):
 
 def beyond(results, allowed_um):
     """Lines of a quick run that lie farther off than their U and this."""
-    return [f"{lens}, board {board} mm: {r.error_um:+.2f} um at {r.place_mm[0]:.1f}, {r.place_mm[1]:.1f}, U {r.U_um:.2f}"
+    return [f"{lens}, board {board}: {r.error_um:+.2f} um at {r.place_mm[0]:.1f}, {r.place_mm[1]:.1f}, U {r.U_um:.2f}"
             for (lens, board), found in results.items() for r in of_kind(found, "line")
             if abs(r.error_um) > r.U_um + allowed_um]

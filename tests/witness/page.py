@@ -38,7 +38,7 @@ def save(path, text):
 
 
 def names(rows):
-    return "; ".join(f"{lens}, {board} mm" for lens, board in rows) or "none"
+    return "; ".join(f"{lens} {board}" for lens, board in rows) or "none"
 
 
 def notes(plan, calibrations, unknown):
