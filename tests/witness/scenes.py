@@ -12,36 +12,50 @@ INK = 2 / 12                    # Of a printed mark, on top of the board's.
 PAPER, BLACK = 220 / 255, 20 / 255
 
 
+def turned(angle_deg, x, y):
+    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return c * x - s * y, s * x + c * y
+
+
 @dataclasses.dataclass(frozen=True)
 class Camera:
-    """Looks down at z = 0, leaning about the picture's own x. Telecentric: with parallel rays."""
+    """Looks down at z = 0, its middle at (0, 0), leaning about the picture's own x. Telecentric: with parallel rays.
+
+    It is rolled about its axis, so that the edges of a sheet lie along no row or column of pixels: POV-Ray places such
+    edges on 1/16 pixel.
+    """
     size_px: tuple
     pitch_mm: float = 0.03
     height_mm: float = 300.0
     tilt_deg: float = 0.5
+    roll_deg: float = -6.5
     telecentric: bool = False
 
     def text(self):
         tilt = math.radians(self.tilt_deg)
-        down = (0.0, -math.sin(tilt), -math.cos(tilt))
+        down = (*turned(self.roll_deg, 0.0, -math.sin(tilt)), -math.cos(tilt))
+        up = (*turned(self.roll_deg, 0.0, math.cos(tilt)), -math.sin(tilt))
+        right = (*turned(self.roll_deg, 1.0, 0.0), 0.0)
         wide, tall = (n * self.pitch_mm for n in self.size_px)
         kind, distance = ("orthographic", 100.0) if self.telecentric else ("perspective", self.height_mm)
         ahead = 1.0 if self.telecentric else self.height_mm
-        # Explicit vectors make it right-handed: right is +x, up is +y.
+
+        def times(length, of):
+            return slits.vector(*(length * c for c in of))
+        # Explicit vectors make it right-handed: of a camera that is not rolled, right is +x and up is +y.
         return (f"#version 3.7;\nglobal_settings {{ assumed_gamma 1.0 max_trace_level 30 adc_bailout 0 }}\n"
                 f"#default {{ finish {{ ambient 0 diffuse 0 emission 1 }} }}\n"
-                f"camera {{ {kind} location {slits.vector(*(-distance * c for c in down))}\n"
-                f"  direction {slits.vector(*(ahead * c for c in down))} right {slits.number(wide)}*x\n"
-                f"  up {slits.vector(0.0, tall * math.cos(tilt), -tall * math.sin(tilt))} }}\n")
-
+                f"camera {{ {kind} location {times(-distance, down)}\n"
+                f"  direction {times(ahead, down)} right {times(wide, right)} up {times(tall, up)} }}\n")
 
     def slope(self, place):
         """Of the ray that meets a place of z = 0: how far it goes in x and y for each mm downwards."""
         tilt = math.radians(self.tilt_deg)
         if self.telecentric:
-            return 0.0, -math.tan(tilt)
+            return turned(self.roll_deg, 0.0, -math.tan(tilt))
         over_mm = self.height_mm * math.cos(tilt)
-        return place[0] / over_mm, (place[1] - self.height_mm * math.sin(tilt)) / over_mm
+        foot = turned(self.roll_deg, 0.0, self.height_mm * math.sin(tilt))
+        return (place[0] - foot[0]) / over_mm, (place[1] - foot[1]) / over_mm
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,8 +79,8 @@ class Lay:
     y_mm: float
 
     def place(self, point):
-        c, s = math.cos(math.radians(self.turn_deg)), math.sin(math.radians(self.turn_deg))
-        return c * point[0] - s * point[1] + self.x_mm, s * point[0] + c * point[1] + self.y_mm
+        x, y = turned(self.turn_deg, *point)
+        return x + self.x_mm, y + self.y_mm
 
 
 def union(solids, more=""):
@@ -99,10 +113,7 @@ def board_scene(camera, sheet, board, lay):
 
 @dataclasses.dataclass(frozen=True)
 class View:
-    """A pose of the target: turned in its own plane, then leaning about an axis of that plane, then shifted.
-
-    The edges of the target lie along no row or column of pixels: POV-Ray places such edges on 1/16 pixel.
-    """
+    """A pose of the target: turned in its own plane, then leaning about an axis of that plane, then shifted."""
     turn_deg: float
     lean_deg: float = 0.0
     axis_deg: float = 0.0
@@ -120,9 +131,8 @@ class Target:
 
     def origin_mm(self, view):
         """Where the corner of the first square lies in a flat view."""
-        c, s = math.cos(math.radians(view.turn_deg)), math.sin(math.radians(view.turn_deg))
-        x, y = -0.5 * self.size_mm[0], 0.5 * self.size_mm[1]
-        return c * x - s * y + view.x_mm, s * x + c * y + view.y_mm
+        x, y = turned(view.turn_deg, -0.5 * self.size_mm[0], 0.5 * self.size_mm[1])
+        return x + view.x_mm, y + view.y_mm
 
 
 RECTANGLE = re.compile(r"M(-?[\d.]+) (-?[\d.]+)h(-?[\d.]+)v(-?[\d.]+)h-?[\d.]+z")

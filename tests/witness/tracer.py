@@ -19,7 +19,7 @@ class Tracer:
     """Rays in a grid of 2 x 2 a pixel, and more of them where neighbours differ."""
     PER_PIXEL = 2
 
-    def __init__(self, cache, sensor, say, depth=3):
+    def __init__(self, cache, sensor, say, depth=4):
         self.cache, self.sensor, self.say, self.depth = cache, sensor, say, depth
         asked = subprocess.run(["povray", "--version"], stdin=subprocess.DEVNULL, capture_output=True, text=True,
                                check=False)
