@@ -45,9 +45,10 @@ def readings(verdict, sheet, lens, board, lay):
     """Everything that verdict.json says of lines, widths and joints."""
     found, drawn = [], sheets.entities(sheet)
     for said in verdict["entities"]:
-        if said["worst_mm"] is None:
-            continue
         entity = drawn[said["entity"]]
+        if said["worst_mm"] is None:
+            found.append(Reading("lost", 0.0, 0.0, lay.place(entity.start[:2])))
+            continue
         place, sign, tangent = seen_from(lens.camera, lay, *entity.at(said["worst_u"]))
         truth, walls_um = entity.path.beside_mm, -0.5e3 * board.thickness_mm * tangent
         found.append(Reading("line", 1e3 * sign * (said["worst_mm"] - truth), 1e3 * said["worst_U_mm"], place, walls_um))
@@ -73,9 +74,6 @@ class Summary:
     worst: Reading
     U_um: float                 # Median.
     cover: float
-
-    def good(self):
-        return self.cover >= COVER_GOAL and abs(self.worst.error_um) <= WORST_GOAL_UM
 
 
 def summary(chosen):
@@ -103,7 +101,7 @@ def line_table(results):
     rows = [f"| lens | board, mm {HEAD} goals |", "|---|---|" + "---|" * 8]
     for (lens, board), found in results.items():
         of = summary(of_kind(found, "line"))
-        rows.append(f"| {lens} | {board} | {cells(of)} | {'hold' if of.good() else '**fail**'} |")
+        rows.append(f"| {lens} | {board} | {cells(of)} | {'hold' if good(found) else '**fail**'} |")
     return rows
 
 
@@ -144,18 +142,24 @@ def other_table(results):
 
 def told(row, found):
     """Lines of a row, in a sentence."""
-    of = summary(of_kind(found, "line"))
+    of, lost = summary(of_kind(found, "line")), len(of_kind(found, "lost"))
     return (f"{row[0]}, board {row[1]}: {of.number} lines, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f}, cover "
-            f"{100 * of.cover:.0f} %")
+            f"{100 * of.cover:.0f} %" + (f", {lost} not found" if lost else ""))
+
+
+def good(found):
+    """Whether lines keep to their goals."""
+    of = summary(of_kind(found, "line"))
+    return of.cover >= COVER_GOAL and abs(of.worst.error_um) <= WORST_GOAL_UM and not of_kind(found, "lost")
 
 
 def failing(results):
     """Rows whose lines miss a goal, with a sentence for each."""
-    return {row: told(row, found) for row, found in results.items() if not summary(of_kind(found, "line")).good()}
+    return {row: told(row, found) for row, found in results.items() if not good(found)}
 
 
 def beyond(results, allowed_um):
-    """Lines of a quick run that lie farther off than their U and this."""
-    return [f"{lens}, board {board}: {r.error_um:+.2f} um at {r.place_mm[0]:.1f}, {r.place_mm[1]:.1f}, U {r.U_um:.2f}"
-            for (lens, board), found in results.items() for r in of_kind(found, "line")
-            if abs(r.error_um) > r.U_um + allowed_um]
+    """Lines of a quick run that are not found, or lie farther off than their U and this."""
+    return [f"{lens}, board {board}: {r.kind} at {r.place_mm[0]:.1f}, {r.place_mm[1]:.1f}: {r.error_um:+.2f} um, "
+            f"U {r.U_um:.2f}" for (lens, board), found in results.items() for r in found
+            if r.kind == "lost" or r.kind == "line" and abs(r.error_um) > r.U_um + allowed_um]
