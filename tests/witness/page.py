@@ -9,8 +9,8 @@ Sheets and calibration targets are rendered by POV-Ray from the pose of the kerf
 law at 12 %, an even back light, the target from the SVG of `calibrate target`. Blur (Gaussian, 0.7 px), pixels, noise and
 8 bits are made by `tests/witness/pictures.py`. Then all goes the way of a user's pictures: `calibrate camera --views`,
 `replay` with `cameras: {{kerf: {{source: tiles}}}}`, verdict.json. Nothing of the model's camera takes part. The camera is
-the stock one without distortion: 2048 x 1536 pixels of 0.03 mm, 300 mm above the sheet, leaning by 0.5 degrees. The top of
-the board lies in the calibrated plane. Each row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each.
+the stock one without distortion, rolled by 6.5 degrees: 2048 x 1536 pixels of 0.03 mm, 300 mm above the sheet, leaning by
+0.5 degrees. The top of the board lies in the calibrated plane. Each row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each.
 Commit {commit}, seeds {seed_list}, by `./bench witness`. Figures are in µm; U is the median of what the bench states
 (k = 2), cover the share of errors within their own U."""
 
