@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""An independent witness of the kerf measurement: sheets and calibration targets rendered by POV-Ray from the kerf
+camera's pose go the way of a user's pictures: calibrate camera, replay with a folder of pictures, verdict.json.
+
+Writes RESULTS.md; with --only or --quick nothing is written. Rendered pictures are kept in build/witness. Ends with 0 if
+lines keep to their goals on all boards, 1 if not, 2 if a program broke, 64 for a wrong command line.
+"""
+import argparse
+import concurrent.futures
+import fnmatch
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+
+import bench
+import cases
+import figures
+import page
+import pictures
+import scenes
+from tracer import Broken, Tracer
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PAGE = os.path.join(HERE, "RESULTS.md")
+_lock = threading.Lock()
+
+
+def say(text):
+    with _lock:
+        print(text, flush=True)
+
+
+def options():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default=os.path.join(bench.ROOT, "build", "release"), metavar="FOLDER")
+    parser.add_argument("--cache", default=os.path.join(bench.ROOT, "build", "witness"), metavar="FOLDER",
+                        help="rendered pictures, by a digest of scene and settings")
+    parser.add_argument("--only", nargs="+", metavar="NAME",
+                        help="lens/board like entocentric/0.4; shell patterns are understood")
+    parser.add_argument("--quick", action="store_true", help="one small camera, one thin board")
+    parser.add_argument("--keep", metavar="FOLDER", help="keep pictures, calibrations and verdicts here")
+    parser.add_argument("--jobs", type=int, default=2, help="pictures and replays at once")
+    try:
+        return parser.parse_args()
+    except SystemExit as end:
+        sys.exit(64 if end.code else 0)
+
+
+def measure(kerfbench, tracer, plan, lens, board_name, pins):
+    """Tasks, one for each lay: the readings of all its seeds."""
+    board = plan.boards[board_name]
+
+    def task(number):
+        lay = plan.lays[number]
+        name = f"{board_name.replace(' ', '-')}-lay{number}"
+        clean = tracer.picture(f"{lens.name}, {name}", scenes.board_scene(lens.camera, plan.sheet, board, lay),
+                               lens.camera.size_px)
+        found = []
+        for seed in plan.seeds:
+            picture = pictures.exposed(clean, tracer.sensor, 100 * number + seed)
+            verdict = bench.judge(kerfbench, plan.sheet, lens, board, picture, f"{name}-seed{seed}", pins)
+            found += figures.readings(verdict, plan.sheet, lens, board, lay)
+            say(f"{lens.name}, {name}, seed {seed}: {verdict['verdict']}"
+                + "".join(f"; {problem}" for problem in verdict["problems"]))
+        return found
+    return [lambda number=number: task(number) for number in range(len(plan.lays))]
+
+
+def witness(plan, chosen, folder, args):
+    """Readings by lens and board, calibrations by lens, and lenses that this bench cannot calibrate."""
+    kerfbench = bench.Kerfbench(os.path.abspath(os.path.join(args.build, "bin", "kerfbench")), folder)
+    tracer = Tracer(os.path.abspath(args.cache), pictures.Sensor(), say)
+    wanted = [lens for lens in plan.lenses if any(of is lens for of, _ in chosen)]
+    lenses = [lens for lens in wanted if kerfbench.knows(lens)]
+    unknown = [lens.name for lens in wanted if lens not in lenses]
+    results, calibrations = {}, {}
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        job = pool.submit(bench.run_job, kerfbench, plan.sheet)
+        made = {lens.name: pool.submit(bench.calibrate, kerfbench, tracer, lens) for lens in lenses}
+        pins = job.result()     # A job that cannot be planned is told before anything is rendered.
+        for name, calibration in made.items():
+            calibrations[name] = calibration.result()
+            say(f"{name}: calibrated, residual {calibrations[name]['rms_px']:.4f} px")
+        running = {(lens.name, board): [pool.submit(task) for task in measure(kerfbench, tracer, plan, lens, board, pins)]
+                   for lens, board in chosen if lens in lenses}
+        for row, tasks in running.items():
+            results[row] = [reading for task in tasks for reading in task.result()]
+            say(figures.told(row, results[row]))
+    return results, calibrations, unknown
+
+
+def main():
+    args = options()
+    plan = cases.QUICK if args.quick else cases.FULL
+    every = [(lens, board) for lens in plan.lenses for board in plan.boards]
+    chosen = [(lens, board) for lens, board in every
+              if any(fnmatch.fnmatchcase(f"{lens.name}/{board}", pattern) for pattern in args.only or ["*"])]
+    if not chosen:
+        print("witness: no case has such a name: " + ", ".join(f"{lens.name}/{b}" for lens, b in every), file=sys.stderr)
+        sys.exit(64)
+    folder = os.path.abspath(args.keep) if args.keep else tempfile.mkdtemp(prefix="kerfbench-witness-")
+    os.makedirs(folder, exist_ok=True)
+    try:
+        results, calibrations, unknown = witness(plan, chosen, folder, args)
+    except (Broken, OSError, ValueError) as error:
+        print(f"witness: {error}", file=sys.stderr)
+        sys.exit(2)
+    finally:
+        if not args.keep:
+            shutil.rmtree(folder, ignore_errors=True)
+    for name in unknown:
+        say(f"{name}: not measured, this bench cannot calibrate it")
+    complaints = figures.beyond(results, cases.QUICK_ALLOWS_UM) if args.quick else list(figures.failing(results).values())
+    for complaint in complaints:
+        print(f"witness: {complaint}", file=sys.stderr)
+    if len(chosen) == len(every) and not args.quick:
+        commit = subprocess.run(["git", "-C", bench.ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
+                                check=False)
+        page.save(PAGE, page.text(plan, results, calibrations, unknown, commit.stdout.strip() or "unknown"))
+    sys.exit(1 if complaints else 0)
+
+
+if __name__ == "__main__":
+    main()
