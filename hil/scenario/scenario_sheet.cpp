@@ -142,7 +142,7 @@ planner::Selection readSelection(base::YamlReader select) {
 twin::BoardDescription readBoard(base::YamlReader board) {
   twin::BoardDescription result;
   result.thickness_mm =
-      board.number("thickness_mm", {.min = 0.05, .max = 5.0, .fallback = result.thickness_mm});
+      board.number("thickness_mm", {.min = 0.001, .max = 5.0, .fallback = result.thickness_mm});
   result.cut_fluence_j_mm2 =
       board.number("cut_fluence_j_mm2", {.min = 0.001, .max = 100.0, .fallback = result.cut_fluence_j_mm2});
   const std::string law = board.text("light", "beer");

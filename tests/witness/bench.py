@@ -36,18 +36,15 @@ class Kerfbench:
             raise Broken(f"kerfbench {' '.join(arguments)}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
         return done.stdout
 
-    def knows(self, lens):
-        return not lens.needs or lens.needs in self.call("calibrate", "camera", "--help")
-
 
 def write_machine(bench, lens):
     """The stock machine with this camera over the inspection table, square pixels and no distortion."""
     camera = lens.camera
     return write(bench.path(f"{lens.name}.yaml"), (
-        f"extends: {ROOT}/fixtures/machines/two-mirror.yaml\nname: {lens.name}\n{lens.machine}cameras:\n"
+        f"extends: {ROOT}/fixtures/machines/two-mirror.yaml\nname: {lens.name}\ncameras:\n"
         f"  spot: {{calibration: {ROOT}/fixtures/machines/two-mirror.spot.camera.yaml}}\n"
         f"  kerf: {{id: witness-{lens.name}, calibration: {lens.name}.kerf.camera.yaml, size_px: {list(camera.size_px)},\n"
-        f"    pitch_mm: {camera.pitch_mm}, height_mm: {camera.height_mm}, tilt_deg: {camera.tilt_deg},\n"
+        f"    lens: {lens.kind}, pitch_mm: {camera.pitch_mm}, height_mm: {camera.height_mm}, tilt_deg: {camera.tilt_deg},\n"
         f"    distortion: [0, 0, 0, 0, 0]}}\n"))
 
 
@@ -68,7 +65,7 @@ def calibrate(bench, tracer, lens):
     x, y = target.origin_mm(lens.views[0])
     bench.call("calibrate", "camera", "--machine", machine, "--camera", "kerf", "--date", DATE, "--views",
                bench.path(lens.name, "views"), "--target", description, "--origin-mm", f"{x:.9f}", f"{y:.9f}", "--turn-deg",
-               f"{lens.views[0].turn_deg:g}", "--jobs", "1", *lens.calibrate)
+               f"{lens.views[0].turn_deg:g}", "--jobs", "1")
     made = open_text(bench.path(f"{lens.name}.kerf.camera.yaml"))
     return {key: float(re.search(rf"^{key}: (\S+)", made, re.M).group(1)) for key in ("rms_px", "map_u_mm")}
 

