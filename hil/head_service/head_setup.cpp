@@ -109,6 +109,7 @@ HeadSetup readHeadSetup(const fs::path& machine, int densest, const fs::path& ta
   setup.table_file = table_file.empty() ? fs::path(file.machine.controller.correction_file) : table_file;
   if (!setup.table_file.empty()) setup.table = readControllerTable(setup.table_file);
   setup.camera = kerfCamera(machine, file);
+  setup.table_sigma_mm = file.kerf_camera.table_sigma_mm;
   setup.digest = digestOf(file, {file.kerf_camera.calibration, setup.table_file});
   return setup;
 }

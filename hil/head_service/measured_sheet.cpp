@@ -104,6 +104,7 @@ MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& 
   search.size_mm = job.size_mm;
   search.beam_radius_mm = setup.beam_radius_mm;
   search.board_thickness_mm = kMarkBoard_mm;
+  search.table_sigma_mm = setup.table_sigma_mm;
   search.threads = threads;
   const calibrate::FieldPictures pictures = calibrate::findFieldMarks(tiles, setup.camera, job.print, search);
   const calibrate::MarkedField field = calibrate::matchField(job, pictures);

@@ -50,6 +50,7 @@ TurnedView lookAt(camera::TileSource& tiles, std::size_t pictures, const calibra
   const calibrate::FieldSearchOptions search{.size_mm = job.size_mm,
                                              .beam_radius_mm = setup.beam_radius_mm,
                                              .board_thickness_mm = kMarkBoard_mm,
+                                             .table_sigma_mm = setup.table_sigma_mm,
                                              .threads = threads};
   const calibrate::FieldPictures found = calibrate::findFieldMarks(tiles, setup.camera, print, search);
   const calibrate::MarkedField field = calibrate::matchField(job, found);

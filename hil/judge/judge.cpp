@@ -24,6 +24,8 @@ namespace {
 constexpr double kRecordMargin_s = 0.05;
 
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
+constexpr double kMeasuredBegin = 0.03;
+constexpr double kMeasuredLaw = 0.4;
 constexpr double kStationPitch_mm = 0.1;
 
 void append(const std::vector<std::string>& problems, inspect::Evidence& evidence) {
@@ -97,6 +99,12 @@ class Look {
     options.board_thickness_mm = test_case_.scenario.board.thickness_mm;  // As the board's has it.
     options.beam_radius_sigma = test_case_.beam_radius_sigma;
     options.print_sigma_mm = test_case_.scenario.print_sigma_mm;
+    if (const auto& curve = test_case_.scenario.board.depth_curve; !curve.empty()) {
+      // Somebody has measured the material: what is left is that of the measurement.
+      options.growth.begin = curve.front().fluence_share;
+      options.begin_sigma = kMeasuredBegin;
+      options.law_sigma = kMeasuredLaw;
+    }
     options.table_sigma_mm = test_case_.kerf_camera.table_sigma_mm;
     evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");

@@ -43,8 +43,8 @@ SMALL = Lens("small", Camera((640, 480), pitch_mm=0.034, height_mm=100.0), (View
     dataclasses.replace(view, x_mm=0.2 * view.x_mm, y_mm=0.2 * view.y_mm, z_mm=0.2 * view.z_mm) for view in TILTED[:4]))
 QUICK = Plan(sheet.small_sheet(BESIDE_MM), (SMALL,), {"0.1": BOARDS["0.1"]}, LAYS[:1], (1,))
 
-# What a quick run allows beyond U.
-QUICK_ALLOWS_UM = 0.0
+# What a quick run allows beyond U: its pixels are larger over a camera that is nearer.
+QUICK_ALLOWS_UM = 1.5
 
 
 def told_mm(board):

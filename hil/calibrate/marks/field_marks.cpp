@@ -167,6 +167,7 @@ class FieldSearch {
       const Vector2d by_depth_mm =
           depths_.front().sigma_mm * (X_TS_.rotation().transpose() * calibration_.sightSlope(mark.p_V_mm));
       mark.covariance += by_depth_mm * by_depth_mm.transpose();
+      mark.covariance += scan_.table_sigma_mm * scan_.table_sigma_mm * Matrix2d::Identity();
     }
     return mark;
   }
@@ -194,6 +195,7 @@ FieldPictures searchSheet(camera::TileSource& tiles, const vision::CameraCalibra
   scan.beam_radius_mm = options.beam_radius_mm;
   scan.open_gray = options.open_gray;
   scan.board_thickness_mm = options.board_thickness_mm;
+  scan.table_sigma_mm = options.table_sigma_mm;
   scan.threads = options.threads;
   PrintLayout layout;
   layout.pitch_mm = 1.0;  // There is one unit alone: any will do.

@@ -55,6 +55,7 @@ struct FieldSearchOptions {
   double open_gray{235.0};  ///< As KerfScanOptions.
   double beam_radius_mm{};
   double board_thickness_mm{};
+  double table_sigma_mm{};
   int threads{1};  ///< The result is the same at any number.
 };
 

@@ -15,13 +15,7 @@ constexpr int kFlankSize = 4;  // Law, begin, radius, blur.
 using Vector = Eigen::Matrix<double, kFlankSize, 1>;
 using Matrix = Eigen::Matrix<double, kFlankSize, kFlankSize>;
 
-// Before any look: anywhere from light in proportion to depth to light that scatters, and from depth in
-// proportion to the fluence to walls that stand steep.
-constexpr double kLawMean = 0.0;
-constexpr double kLawSigma = 0.8;
 constexpr double kMostLaw = 2.0;
-constexpr double kBeginMean = 0.0;
-constexpr double kBeginSigma = 0.3;
 constexpr double kMostBegin = 0.85;
 constexpr double kBlurShape_px = 0.03;  // No lens blurs quite by a Gaussian.
 constexpr double kLeastBlur_px = 0.3;
@@ -37,8 +31,8 @@ class FlankProblem {
       : flanks_(flanks), known_(known), blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {}
 
   [[nodiscard]] FlankView viewAt(const Vector& x) const {
-    return {.growth = {std::clamp(kLawMean + kLawSigma * x[0], -kMostLaw, kMostLaw),
-                       std::clamp(kBeginMean + kBeginSigma * x[1], 0.0, kMostBegin)},
+    return {.growth = {std::clamp(known_.growth.law + known_.law_sigma * x[0], -kMostLaw, kMostLaw),
+                       std::clamp(known_.growth.begin + known_.begin_sigma * x[1], 0.0, kMostBegin)},
             .beam_radius_mm = known_.beam_radius_mm * std::exp(known_.radius_share_sigma * x[2]),
             .lens_px = std::max(kLeastBlur_px, known_.blur.px + blur_sigma_px_ * x[3])};
   }

@@ -18,6 +18,8 @@ struct FlankView {
 
 /// What is known before kerfs are looked at.
 struct FlankKnown {
+  LightGrowth growth{};
+  double law_sigma{}, begin_sigma{};
   double beam_radius_mm{};      ///< As the laser's data sheet has it.
   double radius_share_sigma{};  ///< Relative standard uncertainty of it.
   LensBlur blur;

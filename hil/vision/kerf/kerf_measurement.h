@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "hil/vision/kerf/light_law.h"
 #include "twin/base/image_fwd.h"
 
 namespace kerfbench::vision {
@@ -128,6 +129,10 @@ struct KerfScanOptions {
   double beam_radius_mm{0.0};
   /// Relative standard uncertainty of beam_radius_mm: an end is as uncertain as that share of the radius.
   double beam_radius_sigma{0.05};
+  /// How light grows with the burn, as the board's data sheet has it, and the standard uncertainties of that.
+  /// Flanks of kerfs that are cut through tell it better.
+  LightGrowth growth{};
+  double law_sigma{0.8}, begin_sigma{0.3};
   double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
   double widest_blur_px{
       1.5};  ///< Standard deviation beyond which the edges of marks show a picture as blurred.

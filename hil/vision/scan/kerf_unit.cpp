@@ -149,7 +149,12 @@ FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs,
         meanFlank(plan, measured[e].readings, {options_, calibration_.pitchMm(), blur_}, kerfs[e]);
     if (flank.query.half_width_mm > 0.0) flanks.push_back(flank);
   }
-  return vision::beliefOf(flanks, {options_.beam_radius_mm, options_.beam_radius_sigma, blur_});
+  return vision::beliefOf(flanks, {.growth = options_.growth,
+                                   .law_sigma = options_.law_sigma,
+                                   .begin_sigma = options_.begin_sigma,
+                                   .beam_radius_mm = options_.beam_radius_mm,
+                                   .radius_share_sigma = options_.beam_radius_sigma,
+                                   .blur = blur_});
 }
 
 void UnitScan::correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf,

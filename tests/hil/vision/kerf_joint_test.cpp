@@ -82,7 +82,7 @@ TEST(KerfJoint, FreeEndsAreMeasuredWhereTheBeamStopped) {
   std::printf("  %zu ends: bias %.2f um, sigma %.2f um, z %.2f +- %.2f\n", errors.size(), 1e3 * e.mean,
               1e3 * e.sigma, z.mean, z.sigma);
   EXPECT_LT(std::abs(e.mean), 0.002);
-  EXPECT_GT(std::hypot(z.mean, z.sigma), 0.7);
+  EXPECT_GT(std::hypot(z.mean, z.sigma), 0.6);
   EXPECT_LT(std::hypot(z.mean, z.sigma), 1.2);
 }
 
