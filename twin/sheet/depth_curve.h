@@ -15,8 +15,9 @@ class DepthCurve {
   explicit DepthCurve(const BoardDescription& board);
   /// Burnt depth over thickness, 0…1, of board that absorbed `fluence_j_mm2`.
   [[nodiscard]] double depthAt(double fluence_j_mm2) const;
-  /// The same with the curve's first and last piece going on as straight lines: below 0 where nothing is burnt
-  /// yet, above 1 where the board is through. Between places on a wall this is straight where depth is not.
+  /// The same with the curve's first and last piece going on as straight lines: below 0 where nothing is
+  /// burnt yet, above 1 where the board is through. Between places on a wall this is straight where depth is
+  /// not.
   [[nodiscard]] double unboundedDepthAt(double fluence_j_mm2) const;
   /// Fluence that burns to `depth_share`; the threshold for 0 and less, cut_fluence_j_mm2 for 1 and more.
   [[nodiscard]] double fluenceFor_j_mm2(double depth_share) const;
