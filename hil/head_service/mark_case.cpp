@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/head_service/head_setup.h"
 #include "hil/scenario/scenario.h"
 
 namespace kerfbench::head_service {
