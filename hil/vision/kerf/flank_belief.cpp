@@ -22,6 +22,8 @@ constexpr double kLeastBlur_px = 0.3;
 /// What grid, grain, roughness and the shape of the lens's blur leave of a mean half width.
 constexpr double kHalfWidthModel_mm = 8e-4;
 constexpr int kFlankRounds = 8;
+constexpr int kFlankHalvings = 5;
+constexpr double kLeastMove = 1e-3;
 constexpr double kFlankStep = 0.05;  ///< Step of differences, in standard deviations.
 
 /// Views by departures from what is known before, in its standard deviations.
@@ -63,6 +65,20 @@ class FlankProblem {
 
 double costOf(const Vector& x, const VectorXd& misses) { return x.squaredNorm() + misses.squaredNorm(); }
 
+/// Goes the step, or half of it, or half of that, whichever leads downhill; returns how far.
+double descend(const FlankProblem& problem, const Vector& step, Vector& x, VectorXd& misses) {
+  double share = 1.0;
+  for (int halving = 0; halving < kFlankHalvings; ++halving, share *= 0.5) {
+    const Vector next = x + share * step;
+    const VectorXd there = problem.missesAt(next);
+    if (!(costOf(next, there) <= costOf(x, misses))) continue;  // Nor where it is no number.
+    x = next;
+    misses = there;
+    return (share * step).norm();
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known) {
@@ -76,17 +92,7 @@ FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& kno
       slope.col(k) = (problem.missesAt(x + kFlankStep * Vector::Unit(k)) - misses) / kFlankStep;
     normal = Matrix::Identity() + slope.transpose() * slope;
     const Vector full = -normal.ldlt().solve(Vector(x + slope.transpose() * misses));
-    // Half the step as long as it leads uphill.
-    double share = 1.0;
-    for (; share > 0.05; share *= 0.5) {
-      const Vector next = x + share * full;
-      const VectorXd there = problem.missesAt(next);
-      if (!(costOf(next, there) <= costOf(x, misses))) continue;  // Nor where it is no number.
-      x = next;
-      misses = there;
-      break;
-    }
-    if (share <= 0.05 || (share * full).norm() < 1e-3) break;
+    if (!(descend(problem, full, x, misses) > kLeastMove)) break;
   }
   // A scatter beyond what is expected is that of the model: it holds for the views as well.
   const double excess = flanks.empty() ? 1.0 : std::max(1.0, misses.squaredNorm() / 2.0);

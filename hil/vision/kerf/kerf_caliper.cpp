@@ -53,6 +53,20 @@ std::optional<double> crossing(const Profile& profile, std::size_t inside, int d
   return static_cast<double>(in) + direction * share;
 }
 
+/// Both flanks of the peak at `top`, where they cross a level.
+using Edges = std::optional<std::array<double, 2>>;
+Edges edgesAt(const Profile& profile, std::size_t top, double level) {
+  if (profile.gray[top] < level) return std::nullopt;
+  const auto left = crossing(profile, top, -1, level);
+  const auto right = crossing(profile, top, +1, level);
+  if (!left || !right) return std::nullopt;
+  return std::array{*left, *right};
+}
+
+double widthOf(const Edges& edges, const Profile& profile) {
+  return edges ? ((*edges)[1] - (*edges)[0]) * profile.step_mm : kNan;
+}
+
 /// Lower quartile: a kerf covers less than half of a caliper.
 double boardOf(const Profile& profile) {
   static thread_local std::vector<float> sorted;
@@ -167,14 +181,7 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   reading.top_gray = std::max<double>(profile.gray[top], lightAt(profile, middle_mm).value_or(0.0));
   const double height = reading.top_gray - base;
   if (height < least) return nothing();
-  const auto edges = [&](double share) -> std::optional<std::array<double, 2>> {
-    const double level = base + share * height;
-    if (profile.gray[top] < level) return std::nullopt;
-    const auto left = crossing(profile, top, -1, level);
-    const auto right = crossing(profile, top, +1, level);
-    if (!left || !right) return std::nullopt;
-    return std::array{*left, *right};
-  };
+  const auto edges = [&](double share) { return edgesAt(profile, top, base + share * height); };
   const auto half = edges(0.5);
   if (!half) return nothing();  // Flank beyond the caliper.
   double centre = 0.0;
@@ -188,12 +195,8 @@ KerfReading measureKerf(const Profile& profile, double open_gray) {
   reading.found = true;
   reading.offset_mm = profile.first_mm + centre / levels * profile.step_mm;
   reading.width_mm = ((*half)[1] - (*half)[0]) * profile.step_mm;
-  const auto widthAt = [&](double share) {
-    const auto at = edges(share);
-    return at ? ((*at)[1] - (*at)[0]) * profile.step_mm : kNan;
-  };
-  reading.low_width_mm = widthAt(0.25);
-  reading.high_width_mm = widthAt(0.75);
+  reading.low_width_mm = widthOf(edges(0.25), profile);
+  reading.high_width_mm = widthOf(edges(0.75), profile);
   reading.brightness = std::clamp(height / range, 0.0, 1.5);
   const double half_steps = 0.5 * ((*half)[1] - (*half)[0]);
   const double beside_steps = kBesidePx * profile.pixel_mm / profile.step_mm;

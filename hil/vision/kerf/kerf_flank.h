@@ -27,7 +27,7 @@ struct FlankFall {
   double light_mm{};           ///< Half width of the light that comes through, without blur.
   double low_mm{}, high_mm{};  ///< Half widths at a quarter and three quarters of the height, blurred.
 };
-FlankFall fallOf(const FlankQuery& query);
+FlankFall fallOf(const FlankQuery& seen);
 
 /// Model of a kerf's flanks under scorch, which takes a share k of the light of all remaining board, more on
 /// one side than on the other: the two flanks differ from each other's mirror image, and their middle moves.
