@@ -22,6 +22,7 @@ using Eigen::VectorXd;
 constexpr Index kLens = 9;
 constexpr Index kPose = 6;
 constexpr int kBundleRounds = 100;
+constexpr double kAtRest = 1e-9;
 constexpr int kWeightings = 3;
 
 Eigen::Matrix3d crossMatrix(const Vector3d& v) {
@@ -159,6 +160,7 @@ bool settle(State& state, const Bundle& bundle, const std::vector<double>& weigh
   double damping = 1e-4;
   double cost = costOf(state, bundle, weight);
   int idle = 0;
+  double decrease = 1.0;  // Relative decrease of the cost by the last step.
   for (int round = 0; round < kBundleRounds; ++round) {
     const Normal normal = normalOf(state, bundle, weight);
     bool better = false;
@@ -171,7 +173,8 @@ bool settle(State& state, const Bundle& bundle, const std::vector<double>& weigh
       if (next_cost > cost) continue;
       better = true;
       // Twice within rounding: the last steps, nearly undamped, have squeezed out what there is.
-      idle = cost - next_cost <= 1e-13 * cost ? idle + 1 : 0;
+      decrease = (cost - next_cost) / cost;
+      idle = decrease <= 1e-13 ? idle + 1 : 0;
       state = next;
       cost = next_cost;
       damping = std::max(1e-15, damping * 1e-3);
@@ -179,7 +182,8 @@ bool settle(State& state, const Bundle& bundle, const std::vector<double>& weigh
     }
     if (!better) return std::isfinite(cost);
   }
-  return false;
+  // A telecentric lens without distortion has no axis: the fit wanders along it, and the cost is at rest.
+  return decrease <= kAtRest;
 }
 
 std::vector<std::vector<Vector2d>> residualsOf(const State& state, const Bundle& bundle) {

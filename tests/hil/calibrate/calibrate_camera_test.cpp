@@ -37,6 +37,30 @@ TEST(CalibrateCamera, FindsTheMapOfACameraThatItHasNotBeenTold) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
+/// Views by a telecentric lens; without distortion nothing tells where its axis is.
+class TelecentricCamera : public testing::TestWithParam<bool> {};
+
+TEST_P(TelecentricCamera, IsCalibratedFromTheSameViews) {
+  twin::CameraDescription camera = test::smallCamera();
+  camera.telecentric_mm = 250.0;
+  if (!GetParam()) camera.distortion = {};
+  // Half a degree from square.
+  camera.X_CP.linear() = (Eigen::AngleAxisd(0.0087, Eigen::Vector3d::UnitX()) *
+                          Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
+                             .toRotationMatrix();
+  CalibrationJob job = test::smallJob(1);
+  camera::setTwinViews(camera, camera::twinViews(camera, job.target, 5), 1, job);
+  const vision::CameraCalibration c = calibrateCamera(job).calibration;
+  EXPECT_EQ(c.telecentric_mm, 250.0);
+  const double most_mm = test::largest(test::mapErrors(c, test::truthOf(camera), 20));
+  EXPECT_LT(most_mm, 0.0015);
+  EXPECT_LT(most_mm, 4.0 * c.map_u_mm);
+  EXPECT_LT(c.rms_px, 0.006);
+  EXPECT_GT(c.square_within_rad, 0.0087);
+  EXPECT_LT(c.square_within_rad, 0.02);
+}
+INSTANTIATE_TEST_SUITE_P(Distortion, TelecentricCamera, testing::Bool());
+
 TEST(CalibrateCamera, IsTheSameAtAnyNumberOfThreads) {
   CalibrationJob job = test::smallJob(2, 3);
   const vision::CameraCalibration one = calibrateCamera(job).calibration;
