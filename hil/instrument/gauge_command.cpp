@@ -48,6 +48,7 @@ gauge::GaugeSetup readSetup(const fs::path& machine, gauge::GaugeFacts& facts) {
   setup.spread = file.spread;
   setup.kerf_calibration = cameras.kerf.value();
   setup.spot_calibration = cameras.spot.value();
+  setup.radius_sigma = file.beam_radius_sigma;
   return setup;
 }
 

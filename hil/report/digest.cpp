@@ -71,7 +71,9 @@ Json kerfJson(const vision::EntityKerf& kerf) {
           {"calipers", std::move(calipers)},
           {"light", std::move(light)},
           {"widening_mm", rounded(kerf.widening_mm)},
-          {"widening_sigma_mm", significant(kerf.widening_sigma_mm)}};
+          {"widening_sigma_mm", significant(kerf.widening_sigma_mm)},
+          {"depth_mm", rounded(kerf.depth_mm)},
+          {"depth_sigma_mm", significant(kerf.depth_sigma_mm)}};
 }
 
 void addJoints(const std::vector<inspect::JointResult>& joints, Json& root) {

@@ -173,7 +173,7 @@ bool settle(State& state, const Bundle& bundle, const std::vector<double>& weigh
       if (next_cost > cost) continue;
       better = true;
       // Twice within rounding: the last steps, nearly undamped, have squeezed out what there is.
-      decrease = (cost - next_cost) / cost;
+      decrease = cost > 0.0 ? (cost - next_cost) / cost : 0.0;
       idle = decrease <= 1e-13 ? idle + 1 : 0;
       state = next;
       cost = next_cost;
@@ -183,7 +183,7 @@ bool settle(State& state, const Bundle& bundle, const std::vector<double>& weigh
     if (!better) return std::isfinite(cost);
   }
   // A telecentric lens without distortion has no axis: the fit wanders along it, and the cost is at rest.
-  return decrease <= kAtRest;
+  return bundle.lens.telecentric_mm > 0.0 && decrease <= kAtRest;
 }
 
 std::vector<std::vector<Vector2d>> residualsOf(const State& state, const Bundle& bundle) {

@@ -62,7 +62,10 @@ void addSpot(const vision::SpotTrack& track, Numbers& n) {
 }
 
 void addKerf(const vision::KerfScan& scan, Numbers& n) {
+  n.need(scan.table_sigma_mm, "the repeatability of the inspection table");
   for (const vision::EntityKerf& kerf : scan.entities) {
+    n.need(kerf.depth_mm, "the depth at which a kerf is seen");
+    n.need(kerf.depth_sigma_mm, "the uncertainty of the depth at which a kerf is seen");
     for (const vision::Caliper& c : kerf.calipers) {
       n.need(c.u, "the place of a caliper");
       n.need(c.station_mm, "the station of a caliper");
@@ -140,7 +143,8 @@ void addPins(const Evidence& evidence, Numbers& n) {
 void addCalibration(const std::optional<vision::CameraCalibration>& calibration, Numbers& n) {
   if (!calibration) return;
   const vision::CameraCalibration& c = *calibration;
-  for (const double v : {c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.map_u_mm, c.rms_px})
+  for (const double v :
+       {c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.map_u_mm, c.rms_px, c.telecentric_mm, c.square_within_rad})
     n.need(v, "a value of a camera's calibration");
   for (const double v : c.distortion) n.need(v, "the distortion of a camera's calibration");
   n.need(c.X_CP.matrix(), "the pose of a camera's calibration");

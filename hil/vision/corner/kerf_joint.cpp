@@ -187,7 +187,10 @@ LineEnd measureClosure(const JointScene& scene, const EntityEnd& start) {
     const FlankMoments reach = reachOf(scene, start.p_S_mm, half_width_mm, brightness);
     // Gap of two looks from opposite sides: the dark between them is -(before + after).
     out.gap_mm = std::max(0.0, 2.0 * reach.likely - *before - *after);
-    out.sigma_mm = std::hypot(out.sigma_mm, 2.0 * reach.sigma);
+    // Where both overlap by more than the reach is uncertain by, there is no gap whatever the reach.
+    const double overlap_mm = std::max(0.0, *before + *after - 2.0 * reach.likely);
+    const double by_reach_mm = 2.0 * reach.sigma;
+    out.sigma_mm = std::hypot(out.sigma_mm, std::clamp(2.0 * by_reach_mm - overlap_mm, 0.0, by_reach_mm));
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hil/base/parallel.h"
+#include "hil/vision/corner/joint_scene.h"
 #include "hil/vision/corner/kerf_corner.h"
 #include "hil/vision/corner/kerf_joint.h"
 #include "hil/vision/kerf/kerf_flank.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <vector>
 
-#include "hil/vision/corner/joint_scene.h"
 #include "hil/vision/image/lens_blur.h"
 #include "hil/vision/kerf/flank_belief.h"
 #include "hil/vision/kerf/kerf_caliper.h"
@@ -14,6 +13,8 @@
 #include "hil/vision/scan/sight_depth.h"
 
 namespace kerfbench::vision {
+
+struct JointScene;
 
 /// The pictures of a sheet, and where one unit lies on it.
 struct PlacedUnit {

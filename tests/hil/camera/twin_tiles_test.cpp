@@ -8,6 +8,7 @@
 
 #include "hil/camera/kerf_tile.h"
 #include "tests/hil/camera/small_cameras.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 namespace {
@@ -51,6 +52,36 @@ int seenBy(const std::vector<KerfTile>& tiles, const TwinTileSource& source, con
     }
   }
   return count;
+}
+
+TEST(TwinTileSource, TakesTilesWhereTheTableIsAndTellsWhereItSays) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  const twin::KerfCamera eye = camera(twoUnits());
+  TwinTileOptions options;
+  options.table = {.step_mm = 0.0, .scale = 0.001};
+  TwinTileSource stretched(eye, sheet, kDieline, options);
+  TwinTileSource plain(eye, sheet, kDieline, {});
+  const std::vector<KerfTile> tiles = readAll(stretched, 4);
+  const std::vector<KerfTile> exact = readAll(plain, 4);
+  ASSERT_EQ(tiles.size(), exact.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) EXPECT_EQ(tiles[i].p_TV_mm, exact[i].p_TV_mm);
+  // Stops that are off are others for each tile, and the same again.
+  options.table = {.step_mm = 0.01, .scale = 0.0};
+  TwinTileSource one(eye, sheet, kDieline, options);
+  TwinTileSource again(eye, sheet, kDieline, options);
+  const std::vector<KerfTile> first = readAll(one, 4);
+  const std::vector<KerfTile> second = readAll(again, 7);
+  int moved = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].image.pixels, second[i].image.pixels);
+    moved += first[i].image.pixels == exact[i].image.pixels ? 0 : 1;
+  }
+  EXPECT_EQ(moved, static_cast<int>(first.size()));
+  // The last tile is as one taken at the place that a scale of 1.001 means.
+  const KerfTile& last = tiles.back();
+  const GrayImage there =
+      eye.render(sheet, last.unit, 1.001 * last.p_TV_mm, stretched.lay(last.unit), {.max_x_S_mm = 50.0});
+  EXPECT_EQ(last.image.pixels, there.pixels);
 }
 
 TEST(TwinTileSource, CoversEveryUnitWithItsMarks) {

@@ -77,6 +77,36 @@ TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
   }
 }
 
+TEST(ErrorModel, SightTableAndTiltMoveReadingsByGeometry) {
+  SyntheticRun run;
+  vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
+  camera.X_CP.translation() = Eigen::Vector3d(0.0, 0.0, 300.0);
+  run.evidence.kerf.table_sigma_mm = 0.003;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    kerf.depth_mm = 0.25;
+    kerf.depth_sigma_mm = 0.05;
+    for (vision::Caliper& c : kerf.calipers) c.p_V_mm = {24.0, -12.0};
+  }
+  const auto row = [&](int entity) {
+    return Eigen::RowVectorXd(lineOf(errorModelOf(run.evidence), run, 0, entity).shared.row(5));
+  };
+  const auto angleOf = [&] { return Eigen::Rotation2Dd(run.evidence.kerf.units[0].angle_rad); };
+  const dieline::Curve& curve = run.dieline.entities[static_cast<std::size_t>(kRight)].curve;
+  const Vector2d tangent = angleOf() * dieline::tangentAt(curve, 0.3);
+  const Vector2d normal(-tangent.y(), tangent.x());
+  EXPECT_NEAR(row(kRight).tail<ReadingLine::kSight>()[0], 0.05 * normal.dot(Vector2d(24.0, -12.0)) / 300.0,
+              1e-9);
+  EXPECT_GE(row(kRight).head<ReadingLine::kLine>().norm(), 0.003);
+  run.evidence.kerf.table_sigma_mm = 0.0;
+  EXPECT_LT(row(kRight).head<ReadingLine::kLine>().norm(), 0.003);
+  // A telecentric lens has no slope, but may not be square by an angle of unknown direction.
+  camera.telecentric_mm = 300.0;
+  camera.square_within_rad = 0.008;
+  const Eigen::Vector3d tilted = row(kRight).tail<ReadingLine::kSight>();
+  EXPECT_EQ(tilted[0], 0.0);
+  EXPECT_NEAR(tilted.norm(), 0.5 * 0.25 * 0.008, 1e-9);
+}
+
 TEST(KerfWidth, IsNotMovedByFewWildReadings) {
   SyntheticRun run;
   const auto widthOf = [&](int unit, int entity) {
