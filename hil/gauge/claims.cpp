@@ -58,20 +58,20 @@ void claimType1(const char* name, const std::optional<TypeOne>& t, Claims& claim
 }
 
 void claimCoverage(const Coverage& c, Claims& claims) {
+  const double most = c.two_sided ? kCoverageHigh : 1.0;
   if (c.cases == 0) return;
   const double share = static_cast<double>(c.hits) / static_cast<double>(c.cases);
   Claim::State state = Claim::State::kHolds;
   if (c.cases >= kCoverageCases) {
-    if (share < kCoverageLow || share > kCoverageHigh) state = Claim::State::kFails;
+    if (share < kCoverageLow || share > most) state = Claim::State::kFails;
   } else {
     // Fewer cannot show it; they can show the contrary.
-    state = c.share.high < kCoverageLow || c.share.low > kCoverageHigh ? Claim::State::kFails
-                                                                       : Claim::State::kOpen;
+    state = c.share.high < kCoverageLow || c.share.low > most ? Claim::State::kFails : Claim::State::kOpen;
   }
   claims.add(fmt::format("95 % intervals hold the truth: {}", c.quantity),
              fmt::format("{:.1f} % of {} ({:.1f} … {:.1f})", 100.0 * share, c.cases, 100.0 * c.share.low,
                          100.0 * c.share.high),
-             "94 … 96.8 %", state);
+             c.two_sided ? "94 … 96.8 %" : "≥ 94 %", state);
   if (c.missing > 0)
     claims.add(fmt::format("measured at all: {}", c.quantity), fmt::format("{} missing", c.missing), "0",
                false);

@@ -72,7 +72,7 @@ GaugeResult runGauge(const GaugeSetup& setup, const GaugeOptions& options, const
     }
     result.kerf_cases += kerf_cases.size();
     result.still_cases += still_cases.size();
-    result.sections.push_back(sectionOf(nameOf(preset), kerf_cases, still_cases));
+    result.sections.push_back(sectionOf(nameOf(preset), kerf_cases, still_cases, setup.mismatch));
     for (Claim& claim : claimsOf(result.sections.back())) result.claims.push_back(std::move(claim));
   }
   return result;

@@ -34,6 +34,9 @@ struct GaugeOptions {
 /// Rate at which an interval holds the truth.
 struct Coverage {
   std::string quantity;
+  /// The intervals may not hold the truth too often either. Those of kerfs do in the bench's own world:
+  /// light, walls and radius are as told there, and U allows for others.
+  bool two_sided{true};
   std::size_t cases{}, hits{}, missing{};  ///< missing: no number was measured.
   Interval share;                          ///< 95 % confidence interval of hits / cases.
   Moments error_mm;
@@ -122,7 +125,7 @@ GaugeResult runGauge(const GaugeSetup& setup, const GaugeOptions& options, const
 
 // The parts, pure.
 GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<CaseId, KerfOutcome>>& kerf,
-                       const std::vector<std::pair<CaseId, StillOutcome>>& still);
+                       const std::vector<std::pair<CaseId, StillOutcome>>& still, bool mismatch = false);
 std::vector<Claim> claimsOf(const GaugeSection& section);
 Coverage coverageOf(const std::string& quantity,
                     const std::vector<std::pair<std::string, Reading>>& readings);

@@ -232,7 +232,7 @@ Coverage coverageOf(const std::string& quantity, const std::vector<Named>& readi
 }
 
 GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<CaseId, KerfOutcome>>& kerf,
-                       const std::vector<std::pair<CaseId, StillOutcome>>& still) {
+                       const std::vector<std::pair<CaseId, StillOutcome>>& still, bool mismatch) {
   GaugeSection s;
   s.preset = preset;
   std::vector<std::string> order;
@@ -241,10 +241,14 @@ GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<Ca
     if (id.study == Study::kBad || id.study == Study::kGood || id.study == Study::kCoverage)
       collect(o, order, by);
   }
+  const std::size_t of_kerfs = order.size();
   for (const auto& [id, o] : still) {
     if (id.study == Study::kStill) collect(o, order, by);
   }
-  for (const std::string& quantity : order) s.coverage.push_back(coverageOf(quantity, by[quantity]));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    s.coverage.push_back(coverageOf(order[i], by[order[i]]));
+    s.coverage.back().two_sided = mismatch || i >= of_kerfs;
+  }
   for (const FaultKind kind : kFaultKinds) s.kinds.push_back(kindOf(kind, kerf));
   addKerf(kerf, s);
   addStill(still, s);

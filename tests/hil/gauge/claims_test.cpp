@@ -54,6 +54,20 @@ TEST(Coverage, CountsWhatWasNotMeasuredAsMissing) {
   EXPECT_EQ(claimOf(claimsOf(section), "measured at all: width")->state, Claim::State::kFails);
 }
 
+TEST(Coverage, MayBeTooLargeInTheBenchsOwnWorldAlone) {
+  GaugeSection section;
+  section.coverage = {coverageOf("width", readings(2000, 0.2, 1.0))};
+  const auto state = [&] {
+    return claimOf(claimsOf(section), "95 % intervals hold the truth: width")->state;
+  };
+  EXPECT_EQ(state(), Claim::State::kFails);
+  section.coverage[0].two_sided = false;
+  EXPECT_EQ(state(), Claim::State::kHolds);
+  section.coverage = {coverageOf("width", readings(2000, 0.7, 1.0))};
+  section.coverage[0].two_sided = false;
+  EXPECT_EQ(state(), Claim::State::kFails);
+}
+
 TEST(Coverage, NamesTheCasesThatMissByMost) {
   auto some = readings(20, 0.01, 1.0);
   some[7].second.value = 4.0;
