@@ -156,6 +156,8 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
   }
   // The kerf's middle is that of the light which falls there, from before and behind: inside of a bend,
   // within the line at its ends, and between begin and end of a closed one.
+  // The arc that a corner is cut by may begin farther from it than lines are judged.
+  const auto cutAt = [&](double way_mm) -> Vector2d { return pathAt(line, way_mm) + arcShift(line, way_mm); };
   const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
   const bool closed = dieline::isClosed(curve);
   const double first_mm = line.start_gap_mm;
@@ -172,9 +174,9 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
     }
     const double weight = std::exp(-0.5 * z * z);
     weights += weight;
-    sum += weight * (pathAt(line, way_mm) - p).dot(normal);
+    sum += weight * (cutAt(way_mm) - p).dot(normal);
   }
-  return weights > 0.0 ? sum / weights : (pathAt(line, at_mm) - p).dot(normal);
+  return weights > 0.0 ? sum / weights : (cutAt(at_mm) - p).dot(normal);
 }
 
 double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share,
@@ -246,6 +248,19 @@ ArtefactCut::Cut ArtefactCut::cutOfCorner() const {
   cut.turn_rad = std::acos(std::clamp(t_in.dot(t_out), -1.0, 1.0));
   cut.radius_mm = std::max(corner_mm_, 0.0) / (1.0 / std::cos(0.5 * cut.turn_rad) - 1.0);
   return cut;
+}
+
+Vector2d ArtefactCut::arcShift(const Line& line, double s_mm) const {
+  const bool in = line.entity->id == artefact_.corner_in;
+  if (!(corner_mm_ > 0.0) || (!in && line.entity->id != artefact_.corner_out)) return Vector2d::Zero();
+  const double from_corner_mm = in ? line.length_mm - s_mm : s_mm;
+  const Cut cut = cutOfCorner();
+  const double along_mm = std::min({cut.radius_mm, beforeCorner(), beforeCorner() - from_corner_mm});
+  if (!(along_mm > 0.0)) return Vector2d::Zero();
+  // The inside of the turn, square to the leg.
+  const double side = leftOf(cut.tangent_in).dot(cut.side) > 0.0 ? 1.0 : -1.0;
+  const Vector2d inwards = side * leftOf(dieline::tangentAt(line.entity->curve, s_mm / line.length_mm));
+  return (cut.radius_mm - std::sqrt(cut.radius_mm * cut.radius_mm - along_mm * along_mm)) * inwards;
 }
 
 void ArtefactCut::addArc(std::vector<Vector2d>& way) const {

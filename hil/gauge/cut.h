@@ -98,6 +98,8 @@ class ArtefactCut {
   [[nodiscard]] Cut cutOfCorner() const;
   /// Distance before the nominal corner at which the legs end; < 0: beyond it.
   [[nodiscard]] double beforeCorner() const;
+  /// How far the arc lies inside of a leg at a place of it; nothing before the arc begins.
+  [[nodiscard]] Eigen::Vector2d arcShift(const Line& line, double s_mm) const;
   /// Continues from the end of a path by the arc, if there is one.
   void addArc(std::vector<Eigen::Vector2d>& way) const;
   void burnWay(twin::Sheet& sheet, const std::vector<Eigen::Vector2d>& way, const Line& line,

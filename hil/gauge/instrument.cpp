@@ -34,6 +34,17 @@ class OneTile final : public camera::TileSource {
   std::vector<camera::KerfTile> tiles_;
 };
 
+/// The camera turned about the place that it looks at. What of a turn shows in the plane, the cosine of it,
+/// is calibrated away.
+void turn(const Eigen::Vector2d& lean_rad, twin::CameraDescription& camera) {
+  const Eigen::Translation3d to(0.0, 0.0, camera.X_CP.translation().z());
+  const Eigen::AngleAxisd about_x(lean_rad.x(), Eigen::Vector3d::UnitX());
+  const Eigen::AngleAxisd about_y(lean_rad.y(), Eigen::Vector3d::UnitY());
+  camera.X_CP = to * about_x * about_y * to.inverse() * camera.X_CP;
+  camera.fx_px /= std::cos(lean_rad.y());
+  camera.fy_px /= std::cos(lean_rad.x());
+}
+
 /// An artefact is cut without a machine: there is no spot, no gate and no pulse. What rests on the kerf is
 /// judged alone.
 inspect::Verdict kerfVerdict(inspect::InspectionResult& result) {
@@ -105,6 +116,7 @@ camera::KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const World& 
                                          const Placement& placement, std::uint64_t board_seed,
                                          std::uint64_t noise_seed) const {
   twin::CameraDescription camera = windowOf(setup_.machine.kerf_camera, placement.window);
+  if (camera.telecentric_mm > 0.0) turn(world.lean_rad, camera);
   camera.board_seed = board_seed;
   camera.foot = world.foot;
   camera.texture = world.texture;

@@ -110,8 +110,10 @@ KerfStudy::KerfStudy(const GaugeSetup& setup) : setup_(setup) {
 
 World KerfStudy::worldOf(const KerfCase& test_case) const {
   const twin::CameraDescription& camera = setup_.machine.kerf_camera;
-  return setup_.mismatch ? otherWorld(setup_.board, camera, test_case.world_seed)
-                         : toldWorld(setup_.board, camera);
+  World world = setup_.mismatch ? otherWorld(setup_.board, camera, test_case.world_seed)
+                                : toldWorld(setup_.board, camera);
+  lean(setup_.kerf_calibration, test_case.place_seed, world);
+  return world;
 }
 
 ArtefactCut KerfStudy::cutOf(const KerfCase& test_case, const World& world) const {

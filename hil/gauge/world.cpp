@@ -11,6 +11,7 @@ namespace kerfbench::gauge {
 namespace {
 
 constexpr std::uint64_t kWorldStream = 0x776f726c64ULL;
+constexpr std::uint64_t kLeanStream = 0x6c65616eULL;
 
 enum Draw : std::uint64_t {
   kThickness,
@@ -80,6 +81,12 @@ World otherWorld(const twin::BoardDescription& board, const twin::CameraDescript
     mark.p_SM_mm.y() += kToldPrint_mm * random.normal(next++);
   }
   return world;
+}
+
+void lean(const vision::CameraCalibration& calibration, std::uint64_t seed, World& world) {
+  if (!(calibration.telecentric_mm > 0.0)) return;
+  const CounterRandom random(seed, kLeanStream);
+  world.lean_rad = 0.5 * calibration.square_within_rad * Eigen::Vector2d(random.normal(0), random.normal(1));
 }
 
 std::string textOf(const World& world) {

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "hil/gauge/artefact.h"
+#include "hil/vision/image/camera_calibration.h"
 #include "twin/camera/camera.h"
 #include "twin/sheet/board_description.h"
 
@@ -19,11 +22,17 @@ struct World {
   twin::BoardTexture texture{};
   twin::EdgeRoughness roughness{};
   PrintLayout print;  ///< Marks where they were printed.
+  /// Turn of a telecentric lens about the picture's x and y since it was calibrated: it shifts what is seen
+  /// of walls, and no view of a flat target shows it.
+  Eigen::Vector2d lean_rad{Eigen::Vector2d::Zero()};
   CornerAngle corner{CornerAngle::k90};
 };
 
 /// A world as the data sheets have it.
 World toldWorld(const twin::BoardDescription& board, const twin::CameraDescription& camera);
+
+/// Leans the camera as far as its calibration leaves open; an entocentric one stays.
+void lean(const vision::CameraCalibration& calibration, std::uint64_t seed, World& world);
 
 /// In a line, for people.
 std::string textOf(const World& world);

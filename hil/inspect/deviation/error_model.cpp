@@ -57,7 +57,7 @@ class SharedErrors {
     row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
       row[ReadingLine::kOwn + k] = normal.dot(field_.at(k, c.p_V_mm));
-    const double unsquare_mm = 0.5 * kerf.depth_mm * camera_.square_within_rad;
+    const double unsquare_mm = 0.5 * (kerf.depth_mm + kerf.depth_sigma_mm) * camera_.square_within_rad;
     row.tail<ReadingLine::kSight>() << kerf.depth_sigma_mm * normal.dot(camera_.sightSlope(c.p_V_mm)),
         unsquare_mm * normal.x(), unsquare_mm * normal.y();
     return row;

@@ -3,18 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
+
+#include <Eigen/SVD>
 
 #include "hil/inspect/deviation/error_model.h"
 
 namespace kerfbench::inspect {
 namespace {
 
-constexpr double kFar = 6.5;  // Sigmas: no value comes so far.
-constexpr int kSteps = 8;     // Steps of the integral over t.
-constexpr int kGrid = 160;    // Points of the distribution.
+constexpr double kFar = 6.5;        // Sigmas: no value comes so far.
+constexpr int kSteps = 8;           // Steps of the integral over t.
+constexpr int kGrid = 160;          // Points of the distribution.
+constexpr int kNodes = 7;           // Nodes each way of the integral over shared errors,
+constexpr double kNodePitch = 0.5;  // so many standard deviations apart: what kinks is right to 2 %.
 
 double normalCdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
@@ -24,7 +30,6 @@ struct Side {
   double sigma;
   double angle;  ///< acos of the correlation with the point before.
   bool first;    ///< The first of a run of points that matter.
-  double sign;
   const ExtremePoint* point;
   double height_before, sigma_before;  ///< Height and noise of the point before.
 };
@@ -50,24 +55,22 @@ double hazard(const Side& s, double w) {
   return -std::log1p(-std::clamp(share, 0.0, 1.0 - 1e-9));
 }
 
-std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double least) {
+std::vector<Side> sidesOf(const std::vector<ExtremePoint>& points, double sign, double least) {
   std::vector<Side> sides;
-  for (const double sign : {1.0, -1.0}) {
-    bool broken = true;
-    for (const ExtremePoint& p : points) {
-      const double height = sign * p.seen;
-      if (!(height + kFar * p.sigma > least)) {
-        broken = true;
-        continue;
-      }
-      const bool first = broken || p.correlation <= 0.0;
-      const Side* before = first ? nullptr : &sides.back();
-      const double height_before = before != nullptr ? before->height : 0.0;
-      const double sigma_before = before != nullptr ? before->sigma : 1.0;
-      const double angle = std::acos(std::clamp(p.correlation, 0.0, 1.0));
-      sides.push_back({height, p.sigma, angle, first, sign, &p, height_before, sigma_before});
-      broken = false;
+  bool broken = true;
+  for (const ExtremePoint& p : points) {
+    const double height = sign * p.seen;
+    if (!(height + kFar * p.sigma > least)) {
+      broken = true;
+      continue;
     }
+    const bool first = broken || p.correlation <= 0.0;
+    const Side* before = first ? nullptr : &sides.back();
+    const double height_before = before != nullptr ? before->height : 0.0;
+    const double sigma_before = before != nullptr ? before->sigma : 1.0;
+    const double angle = std::acos(std::clamp(p.correlation, 0.0, 1.0));
+    sides.push_back({height, p.sigma, angle, first, &p, height_before, sigma_before});
+    broken = false;
   }
   return sides;
 }
@@ -110,17 +113,19 @@ class SharedIndex {
   Eigen::Index modes_{};
 };
 
-/// Largest of one line; nullopt if it stays below `floor` whatever its noise does.
-std::optional<Largest> largestPoint(const ExtremeLine& line, double floor, const SharedIndex& index) {
-  double highest = 0.0;
+/// The farthest that one line goes to one side, its left (sign 1) or its right (-1); nullopt if it stays
+/// below `floor` whatever its noise does.
+std::optional<Largest> farthestToSide(const ExtremeLine& line, double sign, double floor,
+                                      const SharedIndex& index) {
+  double highest = floor;
   double sigma_most = 0.0;
   double least = floor;
   for (const ExtremePoint& p : line.points) {
-    highest = std::max(highest, std::abs(p.seen));
+    highest = std::max(highest, sign * p.seen);
     sigma_most = std::max(sigma_most, p.sigma);
-    least = std::max(least, std::abs(p.seen) - kFar * p.sigma);
+    least = std::max(least, sign * p.seen - kFar * p.sigma);
   }
-  const std::vector<Side> sides = sidesOf(line.points, least);
+  const std::vector<Side> sides = sidesOf(line.points, sign, least);
   const double step = (highest + kFar * sigma_most - least) / kGrid;
   if (sides.empty() || !(step > 0.0)) return std::nullopt;
   // P(max <= w) on a grid; mean and variance are integrals of its complement.
@@ -138,7 +143,7 @@ std::optional<Largest> largestPoint(const ExtremeLine& line, double floor, const
   }
   const double total = std::max(totalHazard(sides, median), 1e-300);
   Eigen::RowVectorXd shared = Eigen::RowVectorXd::Zero(line.points.front().shared.size());
-  for (const Side& s : sides) shared += s.sign * hazard(s, median) / total * s.point->shared;
+  for (const Side& s : sides) shared += sign * hazard(s, median) / total * s.point->shared;
   return Largest{mean, std::max(square - mean * mean, 0.0) + shared.squaredNorm(),
                  index.spread(line.unit, shared)};
 }
@@ -160,12 +165,64 @@ Largest largerOf(const Largest& x, const Largest& y) {
   return out;
 }
 
+/// The two directions among the shared errors that move the candidates most (columns; orthonormal).
+Eigen::MatrixXd mainDirections(const std::vector<Largest>& candidates) {
+  const Eigen::Index n = candidates.front().gradient.size();
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(candidates.size()), n);
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    rows.row(static_cast<Eigen::Index>(i)) = candidates[i].gradient;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinV);
+  return svd.matrixV().leftCols(std::min<Eigen::Index>(2, svd.matrixV().cols()));
+}
+
+/// Largest of all, given where the errors of the main directions are.
+Largest largestGiven(const std::vector<Largest>& candidates, const Eigen::MatrixXd& directions,
+                     const Eigen::VectorXd& at) {
+  std::optional<Largest> all;
+  std::vector<Largest> moved;
+  for (const Largest& candidate : candidates) {
+    const Eigen::RowVectorXd along = candidate.gradient * directions;
+    moved.push_back({candidate.mean + along.dot(at), candidate.variance - along.squaredNorm(),
+                     candidate.gradient - along * directions.transpose()});
+  }
+  std::ranges::stable_sort(moved, std::greater{}, &Largest::mean);
+  for (const Largest& candidate : moved) all = all ? largerOf(*all, candidate) : candidate;
+  return *all;
+}
+
+/// Largest of all. An error that lines share makes one side larger by what it takes from the other, and no
+/// slope tells that: the two directions that move most are integrated over, the rest is taken as linear.
+Largest largestOfAll(const std::vector<Largest>& candidates) {
+  const Eigen::MatrixXd directions = mainDirections(candidates);
+  const Eigen::Index n = directions.cols();
+  Largest all{0.0, 0.0, Eigen::RowVectorXd::Zero(candidates.front().gradient.size())};
+  double square = 0.0;
+  double weights = 0.0;
+  for (int i = -kNodes; i <= kNodes; ++i) {
+    for (int k = n < 2 ? 0 : -kNodes; k <= (n < 2 ? 0 : kNodes); ++k) {
+      const Eigen::VectorXd at = kNodePitch * Eigen::Vector2d(i, k).head(n);
+      const double weight = std::exp(-0.5 * at.squaredNorm());
+      const Largest given = largestGiven(candidates, directions, at);
+      weights += weight;
+      all.mean += weight * given.mean;
+      square += weight * (given.mean * given.mean + given.variance);
+      // The slope along the main directions, by Stein's lemma.
+      all.gradient += weight * (given.gradient + given.mean * (directions * at).transpose());
+    }
+  }
+  all.mean /= weights;
+  all.gradient /= weights;
+  square /= weights;
+  all.variance = std::max(square - all.mean * all.mean, all.gradient.squaredNorm());
+  return all;
+}
+
 }  // namespace
 
 ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
   double highest_seen = 0.0;
   double highest_likely = 0.0;
-  double floor = 0.0;
+  double floor = -std::numeric_limits<double>::infinity();
   for (const ExtremeLine& line : lines) {
     for (const ExtremePoint& p : line.points) {
       highest_seen = std::max(highest_seen, std::abs(p.seen));
@@ -176,14 +233,13 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
   const SharedIndex index(lines);
   std::vector<Largest> candidates;
   for (const ExtremeLine& line : lines) {
-    if (const auto largest = largestPoint(line, floor, index)) candidates.push_back(*largest);
+    for (const double sign : {1.0, -1.0}) {
+      if (const auto farthest = farthestToSide(line, sign, floor, index)) candidates.push_back(*farthest);
+    }
   }
   ExtremeBudget budget;
   if (candidates.empty()) return budget;
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Largest& x, const Largest& y) { return x.mean > y.mean; });
-  Largest all = candidates.front();
-  for (std::size_t i = 1; i < candidates.size(); ++i) all = largerOf(all, candidates[i]);
+  const Largest all = largestOfAll(candidates);
   budget.extreme_bias = all.mean - highest_seen;
   budget.smoothing_bias = highest_seen - highest_likely;
   budget.u_pose = all.gradient.head(index.poses()).norm();

@@ -39,8 +39,10 @@ struct ExtremeBudget {
 ///         + 1/(2 pi) · integral from 0 to acos r of exp(-(a² + b² - 2 a b cos t) / (2 sin² t)) dt,
 ///
 /// exact for two normal values of correlation r; for a = b it is Rice's (1945) crossing rate. Its mean, its
-/// variance and how shared errors move it make the line one normal value; the largest of those, which are
-/// correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
+/// variance and how shared errors move it make each side of the line one normal value; the largest of those,
+/// which are correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
+/// Over the two directions of the shared errors that move most the result is integrated, for opposite
+/// sides part by them.
 ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines);
 
 }  // namespace kerfbench::inspect

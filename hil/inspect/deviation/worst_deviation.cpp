@@ -14,11 +14,19 @@ namespace kerfbench::inspect {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kDraws = 1000;
 constexpr std::uint64_t kStreams = 4;  // Streams of random numbers, for each draw.
 constexpr std::uint64_t kHiddenStream = kStreams * kDraws;
 constexpr std::uint64_t kRoundStream =
     kHiddenStream + 1;  // First stream of the circles; each draw of each line takes one from here on.
+
+/// A magnitude below nought is impossible: the interval ends there.
+Quantity magnitude(double value, double U) {
+  const double low = std::max(value - U, 0.0);
+  const double high = std::max(value + U, low);
+  return {0.5 * (low + high), 0.5 * (high - low)};
+}
 
 std::size_t placeOfLargest(const std::vector<double>& values) {
   const auto at = std::max_element(values.begin(), values.end(),
@@ -36,15 +44,24 @@ struct Tally {
   std::vector<Numbers> draws;
 };
 
+double meanOf(const std::vector<double>& values) {
+  double mean = 0.0;
+  for (const double v : values) mean += v / static_cast<double>(values.size());
+  return mean;
+}
+
 /// The most that an extreme of the likely truth may owe to the errors that it still holds. Where places
 /// compete, the largest exceeds the truth in proportion to the standard deviation of the errors; a truth that
 /// holds a share h of their variance shows sqrt(1 + h) - sqrt(h) of that, and the rest is hidden. Where one
 /// place stands out nothing is.
 double hiddenOf(double h, const std::vector<double>& drawn, double seen) {
-  double mean = 0.0;
-  for (const double d : drawn) mean += d / static_cast<double>(drawn.size());
-  return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(mean - seen, 0.0);
+  return (1.0 / (std::sqrt(1.0 + h) - std::sqrt(h)) - 1.0) * std::max(meanOf(drawn) - seen, 0.0);
 }
+
+/// Standard uncertainty of the correction for being an extreme. Whether places compete as the likely truth
+/// has it cannot be read from one measurement: its errors may have parted them, or brought them together. It
+/// is taken as rectangular from nothing to twice as much (JCGM 100, 4.3.7).
+double competingOf(double correction) { return std::abs(correction) / std::sqrt(3.0); }
 
 /// How many places compete cannot be read: what is hidden is taken as rectangular from nothing to all
 /// (JCGM 100, 4.3.7).
@@ -79,9 +96,11 @@ class Group {
     result.worst_hidden =
         hiddenOf(lines_[result.line].errorShareAt(result.reading), drawnWorst(), seenWorst());
     result.worst_u_smoothing = std::abs(seenWorst() - worstOf(tally_.truth)) / std::sqrt(3.0);
-    result.worst = basicInterval(result.worst_as_read, worstOf(tally_.truth),
-                                 drawnWorst(result.worst_hidden, seed), 0.0);
-    result.worst.U = std::hypot(result.worst.U, 2.0 * result.worst_u_smoothing, 2.0 * estimator_mm_);
+    result.worst_u_competing = competingOf(meanOf(drawnWorst()) - seenWorst());
+    const Quantity drawn = basicInterval(result.worst_as_read, worstOf(tally_.truth),
+                                         drawnWorst(result.worst_hidden, seed), -kInfinity);
+    const double more_mm = std::hypot(result.worst_u_smoothing, result.worst_u_competing, estimator_mm_);
+    result.worst = magnitude(drawn.value, std::hypot(drawn.U, 2.0 * more_mm));
     std::vector<double> rms;
     for (const Tally::Numbers& draw : tally_.draws) rms.push_back(rmsOf(draw, error_squares_));
     result.rms = basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), rms, 0.0);
@@ -221,7 +240,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
       {"calibration of the camera", b.u_camera, 0.0},
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large, by how much is not known",
-       all.worst_hidden / std::sqrt(12.0), 0.5 * all.worst_hidden},
+       std::hypot(all.worst_hidden / std::sqrt(12.0), competingOf(b.extreme_bias)), 0.5 * all.worst_hidden},
       {"what the estimator leaves, as artefacts of known deviation show", estimator_mm, 0.0},
   };
   double variance = 0.0;
@@ -230,11 +249,9 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
     variance += entry.u * entry.u;
     out.analytic_value -= entry.correction;
   }
-  // A magnitude below nought is impossible: the interval ends there, as that of the simulation does.
-  const double low = std::max(out.analytic_value - 2.0 * std::sqrt(variance), 0.0);
-  const double high = std::max(out.analytic_value + 2.0 * std::sqrt(variance), low);
-  out.analytic_U = 0.5 * (high - low);
-  out.analytic_value = 0.5 * (low + high);
+  const Quantity analytic = magnitude(out.analytic_value, 2.0 * std::sqrt(variance));
+  out.analytic_value = analytic.value;
+  out.analytic_U = analytic.U;
   out.monte_carlo_U = all.worst.U;
   out.monte_carlo_value = all.worst.value;
   out.draws = kDraws;

@@ -17,6 +17,7 @@ struct DeviationEstimate {
   double worst_as_read{};      ///< Largest |estimate|, before the correction for being an extreme.
   double worst_u_smoothing{};  ///< Standard uncertainty by what smoothing does to peaks; part of worst.U.
   double worst_hidden{};       ///< The most that the correction may fall short of; half of it is taken off.
+  double worst_u_competing{};  ///< Standard uncertainty of the correction itself; part of worst.U.
   std::size_t line{}, reading{};  ///< Where, in ErrorModel::lines.
   std::size_t caliper{};          ///< The reading's index in EntityKerf::calipers, for lines of a kerf.
 };
@@ -51,8 +52,10 @@ struct LineKind {
 /// likely truth (the estimates, drawn in towards a smooth trend of the line until only the scatter is left
 /// that noise does not explain) gets noise and shared errors drawn from the model and is measured in the same
 /// way, 1000 times: the mean of what comes out corrects the value, twice its standard deviation is U. What
-/// the likely truth itself still owes to noise is hidden from that; worst_hidden bounds it. The budget finds
-/// both again without simulation (extreme_budget.h). RMS is of the readings, less the square that their
+/// the likely truth itself still owes to noise is hidden from that; worst_hidden bounds it. The correction is
+/// as large as places compete to be the worst, which one measurement does not show: it is taken as known to
+/// within itself (rectangular, JCGM 100, 4.3.7). The budget finds both again without simulation
+/// (extreme_budget.h). RMS is of the readings, less the square that their
 /// uncertainty adds.
 DeviationResult measureDeviations(const ErrorModel& model, const std::vector<LineKind>& kinds,
                                   double limit_mm, std::uint64_t seed);

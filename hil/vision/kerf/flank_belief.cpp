@@ -21,6 +21,8 @@ constexpr double kBlurShape_px = 0.03;  // No lens blurs quite by a Gaussian.
 constexpr double kLeastBlur_px = 0.3;
 /// What grid, grain, roughness and the shape of the lens's blur leave of a mean half width.
 constexpr double kHalfWidthModel_mm = 8e-4;
+constexpr double kShallowModel_mm = 3e-3;  ///< What is left where depth is read from light: scorch dims it.
+constexpr Eigen::Index kFlankLevels = 3;
 constexpr int kFlankRounds = 8;
 constexpr int kFlankHalvings = 5;
 constexpr double kLeastMove = 1e-3;
@@ -30,7 +32,14 @@ constexpr double kFlankStep = 0.05;  ///< Step of differences, in standard devia
 class FlankProblem {
  public:
   FlankProblem(const std::vector<SeenFlank>& flanks, const FlankKnown& known)
-      : flanks_(flanks), known_(known), blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {}
+      : flanks_(flanks), known_(known), blur_sigma_px_(std::hypot(known.blur.sigma_px, kBlurShape_px)) {
+    const auto open = std::ranges::count_if(flanks, [](const SeenFlank& f) { return isOpen(f.query); });
+    const auto all = static_cast<std::ptrdiff_t>(flanks.size());
+    open_sigma_mm_ = kHalfWidthModel_mm * std::sqrt(static_cast<double>(open));
+    shallow_sigma_mm_ = kShallowModel_mm * std::sqrt(static_cast<double>(all - open));
+    // An open flank is as wide as seen: two levels of it tell something.
+    levels_ = (open > 0 ? kFlankLevels - 1.0 : 0.0) + (all > open ? kFlankLevels : 0.0);
+  }
 
   [[nodiscard]] FlankView viewAt(const Vector& x) const {
     return {.growth = {std::clamp(known_.growth.law + known_.law_sigma * x[0], -kMostLaw, kMostLaw),
@@ -38,12 +47,13 @@ class FlankProblem {
             .beam_radius_mm = known_.beam_radius_mm * std::exp(known_.radius_share_sigma * x[2]),
             .lens_px = std::max(kLeastBlur_px, known_.blur.px + blur_sigma_px_ * x[3])};
   }
-  /// What the view misses of each flank, as if all flanks together were one.
+  /// Variance of the misses that is expected.
+  [[nodiscard]] double levels() const { return levels_; }
+  /// What the view misses of each flank, as if all open flanks together were one, and all shallow ones.
   [[nodiscard]] VectorXd missesAt(const Vector& x) const {
     const FlankView view = viewAt(x);
     const auto n = static_cast<Eigen::Index>(flanks_.size());
-    VectorXd misses(2 * n);
-    const double sigma_mm = kHalfWidthModel_mm * std::sqrt(static_cast<double>(n));
+    VectorXd misses(kFlankLevels * n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const SeenFlank& flank = flanks_[static_cast<std::size_t>(i)];
       FlankQuery query = flank.query;
@@ -51,8 +61,10 @@ class FlankProblem {
       query.beam_radius_mm = view.beam_radius_mm;
       query.lens_px = view.lens_px;
       const FlankFall fall = fallOf(query);
-      misses[2 * i] = (fall.low_mm - flank.low_half_mm) / sigma_mm;
-      misses[2 * i + 1] = (fall.high_mm - flank.high_half_mm) / sigma_mm;
+      const double sigma_mm = isOpen(query) ? open_sigma_mm_ : shallow_sigma_mm_;
+      misses.segment<kFlankLevels>(kFlankLevels * i) << fall.low_mm - flank.low_half_mm,
+          fall.high_mm - flank.high_half_mm, fall.half_mm - flank.query.half_width_mm;
+      misses.segment<kFlankLevels>(kFlankLevels * i) /= sigma_mm;
     }
     return misses;
   }
@@ -61,6 +73,8 @@ class FlankProblem {
   const std::vector<SeenFlank>& flanks_;
   const FlankKnown& known_;
   double blur_sigma_px_;
+  double open_sigma_mm_{}, shallow_sigma_mm_{};
+  double levels_{};
 };
 
 double costOf(const Vector& x, const VectorXd& misses) { return x.squaredNorm() + misses.squaredNorm(); }
@@ -95,7 +109,7 @@ FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& kno
     if (!(descend(problem, full, x, misses) > kLeastMove)) break;
   }
   // A scatter beyond what is expected is that of the model: it holds for the views as well.
-  const double excess = flanks.empty() ? 1.0 : std::max(1.0, misses.squaredNorm() / 2.0);
+  const double excess = flanks.empty() ? 1.0 : std::max(1.0, misses.squaredNorm() / problem.levels());
   const Matrix covariance = excess * Matrix(normal.inverse());
   const Matrix root = Eigen::LLT<Matrix>(covariance).matrixL();
   FlankBelief belief{problem.viewAt(x), {}};

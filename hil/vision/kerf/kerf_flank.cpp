@@ -15,6 +15,14 @@
 namespace kerfbench::vision {
 namespace {
 
+constexpr double kBarelyOpen = 0.9;
+
+}  // namespace
+
+bool isOpen(const FlankQuery& seen) { return !(seen.top_gray < kBarelyOpen * seen.open_gray); }
+
+namespace {
+
 constexpr int kGridPerPx = 8;
 constexpr int kFlankTopSamples = 24;
 constexpr double kReachPx = 7.0;   // Reach of the profile beyond half a kerf.
@@ -28,7 +36,6 @@ constexpr double kModelShare = 0.4;  // Share of the shift that the model of sco
 constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
 constexpr double kTightModel_mm = 0.001;
-constexpr double kBarelyOpen = 0.9;
 constexpr double kWidestMm = 0.6;
 constexpr double kBendMm = 0.3;  // Distance of the readings by which the bend of a kerf is measured.
 
@@ -103,7 +110,7 @@ double seenTop(const FlankQuery& q, double peak, const LightLaw& law) {
 
 double peakShare(const FlankQuery& q, const LightLaw& law) {
   const auto shareOf = [&](double gray) { return law.shareAt(std::min(gray, q.open_gray) / q.open_gray); };
-  if (q.top_gray < kBarelyOpen * q.open_gray) {
+  if (!isOpen(q)) {
     double low = std::max(0.0, shareOf(q.top_gray));
     if (!(q.beam_radius_mm > 0.0)) return low;
     double high = 1.0;
@@ -158,13 +165,14 @@ FlankFall fallOf(const FlankQuery& seen) {
   const auto levelAt = [&](double share) {
     return query.board_gray + share * (query.top_gray - query.board_gray);
   };
-  FlankFall fall{seen.half_width_mm, seen.half_width_mm, seen.half_width_mm};
+  FlankFall fall{seen.half_width_mm, seen.half_width_mm, seen.half_width_mm, seen.half_width_mm};
   for (int i = 0; i < 4; ++i) {
     const Shapes s = shapesOf(query);
     fall.light_mm = halfWidthAt(s.light, 0.5 * (s.light.front() + query.board_gray), s.step_mm);
     fall.low_mm = halfWidthAt(s.even, levelAt(0.25), s.step_mm);
     fall.high_mm = halfWidthAt(s.even, levelAt(0.75), s.step_mm);
-    const double error_mm = halfWidthAt(s.even, levelAt(0.5), s.step_mm) - seen.half_width_mm;
+    fall.half_mm = halfWidthAt(s.even, levelAt(0.5), s.step_mm);
+    const double error_mm = fall.half_mm - seen.half_width_mm;
     query.half_width_mm = std::max(query.half_width_mm - error_mm, 0.2 * query.pixel_mm);
   }
   return fall;

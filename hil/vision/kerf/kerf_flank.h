@@ -26,8 +26,15 @@ struct FlankQuery {
 struct FlankFall {
   double light_mm{};           ///< Half width of the light that comes through, without blur.
   double low_mm{}, high_mm{};  ///< Half widths at a quarter and three quarters of the height, blurred.
+  /// At half of the height, blurred: as seen for an open kerf, whose energy is unknown. How deep a shallow
+  /// one is its light shows, and how wide it is then follows.
+  double half_mm{};
 };
 FlankFall fallOf(const FlankQuery& seen);
+
+/// Whether a kerf is as bright as one that is cut through. How much energy that took it does not show; of
+/// another one the light tells the depth.
+bool isOpen(const FlankQuery& seen);
 
 /// Model of a kerf's flanks under scorch, which takes a share k of the light of all remaining board, more on
 /// one side than on the other: the two flanks differ from each other's mirror image, and their middle moves.

@@ -157,7 +157,8 @@ struct KerfScan {
   /// RMS per axis of how far the same kerf lies apart in two overlapping tiles, what the board's thickness
   /// explains taken out; NaN without overlaps.
   double tile_misfit_mm{};
-  double table_sigma_mm{};  ///< As KerfScanOptions::table_sigma_mm.
+  /// As KerfScanOptions::table_sigma_mm; 0 where one tile shows each unit: the table does not matter then.
+  double table_sigma_mm{};
   /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
   std::vector<std::string> problems;
 };

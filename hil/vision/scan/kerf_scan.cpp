@@ -70,10 +70,8 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
         "table_sigma_mm and print_sigma_mm >= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
-  const double mark_sigma_mm = std::hypot(options.table_sigma_mm, options.print_sigma_mm);
   KerfScan scan;
   scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
-  scan.table_sigma_mm = options.table_sigma_mm;
   std::set<int> done;
   UnitTiles source(tiles, calibration);
   for (;;) {
@@ -88,6 +86,11 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
     const UnitPictures pictures =
         viewUnit(std::move(of_unit), unit, print, calibration, options, scan.problems);
     const TileIndex index(pictures.views, calibration);
+    // In one tile, kerfs and marks are where they are wherever the table stopped.
+    KerfScanOptions unit_options = options;
+    if (pictures.views.size() < 2) unit_options.table_sigma_mm = 0.0;
+    scan.table_sigma_mm = std::max(scan.table_sigma_mm, unit_options.table_sigma_mm);
+    const double mark_sigma_mm = std::hypot(unit_options.table_sigma_mm, options.print_sigma_mm);
     const std::optional<UnitPlace> place =
         placeUnit(pictures.views, index, {unit, &print, mark_sigma_mm}, calibration, scan.problems);
     if (!place) {
@@ -101,7 +104,7 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
         sightDepths(sightPairs(plan, {pictures.views, index, place->X_TS, calibration, options}),
                     pictures.views.size(), options.board_thickness_mm, options.table_sigma_mm);
     if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
-    const UnitScan unit_scan(calibration, plan, options,
+    const UnitScan unit_scan(calibration, plan, unit_options,
                              {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);

@@ -145,7 +145,7 @@ FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs,
   std::vector<SeenFlank> flanks;
   for (std::size_t e = 0; e < kerfs.size(); ++e) {
     const EntityPlan& plan = plan_.entities[e];
-    if (plan.process != dieline::Process::kCut) continue;
+    if (plan.process == dieline::Process::kPerforation) continue;
     const SeenFlank flank =
         meanFlank(plan, measured[e].readings, {options_, calibration_.pitchMm(), blur_}, kerfs[e]);
     if (flank.query.half_width_mm > 0.0) flanks.push_back(flank);
@@ -212,8 +212,8 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
   const TileView* view = index_.best(p_T_mm, 0.0);
   if (view == nullptr) return Eigen::Vector2d::Zero();
   const SightDepth& depth = depthOf(plan);
-  // A telecentric lens is not square by an angle of unknown direction.
-  const double unsquare_mm = 0.5 * depth.mm * calibration_.square_within_rad;
+  // A telecentric lens is not square by an angle of unknown direction; no tile tells how deep it looks.
+  const double unsquare_mm = 0.5 * (depth.mm + depth.sigma_mm) * calibration_.square_within_rad;
   const Eigen::Vector2d slope =
       X_TS_.rotation().transpose() * calibration_.sightSlope(p_T_mm - view->tile.p_TV_mm);
   return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);

@@ -104,7 +104,7 @@ TEST(ErrorModel, SightTableAndTiltMoveReadingsByGeometry) {
   camera.square_within_rad = 0.008;
   const Eigen::Vector3d tilted = row(kRight).tail<ReadingLine::kSight>();
   EXPECT_EQ(tilted[0], 0.0);
-  EXPECT_NEAR(tilted.norm(), 0.5 * 0.25 * 0.008, 1e-9);
+  EXPECT_NEAR(tilted.norm(), 0.5 * (0.25 + 0.05) * 0.008, 1e-9);
 }
 
 TEST(KerfWidth, IsNotMovedByFewWildReadings) {

@@ -57,6 +57,16 @@ TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
   EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
 }
 
+TEST(ExtremeBudget, WhatOppositeSidesShareMakesOneOfThemLarger) {
+  // The larger of m + e and m - e is m + |e|: half normal.
+  constexpr double kShared_mm = 0.004;
+  const ExtremeBudget budget =
+      extremeBudget({oneReading(0, 0.1, 0.0, kShared_mm), oneReading(1, -0.1, 0.0, kShared_mm)});
+  const double u_mm = std::hypot(budget.u_noise, budget.u_camera);
+  EXPECT_NEAR(budget.extreme_bias, kShared_mm * std::sqrt(2.0 / std::numbers::pi), 1e-4);
+  EXPECT_NEAR(u_mm, std::hypot(kShared_mm * std::sqrt(1.0 - 2.0 / std::numbers::pi), 0.0005), 1e-4);
+}
+
 ErrorModel oneLine(std::uint64_t seed, double truth_mm, double noise_mm) {
   constexpr std::size_t kReadings = 200;
   const CounterRandom truth(seed, 1);
@@ -73,6 +83,24 @@ ErrorModel oneLine(std::uint64_t seed, double truth_mm, double noise_mm) {
   ErrorModel model;
   model.lines.push_back(line);
   return model;
+}
+
+TEST(WorstDeviation, OfTwoLinesThatCompeteItSaysThatTheCorrectionMayBeWrong) {
+  const ErrorModel alone = oneLine(1, 0.01, 0.0005);
+  ErrorModel both = alone;
+  both.lines.push_back(alone.lines[0]);
+  for (double& reading_mm : both.lines[1].reading_mm) reading_mm = -reading_mm;
+  for (ReadingLine& line : both.lines) {
+    line.shared = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + 1);
+    line.shared.col(ReadingLine::kOwn).setConstant(0.002);
+  }
+  both.modes = 1;
+  const DeviationEstimate competing = measureDeviations(both, {LineKind{}, LineKind{}}, 0.1, 1).all;
+  both.lines.pop_back();
+  const DeviationEstimate single = measureDeviations(both, {LineKind{}}, 0.1, 1).all;
+  // Half normal against normal: the largest rises by 0.8 sigma.
+  EXPECT_NEAR(competing.worst_u_competing, 0.8 * 0.002 / std::sqrt(3.0), 2e-4);
+  EXPECT_LT(single.worst_u_competing, 0.5 * competing.worst_u_competing) << "noise alone";
 }
 
 TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
