@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "hil/cli/run_guarded.h"
 #include "hil/judge/results_folder.h"
 #include "hil/judge/results_list.h"
+#include "hil/scenario/scenario.h"
 #include "hil/source/vcd.h"
 
 namespace kerfbench::app {
@@ -32,19 +34,17 @@ using Json = nlohmann::json;
 constexpr int kExitDiffers = 1;
 constexpr std::size_t kMaxPlaces = 10;
 
+/// Empty for a file that is not there: the list of the folder tells.
 std::string textOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw base::InputError(fmt::format("{}: cannot be read", path.string()));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
 Json verdictOf(const fs::path& folder) {
   const fs::path path = folder / "verdict.json";
-  try {
-    return Json::parse(textOf(path));
-  } catch (const Json::exception& e) {
-    throw base::InputError(fmt::format("{}: is no verdict: {}", path.string(), e.what()));
-  }
+  Json verdict = Json::parse(textOf(path), nullptr, false);
+  if (!verdict.is_object()) throw base::InputError(fmt::format("{}: is no verdict", path.string()));
+  return verdict;
 }
 
 /// A text of a verdict; empty if there is none.
@@ -83,7 +83,7 @@ std::vector<std::string> contradictionsIn(const fs::path& folder, const Json& ve
 /// What a replay cannot know: who made the pins, and how it was asked to.
 Json withoutOrigin(Json verdict) {
   for (const char* field : {"firmware", "source", "repeat_command"}) verdict.erase(field);
-  if (!verdict.contains("versions")) return verdict;
+  if (!verdict.contains("versions") || !verdict["versions"].is_object()) return verdict;
   for (const char* version : {"firmware sha256", "controller"}) verdict["versions"].erase(version);
   return verdict;
 }
@@ -109,16 +109,26 @@ std::string placesOf(const Json& differences) {
              : fmt::format("{} and {} more", places, differences.size() - kMaxPlaces);
 }
 
+/// Options of the run that a verdict is of, as far as it states them; what it states wrongly differs then.
+judge::RunOptions optionsOf(const Json& verdict, judge::RunOptions run) {
+  if (verdict.contains("seed") && verdict["seed"].is_number_unsigned()) run.seed = verdict["seed"];
+  const auto stated = [&verdict](const char* pointer, const auto& names) -> std::optional<std::string> {
+    const std::string name = textIn(verdict, pointer);
+    if (std::ranges::find(names, name) == names.end()) return std::nullopt;
+    return name;
+  };
+  run.twin = stated("/model/twin", scenario::kFidelityNames);
+  run.imperfections = stated("/model/imperfections", scenario::kPresetNames);
+  run.pictures = false;
+  return run;
+}
+
 /// What differs between a folder and what its pins give when they are judged again, as then.
 std::vector<std::string> replayDifferences(const VerifyOptions& options, const Json& verdict) {
   // Never committed: it is a scratch folder that goes with the object.
   const judge::ResultsFolder scratch(fs::temp_directory_path(), "kerfbench-verify");
-  judge::RunOptions run = options.run;
+  judge::RunOptions run = optionsOf(verdict, options.run);
   run.results_dir = scratch.staging();
-  run.pictures = false;
-  if (verdict.contains("seed") && verdict["seed"].is_number_unsigned()) run.seed = verdict["seed"];
-  run.twin = textIn(verdict, "/model/twin");
-  run.imperfections = textIn(verdict, "/model/imperfections");
   const int code = replayCommand(options.folder / "pins.vcd", options.scenario, options.frames, run);
   if (code == base::kExitInput || code == base::kExitBroken)
     throw base::InputError(fmt::format("{}: its pins could not be judged again", options.folder.string()));
@@ -137,23 +147,24 @@ std::vector<std::string> replayDifferences(const VerifyOptions& options, const J
 
 int verify(const VerifyOptions& options) {
   base::Console console(options.run.quiet);
-  std::vector<std::string> found = judge::changedSinceListed(options.folder);
-  const auto add = [&found](std::vector<std::string> more) {
-    std::ranges::move(more, std::back_inserter(found));
+  std::size_t count = 0;
+  // At once: what follows may be refused.
+  const auto tell = [&](const std::vector<std::string>& differences) {
+    for (const std::string& difference : differences) console.result("  " + difference);
+    count += differences.size();
   };
+  tell(judge::changedSinceListed(options.folder));
   const Json verdict = verdictOf(options.folder);
-  add(contradictionsIn(options.folder, verdict, options.digest));
+  tell(contradictionsIn(options.folder, verdict, options.digest));
   if (!options.scenario.empty() && fs::is_regular_file(options.folder / "pins.vcd"))
-    add(replayDifferences(options, verdict));
-  for (const std::string& difference : found) console.result("  " + difference);
+    tell(replayDifferences(options, verdict));
   const char* const extent = options.scenario.empty()
                                  ? "its sums fit; its pins were not judged again (--scenario)"
                                  : "its sums fit, and its pins give its verdict";
-  console.result(fmt::format("{}: {}", options.folder.string(),
-                             found.empty()
-                                 ? std::string(extent)
-                                 : fmt::format("not what a run wrote: {} things differ", found.size())));
-  return found.empty() ? 0 : kExitDiffers;
+  console.result(fmt::format(
+      "{}: {}", options.folder.string(),
+      count == 0 ? std::string(extent) : fmt::format("not what a run wrote: {} things differ", count)));
+  return count == 0 ? 0 : kExitDiffers;
 }
 
 }  // namespace
