@@ -95,7 +95,7 @@ def end_at(recording, stamp):
 # --- Time
 
 
-@edit("time", "50 ms cut out of the middle of the job, the rest moved up", quick=True)
+@edit("time", "50 ms cut out of the middle of the job, the rest moved up")
 def stretch_out_middle(r):
     at = middle(r, *PULSES).stamp
     cut_out(r, at, at + r.units(0.05))
@@ -153,7 +153,7 @@ def stretch_twice(r):
     r.mend()
 
 
-@edit("time", "two stamps exchanged, so that time goes back")
+@edit("time", "two stamps exchanged, so that time goes back", quick=True)
 def stamps_swapped(r):
     at = r.edges.index(middle(r, *PULSES))
     behind = next(i for i in range(at, len(r.edges)) if r.edges[i].stamp > r.edges[at].stamp)
