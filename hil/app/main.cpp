@@ -12,6 +12,7 @@
 #include "hil/app/instrument_program.h"
 #include "hil/app/lint_command.h"
 #include "hil/app/run_command.h"
+#include "hil/app/verify_command.h"
 #include "hil/base/exit_codes.h"
 #include "hil/cli/cli.h"
 #include "hil/cli/program.h"
@@ -95,6 +96,29 @@ void addReplay(CLI::App& app, const CliProgram& program, CliActions& actions) {
               [=] { return replayCommand(files->recording, files->scenario, files->frames, *options); });
 }
 
+void addVerify(CLI::App& app, const CliProgram& program, CliActions& actions) {
+  const auto options = std::make_shared<VerifyOptions>();
+  options->run = *commonOptions(program);
+  CLI::App* verify = app.add_subcommand(
+      "verify",
+      "Is a results folder what a run wrote? Compares its files with the sums in its list, the pins with\n"
+      "their own, and with --scenario the verdict with what the pins give when they are judged again.\n"
+      "Exit code 1: something differs. Whoever can write the folder can write all its sums anew: keep the\n"
+      "digest elsewhere, and give it with --digest.");
+  verify->add_option("FOLDER", options->folder, "Results folder of a run or of a replay")->required();
+  verify->add_option("--scenario", options->scenario,
+                     "The scenario of that run, with all files that it names as they were");
+  verify->add_option("--frames", options->frames,
+                     "Recording of the real spot camera that the scenario names;\notherwise the folder spot "
+                     "in the results");
+  verify->add_option("--digest", options->digest, "Digest that the verdict must have");
+  verify->add_option("--jobs,-j", options->run.jobs, "Threads; the results are the same at any number")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  verify->add_flag("--quiet,-q", options->run.quiet, "Only what differs, and the result");
+  actions.add(verify, [=] { return verifyCommand(*options); });
+}
+
 void addLint(CLI::App& app, const CliProgram& program, CliActions& actions) {
   CLI::App* lint = app.add_subcommand("lint", "Check scenarios, machines (.yaml) and dielines (.dxf, .svg)");
   const auto files = std::make_shared<std::vector<fs::path>>();
@@ -117,6 +141,7 @@ void addInstrument(CLI::App& app, const CliProgram& program) {
 void addCommands(CLI::App& app, const CliProgram& program, CliActions& actions) {
   addRun(app, program, actions);
   addReplay(app, program, actions);
+  addVerify(app, program, actions);
   addRecordFrames(app, program, actions);
   addCapture(app, program, actions);
   addLint(app, program, actions);

@@ -70,6 +70,7 @@ int replayOne(const fs::path& recording, const fs::path& scenario, const fs::pat
   } catch (const std::runtime_error& e) {
     throw base::InputError(e.what());
   }
+  conclusion.unsealed = !recorded.sealed;
   stopwatch.lap("reading");
   conclusion.spot_frames = live::framesOfReplay(test_case, recording, frames);
   conclusion.folder_name = test_case.scenario.name + "-replay";

@@ -47,7 +47,9 @@ UartListener::UartListener(const source::PinRecording& recording) {
 void UartListener::hear(std::span<const std::uint8_t> bytes, double now_s) {
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   for (;;) {
-    pending_.erase(pending_.begin(), std::ranges::find(pending_, KB_SYNC));
+    const auto sync = std::ranges::find(pending_, KB_SYNC);
+    stray_bytes_ += static_cast<std::size_t>(sync - pending_.begin());
+    pending_.erase(pending_.begin(), sync);
     if (pending_.size() < kHead) return;
     const std::size_t end = kHead + pending_[3];
     if (pending_[3] <= KB_PAYLOAD_MAX && pending_.size() < end + 2) return;
@@ -55,6 +57,7 @@ void UartListener::hear(std::span<const std::uint8_t> bytes, double now_s) {
     const bool good = pending_[3] <= KB_PAYLOAD_MAX &&
                       crc16(whole.subspan(1, end - 1)) == (pending_[end] | pending_[end + 1] << 8);
     if (good) frame(pending_[1], whole.subspan(kHead, end - kHead), now_s);
+    stray_bytes_ += good ? 0U : 1U;
     pending_.erase(pending_.begin(), pending_.begin() + (good ? static_cast<std::ptrdiff_t>(end + 2) : 1));
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -47,6 +48,8 @@ class UartListener {
   [[nodiscard]] const std::vector<inspect::ControllerState>& reports() const { return reports_; }
   /// First report of an end, since later ones may be of what the controller did then; nullopt: none came.
   [[nodiscard]] const std::optional<End>& end() const { return end_; }
+  /// Bytes that are part of no whole report; what waits for its end is not among them.
+  [[nodiscard]] std::size_t strayBytes() const { return stray_bytes_; }
   /// Last KB_STATE since the controller stopped or was done; nullopt: none came.
   [[nodiscard]] const std::optional<Account>& account() const { return account_; }
 
@@ -58,6 +61,7 @@ class UartListener {
   std::optional<BeltWord> first_belt_;
   std::optional<Account> account_;
   std::optional<End> end_;
+  std::size_t stray_bytes_{};
 };
 
 }  // namespace kerfbench::controller

@@ -67,15 +67,18 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
   report.print = scenario.print;
   const bool real_pictures = scenario.cameras.spot.is_real || !scenario.cameras.kerf.tiles.empty();
   report.model_pictures = scenario.firmware.onRealPins() && !real_pictures;
+  report.unsealed = conclusion.unsealed;
   report.calibrations_undated = real_pictures && scenario.date.empty();
   return report;
 }
 
-void writePins(const std::filesystem::path& folder, const scenario::Case& test_case,
-               const run::RecordedRun& run, const Conclusion& conclusion) {
-  source::writeVcd(folder / "pins.vcd", run.recording, test_case.machine.signals);
+/// Returns the sum with which the file of the pins ends.
+std::string writePins(const std::filesystem::path& folder, const scenario::Case& test_case,
+                      const run::RecordedRun& run, const Conclusion& conclusion) {
+  std::string sum = source::writeVcd(folder / "pins.vcd", run.recording, test_case.machine.signals);
   base::writeFileAtomically(folder / "scenario.yaml", test_case.scenario.text);
   if (!conclusion.gcode.empty()) base::writeFileAtomically(folder / "job.gcode", conclusion.gcode);
+  return sum;
 }
 
 void tell(const report::RunReport& report, const std::filesystem::path& folder, base::Console& console) {
@@ -123,7 +126,8 @@ int conclude(const scenario::Case& test_case, const run::RecordedRun& run, const
     report.model.partings = spotPartings(report.spot, truth.exposures, report.result.cuts);
 
   ResultsFolder folder(options.results_dir, conclusion.folder_name);
-  writePins(folder.staging(), test_case, run, conclusion);
+  report.evidence.insert(report.evidence.begin(),
+                         {"pins", writePins(folder.staging(), test_case, run, conclusion)});
   stopwatch.lap("recording of the pins");
   if (options.pictures) {
     std::string trouble;

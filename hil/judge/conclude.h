@@ -31,6 +31,7 @@ struct Conclusion {
   std::string gcode;             ///< Written to the results folder unless empty.
   controller::ControllerReport words;
   std::filesystem::path spot_frames;  ///< Recording of a real spot camera; empty: none.
+  bool unsealed{};                    ///< A recording without a sum of its own is replayed.
   bool moves_frames{};                ///< True if that recording goes into the results folder.
   /// For a run that was to be stopped, without pulses and gates.
   std::optional<inspect::SafeStateEvidence> safe_state;

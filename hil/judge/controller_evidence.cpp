@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "hil/controller/pulse_counter.h"
 #include "hil/controller/uart_listener.h"
 #include "hil/judge/safe_demand.h"
@@ -17,6 +19,15 @@ namespace {
 bool canBeAsked(const scenario::ProvokeChoice& provoke) {
   return provoke.cause != scenario::ProvokeChoice::Cause::kUartSilent &&
          provoke.cause != scenario::ProvokeChoice::Cause::kUartNoise;
+}
+
+/// A line that is emulated loses nothing, so words that are broken were broken since, or by the release.
+/// Empty for whole ones, and for a real line.
+std::string strayWords(const scenario::FirmwareChoice& firmware, const controller::UartListener& ear) {
+  if (firmware.onRealPins() || ear.strayBytes() == 0) return {};
+  return fmt::format(
+      "{} bytes of what the controller said belong to no whole report: words are missing or changed",
+      ear.strayBytes());
 }
 
 /// Adds the problem to run and recording, unless it is there: a replay has it already.
@@ -54,6 +65,7 @@ void collectControllerEvidence(const scenario::Case& test_case, const run::Prepa
       {static_cast<double>(firmware.baud), firmware.gpio.uart.empty() ? 0.0 : firmware.gpio.uart_delay_s});
   const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
   if (provoke.cause == scenario::ProvokeChoice::Cause::kNone) {
+    addProblem(strayWords(firmware, ear), run);
     conclusion.words.end = controller::controllerEnd(ear, pins, recording);
     addProblem(controller::unprovenEnd(*conclusion.words.end, run.dialog, run.problems.empty()), run);
     return;

@@ -77,6 +77,7 @@ class Look {
       evidence_.spot = std::move(real.track);
       evidence_.clock_bound_s = real.clock_bound_s;
       append(real.problems, evidence_);
+      pictures_.push_back({"spot frames", real.sha256});
       facts_.insert(facts_.end(), real.facts.begin(), real.facts.end());
       observer_.stopwatch.lap("spot camera: measure");
       return;
@@ -111,6 +112,7 @@ class Look {
   }
 
   std::vector<std::pair<std::string, std::string>>& facts() { return facts_; }
+  std::vector<report::EvidencePart>& pictures() { return pictures_; }
 
  private:
   std::unique_ptr<camera::TileSource> kerfPictures(const vision::CameraCalibration& calibration) {
@@ -118,8 +120,9 @@ class Look {
     if (!chosen.kerf.tiles.empty()) {
       auto tiles = std::make_unique<camera::TileFolder>(
           chosen.kerf.tiles, camera::PictureSize{calibration.width_px, calibration.height_px});
+      pictures_.push_back({"kerf pictures", tiles->sha256OfSums()});
       facts_.emplace_back("kerf pictures", fmt::format("{} of {}, sha256 of their sums {}", tiles->size(),
-                                                       chosen.kerf.tiles.string(), tiles->sha256OfSums()));
+                                                       chosen.kerf.tiles.string(), pictures_.back().sha256));
       return tiles;
     }
     if (chosen.spot.is_real)
@@ -132,6 +135,7 @@ class Look {
   const Observer& observer_;
   inspect::Evidence& evidence_;
   std::vector<std::pair<std::string, std::string>> facts_;
+  std::vector<report::EvidencePart> pictures_;
 };
 
 }  // namespace
@@ -156,6 +160,7 @@ Judgement judge(const scenario::Case& test_case, const run::RecordedRun& run,
   Judgement judgement;
   judgement.result = inspect::inspect(evidence, test_case.scenario.limits);
   judgement.facts = std::move(look.facts());
+  judgement.pictures = std::move(look.pictures());
   judgement.facts.insert(judgement.facts.end(), calibrated.facts.begin(), calibrated.facts.end());
   judgement.kerf = judgement.result.edges ? std::move(*judgement.result.edges) : std::move(evidence.kerf);
   judgement.result.edges.reset();
@@ -185,6 +190,7 @@ void addJudgement(Judgement judgement, report::RunReport& report) {
   report.kerf = std::move(judgement.kerf);
   report.spot = std::move(judgement.spot);
   report.pulses = std::move(judgement.pulses);
+  report.evidence = std::move(judgement.pictures);
   report.versions.insert(report.versions.end(), judgement.facts.begin(), judgement.facts.end());
 }
 

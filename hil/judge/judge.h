@@ -38,6 +38,7 @@ struct Judgement {
   std::vector<PulseTiming> pulses;
   /// For the report: which pictures were looked at, with which calibrations.
   std::vector<std::pair<std::string, std::string>> facts;
+  std::vector<report::EvidencePart> pictures;  ///< Sums of what real cameras took.
 };
 
 /// Judges a run by its recording, its pictures and what the controller said. No model takes part: pulses,

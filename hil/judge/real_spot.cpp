@@ -161,6 +161,7 @@ RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::
   const scenario::SpotCameraChoice& choice = scenario.cameras.spot;
   RealSpot spot;
   camera::FrameRecording recording(folder);
+  spot.sha256 = recording.digest();
   const camera::FrameLayout& layout = recording.camera().setup.layout;
   if (layout.width_px != calibration.width_px || layout.height_px != calibration.height_px) {
     spot.problems.push_back(

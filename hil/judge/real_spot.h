@@ -22,6 +22,7 @@ struct RealSpot {
   vision::SpotTrack track;            ///< On the clock of the pins; empty where that is not known.
   double clock_bound_s{};             ///< See Evidence.
   std::vector<std::string> problems;  ///< Each makes the verdict INVALID.
+  std::string sha256;                 ///< Digest of the recording.
   std::vector<std::pair<std::string, std::string>> facts;  ///< For the report.
 };
 

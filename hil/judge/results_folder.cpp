@@ -6,55 +6,16 @@
 #include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is no part of <cstdlib>
 
 #include <cerrno>
-#include <fstream>
-#include <set>
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "hil/base/atomic_file.h"
 #include "hil/base/input_error.h"
+#include "hil/judge/results_list.h"
 
 namespace kerfbench::judge {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kListHead =
-    "Results of kerfbench. The next run of this name replaces the folder as long as it holds these files "
-    "alone:";
-
-/// Everything below a folder but its own list, as paths from there: files, links and empty folders.
-std::set<std::string> contentOf(const fs::path& folder) {
-  std::set<std::string> content;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const bool filled = entry.is_directory() && !entry.is_symlink() && !fs::is_empty(entry.path());
-    if (!filled) content.insert(entry.path().lexically_relative(folder).generic_string());
-  }
-  content.erase(kResultsList);
-  return content;
-}
-
-void writeList(const fs::path& folder) {
-  std::string text = std::string(kListHead) + "\n";
-  for (const std::string& path : contentOf(folder)) text += path + "\n";
-  base::writeFileAtomically(folder / kResultsList, text);
-}
-
-/// What of a folder no run wrote; empty if it may be replaced.
-std::string foreignIn(const fs::path& folder) {
-  const std::set<std::string> content = contentOf(folder);
-  if (content.empty()) return {};
-  std::ifstream file(folder / kResultsList);
-  std::string line;
-  if (!std::getline(file, line) || line != kListHead)
-    return fmt::format("has no {}, so it is no results folder", kResultsList);
-  std::set<std::string> listed;
-  while (std::getline(file, line)) listed.insert(line);
-  for (const std::string& path : content) {
-    if (!listed.contains(path)) return fmt::format("holds '{}', which no run wrote", path);
-  }
-  return {};
-}
 
 void refuseForeign(const fs::path& place) {
   const fs::file_status status = fs::symlink_status(place);
@@ -92,7 +53,7 @@ ResultsFolder::~ResultsFolder() {
 }
 
 void ResultsFolder::commit() {
-  writeList(staging_);
+  writeResultsList(staging_);
   refuseForeign(place_);
   if (renamed(RENAME_NOREPLACE)) {
     staging_.clear();

@@ -6,10 +6,6 @@
 
 namespace kerfbench::judge {
 
-/// File in each results folder that lists what a run wrote there, a path a line below a head line. Only a
-/// folder that has it, and nothing else, is replaced by a later run.
-inline constexpr const char* kResultsList = "kerfbench-results.txt";
-
 /// Refuses a place that holds what no run wrote, before anything runs: a later commit() would delete it.
 /// A place where nothing is, an empty folder and the results of an earlier run are fine.
 /// @throws base::InputError that names the place and what is there.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -19,12 +20,31 @@
 namespace kerfbench::live {
 namespace {
 
-/// Whether the inputs of a controller on real pins were driven as the machine would have done it.
-void judgeSensors(const scenario::Case& test_case, const std::vector<SensorEdge>& due,
-                  const source::PinRecording& recorded, run::RecordedRun& run, base::Console& console) {
+/// Sensors whose edges in the recording have to be those of the machine that is judged: those that the bench
+/// drove on real pins, and all that it gave to a controller that it emulated. Of a recording by another
+/// program those that it holds; none that a provocation was to change.
+std::vector<Signal> sensorsOfMachine(const scenario::Case& test_case, const source::PinRecording& recorded) {
   std::vector<Signal> signals;
-  for (const scenario::PinLine& line : test_case.scenario.firmware.gpio.outputs)
-    signals.push_back(line.signal);
+  const scenario::FirmwareChoice& firmware = test_case.scenario.firmware;
+  for (const scenario::PinLine& line : firmware.gpio.outputs) signals.push_back(line.signal);
+  const bool is_provoked = test_case.scenario.provoke.cause != scenario::ProvokeChoice::Cause::kNone;
+  if (firmware.onRealPins() || is_provoked) return signals;
+  const auto is_recorded = [&recorded](Signal signal) {
+    return std::ranges::find(recorded.sensor_wires, signal) != recorded.sensor_wires.end() ||
+           std::ranges::any_of(recorded.sensors,
+                               [signal](const SensorEdge& edge) { return edge.signal == signal; });
+  };
+  for (const Signal signal : {Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark, Signal::kLimitX,
+                              Signal::kLimitY, Signal::kInterlock}) {
+    if (is_recorded(signal)) signals.push_back(signal);
+  }
+  return signals;
+}
+
+/// Whether the inputs of the controller were driven as the machine would have done it.
+void judgeSensors(const scenario::Case& test_case, const std::vector<Signal>& signals,
+                  const std::vector<SensorEdge>& due, const source::PinRecording& recorded,
+                  run::RecordedRun& run, base::Console& console) {
   const double limit_s = run::sensorLagLimit_s(test_case.scenario);
   const run::SensorLag found =
       run::sensorLag(due, recorded.sensors, recorded.rate, run.recording.end, signals, limit_s);
@@ -45,17 +65,17 @@ int judgeRecorded(const scenario::Case& test_case, const PinsOfMachine& pins, ju
                   const judge::RunOptions& options, base::Stopwatch& stopwatch, base::Console& console) {
   const source::PinRecording& recorded = pins.recorded;
   const auto source = source::openRecording(recorded, conclusion.source_id);
-  const bool driven = !test_case.scenario.firmware.gpio.outputs.empty();
+  const std::vector<Signal> driven = sensorsOfMachine(test_case, recorded);
   run::ModelOptions model = run::modelOptions(test_case);
   model.beside_real_camera = test_case.scenario.cameras.spot.is_real;
-  model.witness_sensors = driven;
+  model.witness_sensors = !driven.empty();
   run::ModelMachine machine(test_case, pins.sampled, recorded.rate, model);
   run::LockstepOptions lockstep;
   lockstep.time_limit_s = test_case.scenario.time_limit_s;
   run::RecordedRun run = machine.run(*source, nullptr, lockstep, base::progressOn(console));
   for (std::vector<std::string>* problems : {&run.problems, &run.recording.problems})
     problems->insert(problems->end(), recorded.problems.begin(), recorded.problems.end());
-  if (driven) judgeSensors(test_case, machine.dueSensors(), recorded, run, console);
+  if (!driven.empty()) judgeSensors(test_case, driven, machine.dueSensors(), recorded, run, console);
   run.recording.sensors = recorded.sensors;
   run.recording.uart = recorded.uart;
   run.recording.stamp_err_ticks = recorded.stamp_err_ticks;

@@ -145,6 +145,8 @@ std::string digestOf(const RunReport& report) {
     pulse["setup_histogram"] = t->setup_histogram;
     root["pulses"].push_back(std::move(pulse));
   }
+  for (const EvidencePart* part : sortedBy(report.evidence, [](const EvidencePart& x) { return x.name; }))
+    root["evidence"].push_back({part->name, part->sha256});
   addJoints(result.joints, root);
   for (const inspect::LayerResult* l :
        sortedBy(result.layers, [](const inspect::LayerResult& x) { return x.layer; }))

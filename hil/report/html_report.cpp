@@ -169,6 +169,8 @@ std::string environment(const RunReport& report) {
   html += htmlRow("Repeat with", report.repeat_command, true);
   html += htmlRow("Digest", digestOf(report), true);
   html += htmlRow("Digest of inputs", inputsDigestOf(report), true);
+  for (const EvidencePart& part : report.evidence)
+    html += htmlRow("SHA-256 of " + part.name, part.sha256, true);
   html += htmlRow("Scenario", report.scenario_path, true);
   html += htmlRow("Dieline", report.dieline->path, true);
   html += htmlRow("Firmware", report.firmware);

@@ -83,6 +83,12 @@ OrderedJson inputsJson(const std::vector<InputFile>& inputs) {
   return j;
 }
 
+OrderedJson evidenceJson(const std::vector<EvidencePart>& evidence) {
+  OrderedJson j = OrderedJson::array();
+  for (const EvidencePart& part : evidence) j.push_back({{"name", part.name}, {"sha256", part.sha256}});
+  return j;
+}
+
 // The checks with what a person reads of them; the digest binds them without.
 OrderedJson checksJson(const std::vector<inspect::Check>& checks) {
   OrderedJson list = OrderedJson::array();
@@ -157,6 +163,7 @@ std::string verdictJson(const RunReport& report) {
   root["mark_residual_mm"] = rounded(report.kerf.mark_residual_mm);
   root["inputs_digest"] = inputsDigestOf(report);
   root["inputs"] = inputsJson(report.inputs);
+  root["evidence"] = evidenceJson(report.evidence);
   root["versions"] = OrderedJson::object();
   for (const auto& [name, version] : report.versions) root["versions"][name] = version;
   root["repeat_command"] = report.repeat_command;

@@ -82,6 +82,9 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   add("model_pictures", report.model_pictures
                             ? "the pins are real, but the pictures are of the model: no real cut was seen"
                             : "");
+  add("unsealed_recording", report.unsealed ? "the recording has no sum of its own, so nothing shows that it "
+                                              "is whole"
+                                            : "");
   add("calibration_age",
       report.calibrations_undated ? "the scenario has no date, so no calibration can be too old" : "");
   return all;

@@ -70,13 +70,19 @@ std::string stopSentence(const inspect::InspectionResult& result);
 /// What narrows a PASS, or anything else that a verdict must not be read without.
 struct Reservation {
   std::string kind;  ///< "wide_limit", "not_judged", "part_not_judged", "model_pictures",
-                     ///< "calibration_age"
+                     ///< "calibration_age", "unsealed_recording"
   std::string text;  ///< A clause without a full stop, for people.
 };
 
 /// A file on which a run depends.
 struct InputFile {
   std::string name;  ///< As seen from the scenario's folder.
+  std::string sha256;
+};
+
+/// A recording or a set of pictures that was judged.
+struct EvidencePart {
+  std::string name;  ///< "pins", "kerf pictures", "spot frames"
   std::string sha256;
 };
 
@@ -98,6 +104,7 @@ struct RunReport {
   std::vector<std::pair<std::string, std::string>>
       versions;  ///< "kerfbench" -> "0.1.0", "firmware sha256" -> …
   std::vector<InputFile> inputs;
+  std::vector<EvidencePart> evidence;  ///< Recorded evidence; the digest binds it, read or not.
   // What was measured.
   inspect::Tolerances limits;
   std::shared_ptr<const dieline::Dieline> dieline{dieline::emptyDieline()};  ///< Never null.
@@ -106,6 +113,7 @@ struct RunReport {
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
+  bool unsealed{};              ///< A recording without a sum of its own was replayed.
   bool model_pictures{};        ///< The pins are real, and the pictures are the model's.
   bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
   // What the wall clock and the host say.
@@ -121,9 +129,9 @@ std::vector<Reservation> reservationsOf(const RunReport& report);
 /// The same in one line, "limits wider than …; not judged: …"; empty if there are none.
 std::string reservationsLine(const RunReport& report);
 
-/// SHA-256 over the canonical JSON of measurements and verdict: equal for equal results, whatever the order
-/// of the entities, the model's own knowledge, the host, the paths and the time that the run took. Lengths
-/// enter rounded to 1 nm, the rest to 1e-6.
+/// SHA-256 over the canonical JSON of evidence, measurements and verdict: equal for equal results, whatever
+/// the order of the entities, the model's own knowledge, the host, the paths and the time that the run took.
+/// Lengths enter rounded to 1 nm, the rest to 1e-6.
 std::string digestOf(const RunReport& report);
 /// SHA-256 over the bytes of all files on which the run depends, wherever they lie, and seed, twin and
 /// imperfections: what a verdict was given on.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,14 +33,18 @@ struct PinRecording {
   /// Reasons, besides gaps, not to trust the recording, in words. The file keeps them.
   std::vector<std::string> problems{};
   bool own{};  ///< Read from a file that Kerfbench wrote, so that ticks are exact.
+  /// Sensors that the file has a wire for, whether it moves or not.
+  std::vector<Signal> sensor_wires{};
+  /// Read from a file that announces a sum of its own. One that does not fit is a problem.
+  bool sealed{};
 };
 /// Writes the whole file or nothing. The time scale is the coarsest of 1 s … 1 fs that holds a tick exactly
 /// (100 ps for 16 MHz), or 1 ps if none does. Comments that other programs skip keep what VCD has no place
 /// for: the exact tick, its error, the end of the run, gaps, problems, and what the controller sent. Only
 /// wired signals are written; what a port does on other pins is lost.
-/// The last line is the SHA-256 of all before it.
+/// The last line is the SHA-256 of all before it, which is returned: equal for equal recordings.
 /// @throws std::invalid_argument if the events are not in order, std::system_error with the path.
-void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
+std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map);
 
 /// Reads such a file, or any VCD that names its 1-bit wires as signalName() does; other wires are skipped.
 /// Without Kerfbench's comments a tick is one unit of the time scale. Changes of a port at one stamp become
@@ -49,11 +54,15 @@ void writeVcd(const std::filesystem::path& path, const PinRecording& recording, 
 /// it: somebody cut, edited or converted it. Whoever wants that judged takes Kerfbench's comments out of the
 /// header.
 ///
-/// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin,
-/// unknown identifiers, a wire twice, a controller's pin of `map` that the file lacks, and anything truncated
-/// are refused.
+/// Strict, because evidence depends on it: stamps that go back, levels other than 0 and 1 on a wired pin, a
+/// change of such a pin to the level that it has (outside of a dump), unknown identifiers, a wire twice, a
+/// controller's pin of `map` that the file lacks, and anything truncated are refused.
 /// @throws std::runtime_error listing every fault (the first 20) with its line, std::system_error with the
 /// path.
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map);
+
+/// The sum with which a file of Kerfbench ends; nullopt if it has none, or one that does not fit the file.
+/// @throws std::system_error with the path.
+std::optional<std::string> vcdSum(const std::filesystem::path& path);
 
 }  // namespace kerfbench::source

@@ -29,8 +29,18 @@ constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxWires = 4096;
 constexpr std::uint64_t kMaxWidthBits = 4096;
 
+constexpr std::string_view kSumBegin = "$comment kerfbench sum ";
+
 /// Thrown when there is no sense in reading on.
 struct GiveUp {};
+
+/// Whether the text up to `begin`, where its sum stands as the last line, is as it was written.
+bool sumFits(std::string_view text, std::size_t begin, std::string_view sum) {
+  const std::string line = std::string(kSumBegin).append(sum) + " $end";
+  const std::string_view last = text.substr(begin);
+  return last.starts_with(line) && last.find_first_not_of(" \n", line.size()) == std::string_view::npos &&
+         sum == base::sha256(text.substr(0, begin));
+}
 
 class Reader {
  public:
@@ -51,7 +61,7 @@ class Reader {
   struct Wire {
     std::optional<Signal> signal;
     std::uint64_t width{};
-    bool level{};
+    std::optional<bool> level{};  ///< nullopt: none was given yet, which is low.
   };
   struct Gap {
     Tick tick{};
@@ -110,6 +120,7 @@ class Reader {
       if (map_.pin(signal) && !isSensor(signal) && !seen_[i]) {
         fault("no wire " + std::string(signalName(signal)) + ", which the machine has");
       }
+      if (isSensor(signal) && seen_[i]) recording_.sensor_wires.push_back(signal);
     }
     TickRate rate{1, 1};
     for (int i = 0; i < exponent_; ++i) rate.den *= 10;
@@ -212,7 +223,7 @@ class Reader {
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
-    Wire wire{signalFromName(words[3]), *width, false};
+    Wire wire{signalFromName(words[3]), *width, {}};
     if (wire.signal && !map_.pin(*wire.signal)) wire.signal.reset();
     if (wire.signal) {
       if (*width != 1) return fault(std::string(words[3]) + " must be a wire of 1 bit");
@@ -254,9 +265,12 @@ class Reader {
           if (token == "$comment") {
             const auto begin = static_cast<std::size_t>(token.data() - text_.data());
             const auto words = section(token);
-            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "sum") checkSum(begin, words[2]);
+            if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "sum")
+              sum_fits_ = sumFits(text_, begin, words[2]);
             if (words.size() >= 3 && words[0] == "kerfbench" && words[1] == "uart") received(words);
-          } else if (token != "$end" && !token.starts_with("$dump")) {
+          } else if (token == "$end" || token.starts_with("$dump")) {
+            in_dump_ = token != "$end";
+          } else {
             fault("unknown section " + base::inQuotes(token));
           }
           break;
@@ -265,12 +279,6 @@ class Reader {
       }
     }
     finish();
-  }
-
-  /// Whether the file up to `begin` is as it was written.
-  void checkSum(std::size_t begin, std::string_view sum) {
-    sum_fits_ = sum == base::sha256(text_.substr(0, begin)) &&
-                text_.find_first_not_of(" \n", text_.find('\n', begin)) == std::string_view::npos;
   }
 
   void stamp(std::string_view digits) {
@@ -292,8 +300,14 @@ class Reader {
                    "': nobody knows what the pin did");
     }
     const bool high = level == '1';
-    if (wire.level == high) return;
-    wire.level = high;
+    const bool was_given = wire.level.has_value();
+    if (high == std::exchange(wire.level, high).value_or(false)) {
+      if (was_given && !in_dump_) {
+        fault(std::string(signalName(*wire.signal)) + " changes to " + level +
+              ", which it is: an edge is missing, or is there twice");
+      }
+      return;
+    }
     if (isSensor(*wire.signal)) {
       recording_.sensors.push_back({tick_, *wire.signal, high});
     } else {
@@ -341,6 +355,7 @@ class Reader {
     if (has_sum_ && !sum_fits_)
       recording_.problems.emplace_back(
           "the recording is not as it was written: the sum at its end does not fit what stands before it");
+    recording_.sealed = has_sum_;
     for (const auto& gap : gaps_) {
       auto& events = recording_.outputs;
       auto event = std::lower_bound(events.begin(), events.end(), gap.tick,
@@ -376,6 +391,7 @@ class Reader {
   std::optional<Tick> own_end_;
   std::optional<std::size_t> own_words_;
   std::optional<std::uint32_t> own_stamp_err_;
+  bool in_dump_{};  ///< Levels of a $dump section are told, changed or not.
   bool has_sum_{};  ///< The header says that the file ends with its own sum.
   bool sum_fits_{};
   std::vector<Gap> gaps_;
@@ -406,6 +422,16 @@ std::string readWhole(const std::filesystem::path& path) {
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map) {
   const std::string text = readWhole(path);
   return Reader(path.string(), text, map).read();
+}
+
+std::optional<std::string> vcdSum(const std::filesystem::path& path) {
+  constexpr std::size_t kDigits = 64;
+  const std::string text = readWhole(path);
+  const std::size_t begin = text.rfind(kSumBegin);
+  if (begin == std::string::npos) return std::nullopt;
+  std::string sum = text.substr(begin + kSumBegin.size(), kDigits);
+  if (!sumFits(text, begin, sum)) return std::nullopt;
+  return sum;
 }
 
 }  // namespace kerfbench::source

@@ -34,6 +34,7 @@ class Writer {
     text_.reserve(4096 + recording.outputs.size() * 22 + recording.sensors.size() * 18);
   }
 
+  /// The file's text without its last line, the sum.
   std::string write() {
     header();
     std::size_t sensor = 0;
@@ -47,8 +48,6 @@ class Writer {
     const Tick last = stamped_ ? tick_ + 1 : 0;
     stamp(std::max(recording_.end, last));
     words();
-    const std::string sum = base::sha256(text_);
-    text_ += "$comment kerfbench sum " + sum + " $end\n";
     return std::move(text_);
   }
 
@@ -140,8 +139,12 @@ class Writer {
 
 }  // namespace
 
-void writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map) {
-  base::writeFileAtomically(path, Writer(recording, map).write());
+std::string writeVcd(const std::filesystem::path& path, const PinRecording& recording, const SignalMap& map) {
+  std::string text = Writer(recording, map).write();
+  const std::string sum = base::sha256(text);
+  text += "$comment kerfbench sum " + sum + " $end\n";
+  base::writeFileAtomically(path, text);
+  return sum;
 }
 
 }  // namespace kerfbench::source

@@ -56,7 +56,7 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
   const auto folder = scratch.path() / "spot";
   const auto camera = goodCut().camera();
   EXPECT_THAT(goodCut().record(*camera, folder), HasSubstr("no frame within"));
-  const report::RunReport live = goodCut().judged(folder, 1);
+  report::RunReport live = goodCut().judged(folder, 1);
   EXPECT_EQ(live.result.verdict, Verdict::kPass) << problemsOf(live);
   EXPECT_EQ(report::digestOf(live), report::digestOf(goodCut().judged(folder, 2)));
 
@@ -64,7 +64,7 @@ TEST(RealCamera, GivesAGoodReleaseAPassAndAReplayOfItsFramesTheSameDigest) {
   const auto pins = scratch.path() / "pins.vcd";
   source::PinRecording recording = goodCut().run().recording;
   recording.uart.clear();
-  source::writeVcd(pins, recording, goodCut().theCase().machine.signals);
+  live.evidence.push_back({"pins", source::writeVcd(pins, recording, goodCut().theCase().machine.signals)});
   const auto replay =
       kerfbench(fmt::format("replay '{}' --scenario '{}' -q --no-pictures --results-dir '{}'", pins.string(),
                             fixture("scenarios/native/label-camera.yaml").string(), scratch.path().string()));

@@ -3,7 +3,7 @@
 #include "hil/live/real_pins.h"
 #include "hil/app/run_command.h"
 #include "hil/base/exit_codes.h"
-#include "hil/judge/results_folder.h"
+#include "hil/judge/results_list.h"
 #include "hil/live/capture_on_pins.h"
 
 #include <fmt/format.h>

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "firmware_under_test/controller/protocol.h"
 #include "tests/hil/controller/spoken_frames.h"
 
@@ -15,6 +19,19 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr TickRate kRate{1, 16'000'000};
+
+TEST(UartListener, CountsTheBytesOfAReportThatIsNotWhole) {
+  const std::vector<std::uint8_t> report = spokenState(KB_RUNNING, KB_OK, 0);
+  UartListener ear;
+  ear.hear(std::span(report).first(7), 1.0);
+  ear.hear(std::span(report).subspan(7), 1.1);
+  EXPECT_EQ(ear.strayBytes(), 0U) << "it came in two parts";
+  std::vector<std::uint8_t> broken = report;
+  broken.erase(broken.begin() + 9);
+  ear.hear(broken, 2.0);
+  ear.hear(report, 2.1);
+  EXPECT_EQ(ear.strayBytes(), broken.size());
+}
 
 class ControllerReportTest : public testing::Test {
  protected:

@@ -53,6 +53,19 @@ TEST_F(HearControllerTest, AHostThatFailedIsInTheRecordingAndEveryReplayOnce) {
   EXPECT_THAT(replayed().recording.problems, ElementsAre(kGaveUp));
 }
 
+// The end and the account stand in other reports, which is no reason to believe a recording that lacks words.
+TEST_F(HearControllerTest, AWordThatIsMissingIsAProblemOfAnEmulatedLine) {
+  says(KB_RUNNING, KB_OK, 1.0);
+  says(KB_DONE, KB_OK, 2.0);
+  run.recording.uart.front().bytes.erase(run.recording.uart.front().bytes.begin() + 9);
+  hear(run);
+  EXPECT_THAT(run.problems, ElementsAre(testing::HasSubstr("belong to no whole report")));
+  run.problems.clear();
+  test_case.scenario.firmware.source = scenario::FirmwareChoice::Source::kGpio;
+  hear(run);
+  EXPECT_THAT(run.problems, IsEmpty()) << "a real line may lose one";
+}
+
 TEST_F(HearControllerTest, AStopThatIsNotTheReleasesIsToldOnce) {
   says(KB_STOPPED, KB_FAULT_SILENT, 2.0);
   hear(run);

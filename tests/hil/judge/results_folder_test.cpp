@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "hil/base/input_error.h"
+#include "hil/judge/results_list.h"
 #include "tests/hil/base/temp_folder.h"
 
 namespace kerfbench::judge {
@@ -104,6 +105,55 @@ TEST(ResultsFolder, DeletesNothingThatWasPutBesideResultsLater) {
   fs::remove(place / "spot" / "note.txt");
   fs::create_directory(place / "kept");
   EXPECT_NE(refusal(temp).find("holds 'kept'"), std::string::npos) << refusal(temp);
+}
+
+/// Writes results of two files.
+fs::path written(const base::TempFolder& temp) {
+  ResultsFolder folder(temp.path(), "label");
+  fs::create_directory(folder.staging() / "spot");
+  write(folder.staging() / "spot" / "frames", "0");
+  write(folder.staging() / "verdict.json", "{}");
+  folder.commit();
+  return folder.place();
+}
+
+TEST(ResultsList, HasTheSumsThatSha256sumPrints) {
+  const base::TempFolder temp;
+  EXPECT_EQ(base::contentOf(written(temp) / kResultsList),
+            "Results of kerfbench. The next run of this name replaces the folder as long as it holds these "
+            "files alone:\n"
+            "5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9  spot/frames\n"
+            "44136fa355b3678a1146ad16f7e8649e94fb4fc21fe77e8310c060f61caaff8a  verdict.json\n");
+}
+
+TEST(ResultsList, TellsWhatWasChangedTakenAwayAndAdded) {
+  const base::TempFolder temp;
+  const fs::path place = written(temp);
+  EXPECT_EQ(changedSinceListed(place), std::vector<std::string>{});
+  write(place / "verdict.json", "{ }");
+  fs::remove(place / "spot" / "frames");
+  write(place / "note.txt", "mine");
+  EXPECT_EQ(changedSinceListed(place),
+            (std::vector<std::string>{"spot/frames is missing", "verdict.json is not what the run wrote",
+                                      "note.txt was added", "spot was added"}));
+}
+
+// Results of an older program may be replaced, and nothing vouches for them.
+TEST(ResultsList, OfOnlyNamesVouchesForNothing) {
+  const base::TempFolder temp;
+  const fs::path place = written(temp);
+  std::string list = base::contentOf(place / kResultsList);
+  list = list.substr(0, list.find('\n') + 1);
+  write(place / kResultsList, list + "spot/frames\nverdict.json\n");
+  EXPECT_EQ(refusal(temp), "");
+  EXPECT_EQ(changedSinceListed(place), (std::vector<std::string>{"spot/frames has no sum in the list",
+                                                                 "verdict.json has no sum in the list"}));
+}
+
+TEST(ResultsList, IsWhatMakesAFolderOneOfResults) {
+  const base::TempFolder temp;
+  EXPECT_THROW((void)changedSinceListed(temp.path()), base::InputError);
+  EXPECT_THROW((void)changedSinceListed(temp.path() / "nothing"), base::InputError);
 }
 
 TEST(ResultsFolder, ALinkIsNotReplaced) {

@@ -248,6 +248,26 @@ TEST(InputsDigest, BindsTheBytesOfAllFilesAndNotTheirPlaces) {
   EXPECT_EQ(json["inputs"][0]["file"], "label.dxf");
 }
 
+// An edge that no check looks at is evidence as well.
+TEST(Digest, BindsTheEvidenceWhateverIsReadOfIt) {
+  const inspect::testing::SyntheticRun run;
+  RunReport a = reportOf(run);
+  a.evidence = {{"pins", std::string(64, 'a')}, {"kerf pictures", std::string(64, 'b')}};
+  RunReport b = a;
+  std::swap(b.evidence[0], b.evidence[1]);
+  EXPECT_EQ(digestOf(a), digestOf(b));
+  b = a;
+  b.evidence[1].sha256[5] = 'c';
+  EXPECT_NE(digestOf(a), digestOf(b));
+  b = a;
+  b.evidence.pop_back();
+  EXPECT_NE(digestOf(a), digestOf(b));
+  const auto json = nlohmann::json::parse(verdictJson(a));
+  EXPECT_EQ(json["evidence"][0]["name"], "pins");
+  EXPECT_EQ(json["evidence"][1]["sha256"], std::string(64, 'b'));
+  EXPECT_THAT(htmlReport(a), HasSubstr(std::string(64, 'b')));
+}
+
 TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
   const inspect::testing::SyntheticRun run;
   const RunReport a = reportOf(run);
@@ -359,8 +379,10 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   report.limits.path_mm = 10.0;
   report.model_pictures = true;
   report.calibrations_undated = true;
-  EXPECT_THAT(kindsOf(report), ::testing::ElementsAre("wide_limit", "not_judged", "part_not_judged",
-                                                      "model_pictures", "calibration_age"));
+  report.unsealed = true;
+  EXPECT_THAT(kindsOf(report),
+              ::testing::ElementsAre("wide_limit", "not_judged", "part_not_judged", "model_pictures",
+                                     "unsealed_recording", "calibration_age"));
   const std::string sentence = verdictSentence(report);
   EXPECT_THAT(sentence, Not(HasSubstr("The release is good")));
   EXPECT_THAT(sentence, HasSubstr("path_mm 10 (default 0.05)"));
@@ -369,7 +391,7 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   EXPECT_THAT(htmlReport(report), HasSubstr("path_mm 10 (default 0.05)"));
   EXPECT_THAT(junitXml(report), HasSubstr("path_mm 10 (default 0.05)"));
   const auto json = nlohmann::json::parse(verdictJson(report));
-  EXPECT_EQ(json.at("reservations").size(), 5U);
+  EXPECT_EQ(json.at("reservations").size(), 6U);
   EXPECT_EQ(json.at("reservations").at(0).at("kind"), "wide_limit");
 }
 

@@ -81,6 +81,8 @@ INSTANTIATE_TEST_SUITE_P(
              "no wire galvo_x_dir"},
         Case{"no_stamps", header(), "no time stamps"},
         Case{"glitch", header() + "#0\n1!\n0!\n#1\n", ":11: a wire changes twice"},
+        Case{"high_already", header() + "#0\n1!\n#1\n1!\n#2\n", ":12: galvo_x_pul changes to 1, which it is"},
+        Case{"low_already", header() + "#0\n0!\n#1\n0!\n#2\n", ":12: galvo_x_pul changes to 0, which it is"},
         Case{"noise", header() + "#0\nhello\n", ":10: neither"},
         Case{"section", header() + "#0\n$include /etc/passwd $end\n", ":10: unknown section"},
         Case{"tick_zero", "$comment kerfbench tick 1/0 $end\n" + header() + "#0\n", ":1: a tick"},

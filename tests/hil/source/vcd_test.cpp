@@ -64,9 +64,39 @@ TEST_F(VcdTest, AFileThatWasChangedHasAProblem) {
     std::ofstream(file("changed.vcd"), std::ios::binary) << text.replace(at, from.size(), to);
     return readVcd(file("changed.vcd"), sampleMap()).problems.size();
   };
-  EXPECT_EQ(changed("1!\n", ""), 1U) << "an edge is left out";
+  EXPECT_EQ(changed("#", "#0"), 1U) << "a stamp is written otherwise";
+  EXPECT_EQ(changed(" $end\n", " $end 1!\n"), 1U) << "an edge behind the sum";
   EXPECT_EQ(changed(" $end\n", " $end \n"), 0U) << "a blank behind the sum";
   EXPECT_EQ(changed("$comment kerfbench sum", "$comment nobody's sum"), 1U) << "the sum is taken away";
+}
+
+TEST_F(VcdTest, ReturnsTheSumThatTheFileEndsWith) {
+  const std::string sum = writeVcd(file("whole.vcd"), sampleRecording(100), sampleMap());
+  const std::string whole = contentOf(file("whole.vcd"));
+  EXPECT_THAT(whole, testing::EndsWith("$comment kerfbench sum " + sum + " $end\n"));
+  EXPECT_EQ(vcdSum(file("whole.vcd")), sum);
+  EXPECT_TRUE(readVcd(file("whole.vcd"), sampleMap()).sealed);
+  EXPECT_EQ(writeVcd(file("again.vcd"), readVcd(file("whole.vcd"), sampleMap()), sampleMap()), sum);
+  for (const std::string& changed : {" " + whole, whole + "0!\n", whole.substr(0, whole.rfind("$comment"))})
+    EXPECT_EQ(vcdSum(put("changed.vcd", changed)), std::nullopt);
+}
+
+TEST_F(VcdTest, AnEdgeThatIsLeftOutLeavesTwoOfOneKind) {
+  writeVcd(file("whole.vcd"), sampleRecording(100), sampleMap());
+  const std::string whole = contentOf(file("whole.vcd"));
+  std::string missing = whole;
+  missing.erase(missing.find("\n1!\n"), 3);
+  EXPECT_THROW((void)readVcd(put("missing.vcd", missing), sampleMap()), std::runtime_error);
+}
+
+TEST_F(VcdTest, ADumpTellsLevelsThatAreAsTheyWere) {
+  const auto path = put("dumped.vcd",
+                        "$timescale 1 us $end $var wire 1 a galvo_x_pul $end $var wire 1 b galvo_x_dir $end\n"
+                        "$var wire 1 c galvo_y_pul $end $var wire 1 d laser_gate $end $enddefinitions $end\n"
+                        "#0 0a 0b 0c 0d #5 1a #7 $dumpall 1a 0b 0c 0d $end #9 0a #10\n");
+  const auto recording = readVcd(path, sampleMap());
+  EXPECT_EQ(recording.outputs, (std::vector<PinEvent>{{5, 0, 1, 1, 0}, {9, 0, 1, 0, 0}}));
+  EXPECT_FALSE(recording.sealed);
 }
 
 TEST_F(VcdTest, EmptyRunIsAFileToo) {
