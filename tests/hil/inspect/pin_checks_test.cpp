@@ -144,8 +144,11 @@ TEST(DwellCheck, LightWithinTheFramesBesideARestIsOpen) {
 
 TEST(DwellCheck, AFlawlessRunRestsNowhere) {
   const SyntheticRun run;
-  EXPECT_LT(checkOf(run.inspected(), "dwell").value, 0.7);
-  EXPECT_EQ(checkOf(run.inspected(), "dwell").verdict, Verdict::kPass);
+  const auto result = run.inspected();
+  const Check& dwell = checkOf(result, "dwell");
+  EXPECT_LT(dwell.value, 0.7);
+  EXPECT_LT(dwell.guard, 0.25) << "no light beside what the spot's own way gets";
+  EXPECT_EQ(dwell.verdict, Verdict::kPass);
 }
 
 TEST(Unjudged, EachCheckIsJudgedOrListedWithItsReason) {
