@@ -130,7 +130,7 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
                             checks::kerfWidthCheck(evidence, limits, result.entities),
                             checks::orderedWidthCheck(evidence, limits, result.entities),
                             checks::laserTimingCheck(evidence, limits, result.entities, m.edges)};
-  std::vector<Finding> light{checks::laserGateCheck(evidence, limits),
+  std::vector<Finding> light{checks::laserGateCheck(evidence, limits, m.lit),
                              checks::gateLagCheck(evidence, limits, m.lit),
                              checks::lineEnergyCheck(evidence, limits, m.lit)};
   const bool blank = checks::isBlank(result.entities);

@@ -13,6 +13,7 @@
 #include "hil/inspect/evidence/evidence.h"
 #include "hil/inspect/evidence/places.h"
 #include "hil/inspect/evidence/results.h"
+#include "hil/inspect/evidence/spot_association.h"
 #include "hil/inspect/verdict/tolerances.h"
 
 namespace kerfbench::inspect::checks {
@@ -100,7 +101,7 @@ Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
 /// deviation.
 Finding jointsCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<JointResult>& joints, const std::vector<EntityResult>& entities);
-Check laserGateCheck(const Evidence& evidence, const Tolerances& limits);
+Check laserGateCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& followed);
 /// The laser's gate after the interlock opened, by the pins alone: off within kLaserOff_s, as in a safe
 /// state.
 Finding interlockCheck(const Evidence& evidence);

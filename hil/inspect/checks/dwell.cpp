@@ -3,6 +3,7 @@
 // hole lies evenly about the line, and a width is the mean of its line.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
 #include "twin/base/constants.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::inspect::checks {
 namespace {
@@ -43,28 +45,79 @@ class Light {
   std::vector<double> before_s_;
 };
 
+/// A stay of the spot at one place, with times of full power that give as much light.
 struct Rest {
   const LitFrame* at{};
-  double light_s{};  ///< Time of full power that gives as much light.
+  double light_s{};   ///< Between the first and the last frame that show it there.
+  double beside_s{};  ///< Within the frame before and the one after: what no way of the spot asked for.
   double time_s{};
+  [[nodiscard]] double most_s() const { return light_s + beside_s; }
 };
 
-/// The most light between the first and the last of neighbouring frames that show the spot at one place.
-Rest longestRest(const LitFrames& lit, const Light& light) {
-  Rest longest;
-  for (const LitRun& run : lit.runs) {
-    std::size_t last = run.begin;
-    for (std::size_t first = run.begin; first < run.end; ++first) {
-      last = std::max(last, first);
-      const LitFrame& from = lit.frames[first];
-      while (last + 1 < run.end && (lit.frames[last + 1].p_S_mm - from.p_S_mm).norm() <= kPlace_mm) ++last;
-      const double light_s = light.until(lit.frames[last].time_s) - light.until(from.time_s);
-      if (longest.at == nullptr || light_s > longest.light_s)
-        longest = {&from, light_s, lit.frames[last].time_s - from.time_s};
+double wayOf(const LitFrame& a, const LitFrame& b) { return (b.p_S_mm - a.p_S_mm).norm(); }
+
+/// Finds the place of the sheet that gets the most light.
+class RestFinder {
+ public:
+  /// @param of_cuts_s_mm Light of the job's own cuts.
+  /// @param is_fine The frames are dense enough for what lies between two of them to mean something.
+  RestFinder(const LitFrames& lit, const Light& light, double of_cuts_s_mm, bool is_fine)
+      : lit_(lit), light_(light), of_cuts_s_mm_(of_cuts_s_mm), is_fine_(is_fine) {}
+
+  [[nodiscard]] Rest longest() const {
+    Rest longest;
+    for (const LitRun& run : lit_.runs) {
+      std::size_t last = run.begin;
+      for (std::size_t first = run.begin; first < run.end; ++first) {
+        last = std::max(last, first);
+        const LitFrame& from = lit_.frames[first];
+        while (last + 1 < run.end && wayOf(from, lit_.frames[last + 1]) <= kPlace_mm) ++last;
+        const LitFrame& to = lit_.frames[last];
+        const Rest rest{&from, lightWithin(from.time_s, to.time_s), before(run, first) + after(run, last),
+                        to.time_s - from.time_s};
+        if (longest.at == nullptr || rest.most_s() > longest.most_s()) longest = rest;
+      }
     }
+    return longest;
   }
-  return longest;
-}
+
+ private:
+  [[nodiscard]] double lightWithin(double from_s, double to_s) const {
+    return light_.until(to_s) - light_.until(from_s);
+  }
+  [[nodiscard]] double surplus(double light_s, double way_mm) const {
+    return std::max(light_s - way_mm * of_cuts_s_mm_, 0.0);
+  }
+  /// At an end of a run its nearest step tells the speed. A run of one frame tells none.
+  [[nodiscard]] double speedOf(std::size_t frame) const {
+    const LitFrame& a = lit_.frames[frame];
+    const LitFrame& b = lit_.frames[frame + 1];
+    return wayOf(a, b) / (b.time_s - a.time_s);
+  }
+  [[nodiscard]] double before(const LitRun& run, std::size_t first) const {
+    if (!is_fine_ || run.end - run.begin < 2) return 0.0;
+    const LitFrame& from = lit_.frames[first];
+    if (first > run.begin) {
+      const LitFrame& last = lit_.frames[first - 1];
+      return surplus(lightWithin(last.time_s, from.time_s), wayOf(last, from));
+    }
+    return surplus(lightWithin(from.time_s - lit_.period_s, from.time_s), speedOf(first) * lit_.period_s);
+  }
+  [[nodiscard]] double after(const LitRun& run, std::size_t last) const {
+    if (!is_fine_ || run.end - run.begin < 2) return 0.0;
+    const LitFrame& to = lit_.frames[last];
+    if (last + 1 < run.end) {
+      const LitFrame& next = lit_.frames[last + 1];
+      return surplus(lightWithin(to.time_s, next.time_s), wayOf(to, next));
+    }
+    return surplus(lightWithin(to.time_s, to.time_s + lit_.period_s), speedOf(last - 1) * lit_.period_s);
+  }
+
+  const LitFrames& lit_;
+  const Light& light_;
+  double of_cuts_s_mm_;
+  bool is_fine_;
+};
 
 /// Light of full power for each mm of the strongest cuts, s/mm; NaN if no step of the spot tells it.
 double lightOfCuts(const LitFrames& lit, const Light& light) {
@@ -73,7 +126,7 @@ double lightOfCuts(const LitFrames& lit, const Light& light) {
     for (std::size_t i = run.begin + 1; i < run.end; ++i) {
       const LitFrame& a = lit.frames[i - 1];
       const LitFrame& b = lit.frames[i];
-      const double step_mm = (b.p_S_mm - a.p_S_mm).norm();
+      const double step_mm = wayOf(a, b);
       if (step_mm >= kStep_mm) each_s_mm.push_back((light.until(b.time_s) - light.until(a.time_s)) / step_mm);
     }
   }
@@ -84,6 +137,16 @@ double lightOfCuts(const LitFrames& lit, const Light& light) {
   return *strong;
 }
 
+/// Most frames are no farther apart than so much of the job's cuts.
+bool areWithin(double way_mm, const LitFrames& lit) {
+  std::vector<double> steps_mm;
+  for (const LitRun& run : lit.runs) {
+    for (std::size_t i = run.begin + 1; i < run.end; ++i)
+      steps_mm.push_back(wayOf(lit.frames[i - 1], lit.frames[i]));
+  }
+  return !steps_mm.empty() && medianOf(std::move(steps_mm)) <= way_mm;
+}
+
 }  // namespace
 
 Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
@@ -91,12 +154,13 @@ Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const Lit
   check.limit = limits.dwell_mm;
   const Light light(evidence.light);
   const double of_cuts_s_mm = lightOfCuts(lit, light);
-  const Rest rest = longestRest(lit, light);
+  const Rest rest = RestFinder(lit, light, of_cuts_s_mm, areWithin(check.limit, lit)).longest();
   if (rest.at == nullptr || !(of_cuts_s_mm > 0.0))
     return notJudged(check, "The spot camera saw no cut whose light the pins tell.");
-  check.value = rest.light_s / of_cuts_s_mm;
-  // The spot came to the place and left it within a frame each.
-  check.u = check.guard = std::min(2.0 * kPlace_mm, 0.5 * check.limit);
+  // The spot came to the place and left it within a frame each: how much of their light fell there is open.
+  const double open_mm = 0.5 * rest.beside_s / of_cuts_s_mm;
+  check.value = rest.light_s / of_cuts_s_mm + open_mm;
+  check.u = check.guard = std::min(2.0 * kPlace_mm, 0.5 * check.limit) + open_mm;
   check.subject = nameOf(rest.at->unit, rest.at->entity);
   decide(check);
   check.explanation = fmt::format(

@@ -106,7 +106,7 @@ Finding interlockCheck(const Evidence& evidence) {
   return check;
 }
 
-Check laserGateCheck(const Evidence& evidence, const Tolerances& limits) {
+Check laserGateCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& followed) {
   Check check{.name = "laser_gate", .title = "The laser is dark while its gate is off", .unit = "ms"};
   check.limit = 1e3 * limits.gate_tail_s;
   check.value = kNan;
@@ -133,7 +133,12 @@ Check laserGateCheck(const Evidence& evidence, const Tolerances& limits) {
     }
   }
   if (lit == 0 && gates.empty()) check.value = 0.0;
-  check.u = check.guard = 1e3 * evidence.clock_bound_s;
+  // Light that was seen may have lasted until the next frame. Where frames are scarce that would prove
+  // nothing at all: there the limit bounds it, and the explanation names the time of a frame.
+  const double unseen_ms = check.value > 0.0 ? std::min(0.5e3 * followed.period_s, 0.25 * check.limit) : 0.0;
+  const double seen_ms = check.value;
+  check.value += unseen_ms;
+  check.u = check.guard = 1e3 * evidence.clock_bound_s + unseen_ms;
   decide(check);
   if (gates.empty()) {
     check.explanation = lit == 0
@@ -152,9 +157,9 @@ Check laserGateCheck(const Evidence& evidence, const Tolerances& limits) {
                         gates.size())
           : fmt::format(
                 "The spot was seen up to {:.2f} ms outside the gate, at {:.3f} s; {} of {} frames are more "
-                "than "
-                "{:.1f} ms outside.",
-                check.value, worst_time_s, outside, lit, 1e3 * limits.gate_tail_s);
+                "than {:.1f} ms outside. Light that lasts for less than a frame of {:.1f} ms may not be "
+                "seen.",
+                seen_ms, worst_time_s, outside, lit, 1e3 * limits.gate_tail_s, 1e3 * followed.period_s);
   return check;
 }
 

@@ -102,10 +102,53 @@ TEST(DwellCheck, ARestInTheDarkDoesNoHarm) {
   EXPECT_EQ(checkOf(run.inspected(), "dwell").verdict, Verdict::kPass);
 }
 
+/// Lets the laser work at less than full power along the cuts, and at full power for so long at the end of
+/// the first, which one frame sees.
+void burnAtEnd(SyntheticRun& run, double cut_share, double full_power_s) {
+  std::vector<Span> light;
+  for (const GateInterval& gate : run.evidence.gates) {
+    for (double from_s = gate.on_s; from_s < gate.off_s; from_s += 1e-4)
+      light.push_back({from_s, from_s + 1e-4 * cut_share});
+  }
+  const auto ends_in_jump = std::ranges::adjacent_find(
+      run.evidence.gates,
+      [](const GateInterval& gate, const GateInterval& next) { return next.on_s - gate.off_s > 5e-3; });
+  ASSERT_NE(ends_in_jump, run.evidence.gates.end());
+  GateInterval& cut = *ends_in_jump;
+  auto& frames = run.evidence.spot.frames;
+  const auto after =
+      std::ranges::find_if(frames, [&](const vision::FrameMeasurement& f) { return f.mid_s > cut.off_s; });
+  const vision::FrameMeasurement& last = *(after - 1);
+  const double belt_mm_s = (run.evidence.belt.back().x_mm - run.evidence.belt.front().x_mm) /
+                           (run.evidence.belt.back().time_s - run.evidence.belt.front().time_s);
+  after->spot_W_mm = *last.spot_W_mm + Eigen::Vector2d(belt_mm_s * (after->mid_s - last.mid_s), 0.0);
+  after->spot_sigma_mm = last.spot_sigma_mm;
+  light.push_back({cut.off_s, cut.off_s + full_power_s});
+  cut.off_s += full_power_s;
+  std::ranges::sort(light, {}, &Span::from_s);
+  run.evidence.light = std::move(light);
+}
+
+TEST(DwellCheck, LightWithinTheFramesBesideARestIsOpen) {
+  // A third of full power along cuts at 300 mm/s: full power gives as much light in 1 ms as a millimetre
+  // gets.
+  SyntheticRun run;
+  burnAtEnd(run, 0.3, 1.2e-3);
+  const auto result = run.inspected();
+  const Check& dwell = checkOf(result, "dwell");
+  EXPECT_EQ(dwell.verdict, Verdict::kNotProven) << dwell.explanation;
+  SyntheticRun less;
+  burnAtEnd(less, 0.3, 0.3e-3);
+  EXPECT_EQ(checkOf(less.inspected(), "dwell").verdict, Verdict::kPass);
+}
+
 TEST(DwellCheck, AFlawlessRunRestsNowhere) {
   const SyntheticRun run;
-  EXPECT_LT(checkOf(run.inspected(), "dwell").value, 0.7);
-  EXPECT_EQ(checkOf(run.inspected(), "dwell").verdict, Verdict::kPass);
+  const auto result = run.inspected();
+  const Check& dwell = checkOf(result, "dwell");
+  EXPECT_LT(dwell.value, 0.7);
+  EXPECT_LT(dwell.guard, 0.25) << "no light beside what the spot's own way gets";
+  EXPECT_EQ(dwell.verdict, Verdict::kPass);
 }
 
 TEST(Unjudged, EachCheckIsJudgedOrListedWithItsReason) {

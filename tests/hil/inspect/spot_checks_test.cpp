@@ -250,9 +250,18 @@ TEST(LaserGateCheck, LightWithoutGateFails) {
   SyntheticRun run;
   for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.005;
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
-  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 4.5, 0.01) << "a frame is half a period long";
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 5.0, 0.01);
   run.evidence.gates.clear();
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kInvalid);
+}
+
+TEST(LaserGateCheck, LightMayLastUntilTheNextFrame) {
+  // The last frame with light lies half a period before its end, and so 1.9 ms after the gate's.
+  SyntheticRun run;
+  for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.0024;
+  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kNotProven);
+  for (GateInterval& gate : run.evidence.gates) gate.off_s += 0.0014;
+  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kPass);
 }
 
 TEST(PulseTimingCheck, NamesAxisKindAndTimes) {
