@@ -25,10 +25,11 @@ constexpr double kJump_s = 0.02;        // Between entities.
 constexpr double kCutShare = 1.6;       // Multiple of the fluence that just cuts through.
 constexpr double kCreaseDepth = 0.8;    // Share of the thickness.
 constexpr double kNearCorner_mm = 0.4;  // KerfScanOptions::joint_clearance_mm
-constexpr double kLeg_mm = 0.6;         // Leg of a corner, in which its path is looked for,
-constexpr double kFine_mm = 0.001;      // at such steps.
-constexpr int kLightParts = 24;         // Parts of the beam's light along the path, to each side.
-constexpr double kLightReach = 4.0;     // Standard deviations.
+constexpr double kNearCornerEnd_mm = kNearCorner_mm - 1e-6;  // A station may lie there, but for rounding.
+constexpr double kLeg_mm = 0.6;      // Leg of a corner, in which its path is looked for,
+constexpr double kFine_mm = 0.001;   // at such steps.
+constexpr int kLightParts = 24;      // Parts of the beam's light along the path, to each side.
+constexpr double kLightReach = 4.0;  // Standard deviations.
 
 Vector2d leftOf(const Vector2d& v) { return {-v.y(), v.x()}; }
 
@@ -208,8 +209,8 @@ double ArtefactCut::widthAt(const Line& line, double s_mm, double fluence_share,
 
 bool ArtefactCut::judged(const Line& line, double s_mm) const {
   if (s_mm < line.start_gap_mm || s_mm > line.length_mm - line.end_gap_mm) return false;
-  if (line.entity->id == artefact_.corner_in && line.length_mm - s_mm <= kNearCorner_mm) return false;
-  return line.entity->id != artefact_.corner_out || s_mm > kNearCorner_mm;
+  if (line.entity->id == artefact_.corner_in && line.length_mm - s_mm < kNearCornerEnd_mm) return false;
+  return line.entity->id != artefact_.corner_out || s_mm > kNearCornerEnd_mm;
 }
 
 double ArtefactCut::gapOf(const Line& line, bool at_start) const {
