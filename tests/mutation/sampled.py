@@ -11,6 +11,7 @@ Ends with 0 if at least 90 % are killed by a failing test and each survivor is e
 """
 import collections
 import fnmatch
+import itertools
 import json
 import os
 import random
@@ -24,17 +25,43 @@ import places
 from workshop import Broken, Build, Refused, Workshop, first_failure, run
 
 PAGE = os.path.join(mutate.HERE, "RESULTS_SAMPLED.md")
+HAND_PICKED = mutate.PAGE
 REASONS = os.path.join(mutate.HERE, "SURVIVORS_SAMPLED.md")
 QUICK_MS = 300  # Tests below it run first, in one process.
 GROUP_MS = 15000  # Slower tests run in processes of about so long, the shortest first.
+LIKELY_MS = 3000  # Tests that have killed a mutant of the same file go before all others, unless they are dearer.
+CHEAP_MS = 16000  # What the tests of so long in all let live must wait for the rest until all others are done.
 
 Mutant = collections.namedtuple("Mutant", "name file offset text put line")
 Outcome = collections.namedtuple("Outcome", "fate by")
 
 
-def arguments_of(build, path):
+class Kept:
+    """What is dear to find out, kept in the build folder under a stamp of all that it depends on."""
+
+    def __init__(self, build, name):
+        self.path = os.path.join(build.folder, f"mutation_{name}.json")
+        try:
+            with open(self.path, encoding="utf-8") as file:
+                self.values = json.load(file)
+        except (OSError, ValueError):
+            self.values = {}
+
+    def value(self, key, stamp, find):
+        if self.values.get(key, {}).get("stamp") != stamp:
+            self.values[key] = {"stamp": stamp, "value": find()}
+            with open(self.path, "w", encoding="utf-8") as file:
+                json.dump(self.values, file)
+        return self.values[key]["value"]
+
+
+def stamp_of(*paths):
+    """Changes when one of these files is written, as an object is when a header of its source changes."""
+    return [[os.stat(path).st_mtime_ns, os.stat(path).st_size] for path in paths]
+
+
+def arguments_of(words):
     """What the parser must know of how a source is compiled."""
-    _, words = build.compile_of[build.objects_with(path)[0]]
     kept = []
     for word, following in zip(words, words[1:] + [""]):
         if word == "-isystem":
@@ -45,9 +72,13 @@ def arguments_of(build, path):
 
 
 def all_places(build, folders):
-    found = []
+    found, kept = [], Kept(build, "places")
     for path in places.sources(build.root, folders):
-        found += places.find(os.path.join(build.root, path), path, arguments_of(build, path))
+        source, item = os.path.join(build.root, path), build.objects_with(path)[0]
+        stamp = stamp_of(source, os.path.join(build.folder, item), places.__file__)
+        arguments = arguments_of(build.compile_of[item][1])
+        found += [places.Place(*place) for place in
+                  kept.value(path, stamp, lambda s=source, p=path, a=arguments: places.find(s, p, a))]
     return found
 
 
@@ -83,33 +114,16 @@ def changed_text(root, mutant):
     return (content[:mutant.offset] + mutant.put.encode() + content[mutant.offset + len(old):]).decode()
 
 
-class Proof:
-    """That all tests pass without a fault, and how long each takes; kept in the build folder until a program changes."""
-
-    def __init__(self, build):
-        self.build = build
-        self.path = os.path.join(build.folder, "mutation_proof.json")
-        try:
-            with open(self.path, encoding="utf-8") as file:
-                self.kept = json.load(file)
-        except (OSError, ValueError):
-            self.kept = {}
-
-    def durations_ms(self, workshop, program, test_filter, sources):
-        key = f"{program} {test_filter}"
-        stamp = os.stat(self.build.program_path(program)).st_mtime_ns
-        if self.kept.get(key, {}).get("stamp") != stamp:
-            print(f"{program} without a fault ...", flush=True)
-            path = workshop.program_apart(program, sources)
-            result = run([path, f"--gtest_filter={test_filter}", "--gtest_color=no"], self.build.folder)
-            os.remove(path)
-            passed = re.findall(r"^\[       OK \] (\S+) \((\d+) ms\)$", result.stdout, re.MULTILINE)
-            if result.returncode != 0 or not passed:
-                raise Broken(f"{program} fails without any mutant:\n{result.stdout[-2000:]}")
-            self.kept[key] = {"stamp": stamp, "ms": {name: int(ms) for name, ms in passed}}
-            with open(self.path, "w", encoding="utf-8") as file:
-                json.dump(self.kept, file)
-        return self.kept[key]["ms"]
+def durations_ms(build, workshop, program, test_filter, sources):
+    """How long each test takes without a fault, all of which must pass: else a failing test would prove nothing."""
+    print(f"{program} without a fault ...", flush=True)
+    path = workshop.program_apart(program, sources)
+    result = run([path, f"--gtest_filter={test_filter}", "--gtest_color=no"], build.folder)
+    os.remove(path)
+    passed = re.findall(r"^\[       OK \] (\S+) \((\d+) ms\)$", result.stdout, re.MULTILINE)
+    if result.returncode != 0 or not passed:
+        raise Broken(f"{program} fails without any mutant:\n{result.stdout[-2000:]}")
+    return {name: int(ms) for name, ms in passed}
 
 
 def groups_of(timed):
@@ -128,34 +142,86 @@ def groups_of(timed):
     return groups
 
 
+def known_killers(*pages):
+    """Tests that have killed a mutant of a file before, by the name of the file: most likely they kill the next one."""
+    killers = collections.defaultdict(set)
+    for page in pages:
+        try:
+            with open(page, encoding="utf-8") as file:
+                text = file.read()
+        except FileNotFoundError:
+            continue
+        for name, program, test in re.findall(r"^\| `\S+` \| ([\w.]+?)(?::\d+)? \|.*\| (\w+): (\S+)[^|]* \|$", text, re.MULTILINE):
+            killers[name].add((program, test.removesuffix(",")))
+    return killers
+
+
 class Bench:
     """Tries mutants one after the other."""
 
-    def __init__(self, build, suites, mutants):
-        self.workshop = Workshop(build, apart=True)
-        proof, self.groups = Proof(build), {}
+    def __init__(self, build, suites, mutants, asserting):
+        self.workshop = Workshop(build, apart=True, asserting=asserting)
+        proof, self.groups, self.ms = Kept(build, "proof"), {}, {}
         sources = {}
         for mutant in mutants:
             sources.setdefault(tuple(mutate.suites_of({"file": mutant.file}, suites)), set()).add(mutant.file)
         for suite, files in sources.items():
-            timed = [(ms, program, test) for program, test_filter in suite
-                     for test, ms in proof.durations_ms(self.workshop, program, test_filter, sorted(files)).items()]
+            timed = []
+            for program, test_filter in suite:
+                durations = proof.value(
+                    f"{program} {test_filter}", stamp_of(build.program_path(program)),
+                    lambda p=program, t=test_filter, f=sorted(files): durations_ms(build, self.workshop, p, t, f))
+                timed += [(ms, program, test) for test, ms in durations.items()]
+            self.ms |= {(program, test): ms for ms, program, test in timed}
             self.groups[suite] = groups_of(timed)
         self.suites = suites
 
-    def try_one(self, mutant):
+    def groups_for(self, mutant, dear):
+        """Groups of tests that are tried first, or those that only what these let live must pass."""
+        groups = self.groups[tuple(mutate.suites_of({"file": mutant.file}, self.suites))]
+        spent = list(itertools.accumulate(ms for _, _, ms in groups))
+        chosen = [group for group, ms in zip(groups, spent) if (ms > CHEAP_MS) == dear]
+        return chosen if dear else self.likely_for(mutant, groups) + chosen
+
+    def likely_for(self, mutant, groups):
+        """One group for each program, of the tests that have killed a mutant of the same file before."""
+        killers = known_killers(HAND_PICKED, PAGE)[os.path.basename(mutant.file)]
+        likely = []
+        for program in dict.fromkeys(program for program, _, _ in groups):
+            tests = [t for p, group, ms in groups for t in group if p == program and (p, t) in killers]
+            tests = [t for t in tests if self.ms[program, t] < LIKELY_MS]
+            if tests:
+                likely.append((program, tests, sum(self.ms[program, t] for t in tests)))
+        return likely
+
+    def try_one(self, mutant, dear):
         build = self.workshop.build
         self.workshop.load(mutant.file, changed_text(build.root, mutant))
-        for program, tests, ms in self.groups[tuple(mutate.suites_of({"file": mutant.file}, self.suites))]:
+        for program, tests, ms in self.groups_for(mutant, dear):
             try:
-                test = first_failure(self.workshop.program(program), ":".join(tests), build.folder, 60 + ms / 100)
+                test = first_failure(self.workshop.program(program), ":".join(tests), build.folder, 30 + ms / 200)
             except Refused:
                 return Outcome(mutate.REFUSED, "")
             except subprocess.TimeoutExpired:
                 return Outcome(mutate.TIMED_OUT, program)
             if test:
-                return Outcome(mutate.KILLED, f"{program}: {test}")
+                return Outcome(mutate.KILLED, f"{program}: {test}{', with assertions' if self.workshop.asserting else ''}")
         return Outcome(mutate.SURVIVED, "")
+
+    def try_all(self, mutants, keep):
+        """Tells `keep` the fate of each mutant; those that the cheap tests let live are tried with the dear ones at last."""
+        for dear in (False, True):
+            alive = []
+            for number, mutant in enumerate(mutants, 1):
+                outcome = self.try_one(mutant, dear)
+                open_fate = outcome.fate == mutate.SURVIVED and not dear
+                print(f"[{number}/{len(mutants)}] {mutant.file}:{mutant.line} {mutant.name}: "
+                      f"{'not yet killed' if open_fate else outcome.fate} {outcome.by}", flush=True)
+                if open_fate:
+                    alive.append(mutant)
+                else:
+                    keep(mutant, outcome)
+            mutants = alive
 
 
 def git(*words):
@@ -230,6 +296,7 @@ def parsed():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")
     parser.add_argument("--missing", action="store_true", help="only those that RESULTS_SAMPLED.md has no row of")
+    parser.add_argument("--asserting", action="store_true", help="with the assertions of libraries, as with sanitizers")
     parser.add_argument("--dry-run", action="store_true", help="prints the mutants, and tries none")
     options = parser.parse_args()
     if options.sample < 1:
@@ -254,13 +321,14 @@ def main():
     cells = {name: cell for name, cell in rows().items() if name in names}
     chosen = [m for m in mutants if not options.only or any(fnmatch.fnmatchcase(m.name, p) for p in options.only)]
     chosen = [m for m in chosen if not options.missing or m.name not in cells]
-    bench = Bench(build, rule["suite"], chosen)
+
+    def keep(mutant, outcome):
+        cells[mutant.name] = mutate.cell_of(outcome)
+        write_page(mutants, cells, found, rule["folders"], options.seed)
+
+    bench = Bench(build, rule["suite"], chosen, options.asserting)
     try:
-        for number, mutant in enumerate(chosen, 1):
-            outcome = bench.try_one(mutant)
-            print(f"[{number}/{len(chosen)}] {mutant.file}:{mutant.line} {mutant.name}: {outcome.fate} {outcome.by}", flush=True)
-            cells[mutant.name] = mutate.cell_of(outcome)
-            write_page(mutants, cells, found, rule["folders"], options.seed)
+        bench.try_all(chosen, keep)
     finally:
         bench.workshop.close()
     write_page(mutants, cells, found, rule["folders"], options.seed)

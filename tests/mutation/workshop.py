@@ -94,12 +94,14 @@ class Workshop:
     """Compiles and links mutants in a temporary folder.
 
     Where the build folder compiles several sources as one, an `apart` workshop compiles each alone, and those that are not
-    changed only once: a mutant of a large room then costs the compilation of its own file.
+    changed only once: a mutant of a large room then costs the compilation of its own file. An `asserting` one compiles the
+    mutant with the assertions of the standard library and of Eigen, as builds with sanitizers have them.
     """
 
-    def __init__(self, build, apart=False):
+    def __init__(self, build, apart=False, asserting=False):
         self.build = build
         self.apart = apart
+        self.asserting = asserting
         self.unchanged = {}
         self.temporary = tempfile.TemporaryDirectory(prefix="kerfbench-mutation-")
         self.folder = self.temporary.name
@@ -171,6 +173,8 @@ class Workshop:
         words[words.index(source)] = os.path.join(self.folder, "overlay", relative) if changed else member
         words[words.index("-o") + 1] = out = os.path.join(
             self.folder, re.sub(r"[^\w.]", "_", relative) + (".changed.o" if changed else ".o"))
+        if changed and self.asserting:  # The precompiled header knows no assertions.
+            words = [w for w in words if w != "-Winvalid-pch"] + ["-UNDEBUG", "-D_GLIBCXX_ASSERTIONS"]
         result = run(words, self.build.folder)
         if result.returncode != 0:
             raise Refused(result.stdout) if changed else Broken(f"{member} does not compile alone:\n{result.stdout}")
@@ -231,6 +235,9 @@ def first_failure(path, test_filter, cwd, timeout_s=TIMEOUT_S):
     if failed:
         return failed.group(1)
     begun = re.findall(r"^\[ RUN      \] (\S+)", result.stdout, re.MULTILINE)
+    suite = re.findall(r"^\[-+\] \d+ tests? from (\S+)", result.stdout, re.MULTILINE)
+    if not begun and suite and result.returncode < 0:
+        return suite[-1] + " (crash in its set-up)"
     if not begun:
         raise Broken(f"{path} ended with {result.returncode} before any test:\n{result.stdout[-2000:]}")
     return begun[-1] + " (crash)"

@@ -38,6 +38,8 @@ TEST(SpotBesideEveryLine, IsProvenByItsPathAndTellsNoStillness) {
   EXPECT_EQ(checkOf(beside, "spot_path").verdict, Verdict::kFail);
   for (const char* name : {"stillness_x", "stillness_peak", "repeat", "gate_lag"})
     EXPECT_TRUE(unjudgedOf(beside, name).applies) << name;
+  // Half a millimetre to both sides crosses the round hole's line, and no other.
+  for (const CutResult& cut : beside.cuts) EXPECT_TRUE(cut.entity == -1 || cut.entity == kHole) << cut.entity;
   // Near enough to be followed all are judged, and a constant offset is no motion.
   const InspectionResult near = shifted({0.15, 0.0});
   EXPECT_EQ(checkOf(near, "spot_path").verdict, Verdict::kFail);
