@@ -11,6 +11,7 @@ Ends with 0 if at least 90 % are killed by a failing test and each survivor is e
 """
 import collections
 import fnmatch
+import glob
 import itertools
 import json
 import os
@@ -29,8 +30,9 @@ HAND_PICKED = mutate.PAGE
 REASONS = os.path.join(mutate.HERE, "SURVIVORS_SAMPLED.md")
 QUICK_MS = 300  # Tests below it run first, in one process.
 GROUP_MS = 15000  # Slower tests run in processes of about so long, the shortest first.
-LIKELY_MS = 3000  # Tests that have killed a mutant of the same file go before all others, unless they are dearer.
+LIKELY_MS = 2500  # Tests that have killed a mutant of the same file go before all others, unless they are dearer.
 CHEAP_MS = 16000  # What the tests of so long in all let live must wait for the rest until all others are done.
+LIKELY, CHEAP, DEAR = range(3)
 
 Mutant = collections.namedtuple("Mutant", "name file offset text put line")
 Outcome = collections.namedtuple("Outcome", "fate by")
@@ -156,6 +158,22 @@ def known_killers(*pages):
     return killers
 
 
+def suite_of(test):
+    """Name of a test's suite, without the prefix and the parameter of a suite that has some."""
+    return test.split(".")[0].split("/")[-1]
+
+
+def tests_named_after(path):
+    """Suites in those test sources whose name begins as the source's does, or the other way round."""
+    stem, suites = os.path.splitext(os.path.basename(path))[0], set()
+    for source in glob.glob(os.path.join(mutate.ROOT, "tests", "hil", path.split("/")[1], "*_test.cpp")):
+        tested = os.path.basename(source).removesuffix("_test.cpp")
+        if tested.startswith(stem) or stem.startswith(tested):
+            with open(source, encoding="utf-8") as file:
+                suites |= set(re.findall(r"^TEST(?:_F|_P)?\((\w+),", file.read(), re.MULTILINE))
+    return suites
+
+
 class Bench:
     """Tries mutants one after the other."""
 
@@ -176,28 +194,33 @@ class Bench:
             self.groups[suite] = groups_of(timed)
         self.suites = suites
 
-    def groups_for(self, mutant, dear):
-        """Groups of tests that are tried first, or those that only what these let live must pass."""
+    def groups_for(self, mutant, stage):
+        """Groups of tests of a stage: those that most likely see the mutant, the cheap ones, the dear ones."""
         groups = self.groups[tuple(mutate.suites_of({"file": mutant.file}, self.suites))]
-        spent = list(itertools.accumulate(ms for _, _, ms in groups))
-        chosen = [group for group, ms in zip(groups, spent) if (ms > CHEAP_MS) == dear]
-        return chosen if dear else self.likely_for(mutant, groups) + chosen
+        if stage == LIKELY:
+            return self.likely_for(mutant, groups)
+        spent = itertools.accumulate(ms for _, _, ms in groups)
+        return [group for group, ms in zip(groups, spent) if (ms > CHEAP_MS) == (stage == DEAR)]
 
     def likely_for(self, mutant, groups):
-        """One group for each program, of the tests that have killed a mutant of the same file before."""
+        """One group for each program: tests that have killed a mutant of the same file before, then those of its name."""
         killers = known_killers(HAND_PICKED, PAGE)[os.path.basename(mutant.file)]
+        named = tests_named_after(mutant.file)
         likely = []
         for program in dict.fromkeys(program for program, _, _ in groups):
-            tests = [t for p, group, ms in groups for t in group if p == program and (p, t) in killers]
-            tests = [t for t in tests if self.ms[program, t] < LIKELY_MS]
+            mine = sorted((ms, test) for (p, test), ms in self.ms.items() if p == program and ms < LIKELY_MS)
+            tests = [(ms, t) for ms, t in mine if (program, t) in killers]
+            tests += [(ms, t) for ms, t in mine if suite_of(t) in named and (ms, t) not in tests]
+            spent = list(itertools.accumulate(ms for ms, _ in tests))
+            tests = [t for (_, t), ms in zip(tests, spent) if ms < 2 * LIKELY_MS]
             if tests:
                 likely.append((program, tests, sum(self.ms[program, t] for t in tests)))
         return likely
 
-    def try_one(self, mutant, dear):
+    def try_one(self, mutant, stage):
         build = self.workshop.build
         self.workshop.load(mutant.file, changed_text(build.root, mutant))
-        for program, tests, ms in self.groups_for(mutant, dear):
+        for program, tests, ms in self.groups_for(mutant, stage):
             try:
                 test = first_failure(self.workshop.program(program), ":".join(tests), build.folder, 30 + ms / 200)
             except Refused:
@@ -209,15 +232,15 @@ class Bench:
         return Outcome(mutate.SURVIVED, "")
 
     def try_all(self, mutants, keep):
-        """Tells `keep` the fate of each mutant; those that the cheap tests let live are tried with the dear ones at last."""
-        for dear in (False, True):
+        """Tells `keep` the fate of each mutant. What the tests of one stage let live waits until all have passed it."""
+        for stage in (LIKELY, CHEAP, DEAR):
             alive = []
             for number, mutant in enumerate(mutants, 1):
-                outcome = self.try_one(mutant, dear)
-                open_fate = outcome.fate == mutate.SURVIVED and not dear
+                outcome = self.try_one(mutant, stage)
+                is_open = outcome.fate == mutate.SURVIVED and stage != DEAR
                 print(f"[{number}/{len(mutants)}] {mutant.file}:{mutant.line} {mutant.name}: "
-                      f"{'not yet killed' if open_fate else outcome.fate} {outcome.by}", flush=True)
-                if open_fate:
+                      f"{'not yet killed' if is_open else outcome.fate} {outcome.by}", flush=True)
+                if is_open:
                     alive.append(mutant)
                 else:
                     keep(mutant, outcome)

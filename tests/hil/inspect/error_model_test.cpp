@@ -141,6 +141,25 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
 }
 
+TEST(KerfWidth, IsLessCertainByTheShareOfItsBlurThatItsShapeTells) {
+  // Of what blur added, 3.2 % stay unknown (standard deviation); 6 % where the kerf lets only part of the
+  // light through.
+  const auto added = [](int entity) {
+    SyntheticRun run;
+    const auto ownU = [&] {
+      const auto result = run.inspected();
+      return std::ranges::find_if(result.entities,
+                                  [&](const EntityResult& e) { return e.unit == 0 && e.entity == entity; })
+          ->width_own_U_mm;
+    };
+    const double sharp_mm = ownU();
+    run.kerf(0, entity).widening_mm = 0.02;
+    return std::sqrt(std::pow(ownU(), 2) - sharp_mm * sharp_mm);
+  };
+  EXPECT_NEAR(added(kTop), 2.0 * 0.032 * 0.02, 1e-6);
+  EXPECT_NEAR(added(kCreaseLine), 2.0 * 0.06 * 0.02, 1e-6);
+}
+
 TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
   SyntheticRun run;
   const auto ownU = [&] {

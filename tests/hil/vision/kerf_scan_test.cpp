@@ -277,6 +277,8 @@ TEST_F(KerfScanTest, OfFewPicturesTheWorstAreKept) {
   const KerfScan few = other.scan(*tiles_);
   ASSERT_EQ(few.patches.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(few.patches[i].entity, scan_->patches[i].entity);
+  other.options.patches = 0;
+  EXPECT_TRUE(other.scan(*tiles_).patches.empty());
   const auto worstOf = [&](const EntityKerf& kerf) {
     double worst = 0.0;
     for (const Caliper& c : kerf.calipers) {
