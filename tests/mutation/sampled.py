@@ -177,7 +177,8 @@ def tests_named_after(path):
 class Bench:
     """Tries mutants one after the other."""
 
-    def __init__(self, build, suites, mutants, asserting):
+    def __init__(self, build, suites, mutants, first, asserting):
+        self.first = first
         self.workshop = Workshop(build, apart=True, asserting=asserting)
         proof, self.groups, self.ms = Kept(build, "proof"), {}, {}
         sources = {}
@@ -206,9 +207,15 @@ class Bench:
         """One group for each program: tests that have killed a mutant of the same file before, then those of its name."""
         killers = known_killers(HAND_PICKED, PAGE)[os.path.basename(mutant.file)]
         named = tests_named_after(mutant.file)
+        stem = os.path.splitext(os.path.basename(mutant.file))[0]
+        wanted = [pattern.split(":")[1] for pattern in self.first if pattern.split(":")[0] == stem]
         likely = []
         for program in dict.fromkeys(program for program, _, _ in groups):
-            mine = sorted((ms, test) for (p, test), ms in self.ms.items() if p == program and ms < LIKELY_MS)
+            all_of_it = sorted((ms, test) for (p, test), ms in self.ms.items() if p == program)
+            first = [(ms, t) for ms, t in all_of_it if any(fnmatch.fnmatchcase(t, pattern) for pattern in wanted)]
+            if first:
+                likely.append((program, [t for _, t in first], sum(ms for ms, _ in first)))
+            mine = [(ms, t) for ms, t in all_of_it if ms < LIKELY_MS and (ms, t) not in first]
             tests = [(ms, t) for ms, t in mine if (program, t) in killers]
             tests += [(ms, t) for ms, t in mine if suite_of(t) in named and (ms, t) not in tests]
             spent = list(itertools.accumulate(ms for ms, _ in tests))
@@ -319,9 +326,13 @@ def parsed():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")
     parser.add_argument("--missing", action="store_true", help="only those that RESULTS_SAMPLED.md has no row of")
+    parser.add_argument("--first", nargs="+", default=[], metavar="FILE:TEST",
+                        help="tests to run before all others on mutants of FILE, named without folder and .cpp; patterns too")
     parser.add_argument("--asserting", action="store_true", help="with the assertions of libraries, as with sanitizers")
     parser.add_argument("--dry-run", action="store_true", help="prints the mutants, and tries none")
     options = parser.parse_args()
+    if any(":" not in first for first in options.first):
+        parser.error("--first takes FILE:TEST")
     if options.sample < 1:
         parser.error("--sample must be at least 1")
     return parser, options
@@ -349,7 +360,7 @@ def main():
         cells[mutant.name] = mutate.cell_of(outcome)
         write_page(mutants, cells, found, rule["folders"], options.seed)
 
-    bench = Bench(build, rule["suite"], chosen, options.asserting)
+    bench = Bench(build, rule["suite"], chosen, options.first, options.asserting)
     try:
         bench.try_all(chosen, keep)
     finally:

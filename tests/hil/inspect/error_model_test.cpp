@@ -255,6 +255,17 @@ TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
   EXPECT_NEAR(jointOf(run, JointResult::Kind::kClosure, true).mm.U, 0.006, 1e-9);
 }
 
+TEST(Joints, OfLinesThatTheDielineDoesNotHaveAreNone) {
+  SyntheticRun run = withJoints();
+  const std::size_t all = checks::measureJoints(run.evidence).size();
+  vision::LineEnd end = run.evidence.kerf.ends.front();
+  for (const int entity : {-1, static_cast<int>(run.dieline.entities.size())}) {
+    end.entity = entity;
+    run.evidence.kerf.ends.push_back(end);
+  }
+  EXPECT_EQ(checks::measureJoints(run.evidence).size(), all);
+}
+
 TEST(Joints, ThatWereNotFoundHaveNoValue) {
   SyntheticRun run = withJoints();
   run.evidence.kerf.corners[0].found = false;

@@ -197,6 +197,9 @@ TEST_F(KerfScanTest, PatchesShowTheWorstPlaces) {
     const Vector2d pixel = patch.pixel_from_S * patch.p_S_mm;
     ASSERT_GT(pixel.x(), 8.0);
     ASSERT_LT(pixel.x(), patch.image->width - 8.0);
+    // No worst place lies so near to a tile's border that the picture could not be cut out around it.
+    EXPECT_NEAR(pixel.x(), 0.5 * patch.image->width, 1.0);
+    EXPECT_NEAR(pixel.y(), 0.5 * patch.image->height, 1.0);
     // The kerf itself lies within half its width and its offset.
     int brightest = 0;
     for (int r = -5; r <= 5; ++r) {
