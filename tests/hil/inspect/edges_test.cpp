@@ -206,6 +206,17 @@ TEST(Edges, TheSpotsPathIsMeasuredFromTheMiddleOfItsOwnKerf) {
   EXPECT_EQ(lit.frames[3].deviation_mm, 0.05) << "a crease has no edge";
 }
 
+TEST(Edges, HalfAKerfIsHalfTheMeanWidthOfTheCutsThatHaveAnEdge) {
+  SyntheticRun run;
+  const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    const bool has_edge = sides.side[static_cast<std::size_t>(kerf.entity)] != 0;
+    for (std::size_t i = 0; i < kerf.calipers.size(); ++i)
+      kerf.calipers[i].width_mm = has_edge ? (i % 2 == 0 ? 0.19 : 0.23) : 0.5;
+  }
+  EXPECT_NEAR(checks::halfKerf(run.evidence.kerf, sides), kHalf_mm, 1e-4);
+}
+
 TEST(Edges, AHoleAloneIsJudgedAsAHole) {
   const auto inside = holeAlone(kHalf_mm).inspected();
   EXPECT_EQ(checkOf(inside, "edge").verdict, Verdict::kPass) << checkOf(inside, "edge").explanation;

@@ -247,8 +247,9 @@ TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
   SyntheticRun run = withJoints();
   for (vision::UnitPose& pose : run.evidence.kerf.units)
     pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
-  EXPECT_GT(jointOf(run, JointResult::Kind::kCorner).mm.U, 0.02);
-  EXPECT_GT(jointOf(run, JointResult::Kind::kEndGap).mm.U, 0.02);
+  const double U_mm = 2.0 * std::hypot(0.003, 0.01, run.evidence.kerf_calibration->map_u_mm);
+  EXPECT_NEAR(jointOf(run, JointResult::Kind::kCorner).mm.U, U_mm, 1e-9);
+  EXPECT_NEAR(jointOf(run, JointResult::Kind::kEndGap).mm.U, U_mm, 1e-9);
   // The joints are measured from the kerf's own legs, or its own begin, which all move with the sheet.
   for (const auto kind : {JointResult::Kind::kRounding, JointResult::Kind::kOvershoot})
     EXPECT_NEAR(jointOf(run, kind).mm.U, 0.006, 1e-9);
