@@ -154,7 +154,8 @@ def known_killers(*pages):
                 text = file.read()
         except FileNotFoundError:
             continue
-        for name, program, test in re.findall(r"^\| `\S+` \| ([\w.]+?)(?::\d+)? \|.*\| (\w+): (\S+)[^|]* \|$", text, re.MULTILINE):
+        row = r"^\| `\S+` \| ([\w.]+?)(?::\d+)? \|.*\| (\w+): (\S+)[^|]* \|$"
+        for name, program, test in re.findall(row, text, re.MULTILINE):
             killers[name].add((program, test.removesuffix(",")))
     return killers
 
@@ -278,7 +279,8 @@ def write_page(mutants, cells, found, folders, seed):
         f"The rule of `places.py` finds {len(found)} places in {', '.join(folders)}: "
         f"{', '.join(f'{n} {kind}' for kind, n in kinds.most_common())}. Of them, {len(mutants)} were drawn evenly with "
         f"seed {seed}; {len(known)} have been tried. The sources are those of commit "
-        f"{git('log', '-1', '--format=%h', '--', *folders)}, the tests those of {git('log', '-1', '--format=%h', '--', 'tests')}.",
+        f"{git('log', '-1', '--format=%h', '--', *folders)}, the tests those of "
+        f"{git('log', '-1', '--format=%h', '--', 'tests/hil')}.",
         "", mutate.summary([cells[m.name] for m in known])[0] +
         f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "",
         "The last column names the first test that failed; tests run from cheap to dear.", ""]
@@ -330,7 +332,7 @@ def parsed():
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")
     parser.add_argument("--missing", action="store_true", help="only those that RESULTS_SAMPLED.md has no row of")
     parser.add_argument("--first", nargs="+", default=[], metavar="FILE:TEST",
-                        help="tests to run before all others on mutants of FILE, named without folder and .cpp; patterns too")
+                        help="tests to run first on mutants of FILE, named without folder and .cpp; patterns too")
     parser.add_argument("--asserting", action="store_true", help="with the assertions of libraries, as with sanitizers")
     parser.add_argument("--dry-run", action="store_true", help="prints the mutants, and tries none")
     options = parser.parse_args()

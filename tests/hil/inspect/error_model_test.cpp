@@ -142,8 +142,8 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
 }
 
 TEST(KerfWidth, IsLessCertainByTheShareOfItsBlurThatItsShapeTells) {
-  // Of what blur added, 3.2 % stay unknown (standard deviation); 6 % where the kerf lets only part of the
-  // light through.
+  // The standard deviation of what blur added is 3.2 % of it; 6 % where the kerf lets only part of the light
+  // through.
   const auto added = [](int entity) {
     SyntheticRun run;
     const auto ownU = [&] {

@@ -391,7 +391,7 @@ Verdict beginningDark(double behind_start_s, double earlier_s) {
 }
 
 TEST(Refusals, ADarkFrameAtTheStartOfACutIsExcusedWhereTheBeamIsSlow) {
-  // To the frame behind it the gate takes 56 ms over 9.6 mm: 0.57 of full speed.
+  // The gate takes 56 ms over the 9.6 mm to the frame behind it: 0.57 of full speed.
   EXPECT_EQ(beginningDark(1e-3, 24e-3), Verdict::kPass);
   // 56 ms over 16.8 mm: the beam is as fast as ever.
   EXPECT_EQ(beginningDark(25e-3, 0.0), Verdict::kInvalid);

@@ -257,7 +257,8 @@ TEST(StillnessCheck, WhatTheCameraDoesNotKnowAlongALineIsNoDriftAcrossIt) {
     SyntheticRun run;
     auto& modes = run.evidence.spot_calibration->error_modes;
     modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
-    if (focal_length >= 0) modes.back()[focal_length] = 3.0;  // Of 10 000 px: 7 um over the crease's travel.
+    if (focal_length >= 0)
+      modes.back()[focal_length] = 3.0;  // Among 10 000 px: 7 um over the crease's travel.
     const auto result = run.inspected();
     return std::ranges::find_if(result.cuts, [](const CutResult& c) { return c.entity == kCreaseLine; })
         ->drift_sigma_mm;
