@@ -274,6 +274,15 @@ TEST_F(KerfScanTest, WhereMostMarksAreMissingItSaysSo) {
   EXPECT_THAT(other.scan(*tiles_).problems, ::testing::Contains(::testing::HasSubstr("only 4 of 9")));
 }
 
+TEST_F(KerfScanTest, TwoMarksTellWhereTheSheetLies) {
+  Workpiece other = *work_;
+  other.print.marks = {work_->print.marks.front(), work_->print.marks.back()};
+  const KerfScan scan = other.scan(*tiles_);
+  ASSERT_EQ(scan.units.size(), scan_->units.size());
+  EXPECT_EQ(scan.units.front().marks, 2);
+  EXPECT_LT((scan.units.front().p_TS_mm - scan_->units.front().p_TS_mm).norm(), 0.01);
+}
+
 TEST_F(KerfScanTest, OfFewPicturesTheWorstAreKept) {
   Workpiece other = *work_;
   other.options.patches = 2;
