@@ -16,6 +16,7 @@
 
 #include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
+#include "hil/vision/scan/sight_pairs.h"
 #include "tests/hil/vision/kerf_workpiece.h"
 #include "twin/base/image.h"
 
@@ -272,6 +273,30 @@ TEST_F(KerfScanTest, WhereMostMarksAreMissingItSaysSo) {
   Workpiece other = *work_;
   for (const double x : {10.0, 14.0, 18.0, 22.0, 26.0}) other.print.marks.push_back({{x, 14.0}, 3.0});
   EXPECT_THAT(other.scan(*tiles_).problems, ::testing::Contains(::testing::HasSubstr("only 4 of 9")));
+}
+
+TEST_F(KerfScanTest, EachMarkThatTwoTilesShowTellsTheirShiftAlongBothAxes) {
+  // The second tile stands 10 mm further on, and 0.02 mm off what the table says; a third shows another mark.
+  std::vector<TileView> tiles(3);
+  const auto show = [&](std::size_t tile, const Vector2d& p_TV, const Vector2d& p_TM) {
+    tiles[tile].tile.p_TV_mm = p_TV;
+    tiles[tile].centre_T_mm = p_TV;
+    tiles[tile].half_diagonal_mm = 10.0;
+    tiles[tile].marks.push_back({.p_mm = p_TM - p_TV, .sigma_mm = 0.001});
+  };
+  show(0, {0, 0}, {6, 1});
+  show(1, {10, 0}, {6.02, 1.01});
+  show(2, {20, 0}, {25, 3});
+  const TileIndex index(tiles, work_->camera);
+  const PlaneMotion X_TS;
+  const auto pairs = sightPairs({}, {tiles, index, X_TS, work_->camera, work_->options});
+  ASSERT_EQ(pairs.size(), 2U);
+  for (const SightPair& pair : pairs) {
+    EXPECT_EQ(pair.tile, 0U);
+    EXPECT_EQ(pair.other, 1U);
+    EXPECT_NEAR(pair.apart_mm, pair.normal.x() > 0.5 ? 0.02 : 0.01, 1e-9);
+    EXPECT_NEAR(pair.sigma_mm, 0.001 * std::sqrt(2.0), 1e-9);
+  }
 }
 
 TEST_F(KerfScanTest, TwoMarksTellWhereTheSheetLies) {
