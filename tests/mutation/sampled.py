@@ -6,6 +6,8 @@ each, and sees whether the tests notice.
 places.py has the rule. The list of places is cut into as many equal stretches as mutants are asked for, and one place of
 each stretch is drawn: the same seed and the same sources give the same mutants. RESULTS_SAMPLED.md is written anew after
 each mutant; with --only or --missing the rows of the mutants that were tried.
+--asserting compiles the mutant with the assertions of the standard library and of Eigen, as the tests under sanitizers have
+them: for mutants that read beyond an end.
 Ends with 0 if at least 90 % are killed by a failing test and each survivor is explained in SURVIVORS_SAMPLED.md, 1 if not,
 2 if nothing could be measured, 64 for a wrong command line.
 """
