@@ -26,6 +26,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 PAGE = os.path.join(HERE, "RESULTS.md")
 LEAST_SHARE = 0.90
 KILLED, TIMED_OUT, SURVIVED, REFUSED = "killed", "timed out", "survived", "refused by the compiler"
+RAW = argparse.RawDescriptionHelpFormatter
 KEYS = {"name", "file", "find", "put", "what"}
 
 Outcome = collections.namedtuple("Outcome", "mutant fate by")
@@ -199,7 +200,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def main():
-    parser = Parser(prog="bench mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(prog="bench mutate", description=__doc__, formatter_class=RAW)
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), metavar="FOLDER",
                         help="build folder with the tests built")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")

@@ -14,6 +14,8 @@ import tempfile
 
 TIMEOUT_S = 240  # of one run of a test program that takes half a minute
 
+UNITY = re.compile(r"unity_\d+_cxx\.cxx")
+
 
 class Broken(Exception):
     """The bench itself does not work: nothing is known about the mutant."""
@@ -89,10 +91,18 @@ class Build:
 
 
 class Workshop:
-    """Compiles and links mutants in a temporary folder."""
+    """Compiles and links mutants in a temporary folder.
 
-    def __init__(self, build):
+    Where the build folder compiles several sources as one, an `apart` workshop compiles each alone, and those that are not
+    changed only once: a mutant of a large room then costs the compilation of its own file. An `asserting` one compiles the
+    mutant with the assertions of the standard library and of Eigen, as builds with sanitizers have them.
+    """
+
+    def __init__(self, build, apart=False, asserting=False):
         self.build = build
+        self.apart = apart
+        self.asserting = asserting
+        self.unchanged = {}
         self.temporary = tempfile.TemporaryDirectory(prefix="kerfbench-mutation-")
         self.folder = self.temporary.name
         self.path = None
@@ -126,7 +136,7 @@ class Workshop:
             original = os.path.join(self.build.root, self.path)
             if source == original:
                 words[words.index(source)] = os.path.join(overlay, self.path)
-            elif re.fullmatch(r"unity_\d+_cxx\.cxx", os.path.basename(source)):
+            elif UNITY.fullmatch(os.path.basename(source)):
                 words[words.index(source)] = self.unity_with_mutant(source, original, overlay)
             out = os.path.join(self.folder, re.sub(r"[^\w.]", "_", name))
             words[words.index("-o") + 1] = out
@@ -136,6 +146,39 @@ class Workshop:
                 raise Refused(result.stdout)
             self.objects[name] = out
         return self.objects[name]
+
+    def members_of(self, name):
+        """Sources that an object is compiled from: its own, or all that are compiled as one."""
+        source, _ = self.build.compile_of[name]
+        if not UNITY.fullmatch(os.path.basename(source)):
+            return [source]
+        with open(source, encoding="utf-8") as file:
+            return re.findall(r'^#include "(.+)"$', file.read(), re.MULTILINE)
+
+    def compile_apart(self, name):
+        """The same as an object, but as one object for each of its sources; the mutant among them, if one is loaded."""
+        objects = []
+        original = None if self.path is None else os.path.join(self.build.root, self.path)
+        for member in self.members_of(name):
+            kept = self.objects if member == original else self.unchanged
+            if member not in kept:
+                kept[member] = self.compile_member(name, member, member == original)
+            objects.append(kept[member])
+        return objects
+
+    def compile_member(self, name, member, changed):
+        source, words = self.build.compile_of[name]
+        words = list(words)
+        relative = os.path.relpath(member, self.build.root)
+        words[words.index(source)] = os.path.join(self.folder, "overlay", relative) if changed else member
+        words[words.index("-o") + 1] = out = os.path.join(
+            self.folder, re.sub(r"[^\w.]", "_", relative) + (".changed.o" if changed else ".o"))
+        if changed and self.asserting:  # The precompiled header knows no assertions.
+            words = [w for w in words if w != "-Winvalid-pch"] + ["-UNDEBUG", "-D_GLIBCXX_ASSERTIONS"]
+        result = run(words, self.build.folder)
+        if result.returncode != 0:
+            raise Refused(result.stdout) if changed else Broken(f"{member} does not compile alone:\n{result.stdout}")
+        return out
 
     def unity_with_mutant(self, source, original, overlay):
         """A copy of a source that includes several, with the mutant in place of the original if it is one of them."""
@@ -156,23 +199,34 @@ class Workshop:
                 if item in words:
                     words[words.index(item)] = self.compile(item)
                 elif any(item.startswith(folder + "/") for folder in folders):
-                    extra.append(self.compile(item))
+                    extra += self.compile_apart(item) if self.apart else [self.compile(item)]
             if not extra and self.path.startswith("hil/"):
                 raise Broken(f"{self.path} is no part of {name}")
-            out = os.path.join(self.folder, name)
-            at = words.index("-o")
-            words[at + 1] = out
-            words[at:at] = extra
-            result = run(words, self.build.folder)
-            if result.returncode != 0:
-                raise Broken(f"linking {name} with a changed {self.path}:\n{result.stdout[-4000:]}")
-            self.programs[name] = out
+            self.programs[name] = self.link(name, words, extra, f"with a changed {self.path}")
         return self.programs[name]
 
+    def program_apart(self, name, paths):
+        """Path of the test program without any change, but with all that is compiled as one with these sources apart."""
+        folders = self.build.archives_of(name)
+        items = sorted({item for path in paths for item in self.build.objects_with(path)
+                        if any(item.startswith(folder + "/") for folder in folders)})
+        extra = [out for item in items for out in self.compile_apart(item)]
+        return self.link(name, list(self.build.link_of(name)), extra, "without any change")
 
-def first_failure(path, test_filter, cwd):
+    def link(self, name, words, extra, what):
+        out = os.path.join(self.folder, name)
+        at = words.index("-o")
+        words[at + 1] = out
+        words[at:at] = extra
+        result = run(words, self.build.folder)
+        if result.returncode != 0:
+            raise Broken(f"linking {name} {what}:\n{result.stdout[-4000:]}")
+        return out
+
+
+def first_failure(path, test_filter, cwd, timeout_s=TIMEOUT_S):
     """None if all tests pass; else the first that does not, or that crashes; TimeoutExpired if they never end."""
-    result = run([path, f"--gtest_filter={test_filter}", "--gtest_fail_fast", "--gtest_color=no"], cwd, TIMEOUT_S)
+    result = run([path, f"--gtest_filter={test_filter}", "--gtest_fail_fast", "--gtest_color=no"], cwd, timeout_s)
     if result.returncode == 0:
         if re.search(r"^\[  PASSED  \] 0 tests", result.stdout, re.MULTILINE):
             raise Broken(f"no test of {path} matches {test_filter}")
@@ -181,6 +235,9 @@ def first_failure(path, test_filter, cwd):
     if failed:
         return failed.group(1)
     begun = re.findall(r"^\[ RUN      \] (\S+)", result.stdout, re.MULTILINE)
+    suite = re.findall(r"^\[-+\] \d+ tests? from (\S+)", result.stdout, re.MULTILINE)
+    if not begun and suite and result.returncode < 0:
+        return suite[-1] + " (crash in its set-up)"
     if not begun:
         raise Broken(f"{path} ended with {result.returncode} before any test:\n{result.stdout[-2000:]}")
     return begun[-1] + " (crash)"

@@ -180,6 +180,43 @@ SyntheticRun holeAlone(double shift_mm) {
   return run;
 }
 
+TEST(Edges, TheSpotsPathIsMeasuredFromTheMiddleOfItsOwnKerf) {
+  // The edges' scan has them where they lie; the beam runs in the middle of the kerf, half a width beside.
+  SyntheticRun run;
+  const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+  vision::KerfScan edges = run.evidence.kerf;
+  for (vision::EntityKerf& kerf : edges.entities) {
+    const int side = sides.side[static_cast<std::size_t>(kerf.entity)];
+    for (vision::Caliper& c : kerf.calipers) {
+      c.offset_mm = side == 0 ? 0.0 : 0.01 * (kerf.unit + 1) - 0.5 * side * c.width_mm;
+    }
+  }
+  LitFrames lit;
+  lit.frames.resize(4);
+  lit.frames[0].entity = kBottom;
+  lit.frames[1].entity = kBottom;
+  lit.frames[1].unit = 1;
+  lit.frames[2].left_entity = kHole;  // Has left its line, and is still held against it.
+  lit.frames[3].entity = kCreaseLine;
+  for (LitFrame& frame : lit.frames) frame.deviation_mm = 0.05;
+  checks::measureFromOwnKerf(edges, sides, lit);
+  EXPECT_NEAR(lit.frames[0].deviation_mm, 0.04, 1e-9);
+  EXPECT_NEAR(lit.frames[1].deviation_mm, 0.03, 1e-9);
+  EXPECT_NEAR(lit.frames[2].deviation_mm, 0.04, 1e-9);
+  EXPECT_EQ(lit.frames[3].deviation_mm, 0.05) << "a crease has no edge";
+}
+
+TEST(Edges, HalfAKerfIsHalfTheMeanWidthOfTheCutsThatHaveAnEdge) {
+  SyntheticRun run;
+  const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    const bool has_edge = sides.side[static_cast<std::size_t>(kerf.entity)] != 0;
+    for (std::size_t i = 0; i < kerf.calipers.size(); ++i)
+      kerf.calipers[i].width_mm = has_edge ? (i % 2 == 0 ? 0.19 : 0.23) : 0.5;
+  }
+  EXPECT_NEAR(checks::halfKerf(run.evidence.kerf, sides), kHalf_mm, 1e-4);
+}
+
 TEST(Edges, AHoleAloneIsJudgedAsAHole) {
   const auto inside = holeAlone(kHalf_mm).inspected();
   EXPECT_EQ(checkOf(inside, "edge").verdict, Verdict::kPass) << checkOf(inside, "edge").explanation;
@@ -247,6 +284,7 @@ TEST(SeveredEdge, IsWithinItsUncertaintyForAnotherBeamBoardAndLaw) {
   struct World {
     double beam_mm, transmission, law;
   };
+  double largest_share = 0.0;  // Share of the stated uncertainty that an error takes up.
   for (const World& world :
        {World{0.105 * 1.09, 0.12, 1.0}, World{0.105 * 0.91, 0.12, 1.0}, World{0.105, 0.12 * 1.1, 1.0},
         World{0.105, 0.12, 0.8}, World{0.105, 0.12, 1.25}}) {
@@ -269,7 +307,10 @@ TEST(SeveredEdge, IsWithinItsUncertaintyForAnotherBeamBoardAndLaw) {
         scan.entities, [](const vision::EntityKerf& k) { return k.unit == 0 && k.entity == kHole; });
     EXPECT_NEAR(0.5 * told.calipers[9].width_mm, severed_mm, told.widening_sigma_mm)  // Half a width, k = 2.
         << world.beam_mm << " " << world.transmission << " " << world.law;
+    largest_share = std::max(largest_share,
+                             std::abs(0.5 * told.calipers[9].width_mm - severed_mm) / told.widening_sigma_mm);
   }
+  EXPECT_GT(largest_share, 0.5) << "stated too large to prove anything";
 }
 
 TEST(Edges, IsJudgedWhereTheBoardIsSevered) {

@@ -141,6 +141,25 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
 }
 
+TEST(KerfWidth, IsLessCertainByTheShareOfItsBlurThatItsShapeTells) {
+  // The standard deviation of what blur added is 3.2 % of it; 6 % where the kerf lets only part of the light
+  // through.
+  const auto added = [](int entity) {
+    SyntheticRun run;
+    const auto ownU = [&] {
+      const auto result = run.inspected();
+      return std::ranges::find_if(result.entities,
+                                  [&](const EntityResult& e) { return e.unit == 0 && e.entity == entity; })
+          ->width_own_U_mm;
+    };
+    const double sharp_mm = ownU();
+    run.kerf(0, entity).widening_mm = 0.02;
+    return std::sqrt(std::pow(ownU(), 2) - sharp_mm * sharp_mm);
+  };
+  EXPECT_NEAR(added(kTop), 2.0 * 0.032 * 0.02, 1e-6);
+  EXPECT_NEAR(added(kCreaseLine), 2.0 * 0.06 * 0.02, 1e-6);
+}
+
 TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
   SyntheticRun run;
   const auto ownU = [&] {
@@ -228,12 +247,24 @@ TEST(Joints, KnowOfTheSheetsPlaceWhereTheyAreHeldAgainstTheDieline) {
   SyntheticRun run = withJoints();
   for (vision::UnitPose& pose : run.evidence.kerf.units)
     pose.covariance = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
-  EXPECT_GT(jointOf(run, JointResult::Kind::kCorner).mm.U, 0.02);
-  EXPECT_GT(jointOf(run, JointResult::Kind::kEndGap).mm.U, 0.02);
+  const double U_mm = 2.0 * std::hypot(0.003, 0.01, run.evidence.kerf_calibration->map_u_mm);
+  EXPECT_NEAR(jointOf(run, JointResult::Kind::kCorner).mm.U, U_mm, 1e-9);
+  EXPECT_NEAR(jointOf(run, JointResult::Kind::kEndGap).mm.U, U_mm, 1e-9);
   // The joints are measured from the kerf's own legs, or its own begin, which all move with the sheet.
   for (const auto kind : {JointResult::Kind::kRounding, JointResult::Kind::kOvershoot})
     EXPECT_NEAR(jointOf(run, kind).mm.U, 0.006, 1e-9);
   EXPECT_NEAR(jointOf(run, JointResult::Kind::kClosure, true).mm.U, 0.006, 1e-9);
+}
+
+TEST(Joints, OfLinesThatTheDielineDoesNotHaveAreNone) {
+  SyntheticRun run = withJoints();
+  const std::size_t all = checks::measureJoints(run.evidence).size();
+  vision::LineEnd end = run.evidence.kerf.ends.front();
+  for (const int entity : {-1, static_cast<int>(run.dieline.entities.size())}) {
+    end.entity = entity;
+    run.evidence.kerf.ends.push_back(end);
+  }
+  EXPECT_EQ(checks::measureJoints(run.evidence).size(), all);
 }
 
 TEST(Joints, ThatWereNotFoundHaveNoValue) {

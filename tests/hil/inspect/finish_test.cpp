@@ -31,6 +31,7 @@ TEST(Finish, AStopOfItsOwnFailsAWholeRunAndTellsWhy) {
   EXPECT_EQ(result.verdict, Verdict::kFail);
   const Check& check = checkOf(result, "finish");
   EXPECT_EQ(check.verdict, Verdict::kFail);
+  EXPECT_EQ(check.value, 1.0) << "one stop";
   EXPECT_EQ(check.subject, "belt-fast");
   EXPECT_THAT(check.explanation, HasSubstr("stopped before the job was done: the belt is too fast"));
 }

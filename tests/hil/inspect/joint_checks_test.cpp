@@ -49,6 +49,7 @@ TEST(JointsCheck, PassesAFlawlessRunAndIsLeftOutWithoutJoints) {
   JointRun run;
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(result, "joints").explanation.find("not judged"), std::string::npos);
   EXPECT_EQ(result.verdict, Verdict::kPass);
   EXPECT_FALSE(hasCheck(SyntheticRun().inspected(), "joints"));
 }

@@ -376,6 +376,12 @@ TEST(StrayCheck, FailsOnWhatIsBurntBeside) {
             std::string::npos);
 }
 
+TEST(LaserTimingCheck, SaysThatAllEndsAreBurntWhereTheyAre) {
+  // Five lines of each of two units end; the perforation and the circle do not.
+  EXPECT_EQ(checkOf(SyntheticRun().inspected(), "laser_timing").explanation,
+            "The kerf reaches all 20 line ends.");
+}
+
 TEST(LaserTimingCheck, FindsAStartThatIsNotBurnt) {
   SyntheticRun run;
   // A laser that is 2 ms late leaves about 0.28 mm without enough power at each start.

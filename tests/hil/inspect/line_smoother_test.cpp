@@ -83,5 +83,61 @@ TEST(LineSmoother, EstimatesAreAsGoodAsTheyState) {
   EXPECT_LT(errorsOf(cases[0]).rms, 0.5) << "on a straight line";
 }
 
+/// Readings of pure noise of this correlation.
+ReadingLine noiseOf(double q, std::uint64_t seed, std::size_t count) {
+  const CounterRandom random(seed, 5);
+  ReadingLine line;
+  line.q = q;
+  double noise = random.normal(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) noise = q * noise + std::sqrt(1.0 - q * q) * random.normal(i);
+    line.reading_mm.push_back(noise);
+    line.sigma_mm.push_back(1.0);
+  }
+  line.segment = {0, count};
+  return line;
+}
+
+TEST(LineSmoother, StatesHowAlikeTheEstimatesOfNeighboursAre) {
+  constexpr std::size_t kCount = 12;
+  constexpr int kLines = 4000;
+  // Windows of one reading, of five and of nine beside each other; only that of one fits at the very ends.
+  const std::vector<std::uint8_t> level{0, 0, 2, 1, 2, 2, 2, 1, 0, 2, 0, 0};
+  std::vector<double> products(kCount), squares(kCount);
+  const ReadingLine first = noiseOf(0.5, 1, kCount);
+  const LineSmoother smoother(first);
+  std::vector<double> estimate;
+  for (std::uint64_t seed = 1; seed <= kLines; ++seed) {
+    smoother.apply(noiseOf(0.5, seed, kCount).reading_mm, level, estimate);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      squares[i] += estimate[i] * estimate[i];
+      if (i > 0) products[i] += estimate[i] * estimate[i - 1];
+    }
+  }
+  for (std::size_t i = 1; i < kCount; ++i) {
+    EXPECT_NEAR(smoother.correlationWithPrevious(i, level),
+                products[i] / std::sqrt(squares[i] * squares[i - 1]), 4.0 / std::sqrt(kLines))
+        << i;
+  }
+}
+
+TEST(LineSmoother, NoiseThatNeighboursShareIsNotTakenForAShape) {
+  // Where noise is all that there is, the widest window is good nearly everywhere, however alike neighbours
+  // are.
+  for (const double q : {0.0, 0.5, 0.8}) {
+    std::size_t widest = 0;
+    std::size_t all = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      const ReadingLine line = noiseOf(q, seed, kReadings);
+      const LineSmoother smoother(line);
+      std::vector<double> estimate;
+      std::vector<std::uint8_t> level;
+      smoother.smooth(line.reading_mm, estimate, &level);
+      for (std::size_t i = 20; i + 20 < kReadings; ++i, ++all) widest += level[i] == 4 ? 1 : 0;
+    }
+    EXPECT_GT(static_cast<double>(widest), 0.94 * static_cast<double>(all)) << q;
+  }
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect

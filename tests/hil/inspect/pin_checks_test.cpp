@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the pins alone prove of the laser, and a beam that rests while it works.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/hil/inspect/synthetic_run.h"
@@ -8,6 +9,7 @@ namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
+using ::testing::HasSubstr;
 
 TEST(InterlockCheck, FailsWhereTheGateStaysOpenBehindAnOpenGuard) {
   SyntheticRun run;
@@ -38,6 +40,17 @@ TEST(InterlockCheck, JudgesTheWorstOfManyOpenings) {
   const Check interlock = checkOf(run.inspected(), "interlock");
   EXPECT_EQ(interlock.verdict, Verdict::kFail);
   EXPECT_NEAR(interlock.value, 2.0, 1e-6);  // ms
+}
+
+TEST(InterlockCheck, SaysWhetherTheLaserWasOffWhileTheGuardWasOpen) {
+  SyntheticRun run;
+  const double end_s = run.evidence.gates.back().off_s;
+  run.evidence.guard_open->push_back({end_s + 0.001, end_s + 0.1});
+  EXPECT_THAT(checkOf(run.inspected(), "interlock").explanation,
+              HasSubstr("opened 1 times, and the gate was off each time"));
+  run.evidence.guard_open->front().from_s = end_s - 0.002;
+  EXPECT_THAT(checkOf(run.inspected(), "interlock").explanation,
+              HasSubstr("the gate was on until 2 ms later"));
 }
 
 TEST(InterlockCheck, WithoutTheWireItDoesNotApply) {

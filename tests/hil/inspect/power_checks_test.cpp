@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth by light, and energy per length by power meter and spot.
 #include <cmath>
+#include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/hil/inspect/synthetic_run.h"
@@ -68,9 +70,12 @@ TEST(EvenDepth, IsNotJudgedUnlessAsked) {
   EXPECT_FALSE(hasCheck(run.inspected(), "even_depth"));
 }
 
+enum class Corners { kDark, kSeen };
+
 /// A run with a meter behind a laser that burns this energy for each millimetre that the spot runs on the
 /// sheet, which lies on a belt at 200 mm/s.
-SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double strength = 1.0) {
+SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double strength = 1.0,
+                     Corners corners = Corners::kDark) {
   SyntheticRun run;
   run.limits.line_energy_j_mm = 0.1;
   const double quantum_j = run.evidence.power_quantum_j = 0.001;
@@ -80,18 +85,22 @@ SyntheticRun metered(double energy_j_mm, double strong_from_s = 1e9, double stre
     const double time_s = frames[i].mid_s - frames[i - 1].mid_s;
     return *frames[i].spot_W_mm - *frames[i - 1].spot_W_mm - Eigen::Vector2d(200.0 * time_s, 0.0);
   };
-  // The beam's path between two frames is unknown where it turns: there it is dark.
-  std::vector<std::size_t> turns;
+  std::vector<bool> turns(frames.size());
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
     if (!frames[i - 1].spot_W_mm || !frames[i].spot_W_mm || !frames[i + 1].spot_W_mm) continue;
-    if (stepTo(i).normalized().dot(stepTo(i + 1).normalized()) < 0.99) turns.push_back(i);
+    turns[i] = stepTo(i).normalized().dot(stepTo(i + 1).normalized()) < 0.99;
   }
-  for (const std::size_t i : turns) frames[i].spot_W_mm.reset();
+  // Between two turns the beam goes round a corner of the outline, whose sides lie along x and y.
+  const auto wayTo = [&](std::size_t i) {
+    return turns[i - 1] && turns[i] ? stepTo(i).lpNorm<1>() : stepTo(i).norm();
+  };
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (turns[i] && corners == Corners::kDark) frames[i].spot_W_mm.reset();
+  }
   for (std::size_t i = 1; i < frames.size(); ++i) {
     if (!frames[i].spot_W_mm || !frames[i - 1].spot_W_mm) continue;
     const double time_s = frames[i].mid_s - frames[i - 1].mid_s;
-    const double burnt_j =
-        stepTo(i).norm() * energy_j_mm * (frames[i].mid_s > strong_from_s ? strength : 1.0);
+    const double burnt_j = wayTo(i) * energy_j_mm * (frames[i].mid_s > strong_from_s ? strength : 1.0);
     for (double edge_j = (std::floor(energy_j / quantum_j) + 1.0) * quantum_j; edge_j <= energy_j + burnt_j;
          edge_j += quantum_j)
       run.evidence.power_edges_s.push_back(frames[i - 1].mid_s + time_s * (edge_j - energy_j) / burnt_j);
@@ -116,6 +125,20 @@ TEST(LineEnergy, AStretchThatIsTooStrongIsFound) {
   const double middle_s =
       0.5 * (probe.evidence.spot.frames.front().mid_s + probe.evidence.spot.frames.back().mid_s);
   EXPECT_EQ(checkOf(metered(0.1, middle_s, 1.05).inspected(), "line_energy").verdict, Verdict::kFail);
+}
+
+TEST(LineEnergy, TheWayRoundEachCornerCountsInFull) {
+  // The chord between two frames, each 0.3 mm from a corner, is 0.18 mm too short: 6 % of a stretch.
+  const auto result = metered(0.1, 1e9, 1.0, Corners::kSeen).inspected();
+  const Check& check = checkOf(result, "line_energy");
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
+  EXPECT_LT(check.value, 0.01) << check.explanation;
+}
+
+TEST(LineEnergy, TellsByHowMuchTheWorstStretchDepartsAndTheMean) {
+  const auto result = metered(0.105).inspected();
+  const std::string& text = checkOf(result, "line_energy").explanation;
+  EXPECT_THAT(text, ::testing::ContainsRegex("by \\+5\\.[0-9]+ %; on average \\+(4\\.9|5\\.0)[0-9] %"));
 }
 
 TEST(LineEnergy, WithoutAMeterItIsInvalid) {

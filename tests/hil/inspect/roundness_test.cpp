@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -85,6 +86,19 @@ TEST(Roundness, AStepWhereTheLineClosesIsSeen) {
   const Roundness round(circle.line, circle.kind.angle_rad, kWindow_rad);
   EXPECT_NEAR(round.asRead(), 0.0097, 0.0005);
   EXPECT_GT(round.seamSigma(), 0.0);
+}
+
+TEST(Roundness, WhatTheStepHidesWidensItsIntervalByTwoSigmas) {
+  // The same noise, so all else of the interval is the same.
+  const auto intervalOf = [](double step_mm) {
+    const Circle circle([=](double s) { return step_mm * s; }, 5);
+    return std::pair{circle.circularity().U,
+                     Roundness(circle.line, circle.kind.angle_rad, kWindow_rad).seamSigma()};
+  };
+  const auto [large_U, large_sigma] = intervalOf(0.08);
+  const auto [small_U, small_sigma] = intervalOf(0.04);
+  EXPECT_NEAR(std::sqrt(large_U * large_U - small_U * small_U),
+              2.0 * std::sqrt(large_sigma * large_sigma - small_sigma * small_sigma), 0.02 * large_U);
 }
 
 TEST(Roundness, OfHalfACircleNothingIsTold) {

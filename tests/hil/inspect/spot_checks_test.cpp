@@ -38,6 +38,8 @@ TEST(SpotBesideEveryLine, IsProvenByItsPathAndTellsNoStillness) {
   EXPECT_EQ(checkOf(beside, "spot_path").verdict, Verdict::kFail);
   for (const char* name : {"stillness_x", "stillness_peak", "repeat", "gate_lag"})
     EXPECT_TRUE(unjudgedOf(beside, name).applies) << name;
+  // Half a millimetre to both sides crosses the round hole's line, and no other.
+  for (const CutResult& cut : beside.cuts) EXPECT_TRUE(cut.entity == -1 || cut.entity == kHole) << cut.entity;
   // Near enough to be followed all are judged, and a constant offset is no motion.
   const InspectionResult near = shifted({0.15, 0.0});
   EXPECT_EQ(checkOf(near, "spot_path").verdict, Verdict::kFail);
@@ -51,6 +53,26 @@ TEST(FollowDieline, KeepsTheLineWhereItCrossesAnother) {
   run.dieline.entities[kNote].process = dieline::Process::kCut;
   const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
   for (const LitFrame& frame : lit.frames) EXPECT_NE(frame.entity, kNote) << frame.time_s;
+}
+
+TEST(FollowDieline, KeepsTheLineWhereANeighbourIsNowAndThenNearer) {
+  // Two lines 0.2 mm apart; the spot runs between them, from frame to frame a little nearer to the one and
+  // the other.
+  SyntheticRun run;
+  run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{0, 0.2}, {60, 0.2}}, dieline::Process::kCut, "",
+                                 ""};
+  int odd = 0;
+  run.shiftSpot(0, kBottom, [&](double) { return Eigen::Vector2d(0.0, ++odd % 2 == 0 ? 0.11 : 0.09); });
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  std::size_t followed = 0;
+  for (std::size_t i = 1; i < lit.frames.size(); ++i) {
+    const LitFrame& frame = lit.frames[i];
+    if (frame.unit != 0 || frame.p_S_mm.y() > 0.15 || frame.p_S_mm.x() < 1.0 || frame.p_S_mm.x() > 59.0)
+      continue;
+    ++followed;
+    EXPECT_EQ(frame.entity, lit.frames[i - 1].entity) << frame.p_S_mm.x();
+  }
+  EXPECT_GT(followed, 150U);
 }
 
 TEST(FollowDieline, ASheetThatLiesAskewMakesNoDifference) {
@@ -93,6 +115,16 @@ TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
     ASSERT_NE(same, before.end());
     EXPECT_LT((frame.p_S_mm - same->p_S_mm).norm(), 1e-9) << frame.time_s;
   }
+}
+
+TEST(FollowDieline, TheFirstFrameToldWhereTheSheetIs) {
+  SyntheticRun run;
+  vision::FrameMeasurement& first = run.evidence.spot.frames.front();
+  first.spot_W_mm = first.sheet.front().p_WS_mm + Eigen::Vector2d(10.0, 0.0);
+  const LitFrames lit = followDieline(run.evidence.spot, run.dieline);
+  EXPECT_EQ(lit.unplaced, 0U);
+  EXPECT_EQ(lit.frames.front().frame, 0U);
+  EXPECT_EQ(lit.frames.front().entity, kBottom);
 }
 
 TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
@@ -217,6 +249,23 @@ TEST(StillnessCheck, UncertaintyFollowsTheNumberOfFrames) {
     EXPECT_NEAR(cut.drift_sigma_mm, std::hypot(0.002, 0.001 / std::sqrt(3.0)) * std::sqrt(12.0 / 120), 5e-5);
     EXPECT_NEAR(cut.slope_sigma_mm_s, cut.drift_sigma_mm / 0.119, 1e-6);
   }
+}
+
+TEST(StillnessCheck, WhatTheCameraDoesNotKnowAlongALineIsNoDriftAcrossIt) {
+  // The crease runs along y while the belt carries it along x.
+  const auto driftSigma_mm = [](Eigen::Index focal_length) {
+    SyntheticRun run;
+    auto& modes = run.evidence.spot_calibration->error_modes;
+    modes.emplace_back(Eigen::Matrix<double, vision::CameraCalibration::kParameters, 1>::Zero());
+    if (focal_length >= 0)
+      modes.back()[focal_length] = 3.0;  // Among 10 000 px: 7 um over the crease's travel.
+    const auto result = run.inspected();
+    return std::ranges::find_if(result.cuts, [](const CutResult& c) { return c.entity == kCreaseLine; })
+        ->drift_sigma_mm;
+  };
+  const double known_mm = driftSigma_mm(-1);
+  EXPECT_NEAR(driftSigma_mm(1), known_mm, 0.01 * known_mm);
+  EXPECT_GT(driftSigma_mm(0), 2.0 * known_mm);
 }
 
 TEST(StillnessCheck, ARoughMotionIsKnownLessWell) {

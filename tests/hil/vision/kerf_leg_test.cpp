@@ -62,6 +62,16 @@ TEST(KerfLeg, FlickersByWhatItsWidthVariesBeyondNoise) {
   EXPECT_EQ(legAt(kerf, 0.0, 0.3)->flicker_mm, 0.0);
 }
 
+TEST(KerfLeg, FlickersNoLessForFewerReadings) {
+  // Four readings, by turns 4 um wider and narrower: half a width scatters by 2 um, times sqrt(4 / 3) for so
+  // few.
+  EntityKerf kerf = kerfOf(1, 0.0);
+  kerf.calipers = {kerf.calipers.begin() + 6, kerf.calipers.begin() + 10};
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i)
+    kerf.calipers[i].width_mm += i % 2 == 0 ? 0.004 : -0.004;
+  EXPECT_NEAR(legAt(kerf, 0.0, 0.25)->flicker_mm, 0.002 * std::sqrt(4.0 / 3.0), 1e-9);
+}
+
 TEST(KerfLeg, HasNoReadingsOfAnotherJointOrOfNothing) {
   EntityKerf kerf = kerfOf(1, 0.0);
   for (std::size_t i = 0; i < 8; ++i) kerf.calipers[i].near_joint = true;

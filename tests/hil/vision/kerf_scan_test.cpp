@@ -16,6 +16,7 @@
 
 #include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
+#include "hil/vision/scan/sight_pairs.h"
 #include "tests/hil/vision/kerf_workpiece.h"
 #include "twin/base/image.h"
 
@@ -197,6 +198,9 @@ TEST_F(KerfScanTest, PatchesShowTheWorstPlaces) {
     const Vector2d pixel = patch.pixel_from_S * patch.p_S_mm;
     ASSERT_GT(pixel.x(), 8.0);
     ASSERT_LT(pixel.x(), patch.image->width - 8.0);
+    // No worst place lies so near to a tile's border that the picture could not be cut out around it.
+    EXPECT_NEAR(pixel.x(), 0.5 * patch.image->width, 1.0);
+    EXPECT_NEAR(pixel.y(), 0.5 * patch.image->height, 1.0);
     // The kerf itself lies within half its width and its offset.
     int brightest = 0;
     for (int r = -5; r <= 5; ++r) {
@@ -271,12 +275,47 @@ TEST_F(KerfScanTest, WhereMostMarksAreMissingItSaysSo) {
   EXPECT_THAT(other.scan(*tiles_).problems, ::testing::Contains(::testing::HasSubstr("only 4 of 9")));
 }
 
+TEST_F(KerfScanTest, EachMarkThatTwoTilesShowTellsTheirShiftAlongBothAxes) {
+  // The second tile stands 10 mm further on, and 0.02 mm off what the table says; a third shows another mark.
+  std::vector<TileView> tiles(3);
+  const auto show = [&](std::size_t tile, const Vector2d& p_TV, const Vector2d& p_TM) {
+    tiles[tile].tile.p_TV_mm = p_TV;
+    tiles[tile].centre_T_mm = p_TV;
+    tiles[tile].half_diagonal_mm = 10.0;
+    tiles[tile].marks.push_back({.p_mm = p_TM - p_TV, .sigma_mm = 0.001});
+  };
+  show(0, {0, 0}, {6, 1});
+  show(1, {10, 0}, {6.02, 1.01});
+  show(2, {20, 0}, {25, 3});
+  const TileIndex index(tiles, work_->camera);
+  const PlaneMotion X_TS;
+  const auto pairs = sightPairs({}, {tiles, index, X_TS, work_->camera, work_->options});
+  ASSERT_EQ(pairs.size(), 2U);
+  for (const SightPair& pair : pairs) {
+    EXPECT_EQ(pair.tile, 0U);
+    EXPECT_EQ(pair.other, 1U);
+    EXPECT_NEAR(pair.apart_mm, pair.normal.x() > 0.5 ? 0.02 : 0.01, 1e-9);
+    EXPECT_NEAR(pair.sigma_mm, 0.001 * std::sqrt(2.0), 1e-9);
+  }
+}
+
+TEST_F(KerfScanTest, TwoMarksTellWhereTheSheetLies) {
+  Workpiece other = *work_;
+  other.print.marks = {work_->print.marks.front(), work_->print.marks.back()};
+  const KerfScan scan = other.scan(*tiles_);
+  ASSERT_EQ(scan.units.size(), scan_->units.size());
+  EXPECT_EQ(scan.units.front().marks, 2);
+  EXPECT_LT((scan.units.front().p_TS_mm - scan_->units.front().p_TS_mm).norm(), 0.01);
+}
+
 TEST_F(KerfScanTest, OfFewPicturesTheWorstAreKept) {
   Workpiece other = *work_;
   other.options.patches = 2;
   const KerfScan few = other.scan(*tiles_);
   ASSERT_EQ(few.patches.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(few.patches[i].entity, scan_->patches[i].entity);
+  other.options.patches = 0;
+  EXPECT_TRUE(other.scan(*tiles_).patches.empty());
   const auto worstOf = [&](const EntityKerf& kerf) {
     double worst = 0.0;
     for (const Caliper& c : kerf.calipers) {

@@ -169,6 +169,14 @@ TEST(SightDepth, IsNothingForThinBoard) {
   const SightFit fit = sightDepths({}, 1, 0.0, 0.0);
   EXPECT_EQ(fit.depths.front().mm, 0.0);
   EXPECT_EQ(fit.depths.front().sigma_mm, 0.0);
+  // Nor do tiles that disagree tell a depth there: they disagree for another reason.
+  std::vector<SightPair> pairs;
+  for (int i = 0; i < 60; ++i)
+    pairs.push_back({.tile = 0, .other = 1, .slope = 0.1, .apart_mm = 0.02, .sigma_mm = 3e-4});
+  const SightFit apart = sightDepths(pairs, 2, 0.0, 0.0005);
+  EXPECT_EQ(apart.depths.front().mm, 0.0);
+  EXPECT_EQ(apart.depths.front().sigma_mm, 0.0);
+  EXPECT_TRUE(std::isnan(apart.misfit_mm));
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kerfs that wind: as a beam cuts them that follows the steps of its mirrors, or as a fault with waves.
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/vision/kerf/kerf_flank.h"
 #include "tests/hil/vision/kerf_twin.h"
 
 namespace kerfbench::vision {
@@ -108,6 +111,30 @@ TEST(KerfWidth, IsThatOfTheLightAndNotOfItsBlur) {
     const double truth_mm = 2.0 * test::kBeamRadiusMm * std::sqrt(0.5 * std::log(share / half_share));
     EXPECT_NEAR(sum_mm / count, truth_mm, 0.003) << "share " << share;
   }
+}
+
+TEST(WindingKerf, ACircleIsStraightenedTheSameAllAroundItsSeam) {
+  // Six waves around a closed curve of 30 mm: whatever is taken off is the same share of the wave at every
+  // station.
+  constexpr std::size_t kStations = 121;
+  EntityPlan plan;
+  plan.closed = true;
+  plan.length_mm = 30.0;
+  EntityKerf kerf;
+  std::vector<double> wave_mm;
+  for (std::size_t i = 0; i < kStations; ++i) {
+    const double turn = 2.0 * std::numbers::pi * static_cast<double>(i) / (kStations - 1);
+    wave_mm.push_back(0.02 * std::cos(6.0 * turn + 0.3));
+    Caliper c;
+    c.found = true;
+    c.offset_mm = wave_mm.back();
+    kerf.calipers.push_back(c);
+  }
+  correctCurvatureBias(plan, 0.02, kerf);
+  const double share = kerf.calipers[kStations / 2].offset_mm / wave_mm[kStations / 2];
+  EXPECT_GT(share, 1.0);
+  for (std::size_t i = 0; i < kStations; ++i)
+    EXPECT_NEAR(kerf.calipers[i].offset_mm, share * wave_mm[i], 1e-9) << i;
 }
 
 }  // namespace
