@@ -28,7 +28,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 PAGE = os.path.join(HERE, "RESULTS.md")
 SIZES = (0.8, 1.1, 1.5, 2.0)
 # One of each way to put a fault in, just beyond the limit.
-QUICK = ("bump-left", "bridge", "wide", "sensor", "lost-y", "safe-lit")
+QUICK = ("bump-left", "sensor", "lost-y", "safe-lit")
 # Checks whose value is a margin, above its limit where all is well.
 LOWER = ("ordered_depth", "pulse_timing")
 # Checks of docs/reference/checks.md that no fault of this list is for, and why.
