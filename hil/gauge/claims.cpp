@@ -77,6 +77,14 @@ void claimCoverage(const Coverage& c, Claims& claims) {
                false);
 }
 
+/// Whether so few of all are NOT PROVEN. Few cases cannot show it; they can show the contrary.
+Claim::State rarely(std::size_t open, std::size_t all) {
+  if (all < kCoverageCases)
+    return clopperPearson(open, all).low > kMostNotProven ? Claim::State::kFails : Claim::State::kOpen;
+  const bool holds = static_cast<double>(open) <= kMostNotProven * static_cast<double>(all);
+  return holds ? Claim::State::kHolds : Claim::State::kFails;
+}
+
 void claimVerdicts(const GaugeSection& s, Claims& claims) {
   std::size_t good = 0;
   std::size_t bad = 0;
@@ -94,8 +102,7 @@ void claimVerdicts(const GaugeSection& s, Claims& claims) {
     const std::size_t failed = countOf(s.good, inspect::Verdict::kFail);
     const std::size_t open = countOf(s.good, inspect::Verdict::kNotProven);
     claims.add("good cuts that FAIL", fmt::format("{} of {}", failed, good), "0", failed == 0);
-    claims.add("good cuts NOT PROVEN", fmt::format("{} of {}", open, good), "≤ 1 %",
-               static_cast<double>(open) <= kMostNotProven * static_cast<double>(good));
+    claims.add("good cuts NOT PROVEN", fmt::format("{} of {}", open, good), "≤ 1 %", rarely(open, good));
   }
   if (good + bad > 0)
     claims.add("cuts that could not be measured (INVALID)", fmt::format("{} of {}", s.invalid, good + bad),

@@ -65,7 +65,8 @@ void writeResultsList(const fs::path& folder) {
   std::string text = std::string(kListHead) + "\n";
   for (const std::string& path : contentOf(folder)) {
     const std::string sum = sumOf(folder / path);
-    text += (sum.empty() ? path : sum + kBehindSum + path) + "\n";
+    if (!sum.empty()) text.append(sum).append(kBehindSum);
+    text.append(path).append("\n");
   }
   base::writeFileAtomically(folder / kResultsList, text);
 }
