@@ -140,12 +140,13 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) 
   }
 }
 
-FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs,
-                               const std::vector<Measured>& measured) const {
+FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs, const std::vector<Measured>& measured,
+                               bool by_creases) const {
   std::vector<SeenFlank> flanks;
   for (std::size_t e = 0; e < kerfs.size(); ++e) {
     const EntityPlan& plan = plan_.entities[e];
-    if (plan.process == dieline::Process::kPerforation) continue;
+    if (plan.process != dieline::Process::kCut && !(by_creases && plan.process == dieline::Process::kCrease))
+      continue;
     const SeenFlank flank =
         meanFlank(plan, measured[e].readings, {options_, calibration_.pitchMm(), blur_}, kerfs[e]);
     if (flank.query.half_width_mm > 0.0) flanks.push_back(flank);
@@ -189,9 +190,12 @@ void UnitScan::cuts(KerfScan& scan) const {
     kerfs[e].depth_sigma_mm = depthOf(plans[e]).sigma_mm;
     measure(plans[e], kerfs[e], measured[e]);
   });
-  const FlankBelief belief = beliefOf(kerfs, measured);
-  base::forEachIndex(plans.size(), options_.threads,
-                     [&](std::size_t e) { correct(plans[e], belief, kerfs[e], measured[e]); });
+  // Scorch dims creases, and cuts not: how wide cuts are, cuts alone tell.
+  const FlankBelief by_cuts = beliefOf(kerfs, measured, false);
+  const FlankBelief belief = beliefOf(kerfs, measured, true);
+  base::forEachIndex(plans.size(), options_.threads, [&](std::size_t e) {
+    correct(plans[e], plans[e].process == dieline::Process::kCut ? by_cuts : belief, kerfs[e], measured[e]);
+  });
   std::vector<CutNoise> noise;
   for (std::size_t e = 0; e < plans.size(); ++e) {
     noise.push_back(std::move(measured[e].noise));

@@ -79,9 +79,9 @@ class UnitScan {
   };
   void measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) const;
   void correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf, Measured& out) const;
-  /// What all kerfs that are cut through, as seen, tell of light, beam and blur.
+  /// What all kerfs that are cut through, as seen, tell of light, beam and blur; and creases, if wanted.
   [[nodiscard]] FlankBelief beliefOf(const std::vector<EntityKerf>& kerfs,
-                                     const std::vector<Measured>& measured) const;
+                                     const std::vector<Measured>& measured, bool by_creases) const;
   void caliper(const EntityPlan& plan, const Station& station, const TileView& view, Scratch& scratch,
                Caliper& out, KerfReading& reading) const;
   [[nodiscard]] WindowOnPixels windowOnPixels(const EntityPlan& plan, const Station& station,
