@@ -155,10 +155,10 @@ double ArtefactCut::offsetAt(const Line& line, double s_mm) const {
     const double slope = tangent.dot(dieline::tangentAt(curve, at_mm / line.length_mm));
     at_mm -= (pathAt(line, at_mm) - p).dot(tangent) / slope;
   }
+  // The arc that a corner is cut by may begin where lines are judged.
+  const auto cutAt = [&](double way_mm) -> Vector2d { return pathAt(line, way_mm) + arcShift(line, way_mm); };
   // The kerf's middle is that of the light which falls there, from before and behind: inside of a bend,
   // within the line at its ends, and between begin and end of a closed one.
-  // The arc that a corner is cut by may begin farther from it than lines are judged.
-  const auto cutAt = [&](double way_mm) -> Vector2d { return pathAt(line, way_mm) + arcShift(line, way_mm); };
   const double sigma_mm = std::sqrt(tangent.dot(beam_.covariance_mm2() * tangent));
   const bool closed = dieline::isClosed(curve);
   const double first_mm = line.start_gap_mm;
