@@ -161,9 +161,10 @@ int verify(const VerifyOptions& options) {
   const char* const extent = options.scenario.empty()
                                  ? "its sums fit; its pins were not judged again (--scenario)"
                                  : "its sums fit, and its pins give its verdict";
-  console.result(fmt::format(
-      "{}: {}", options.folder.string(),
-      count == 0 ? std::string(extent) : fmt::format("not what a run wrote: {} things differ", count)));
+  console.result(fmt::format("{}: {}", options.folder.string(),
+                             count == 0 ? std::string(extent)
+                                        : fmt::format("not what a run wrote: {} thing{}", count,
+                                                      count == 1 ? " differs" : "s differ")));
   return count == 0 ? 0 : kExitDiffers;
 }
 
