@@ -28,8 +28,8 @@ void addSightDoubts(const Evidence& evidence, const Tolerances& limits, std::vec
     for (const vision::Caliper& c : kerf.calipers) {
       if (!judgesOffset(c)) continue;
       const double slope = camera.sightSlope(c.p_V_mm).norm();
-      most_mm = std::max(most_mm, 2.0 * kerf.depth_sigma_mm * slope +
-                                      (kerf.depth_mm + kerf.depth_sigma_mm) * camera.square_within_rad);
+      most_mm =
+          std::max(most_mm, 2.0 * kerf.depth_sigma_mm * slope + kerf.deepest_mm() * camera.square_within_rad);
       steepest = std::max({steepest, slope, camera.square_within_rad});
     }
   }

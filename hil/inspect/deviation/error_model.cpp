@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "hil/dieline/geometry.h"
 #include "twin/base/statistics.h"
@@ -26,25 +28,39 @@ Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
   return solver.vectors * solver.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-/// What the error of a unit's pose and the modes of the camera make of one offset.
+/// The two columns of each tile that kerfs were read in, tiles of all units counted together. None where the
+/// table's error does not matter.
+std::map<std::pair<int, int>, Eigen::Index> tileColumns(const vision::KerfScan& scan) {
+  std::map<std::pair<int, int>, Eigen::Index> columns;
+  if (!(scan.table_sigma_mm > 0.0)) return columns;
+  for (const vision::EntityKerf& kerf : scan.entities) {
+    for (const vision::Caliper& c : kerf.calipers) {
+      if (c.found) columns.try_emplace({kerf.unit, c.tile}, 2 * static_cast<Eigen::Index>(columns.size()));
+    }
+  }
+  return columns;
+}
+
+/// What the error of a unit's pose, the table's and the modes of the camera make of one offset.
 class SharedErrors {
  public:
   SharedErrors(const Evidence& evidence, const ModeField& field)
       : field_(field),
         camera_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})),
-        table_sigma_mm_(evidence.kerf.table_sigma_mm) {
+        table_sigma_mm_(evidence.kerf.table_sigma_mm),
+        tile_columns_(tileColumns(evidence.kerf)) {
     for (const vision::UnitPose& pose : evidence.kerf.units)
       poses_.push_back({&pose, rootOf(pose.covariance)});
   }
 
+  [[nodiscard]] Eigen::Index tiles() const { return 2 * static_cast<Eigen::Index>(tile_columns_.size()); }
   [[nodiscard]] Eigen::Index columns() const {
-    return ReadingLine::kOwn + field_.modes() + ReadingLine::kSight;
+    return ReadingLine::kOwn + tiles() + field_.modes() + ReadingLine::kSight;
   }
   [[nodiscard]] Eigen::RowVectorXd of(const vision::EntityKerf& kerf, const dieline::Curve& curve,
                                       const vision::Caliper& c) const {
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns());
-    row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] =
-        std::hypot(c.steady_sigma_mm, table_sigma_mm_);
+    row[ReadingLine::directionOf(dieline::tangentAt(curve, c.u))] = c.steady_sigma_mm;
     const auto place =
         std::ranges::find_if(poses_, [&](const Place& p) { return p.pose->unit == kerf.unit; });
     if (place == poses_.end()) return row;
@@ -55,9 +71,12 @@ class SharedErrors {
     // A turn by da moves the point at `arm` by da times `arm` turned by a right angle.
     const Eigen::RowVector3d by_pose(normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-arm.y(), arm.x())));
     row.segment<ReadingLine::kPose>(ReadingLine::kLine) = by_pose * place->root;
+    const auto tile = tile_columns_.find({kerf.unit, c.tile});
+    if (tile != tile_columns_.end())
+      row.segment<2>(ReadingLine::kOwn + tile->second) = table_sigma_mm_ * normal.transpose();
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
-      row[ReadingLine::kOwn + k] = normal.dot(field_.at(k, c.p_V_mm));
-    const double unsquare_mm = 0.5 * (kerf.depth_mm + kerf.depth_sigma_mm) * camera_.square_within_rad;
+      row[ReadingLine::kOwn + tiles() + k] = normal.dot(field_.at(k, c.p_V_mm));
+    const double unsquare_mm = 0.5 * kerf.deepest_mm() * camera_.square_within_rad;
     row.tail<ReadingLine::kSight>() << kerf.depth_sigma_mm * normal.dot(camera_.sightSlope(c.p_V_mm)),
         unsquare_mm * normal.x(), unsquare_mm * normal.y();
     return row;
@@ -71,6 +90,7 @@ class SharedErrors {
   const ModeField& field_;
   vision::CameraCalibration camera_;
   double table_sigma_mm_;
+  std::map<std::pair<int, int>, Eigen::Index> tile_columns_;
   std::vector<Place> poses_;
 };
 
@@ -165,9 +185,10 @@ Eigen::Vector2d ModeField::at(Eigen::Index mode, const Eigen::Vector2d& p_mm) co
 ErrorModel errorModelOf(const Evidence& evidence) {
   ErrorModel model;
   const ModeField field(evidence.kerf_calibration.value_or(vision::CameraCalibration{}));
-  model.modes = field.modes() + ReadingLine::kSight;
   if (evidence.kerf_calibration) model.estimator_mm = kEstimatorPx * evidence.kerf_calibration->pitchMm();
   const SharedErrors shared(evidence, field);
+  model.tiles = shared.tiles();
+  model.modes = shared.columns() - ReadingLine::kOwn;
   for (std::size_t k = 0; k < evidence.kerf.entities.size(); ++k) {
     const vision::EntityKerf& kerf = evidence.kerf.entities[k];
     const dieline::Curve& curve = evidence.dieline->entities[static_cast<std::size_t>(kerf.entity)].curve;
@@ -183,6 +204,7 @@ ErrorModel errorModelOf(const Evidence& evidence) {
       line.sigma_mm.push_back(noiseOf(c));
     }
     line.segment.push_back(line.size());
+    line.tiles = shared.tiles();
     line.shared.resize(static_cast<Eigen::Index>(line.size()), shared.columns());
     for (std::size_t i = 0; i < line.size(); ++i) {
       line.shared.row(static_cast<Eigen::Index>(i)) = shared.of(kerf, curve, kerf.calipers[line.caliper[i]]);

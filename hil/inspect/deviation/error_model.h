@@ -17,15 +17,16 @@ namespace kerfbench::inspect {
 ///
 /// noise_i has the caliper's own sigma_i and the correlation q^|i - j| within a segment. e are independent
 /// standard normal draws that many readings have in common: the first eight belong to the line (what the grid
-/// of pixels, the model of the flanks and the table under its tile leave, one for each eighth of a turn that
-/// it may run in: on a straight line all readings share one, around a circle they change), the next three to
-/// the unit (how it was found to lie by its marks), the others to the camera and so to all units: the modes
-/// of its calibration, and for kerfs three more by how deep in the board they are seen and how aslant.
+/// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
+/// straight line all readings share one, around a circle they change), the next three to the unit (how it was
+/// found to lie by its marks), the next to the tiles (where the table stopped, two for each tile: all
+/// readings in it move alike), the others to the camera and so to all units: the modes of its calibration,
+/// and for kerfs three more by how deep in the board they are seen and how aslant.
 struct ReadingLine {
   static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;
-  static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the modes of the camera.
-  static constexpr Eigen::Index kSight = 3;            ///< After them.
+  static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the tiles.
+  static constexpr Eigen::Index kSight = 3;            ///< After the modes of the camera.
 
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
@@ -35,7 +36,8 @@ struct ReadingLine {
   std::vector<std::size_t>
       segment;             ///< First reading of each run of neighbouring stations; ends with size().
   double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
-  Eigen::MatrixXd shared;  ///< Readings x (kOwn + modes of the camera), mm.
+  Eigen::Index tiles{};    ///< Columns of the tiles of all units.
+  Eigen::MatrixXd shared;  ///< Readings x (kOwn + tiles + modes of the camera + kSight), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
   /// Which of the line's own errors a reading on a curve of this tangent has.
@@ -44,7 +46,8 @@ struct ReadingLine {
 
 struct ErrorModel {
   std::vector<ReadingLine> lines;  ///< One for each of KerfScan::entities, in order; may be empty.
-  Eigen::Index modes{};            ///< Columns of the camera.
+  Eigen::Index tiles{};            ///< Columns of the tiles.
+  Eigen::Index modes{};            ///< Columns of tiles and camera, all that are no line's or unit's own.
   /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
   /// this model holds, such as a bump that is narrower than a window.
   double estimator_mm{};
@@ -57,7 +60,9 @@ bool judgesOffset(const vision::Caliper& c);
 /// Pose errors from UnitPose::covariance, turned into shifts of the sheet under the caliper; calibration
 /// errors from the modes of the kerf camera where each caliper was looked at; there the depth at which the
 /// kerf is seen moves it by its own uncertainty times the slope of the line of sight. Part of them cancels,
-/// as the marks are seen through the same lens; that is not counted.
+/// as the marks are seen through the same lens; that is not counted. Each tile may lie where the table did
+/// not mean to stop: that shifts all of its readings alike. The marks are seen in tiles too; what cancels by
+/// that is not counted either.
 ErrorModel errorModelOf(const Evidence& evidence);
 
 /// Correlation of the noise of neighbours from third differences of readings in units of their own sigma,

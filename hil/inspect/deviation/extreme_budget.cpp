@@ -86,7 +86,7 @@ double totalHazard(const std::vector<Side>& sides, double w) {
 struct Largest {
   double mean{};
   double variance{};            ///< In all.
-  Eigen::RowVectorXd gradient;  ///< Gradient by the poses of all units, then by the camera.
+  Eigen::RowVectorXd gradient;  ///< Gradient by the poses of all units, then by tiles and camera.
 };
 
 /// How the places of the shared errors of one line lie in those of all.
@@ -219,7 +219,7 @@ Largest largestOfAll(const std::vector<Largest>& candidates) {
 
 }  // namespace
 
-ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles) {
   double highest_seen = 0.0;
   double highest_likely = 0.0;
   double floor = -std::numeric_limits<double>::infinity();
@@ -243,7 +243,8 @@ ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines) {
   budget.extreme_bias = all.mean - highest_seen;
   budget.smoothing_bias = highest_seen - highest_likely;
   budget.u_pose = all.gradient.head(index.poses()).norm();
-  budget.u_camera = all.gradient.tail(all.gradient.size() - index.poses()).norm();
+  budget.u_table = all.gradient.segment(index.poses(), tiles).norm();
+  budget.u_camera = all.gradient.tail(all.gradient.size() - index.poses() - tiles).norm();
   budget.u_noise = std::sqrt(std::max(all.variance - all.gradient.squaredNorm(), 0.0));
   return budget;
 }

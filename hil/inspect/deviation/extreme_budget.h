@@ -14,9 +14,10 @@ struct ExtremePoint {
   double sigma{};   ///< Standard uncertainty of the estimate by noise.
   double
       correlation{};  ///< Correlation of the noise with that of the point before; 0 for the first of a run.
-  Eigen::RowVectorXd shared;  ///< As ReadingLine::shared: by the line's own error, its unit's, the camera's.
+  Eigen::RowVectorXd shared;  ///< As a row of ReadingLine::shared.
 };
 
+/// A line, or the part of one that lies in one tile.
 struct ExtremeLine {
   int unit{};
   std::vector<ExtremePoint> points;
@@ -28,6 +29,7 @@ struct ExtremeBudget {
   double smoothing_bias{};  ///< Largest |seen| less the largest |likely|.
   double u_noise{};         ///< Part by noise, by errors of single lines, and by which line is the largest.
   double u_pose{};          ///< Part by errors that the lines of a unit share.
+  double u_table{};         ///< Part by errors that all readings in a tile share.
   double u_camera{};        ///< Part by errors that all share.
 };
 
@@ -43,6 +45,7 @@ struct ExtremeBudget {
 /// which are correlated, has the moments that Clark (1961, eqs. 2 to 5) gives for two, one after the other.
 /// Over the two directions of the shared errors that move most the result is integrated, for opposite
 /// sides part by them.
-ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines);
+/// `tiles` is ReadingLine::tiles.
+ExtremeBudget extremeBudget(const std::vector<ExtremeLine>& lines, Eigen::Index tiles = 0);
 
 }  // namespace kerfbench::inspect

@@ -106,8 +106,9 @@ std::vector<double> SimulatedLine::seen() const {
 double SimulatedLine::errorShareAt(std::size_t reading) const {
   const double noise = std::pow(smoother_.sigma(reading, level[reading]), 2);
   // The camera's errors move all alike.
-  const double shared =
-      line_.shared.row(static_cast<Eigen::Index>(reading)).head<ReadingLine::kOwn>().squaredNorm();
+  const double shared = line_.shared.row(static_cast<Eigen::Index>(reading))
+                            .head(ReadingLine::kOwn + line_.tiles)
+                            .squaredNorm();
   return noise + shared > 0.0 ? (noise_share * noise + shared) / (noise + shared) : 1.0;
 }
 

@@ -151,7 +151,7 @@ class Group {
   double estimator_mm_;
 };
 
-/// Shared errors of one draw for one line: its own, those of its unit's pose, the camera's common to all.
+/// Shared errors of one draw for one line: its own, those of its unit's pose, those of tiles and camera.
 Eigen::VectorXd drawShared(const ErrorModel& model, std::size_t line, std::uint64_t seed,
                            std::uint64_t draw) {
   const auto unit = static_cast<std::uint64_t>(model.lines[line].unit);
@@ -206,18 +206,32 @@ Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::u
   return range;
 }
 
-/// The same without simulation.
+/// Which tile's error a reading has; nought for all where none has any.
+Eigen::Index tileOf(const ReadingLine& line, std::size_t reading) {
+  if (line.tiles == 0) return 0;
+  Eigen::Index column = 0;
+  line.shared.row(static_cast<Eigen::Index>(reading))
+      .segment(ReadingLine::kOwn, line.tiles)
+      .cwiseAbs()
+      .maxCoeff(&column);
+  return column / 2;
+}
+
+/// The same without simulation. What a line shows in one tile moves apart from what it shows in the next, so
+/// that each such part competes on its own.
 ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
   std::vector<ExtremeLine> extremes;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const ReadingLine& line = model.lines[l];
     const SimulatedLine& simulated = lines[l];
     const std::vector<double> seen_mm = simulated.seen();
-    ExtremeLine& extreme = extremes.emplace_back(ExtremeLine{line.unit, {}});
+    extremes.push_back({line.unit, {}});
     for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
       for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
-        const bool first = i == line.segment[s];
-        extreme.points.push_back(
+        const bool next_tile = i > 0 && tileOf(line, i) != tileOf(line, i - 1);
+        if (next_tile) extremes.push_back({line.unit, {}});
+        const bool first = i == line.segment[s] || next_tile;
+        extremes.back().points.push_back(
             {.likely = simulated.likely_mm[i],
              .seen = seen_mm[i],
              .sigma = simulated.smoother().sigma(i, simulated.level[i]),
@@ -226,7 +240,7 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
       }
     }
   }
-  return extremeBudget(extremes);
+  return extremeBudget(extremes, model.tiles);
 }
 
 UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
@@ -237,6 +251,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
   out.entries = {
       {"noise, texture and grid of pixels at the places that may be the worst", b.u_noise, b.extreme_bias},
       {"where the sheet lies, as its printed marks tell", b.u_pose, 0.0},
+      {"where the inspection table stopped", b.u_table, 0.0},
       {"calibration of the camera", b.u_camera, 0.0},
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large, by how much is not known",

@@ -19,6 +19,7 @@ struct Caliper {
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< The nominal point.
   /// Place in the camera's plane at which it was looked at.
   Eigen::Vector2d p_V_mm{Eigen::Vector2d::Zero()};
+  int tile{-1};        ///< Picture of the unit in which it was looked at, counted from 0; -1 if in none.
   bool found{};        ///< A kerf (or crease) crosses the caliper.
   double offset_mm{};  ///< Kerf centre minus nominal, along the left normal; NaN if not found.
   double
@@ -54,6 +55,8 @@ struct EntityKerf {
   /// see sightDepths(). Offsets are those of that depth.
   double depth_mm{};
   double depth_sigma_mm{};
+  /// How deep it may be; as SightDepth::deepest_mm().
+  [[nodiscard]] double deepest_mm() const { return depth_mm + depth_sigma_mm; }
 };
 
 /// Corner as cut, where two entities of one unit meet or one turns.

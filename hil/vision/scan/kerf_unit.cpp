@@ -122,6 +122,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) 
       ++out.unseen;
     } else {
       caliper.p_V_mm = X_TS_ * station.p_S_mm - view->tile.p_TV_mm;
+      caliper.tile = static_cast<int>(std::distance(tiles_.data(), view));
       this->caliper(plan, station, *view, scratch, caliper, reading);
     }
     kerf.calipers.push_back(caliper);
@@ -217,7 +218,7 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
   if (view == nullptr) return Eigen::Vector2d::Zero();
   const SightDepth& depth = depthOf(plan);
   // A telecentric lens is not square by an angle of unknown direction; no tile tells how deep it looks.
-  const double unsquare_mm = 0.5 * (depth.mm + depth.sigma_mm) * calibration_.square_within_rad;
+  const double unsquare_mm = 0.5 * depth.deepest_mm() * calibration_.square_within_rad;
   const Eigen::Vector2d slope =
       X_TS_.rotation().transpose() * calibration_.sightSlope(p_T_mm - view->tile.p_TV_mm);
   return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);

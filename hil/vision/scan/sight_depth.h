@@ -20,6 +20,8 @@ KerfForm formOf(dieline::Process process);
 struct SightDepth {
   double mm{};
   double sigma_mm{};  ///< Standard uncertainty.
+  /// How deep it may be: what an unknown lean of the camera does to a place grows with it.
+  [[nodiscard]] double deepest_mm() const { return mm + sigma_mm; }
 };
 using SightDepths = std::array<SightDepth, kKerfForms>;  ///< One for each KerfForm.
 

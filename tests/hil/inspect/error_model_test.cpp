@@ -77,11 +77,44 @@ TEST(ErrorModel, PoseErrorsMoveReadingsAsTheSheetMoves) {
   }
 }
 
-TEST(ErrorModel, SightTableAndTiltMoveReadingsByGeometry) {
+/// Two tiles of the unit, parted at a station of its right side.
+TEST(ErrorModel, TheTableMovesAllReadingsInATileAlike) {
+  SyntheticRun run;
+  run.evidence.kerf.table_sigma_mm = 0.003;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) c.tile = c.p_S_mm.y() < 20.0 ? 0 : 1;
+  }
+  const ErrorModel model = errorModelOf(run.evidence);
+  const auto units = static_cast<Eigen::Index>(run.evidence.kerf.units.size());
+  EXPECT_EQ(model.tiles, 2 * 2 * units);
+  const auto ofTiles = [&](const ReadingLine& line, std::size_t reading) {
+    return Eigen::RowVectorXd(
+        line.shared.row(static_cast<Eigen::Index>(reading)).segment(ReadingLine::kOwn, line.tiles));
+  };
+  const ReadingLine& line = lineOf(model, run, 0, kRight);
+  const Eigen::RowVectorXd first = ofTiles(line, 0);
+  const Eigen::RowVectorXd last = ofTiles(line, line.size() - 1);
+  EXPECT_NEAR(first.norm(), 0.003, 1e-9);
+  EXPECT_EQ(first.dot(last), 0.0);
+  std::size_t in_first = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Eigen::RowVectorXd here = ofTiles(line, i);
+    EXPECT_LT(std::min((here - first).norm(), (here - last).norm()), 1e-12);
+    in_first += (here - first).norm() < 1e-12 ? 1 : 0;
+  }
+  EXPECT_GT(in_first, line.size() / 4);
+  EXPECT_LT(in_first, line.size() - line.size() / 4);
+  // The other unit lies elsewhere on the table, and was seen in other tiles.
+  EXPECT_EQ(first.dot(ofTiles(lineOf(model, run, 1, kRight), 0)), 0.0);
+  // A line at right angles to it moves by the other axis of the same tile.
+  const ReadingLine& bottom = lineOf(model, run, 0, kBottom);
+  EXPECT_NEAR(first.dot(ofTiles(bottom, 0)), 0.0, 1e-9);
+}
+
+TEST(ErrorModel, SightAndTiltMoveReadingsByGeometry) {
   SyntheticRun run;
   vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
   camera.X_CP.translation() = Eigen::Vector3d(0.0, 0.0, 300.0);
-  run.evidence.kerf.table_sigma_mm = 0.003;
   for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
     kerf.depth_mm = 0.25;
     kerf.depth_sigma_mm = 0.05;
@@ -96,9 +129,6 @@ TEST(ErrorModel, SightTableAndTiltMoveReadingsByGeometry) {
   const Vector2d normal(-tangent.y(), tangent.x());
   EXPECT_NEAR(row(kRight).tail<ReadingLine::kSight>()[0], 0.05 * normal.dot(Vector2d(24.0, -12.0)) / 300.0,
               1e-9);
-  EXPECT_GE(row(kRight).head<ReadingLine::kLine>().norm(), 0.003);
-  run.evidence.kerf.table_sigma_mm = 0.0;
-  EXPECT_LT(row(kRight).head<ReadingLine::kLine>().norm(), 0.003);
   // A telecentric lens has no slope, but may not be square by an angle of unknown direction.
   camera.telecentric_mm = 300.0;
   camera.square_within_rad = 0.008;
