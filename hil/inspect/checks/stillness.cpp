@@ -143,24 +143,18 @@ void measurePeaks(const std::vector<CutReadings>& readings, double q, Eigen::Ind
   }
 }
 
-/// The drifts of all cuts as readings that do not follow from each other.
-ReadingLine driftsOf(const std::vector<CutResult>& cuts, const std::vector<Eigen::VectorXd>& weights,
-                     const std::vector<CutReadings>& readings, Eigen::Index modes) {
-  ReadingLine line;
-  std::vector<Eigen::RowVectorXd> rows;
+/// The drift of each cut as a line of one reading: one tells nothing of another.
+std::vector<ReadingLine> driftsOf(const std::vector<CutResult>& cuts,
+                                  const std::vector<Eigen::VectorXd>& weights,
+                                  const std::vector<CutReadings>& readings) {
+  std::vector<ReadingLine> drifts;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     if (!std::isfinite(cuts[i].drift_mm)) continue;
-    line.segment.push_back(line.size());
-    line.caliper.push_back(i);
-    line.reading_mm.push_back(cuts[i].drift_mm);
-    line.sigma_mm.push_back(cuts[i].drift_sigma_mm);
-    rows.emplace_back(weights[i].transpose() * readings[i].shared);
+    const Eigen::MatrixXd shared = weights[i].transpose() * readings[i].shared;
+    drifts.push_back(lineOf({cuts[i].drift_mm}, {cuts[i].drift_sigma_mm}, shared, 0.0));
+    drifts.back().caliper = {i};
   }
-  line.segment.push_back(line.size());
-  line.shared.setZero(static_cast<Eigen::Index>(rows.size()), ReadingLine::kOwn + modes);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    line.shared.row(static_cast<Eigen::Index>(i)).tail(modes) = rows[i];
-  return line;
+  return drifts;
 }
 
 }  // namespace
@@ -194,29 +188,28 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   measurePeaks(readings, q, field.modes(), placeInPixelSigma_mm(evidence), result.cuts);
   measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
-  ErrorModel drifts{.lines = {driftsOf(result.cuts, weights, readings, field.modes())},
-                    .modes = field.modes()};
+  const ErrorModel drifts{.lines = driftsOf(result.cuts, weights, readings), .modes = field.modes()};
   // The camera's part of each drift, for people; the worst below knows that it is common to all.
-  for (std::size_t i = 0; i < drifts.lines[0].size(); ++i) {
-    CutResult& cut = result.cuts[drifts.lines[0].caliper[i]];
-    const double shared_mm = drifts.lines[0].shared.row(static_cast<Eigen::Index>(i)).norm();
+  for (const ReadingLine& drift : drifts.lines) {
+    CutResult& cut = result.cuts[drift.caliper.front()];
+    const double shared_mm = drift.shared.norm();
     const double scale = cut.slope_sigma_mm_s / cut.drift_sigma_mm;
     cut.drift_sigma_mm = std::hypot(cut.drift_sigma_mm, shared_mm);
     cut.slope_sigma_mm_s = scale * cut.drift_sigma_mm;
   }
-  if (drifts.lines[0].size() == 0) return result;
-  const DeviationResult worst =
-      measureDeviations(drifts, {LineKind{}}, limits.stillness_mm, kStillnessSeed + 1);
+  if (drifts.lines.empty()) return result;
+  const DeviationResult worst = measureDeviations(drifts, std::vector<LineKind>(drifts.lines.size()),
+                                                  limits.stillness_mm, kStillnessSeed + 1);
   result.worst_drift_mm = worst.all.worst;
   result.chance_beyond = worst.chance_beyond;
-  result.worst_cut = drifts.lines[0].caliper[worst.all.reading];
+  result.worst_cut = drifts.lines[worst.all.line].caliper.front();
   result.budget = worst.budget;
   result.budget.quantity = "largest drift along x of all cuts";
   if (!result.budget.entries.empty()) {
-    result.budget.entries = {
-        {"spot and sheet in each frame, through the line fitted to the cut", worst.budget.entries[0].u, 0.0},
-        worst.budget.entries[2],
-        worst.budget.entries[4]};
+    result.budget.entries = {{"spot and sheet in each frame, through the line fitted to the cut",
+                              worst.budget.entries[kByNoise].u, worst.budget.entries[kByNoise].correction},
+                             worst.budget.entries[kByCamera],
+                             worst.budget.entries[kByCompeting]};
   }
   return result;
 }

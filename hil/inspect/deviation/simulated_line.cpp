@@ -103,6 +103,11 @@ std::vector<double> SimulatedLine::seen() const {
   return seen_mm;
 }
 
+double SimulatedLine::errorAt(std::size_t reading) const {
+  return std::hypot(smoother_.sigma(reading, level[reading]),
+                    line_.shared.row(static_cast<Eigen::Index>(reading)).norm());
+}
+
 double SimulatedLine::errorShareAt(std::size_t reading) const {
   const double noise = std::pow(smoother_.sigma(reading, level[reading]), 2);
   // The camera's errors move all alike.

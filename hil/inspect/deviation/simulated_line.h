@@ -34,6 +34,8 @@ class SimulatedLine {
   [[nodiscard]] std::vector<double> seen() const;
   /// Only of a whole circle.
   [[nodiscard]] const std::optional<Roundness>& roundness() const { return roundness_; }
+  /// Standard uncertainty of a reading's estimate, by noise and shared errors.
+  [[nodiscard]] double errorAt(std::size_t reading) const;
   /// Share of the variance of the errors at a reading's estimate that the likely truth still holds: all of
   /// what is shared, noise_share of the noise.
   [[nodiscard]] double errorShareAt(std::size_t reading) const;

@@ -100,7 +100,9 @@ class Group {
     const Quantity drawn = basicInterval(result.worst_as_read, worstOf(tally_.truth),
                                          drawnWorst(result.worst_hidden, seed), -kInfinity);
     const double more_mm = std::hypot(result.worst_u_smoothing, result.worst_u_competing, estimator_mm_);
-    result.worst = magnitude(drawn.value, std::hypot(drawn.U, 2.0 * more_mm));
+    result.worst_u_place = lines_[result.line].errorAt(result.reading);
+    result.worst =
+        magnitude(drawn.value, std::hypot(std::max(drawn.U, 2.0 * result.worst_u_place), 2.0 * more_mm));
     std::vector<double> rms;
     for (const Tally::Numbers& draw : tally_.draws) rms.push_back(rmsOf(draw, error_squares_));
     result.rms = basicInterval(rmsOf(tally_.read, error_squares_), rmsOf(tally_.truth, 0.0), rms, 0.0);
@@ -200,10 +202,11 @@ Tally simulate(const ErrorModel& model, std::vector<SimulatedLine>& lines, std::
 /// The range about the least-squares circle is an extreme as well.
 Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::uint64_t seed) {
   const double hidden_mm = hiddenOf(round.noiseShare(), drawn, round.likely());
+  const double competing_mm = competingOf(meanOf(drawn) - round.likely());
   addHidden(hidden_mm, seed, drawn);
-  Quantity range = basicInterval(round.asRead(), round.likely(), drawn, 0.0);
-  range.U = std::hypot(range.U, 2.0 * round.unfittedSigma(), 2.0 * round.seamSigma());
-  return range;
+  const Quantity range = basicInterval(round.asRead(), round.likely(), drawn, 0.0);
+  const double more_mm = std::hypot(round.unfittedSigma(), round.seamSigma(), competing_mm);
+  return magnitude(range.value, std::hypot(range.U, 2.0 * more_mm));
 }
 
 /// Which tile's error a reading has; nought for all where none has any.
@@ -244,6 +247,8 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
 }
 
 UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
+  const double spread = std::hypot(std::hypot(b.u_noise, b.u_pose), b.u_table, b.u_camera);
+  const double lacking = std::sqrt(std::max(all.worst_u_place * all.worst_u_place - spread * spread, 0.0));
   UncertaintyBudget out;
   out.quantity = "worst deviation of all lines";
   out.unit = "mm";
@@ -255,7 +260,8 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
       {"calibration of the camera", b.u_camera, 0.0},
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large, by how much is not known",
-       std::hypot(all.worst_hidden / std::sqrt(12.0), competingOf(b.extreme_bias)), 0.5 * all.worst_hidden},
+       std::hypot(all.worst_hidden / std::sqrt(12.0), competingOf(b.extreme_bias), lacking),
+       0.5 * all.worst_hidden},
       {"what the estimator leaves, as artefacts of known deviation show", estimator_mm, 0.0},
   };
   double variance = 0.0;

@@ -18,8 +18,22 @@ struct DeviationEstimate {
   double worst_u_smoothing{};  ///< Standard uncertainty by what smoothing does to peaks; part of worst.U.
   double worst_hidden{};       ///< The most that the correction may fall short of; half of it is taken off.
   double worst_u_competing{};  ///< Standard uncertainty of the correction itself; part of worst.U.
+  /// Standard uncertainty of the estimate at the worst place alone. The largest of places that compete
+  /// scatters less than each of them, but whether they do is not known: worst.U is at least twice this.
+  double worst_u_place{};
   std::size_t line{}, reading{};  ///< Where, in ErrorModel::lines.
   std::size_t caliper{};          ///< The reading's index in EntityKerf::calipers, for lines of a kerf.
+};
+
+/// Order of UncertaintyBudget::entries of DeviationResult::budget.
+enum BudgetPart : std::uint8_t {
+  kByNoise,
+  kByPose,
+  kByTable,
+  kByCamera,
+  kBySmoothing,
+  kByCompeting,
+  kByEstimator
 };
 
 struct DeviationResult {

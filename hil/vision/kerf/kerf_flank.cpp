@@ -31,7 +31,8 @@ constexpr double kIndependentMm = 0.2;
 // Share of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
 // scorch.
 constexpr double kScorchBlur = 0.93;
-constexpr double kModelShare = 0.4;  // Share of the shift that the model of scorch leaves.
+constexpr double kModelShare = 0.4;    // Share of the shift that the model of scorch leaves,
+constexpr double kShallowShare = 1.5;  // and of a groove's, whose own floor is scorched as well.
 /// Least difference of the sides over the board's light; less is lost in noise.
 constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
@@ -272,6 +273,7 @@ void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& re
   kerf.widening_mm = widening.likely;
   kerf.widening_sigma_mm = widening.sigma;
   kerf.middle_sigma_mm = middleSigma_mm(mean);
+  const double model_share = isOpen(mean) ? kModelShare : kShallowShare;
 
   const std::vector<Eigen::Vector3d> sums = oddSums(plan, readings, kerf);
   const double pitch_mm = n > 1 ? plan.length_mm / static_cast<double>(n - 1) : 1.0;
@@ -287,7 +289,7 @@ void correctFlankBias(const EntityPlan& plan, const std::vector<KerfReading>& re
     // Readings a window and a grain apart are independent.
     const double independent = std::max(1.0, sum.x() * std::min(1.0, pitch_mm / kIndependentMm));
     double scorch_mm = model.shiftMm(odd_gray);
-    model_mm[i] = std::hypot(kModelShare * scorch_mm, model.shiftMm(std::sqrt(variance / independent)));
+    model_mm[i] = std::hypot(model_share * scorch_mm, model.shiftMm(std::sqrt(variance / independent)));
     const double bend_per_mm = plan.stations[i].curvature_per_mm;
     if (std::abs(bend_per_mm) > kTightBend_per_mm) {
       // The kerf of a small hole is no mirror image of itself without any scorch.

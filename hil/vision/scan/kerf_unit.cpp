@@ -15,6 +15,7 @@
 #include "hil/vision/kerf/kerf_flank.h"
 #include "hil/vision/kerf/kerf_stray.h"
 #include "twin/base/image.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -26,6 +27,11 @@ constexpr float kEvenly = 0.75F;
 /// downwards by more does not. Half of that is taken, and this much of it is uncertain: a rectangle's.
 constexpr double kNarrowing = 0.5;
 constexpr double kNarrowingSigma = 0.289;
+
+/// A crease fades out over the beam's radius: so near to where it ends, and so much darker than elsewhere,
+/// the board's own light says as much of its place as the crease does.
+constexpr double kFadeMm = 0.25;
+constexpr double kFadedShare = 0.8;
 
 struct Worst {
   double offset_mm{};  ///< Magnitude.
@@ -84,6 +90,26 @@ double slopeAt(const EntityKerf& kerf, std::size_t i) {
   return std::isfinite(slope) ? slope : 0.0;
 }
 
+/// Leaves a crease's place open where it fades out: measureEnd() looks at its ends.
+void leaveFadingEnds(const EntityPlan& plan, EntityKerf& kerf) {
+  std::vector<double> brightness;
+  for (const Caliper& c : kerf.calipers) {
+    if (c.found && !c.near_joint) brightness.push_back(c.brightness);
+  }
+  if (brightness.empty()) return;
+  const double faded = kFadedShare * medianOf(std::move(brightness));
+  std::vector<double> ends_mm;
+  if (!plan.closed) ends_mm = {0.0, plan.length_mm};
+  for (const Caliper& c : kerf.calipers) {
+    if (!c.found) ends_mm.push_back(c.station_mm);
+  }
+  for (Caliper& c : kerf.calipers) {
+    const bool ends = std::ranges::any_of(
+        ends_mm, [&](double end_mm) { return std::abs(c.station_mm - end_mm) <= kFadeMm; });
+    if (c.found && ends && c.brightness < faded) c.near_joint = true;
+  }
+}
+
 }  // namespace
 
 struct UnitScan::Scratch {
@@ -131,6 +157,7 @@ void UnitScan::measure(const EntityPlan& plan, EntityKerf& kerf, Measured& out) 
     out.noise.board_mm.push_back(reading.board_mm);
     out.windows.push_back(windowOnPixels(plan, station, view));
   }
+  if (formOf(plan.process) == KerfForm::kShallow) leaveFadingEnds(plan, kerf);
   for (const Station& station : plan.light_stations) {
     Caliper caliper{.near_joint = station.near_corner};
     KerfReading reading;
