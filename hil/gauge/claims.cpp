@@ -59,7 +59,7 @@ void claimType1(const char* name, const std::optional<TypeOne>& t, Claims& claim
 
 void claimCoverage(const Coverage& c, Claims& claims) {
   const double most = c.two_sided ? kCoverageHigh : 1.0;
-  if (c.cases == 0) return;
+  if (c.cases == 0 || !c.claimed) return;
   const double share = static_cast<double>(c.hits) / static_cast<double>(c.cases);
   Claim::State state = Claim::State::kHolds;
   if (c.cases >= kCoverageCases) {

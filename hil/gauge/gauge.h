@@ -37,6 +37,8 @@ struct Coverage {
   /// The intervals may not hold the truth too often either. Those of kerfs do in the bench's own world:
   /// light, walls and radius are as told there, and U allows for others.
   bool two_sided{true};
+  /// Whether it is held to a limit: in other worlds what no check judges is only shown.
+  bool claimed{true};
   std::size_t cases{}, hits{}, missing{};  ///< missing: no number was measured.
   Interval share;                          ///< 95 % confidence interval of hits / cases.
   Moments error_mm;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Results of cases as findings about the instrument.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -189,6 +191,13 @@ void addStill(const std::vector<std::pair<CaseId, StillOutcome>>& cases, GaugeSe
   s.drift_budget = budgetCheck(analytic, simulated, error);
 }
 
+/// Whether a check judges by a quantity. RMS, circularity, rounding and overshoot are shown for people.
+bool isJudged(std::string_view quantity) {
+  constexpr std::array<std::string_view, 4> kShown{"RMS", "circularity", "corner rounding",
+                                                   "corner overshoot"};
+  return std::ranges::none_of(kShown, [&](std::string_view shown) { return quantity.starts_with(shown); });
+}
+
 }  // namespace
 
 Coverage coverageOf(const std::string& quantity, const std::vector<Named>& readings) {
@@ -248,6 +257,7 @@ GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<Ca
   for (std::size_t i = 0; i < order.size(); ++i) {
     s.coverage.push_back(coverageOf(order[i], by[order[i]]));
     s.coverage.back().two_sided = mismatch || i >= of_kerfs;
+    s.coverage.back().claimed = !mismatch || isJudged(order[i]);
   }
   for (const FaultKind kind : kFaultKinds) s.kinds.push_back(kindOf(kind, kerf));
   addKerf(kerf, s);

@@ -31,8 +31,9 @@ constexpr double kIndependentMm = 0.2;
 // Share of the picture's blur, for scorch alone: with all of it no one kModelShare fits both narrow and wide
 // scorch.
 constexpr double kScorchBlur = 0.93;
-constexpr double kModelShare = 0.4;    // Share of the shift that the model of scorch leaves,
-constexpr double kShallowShare = 1.5;  // and of a groove's, whose own floor is scorched as well.
+constexpr double kModelShare = 0.4;  // Share of the shift that the model of scorch leaves.
+/// The same for a groove: its floor is scorched as well, which the model does not have.
+constexpr double kShallowShare = 1.5;
 /// Least difference of the sides over the board's light; less is lost in noise.
 constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
