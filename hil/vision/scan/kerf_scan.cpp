@@ -9,11 +9,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_pictures.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"
+#include "hil/vision/marks/mark_misfit.h"
 #include "hil/vision/scan/kerf_unit.h"
 #include "hil/vision/scan/sight_pairs.h"
 
@@ -34,6 +37,34 @@ void addUnseen(const KerfPlan& plan, int unit, KerfScan& scan) {
     }
     scan.entities.push_back(std::move(kerf));
   }
+}
+
+/// Chance that any mark of a good sheet is taken for one that lies elsewhere, in one run.
+constexpr double kFalseMisfits = 5e-4;
+/// What a picture may leave of a mark's place, besides noise; one standard deviation per axis.
+constexpr double kLeastMark_mm = 1e-3;
+
+/// A mark that contradicts the others: somebody measured from it, or the print is not what the scenario says.
+std::optional<std::string> misfitProblem(const UnitPlace& place, const PrintLayout& print,
+                                         const CameraCalibration& calibration) {
+  if (place.seen.size() < 2) return std::nullopt;
+  std::vector<MarkPair> pairs;
+  for (const SeenMark& mark : place.seen) {
+    pairs.push_back(mark.pair);
+    pairs.back().sigma_mm = std::hypot(mark.pair.sigma_mm, calibration.map_u_mm, kLeastMark_mm);
+  }
+  const auto misfit = worstMisfit(pairs, kFalseMisfits / print.units);
+  if (!misfit) return std::nullopt;
+  const std::string allowed = fmt::format("what print, table and camera allow is {:.4f} mm", misfit->most_mm);
+  if (pairs.size() < 4)
+    return fmt::format(
+        "its {} registration marks lie to each other {:.4f} mm off from how the print has them; {}",
+        pairs.size(), misfit->off_mm, allowed);
+  const std::size_t mark = place.seen[misfit->pair].mark;
+  const Eigen::Vector2d& p_mm = print.marks[mark].p_SM_mm;
+  return fmt::format(
+      "registration mark {} (x {:.2f} y {:.2f} mm) lies {:.4f} mm from where the {} others put it; {}",
+      mark + 1, p_mm.x(), p_mm.y(), misfit->off_mm, pairs.size() - 1, allowed);
 }
 
 /// Worst first, over all units; the offset is read back from the entities.
@@ -97,6 +128,8 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
       addUnseen(plan, unit, scan);
       continue;
     }
+    if (const auto problem = misfitProblem(*place, print, calibration))
+      scan.problems.push_back("unit " + std::to_string(unit) + ": " + *problem);
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
