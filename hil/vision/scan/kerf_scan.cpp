@@ -19,6 +19,7 @@
 #include "hil/vision/marks/mark_misfit.h"
 #include "hil/vision/scan/kerf_unit.h"
 #include "hil/vision/scan/sight_pairs.h"
+#include "hil/vision/scan/tile_contradictions.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -65,6 +66,16 @@ std::optional<std::string> misfitProblem(const UnitPlace& place, const PrintLayo
   return fmt::format(
       "registration mark {} (x {:.2f} y {:.2f} mm) lies {:.4f} mm from where the {} others put it; {}",
       mark + 1, p_mm.x(), p_mm.y(), misfit->off_mm, pairs.size() - 1, allowed);
+}
+
+/// Evidence that contradicts itself.
+std::string problemOf(const TileContradictions& found) {
+  return fmt::format(
+      "pictures contradict each other at {} of {} places that two of them show: at {} the light differs, at "
+      "{} "
+      "the place of the kerf; the first is E{} at x {:.2f} y {:.2f} mm, in its pictures {} and {}",
+      found.count(), found.compared, found.light, found.place, found.entity, found.p_S_mm.x(),
+      found.p_S_mm.y(), found.tile + 1, found.other + 1);
 }
 
 /// Worst first, over all units; the offset is read back from the entities.
@@ -133,9 +144,12 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
-    const SightFit sight =
-        sightDepths(sightPairs(plan, {pictures.views, index, place->X_TS, calibration, options}),
-                    pictures.views.size(), options.board_thickness_mm, options.table_sigma_mm);
+    const OverlapScene overlaps{pictures.views, index, place->X_TS, calibration, options};
+    const SightFit sight = sightDepths(sightPairs(plan, overlaps), pictures.views.size(),
+                                       options.board_thickness_mm, options.table_sigma_mm);
+    const TileContradictions contradictions = compareTiles(plan, overlaps, sight.depths);
+    if (contradictions.count() > 0)
+      scan.problems.push_back("unit " + std::to_string(unit) + ": " + problemOf(contradictions));
     if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
     const UnitScan unit_scan(calibration, plan, unit_options,
                              {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});
