@@ -72,7 +72,7 @@ std::optional<MarkMisfit> worstMisfit(std::span<const MarkPair> pairs, double ch
     const auto at = static_cast<Index>(2 * i);
     const Vector2d miss = residuals.mm.segment<2>(at);
     const Matrix2d covariance = residuals.covariance.block<2, 2>(at, at);
-    // Of two marks one direction alone is redundant: there the covariance has no inverse.
+    // Two marks have one redundant direction alone: there the covariance has no inverse.
     Eigen::CompleteOrthogonalDecomposition<Matrix2d> decomposed;
     decomposed.setThreshold(1e-9);
     decomposed.compute(covariance);

@@ -14,8 +14,8 @@ namespace kerfbench::vision {
 /// Places of one unit's lines that two pictures show differently.
 struct TileContradictions {
   std::size_t compared{};  ///< Places that two pictures show, each with one line in sight.
-  std::size_t light{};     ///< Of them, places that are burnt in the one and not, or less, in the other.
-  std::size_t place{};     ///< Of them, places where the kerf lies elsewhere.
+  std::size_t light{};     ///< Places that are burnt in the one and not, or less, in the other.
+  std::size_t place{};     ///< Places where the kerf lies elsewhere.
   /// The first of either kind.
   int entity{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};
