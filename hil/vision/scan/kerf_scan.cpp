@@ -45,6 +45,12 @@ constexpr double kFalseMisfits = 5e-4;
 /// What a picture may leave of a mark's place, besides noise; one standard deviation per axis.
 constexpr double kLeastMark_mm = 1e-3;
 
+/// A place on the sheet for people; what is rounded to zero has no sign.
+std::string shown(const Eigen::Vector2d& p_mm) {
+  const auto hundredths = [](double mm) { return std::round(100.0 * mm) / 100.0 + 0.0; };
+  return fmt::format("x {:.2f} y {:.2f} mm", hundredths(p_mm.x()), hundredths(p_mm.y()));
+}
+
 /// A mark that contradicts the others: somebody measured from it, or the print is not what the scenario says.
 std::optional<std::string> misfitProblem(const UnitPlace& place, const PrintLayout& print,
                                          const CameraCalibration& calibration) {
@@ -62,10 +68,8 @@ std::optional<std::string> misfitProblem(const UnitPlace& place, const PrintLayo
         "its {} registration marks lie to each other {:.4f} mm off from how the print has them; {}",
         pairs.size(), misfit->off_mm, allowed);
   const std::size_t mark = place.seen[misfit->pair].mark;
-  const Eigen::Vector2d& p_mm = print.marks[mark].p_SM_mm;
-  return fmt::format(
-      "registration mark {} (x {:.2f} y {:.2f} mm) lies {:.4f} mm from where the {} others put it; {}",
-      mark + 1, p_mm.x(), p_mm.y(), misfit->off_mm, pairs.size() - 1, allowed);
+  return fmt::format("registration mark {} ({}) lies {:.4f} mm from where the {} others put it; {}", mark + 1,
+                     shown(print.marks[mark].p_SM_mm), misfit->off_mm, pairs.size() - 1, allowed);
 }
 
 /// Evidence that contradicts itself.
@@ -73,9 +77,9 @@ std::string problemOf(const TileContradictions& found) {
   return fmt::format(
       "pictures contradict each other at {} of {} places that two of them show: at {} the light differs, at "
       "{} "
-      "the place of the kerf; the first is E{} at x {:.2f} y {:.2f} mm, in its pictures {} and {}",
-      found.count(), found.compared, found.light, found.place, found.entity, found.p_S_mm.x(),
-      found.p_S_mm.y(), found.tile + 1, found.other + 1);
+      "the place of the kerf; the first is E{} at {}, in its pictures {} and {}",
+      found.count(), found.compared, found.light, found.place, found.entity, shown(found.p_S_mm),
+      found.tile + 1, found.other + 1);
 }
 
 /// Worst first, over all units; the offset is read back from the entities.

@@ -23,16 +23,30 @@ constexpr double kDepthShare = 0.04;
 constexpr double kLeastLightShare = 0.5;
 constexpr double kMostLightApart = 0.08;
 
-bool lightContradicts(const KerfReading& one, const KerfReading& two) {
-  const double weaker = std::min(one.brightness, two.brightness);
-  const double stronger = std::max(one.brightness, two.brightness);
-  return stronger - weaker > kMostLightApart && weaker < kLeastLightShare * stronger;
+/// Share of a caliper's reach within which a kerf is surely the one that lies nearest in any picture. One
+/// that lies farther off, of a job that is cut elsewhere, may be cut off by the caliper's end in one of two
+/// pictures.
+constexpr double kNearShare = 0.5;
+
+/// Brightness from which on a line is more than a trace, whose place scatters by more than its pixels tell.
+constexpr double kTrace = 0.15;
+
+bool isNear(const KerfReading& reading, const KerfScanOptions& options) {
+  return reading.found && std::abs(reading.offset_mm) <= kNearShare * options.reach_mm;
+}
+
+bool lightContradicts(const KerfReading& one, const KerfReading& two, const KerfScanOptions& options) {
+  const KerfReading& weaker = one.brightness < two.brightness ? one : two;
+  const KerfReading& stronger = &weaker == &one ? two : one;
+  return isNear(stronger, options) && stronger.brightness - weaker.brightness > kMostLightApart &&
+         weaker.brightness < kLeastLightShare * stronger.brightness;
 }
 
 /// `slope`: CameraCalibration::sightSlope across the kerf in the second picture less that in the first.
 bool placeContradicts(const KerfReading& one, const KerfReading& two, double slope, const SightDepth& depth,
                       const KerfScanOptions& options) {
-  if (!one.found || !two.found) return false;
+  if (!isNear(one, options) || !isNear(two, options)) return false;
+  if (std::min(one.brightness, two.brightness) < kTrace) return false;
   const double noise_mm = std::hypot(one.noise_mm, two.noise_mm, kLeastApart_mm);
   if (!std::isfinite(noise_mm)) return false;
   const double by_depth_mm =
@@ -65,7 +79,7 @@ TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene,
         const KerfReading other = loneReading(scene, *seeing[i], window);
         const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
         ++out.compared;
-        const bool light = lightContradicts(used, other);
+        const bool light = lightContradicts(used, other, scene.options);
         if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
         if (out.count() == 0) {
           out.entity = entity.entity;
