@@ -52,8 +52,8 @@ inspect::Verdict kerfVerdict(inspect::InspectionResult& result) {
     return problem == "The spot camera gave no frame." ||
            problem == "There is no calibration of the spot camera.";
   });
-  constexpr std::array<std::string_view, 8> kOwn{"path",  "coverage",   "depth",        "perforation",
-                                                 "stray", "kerf_width", "laser_timing", "joints"};
+  constexpr std::array<std::string_view, 9> kOwn{
+      "path", "coverage", "bridges", "depth", "perforation", "stray", "kerf_width", "laser_timing", "joints"};
   std::erase_if(result.checks,
                 [&](const inspect::Check& c) { return std::ranges::find(kOwn, c.name) == kOwn.end(); });
   result.verdict = inspect::combine(result.checks, result.problems.empty());

@@ -123,7 +123,8 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
                            checks::spotPathCheck(evidence, limits, m.lit),
                            checks::repeatCheck(evidence, limits, m.lit, result.entities),
                            checks::dwellCheck(evidence, limits, m.lit)};
-  std::vector<Finding> form{checks::depthCheck(evidence, limits),
+  std::vector<Finding> form{checks::bridgesCheck(evidence, limits),
+                            checks::depthCheck(evidence, limits),
                             checks::evenDepthCheck(evidence, limits),
                             checks::orderedDepthCheck(evidence, limits),
                             checks::perforationCheck(evidence, limits),

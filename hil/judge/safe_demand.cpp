@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -106,12 +108,23 @@ class DemandWriter {
         break;
       case Cause::kHostStarves:
         write("the last step came of what the host has sent", {"dry"});
-        demand_.cause_s = pins_.pulse_s(job_.starved_pul, job_.starved_pulses);
+        demand_.cause_s = lastSent_s();
         demand_.window_s = period_s_;
         break;
       default:
         break;
     }
+  }
+
+  /// When the last step of any axis came that the host has sent; NaN if one never came.
+  [[nodiscard]] double lastSent_s() const {
+    double last_s = job_.starved.empty() ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+    for (const run::AxisPulses& axis : job_.starved) {
+      const double own_s = pins_.pulse_s(axis.pul, axis.count);
+      last_s = std::isnan(own_s) || std::isnan(last_s) ? std::numeric_limits<double>::quiet_NaN()
+                                                       : std::max(last_s, own_s);
+    }
+    return last_s;
   }
 
   void writeBelt() {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "hil/dieline/geometry.h"
+#include "hil/inspect/evidence/places.h"
 #include "hil/report/html_text.h"
 #include "twin/base/image.h"
 
@@ -227,10 +228,10 @@ std::string worstPlaces(const RunReport& report) {
     html += fmt::format(
         "<figure><svg class=patch viewBox='-0.5 -0.5 {} {}' role=img aria-label='Place {}'><image class=px "
         "x=-0.5 y=-0.5 "
-        "width={} height={} href='{}'/>{}</svg><figcaption><b>{}</b> unit {}, E{}{}<br>x {:.2f}, y {:.2f} "
-        "mm</figcaption></figure>",
+        "width={} height={} href='{}'/>{}</svg><figcaption><b>{}</b> unit {}, E{}{}<br>{}"
+        "</figcaption></figure>",
         w, h, i + 1, w, h, pngDataUri(*patch.image), lines, i + 1, patch.unit, patch.entity, worst,
-        patch.p_S_mm.x(), patch.p_S_mm.y());
+        inspect::checks::placeOf(patch.p_S_mm));
   }
   if (html.empty()) return {};
   return "<div class=patches>" + html +

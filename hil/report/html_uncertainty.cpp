@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/inspect/evidence/places.h"
 #include "hil/report/html_text.h"
 
 namespace kerfbench::report {
@@ -80,10 +81,10 @@ std::string jointTable(const std::vector<inspect::JointResult>& joints) {
       "<h3>Corners and ends</h3><table><thead><tr><th>What<th>Where<th class=num>µm</tr></thead><tbody>";
   for (std::size_t i = 0; i < std::min(rows.size(), kMaxJoints); ++i) {
     const inspect::JointResult& j = *rows[i];
-    html += fmt::format("<tr><td>{}<td>unit {}, E{}{} at x {:.2f}, y {:.2f} mm<td class=num>{}</tr>",
-                        plainName(j.kind), j.unit, j.entity,
-                        j.entity_out != j.entity ? fmt::format(" to E{}", j.entity_out) : std::string(),
-                        j.p_S_mm.x(), j.p_S_mm.y(), withU(j.mm));
+    html +=
+        fmt::format("<tr><td>{}<td>unit {}, E{}{} at {}<td class=num>{}</tr>", plainName(j.kind), j.unit,
+                    j.entity, j.entity_out != j.entity ? fmt::format(" to E{}", j.entity_out) : std::string(),
+                    inspect::checks::placeOf(j.p_S_mm), withU(j.mm));
   }
   html += "</tbody></table>";
   if (rows.size() > kMaxJoints) {

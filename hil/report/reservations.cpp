@@ -24,6 +24,7 @@ constexpr std::array kLimits{
     Limit{"path_mm", "mm", [](const Tolerances& t) { return t.path_mm; }},
     Limit{"stillness_mm", "mm", [](const Tolerances& t) { return t.stillness_mm; }},
     Limit{"uncut_mm", "mm", [](const Tolerances& t) { return t.uncut_mm; }},
+    Limit{"uncut_share", "", [](const Tolerances& t) { return t.uncut_share; }},
     Limit{"cut_through_mm", "mm", [](const Tolerances& t) { return t.cut_through_mm; }},
     Limit{"kerf_width_mm", "mm", [](const Tolerances& t) { return t.kerf_width_mm; }},
     Limit{"perforation.limit_mm", "mm", [](const Tolerances& t) { return t.perforation.limit_mm; }},

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "firmware_under_test/controller/protocol.h"
 #include "firmware_under_test/planner/program/link.h"
@@ -50,18 +52,39 @@ int stepsIn(const std::vector<std::uint8_t>& op, int axis) {
   return static_cast<std::int8_t>(op[1 + static_cast<std::size_t>(before)]);
 }
 
-// Cuts the program off behind a lit move across the belt, so that its last steps tell where it ends.
-void starve(planner::Program& program, double share, int axis, PreparedJob& job) {
+// The axis that an operation lets follow the belt.
+std::optional<int> followerIn(const std::vector<std::uint8_t>& op) {
+  if (op[0] != KB_OP_FOLLOW || op[1] == 0) return std::nullopt;
+  return op[1] - 1;
+}
+
+// Cuts the program off behind a lit move of this axis, so that its last steps tell where it ends.
+void cutOff(planner::Program& program, double share, int axis) {
   constexpr int kManySteps = 4;
   const auto from = static_cast<std::size_t>(share * static_cast<double>(program.ops.size()));
-  for (std::size_t i = 0; i < program.ops.size(); ++i) {
-    const int steps = std::abs(stepsIn(program.ops[i], axis));
-    job.starved_pulses += steps;
-    if (i < from || steps < kManySteps || (program.ops[i][0] & KB_OP_POWER) == 0) continue;
+  for (std::size_t i = from; i < program.ops.size(); ++i) {
+    if (std::abs(stepsIn(program.ops[i], axis)) < kManySteps || (program.ops[i][0] & KB_OP_POWER) == 0)
+      continue;
     program.ops.resize(i + 1);
     return;
   }
   throw planner::PlanError("provoke.host_starves_after_share: no lit move across the belt after it");
+}
+
+std::vector<AxisPulses> pulsesOf(const planner::Program& program) {
+  constexpr std::array<Signal, KB_AXES> kPuls{Signal::kGalvoXPul, Signal::kGalvoYPul, Signal::kGantryXPul,
+                                              Signal::kGantryYPul, Signal::kFeedPul};
+  std::array<long long, KB_AXES> counts{};
+  std::array<bool, KB_AXES> follows{};
+  for (const auto& op : program.ops) {
+    if (const auto axis = followerIn(op)) follows.at(static_cast<std::size_t>(*axis)) = true;
+    for (int axis = 0; axis < KB_AXES; ++axis)
+      counts.at(static_cast<std::size_t>(axis)) += std::abs(stepsIn(op, axis));
+  }
+  std::vector<AxisPulses> pulses;
+  for (std::size_t axis = 0; axis < KB_AXES; ++axis)
+    if (counts.at(axis) > 0 && !follows.at(axis)) pulses.push_back({kPuls.at(axis), counts.at(axis)});
+  return pulses;
 }
 
 }  // namespace
@@ -99,8 +122,8 @@ PreparedJob prepareJob(const scenario::Case& test_case) {
   const scenario::ProvokeChoice& provoke = test_case.scenario.provoke;
   if (provoke.cause == scenario::ProvokeChoice::Cause::kHostStarves) {
     const bool gantry = machine.head == planner::MachineParameters::Head::kGantry;
-    job.starved_pul = gantry ? Signal::kGantryYPul : Signal::kGalvoYPul;
-    starve(plan.program, provoke.share, gantry ? KB_GANTRY_Y : KB_GALVO_Y, job);
+    cutOff(plan.program, provoke.share, gantry ? KB_GANTRY_Y : KB_GALVO_Y);
+    job.starved = pulsesOf(plan.program);
   }
   job.dialog = std::make_unique<TalkerDialog<planner::Link>>(planner::Link(std::move(plan.program)));
   return job;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "firmware_under_test/planner/job/target.h"
 #include "hil/run/dialog.h"
@@ -10,6 +12,12 @@
 
 namespace kerfbench::run {
 
+/// Pulses of one axis in a program.
+struct AxisPulses {
+  Signal pul{};
+  long long count{};
+};
+
 /// A job ready to be sent, and what is worth telling of it.
 struct PreparedJob {
   std::unique_ptr<Dialog> dialog;
@@ -17,10 +25,11 @@ struct PreparedJob {
   std::string gcode;    ///< For the results folder.
   /// What the image says of itself; empty if it is not the reference controller's.
   std::string controller{};
-  planner::Target target;              ///< Controller for which the job was planned.
-  double belt_stop_mm_s{};             ///< As the planner has told the controller.
-  Signal starved_pul{Signal::kCount};  ///< Where the host starves: an axis that follows nothing,
-  long long starved_pulses{};          ///< Pulses of starved_pul in what the host has.
+  planner::Target target;   ///< Controller for which the job was planned.
+  double belt_stop_mm_s{};  ///< As the planner has told the controller.
+  /// Where the host starves: all pulses in what it has of each axis that moves and never follows the belt.
+  /// One that does makes more.
+  std::vector<AxisPulses> starved{};
 };
 
 /// Plans the job (reference controller) or reads the G-code (line-and-ok firmware). No dialog for a job that

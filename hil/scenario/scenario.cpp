@@ -80,6 +80,7 @@ inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) 
   read("path_mm", 0.001, 10, tolerances.path_mm);
   read("stillness_mm", 0.001, 10, tolerances.stillness_mm);
   read("uncut_mm", 0.05, 100, tolerances.uncut_mm);
+  read("uncut_share", 1e-4, 1, tolerances.uncut_share);
   read("cut_through_mm", 0.05, 100, tolerances.cut_through_mm);
   read("kerf_width_mm", 0.001, 10, tolerances.kerf_width_mm);
   read("even_depth_share", 0, 1, tolerances.even_depth_share);

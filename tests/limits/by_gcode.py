@@ -85,6 +85,22 @@ def hole(size_mm, entity=ASKEW):
     return edited(entity, change)
 
 
+def bridges(share):
+    """Four bridges in a side of the outline; all but one of them are this share of its length."""
+    def change(mark):
+        a, b = (0, 15), (-50, 15)
+        at = mark.points.index(a)
+        if mark.points[at + 1:at + 2] != [b]:
+            raise ValueError("the side is not cut from right to left")
+        half = 0.5 * share / 3.0
+        ends = [along(a, b, 0.2 * i + sign * half) for i in range(1, 5) for sign in (-1, 1)]
+        parts = [mark.points[:at + 1] + ends[:1]]
+        parts += [ends[i:i + 2] for i in range(1, len(ends) - 1, 2)]
+        parts.append(ends[-1:] + mark.points[at + 1:])
+        return [Mark(OUTLINE, points) for points in parts]
+    return edited(OUTLINE, change)
+
+
 def crease_in_three(middle_mm, z):
     """The crease with another depth in its middle."""
     def change(mark):
@@ -193,5 +209,5 @@ def points_swapped(passes):
 def off_for_camera(size_mm):
     """The job is displaced, where only the spot's own limit is tight: path_mm and 0.012."""
     job = all_moved(lambda p: (p[0], p[1] + size_mm))
-    job.keys = "checks: {path_mm: 0.1, gate_lag_ms: 100}\n"  # A line that lies farther on seems to begin sooner.
+    job.keys = "checks: {path_mm: 0.1}\n"
     return job

@@ -36,6 +36,7 @@ FAULTS = [
     Fault("bridge", "coverage", 0.15, "mm", gcode.hole, "a bridge in a line"),
     Fault("bridge-across", "coverage", 0.15, "mm", lambda s: gcode.hole(s, ACROSS),
           "a bridge in a line across the belt"),
+    Fault("bridges", "bridges", 0.005, "", gcode.bridges, "four bridges in a side of the outline"),
     Fault("cut-through", "depth", 0.15, "mm", gcode.crease_cut_through, "a piece of a crease is cut through"),
     Fault("stray", "stray", 0.5, "mm", gcode.stray, "a cut where nothing is drawn"),
     Fault("again", "repeat", 1.5, "", gcode.cut_again, "a line is cut again"),

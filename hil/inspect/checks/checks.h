@@ -80,6 +80,8 @@ std::vector<std::string> kerfProblems(const Evidence& evidence);
 Check pathCheck(const Evidence& evidence, const Tolerances& limits, const DeviationResult& deviations);
 Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities);
+/// Bridges of a cut, or of cuts that hang together, as a share of their length; the longest is coverage's.
+Finding bridgesCheck(const Evidence& evidence, const Tolerances& limits);
 Finding depthCheck(const Evidence& evidence, const Tolerances& limits);
 /// Creases and half-cuts are as deep everywhere, by the light that comes through.
 Finding evenDepthCheck(const Evidence& evidence, const Tolerances& limits);

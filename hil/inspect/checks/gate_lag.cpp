@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/checks/start_place.h"
 #include "hil/inspect/evidence/extreme.h"
 #include "twin/base/statistics.h"
 
@@ -40,28 +42,39 @@ constexpr double kShortest_mm = 1.0;
 constexpr double kFarthestLag_s = 0.05;
 
 struct Start {
-  double lag_s{};  ///< Gate minus the instant at which the beam set off; > 0: the gate is late.
-  double sigma_s{};
+  double lag_s{};         ///< Gate minus the instant at which the beam set off; > 0: the gate is late.
+  double sigma_s{};       ///< Standard uncertainty by the frames.
+  double rest_sigma_s{};  ///< The same by where the beam rested before.
   int unit{};
   int entity{};
   double on_s{};
 };
 
-/// Arc length between an end of the curve (u = 0 or 1) and the place nearest to p.
+/// Arc length from an end of the curve (u = 0 or 1) inwards to the place nearest to p. Before that end, as
+/// far before it along its tangent: < 0.
 double wayFromEnd(const dieline::Curve& curve, bool from_start, const Eigen::Vector2d& p_mm) {
   constexpr int kPieces = 32;
   const double end = from_start ? 0.0 : 1.0;
-  const double span = dieline::nearestOn(curve, p_mm).u - end;
+  double span = dieline::nearestOn(curve, p_mm).u - end;
+  // On a closed curve what lies before its start is nearest to its end.
+  const bool before = dieline::isClosed(curve) && std::abs(span) > 0.5;
+  if (before) span += from_start ? -1.0 : 1.0;
+  const Eigen::Vector2d end_mm = dieline::pointAt(curve, end);
+  if (span == 0.0) {
+    const Eigen::Vector2d inward = (from_start ? 1.0 : -1.0) * dieline::tangentAt(curve, end);
+    return std::min(0.0, inward.dot(p_mm - end_mm));
+  }
   // Over the two millimetres that count, chords this short differ from the arc by far less than the camera
   // sees; round a whole circle they do not.
   double way_mm = 0.0;
-  Eigen::Vector2d last = dieline::pointAt(curve, end);
+  const double from = before ? 1.0 - end : end;
+  Eigen::Vector2d last = end_mm;
   for (int i = 1; i <= kPieces; ++i) {
-    const Eigen::Vector2d next = dieline::pointAt(curve, end + span * i / kPieces);
+    const Eigen::Vector2d next = dieline::pointAt(curve, from + span * i / kPieces);
     way_mm += (next - last).norm();
     last = next;
   }
-  return way_mm;
+  return before ? -way_mm : way_mm;
 }
 
 /// The frames of one gate interval that lie on the entity with which it begins, in order of time. Not one
@@ -76,6 +89,24 @@ std::vector<const LitFrame*> framesOf(const LitFrames& lit, const GateInterval& 
     frames.push_back(&frame);
   }
   return frames;
+}
+
+/// Whether the beam runs from u = 0 on; else from u = 1. On an open curve its way from the first frame tells,
+/// on a closed one, whose ends are one place, the side of that place on which it comes clear of it.
+bool runsForward(const dieline::Curve& curve, const std::vector<const LitFrame*>& frames) {
+  const double length_mm = dieline::lengthOf(curve);
+  const bool closed = dieline::isClosed(curve);
+  const auto uOf = [&](const LitFrame& frame) {
+    const double u = dieline::nearestOn(curve, frame.p_S_mm).u;
+    return closed && u > 0.5 ? u - 1.0 : u;
+  };
+  const double from_u = closed ? 0.0 : uOf(*frames.front());
+  const double clear_mm = closed ? kReach_mm : kNearest_mm;
+  for (const LitFrame* frame : frames) {
+    const double u = uOf(*frame) - from_u;
+    if (std::abs(u) * length_mm > clear_mm) return u > 0.0;
+  }
+  return uOf(*frames.back()) > from_u;
 }
 
 /// Whether the cut may have begun on another line than `used`, from whose start (u = 0 or 1) the beam is seen
@@ -103,7 +134,7 @@ bool beginsElsewhere(const Evidence& evidence, const LitFrames& lit, const GateI
 /// time that meets zero at t0.
 struct Place {
   double t_s{};     ///< Since the gate opened.
-  double way_mm{};  ///< From the start of the line.
+  double way_mm{};  ///< From the nominal start of the line; < 0 before it.
   double sigma_mm{};
 };
 
@@ -111,19 +142,22 @@ struct Fit {
   double t0_s{};
   double sigma_s{};
   double chi_square{std::numeric_limits<double>::infinity()};
+  double gate_way_mm{};  ///< From where the beam rested to where it was when the gate opened.
 };
 
-/// Weighted least squares over the places beyond kNearest_mm; those before must fit in as well.
-Fit fitMotion(const std::vector<Place>& places, double power) {
+/// Weighted least squares over the places beyond kNearest_mm from where the beam rested; those before must
+/// fit in as well. `rest_mm`: that place, from the nominal start of the line.
+Fit fitMotion(const std::vector<Place>& places, double power, double rest_mm) {
   double sw = 0, st = 0, sy = 0, stt = 0, sty = 0;
+  const auto wayOf = [&](const Place& p) { return p.way_mm - rest_mm; };
   const auto weightOf = [&](const Place& p) {
-    const double slope = power * std::pow(p.way_mm, 1.0 - 1.0 / power) / p.sigma_mm;
+    const double slope = power * std::pow(wayOf(p), 1.0 - 1.0 / power) / p.sigma_mm;
     return slope * slope;
   };
   for (const Place& p : places) {
-    if (p.way_mm < kNearest_mm) continue;
+    if (wayOf(p) < kNearest_mm) continue;
     const double weight = weightOf(p);
-    const double y = std::pow(p.way_mm, 1.0 / power);
+    const double y = std::pow(wayOf(p), 1.0 / power);
     sw += weight;
     st += weight * p.t_s;
     sy += weight * y;
@@ -134,14 +168,14 @@ Fit fitMotion(const std::vector<Place>& places, double power) {
   const double slope = (sw * sty - st * sy) / determinant;
   const double offset = (stt * sy - st * sty) / determinant;
   if (!(slope > 0)) return {};
-  Fit fit{-offset / slope, 0.0, 0.0};
+  Fit fit{-offset / slope, 0.0, 0.0, std::pow(std::max(offset, 0.0), power)};
   for (const Place& p : places) {
     const double expected = std::max(offset + slope * p.t_s, 0.0);
-    if (p.way_mm < kNearest_mm) {
-      const double off = (p.way_mm - std::pow(expected, power)) / p.sigma_mm;
+    if (wayOf(p) < kNearest_mm) {
+      const double off = (wayOf(p) - std::pow(expected, power)) / p.sigma_mm;
       fit.chi_square += off * off;
     } else {
-      const double off = std::pow(p.way_mm, 1.0 / power) - offset - slope * p.t_s;
+      const double off = std::pow(wayOf(p), 1.0 / power) - offset - slope * p.t_s;
       fit.chi_square += weightOf(p) * off * off;
     }
   }
@@ -154,12 +188,12 @@ Fit fitMotion(const std::vector<Place>& places, double power) {
 /// Chi square of a beam that comes out of a jump without a stop: it meets the start of the line at a speed of
 /// its own, which then changes, s = v (t - t0) + a (t - t0)² / 2. Rest and full speed are limits of it, late
 /// or not.
-double chiSquareThrough(const std::vector<Place>& places) {
+double chiSquareThrough(const std::vector<Place>& places, double rest_mm) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double square = 0.0;
   for (const Place& p : places) {
-    if (p.way_mm < kNearest_mm) continue;
+    if (p.way_mm - rest_mm < kNearest_mm) continue;
     const Eigen::Vector3d row = Eigen::Vector3d(1.0, p.t_s, p.t_s * p.t_s) / p.sigma_mm;
     normal += row * row.transpose();
     right += row * (p.way_mm / p.sigma_mm);
@@ -168,51 +202,121 @@ double chiSquareThrough(const std::vector<Place>& places) {
   return square - right.dot(normal.ldlt().solve(right));
 }
 
-std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
-                                 const GateInterval& gate) {
+/// A start with where the beam rested before it.
+struct Rested {
+  StartPlace rest;
+  Fit fit;
+};
+
+/// The start, with the place of rest that agrees best with what is known of it, and with where the kerf
+/// begins: there the beam was when the gate opened, or there it rested if it had not yet set off.
+Rested restedFit(const std::vector<Place>& places, double power, const StartPlace& known,
+                 const std::optional<StartPlace>& kerf) {
+  if (!kerf) return {known, fitMotion(places, power, known.mm)};
+  constexpr int kSteps = 200;
+  constexpr double kSigmas = 3.0;
+  const auto kerfAt = [&](double rest_mm) { return rest_mm + fitMotion(places, power, rest_mm).gate_way_mm; };
+  // The farther inside the beam rested, the farther inside the kerf begins, but by no more than that.
+  const double low_mm = std::min(known.mm, kerf->mm) - kSigmas * (known.sigma_mm + kerf->sigma_mm);
+  const double high_mm = std::max(known.mm, kerf->mm) + kSigmas * (known.sigma_mm + kerf->sigma_mm);
+  StartPlace rest = known;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSteps; ++i) {
+    const double rest_mm = std::lerp(low_mm, high_mm, static_cast<double>(i) / kSteps);
+    const double square = std::pow((rest_mm - known.mm) / known.sigma_mm, 2) +
+                          std::pow((kerfAt(rest_mm) - kerf->mm) / kerf->sigma_mm, 2);
+    if (square < least) {
+      least = square;
+      rest.mm = rest_mm;
+    }
+  }
+  // At full speed at once a gate that opens later moves the begin of the kerf as a place farther inside does:
+  // then it tells nothing. Where either may be, the smaller slope counts.
+  const double step_mm = known.sigma_mm;
+  const double here_mm = kerfAt(rest.mm);
+  const double slope = std::clamp(
+      std::min(kerfAt(rest.mm + step_mm) - here_mm, here_mm - kerfAt(rest.mm - step_mm)) / step_mm, 0.0, 1.0);
+  rest.sigma_mm = 1.0 / std::hypot(1.0 / known.sigma_mm, slope / kerf->sigma_mm);
+  return {rest, fitMotion(places, power, rest.mm)};
+}
+
+/// Standard uncertainty of the instant by where the beam rested.
+double restSigma_s(const std::vector<Place>& places, double power, const StartPlace& rest) {
+  const double later_s = fitMotion(places, power, rest.mm + rest.sigma_mm).t0_s;
+  const double sooner_s = fitMotion(places, power, rest.mm - rest.sigma_mm).t0_s;
+  return 0.5 * std::abs(later_s - sooner_s);
+}
+
+/// What tells where a beam rested before it set off.
+struct RestEvidence {
+  std::vector<JointResult> joints;
+  Displacements displacements;
+};
+
+/// The first stretch of a cut, as seen.
+struct SeenStart {
+  const LitFrame* first{};
+  std::vector<Place> places;
+  StartPlace known;
+  std::optional<StartPlace> kerf;
+};
+
+std::optional<SeenStart> seenWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
+                                    const RestEvidence& rest, const GateInterval& gate) {
   const auto frames = framesOf(lit, gate);
   if (frames.size() < kMinLagFrames) return std::nullopt;
   const LitFrame& first = *frames.front();
-  const dieline::Entity& entity = evidence.dieline->entities[static_cast<std::size_t>(first.entity)];
+  const dieline::Entity& entity = entityOf(evidence, first.entity);
   // The teeth of a perforation begin in full run.
   if (entity.process == dieline::Process::kPerforation) return std::nullopt;
   const dieline::Curve& curve = entity.curve;
-  const double length_mm = dieline::lengthOf(curve);
-  // From which end: the way must grow. On a closed curve both ends are one place.
-  const double third_u = dieline::nearestOn(curve, frames[2]->p_S_mm).u;
-  const bool forward =
-      dieline::isClosed(curve) ? third_u < 0.5 : third_u > dieline::nearestOn(curve, first.p_S_mm).u;
-  if (beginsElsewhere(evidence, lit, gate, first, forward ? 0.0 : 1.0)) return std::nullopt;
+  const bool forward = runsForward(curve, frames);
+  const double start_u = forward ? 0.0 : 1.0;
+  if (beginsElsewhere(evidence, lit, gate, first, start_u)) return std::nullopt;
   // A line that ends in a corner is braked from its middle on.
-  const double farthest_mm = std::min(stretch_mm, 0.4 * length_mm);
-  std::vector<Place> places;
-  std::size_t fitted = 0;
+  const double farthest_mm = std::min(stretch_mm, 0.4 * dieline::lengthOf(curve));
+  SeenStart seen{&first, {}, {}, kerfStart(rest.joints, first.unit, first.entity, forward)};
   for (const LitFrame* frame : frames) {
     const double way_mm = wayFromEnd(curve, forward, frame->p_S_mm);
-    if (way_mm > farthest_mm) continue;
+    if (way_mm > farthest_mm) break;
     const double sigma_mm = std::hypot(frame->sigma_mm, kRoughness_mm);
-    places.push_back({frame->time_s - gate.on_s, way_mm, sigma_mm});
-    fitted += way_mm >= kNearest_mm ? 1 : 0;
+    seen.places.push_back({frame->time_s - gate.on_s, way_mm, sigma_mm});
   }
-  if (fitted < kMinLagFrames) return std::nullopt;
-  const Fit ramp = fitMotion(places, 2.0);
-  const Fit dash = fitMotion(places, 1.0);
-  // How fast it came is not known well enough to say when; the kerf's own ends tell of a late gate there.
-  if (chiSquareThrough(places) + kClearlyBetter < std::min(ramp.chi_square, dash.chi_square))
-    return std::nullopt;
-  // A start with limited jerk, s ~ t³, passes for an even one where few frames saw it, with a wrong t0.
-  if (fitMotion(places, 3.0).chi_square < std::min(ramp.chi_square, dash.chi_square)) return std::nullopt;
-  const double worst_chi_square = kMaxChiSquare * static_cast<double>(fitted - 2);
-  // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
-  if ((ramp.chi_square <= worst_chi_square) == (dash.chi_square <= worst_chi_square)) return std::nullopt;
-  const Fit& better = dash.chi_square < ramp.chi_square ? dash : ramp;
-  if (std::abs(better.t0_s) > kFarthestLag_s) return std::nullopt;
-  return Start{-better.t0_s, better.sigma_s, first.unit, first.entity, gate.on_s};
+  const Eigen::Vector2d inward = (forward ? 1.0 : -1.0) * dieline::tangentAt(curve, start_u);
+  seen.known = rest.displacements.along(first.unit, inward);
+  return seen;
 }
 
-std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const GateInterval& gate) {
+std::optional<Start> startWithin(double stretch_mm, const Evidence& evidence, const LitFrames& lit,
+                                 const RestEvidence& rest, const GateInterval& gate) {
+  const auto seen = seenWithin(stretch_mm, evidence, lit, rest, gate);
+  if (!seen) return std::nullopt;
+  const std::vector<Place>& places = seen->places;
+  const Rested ramp = restedFit(places, 2.0, seen->known, seen->kerf);
+  const Rested dash = restedFit(places, 1.0, seen->known, seen->kerf);
+  const bool dashes = dash.fit.chi_square < ramp.fit.chi_square;
+  const Rested& better = dashes ? dash : ramp;
+  const double rest_mm = better.rest.mm;
+  const auto fitted = static_cast<std::size_t>(
+      std::ranges::count_if(places, [&](const Place& p) { return p.way_mm - rest_mm >= kNearest_mm; }));
+  if (fitted < kMinLagFrames) return std::nullopt;
+  // How fast it came is not known well enough to say when; the kerf's own ends tell of a late gate there.
+  if (chiSquareThrough(places, rest_mm) + kClearlyBetter < better.fit.chi_square) return std::nullopt;
+  // A start with limited jerk, s ~ t³, passes for an even one where few frames saw it, with a wrong t0.
+  if (fitMotion(places, 3.0, rest_mm).chi_square < better.fit.chi_square) return std::nullopt;
+  const double worst_chi_square = kMaxChiSquare * static_cast<double>(fitted - 2);
+  // Where both fit, too little was seen to say how the beam set off, and they disagree on when.
+  if ((ramp.fit.chi_square <= worst_chi_square) == (dash.fit.chi_square <= worst_chi_square))
+    return std::nullopt;
+  if (std::abs(better.fit.t0_s) > kFarthestLag_s) return std::nullopt;
+  return Start{-better.fit.t0_s,  better.fit.sigma_s,  restSigma_s(places, dashes ? 1.0 : 2.0, better.rest),
+               seen->first->unit, seen->first->entity, gate.on_s};
+}
+
+std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, const RestEvidence& rest,
+                             const GateInterval& gate) {
   for (const double stretch_mm : kFarthest_mm) {
-    if (const auto start = startWithin(stretch_mm, evidence, lit, gate)) return start;
+    if (const auto start = startWithin(stretch_mm, evidence, lit, rest, gate)) return start;
   }
   return std::nullopt;
 }
@@ -221,15 +325,19 @@ std::optional<Start> startOf(const Evidence& evidence, const LitFrames& lit, con
 
 Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   Check check{.name = "gate_lag", .title = "The laser comes on as the beam sets off", .unit = "ms"};
+  std::vector<JointResult> joints = measureJoints(evidence);
+  Displacements displacements(evidence, joints, limits, lit);
+  const RestEvidence rest{std::move(joints), std::move(displacements)};
   std::vector<Start> starts;
   for (const GateInterval& gate : evidence.gates) {
-    const auto start = startOf(evidence, lit, gate);
+    const auto start = startOf(evidence, lit, rest, gate);
     if (!start) continue;
     // A start that few frames saw is known too loosely to prove anything, unless it is far off.
     const bool usable =
         start->sigma_s <= 0.2 * limits.gate_lag_s && evidence.clock_bound_s <= 0.5 * limits.gate_lag_s;
-    const bool far_off =
-        std::abs(start->lag_s) - 4.0 * start->sigma_s - evidence.clock_bound_s > limits.gate_lag_s;
+    const bool far_off = std::abs(start->lag_s) - 4.0 * std::hypot(start->sigma_s, start->rest_sigma_s) -
+                             evidence.clock_bound_s >
+                         limits.gate_lag_s;
     if (usable || far_off) starts.push_back(*start);
   }
   if (starts.empty())
@@ -242,7 +350,7 @@ Finding gateLagCheck(const Evidence& evidence, const Tolerances& limits, const L
   ExtremeEstimate extreme(starts.size());
   std::vector<double> lags_ms;
   for (const Start& s : starts) {
-    extreme.add(1e3 * s.lag_s, std::hypot(1e3 * s.sigma_s, 1e3 * evidence.pin_u_s));
+    extreme.add(1e3 * s.lag_s, 1e3 * std::hypot(s.sigma_s, s.rest_sigma_s, evidence.pin_u_s));
     lags_ms.push_back(1e3 * s.lag_s);
   }
   const Start& worst = *std::max_element(starts.begin(), starts.end(), [](const Start& a, const Start& b) {

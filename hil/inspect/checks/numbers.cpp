@@ -166,6 +166,7 @@ void addOrder(const Evidence& evidence, const Tolerances& limits, Numbers& n) {
   for (const double v : {limits.path_mm,
                          limits.stillness_mm,
                          limits.uncut_mm,
+                         limits.uncut_share,
                          limits.cut_through_mm,
                          limits.dwell_mm,
                          limits.kerf_width_mm,

@@ -42,6 +42,7 @@ struct Tolerances {
   double path_mm{0.05};  ///< Deviation of lines, corners and ends from the dieline.
   double stillness_mm{0.05};
   double uncut_mm{0.15};        ///< Longest piece of a line, away from its ends, that is not burnt.
+  double uncut_share{0.005};    ///< Largest share of a cut that many uncut pieces may make up together.
   double cut_through_mm{0.15};  ///< Longest piece of a crease or half-cut that is cut through.
   double kerf_width_mm{0.05};   ///< Largest change of an entity's width from the width usual for its process.
   double stray_mm{0.5};         ///< Longest stray cut allowed.

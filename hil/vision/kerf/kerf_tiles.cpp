@@ -17,6 +17,8 @@ constexpr double kSameMarkMm = 0.5;  // Largest distance of one mark in two tile
 constexpr double kTableShiftMm = 12.0;
 constexpr double kMaxTableAngleRad = 0.03;
 constexpr double kDisagreementMm = 0.1;
+/// A disc so near to where a mark should be is that mark, and lies elsewhere; see worstMisfit().
+constexpr double kFarthestMarkMm = 2.0;
 /// Marks of which one may have moved; more make the unit's place doubtful.
 constexpr std::size_t kMovedMarks = 4;
 constexpr double kMostCells = 256.0;  // Most cells of the index, each way.
@@ -45,6 +47,21 @@ std::vector<TableMark> uniqueMarks(const std::vector<TileView>& tiles) {
     }
   }
   return unique;
+}
+
+/// For each mark of the print the disc nearest to where it should be, if one lies near.
+std::vector<SeenMark> seenMarks(const std::vector<TableMark>& discs, const PrintLayout& print,
+                                const PlaneMotion& motion, double mark_sigma_mm) {
+  std::vector<SeenMark> seen;
+  for (std::size_t i = 0; i < print.marks.size(); ++i) {
+    const Eigen::Vector2d& p_mm = print.marks[i].p_SM_mm;
+    const Eigen::Vector2d expected_mm = motion * p_mm;
+    const auto nearest = std::ranges::min_element(
+        discs, {}, [&](const TableMark& disc) { return (disc.p_T_mm - expected_mm).squaredNorm(); });
+    if ((nearest->p_T_mm - expected_mm).norm() < kFarthestMarkMm)
+      seen.push_back({i, {p_mm, nearest->p_T_mm, std::hypot(nearest->sigma_mm, mark_sigma_mm)}});
+  }
+  return seen;
 }
 
 }  // namespace
@@ -99,16 +116,11 @@ std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const Til
                        std::to_string(found ? found->matched : 0) + " fit)");
     return std::nullopt;
   }
+  const std::vector<SeenMark> all = seenMarks(marks, print, found->motion, wanted.mark_sigma_mm);
   std::vector<MarkPair> pairs;
-  for (const RegistrationMark& mark : print.marks) {
-    const Eigen::Vector2d expected = found->motion * mark.p_SM_mm;
-    const auto nearest = std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) {
-      return (a - expected).squaredNorm() < (b - expected).squaredNorm();
-    });
-    if ((*nearest - expected).norm() < query.tolerance_mm) {
-      const auto at = static_cast<std::size_t>(nearest - seen.begin());
-      pairs.push_back({mark.p_SM_mm, *nearest, std::hypot(marks[at].sigma_mm, wanted.mark_sigma_mm)});
-    }
+  for (const SeenMark& mark : all) {
+    if ((mark.pair.q_mm - found->motion * mark.pair.p_mm).norm() < query.tolerance_mm)
+      pairs.push_back(mark.pair);
   }
   if (pairs.size() < 2) {
     problems.push_back(name + "fewer than two of its registration marks lie where the print has them");
@@ -129,7 +141,7 @@ std::optional<UnitPlace> placeUnit(const std::vector<TileView>& tiles, const Til
     problems.push_back(name + "only " + std::to_string(fit.pairs) + " of " + std::to_string(found->expected) +
                        " registration marks could be used");
   }
-  return UnitPlace{fit.motion, fit.rms_mm, fit.pairs, fit.covariance};
+  return UnitPlace{fit.motion, fit.rms_mm, fit.pairs, fit.covariance, all};
 }
 
 void shareLight(std::vector<TileView>& tiles) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -63,12 +64,20 @@ class TileIndex {
   std::vector<std::vector<std::uint32_t>> cells_;  ///< Tiles that may see a point of the cell.
 };
 
+/// A mark of the print that was seen.
+struct SeenMark {
+  std::size_t mark{};  ///< Index in PrintLayout::marks.
+  MarkPair pair;
+};
+
 /// Pose of one unit on the table.
 struct UnitPlace {
   PlaneMotion X_TS;
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< Covariance as UnitPose's.
+  /// All marks of the print that were seen, also those that the pose leaves out because they lie elsewhere.
+  std::vector<SeenMark> seen{};
 };
 
 /// The unit that is looked for.

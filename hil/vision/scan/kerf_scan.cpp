@@ -9,13 +9,17 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_pictures.h"
 #include "hil/vision/kerf/kerf_plan.h"
 #include "hil/vision/kerf/kerf_tiles.h"
+#include "hil/vision/marks/mark_misfit.h"
 #include "hil/vision/scan/kerf_unit.h"
 #include "hil/vision/scan/sight_pairs.h"
+#include "hil/vision/scan/tile_contradictions.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -34,6 +38,48 @@ void addUnseen(const KerfPlan& plan, int unit, KerfScan& scan) {
     }
     scan.entities.push_back(std::move(kerf));
   }
+}
+
+/// Chance that any mark of a good sheet is taken for one that lies elsewhere, in one run.
+constexpr double kFalseMisfits = 5e-4;
+/// What a picture may leave of a mark's place, besides noise; one standard deviation per axis.
+constexpr double kLeastMark_mm = 1e-3;
+
+/// A place on the sheet for people; what is rounded to zero has no sign.
+std::string shown(const Eigen::Vector2d& p_mm) {
+  const auto hundredths = [](double mm) { return std::round(100.0 * mm) / 100.0 + 0.0; };
+  return fmt::format("x {:.2f} y {:.2f} mm", hundredths(p_mm.x()), hundredths(p_mm.y()));
+}
+
+/// A mark that contradicts the others: somebody measured from it, or the print is not what the scenario says.
+std::optional<std::string> misfitProblem(const UnitPlace& place, const PrintLayout& print,
+                                         const CameraCalibration& calibration) {
+  if (place.seen.size() < 2) return std::nullopt;
+  std::vector<MarkPair> pairs;
+  for (const SeenMark& mark : place.seen) {
+    pairs.push_back(mark.pair);
+    pairs.back().sigma_mm = std::hypot(mark.pair.sigma_mm, calibration.map_u_mm, kLeastMark_mm);
+  }
+  const auto misfit = worstMisfit(pairs, kFalseMisfits / print.units);
+  if (!misfit) return std::nullopt;
+  const std::string allowed = fmt::format("what print, table and camera allow is {:.4f} mm", misfit->most_mm);
+  if (pairs.size() < 4)
+    return fmt::format(
+        "its {} registration marks lie to each other {:.4f} mm off from how the print has them; {}",
+        pairs.size(), misfit->off_mm, allowed);
+  const std::size_t mark = place.seen[misfit->pair].mark;
+  return fmt::format("registration mark {} ({}) lies {:.4f} mm from where the {} others put it; {}", mark + 1,
+                     shown(print.marks[mark].p_SM_mm), misfit->off_mm, pairs.size() - 1, allowed);
+}
+
+/// Evidence that contradicts itself.
+std::string problemOf(const TileContradictions& found) {
+  return fmt::format(
+      "pictures contradict each other at {} of {} places that two of them show: at {} the light differs, at "
+      "{} "
+      "the place of the kerf; the first is E{} at {}, in its pictures {} and {}",
+      found.count(), found.compared, found.light, found.place, found.entity, shown(found.p_S_mm),
+      found.tile + 1, found.other + 1);
 }
 
 /// Worst first, over all units; the offset is read back from the entities.
@@ -97,12 +143,17 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
       addUnseen(plan, unit, scan);
       continue;
     }
+    if (const auto problem = misfitProblem(*place, print, calibration))
+      scan.problems.push_back("unit " + std::to_string(unit) + ": " + *problem);
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
                           place->residual_mm, place->marks});
-    const SightFit sight =
-        sightDepths(sightPairs(plan, {pictures.views, index, place->X_TS, calibration, options}),
-                    pictures.views.size(), options.board_thickness_mm, options.table_sigma_mm);
+    const OverlapScene overlaps{pictures.views, index, place->X_TS, calibration, options};
+    const SightFit sight = sightDepths(sightPairs(plan, overlaps), pictures.views.size(),
+                                       options.board_thickness_mm, options.table_sigma_mm);
+    const TileContradictions contradictions = compareTiles(plan, overlaps, sight.depths);
+    if (contradictions.count() > 0)
+      scan.problems.push_back("unit " + std::to_string(unit) + ": " + problemOf(contradictions));
     if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
     const UnitScan unit_scan(calibration, plan, unit_options,
                              {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});

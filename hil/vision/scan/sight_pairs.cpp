@@ -5,9 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "hil/vision/kerf/kerf_caliper.h"
-#include "hil/vision/kerf/kerf_profile.h"
-
 namespace kerfbench::vision {
 namespace {
 
@@ -22,13 +19,6 @@ std::size_t indexOf(const OverlapScene& scene, const TileView* view) {
 
 Vector2d slopeIn(const OverlapScene& scene, const TileView& view, const Vector2d& p_T_mm) {
   return scene.calibration.sightSlope(p_T_mm - view.tile.p_TV_mm);
-}
-
-/// Reading of a station that has no other kerf near it.
-KerfReading readingIn(const OverlapScene& scene, const TileView& view, const CaliperWindow& window) {
-  Profile profile;
-  readProfile(view, scene.calibration, scene.X_TS, window, {}, profile);
-  return measureKerf(profile, scene.options.open_gray);
 }
 
 std::optional<SightPair> pairAt(const EntityPlan& plan, const Station& station, const OverlapScene& scene,
@@ -48,8 +38,8 @@ std::optional<SightPair> pairAt(const EntityPlan& plan, const Station& station, 
   }
   pair.other = indexOf(scene, other);
   const CaliperWindow window = windowOf(station, plan, scene.options.reach_mm);
-  const KerfReading one = readingIn(scene, *seeing.front(), window);
-  const KerfReading two = readingIn(scene, *other, window);
+  const KerfReading one = loneReading(scene, *seeing.front(), window);
+  const KerfReading two = loneReading(scene, *other, window);
   if (!one.found || !two.found) return std::nullopt;
   pair.apart_mm = two.offset_mm - one.offset_mm;
   pair.sigma_mm = std::hypot(one.noise_mm, two.noise_mm);
@@ -79,6 +69,12 @@ void addMarks(const OverlapScene& scene, std::vector<SightPair>& pairs) {
 }
 
 }  // namespace
+
+KerfReading loneReading(const OverlapScene& scene, const TileView& view, const CaliperWindow& window) {
+  Profile profile;
+  readProfile(view, scene.calibration, scene.X_TS, window, {}, profile);
+  return measureKerf(profile, scene.options.open_gray);
+}
 
 std::vector<SightPair> sightPairs(const KerfPlan& plan, const OverlapScene& scene) {
   std::vector<SightPair> pairs;

@@ -3,7 +3,9 @@
 
 #include <vector>
 
+#include "hil/vision/kerf/kerf_caliper.h"
 #include "hil/vision/kerf/kerf_plan.h"
+#include "hil/vision/kerf/kerf_profile.h"
 #include "hil/vision/kerf/kerf_tiles.h"
 #include "hil/vision/scan/sight_depth.h"
 
@@ -17,6 +19,9 @@ struct OverlapScene {
   const CameraCalibration& calibration;
   const KerfScanOptions& options;
 };
+
+/// Reading in one tile of a station that has no other kerf near it.
+KerfReading loneReading(const OverlapScene& scene, const TileView& view, const CaliperWindow& window);
 
 /// Kerfs and printed marks that two tiles see: about each millimetre of kerf in the tile that is used for it
 /// and in the one whose line of sight differs most across the kerf; each mark along x and along y, which lies

@@ -5,6 +5,7 @@
 #include <random>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
@@ -19,6 +20,9 @@ constexpr double kGate_s = 1.0;
 constexpr double kSpotU_mm = 0.003;
 /// Deviation of the beam's path by steps and servo, in addition to the camera's.
 constexpr double kRough_mm = 0.005;
+
+/// Standard uncertainty of where a kerf begins.
+constexpr double kKerfEndU_mm = 0.008;
 
 /// Length of path since the beam set off.
 using Motion = double (*)(double t_s);
@@ -55,12 +59,31 @@ class Start {
     dieline_.entities.push_back({id, std::move(curve), dieline::Process::kCut, "CUT", "line 8: LINE"});
   }
 
+  /// The whole job lies displaced on its sheet by this much.
+  void displace(const Eigen::Vector2d& by_mm) {
+    displaced_mm_ = by_mm;
+    limits_.path_mm = 0.1;
+  }
+
+  /// The start of the kerf of the beam's line was measured, so far too short.
+  void measureKerfStart(double gap_mm) {
+    evidence_.kerf_calibration.emplace();
+    evidence_.kerf.units = {vision::UnitPose{}};
+    evidence_.kerf.ends.push_back({.unit = 0,
+                                   .entity = 0,
+                                   .at_start = !backwards_,
+                                   .found = true,
+                                   .gap_mm = gap_mm,
+                                   .sigma_mm = kKerfEndU_mm});
+  }
+
   /// Check of one start. `lag_s` > 0: the gate opens after the beam sets off.
   Finding seen(double lag_s, Motion motion = ramp, unsigned seed = 0, int frames = 1000,
                double pin_u_s = 0.0) {
     LitFrames lit;
     evidence_.pin_u_s = pin_u_s;
     evidence_.gates = {cut(lit, kGate_s, lag_s, motion, seed, frames)};
+    for (std::size_t id = 1; id < dieline_.entities.size(); ++id) followAfter(lit, id);
     return checks::gateLagCheck(evidence_, limits_, lit);
   }
 
@@ -73,6 +96,31 @@ class Start {
   }
 
  private:
+  /// Ten frames in full run on another line that is long enough for frames, after the last frame so far.
+  void followAfter(LitFrames& lit, std::size_t id) {
+    const dieline::Curve& curve = dieline_.entities[id].curve;
+    const double length_mm = dieline::lengthOf(curve);
+    if (length_mm < 10.0) return;
+    const double begin_s = evidence_.gates.back().off_s + 0.05;
+    for (int i = 1; i <= 10; ++i) {
+      LitFrame frame;
+      frame.time_s = begin_s + 1e-3 * i;
+      frame.entity = static_cast<int>(id);
+      frame.sigma_mm = kSpotU_mm;
+      place(frame, curve, (3.0 + 0.3 * i) / length_mm);
+      lit.frames.push_back(frame);
+    }
+    // The gate opened long before: a line in full run says nothing of how the beam set off.
+    evidence_.gates.push_back({begin_s - 0.01, begin_s + 0.011});
+  }
+
+  /// Puts a frame on the displaced curve.
+  void place(LitFrame& frame, const dieline::Curve& curve, double u) const {
+    const Eigen::Vector2d tangent = dieline::tangentAt(curve, u);
+    frame.p_S_mm = dieline::pointAt(curve, u) + displaced_mm_;
+    frame.deviation_mm = displaced_mm_.dot(Eigen::Vector2d(-tangent.y(), tangent.x()));
+  }
+
   GateInterval cut(LitFrames& lit, double gate_s, double lag_s, Motion motion, unsigned seed,
                    int frames) const {
     const dieline::Curve& curve = dieline_.entities.front().curve;
@@ -92,7 +140,7 @@ class Start {
       frame.time_s = off_s = t_s;
       frame.entity = 0;
       frame.sigma_mm = kSpotU_mm;
-      frame.p_S_mm = dieline::pointAt(curve, backwards_ ? 1.0 - share : share);
+      place(frame, curve, backwards_ ? 1.0 - share : share);
       frame.p_S_mm += Eigen::Vector2d(noise(random), noise(random));
       lit.frames.push_back(frame);
     }
@@ -102,6 +150,7 @@ class Start {
   dieline::Dieline dieline_;
   Evidence evidence_;
   Tolerances limits_;
+  Eigen::Vector2d displaced_mm_{Eigen::Vector2d::Zero()};
   bool backwards_;
 };
 
@@ -169,6 +218,104 @@ TEST(GateLag, ItsIntervalHoldsTheTrueLagInNineteenOfTwenty) {
       // standard deviations less, one time in a thousand.
       const double least = 0.95 - 3.1 * std::sqrt(0.95 * 0.05 / seen);
       EXPECT_GE(inside, seen * least) << (motion == ramp ? "ramp " : "dash ") << lag_s;
+    }
+  }
+}
+
+const Eigen::Vector2d kAlong(0.8, 0.6);
+constexpr double kFar_mm = 0.098;  ///< Displacement by 0.98 of the path's limit.
+/// Line across kLine, on which a job displaced along kLine lies off.
+const dieline::Curve kAcross = dieline::LineCurve{{40, 30}, {34, 38}};
+
+TEST(GateLag, AJobDisplacedAlongItsLinesIsNotTakenForALateOrEarlyGate) {
+  for (const Motion motion : {ramp, dash}) {
+    for (const bool backwards : {false, true}) {
+      for (const double far_mm : {kFar_mm, -kFar_mm}) {
+        SCOPED_TRACE(motion == ramp ? "ramp" : "dash");
+        SCOPED_TRACE(fmt::format("{} {}", backwards ? "backwards" : "forwards", far_mm));
+        Start start(kLine, backwards);
+        start.displace(far_mm * kAlong);
+        start.add(kAcross);
+        const Finding check = start.seen(0.00009, motion);
+        ASSERT_TRUE(check) << check.why().reason;
+        EXPECT_NEAR(check->value, 0.09, check->u);
+        EXPECT_LT(check->value, 0.25) << "the line across shows how far the job lies off";
+        EXPECT_EQ(check->verdict, Verdict::kPass) << check->explanation;
+      }
+    }
+  }
+}
+
+TEST(GateLag, WhereTheKerfBeginsTellsWhereABeamSetOffFromRest) {
+  for (const double far_mm : {kFar_mm, -kFar_mm}) {
+    Start start(kLine);
+    start.displace(far_mm * kAlong);
+    start.measureKerfStart(far_mm);
+    const Finding check = start.seen(0.00009);
+    ASSERT_TRUE(check);
+    EXPECT_NEAR(check->value, 0.09, check->u);
+    EXPECT_EQ(check->verdict, Verdict::kPass) << check->explanation;
+  }
+}
+
+TEST(GateLag, AnUnknownDisplacementIsPartOfItsUncertainty) {
+  // All lines run the same way, and at full speed at once: a late gate and a job that lies farther on look
+  // alike, and the kerf begins where the gate opened in either case.
+  Start start(kLine);
+  start.displace(kFar_mm * kAlong);
+  start.measureKerfStart(kFar_mm);
+  const Finding check = start.seen(0.00009, dash);
+  ASSERT_TRUE(check);
+  EXPECT_EQ(check->verdict, Verdict::kNotProven) << check->explanation;
+  EXPECT_NEAR(check->value, 0.09, check->u);
+}
+
+TEST(GateLag, ItsIntervalHoldsTheTrueLagOfDisplacedJobsToo) {
+  for (const Motion motion : {ramp, dash}) {
+    for (const double lag_s : {-0.0003, 0.0003}) {
+      int inside = 0;
+      int seen = 0;
+      for (unsigned seed = 1; seed <= 200; ++seed) {
+        std::mt19937 random(1000 + seed);
+        std::normal_distribution<double> unit;
+        const double far_mm = 0.04 * unit(random);
+        Start start(kLine);
+        start.displace(far_mm * kAlong);
+        start.measureKerfStart(far_mm + motion(std::max(lag_s, 0.0)) + kKerfEndU_mm * unit(random));
+        start.add(kAcross);
+        const Finding check = start.seen(lag_s, motion, seed);
+        if (!check) continue;
+        ++seen;
+        inside += std::abs(check->value - 1e3 * std::abs(lag_s)) <= check->u ? 1 : 0;
+      }
+      EXPECT_GE(seen, 150);
+      const double least = 0.95 - 3.1 * std::sqrt(0.95 * 0.05 / seen);
+      EXPECT_GE(inside, seen * least) << (motion == ramp ? "ramp " : "dash ") << lag_s;
+    }
+  }
+}
+
+TEST(GateLag, AGateThatIsLateOnADisplacedJobFails) {
+  for (const Motion motion : {ramp, dash}) {
+    for (const double far_mm : {kFar_mm, -kFar_mm, 0.0}) {
+      for (const double lag_s : {0.002, -0.002}) {
+        for (const bool across : {false, true}) {
+          for (const bool measured : {false, true}) {
+            SCOPED_TRACE(fmt::format("{} {} {} {} {}", motion == ramp ? "ramp" : "dash", far_mm, lag_s,
+                                     across ? "a line across" : "", measured ? "measured" : ""));
+            // Then nothing tells how far the job lies off.
+            if (!across && !measured && far_mm != 0.0) continue;
+            Start start(kLine);
+            start.displace(far_mm * kAlong);
+            if (across) start.add(kAcross);
+            if (measured) start.measureKerfStart(far_mm + motion(std::max(lag_s, 0.0)));
+            const Finding check = start.seen(lag_s, motion);
+            ASSERT_TRUE(check);
+            EXPECT_NEAR(check->value, 2.0, check->u);
+            EXPECT_EQ(check->verdict, Verdict::kFail) << check->explanation;
+          }
+        }
+      }
     }
   }
 }

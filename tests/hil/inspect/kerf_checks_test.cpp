@@ -65,6 +65,11 @@ TEST(PathCheck, WithoutStatedUncertaintyIsInvalid) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
+TEST(Places, AreNeverShownAsMinusZero) {
+  EXPECT_EQ(checks::placeOf({-0.001, -0.0049}), "x 0.00, y 0.00 mm");
+  EXPECT_EQ(checks::placeOf({-0.006, 12.345}), "x -0.01, y 12.35 mm");
+}
+
 TEST(CoverageCheck, FindsAMissingEntity) {
   SyntheticRun run;
   for (vision::Caliper& c : run.kerf(1, kHole).calipers) unburn(c);
@@ -443,6 +448,83 @@ TEST(CoverageCheck, MeasuresABridgeWhateverTheLengthOfItsLine) {
       EXPECT_NE(coverage.verdict, Verdict::kPass) << length_mm << " at " << middle_mm;
     }
   }
+}
+
+/// Bridges of one length, evenly over a line, away from its ends.
+void bridges(vision::EntityKerf& kerf, int count, double length_mm) {
+  refine(kerf);
+  const double from_mm = 3.0;
+  const double step_mm = (kerf.calipers.back().station_mm - 2.0 * from_mm) / count;
+  for (int i = 0; i < count; ++i) bridge(kerf, from_mm + (i + 0.37) * step_mm, length_mm);
+}
+
+TEST(BridgesCheck, GoodCutsHaveNone) {
+  SyntheticRun run;
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "bridges").value, 0.0);
+  EXPECT_EQ(checkOf(result, "bridges").verdict, Verdict::kPass);
+}
+
+TEST(BridgesCheck, FiftyOfATenthOfAMillimetreFail) {
+  SyntheticRun run;
+  bridges(run.kerf(1, kBottom), 50, 0.1);
+  const auto result = run.inspected();
+  EXPECT_NE(checkOf(result, "coverage").verdict, Verdict::kFail) << "each is short enough";
+  const Check& check = checkOf(result, "bridges");
+  EXPECT_EQ(check.verdict, Verdict::kFail) << check.explanation;
+  EXPECT_NE(check.subject.find("unit 1"), std::string::npos) << check.subject;
+  EXPECT_NE(check.explanation.find("50 uncut pieces"), std::string::npos) << check.explanation;
+  EXPECT_EQ(result.verdict, Verdict::kFail);
+}
+
+TEST(BridgesCheck, MeasuresTheSumOfThePieces) {
+  for (const double length_mm : {0.04, 0.07, 0.1, 0.14}) {
+    for (const int count : {2, 7, 25}) {
+      SyntheticRun run;
+      vision::EntityKerf& kerf = run.kerf(0, kBottom);
+      bridges(kerf, count, length_mm);
+      run.limits.uncut_share = 1.0;
+      const Check check = checkOf(run.inspected(), "bridges");
+      const double truth = (count - 1) * length_mm / dieline::lengthOf(run.dieline.entities[kBottom].curve);
+      EXPECT_NEAR(check.value, truth, check.u) << count << " of " << length_mm;
+      EXPECT_LT(check.u, 0.1 * truth + 0.004) << count << " of " << length_mm;
+    }
+  }
+}
+
+TEST(BridgesCheck, OneBridgeIsTheBusinessOfCoverage) {
+  SyntheticRun run;
+  bridges(run.kerf(0, kBottom), 1, 0.14);
+  EXPECT_EQ(checkOf(run.inspected(), "bridges").value, 0.0);
+}
+
+TEST(BridgesCheck, ABridgeInEachLineOfAnOutlineHoldsItToo) {
+  SyntheticRun run;
+  for (const int id : {kBottom, kRight, kTop, kLeft}) bridges(run.kerf(0, id), 1, 0.14);
+  // One in each of 200 mm of outline: 0.42 mm beside the longest. None of the lines by itself has two.
+  run.limits.uncut_share = 0.001;
+  const Check check = checkOf(run.inspected(), "bridges");
+  EXPECT_EQ(check.verdict, Verdict::kFail) << check.explanation;
+  EXPECT_NEAR(check.value, 0.42 / 200.0, check.u);
+  EXPECT_NE(check.explanation.find("outline of 4 lines"), std::string::npos) << check.explanation;
+}
+
+TEST(BridgesCheck, ALineThatIsDimmerOnOneSideHasNone) {
+  SyntheticRun run;
+  vision::EntityKerf& kerf = run.kerf(0, kBottom);
+  refine(kerf);
+  const double length_mm = kerf.calipers.back().station_mm;
+  for (vision::Caliper& c : kerf.calipers) c.brightness *= 0.95 + 0.1 * c.station_mm / length_mm;
+  EXPECT_EQ(checkOf(run.inspected(), "bridges").value, 0.0);
+}
+
+TEST(BridgesCheck, DoesNotApplyWithoutCuts) {
+  SyntheticRun run;
+  for (dieline::Entity& entity : run.dieline.entities)
+    if (entity.process == dieline::Process::kCut) entity.process = dieline::Process::kHalfCut;
+  const auto result = run.inspected();
+  EXPECT_FALSE(hasCheck(result, "bridges"));
+  EXPECT_FALSE(unjudgedOf(result, "bridges").applies);
 }
 
 TEST(CoverageCheck, ALineThatIsDimAllAlongIsNotCut) {

@@ -167,11 +167,12 @@ TEST(DwellCheck, AFlawlessRunRestsNowhere) {
 TEST(Unjudged, EachCheckIsJudgedOrListedWithItsReason) {
   SyntheticRun run;
   const auto result = run.inspected();
-  for (const char* name : {"path",          "joints",       "coverage",     "depth",          "even_depth",
-                           "ordered_depth", "line_energy",  "perforation",  "kerf_width",     "ordered_width",
-                           "stray",         "laser_timing", "stillness_x",  "stillness_peak", "belt",
-                           "spot_seen",     "spot_path",    "repeat",       "dwell",          "gate_lag",
-                           "laser_gate",    "interlock",    "pulse_timing", "account",        "finish"}) {
+  for (const char* name :
+       {"path",          "joints",      "coverage",       "bridges",    "depth",         "even_depth",
+        "ordered_depth", "line_energy", "perforation",    "kerf_width", "ordered_width", "stray",
+        "laser_timing",  "stillness_x", "stillness_peak", "belt",       "spot_seen",     "spot_path",
+        "repeat",        "dwell",       "gate_lag",       "laser_gate", "interlock",     "pulse_timing",
+        "account",       "finish"}) {
     const bool judged = hasCheck(result, name);
     const auto listed = std::ranges::count(result.unjudged, name, &Unjudged::name);
     EXPECT_EQ(listed, judged ? 0 : 1) << name;

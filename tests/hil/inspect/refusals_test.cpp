@@ -144,6 +144,7 @@ const std::vector<Field>& fields() {
       {"limit path", [](Run& r) -> double& { return r.limits.path_mm; }},
       {"limit stillness", [](Run& r) -> double& { return r.limits.stillness_mm; }},
       {"limit uncut", [](Run& r) -> double& { return r.limits.uncut_mm; }},
+      {"limit uncut share", [](Run& r) -> double& { return r.limits.uncut_share; }},
       {"limit cut through", [](Run& r) -> double& { return r.limits.cut_through_mm; }},
       {"limit dwell", [](Run& r) -> double& { return r.limits.dwell_mm; }},
       {"limit even depth", [](Run& r) -> double& { return r.limits.even_depth_share; }},

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
@@ -121,6 +122,32 @@ TEST(KerfRefusal, MarksThatAreMissingOrMoved) {
   tiles = cut.tiles();
   cut.print = full;
   EXPECT_FALSE(cut.scan(std::move(tiles)).problems.empty());
+}
+
+TEST(KerfRefusal, OneMarkThatLiesElsewhereIsNamed) {
+  // On the sheet 0.06 mm: less than the pose leaves out. 0.3 mm: left out. 0.8 mm: no mark of the print.
+  for (const double off_mm : {0.06, 0.3, 0.8}) {
+    TwinCut cut = aCut();
+    cut.options.print_sigma_mm = 0.002;
+    const PrintLayout told = cut.print;
+    ASSERT_EQ(told.marks.size(), 4U);
+    cut.print.marks[2].p_SM_mm.x() += off_mm;
+    auto tiles = cut.tiles();
+    cut.print = told;
+    const KerfScan scan = cut.scan(std::move(tiles));
+    EXPECT_TRUE(tells(scan, "registration mark 3")) << off_mm;
+    EXPECT_TRUE(tells(scan, fmt::format("lies {:.2f}", off_mm))) << scan.problems.front();
+  }
+}
+
+TEST(KerfRefusal, OfThreeMarksNobodyKnowsWhichLiesElsewhere) {
+  TwinCut cut = aCut();
+  cut.print.marks.resize(3);
+  const PrintLayout told = cut.print;
+  cut.print.marks[1].p_SM_mm.x() += 0.06;
+  auto tiles = cut.tiles();
+  cut.print = told;
+  EXPECT_TRUE(tells(cut.scan(std::move(tiles)), "its 3 registration marks lie to each other"));
 }
 
 TEST(KerfRefusal, ABoardBesideTheField) {

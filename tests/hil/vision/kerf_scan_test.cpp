@@ -299,6 +299,25 @@ TEST_F(KerfScanTest, EachMarkThatTwoTilesShowTellsTheirShiftAlongBothAxes) {
   }
 }
 
+TEST_F(KerfScanTest, PicturesThatContradictEachOtherAreNamed) {
+  const auto contradict = ::testing::Contains(::testing::HasSubstr("pictures contradict each other"));
+  EXPECT_THAT(scan_->problems, ::testing::Not(contradict));
+  const GrayImage& good = tiles_->front().image;
+  for (const int from : {0, good.width / 2}) {
+    std::vector<camera::KerfTile> painted = *tiles_;
+    std::vector<camera::KerfTile> moved = *tiles_;
+    for (int row = 0; row + 1 < good.height; ++row) {
+      for (int column = from; column < from + good.width / 2; ++column) {
+        painted[0].image.at(column, row) = static_cast<std::uint8_t>(kBoard);
+        // A pixel aside, 0.03 mm: the kerf is there, but elsewhere.
+        moved[0].image.at(column, row) = good.at(column, row + 1);
+      }
+    }
+    EXPECT_THAT(work_->scan(painted).problems, contradict) << "from column " << from;
+    EXPECT_THAT(work_->scan(moved).problems, contradict) << "from column " << from;
+  }
+}
+
 TEST_F(KerfScanTest, TwoMarksTellWhereTheSheetLies) {
   Workpiece other = *work_;
   other.print.marks = {work_->print.marks.front(), work_->print.marks.back()};

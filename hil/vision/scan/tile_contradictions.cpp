@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/vision/scan/tile_contradictions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerfbench::vision {
+namespace {
+
+using Eigen::Vector2d;
+
+/// A kerf lies elsewhere beyond so many standard deviations of what may part two pictures. Good pictures stay
+/// within 4 of them: two micrometres by grid and blur on the scenarios in fixtures.
+constexpr double kSigmas = 6.0;
+/// What grid of pixels, blur and model of the flanks may part two pictures by; one standard deviation.
+constexpr double kLeastApart_mm = 1e-3;
+/// The depth at which a kerf is seen is not the same at all angles; share of the board's thickness.
+constexpr double kDepthShare = 0.04;
+/// The light of a kerf in two pictures: the weaker is at least this share of the stronger, or less weaker
+/// than the next figure. Good pictures of fixtures show 0.66 and 0.05 at worst, at the ends of a
+/// perforation's teeth.
+constexpr double kLeastLightShare = 0.5;
+constexpr double kMostLightApart = 0.08;
+
+/// Share of a caliper's reach within which a kerf is surely the one that lies nearest in any picture. One
+/// that lies farther off, of a job that is cut elsewhere, may be cut off by the caliper's end in one of two
+/// pictures.
+constexpr double kNearShare = 0.5;
+
+/// Brightness from which on a line is more than a trace, whose place scatters by more than its pixels tell.
+constexpr double kTrace = 0.15;
+
+bool isNear(const KerfReading& reading, const KerfScanOptions& options) {
+  return reading.found && std::abs(reading.offset_mm) <= kNearShare * options.reach_mm;
+}
+
+bool lightContradicts(const KerfReading& one, const KerfReading& two, const KerfScanOptions& options) {
+  const KerfReading& weaker = one.brightness < two.brightness ? one : two;
+  const KerfReading& stronger = &weaker == &one ? two : one;
+  return isNear(stronger, options) && stronger.brightness - weaker.brightness > kMostLightApart &&
+         weaker.brightness < kLeastLightShare * stronger.brightness;
+}
+
+/// `slope`: CameraCalibration::sightSlope across the kerf in the second picture less that in the first.
+bool placeContradicts(const KerfReading& one, const KerfReading& two, double slope, const SightDepth& depth,
+                      const KerfScanOptions& options) {
+  if (!isNear(one, options) || !isNear(two, options)) return false;
+  if (std::min(one.brightness, two.brightness) < kTrace) return false;
+  const double noise_mm = std::hypot(one.noise_mm, two.noise_mm, kLeastApart_mm);
+  if (!std::isfinite(noise_mm)) return false;
+  const double by_depth_mm =
+      std::abs(slope) * std::hypot(depth.sigma_mm, kDepthShare * options.board_thickness_mm);
+  const double sigma_mm = std::hypot(noise_mm, by_depth_mm, std::numbers::sqrt2 * options.table_sigma_mm);
+  const double expected_mm = -slope * depth.mm;
+  return std::abs(two.offset_mm - one.offset_mm - expected_mm) > kSigmas * sigma_mm;
+}
+
+}  // namespace
+
+TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene, const SightDepths& depths) {
+  TileContradictions out;
+  if (scene.tiles.size() < 2) return out;
+  const double border_px = caliperBorderPx(scene.options.reach_mm, scene.calibration.pitchMm());
+  for (const EntityPlan& entity : plan.entities) {
+    const SightDepth& depth = depths.at(static_cast<std::size_t>(formOf(entity.process)));
+    for (const Station& station : entity.stations) {
+      if (station.near_corner || !entity.hidden(station).empty()) continue;
+      const Vector2d p_T_mm = scene.X_TS * station.p_S_mm;
+      const std::vector<const TileView*> seeing = scene.index.seeing(p_T_mm, border_px);
+      if (seeing.size() < 2) continue;
+      const CaliperWindow window = windowOf(station, entity, scene.options.reach_mm);
+      const Vector2d normal = scene.X_TS.rotation() * Vector2d(-station.tangent.y(), station.tangent.x());
+      const auto slopeIn = [&](const TileView& view) {
+        return scene.calibration.sightSlope(p_T_mm - view.tile.p_TV_mm).dot(normal);
+      };
+      const KerfReading used = loneReading(scene, *seeing.front(), window);
+      for (std::size_t i = 1; i < seeing.size(); ++i) {
+        const KerfReading other = loneReading(scene, *seeing[i], window);
+        const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
+        ++out.compared;
+        const bool light = lightContradicts(used, other, scene.options);
+        if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
+        if (out.count() == 0) {
+          out.entity = entity.entity;
+          out.p_S_mm = station.p_S_mm;
+          out.tile = static_cast<std::size_t>(seeing.front() - scene.tiles.data());
+          out.other = static_cast<std::size_t>(seeing[i] - scene.tiles.data());
+        }
+        ++(light ? out.light : out.place);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace kerfbench::vision
