@@ -49,7 +49,7 @@ class Tracer:
             if bitmap:
                 pictures.write_pgm(os.path.join(folder, "target.pgm"), bitmap)
             wide, tall = (self.PER_PIXEL * n for n in size_px)
-            rays = [f"+W{wide}", f"+H{tall}", "+WT1", "+AM2", "+A0.02", f"+R{self.depth}", "-J", "-D", "-V"]
+            rays = [f"+W{wide}", f"+H{tall}", "+WT1", "+AM2", "+A0.02", f"+R{self.depth}", "-J", "-D", "-V", "-UR"]
             grey = ["Output_File_Type=P", "Grayscale_Output=on", "Bits_Per_Color=16", "File_Gamma=1.0", "+Oscene"]
             done = subprocess.run(["povray", "scene.pov", *rays, *grey], cwd=folder, stdin=subprocess.DEVNULL,
                                   capture_output=True, text=True, errors="replace", check=False)
