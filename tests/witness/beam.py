@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The slit that a beam leaves: a level set of the fluence of a Gaussian beam that runs along a path at constant speed.
 
-Fluence is a share of that in the middle of a long straight line. A straight line at the level exp(-2 h²/w²) is 2 h wide (w: the
-beam's 1/e² radius), so the widths of straight lines choose the levels. Where pieces meet, their fluences add up. Nothing of
-the product's takes part.
+Fluence is a share of that in the middle of a long straight line. A straight line at the level exp(-2 h²/w²) is 2 h wide
+(w: the beam's 1/e² radius), so the widths of straight lines choose the levels. Where pieces meet, their fluences add up.
+Nothing of the product's takes part.
 """
 import dataclasses
 import math
@@ -80,7 +80,8 @@ class Arc:
     def radii(self, half_mm):
         """Of the outline far from the arc's ends, inside and outside: a bend moves both inwards."""
         whole = Arc((0.0, 0.0), self.radius, 0.0, 2.0 * math.pi)
-        return tuple(self.radius + side * distance_to([whole], (self.radius, 0.0), (side, 0.0), half_mm) for side in (-1, 1))
+        return tuple(self.radius + side * distance_to([whole], (self.radius, 0.0), (side, 0.0), half_mm)
+                     for side in (-1, 1))
 
 
 def pieces(path):

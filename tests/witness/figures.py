@@ -60,7 +60,8 @@ def readings(verdict, sheet, lens, board, lay):
         found.append(Reading("line", 1e3 * sign * (said["worst_mm"] - middle), 1e3 * said["worst_U_mm"], place, walls_um))
         beside = entity.path.beside_mm
         if beside and not entity.path.radius:
-            found.append(Reading("mean", 1e3 * sign * sideways(said["rms_mm"], beside), 1e3 * said["rms_U_mm"], place, walls_um))
+            mean_mm = sideways(said["rms_mm"], beside)
+            found.append(Reading("mean", 1e3 * sign * mean_mm, 1e3 * said["rms_U_mm"], place, walls_um))
         found.append(Reading("width", 1e3 * (said["width_mm"] - width), 1e3 * said["width_U_mm"], place))
     for said in verdict["joints"]:
         place = lay.place((said["x_mm"] - sheet.p_SU_mm[0], said["y_mm"] - sheet.p_SU_mm[1]))
@@ -118,7 +119,8 @@ def kind_table(results, quantity):
             chosen = of_kind(found, kind)
             if chosen:
                 of = summary(chosen)
-                rows.append(f"| {title} | {lens} | {board} | {cells(of)} | {'hold' if keeps(of, worst_um) else '**fail**'} |")
+                said = "hold" if keeps(of, worst_um) else "**fail**"
+                rows.append(f"| {title} | {lens} | {board} | {cells(of)} | {said} |")
     return rows
 
 
@@ -165,8 +167,8 @@ def missed(found, quantity):
 def told(chosen):
     of = summary(chosen)
     x, y = of.worst.place_mm
-    return (f"{of.number} read, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f} at {x:.0f}, {y:.0f} mm, U {of.U_um:.2f}, "
-            f"cover {100 * of.cover:.0f} %")
+    return (f"{of.number} read, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f} at {x:.0f}, {y:.0f} mm, "
+            f"U {of.U_um:.2f}, cover {100 * of.cover:.0f} %")
 
 
 def failing(results):

@@ -63,11 +63,11 @@ def straight(walls, start, end):
     angle = math.atan2(end[1] - start[1], end[0] - start[0])
     turn = f"rotate {number(math.degrees(angle))}*z translate {vector(*start, 0)}"
     if walls.half_low_mm == walls.half_high_mm:
-        box = f"box {{ {vector(0, -walls.half_low_mm, walls.low_mm)}, {vector(length, walls.half_low_mm, walls.high_mm)}"
-        return f"{box} {turn} }}"
-    # linear_sweep draws the section in x, z and sweeps along y: (section x, z) are (across, up), y runs along the slit.
-    section = [(-walls.half_low_mm, walls.low_mm), (walls.half_low_mm, walls.low_mm), (walls.half_high_mm, walls.high_mm),
-               (-walls.half_high_mm, walls.high_mm)]
+        low, high = vector(0, -walls.half_low_mm, walls.low_mm), vector(length, walls.half_low_mm, walls.high_mm)
+        return f"box {{ {low}, {high} {turn} }}"
+    # linear_sweep draws the section in x, z and sweeps along y: x, z are (across, up), y runs along the slit.
+    section = [(-walls.half_low_mm, walls.low_mm), (walls.half_low_mm, walls.low_mm),
+               (walls.half_high_mm, walls.high_mm), (-walls.half_high_mm, walls.high_mm)]
     corners = ", ".join(vector(*p) for p in section + section[:1])
     return f"prism {{ linear_sweep linear_spline 0, {number(length)}, 5, {corners} rotate -90*z {turn} }}"
 
@@ -120,8 +120,8 @@ def stairs(walls, joint):
 
 
 def bounded(parts, walls):
-    """One solid of several. POV-Ray bounds no parts of a union by itself: `bounded_by` spares it rays, and the intersection
-    with the same box spares it places that may lie inside."""
+    """One solid of several. POV-Ray bounds no parts of a union by itself: `bounded_by` spares it rays, and the
+    intersection with the same box spares it places that may lie inside."""
     box = around([part.box for part in parts])
     low, high = (vector(*(v + side * SPARE_MM for v in (*corner, z))) for side, corner, z in
                  ((-1, box[:2], walls.low_mm), (1, box[2:], walls.high_mm)))

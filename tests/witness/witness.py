@@ -4,7 +4,8 @@
 camera's pose go the way of a user's pictures: calibrate camera, replay with a folder of pictures, verdict.json.
 
 Writes RESULTS.md; with --only or --quick nothing is written. Rendered pictures are kept in build/witness. Ends with 0 if
-lines, widths, corners and ends keep to their goals on all boards, 1 if not, 2 if a program broke, 64 for a wrong command line.
+lines, widths, corners and ends keep to their goals on all boards, 1 if not, 2 if a program broke, 64 for a wrong command
+line.
 """
 import argparse
 import concurrent.futures
