@@ -223,19 +223,32 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
   return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);
 }
 
+double UnitScan::hidden_mm(const Eigen::Vector2d& p_V_mm, const Eigen::Vector2d& direction_S) const {
+  const Eigen::Vector2d direction_T = X_TS_.rotation() * direction_S;
+  return options_.board_thickness_mm * std::abs(calibration_.sightSlope(p_V_mm).dot(direction_T));
+}
+
 void UnitScan::widen(const EntityPlan& plan, EntityKerf& kerf) const {
   if (kerf.calipers.empty()) return;
   double sum_mm = 0.0;
   for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
     const Eigen::Vector2d& t = plan.stations[i].tangent;
-    const Eigen::Vector2d normal = X_TS_.rotation() * Eigen::Vector2d(-t.y(), t.x());
-    const double narrowed_mm =
-        options_.board_thickness_mm * std::abs(calibration_.sightSlope(kerf.calipers[i].p_V_mm).dot(normal));
+    const double narrowed_mm = hidden_mm(kerf.calipers[i].p_V_mm, Eigen::Vector2d(-t.y(), t.x()));
     kerf.calipers[i].width_mm += kNarrowing * narrowed_mm;
     sum_mm += narrowed_mm;
   }
   const double mean_mm = sum_mm / static_cast<double>(kerf.calipers.size());
   kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, kNarrowingSigma * mean_mm);
+}
+
+void UnitScan::lengthen(const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& outward, LineEnd& end) const {
+  const Eigen::Vector2d p_T_mm = X_TS_ * p_S_mm;
+  const TileView* view = index_.best(p_T_mm, 0.0);
+  if (view == nullptr) return;
+  // Read in the plane of its middle, a slit loses as much at the one end as at the other.
+  const double half_mm = 0.5 * hidden_mm(p_T_mm - view->tile.p_TV_mm, outward);
+  end.gap_mm -= kNarrowing * half_mm;
+  end.sigma_mm = std::hypot(end.sigma_mm, kNarrowingSigma * half_mm);
 }
 
 JointScene UnitScan::sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs,
@@ -270,7 +283,9 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& b
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
       continue;  // Perforations may end in a bridge.
-    addEnd(measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end), end);
+    LineEnd measured = measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end);
+    lengthen(end.p_S_mm, end.outward, measured);
+    addEnd(measured, end);
   }
   for (const EntityEnd& start : plan_.closures) {
     if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;
