@@ -57,7 +57,9 @@ def readings(verdict, sheet, lens, board, lay):
         middle, _ = beam.middle_and_width(entity.path, point, normal, half_mm)
         _, width = beam.middle_and_width(entity.path, *entity.at(0.5), half_mm)
         walls_um = -0.5e3 * board.thickness_mm * tangent
-        found.append(Reading("line", 1e3 * sign * (said["worst_mm"] - middle), 1e3 * said["worst_U_mm"], place, walls_um))
+        side = math.copysign(sign, sign * said["worst_mm"])
+        worst_mm = side * (abs(said["worst_mm"]) - abs(middle))
+        found.append(Reading("line", 1e3 * worst_mm, 1e3 * said["worst_U_mm"], place, walls_um))
         beside = entity.path.beside_mm
         if beside and not entity.path.radius:
             mean_mm = sideways(said["rms_mm"], beside)

@@ -16,17 +16,19 @@ tapered board lean: {top_um:.0f} µm wide at the top, {bottom_um:.0f} µm at the
 the stock one without distortion, rolled by 6.5 degrees: 2048 x 1536 pixels of 0.03 mm, 300 mm above the sheet, leaning by
 0.5 degrees. The top of the board lies in the calibrated plane. The bench is told the thickness and the beam's radius, of the
 rows *beam 3 % off* a radius that is 3 % too large, which is what the stock machine file says that it may be off (k = 1). Each
-row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each. Commit {commit}, seeds {seed_list}, by `./bench witness`.
-Figures are in µm; U is the median of what the bench states (k = 2), cover the share of errors within their own U."""
+row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each; of the tapered board one lay. Commit {commit},
+seeds {seed_list}, by `./bench witness`. Figures are in µm; U is the median of what the bench states (k = 2), cover the share of
+errors within their own U."""
 
 GOALS = """\
-Of each quantity at least {cover:.0f} % of the errors lie within their own U, and none is larger than {lines:.0f} µm (lines) or {joints:.0f} µm (corners,
-ends); widths have the goal of cover alone. A line or joint that is not found fails all goals of its row."""
+Of each quantity at least {cover:.0f} % of the errors lie within their own U, and none is larger than {lines:.0f} µm (lines)
+or {joints:.0f} µm (corners, ends); widths have the goal of cover alone. A line or joint that is not found fails all goals of its
+row."""
 
 LINES = """\
 `worst_mm` of each entity (lines, arcs, a circle) against the true middle of its slit; free lines and the circle are cut
-20 µm beside the drawing, so the truth is not 0. A bend shifts the slit of a beam by w²/8R inwards: the truth is that of the
-slit. Positive: outwards, away from the middle of the picture."""
+20 µm beside the drawing, so the truth is not 0. U is that of a magnitude, so magnitudes are compared. A bend shifts the slit
+of a beam by w²/8R inwards: the truth is that of the slit. Positive: outwards, away from the middle of the picture."""
 
 WALLS = """\
 `rms_mm` of the free straight lines against the 20 µm by which they are cut beside the drawing. A camera that looks at a

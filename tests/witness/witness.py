@@ -69,7 +69,7 @@ def measure(kerfbench, tracer, plan, lens, board_name, pins):
             say(f"{lens.name}, {name}, seed {seed}: {verdict['verdict']}"
                 + "".join(f"; {problem}" for problem in verdict["problems"]))
         return found
-    return [lambda number=number: task(number) for number in range(len(plan.lays))]
+    return [lambda number=number: task(number) for number in range(min(case.lays, len(plan.lays)))]
 
 
 def witness(plan, chosen, folder, args):
