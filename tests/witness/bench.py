@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 
-import cases
 import pictures
 import scenes
 import sheet as sheets
@@ -93,16 +92,18 @@ def run_job(bench, sheet):
     return bench.path("results", "job", "pins.vcd")
 
 
-def judge(bench, sheet, lens, board, picture, name, pins):
+def judge(bench, sheet, lens, case, picture, name, pins):
     """verdict.json of the job with this picture of the kerf."""
     folder = bench.path(lens.name, name)
     os.makedirs(folder, exist_ok=True)
     pictures.write_png(os.path.join(folder, "tile.png"), picture)
     x, y = sheet.p_SU_mm
     write(os.path.join(folder, "tiles.yaml"), f"version: 1\ntiles:\n  - {{file: tile.png, p_TV_mm: [{x:g}, {y:g}]}}\n")
+    write(bench.path(f"{lens.name}-{name}.machine.yaml"),
+          f"extends: {lens.name}.yaml\nbeam: {{waist_radius_mm: {case.told_radius_mm:.9g}}}\n")
     scenario = write(bench.path(f"{lens.name}-{name}.yaml"), (
-        f"extends: job.yaml\nname: {lens.name}-{name}\ndate: {DATE}\nmachine: {lens.name}.yaml\n"
-        f"board: {{thickness_mm: {cases.told_mm(board):g}}}\n"
+        f"extends: job.yaml\nname: {lens.name}-{name}\ndate: {DATE}\nmachine: {lens.name}-{name}.machine.yaml\n"
+        f"board: {{thickness_mm: {case.told_thickness_mm():g}}}\n"
         f"cameras: {{kerf: {{source: tiles, folder: {lens.name}/{name}}}}}\n"))
     bench.call("replay", pins, "--scenario", scenario, "--no-pictures", "--twin", "fast", "--jobs", "1", "--results-dir",
                bench.path("results"), good=VERDICTS)

@@ -4,14 +4,16 @@ import dataclasses
 import math
 import statistics
 
+import beam
 import sheet as sheets
 
 RINGS_MM = ((0, 10), (10, 20), (20, 35))
-COVER_GOAL = 0.9                # Least share of lines within their U.
-WORST_GOAL_UM = 5.0
-# Readings without a table of their own, in the order of the page.
-TITLES = {"width": "width", "corner": "corner, deviation", "rounding": "corner, rounding", "overshoot": "corner, overshoot",
-          "round_end": "end, round", "flat_end": "end, flat", "closure": "closure"}
+COVER_GOAL = 0.9                # Least share of a kind's readings within their U.
+# Readings with a goal: what each is called, and the largest error that it may have.
+GOALS = {"lines": {"line": ("line", 5.0)}, "widths": {"width": ("width", math.inf)},
+         "corners": {"corner": ("corner, deviation", 10.0), "rounding": ("corner, rounding", 10.0),
+                     "overshoot": ("corner, overshoot", 10.0)},
+         "ends": {"end_gap": ("end", 10.0), "closure": ("closure", 10.0)}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,20 +51,26 @@ def readings(verdict, sheet, lens, board, lay):
         if said["worst_mm"] is None:
             found.append(Reading("lost", 0.0, 0.0, lay.place(entity.start[:2])))
             continue
-        place, sign, tangent = seen_from(lens.camera, lay, *entity.at(said["worst_u"]))
-        truth, walls_um = entity.path.beside_mm, -0.5e3 * board.thickness_mm * tangent
-        found.append(Reading("line", 1e3 * sign * (said["worst_mm"] - truth), 1e3 * said["worst_U_mm"], place, walls_um))
-        if truth and not entity.path.radius:
-            found.append(Reading("mean", 1e3 * sign * sideways(said["rms_mm"], truth), 1e3 * said["rms_U_mm"], place, walls_um))
-        found.append(Reading("width", 1e3 * (said["width_mm"] - board.half_light_mm()), 1e3 * said["width_U_mm"], place))
+        point, normal = entity.at(said["worst_u"])
+        place, sign, tangent = seen_from(lens.camera, lay, point, normal)
+        half_mm = 0.5 * board.half_light_mm()
+        middle, _ = beam.middle_and_width(entity.path, point, normal, half_mm)
+        _, width = beam.middle_and_width(entity.path, *entity.at(0.5), half_mm)
+        walls_um = -0.5e3 * board.thickness_mm * tangent
+        side = math.copysign(sign, sign * said["worst_mm"])
+        worst_mm = side * (abs(said["worst_mm"]) - abs(middle))
+        found.append(Reading("line", 1e3 * worst_mm, 1e3 * said["worst_U_mm"], place, walls_um))
+        beside = entity.path.beside_mm
+        if beside and not entity.path.radius:
+            mean_mm = sideways(said["rms_mm"], beside)
+            found.append(Reading("mean", 1e3 * sign * mean_mm, 1e3 * said["rms_U_mm"], place, walls_um))
+        found.append(Reading("width", 1e3 * (said["width_mm"] - width), 1e3 * said["width_U_mm"], place))
     for said in verdict["joints"]:
-        if said["value"] is None:
-            continue
-        kind = said["kind"]
-        if kind == "end_gap":
-            kind = "flat_end" if drawn[said["entity"]].path.flat_ends else "round_end"
         place = lay.place((said["x_mm"] - sheet.p_SU_mm[0], said["y_mm"] - sheet.p_SU_mm[1]))
-        found.append(Reading(kind, 1e3 * said["value"], 1e3 * said["U"], place))
+        if said["value"] is None:
+            found.append(Reading("lost", 0.0, 0.0, place))
+        else:
+            found.append(Reading(said["kind"], 1e3 * said["value"], 1e3 * said["U"], place))
     return found
 
 
@@ -97,11 +105,24 @@ def cells(of):
 HEAD = "| n | bias | sd | worst | at, mm | U | cover |"
 
 
-def line_table(results):
-    rows = [f"| lens | board, mm {HEAD} goals |", "|---|---|" + "---|" * 8]
+def goal_table(results):
+    """Which quantities keep to their goals."""
+    rows = [f"| lens | board, mm | {' | '.join(GOALS)} |", "|---|---|" + "---|" * len(GOALS)]
     for (lens, board), found in results.items():
-        of = summary(of_kind(found, "line"))
-        rows.append(f"| {lens} | {board} | {cells(of)} | {'hold' if good(found) else '**fail**'} |")
+        said = ("**fail**" if missed(found, quantity) else "hold" for quantity in GOALS)
+        rows.append(f"| {lens} | {board} | {' | '.join(said)} |")
+    return rows
+
+
+def kind_table(results, quantity):
+    rows = [f"| what | lens | board, mm {HEAD} goals |", "|---|---|---|" + "---|" * 8]
+    for kind, (title, worst_um) in GOALS[quantity].items():
+        for (lens, board), found in results.items():
+            chosen = of_kind(found, kind)
+            if chosen:
+                of = summary(chosen)
+                said = "hold" if keeps(of, worst_um) else "**fail**"
+                rows.append(f"| {title} | {lens} | {board} | {cells(of)} | {said} |")
     return rows
 
 
@@ -130,36 +151,37 @@ def ring_table(results):
     return rows
 
 
-def other_table(results):
-    rows = [f"| what | lens | board, mm {HEAD}", "|---|---|---|" + "---|" * 7]
-    for kind, title in TITLES.items():
-        for (lens, board), found in results.items():
-            chosen = of_kind(found, kind)
-            if chosen:
-                rows.append(f"| {title} | {lens} | {board} | {cells(summary(chosen))} |")
-    return rows
+def keeps(of, worst_um):
+    return of.cover >= COVER_GOAL and abs(of.worst.error_um) <= worst_um
 
 
-def told(row, found):
-    """Lines of a row, in a sentence."""
-    of, lost = summary(of_kind(found, "line")), len(of_kind(found, "lost"))
-    return (f"{row[0]}, board {row[1]}: {of.number} lines, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f}, cover "
-            f"{100 * of.cover:.0f} %" + (f", {lost} not found" if lost else ""))
+def missed(found, quantity):
+    """A sentence for each kind of reading of this quantity that misses a goal."""
+    complaints = []
+    for kind, (title, worst_um) in GOALS[quantity].items():
+        chosen = of_kind(found, kind)
+        if chosen and not keeps(summary(chosen), worst_um):
+            complaints.append(f"{title}: {told(chosen)}")
+    lost = len(of_kind(found, "lost"))
+    return complaints + ([f"{lost} lines and joints not found"] if lost else [])
 
 
-def good(found):
-    """Whether lines keep to their goals."""
-    of = summary(of_kind(found, "line"))
-    return of.cover >= COVER_GOAL and abs(of.worst.error_um) <= WORST_GOAL_UM and not of_kind(found, "lost")
+def told(chosen):
+    of = summary(chosen)
+    x, y = of.worst.place_mm
+    return (f"{of.number} read, bias {of.bias_um:+.2f} um, worst {of.worst.error_um:+.2f} at {x:.0f}, {y:.0f} mm, "
+            f"U {of.U_um:.2f}, cover {100 * of.cover:.0f} %")
 
 
 def failing(results):
-    """Rows whose lines miss a goal, with a sentence for each."""
-    return {row: told(row, found) for row, found in results.items() if not good(found)}
+    """Sentences for all goals that are missed."""
+    return [f"{lens}, board {board}: {complaint}" for (lens, board), found in results.items()
+            for complaint in dict.fromkeys(c for quantity in GOALS for c in missed(found, quantity))]
 
 
 def beyond(results, allowed_um):
-    """Lines of a quick run that are not found, or lie farther off than their U and this."""
+    """Readings of a quick run that are lost, or lie farther off than their U and this."""
+    kinds = [kind for quantity in GOALS.values() for kind in quantity]
     return [f"{lens}, board {board}: {r.kind} at {r.place_mm[0]:.1f}, {r.place_mm[1]:.1f}: {r.error_um:+.2f} um, "
             f"U {r.U_um:.2f}" for (lens, board), found in results.items() for r in found
-            if r.kind == "lost" or r.kind == "line" and abs(r.error_um) > r.U_um + allowed_um]
+            if r.kind == "lost" or r.kind in kinds and abs(r.error_um) > r.U_um + allowed_um]

@@ -83,10 +83,6 @@ class Lay:
         return x + self.x_mm, y + self.y_mm
 
 
-def union(solids, more=""):
-    return "union {\n" + "\n".join(solids) + f"\n{more} }}\n"
-
-
 def board_scene(camera, sheet, board, lay):
     t = board.thickness_mm
     grey, dark = (f"rgb {slits.number(v)}" for v in (LIGHT, TRANSMISSION * LIGHT))
@@ -97,14 +93,14 @@ def board_scene(camera, sheet, board, lay):
         walls = slits.Walls(-t - margin, margin, 0.5 * board.bottom_mm - lean * margin, 0.5 * board.top_mm + lean * margin)
         a, b = sheet.half_size_mm
         text += f"difference {{ box {{ {slits.vector(-a, -b, -t)}, {slits.vector(a, b, 0)} }}\n"
-        text += union(slits.solids(walls, sheet))
+        text += slits.union(slits.solids(walls, sheet))
         fade = slits.number(t / math.log(1.0 / TRANSMISSION))
         text += ("pigment { rgbt 1 } finish { ambient 0 diffuse 0 emission 0 }\n"
                  f"interior {{ ior 1 fade_power 1001 fade_distance {fade} fade_color rgb 0 }} }}\n")
     else:
         # Infinitely thin: slits that shine on a plane that shines less. Bounding boxes are single precision: not closer.
         walls = slits.Walls(-2e-4, 0.0, 0.5 * board.bottom_mm, 0.5 * board.bottom_mm)
-        text += f"plane {{ z, -1e-3 pigment {{ {dark} }} }}\n" + union(slits.solids(walls, sheet), f"pigment {{ {grey} }}")
+        text += f"plane {{ z, -1e-3 pigment {{ {dark} }} }}\n" + slits.union(slits.solids(walls, sheet), f"pigment {{ {grey} }}")
     for x, y in sheet.marks:
         text += (f"disc {{ {slits.vector(x, y, 1e-4)}, z, {slits.number(0.5 * sheet.mark_mm)} "
                  f"pigment {{ rgb 0 transmit {slits.number(INK)} }} finish {{ emission 0 }} }}\n")

@@ -18,7 +18,6 @@ class Path:
     closed: bool = False
     radius: float = 0.0
     beside_mm: float = 0.0      # Of straight lines and circles alone.
-    flat_ends: bool = False
 
     def pieces(self):
         """Pairs of points: what the bench calls entities. A circle is one of them."""
@@ -74,8 +73,8 @@ def entities(sheet):
     return [Entity(a, b, path) for path in sheet.paths for a, b in path.pieces()]
 
 
-def line(x0, y0, x1, y1, beside_mm=0.0, flat_ends=False):
-    return Path(((x0, y0, 0.0), (x1, y1, 0.0)), beside_mm=beside_mm, flat_ends=flat_ends)
+def line(x0, y0, x1, y1, beside_mm=0.0):
+    return Path(((x0, y0, 0.0), (x1, y1, 0.0)), beside_mm=beside_mm)
 
 
 def circle(x, y, radius, beside_mm=0.0):
@@ -104,7 +103,7 @@ def full_sheet(beside_mm):
              (-13, 3, -8, 8), (9, 1, 15, 1.8), (24.4, 11, 24.4, 16.2), (-24.4, -16.2, -24.4, -11), (-24.9, 10.5, -24.2, 16.2),
              (19.5, -16.2, 24.5, -16.1), (-16.6, 13.9, -14.1, 16.4), (14.5, -13, 17.2, -15.9), (-19.5, -6, -18.8, 5),
              (19.3, -4, 19.8, 6)]
-    paths += [line(*ends, beside_mm=d if i % 3 else -d, flat_ends=i % 2 == 1) for i, ends in enumerate(lines)]
+    paths += [line(*ends, beside_mm=d if i % 3 else -d) for i, ends in enumerate(lines)]
     paths += [polyline((-4, -9.5), (0, -6.5), (4, -9.5)), polyline((6.5, 6.0), (11, 6.5), (11.3, 9.3)),
               polyline((-5, 7), (-1, 9.3), (4, 7.3)), polyline((-18.8, 16.2), (-18.2, 12.3), (-14.5, 12.6))]
     return Sheet((60.0, 50.0), tuple(paths), ((-21.5, -14.5), (-21.5, 14.5), (21.5, -13.5), (21.5, 14.5), (11.0, 15.2)),
@@ -115,7 +114,7 @@ def small_sheet(beside_mm):
     """For a camera of 640 x 480 pixels; its marks are as small as the spot camera sees."""
     d = beside_mm
     paths = (rectangle(7.6, 5.4), circle(0.0, -0.5, 1.5, d), line(-5.7, -1.9, -5.5, 1.8, d), line(5.6, -1.9, 5.6, 1.9, d),
-             line(-3.6, 3.4, 3.4, 3.5, d, True), line(-3.5, -3.6, 3.5, -3.5, -d))
+             line(-3.6, 3.4, 3.4, 3.5, d), line(-3.5, -3.6, 3.5, -3.5, -d))
     return Sheet((15.0, 12.0), paths, ((-5.6, -3.5), (-5.6, 3.5), (5.6, -3.5), (5.6, 3.5), (3.0, 1.2)), 1.8, (-30.0, 0.0))
 
 

@@ -144,6 +144,9 @@ Eigen::Vector2d CameraCalibration::sightSlope(const Eigen::Vector2d& p_mm) const
 
 CameraCalibration CameraCalibration::lowered(double depth_mm) const {
   CameraCalibration below = *this;
+  // A view of a flat target and its mirror image in depth are the same by parallel rays: how far the lens is
+  // from square the views tell, and to which side not. A shift to the wrong side would double the error.
+  if (telecentric_mm > 0.0) return below;
   const Eigen::Vector3d normal_C = X_CP.linear().col(2);
   below.X_CP.translation() += (normal_C.z() > 0.0 ? depth_mm : -depth_mm) * normal_C;
   return below;

@@ -64,7 +64,7 @@ struct CameraCalibration {
   /// foot of a pinhole. Zero for a telecentric lens: what it is not square by is in square_within_rad.
   [[nodiscard]] Eigen::Vector2d sightSlope(const Eigen::Vector2d& p_mm) const;
   /// The same camera over the plane that lies depth_mm below, farther from it. Frames lie square below each
-  /// other.
+  /// other. A telecentric lens shows all planes alike, as sightSlope() has it.
   [[nodiscard]] CameraCalibration lowered(double depth_mm) const;
   /// Mean scale at the image centre, mm per pixel.
   [[nodiscard]] double pitchMm() const;

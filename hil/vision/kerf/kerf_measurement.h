@@ -135,7 +135,8 @@ struct KerfScanOptions {
   /// How light grows with the burn, as the board's data sheet has it, and the standard uncertainties of that.
   /// Flanks of kerfs that are cut through tell it better.
   LightGrowth growth{};
-  double law_sigma{0.8}, begin_sigma{0.3};
+  /// LightGrowth::begin lies in 0 … 0.9 (upright walls), and twice its uncertainty takes in all of that.
+  double law_sigma{0.8}, begin_sigma{0.45};
   double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
   double widest_blur_px{
       1.5};  ///< Standard deviation beyond which the edges of marks show a picture as blurred.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -251,19 +252,41 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
   return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);
 }
 
+UnitScan::Hidden UnitScan::hiddenBy(const Eigen::Vector2d& p_V_mm, const Eigen::Vector2d& direction_S) const {
+  if (calibration_.telecentric_mm > 0.0) {
+    // Any share of the walls, each as likely, times the size of a normal angle: its mean is sqrt(2/pi) sigma.
+    const double aslant_mm = options_.board_thickness_mm * 0.5 * calibration_.square_within_rad;
+    const double likely = kNarrowing * std::sqrt(2.0 / std::numbers::pi);
+    const double square = kNarrowing * kNarrowing + kNarrowingSigma * kNarrowingSigma;
+    return {likely * aslant_mm, std::sqrt(square - likely * likely) * aslant_mm};
+  }
+  const Eigen::Vector2d direction_T = X_TS_.rotation() * direction_S;
+  const double aslant_mm =
+      options_.board_thickness_mm * std::abs(calibration_.sightSlope(p_V_mm).dot(direction_T));
+  return {kNarrowing * aslant_mm, kNarrowingSigma * aslant_mm};
+}
+
 void UnitScan::widen(const EntityPlan& plan, EntityKerf& kerf) const {
   if (kerf.calipers.empty()) return;
   double sum_mm = 0.0;
   for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
     const Eigen::Vector2d& t = plan.stations[i].tangent;
-    const Eigen::Vector2d normal = X_TS_.rotation() * Eigen::Vector2d(-t.y(), t.x());
-    const double narrowed_mm =
-        options_.board_thickness_mm * std::abs(calibration_.sightSlope(kerf.calipers[i].p_V_mm).dot(normal));
-    kerf.calipers[i].width_mm += kNarrowing * narrowed_mm;
-    sum_mm += narrowed_mm;
+    const Hidden hidden = hiddenBy(kerf.calipers[i].p_V_mm, Eigen::Vector2d(-t.y(), t.x()));
+    kerf.calipers[i].width_mm += hidden.likely_mm;
+    sum_mm += hidden.sigma_mm;
   }
   const double mean_mm = sum_mm / static_cast<double>(kerf.calipers.size());
-  kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, kNarrowingSigma * mean_mm);
+  kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, mean_mm);
+}
+
+void UnitScan::lengthen(const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& outward, LineEnd& end) const {
+  const Eigen::Vector2d p_T_mm = X_TS_ * p_S_mm;
+  const TileView* view = index_.best(p_T_mm, 0.0);
+  if (view == nullptr) return;
+  // Read in the plane of its middle, a slit loses as much at the one end as at the other.
+  const Hidden hidden = hiddenBy(p_T_mm - view->tile.p_TV_mm, outward);
+  end.gap_mm -= 0.5 * hidden.likely_mm;
+  end.sigma_mm = std::hypot(end.sigma_mm, 0.5 * hidden.sigma_mm);
 }
 
 JointScene UnitScan::sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs,
@@ -298,7 +321,9 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& b
   for (const EntityEnd& end : plan_.free_ends) {
     if (plan_.entities[end.plan].process == dieline::Process::kPerforation)
       continue;  // Perforations may end in a bridge.
-    addEnd(measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end), end);
+    LineEnd measured = measureEnd(sceneOf(plan_.entities[end.plan], kerfs, belief), end);
+    lengthen(end.p_S_mm, end.outward, measured);
+    addEnd(measured, end);
   }
   for (const EntityEnd& start : plan_.closures) {
     if (plan_.entities[start.plan].process == dieline::Process::kPerforation) continue;

@@ -66,8 +66,15 @@ class UnitScan {
   }
   /// Uncertainty of a place by that of the depth at which an entity is seen, along each axis of S.
   [[nodiscard]] Eigen::Vector2d depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const;
-  /// What thickness and aslant sight take from the widths, put back.
+  /// How much of a slit's length in a direction of S its walls hide, seen aslant.
+  struct Hidden {
+    double likely_mm{}, sigma_mm{};
+  };
+  [[nodiscard]] Hidden hiddenBy(const Eigen::Vector2d& p_V_mm, const Eigen::Vector2d& direction_S) const;
+  /// What walls hide of the widths, put back.
   void widen(const EntityPlan& plan, EntityKerf& kerf) const;
+  /// What walls hide of a slit before its end, put back.
+  void lengthen(const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& outward, LineEnd& end) const;
   [[nodiscard]] JointScene sceneOf(const EntityPlan& plan, const std::vector<EntityKerf>& kerfs,
                                    const FlankBelief& belief) const;
   /// One entity while it is measured.

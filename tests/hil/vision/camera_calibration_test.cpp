@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -142,6 +143,27 @@ TEST(CameraCalibration, DoesNotSeeWhatTheLensPolynomialFoldsBack) {
   EXPECT_TRUE(camera.pixelIfSeen({0.0, 0.0}, 0.0));
   EXPECT_FALSE(camera.pixelIfSeen({200.0, 0.0}, 0.0));
   EXPECT_FALSE(camera.pixelIfSeen({1500.0, 0.0}, 0.0));
+}
+
+TEST(CameraCalibration, ATelecentricLensAndItsMirrorImageInDepthReadKerfsAlike) {
+  // Views of flat targets do not tell the two apart, so neither may they differ below the printed face.
+  const auto leaningBy = [](double lean_rad) {
+    CameraCalibration camera = test::tiltedCamera(640, 480, 0.03);
+    camera.distortion = {};
+    camera.telecentric_mm = 300.0;
+    camera.X_CP.linear() =
+        Eigen::AngleAxisd(std::numbers::pi + lean_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    return camera;
+  };
+  const CameraCalibration one = leaningBy(0.009);
+  const CameraCalibration other = leaningBy(-0.009);
+  for (const double depth_mm : {0.0, 0.3}) {
+    for (const Eigen::Vector2d& pixel : pixelGrid(one, 101.3)) {
+      const Eigen::Vector2d apart_mm =
+          one.lowered(depth_mm).planeFromPixel(pixel) - other.lowered(depth_mm).planeFromPixel(pixel);
+      EXPECT_LT(apart_mm.norm(), 1e-9) << depth_mm;
+    }
+  }
 }
 
 TEST(CameraCalibration, PitchIsTheScaleAtTheCentre) {

@@ -3,6 +3,7 @@
 #include "hil/vision/kerf/flank_belief.h"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -95,6 +96,31 @@ TEST(FlankBelief, WidthsOfCutsTellNothingOfTheirEnergy) {
   const FlankMoments narrow_law = beliefOf({cutOf(truth)}, kKnown).momentsOf(lawOf);
   const FlankMoments wide_law = beliefOf({wide}, kKnown).momentsOf(lawOf);
   EXPECT_NEAR(wide_law.likely, narrow_law.likely, narrow_law.sigma);
+}
+
+TEST(FlankBelief, TakesInThatWallsAreUpright) {
+  // Found by pictures of such slits (tests/witness): a hard edge is what the usual belief expects least.
+  const KerfScanOptions usual;
+  const FlankKnown known{.growth = usual.growth,
+                         .law_sigma = usual.law_sigma,
+                         .begin_sigma = usual.begin_sigma,
+                         .beam_radius_mm = 0.105,
+                         .radius_share_sigma = 0.03,
+                         .blur = {.px = 0.7, .sigma_px = 0.008}};
+  const SeenFlank hard = cutOf({.growth = {}, .beam_radius_mm = 0.0, .lens_px = 0.7});
+  FlankQuery query = hard.query;
+  query.beam_radius_mm = 0.105;
+  const FlankMoments widening =
+      beliefOf(std::vector<SeenFlank>(37, hard), known).momentsOf([&](const FlankView& view) {
+        query.growth = view.growth;
+        query.beam_radius_mm = view.beam_radius_mm;
+        query.lens_px = view.lens_px;
+        return FlankModel(query).widening_mm();
+      });
+  RecordProperty("likely_um", std::to_string(1e3 * widening.likely));
+  RecordProperty("sigma_um", std::to_string(1e3 * widening.sigma));
+  // Blur does not widen a slit with a hard edge.
+  EXPECT_LT(std::abs(widening.likely), 2.0 * widening.sigma);
 }
 
 TEST(FlankBelief, IsLessSureWhereFlanksDoNotFitItsModel) {

@@ -120,6 +120,22 @@ TEST_P(ThickBoard, ATileAloneIsWithinWhatGeometryLeavesOpen) {
   EXPECT_DOUBLE_EQ(scan.entities.front().depth_sigma_mm, expectedDepths(kThickness_mm).front().sigma_mm);
 }
 
+TEST_P(ThickBoard, EndsAreAsLongAsTheyWereCutThoughWallsHideThem) {
+  const TwinCut cut = thickCut(GetParam());
+  for (const KerfScan& scan : {cut.scan(), cut.scan(fourTiles(cut))}) {
+    std::size_t within = 0;
+    double sum_mm = 0.0;
+    for (const LineEnd& end : scan.ends) {
+      ASSERT_TRUE(end.found);
+      within += std::abs(end.gap_mm) <= 2.0 * end.sigma_mm ? 1 : 0;
+      sum_mm += end.gap_mm;
+    }
+    RecordProperty("mean_um", std::to_string(1e3 * sum_mm / static_cast<double>(scan.ends.size())));
+    ASSERT_EQ(scan.ends.size(), 20);
+    EXPECT_GE(within, 19) << 1e3 * sum_mm / 20.0 << " um on average";
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Walls, ThickBoard, ::testing::Values(Walls::kUpright, Walls::kTapered),
                          [](const auto& walls) {
                            return walls.param == Walls::kUpright ? "Upright" : "Tapered";
