@@ -91,7 +91,9 @@ struct GaugeSection {
   std::vector<GaugePoint> joints;  ///< Good and bad cases of corner and end; value and U are NaN.
   std::vector<GaugePoint> drift;   ///< Largest drift.
   std::vector<std::string> wrong;  ///< "static-bad-17: PASS with 56.1 um (end)"
-  std::size_t invalid{};
+  bool mismatch{};                 ///< Seen in worlds that are not the bench's own.
+  /// Cases that ended INVALID: of bad and good cuts, and in other worlds of coverage as well.
+  std::size_t invalid{}, of{};
   std::map<inspect::Verdict, std::size_t> bad, good;
   std::vector<double> repeat_mm, relay_mm, drift_repeat_mm;  ///< Errors, in order.
   std::optional<TypeOne> repeat, relay, drift_repeat;

@@ -123,7 +123,6 @@ void addVerdicts(const CaseId& id, const KerfOutcome& o, GaugeSection& s) {
   if (id.study != Study::kBad && id.study != Study::kGood) return;
   const bool bad = id.study == Study::kBad;
   ++(bad ? s.bad : s.good)[o.verdict];
-  if (o.verdict == inspect::Verdict::kInvalid) ++s.invalid;
   if (o.verdict == (bad ? inspect::Verdict::kPass : inspect::Verdict::kFail) ||
       o.verdict == inspect::Verdict::kInvalid || (!bad && o.verdict == inspect::Verdict::kNotProven)) {
     s.wrong.push_back(fmt::format("{}: {} with a true deviation of {:.1f} µm ({}){}", o.name,
@@ -244,11 +243,18 @@ GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<Ca
                        const std::vector<std::pair<CaseId, StillOutcome>>& still, bool mismatch) {
   GaugeSection s;
   s.preset = preset;
+  s.mismatch = mismatch;
   std::vector<std::string> order;
   std::map<std::string, std::vector<Named>> by;
   for (const auto& [id, o] : kerf) {
-    if (id.study == Study::kBad || id.study == Study::kGood || id.study == Study::kCoverage)
-      collect(o, order, by);
+    const bool verdict = id.study == Study::kBad || id.study == Study::kGood;
+    if (!verdict && id.study != Study::kCoverage) continue;
+    const bool counts = verdict || mismatch;
+    const bool invalid = o.verdict == inspect::Verdict::kInvalid;
+    s.of += counts ? 1 : 0;
+    s.invalid += counts && invalid ? 1 : 0;
+    // In another world a sheet may be one that nobody can measure; then the bench must say so.
+    if (!(mismatch && invalid)) collect(o, order, by);
   }
   const std::size_t of_kerfs = order.size();
   for (const auto& [id, o] : still) {

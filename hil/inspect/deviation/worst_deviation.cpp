@@ -247,7 +247,9 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
 }
 
 UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all, double estimator_mm) {
-  const double spread = std::hypot(std::hypot(b.u_noise, b.u_pose), b.u_table, b.u_camera);
+  const double hidden = all.worst_hidden / std::sqrt(12.0);
+  const double spread =
+      std::hypot(std::hypot(b.u_noise, b.u_pose), std::hypot(b.u_table, b.u_camera), hidden);
   const double lacking = std::sqrt(std::max(all.worst_u_place * all.worst_u_place - spread * spread, 0.0));
   UncertaintyBudget out;
   out.quantity = "worst deviation of all lines";
@@ -260,8 +262,7 @@ UncertaintyBudget describe(const ExtremeBudget& b, const DeviationEstimate& all,
       {"calibration of the camera", b.u_camera, 0.0},
       {"smoothing along the line rounds off peaks", all.worst_u_smoothing, b.smoothing_bias},
       {"the largest of many noisy readings is too large, by how much is not known",
-       std::hypot(all.worst_hidden / std::sqrt(12.0), competingOf(b.extreme_bias), lacking),
-       0.5 * all.worst_hidden},
+       std::hypot(hidden, competingOf(b.extreme_bias), lacking), 0.5 * all.worst_hidden},
       {"what the estimator leaves, as artefacts of known deviation show", estimator_mm, 0.0},
   };
   double variance = 0.0;

@@ -33,7 +33,7 @@ constexpr double kIndependentMm = 0.2;
 constexpr double kScorchBlur = 0.93;
 constexpr double kModelShare = 0.4;  // Share of the shift that the model of scorch leaves.
 /// The same for a groove: its floor is scorched as well, which the model does not have.
-constexpr double kShallowShare = 1.5;
+constexpr double kShallowShare = 1.2;
 /// Least difference of the sides over the board's light; less is lost in noise.
 constexpr double kLeastOdd = 0.05;
 constexpr double kTightBend_per_mm = 1.4;
