@@ -151,5 +151,31 @@ class Order(unittest.TestCase):
                                   ("b", ["slow"], 9000), ("a", ["dear"], 20000)])
 
 
+class Score(unittest.TestCase):
+    PAGE = ("# Mutants\n\n## The same by proof\n\n### a.same\nWhy.\n\n### a.was-killed\nWhy.\n\n"
+            "## Others\n\n### b.lives\nWhy.\n")
+
+    def setUp(self):
+        file = tempfile.NamedTemporaryFile("w", suffix=".md", delete=False, encoding="utf-8")
+        with file:
+            file.write(self.PAGE)
+        self.addCleanup(os.remove, file.name)
+        self.addCleanup(setattr, sampled, "REASONS", sampled.REASONS)
+        sampled.REASONS = file.name
+
+    def test_the_page_is_read_by_its_parts(self):
+        self.assertEqual(sampled.reasons(), {"a.same", "a.was-killed", "b.lives"})
+        self.assertEqual(sampled.reasons(sampled.PROVEN), {"a.same", "a.was-killed"})
+
+    def test_only_survivors_with_a_proof_are_left_out(self):
+        cells = {"a.same": "**survived**", "a.was-killed": "t: T", "b.lives": "**survived**", "c": "t: T"}
+        text, share = sampled.score(cells)
+        self.assertAlmostEqual(share, 2.0 / 3.0)
+        self.assertIn("1 are the same", text)
+
+    def test_a_survivor_that_nobody_proves_counts(self):
+        self.assertAlmostEqual(sampled.score({"b.lives": "**survived**", "c": "t: T"})[1], 0.5)
+
+
 if __name__ == "__main__":
     sys.exit(unittest.main())

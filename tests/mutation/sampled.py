@@ -8,8 +8,11 @@ each stretch is drawn: the same seed and the same sources give the same mutants.
 each mutant; with --only or --missing the rows of the mutants that were tried.
 --asserting compiles the mutant with the assertions of the standard library and of Eigen, as the tests under sanitizers have
 them: for mutants that read beyond an end.
-Ends with 0 if at least 90 % are killed by a failing test and each survivor is explained in SURVIVORS_SAMPLED.md, 1 if not,
-2 if nothing could be measured, 64 for a wrong command line.
+A mutant that computes the same as the original can be killed by no test, and is left out of the score (Jia and Harman 2011,
+"An Analysis and Survey of the Development of Mutation Testing"): those whose proof is in the first part of
+SURVIVORS_SAMPLED.md. The score over all is printed beside it.
+Ends with 0 if at least 90 % of those that are not the same by proof are killed by a failing test and each survivor is
+explained in SURVIVORS_SAMPLED.md, 1 if not, 2 if nothing could be measured, 64 for a wrong command line.
 """
 import collections
 import fnmatch
@@ -30,6 +33,7 @@ from workshop import Broken, Build, Refused, Workshop, first_failure, run
 PAGE = os.path.join(mutate.HERE, "RESULTS_SAMPLED.md")
 HAND_PICKED = mutate.PAGE
 REASONS = os.path.join(mutate.HERE, "SURVIVORS_SAMPLED.md")
+PROVEN = "The same by proof"  # The part of that page whose mutants no test can kill.
 QUICK_MS = 300  # Tests below it run first, in one process.
 GROUP_MS = 15000  # Slower tests run in processes of about so long, the shortest first.
 LIKELY_MS = 2500  # Tests that have killed a mutant of the same file go before all others, unless they are dearer.
@@ -274,6 +278,7 @@ def write_page(mutants, cells, found, folders, seed):
     known = [m for m in mutants if m.name in cells]
     kinds = collections.Counter("comparisons" if p.text in places.COMPARISONS else "signs" if p.text in places.SIGNS else
                                 "connectives" if p.text in places.CONNECTIVES else "constants" for p in found)
+    own = {m.name: cells[m.name] for m in known}
     explained = sum(mutate.fate_in(cells[m.name]) == mutate.SURVIVED and m.name in reasons() for m in known)
     lines = [
         "<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench mutate --sample: do not edit. -->",
@@ -283,8 +288,8 @@ def write_page(mutants, cells, found, folders, seed):
         f"seed {seed}; {len(known)} have been tried. The sources are those of commit "
         f"{git('log', '-1', '--format=%h', '--', *folders)}, the tests those of "
         f"{git('log', '-1', '--format=%h', '--', 'tests/hil')}.",
-        "", mutate.summary([cells[m.name] for m in known])[0] +
-        f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "",
+        "", mutate.summary(list(own.values()))[0] +
+        f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "", score(own)[0], "",
         "The last column names the first test that failed; tests run from cheap to dear.", ""]
     for folder in sorted({os.path.dirname(m.file) for m in known}):
         lines += [f"## {folder}", "", "| mutant | place | fault | fate |", "|---|---|---|---|"]
@@ -305,12 +310,25 @@ def rows():
         return {}
 
 
-def reasons():
+def reasons(part=None):
+    """Survivors that SURVIVORS_SAMPLED.md explains: all of them, or those of one part."""
     try:
         with open(REASONS, encoding="utf-8") as file:
-            return set(re.findall(r"^### (\S+)", file.read(), re.MULTILINE))
+            text = file.read()
     except FileNotFoundError:
         return set()
+    parts = re.split(r"^## (.+)$", text, flags=re.MULTILINE)
+    chosen = [body for title, body in zip(parts[1::2], parts[2::2]) if part in (None, title)]
+    return set(re.findall(r"^### (\S+)", "".join(chosen), re.MULTILINE))
+
+
+def score(cells):
+    """What was killed of the mutants that are not the same by proof, in words and as a share."""
+    same = {name for name, cell in cells.items()
+            if mutate.fate_in(cell) == mutate.SURVIVED and name in reasons(PROVEN)}
+    share = mutate.summary([cell for name, cell in cells.items() if name not in same])[1]
+    return (f"Of them, {len(same)} are the same as the original by proof, so that no test can kill them. Of the others "
+            f"{100 * share:.1f} % are killed."), share
 
 
 def judge(cells):
@@ -320,8 +338,8 @@ def judge(cells):
               for name, fate in fates.items() if fate == mutate.SURVIVED and name not in reasons()]
     faults += [f"{name}: {fates.get(name, 'no mutant')}, but SURVIVORS_SAMPLED.md has it"
                for name in sorted(reasons()) if fates.get(name) != mutate.SURVIVED]
-    if mutate.summary(list(cells.values()))[1] < mutate.LEAST_SHARE:
-        faults.append(f"less than {100 * mutate.LEAST_SHARE:.0f} % are killed")
+    if score(cells)[1] < mutate.LEAST_SHARE:
+        faults.append(f"less than {100 * mutate.LEAST_SHARE:.0f} % of those that are not the same by proof are killed")
     return faults
 
 
@@ -374,6 +392,7 @@ def main():
         bench.workshop.close()
     write_page(mutants, cells, found, rule["folders"], options.seed)
     print(mutate.summary(list(cells.values()))[0])
+    print(score(cells)[0])
     faults = judge(cells)
     mutate.print_faults(faults)
     return 1 if faults else 0

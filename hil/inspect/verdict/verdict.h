@@ -16,11 +16,11 @@ int exitCode(Verdict verdict);                  ///< 0, 1, 3, 4
 
 /// One check of a verdict quantity against its limit.
 struct Check {
-  std::string name{};  ///< "path" or "edge", "joints", "coverage", "bridges", "depth", "even_depth",
-                       ///< "ordered_depth", "line_energy", "perforation", "kerf_width", "ordered_width",
-                       ///< "stray", "laser_timing", "stillness_x", "stillness_peak", "belt", "spot_seen",
-                       ///< "spot_path", "repeat", "dwell", "laser_gate", "interlock", "pulse_timing",
-                       ///< "account", "finish", "safe_state", "safe_stop", "safe_report"
+  std::string name{};     ///< "path" or "edge", "joints", "coverage", "bridges", "depth", "even_depth",
+                          ///< "ordered_depth", "line_energy", "perforation", "kerf_width", "ordered_width",
+                          ///< "stray", "laser_timing", "stillness_x", "stillness_peak", "belt", "spot_seen",
+                          ///< "spot_path", "repeat", "dwell", "laser_gate", "interlock", "pulse_timing",
+                          ///< "account", "finish", "safe_state", "safe_stop", "safe_report"
   std::string title{};    ///< For people.
   std::string subject{};  ///< Where the worst value was: "unit 2, E14", an axis, ….
   std::string unit{};     ///< "mm", "us", "ms", "steps", "counts", "stops"; "share": of one; "": a number

@@ -22,7 +22,7 @@ TEST(Inspect, AFlawlessRunPassesEveryCheck) {
   }
   EXPECT_TRUE(result.problems.empty());
   EXPECT_EQ(result.verdict, Verdict::kPass);
-  EXPECT_EQ(result.checks.size(), 18U);
+  EXPECT_EQ(result.checks.size(), 19U);
 }
 
 TEST(Inspect, EveryKindOfBrokenEvidenceIsInvalid) {

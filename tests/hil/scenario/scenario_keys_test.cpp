@@ -106,7 +106,7 @@ TEST_F(ScenarioKeys, ThePageHasTheRangesAndDefaultsOfTheProgram) {
     EXPECT_EQ(found->second.at("range"), fmt::format("{:g} … {:g}", asked.range->min, asked.range->max))
         << key;
     if (asked.range->fallback) {
-      EXPECT_EQ(found->second.at("default"), fmt::format("{:g}", *asked.range->fallback)) << key;
+      EXPECT_EQ(found->second.at("default"), fmt::format("{:.10g}", *asked.range->fallback)) << key;
     } else {
       EXPECT_TRUE(found->second.at("default").starts_with("required") ||
                   found->second.at("default").starts_with("none"))

@@ -57,6 +57,20 @@ TEST(FlankBelief, IsWhatWasKnownWhereNothingIsSeen) {
               1e-4);
 }
 
+TEST(FlankBelief, NoBoardGrowsItsLightByMoreThanASquare) {
+  // The law is an exponent about the straight one, within two either way: beyond it flanks are as they would
+  // be within.
+  FlankKnown open_minded = kKnown;
+  open_minded.law_sigma = 6.0;
+  open_minded.begin_sigma = 0.01;
+  for (const double sign : {-1.0, 1.0}) {
+    const FlankView steep = viewOf(sign * 2.45);
+    const FlankMoments law = beliefOf({cutOf(steep), creaseOf(steep)}, open_minded).momentsOf(lawOf);
+    EXPECT_LE(std::abs(law.likely), 2.0 + 1e-9);
+    EXPECT_GT(sign * law.likely, 1.5) << "that way it is seen";
+  }
+}
+
 /// How far the outline of the crease reaches beyond where the beam stopped.
 double reachMm(const FlankView& view, const SeenFlank& crease) {
   const FlankQuery& q = crease.query;
