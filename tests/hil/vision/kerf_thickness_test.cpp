@@ -127,7 +127,7 @@ TEST_P(ThickBoard, EndsAreAsLongAsTheyWereCutThoughWallsHideThem) {
     double within = 0.0;
     double sum_mm = 0.0;
     for (const LineEnd& end : scan.ends) {
-      if (!end.found) continue;  // Those at the rim no tile sees whole.
+      if (!end.found) continue;  // No tile sees ends at the rim whole.
       found += 1.0;
       within += std::abs(end.gap_mm) <= 2.0 * end.sigma_mm ? 1.0 : 0.0;
       sum_mm += end.gap_mm;
