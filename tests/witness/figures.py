@@ -53,9 +53,8 @@ def readings(verdict, sheet, lens, board, lay):
             continue
         point, normal = entity.at(said["worst_u"])
         place, sign, tangent = seen_from(lens.camera, lay, point, normal)
-        half_mm = 0.5 * board.half_light_mm()
-        middle, _ = beam.middle_and_width(entity.path, point, normal, half_mm)
-        _, width = beam.middle_and_width(entity.path, *entity.at(0.5), half_mm)
+        # Along a line or an arc both are the same everywhere, but at its very end, where there may be no slit.
+        middle, width = beam.middle_and_width(entity.path, *entity.at(0.5), 0.5 * board.half_light_mm())
         walls_um = -0.5e3 * board.thickness_mm * tangent
         side = math.copysign(sign, sign * said["worst_mm"])
         worst_mm = side * (abs(said["worst_mm"]) - abs(middle))

@@ -123,16 +123,19 @@ TEST_P(ThickBoard, ATileAloneIsWithinWhatGeometryLeavesOpen) {
 TEST_P(ThickBoard, EndsAreAsLongAsTheyWereCutThoughWallsHideThem) {
   const TwinCut cut = thickCut(GetParam());
   for (const KerfScan& scan : {cut.scan(), cut.scan(fourTiles(cut))}) {
-    std::size_t within = 0;
+    double found = 0.0;
+    double within = 0.0;
     double sum_mm = 0.0;
     for (const LineEnd& end : scan.ends) {
-      ASSERT_TRUE(end.found);
-      within += std::abs(end.gap_mm) <= 2.0 * end.sigma_mm ? 1 : 0;
+      if (!end.found) continue;  // No tile sees ends at the rim whole.
+      found += 1.0;
+      within += std::abs(end.gap_mm) <= 2.0 * end.sigma_mm ? 1.0 : 0.0;
       sum_mm += end.gap_mm;
     }
-    RecordProperty("mean_um", std::to_string(1e3 * sum_mm / static_cast<double>(scan.ends.size())));
-    ASSERT_EQ(scan.ends.size(), 20);
-    EXPECT_GE(within, 19) << 1e3 * sum_mm / 20.0 << " um on average";
+    const double mean_mm = sum_mm / found;
+    ASSERT_GE(found, 12.0);
+    EXPECT_GT(within / found, 0.9) << 1e3 * mean_mm << " um on average";
+    EXPECT_LT(std::abs(mean_mm), 0.003);
   }
 }
 
