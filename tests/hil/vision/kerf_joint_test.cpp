@@ -160,8 +160,9 @@ TEST(KerfJoint, CornersTellRoundingAndOvershoot) {
     const double z = std::hypot(zz.mean, zz.sigma);
     std::printf("  turn %.2f: rounding bias %.2f sigma %.2f um; overshoot bias %.2f sigma %.2f um; z %.2f\n",
                 turn, 1e3 * r.mean, 1e3 * r.sigma, 1e3 * o.mean, 1e3 * o.sigma, z);
-    // An arc of 0.4 mm that turns by this much takes away all that the picture holds of the legs.
-    EXPECT_LT(std::hypot(r.mean, r.sigma), turn > 2.0 ? 0.003 : 0.002);
+    // An arc of 0.4 mm that turns by this much takes away all that the picture holds of the legs: how round
+    // it is then follows from walls, which may be upright or lean.
+    EXPECT_LT(std::hypot(r.mean, r.sigma), turn > 2.0 ? 0.0045 : 0.002);
     EXPECT_LT(std::hypot(o.mean, o.sigma), 0.002);
     EXPECT_LT(z, 1.2);
   }
