@@ -103,34 +103,17 @@ void keepWorstPatches(KerfScan& scan, int count) {
   scan.patches = std::move(kept);
 }
 
-}  // namespace
+/// What the units of a sheet are scanned for, and with what.
+struct ScanJob {
+  const KerfPlan& plan;
+  const CameraCalibration& calibration;
+  const PrintLayout& print;
+  const KerfScanOptions& options;
 
-KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibration, const PrintLayout& print,
-                  const dieline::Dieline& dieline, const KerfScanOptions& options) {
-  if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
-      !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
-      !(options.table_sigma_mm >= 0.0) || !(options.print_sigma_mm >= 0.0)) {
-    throw std::invalid_argument(
-        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, "
-        "board_thickness_mm, "
-        "table_sigma_mm and print_sigma_mm >= 0");
-  }
-  const KerfPlan plan = planKerf(dieline, options);
-  KerfScan scan;
-  scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
-  std::set<int> done;
-  UnitTiles source(tiles, calibration);
-  for (;;) {
-    std::vector<camera::KerfTile> of_unit = source.next();
-    if (of_unit.empty()) break;
-    const int unit = of_unit.front().unit;
-    if (unit < 0 || unit >= print.units || !done.insert(unit).second) {
-      scan.problems.push_back("unit " + std::to_string(unit) +
-                              ": tiles that belong to no unit, or come out of order");
-      continue;
-    }
+  /// Scans one unit in all of its tiles.
+  void scanUnit(std::vector<camera::KerfTile> tiles, int unit, KerfScan& scan) const {
     const UnitPictures pictures =
-        viewUnit(std::move(of_unit), unit, print, calibration, options, scan.problems);
+        viewUnit(std::move(tiles), unit, print, calibration, options, scan.problems);
     const TileIndex index(pictures.views, calibration);
     // In one tile, kerfs and marks are where they are wherever the table stopped.
     KerfScanOptions unit_options = options;
@@ -141,7 +124,7 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
         placeUnit(pictures.views, index, {unit, &print, mark_sigma_mm}, calibration, scan.problems);
     if (!place) {
       addUnseen(plan, unit, scan);
-      continue;
+      return;
     }
     if (const auto problem = misfitProblem(*place, print, calibration))
       scan.problems.push_back("unit " + std::to_string(unit) + ": " + *problem);
@@ -159,6 +142,36 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
                              {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
+  }
+};
+
+}  // namespace
+
+KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibration, const PrintLayout& print,
+                  const dieline::Dieline& dieline, const KerfScanOptions& options) {
+  if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
+      !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
+      !(options.table_sigma_mm >= 0.0) || !(options.print_sigma_mm >= 0.0)) {
+    throw std::invalid_argument(
+        "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, "
+        "board_thickness_mm, table_sigma_mm and print_sigma_mm >= 0");
+  }
+  const KerfPlan plan = planKerf(dieline, options);
+  const ScanJob job{plan, calibration, print, options};
+  KerfScan scan;
+  scan.tile_misfit_mm = std::numeric_limits<double>::quiet_NaN();
+  std::set<int> done;
+  UnitTiles source(tiles, calibration);
+  for (;;) {
+    std::vector<camera::KerfTile> of_unit = source.next();
+    if (of_unit.empty()) break;
+    const int unit = of_unit.front().unit;
+    if (unit < 0 || unit >= print.units || !done.insert(unit).second) {
+      scan.problems.push_back("unit " + std::to_string(unit) +
+                              ": tiles that belong to no unit, or come out of order");
+      continue;
+    }
+    job.scanUnit(std::move(of_unit), unit, scan);
   }
   for (int unit = 0; unit < print.units; ++unit) {
     if (done.contains(unit)) continue;
