@@ -25,6 +25,9 @@ class ArtefactBeam {
   /// 1/e² ellipse as of twin::Footprint.
   double radius_x_mm{}, radius_y_mm{}, correlation{};
   double power{1.0};  ///< Power of the tube as a share of what its data sheet says.
+  /// Energy of creases as a multiple of what a beam of its data sheet's radius needs: who orders a crease
+  /// sets its power by what the beam at hand burns.
+  double crease_energy{1.0};
   double noise{}, noise_correlation_s{1e-3}, drift{};
 
   /// Covariance of the beam's light on the sheet, mm²: a 1/e² radius is two standard deviations.

@@ -38,10 +38,11 @@ double distanceToRay(const Vector2d& p, const Vector2d& direction) {
   return p.dot(direction) < 0.0 ? p.norm() : std::abs(leftOf(direction).dot(p));
 }
 
-/// Fluence in the middle of a line over that which cuts through.
-double shareOf(dieline::Process process, const twin::BoardDescription& board) {
+/// Fluence that the nominal beam leaves in the middle of a line, over that which cuts through.
+double shareOf(dieline::Process process, const twin::BoardDescription& board, const ArtefactBeam& beam) {
   if (process != dieline::Process::kCrease) return kCutShare;
-  return twin::DepthCurve(board).fluenceFor_j_mm2(kCreaseDepth) / board.cut_fluence_j_mm2;
+  return beam.crease_energy * twin::DepthCurve(board).fluenceFor_j_mm2(kCreaseDepth) /
+         board.cut_fluence_j_mm2;
 }
 
 /// How many whole waves go onto a line, so that a closed one still closes.
@@ -343,7 +344,7 @@ CutTruth ArtefactCut::truth(const std::vector<vision::EntityKerf>& stations,
   for (const vision::EntityKerf& kerf : stations) {
     const Line& line = lines_.at(static_cast<std::size_t>(kerf.entity));
     EntityTruth e{.entity = kerf.entity, .circularity_mm = std::numeric_limits<double>::quiet_NaN()};
-    const double share = shareOf(line.entity->process, board);
+    const double share = shareOf(line.entity->process, board, beam_);
     double own_squares = 0.0;
     double own = 0.0;
     for (const vision::Caliper& c : kerf.calipers) {
@@ -414,7 +415,7 @@ void ArtefactCut::burn(twin::Sheet& sheet, double nominal_radius_mm) const {
   const Line& second = lines_[static_cast<std::size_t>(artefact_.corner_out)];
   const double before_mm = beforeCorner();
   for (const Line& line : lines_) {
-    const double share = shareOf(line.entity->process, sheet.board());
+    const double share = shareOf(line.entity->process, sheet.board(), beam_);
     double from = line.start_gap_mm;
     double to = line.length_mm - line.end_gap_mm;
     if (&line == &first) to -= before_mm;

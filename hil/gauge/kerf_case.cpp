@@ -123,6 +123,7 @@ ArtefactCut KerfStudy::cutOf(const KerfCase& test_case, const World& world) cons
   beam.power = sampled.machine.laser.full_power_w / setup_.machine.laser.full_power_w;
   beam.radius_x_mm *= world.radius;
   beam.radius_y_mm *= world.radius;
+  beam.crease_energy = world.radius;
   return {gaugeArtefact(world.corner), test_case.faults, beam, test_case.machine_seed ^ kTubeNoise};
 }
 

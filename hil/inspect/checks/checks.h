@@ -22,12 +22,18 @@ namespace kerfbench::inspect::checks {
 inline constexpr double kOpenBrightness = 0.75;
 /// From here on something was burnt at all.
 inline constexpr double kBurntBrightness = 0.10;
+/// From this share of the light of the cuts on a crease is through for certain. Below it, and above
+/// kOpenBrightness, what is left of a board that scatters little may be as bright.
+inline constexpr double kSurelyOpenShare = 0.9;
 
 /// Ends closer than this are drawn to meet.
 inline constexpr double kMeet_mm = 0.02;
 
 /// The entity of the dieline with this id. @throws std::logic_error if there is none.
 const dieline::Entity& entityOf(const Evidence& evidence, int id);
+
+/// Burnt, but not through: a crease or a half-cut.
+bool isPartial(dieline::Process process);
 
 bool isOpen(const vision::Caliper& caliper);
 /// True where the station is burnt as the process asks. Near a joint other kerfs take part in the profile, so
@@ -52,6 +58,22 @@ Stretch longestStretch(const std::vector<const vision::Caliper*>& stations,
 bool isUncut(const vision::Caliper& caliper, dieline::Process process);
 /// Among the stations that coverage counts.
 Stretch longestUncut(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits);
+/// The longest piece of longestUncut()'s kind that shows nothing at all. A groove that is dimmer than
+/// kBurntBrightness but keeps its place from station to station was burnt: too little, or its floor is
+/// scorched as dark as the board.
+Stretch longestBlank(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits);
+/// The order of a crease's or half-cut's depth; nullptr where the scenario has none.
+const Tolerances::OrderedDepth* orderOf(dieline::Process process, const Tolerances& limits);
+/// A length that is at least the one and at most the other.
+struct Bounds {
+  double least_mm{};
+  double most_mm{};
+
+  /// Whether a check should name this one of the two: what exceeds its limit for certain comes first.
+  [[nodiscard]] bool isWorseThan(const Bounds& other, double limit_mm) const;
+  /// Makes it the value of a check, with half the station pitch as the guard at either bound.
+  void decideIn(Check& check, double pitch_mm) const;
+};
 /// Largest distance of two neighbouring stations, mm.
 double pitchOf(const vision::EntityKerf& kerf);
 

@@ -139,13 +139,6 @@ double sigmaOf(const std::vector<Row>& rows) {
   return std::sqrt(medianOf(std::move(squares)) / kMedianSquare);
 }
 
-/// The order of a process; nothing where it has none.
-const Tolerances::OrderedDepth* orderOf(dieline::Process process, const Tolerances& limits) {
-  const Tolerances::OrderedDepth& order =
-      process == dieline::Process::kCrease ? limits.crease_depth : limits.half_cut_depth;
-  return order.most > 0.0 ? &order : nullptr;
-}
-
 Groove grooveOf(const Chain& chain, const Evidence& evidence, const Tolerances& limits) {
   return {limits.board_transmission, evidence.beam_radius_mm, chain.middle_sigma_mm};
 }
@@ -193,6 +186,12 @@ double grooveU(const Groove& groove, double brightness) {
 }
 
 }  // namespace
+
+const Tolerances::OrderedDepth* orderOf(dieline::Process process, const Tolerances& limits) {
+  const Tolerances::OrderedDepth& order =
+      process == dieline::Process::kCrease ? limits.crease_depth : limits.half_cut_depth;
+  return order.most > 0.0 ? &order : nullptr;
+}
 
 Finding orderedDepthCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{

@@ -20,18 +20,15 @@ namespace {
 /// How far from an end a gap is looked for; a hole further in is a matter of coverage.
 constexpr double kEndWindow_mm = 1.0;
 
-bool isPartial(dieline::Process process) {
-  return process == dieline::Process::kCrease || process == dieline::Process::kHalfCut;
-}
-
-/// The longest run of neighbouring stations that are open, mm: from half a station before the first to half a
-/// station behind the last.
-double longestOpen_mm(const std::vector<const vision::Caliper*>& stations) {
+/// The longest run of neighbouring stations that are as bright as that, mm: from half a station before the
+/// first to half a station behind the last.
+double longestOpen_mm(const std::vector<const vision::Caliper*>& stations, double brightness) {
+  const auto open = [&](const vision::Caliper* c) { return c->found && c->brightness >= brightness; };
   double longest_mm = 0.0;
   for (std::size_t first = 0; first < stations.size(); ++first) {
-    if (!stations[first]->found || !isOpen(*stations[first])) continue;
+    if (!open(stations[first])) continue;
     std::size_t last = first;
-    while (last + 1 < stations.size() && stations[last + 1]->found && isOpen(*stations[last + 1])) ++last;
+    while (last + 1 < stations.size() && open(stations[last + 1])) ++last;
     const double before_mm = first > 0 ? stations[first]->station_mm - stations[first - 1]->station_mm : 0.0;
     const double behind_mm =
         last + 1 < stations.size() ? stations[last + 1]->station_mm - stations[last]->station_mm : 0.0;
@@ -40,6 +37,17 @@ double longestOpen_mm(const std::vector<const vision::Caliper*>& stations) {
     first = last;
   }
   return longest_mm;
+}
+
+/// Usual light of the cuts, 1 where there are none: how bright an open kerf is in these pictures.
+double lightOfCuts(const Evidence& evidence) {
+  std::vector<double> brightness;
+  for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
+    if (entityOf(evidence, kerf.entity).process != dieline::Process::kCut) continue;
+    for (const vision::Caliper& c : kerf.calipers)
+      if (c.found && !c.near_joint) brightness.push_back(c.brightness);
+  }
+  return brightness.empty() ? 1.0 : medianOf(std::move(brightness));
 }
 
 struct EndGap {
@@ -75,30 +83,41 @@ EndGap gapAt(const Range& from_end, const Distance& distanceOf, double threshold
 
 }  // namespace
 
+bool isPartial(dieline::Process process) {
+  return process == dieline::Process::kCrease || process == dieline::Process::kHalfCut;
+}
+
 Finding depthCheck(const Evidence& evidence, const Tolerances& limits) {
   Check check{.name = "depth", .title = "Creases and half-cuts are not cut through", .unit = "mm"};
   check.limit = limits.cut_through_mm;
-  bool applies = false;
+  const double surely_open = std::max(kOpenBrightness, kSurelyOpenShare * lightOfCuts(evidence));
+  const vision::EntityKerf* worst = nullptr;
+  Bounds longest;
   for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
-    const dieline::Entity& entity = entityOf(evidence, kerf.entity);
-    if (!isPartial(entity.process)) continue;
-    applies = true;
+    if (!isPartial(entityOf(evidence, kerf.entity).process)) continue;
     std::vector<const vision::Caliper*> stations;
     for (const vision::Caliper& c : kerf.calipers)
       if (!c.near_joint) stations.push_back(&c);
-    const double open_mm = longestOpen_mm(stations);
-    if (open_mm <= check.value) continue;
-    check.value = open_mm;
-    check.u = check.guard = std::min(0.5 * pitchOf(kerf), 0.5 * check.limit);
-    check.subject = nameOf(kerf.unit, kerf.entity);
+    const Bounds open{longestOpen_mm(stations, surely_open), longestOpen_mm(stations, kOpenBrightness)};
+    if (worst != nullptr && !open.isWorseThan(longest, check.limit)) continue;
+    longest = open;
+    worst = &kerf;
   }
-  if (!applies) return notApplicable(check, "The dieline has no crease and no half-cut.");
-  decide(check);
+  if (worst == nullptr) return notApplicable(check, "The dieline has no crease and no half-cut.");
+  longest.decideIn(check, pitchOf(*worst));
+  if (check.value == 0.0) {
+    check.explanation = "No crease or half-cut lets the full light through.";
+    return check;
+  }
+  check.subject = nameOf(worst->unit, worst->entity);
   check.explanation =
-      check.value == 0.0
-          ? "No crease or half-cut lets the full light through."
-          : fmt::format("{} is cut through over {:.2f} mm without a break, longer than any other.",
-                        check.subject, check.value);
+      longest.least_mm == longest.most_mm
+          ? fmt::format("{} is cut through over {:.2f} mm without a break, longer than any other.",
+                        check.subject, check.value)
+          : fmt::format(
+                "{} lets through nearly the light of a cut over {:.2f} mm without a break, and as much as "
+                "a cut over {:.2f} mm: it is cut through there, or its floor is thin and clear.",
+                check.subject, check.value, longest.least_mm);
   return check;
 }
 

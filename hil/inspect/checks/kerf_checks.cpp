@@ -51,6 +51,48 @@ std::vector<std::string> uncertaintyProblems(const Evidence& evidence) {
 /// Stations beyond a stretch whose calipers reach into it.
 constexpr std::size_t kBesideStretch = 2;
 
+/// A groove keeps its place from station to station within this, over so many stations to each side.
+constexpr double kSteady_mm = 0.05;
+constexpr std::size_t kSteadyStations = 4;
+/// Least share of the stations around that bear a faint groove out. Grain of the board is found here and
+/// there.
+constexpr double kSteadyShare = 0.75;
+
+/// Which stations show that something was burnt, however dim: it is found, and lies where it does at most
+/// stations around. Those near a joint, where nobody knows whose light it is, go with their neighbours; so
+/// does one that noise hides, if it is at least half as bright as they are.
+std::vector<bool> burntStations(const std::vector<const vision::Caliper*>& stations) {
+  std::vector<bool> burnt(stations.size());
+  const auto around = [&](std::size_t i) {
+    return std::pair{i < kSteadyStations ? 0 : i - kSteadyStations,
+                     std::min(i + kSteadyStations, stations.size() - 1)};
+  };
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    if (!stations[i]->found || stations[i]->near_joint) continue;
+    const auto [from, to] = around(i);
+    double steady = 0.0;
+    double seen = 0.0;
+    for (std::size_t k = from; k <= to; ++k) {
+      if (stations[k]->near_joint) continue;
+      seen += 1.0;
+      if (stations[k]->found && std::abs(stations[k]->offset_mm - stations[i]->offset_mm) < kSteady_mm)
+        steady += 1.0;
+    }
+    burnt[i] = seen > static_cast<double>(kSteadyStations) && steady >= kSteadyShare * seen;
+  }
+  const std::vector<bool> alone = burnt;
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    if (stations[i]->found && !stations[i]->near_joint) continue;
+    const auto [from, to] = around(i);
+    std::vector<double> brightness;
+    for (std::size_t k = from; k <= to; ++k)
+      if (alone[k]) brightness.push_back(stations[k]->brightness);
+    if (brightness.empty()) continue;
+    burnt[i] = stations[i]->near_joint || stations[i]->brightness >= 0.5 * medianOf(std::move(brightness));
+  }
+  return burnt;
+}
+
 /// Light at a station as a share of what is usual on its line.
 double lightShare(const vision::Caliper& caliper, double usual) {
   return std::clamp(caliper.brightness / usual, 0.0, 1.0);
@@ -106,6 +148,30 @@ Stretch longestUncut(const Evidence& evidence, const vision::EntityKerf& kerf, c
   const dieline::Entity& entity = entityOf(evidence, kerf.entity);
   return longestStretch(innerStations(kerf, entity.curve, limits.end_gap_mm),
                         [&](const vision::Caliper& c) { return isUncut(c, entity.process); });
+}
+
+Stretch longestBlank(const Evidence& evidence, const vision::EntityKerf& kerf, const Tolerances& limits) {
+  const dieline::Entity& entity = entityOf(evidence, kerf.entity);
+  if (!isPartial(entity.process)) return longestUncut(evidence, kerf, limits);
+  const auto stations = innerStations(kerf, entity.curve, limits.end_gap_mm);
+  const std::vector<bool> burnt = burntStations(stations);
+  std::set<const vision::Caliper*> blank;
+  for (std::size_t i = 0; i < stations.size(); ++i)
+    if (!burnt[i] && isUncut(*stations[i], entity.process)) blank.insert(stations[i]);
+  return longestStretch(stations, [&](const vision::Caliper& c) { return blank.contains(&c); });
+}
+
+bool Bounds::isWorseThan(const Bounds& other, double limit_mm) const {
+  const double sure = std::max(least_mm, limit_mm);
+  const double others = std::max(other.least_mm, limit_mm);
+  return sure != others ? sure > others : most_mm > other.most_mm;
+}
+
+void Bounds::decideIn(Check& check, double pitch_mm) const {
+  check.value = most_mm;
+  check.u = check.guard = 0.0;
+  if (most_mm > 0.0) check.u = check.guard = std::min(0.5 * pitch_mm, 0.5 * check.limit) + most_mm - least_mm;
+  decide(check);
 }
 
 double pitchOf(const vision::EntityKerf& kerf) {
@@ -192,13 +258,22 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
   std::size_t judged = 0;
   std::size_t bad = 0;
   std::size_t worst = 0;
+  Bounds longest;
   for (std::size_t i = 0; i < entities.size(); ++i) {
-    if (entityOf(evidence, entities[i].entity).process == dieline::Process::kPerforation) continue;
-    if (judged++ == 0 || entities[i].uncut_mm > check.value) {
-      check.value = entities[i].uncut_mm;
+    const dieline::Process process = entityOf(evidence, entities[i].entity).process;
+    if (process == dieline::Process::kPerforation) continue;
+    Bounds uncut{entities[i].uncut_mm, entities[i].uncut_mm};
+    if (uncut.most_mm > 0.0) {
+      uncut.least_mm =
+          std::min(uncut.most_mm, longestBlank(evidence, evidence.kerf.entities[i], limits).length_mm);
+      // How deep what is faint was burnt is then judged by ordered_depth.
+      if (orderOf(process, limits) != nullptr) uncut.most_mm = uncut.least_mm;
+    }
+    if (judged++ == 0 || uncut.isWorseThan(longest, check.limit)) {
+      longest = uncut;
       worst = i;
     }
-    if (entities[i].uncut_mm > limits.uncut_mm) ++bad;
+    if (uncut.most_mm > limits.uncut_mm) ++bad;
   }
   if (judged == 0) {
     check.explanation = "The dieline has no continuous line to judge.";
@@ -207,10 +282,9 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
   }
   const vision::EntityKerf& kerf = evidence.kerf.entities[worst];
   const dieline::Entity& entity = entityOf(evidence, kerf.entity);
-  // Where between two stations a piece begins and ends is known to a quarter of their distance each.
-  if (check.value > 0.0) check.u = check.guard = std::min(0.5 * pitchOf(kerf), 0.5 * check.limit);
   check.subject = nameOf(kerf.unit, kerf.entity);
-  decide(check);
+  // Where between two stations a piece begins and ends is known to a quarter of their distance each.
+  longest.decideIn(check, pitchOf(kerf));
   const double share = 100.0 * entities[worst].coverage;
   if (check.value == 0.0) {
     check.explanation = fmt::format("All {} entities are burnt over their whole length.", judged);
@@ -223,12 +297,20 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
             : "No line of the dieline was cut on any unit; what was burnt lies elsewhere, see stray.";
     return check;
   }
-  const Stretch hole = longestUncut(evidence, kerf, limits);
+  const Stretch hole = longest.least_mm < longest.most_mm ? longestUncut(evidence, kerf, limits)
+                                                          : longestBlank(evidence, kerf, limits);
   check.explanation = fmt::format(
       "{} of {} entities have an uncut piece of more than {:g} mm; the longest, {:.2f} mm, is on {} ({}, {}) "
       "between station {:.2f} and {:.2f} mm of {:.2f} mm. {:.1f} % of that entity's stations are burnt.",
       bad, judged, limits.uncut_mm, check.value, check.subject, dieline::processName(entity.process),
       entity.origin, hole.from_mm, hole.to_mm, dieline::lengthOf(entity.curve), share);
+  if (longest.least_mm < longest.most_mm) {
+    check.explanation += fmt::format(
+        " A groove can be seen there, but it lets through less than {:.0f} % of the light: it was burnt too "
+        "little, or scorch hides it. With {} in the scenario its depth is judged.",
+        100.0 * kBurntBrightness,
+        entity.process == dieline::Process::kCrease ? "checks.crease_depth" : "checks.half_cut_depth");
+  }
   return check;
 }
 

@@ -2,6 +2,7 @@
 #include "hil/vision/kerf/kerf_pictures.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "hil/camera/kerf_tile.h"
 #include "hil/vision/kerf/kerf_faults.h"
 #include "twin/base/image.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -19,6 +21,11 @@ namespace {
 constexpr std::size_t kTilesPerBatch = 8;
 constexpr double kNoiseSigmas = 3.0;  // Least contrast in sigmas of one pixel: nine sigmas of a mean of nine
                                       // where no grain correlates them.
+constexpr double kGrainSigmas = 5.0;  // Least contrast in sigmas of the board's own grain. A flock of half a
+                                      // millimetre stands out so far in less than one of a hundred sheets.
+constexpr int kBoxPx = 3;             // Side of the square whose mean is taken.
+constexpr int kBox = kBoxPx * kBoxPx;
+constexpr int kSampleStride = 4;  // Pixels between samples of the grain.
 
 std::vector<double> diametersOf(const PrintLayout& print) {
   std::vector<double> diameters_mm;
@@ -27,6 +34,51 @@ std::vector<double> diametersOf(const PrintLayout& print) {
   diameters_mm.erase(std::unique(diameters_mm.begin(), diameters_mm.end()), diameters_mm.end());
   return diameters_mm;
 }
+
+/// Scatter of means over the board, from cell to cell: grain, and what is printed in patterns. Whatever
+/// covers less than half of a cell, as a cut does, or less than half of the cells around, does not count.
+class BoardScatter {
+ public:
+  /// `sums` has the sum of kBox pixels around each pixel.
+  explicit BoardScatter(const cv::Mat& sums)
+      : cells_((sums.rows + Background::kCellPx - 1) / Background::kCellPx,
+               (sums.cols + Background::kCellPx - 1) / Background::kCellPx, CV_64F) {
+    for (int row = 0; row < cells_.rows; ++row)
+      for (int column = 0; column < cells_.cols; ++column)
+        cells_.at<double>(row, column) = scatterIn(sums, cellAt(sums, row, column));
+  }
+
+  /// Pixels of a cell.
+  static cv::Rect cellAt(const cv::Mat& picture, int row, int column) {
+    constexpr int kCell = Background::kCellPx;
+    const cv::Rect whole(column * kCell, row * kCell, kCell, kCell);
+    return whole & cv::Rect(0, 0, picture.cols, picture.rows);
+  }
+
+  /// Standard deviation of a mean, gray: the median of the cell and of those around it.
+  [[nodiscard]] double at(int row, int column) const {
+    std::vector<double> around;
+    for (int r = std::max(0, row - 1); r <= std::min(cells_.rows - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(cells_.cols - 1, column + 1); ++c)
+        around.push_back(cells_.at<double>(r, c));
+    return upperMedianIn(around);
+  }
+  [[nodiscard]] int rows() const { return cells_.rows; }
+  [[nodiscard]] int columns() const { return cells_.cols; }
+
+ private:
+  static double scatterIn(const cv::Mat& sums, const cv::Rect& cell) {
+    std::vector<int> values;
+    for (int y = cell.y; y < cell.y + cell.height; y += kSampleStride)
+      for (int x = cell.x; x < cell.x + cell.width; x += kSampleStride)
+        values.push_back(sums.at<std::uint16_t>(y, x));
+    const int middle = upperMedianIn(values);
+    for (int& value : values) value = std::abs(value - middle);
+    return kMadToSigma * upperMedianIn(values) / kBox;
+  }
+
+  cv::Mat cells_;
+};
 
 }  // namespace
 
@@ -66,24 +118,25 @@ UnitPictures viewUnit(std::vector<camera::KerfTile> tiles, int unit, const Print
 }
 
 GrayImage brightPlaces(const TileView& view, double open_gray, double least_share) {
-  constexpr int kCell = Background::kCellPx;
   const GrayImage& image = view.tile.image;
   // Only read: OpenCV has no view of constant memory.
   const cv::Mat picture(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::Mat smooth;
-  cv::boxFilter(picture, smooth, CV_8U, cv::Size(3, 3), cv::Point(-1, -1), true, cv::BORDER_REPLICATE);
+  cv::Mat sums;
+  cv::boxFilter(picture, sums, CV_16U, cv::Size(kBoxPx, kBoxPx), cv::Point(-1, -1), false,
+                cv::BORDER_REPLICATE);
+  const BoardScatter scatter(sums);
   GrayImage places(image.width, image.height);
   cv::Mat mask(image.height, image.width, CV_8U, places.pixels.data());
-  for (int top = 0; top < picture.rows; top += kCell) {
-    for (int left = 0; left < picture.cols; left += kCell) {
-      const cv::Rect cell(left, top, std::min(kCell, picture.cols - left),
-                          std::min(kCell, picture.rows - top));
-      const double board = view.background->at(left, top);
-      const Eigen::Vector2d middle(left + 0.5 * cell.width, top + 0.5 * cell.height);
+  for (int row = 0; row < scatter.rows(); ++row) {
+    for (int column = 0; column < scatter.columns(); ++column) {
+      const cv::Rect cell = BoardScatter::cellAt(picture, row, column);
+      const double board = view.background->at(cell.x, cell.y);
+      const Eigen::Vector2d middle(cell.x + 0.5 * cell.width, cell.y + 0.5 * cell.height);
       const double open = open_gray * view.light.at(middle);
-      const double above = std::max(kNoiseSigmas * view.noise_gray, least_share * (open - board));
+      const double above = std::max({kNoiseSigmas * view.noise_gray, kGrainSigmas * scatter.at(row, column),
+                                     least_share * (open - board)});
       cv::Mat part = mask(cell);
-      cv::threshold(smooth(cell), part, board + above, 255, cv::THRESH_BINARY);
+      cv::compare(sums(cell), kBox * (board + above), part, cv::CMP_GT);
     }
   }
   return places;

@@ -47,6 +47,12 @@ vision::CameraCalibration smallCamera(double half_mm) {
 
 }  // namespace
 
+void unburn(vision::Caliper& caliper) {
+  caliper.found = false;
+  caliper.offset_mm = caliper.width_mm = std::numeric_limits<double>::quiet_NaN();
+  caliper.brightness = 0.0;
+}
+
 SyntheticRun::SyntheticRun() {
   const std::vector<std::pair<dieline::Curve, dieline::Process>> parts = {
       {line(0, 0, 60, 0), dieline::Process::kCut},

@@ -14,6 +14,9 @@ namespace kerfbench::inspect::testing {
 /// Ids of the entities of the small carton that SyntheticRun cuts.
 enum SmallCarton { kBottom = 0, kRight, kTop, kLeft, kHole, kCreaseLine, kPerforationLine, kNote };
 
+/// Takes a station's kerf away.
+void unburn(vision::Caliper& caliper);
+
 /// Evidence of a flawless run, made by hand: a 60 x 40 mm carton on a belt at 200 mm/s, cut at 300 mm/s, with
 /// a little noise from a fixed sequence. Tests then falsify the fields whose checks they test.
 struct SyntheticRun {

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,6 +73,34 @@ TEST(KerfStray, PrintAndHardLightAreNoCuts) {
     const KerfScan scan = cut.scan();
     EXPECT_THAT(scan.problems, testing::IsEmpty());
     EXPECT_THAT(scan.strays, testing::IsEmpty()) << "seed " << seed;
+  }
+}
+
+struct Grain {
+  double gray;
+  double length_mm;
+};
+
+TEST(KerfStray, GrainOfBrightBoardIsNoCutAndACutInItIsFound) {
+  // Bright board has little contrast to an open kerf, so its grain is a larger share of it: at 30 % of the
+  // light, 3 gray are 1.7 % of the contrast, and flocks that are 2.1 times as bright reach kStrayContrast.
+  for (const Grain& grain : {Grain{3.0, 0.1}, Grain{3.0, 0.15}, Grain{3.0, 0.3}, Grain{5.0, 0.15}}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      TwinCut cut = label();
+      cut.seed = cut.camera.board_seed = seed;
+      cut.board.transmission = 0.3;
+      cut.camera.texture = {.grain_gray = grain.gray, .grain_length_mm = grain.length_mm};
+      const std::string name = fmt::format("{} gray of {} mm, seed {}", grain.gray, grain.length_mm, seed);
+      EXPECT_THAT(cut.scan().strays, testing::IsEmpty()) << name;
+      const Vector2d at(0.0, -3.5);
+      cut.also = [&](twin::Sheet& sheet) {
+        cut.burn(sheet, at - Vector2d(1.0, 0.2), at + Vector2d(1.0, 0.2), 0.8);
+      };
+      const KerfScan scan = cut.scan();
+      ASSERT_EQ(scan.strays.size(), 1U) << name;
+      EXPECT_LT((scan.strays[0].p_S_mm - at).norm(), 0.2) << name;
+      EXPECT_NEAR(scan.strays[0].extent_mm, 2.0, 0.3) << name;
+    }
   }
 }
 
