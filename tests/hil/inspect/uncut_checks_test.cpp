@@ -2,6 +2,7 @@
 // Whether lines are burnt at all, without a break, and creases not through.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
+#include "tests/hil/vision/kerf_twin.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -271,6 +273,29 @@ TEST(CoverageCheck, GrainIsFoundHereAndThereAndIsNoCrease) {
   const Check& coverage = checkOf(result, "coverage");
   EXPECT_EQ(coverage.verdict, Verdict::kFail) << coverage.explanation;
   EXPECT_EQ(coverage.subject, "unit 0, E5");
+}
+
+TEST(CoverageCheck, GrainInPicturesIsNoCreaseWhereTheLaserWasOff) {
+  for (const double length_mm : {0.1, 0.3}) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      vision::test::TwinCut cut;
+      cut.seed = cut.camera.board_seed = seed;
+      cut.board.transmission = 0.3;
+      cut.camera.texture = {.grain_gray = 3.0, .grain_length_mm = length_mm};
+      cut.add(dieline::LineCurve{{-10.0, -6.0}, {10.0, -6.0}});
+      // The laser is off over the second half of the crease.
+      const int crease = cut.add(dieline::LineCurve{{-10.0, 0.0}, {10.0, 0.0}}, dieline::Process::kCrease);
+      cut.share_of[crease] = 0.0;
+      cut.also = [&](twin::Sheet& sheet) { cut.burn(sheet, {-10.0, 0.0}, {0.0, 0.0}, 0.7); };
+      SyntheticRun run;
+      run.evidence.dieline = &cut.dieline;
+      run.evidence.kerf = cut.scan();
+      const checks::Stretch blank =
+          checks::longestBlank(run.evidence, vision::test::entityOf(run.evidence.kerf, crease), run.limits);
+      EXPECT_GT(blank.length_mm, 3.0) << length_mm << " mm, seed " << seed;
+      EXPECT_GT(blank.from_mm, 9.9);
+    }
+  }
 }
 
 TEST(CoverageCheck, AHoleInAFaintCreaseIsAHole) {
