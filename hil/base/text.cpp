@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/base/text.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
+
 namespace kerfbench::base {
 namespace {
 
@@ -88,6 +92,10 @@ std::string escapeHtml(std::string_view text) {
     }
   }
   return out;
+}
+
+std::string hundredths(double value) {
+  return fmt::format("{:.2f}", std::round(100.0 * value) / 100.0 + 0.0);
 }
 
 }  // namespace kerfbench::base

@@ -25,4 +25,7 @@ std::string inQuotes(std::string_view text);
 /// Escapes text for HTML, SVG and their attribute values. Bytes that are not UTF-8 stay as they are.
 std::string escapeHtml(std::string_view text);
 
+/// A number with two digits behind the point; what is rounded to zero has no sign.
+std::string hundredths(double value);
+
 }  // namespace kerfbench::base

@@ -31,6 +31,8 @@ struct ReadingLine {
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
   std::vector<std::size_t> caliper;  ///< Index in EntityKerf::calipers of each reading, ascending.
+  std::vector<int>
+      tile;  ///< Picture that each reading comes from; one and the same if its error does not matter.
   std::vector<double> reading_mm;
   std::vector<double> sigma_mm;  ///< Standard deviation of the noise.
   std::vector<std::size_t>

@@ -209,17 +209,6 @@ Quantity circularityOf(const Roundness& round, std::vector<double> drawn, std::u
   return magnitude(range.value, std::hypot(range.U, 2.0 * more_mm));
 }
 
-/// Which tile's error a reading has; nought for all where none has any.
-Eigen::Index tileOf(const ReadingLine& line, std::size_t reading) {
-  if (line.tiles == 0) return 0;
-  Eigen::Index column = 0;
-  line.shared.row(static_cast<Eigen::Index>(reading))
-      .segment(ReadingLine::kOwn, line.tiles)
-      .cwiseAbs()
-      .maxCoeff(&column);
-  return column / 2;
-}
-
 /// The same without simulation. What a line shows in one tile moves apart from what it shows in the next, so
 /// that each such part competes on its own.
 ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>& lines) {
@@ -231,7 +220,7 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
     extremes.push_back({line.unit, {}});
     for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
       for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
-        const bool next_tile = i > 0 && tileOf(line, i) != tileOf(line, i - 1);
+        const bool next_tile = i > 0 && line.tile[i] != line.tile[i - 1];
         if (next_tile) extremes.push_back({line.unit, {}});
         const bool first = i == line.segment[s] || next_tile;
         extremes.back().points.push_back(

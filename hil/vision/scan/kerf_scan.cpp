@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "hil/base/text.h"
 #include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_pictures.h"
@@ -45,10 +46,9 @@ constexpr double kFalseMisfits = 5e-4;
 /// What a picture may leave of a mark's place, besides noise; one standard deviation per axis.
 constexpr double kLeastMark_mm = 1e-3;
 
-/// A place on the sheet for people; what is rounded to zero has no sign.
+/// A place on the sheet for people.
 std::string shown(const Eigen::Vector2d& p_mm) {
-  const auto hundredths = [](double mm) { return std::round(100.0 * mm) / 100.0 + 0.0; };
-  return fmt::format("x {:.2f} y {:.2f} mm", hundredths(p_mm.x()), hundredths(p_mm.y()));
+  return fmt::format("x {} y {} mm", base::hundredths(p_mm.x()), base::hundredths(p_mm.y()));
 }
 
 /// A mark that contradicts the others: somebody measured from it, or the print is not what the scenario says.

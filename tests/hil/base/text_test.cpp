@@ -15,6 +15,12 @@ TEST(Trimmed, HasNoBlanksAtItsEnds) {
   EXPECT_EQ(trimmed(""), "");
 }
 
+TEST(Hundredths, OfNoughtHaveNoSign) {
+  EXPECT_EQ(hundredths(-0.004), "0.00");
+  EXPECT_EQ(hundredths(-0.006), "-0.01");
+  EXPECT_EQ(hundredths(12.345678), "12.35");
+}
+
 TEST(Lowered, LeavesOtherScriptsAlone) { EXPECT_EQ(lowered("CuT-9 Ä"), "cut-9 Ä"); }
 
 TEST(Printable, KeepsTextInAnyScript) { EXPECT_EQ(printable("Rille ä 折 🂡"), "Rille ä 折 🂡"); }
