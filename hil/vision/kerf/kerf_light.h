@@ -16,7 +16,8 @@ class LightField {
  public:
   LightField() = default;  ///< Even light.
   /// Light field by the board in the pictures of one camera, whatever lies on it: cuts and print are left out
-  /// as outliers. Falls back to even light where too much of the board is covered.
+  /// as outliers, once the steps between neighbours have told the shape. Falls back to even light where too
+  /// much of the board is covered.
   LightField(std::span<const Background* const> pictures, int width_px, int height_px);
 
   [[nodiscard]] double at(const Eigen::Vector2d& pixel) const;
