@@ -20,7 +20,7 @@ constexpr double kCoverageLow = 0.94;
 constexpr double kCoverageHigh = 0.968;
 constexpr std::size_t kCoverageCases = 1000;  ///< From so many on the share itself is held to the limits.
 constexpr double kMostNotProven = 0.01;
-constexpr double kMostUnmeasured = 0.02;  ///< Board so dark and grainy that ink cannot be seen on it.
+constexpr double kMostUnmeasured = 0.02;  ///< Board so dark and grainy that ink, or a crease, cannot be seen.
 
 class Claims {
  public:
@@ -58,7 +58,15 @@ void claimType1(const char* name, const std::optional<TypeOne>& t, Claims& claim
   claims.least(fmt::format("{}: Cgk", name), t->cgk, kLeastCg);
 }
 
-void claimCoverage(const Coverage& c, Claims& claims) {
+double mostUnmeasured(std::size_t all, bool mismatch) {
+  return mismatch ? kMostUnmeasured * static_cast<double>(all) : 0.0;
+}
+
+std::string mostUnmeasuredText(bool mismatch) {
+  return mismatch ? fmt::format("≤ {:g} %", 100.0 * kMostUnmeasured) : "0";
+}
+
+void claimCoverage(const Coverage& c, bool mismatch, Claims& claims) {
   const double most = c.two_sided ? kCoverageHigh : 1.0;
   if (c.cases == 0 || !c.claimed) return;
   const double share = static_cast<double>(c.hits) / static_cast<double>(c.cases);
@@ -73,9 +81,10 @@ void claimCoverage(const Coverage& c, Claims& claims) {
              fmt::format("{:.1f} % of {} ({:.1f} … {:.1f})", 100.0 * share, c.cases, 100.0 * c.share.low,
                          100.0 * c.share.high),
              c.two_sided ? "94 … 96.8 %" : "≥ 94 %", state);
-  if (c.missing > 0)
-    claims.add(fmt::format("measured at all: {}", c.quantity), fmt::format("{} missing", c.missing), "0",
-               false);
+  if (c.missing == 0) return;
+  const std::size_t all = c.cases + c.missing;
+  claims.add(fmt::format("measured at all: {}", c.quantity), fmt::format("{} of {} missing", c.missing, all),
+             mostUnmeasuredText(mismatch), static_cast<double>(c.missing) <= mostUnmeasured(all, mismatch));
 }
 
 /// Whether so few of all are NOT PROVEN. Few cases cannot show it; they can show the contrary.
@@ -105,11 +114,10 @@ void claimVerdicts(const GaugeSection& s, Claims& claims) {
     if (!s.mismatch)
       claims.add("good cuts NOT PROVEN", fmt::format("{} of {}", open, good), "≤ 1 %", rarely(open, good));
   }
-  const double most = s.mismatch ? kMostUnmeasured : 0.0;
   if (s.of > 0)
     claims.add("cuts that could not be measured (INVALID)", fmt::format("{} of {}", s.invalid, s.of),
-               s.mismatch ? "≤ 2 %" : "0",
-               static_cast<double>(s.invalid) <= most * static_cast<double>(s.of));
+               mostUnmeasuredText(s.mismatch),
+               static_cast<double>(s.invalid) <= mostUnmeasured(s.of, s.mismatch));
 }
 
 }  // namespace
@@ -135,7 +143,7 @@ std::vector<Claim> claimsOf(const GaugeSection& s) {
   if (s.drift_budget.cases > 0)
     claims.most("largest drift: budget and Monte-Carlo differ, 95 % of cases", s.drift_budget.p95_departure,
                 kBudgetAgrees, " %", 100.0);
-  for (const Coverage& c : s.coverage) claimCoverage(c, claims);
+  for (const Coverage& c : s.coverage) claimCoverage(c, s.mismatch, claims);
   claimVerdicts(s, claims);
   return claims.take();
 }

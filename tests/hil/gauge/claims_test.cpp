@@ -54,6 +54,19 @@ TEST(Coverage, CountsWhatWasNotMeasuredAsMissing) {
   EXPECT_EQ(claimOf(claimsOf(section), "measured at all: width")->state, Claim::State::kFails);
 }
 
+TEST(Coverage, InOtherWorldsOneOfFiftyMayBeHidden) {
+  const auto state = [](std::size_t measured) {
+    auto some = readings(measured, 0.5, 1.0);
+    some.push_back({"case-x", {"width", kNan, 1.0, 1.0}});
+    GaugeSection section;
+    section.mismatch = true;
+    section.coverage = {coverageOf("width", some)};
+    return claimOf(claimsOf(section), "measured at all: width")->state;
+  };
+  EXPECT_EQ(state(49), Claim::State::kHolds);
+  EXPECT_EQ(state(48), Claim::State::kFails);
+}
+
 TEST(Coverage, MayBeTooLargeInTheBenchsOwnWorldAlone) {
   GaugeSection section;
   section.coverage = {coverageOf("width", readings(2000, 0.2, 1.0))};
