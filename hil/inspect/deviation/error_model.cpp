@@ -200,7 +200,7 @@ ErrorModel errorModelOf(const Evidence& evidence) {
       if (!judgesOffset(c)) continue;
       if (line.caliper.empty() || line.caliper.back() + 1 != i) line.segment.push_back(line.size());
       line.caliper.push_back(i);
-      line.tile.push_back(shared.tiles() > 0 ? c.tile : 0);
+      if (shared.tiles() > 0) line.tile.push_back(c.tile);
       line.reading_mm.push_back(c.offset_mm);
       line.sigma_mm.push_back(noiseOf(c));
     }

@@ -31,8 +31,7 @@ struct ReadingLine {
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
   std::vector<std::size_t> caliper;  ///< Index in EntityKerf::calipers of each reading, ascending.
-  std::vector<int>
-      tile;  ///< Picture that each reading comes from; one and the same if its error does not matter.
+  std::vector<int> tile;  ///< Picture that each reading comes from; empty if its error does not matter.
   std::vector<double> reading_mm;
   std::vector<double> sigma_mm;  ///< Standard deviation of the noise.
   std::vector<std::size_t>
@@ -42,6 +41,10 @@ struct ReadingLine {
   Eigen::MatrixXd shared;  ///< Readings x (kOwn + tiles + modes of the camera + kSight), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
+  /// Whether two readings share the table's error.
+  [[nodiscard]] bool sameTile(std::size_t a, std::size_t b) const {
+    return tile.empty() || tile[a] == tile[b];
+  }
   /// Which of the line's own errors a reading on a curve of this tangent has.
   [[nodiscard]] static Eigen::Index directionOf(const Eigen::Vector2d& tangent);
 };

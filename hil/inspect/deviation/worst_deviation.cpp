@@ -220,7 +220,7 @@ ExtremeBudget budgetOf(const ErrorModel& model, const std::vector<SimulatedLine>
     extremes.push_back({line.unit, {}});
     for (std::size_t s = 0; s + 1 < line.segment.size(); ++s) {
       for (std::size_t i = line.segment[s]; i < line.segment[s + 1]; ++i) {
-        const bool next_tile = i > 0 && line.tile[i] != line.tile[i - 1];
+        const bool next_tile = i > 0 && !line.sameTile(i, i - 1);
         if (next_tile) extremes.push_back({line.unit, {}});
         const bool first = i == line.segment[s] || next_tile;
         extremes.back().points.push_back(
