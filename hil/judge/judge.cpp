@@ -53,6 +53,7 @@ inspect::Evidence pinsAndWords(const scenario::Case& test_case, const run::Recor
   result.no_words = result.words_expected
                         ? "The recording holds nothing that the controller said."
                         : "Only the reference controller reports this (firmware.dialog: kerfbench).";
+  result.print_sigma_mm = test_case.scenario.print_sigma_mm;
   result.beam_radius_mm = test_case.machine.beam.waist_radius_mm;  // As the laser's data sheet has it.
   result.power_edges_s = std::move(pins.power_edges_s);
   result.power_quantum_j = test_case.machine.power_monitor.quantum_j;

@@ -26,6 +26,7 @@ twin::ImperfectionSpread readSpread(base::YamlReader section) {
   read("board_thickness_percent", kPercent, 20, spread.board_thickness);
   read("board_transmission_percent", kPercent, 20, spread.board_transmission);
   read("board_cut_fluence_percent", kPercent, 20, spread.board_cut_fluence);
+  read("print_registration_um", 1e-3, 50, spread.print_mm);
   read("table_step_um", 1e-3, 50, spread.table_step_mm);
   read("table_scale_ppm", kMicro, 1e3, spread.table_scale);
   read("bandwidth_percent", kPercent, 20, spread.bandwidth);

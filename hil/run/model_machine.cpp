@@ -84,7 +84,7 @@ std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, dou
   std::erase_if(exposures, [&](const twin::Exposure& e) { return e.start_s < from_s || e.start_s > to_s; });
   const twin::MachineDescription& machine = test_case_.machine;
   return std::make_unique<camera::TwinFrameSource>(
-      twin::SpotCamera(machine.spot_camera, test_case_.scenario.print, machine.glow_gray_per_w,
+      twin::SpotCamera(machine.spot_camera, asPrinted().scenario.print, machine.glow_gray_per_w,
                        test_case_.scenario.seed),
       std::move(exposures), threads);
 }
@@ -93,7 +93,13 @@ std::unique_ptr<camera::TileSource> ModelMachine::kerfTiles(int threads) {
   camera::TwinTileOptions options;
   options.threads = threads;
   options.table = sampled_.machine.inspection_table;
-  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(test_case_, sheet(), options));
+  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(asPrinted(), sheet(), options));
+}
+
+scenario::Case ModelMachine::asPrinted() const {
+  scenario::Case printed = test_case_;
+  printed.scenario.print = scenario::webOn(sampled_.machine, test_case_).print;
+  return printed;
 }
 
 }  // namespace kerfbench::run

@@ -68,6 +68,8 @@ class ModelMachine final : public camera::MachineCameras {
   std::unique_ptr<camera::TileSource> kerfTiles(int threads) override;
 
  private:
+  /// The case with its marks where the sampled lot of board bears them: what cameras see, and nobody is told.
+  [[nodiscard]] scenario::Case asPrinted() const;
   class Hidden;
 
   scenario::Case test_case_;

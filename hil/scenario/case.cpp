@@ -209,6 +209,7 @@ twin::WebDescription webOn(const twin::MachineDescription& machine, const Case& 
   web.board.cut_fluence_j_mm2 *= lot.cut_fluence;
   web.board.transmission *= lot.transmission;
   web.board.print_transmission *= lot.transmission;
+  web.print = twin::printedOn(lot, web.print);
   return web;
 }
 

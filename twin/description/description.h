@@ -94,6 +94,10 @@ struct BoardLot {
   double thickness{1.0};  ///< Factor, > 0; so are the others.
   double transmission{1.0};
   double cut_fluence{1.0};
+  /// Where the plate prints registration marks, on all units alike: standard deviation for each and each way,
+  /// mm, and the seed that it is drawn with.
+  double print_mm{0.0};
+  std::uint64_t print_seed{0};
 };
 
 /// A laser die-cutter. Constant; the moving state is in Twin.

@@ -130,6 +130,7 @@ void drawStatic(Drawing& draw, MachineDescription& machine, const ImperfectionSp
   machine.board_lot.thickness *= draw.relative("board.thickness", spread.board_thickness);
   machine.board_lot.transmission *= draw.relative("board.transmission", spread.board_transmission);
   machine.board_lot.cut_fluence *= draw.relative("board.cut_fluence", spread.board_cut_fluence);
+  draw.addNoise(machine.board_lot.print_mm, "print.registration", spread.print_mm, "mm");
   draw.addNoise(machine.inspection_table.step_mm, "inspection_table.step", spread.table_step_mm, "mm");
   draw.add(machine.inspection_table.scale, "inspection_table.scale", spread.table_scale, "mm/mm");
   machine.power_monitor.scale *= draw.relative("power_monitor.scale", spread.power_monitor_scale);
@@ -188,9 +189,21 @@ SampledMachine drawImperfections(const MachineDescription& machine, const Imperf
                                  Preset preset, std::uint64_t seed) {
   SampledMachine sampled{machine, {}};
   Drawing draw(seed, sampled.imperfections);
+  sampled.machine.board_lot.print_seed = seed;
   if (preset != Preset::kIdeal) drawStatic(draw, sampled.machine, spread);
   if (preset == Preset::kDynamic) drawDynamic(draw, sampled.machine, spread);
   return sampled;
+}
+
+PrintLayout printedOn(const BoardLot& lot, PrintLayout layout) {
+  if (lot.print_mm == 0.0) return layout;
+  const CounterRandom random(lot.print_seed ^ kImperfectionSeed, streamOf("print.marks"));
+  std::uint64_t next = 0;
+  for (RegistrationMark& mark : layout.marks) {
+    mark.p_SM_mm.x() += lot.print_mm * random.normal(next++);
+    mark.p_SM_mm.y() += lot.print_mm * random.normal(next++);
+  }
+  return layout;
 }
 
 }  // namespace kerfbench::twin

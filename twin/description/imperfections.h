@@ -51,6 +51,7 @@ struct ImperfectionSpread {
   double board_thickness{0.025};      ///< Relative: cartonboard is sold as ±5 %.
   double board_transmission{0.05};    ///< Relative.
   double board_cut_fluence{0.03};     ///< Relative energy that cuts through.
+  double print_mm{0.002};             ///< n: where the plate prints each registration mark.
   double table_step_mm{0.002};        ///< n: where the inspection table stops.
   double table_scale{10e-6};          ///< Relative scale of the inspection table.
   // kDynamic
@@ -86,5 +87,8 @@ struct SampledMachine {
 /// machine part never changes the samples of the others, and doubling a spread doubles its deviations.
 SampledMachine drawImperfections(const MachineDescription& machine, const ImperfectionSpread& spread,
                                  Preset preset, std::uint64_t seed);
+
+/// The layout as the lot of board bears it: its registration marks lie where they were printed.
+PrintLayout printedOn(const BoardLot& lot, PrintLayout layout);
 
 }  // namespace kerfbench::twin

@@ -14,7 +14,8 @@ namespace kerfbench::inspect::checks {
 /// How the x-residuals of a cut may be wrong.
 struct CutReadings {
   std::vector<double> sigma_mm;
-  Eigen::MatrixXd shared;  ///< Frames x modes of the camera: shift of the x-residual, mm.
+  /// Frames x (modes of the camera, x and y of each registration mark): shift of the x-residual, mm.
+  Eigen::MatrixXd shared;
 };
 
 /// What the place of a spot or a mark within its pixel does to the estimate of its centre, standard

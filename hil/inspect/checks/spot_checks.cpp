@@ -88,12 +88,15 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
   // A spot too faint to be placed well (the laser is weak where the beam is slow) proves nothing here, unless
   // it is far off; such frames are counted and left to the kerf.
   const double usable_sigma_mm = 0.1 * limits.path_mm;
-  const double map_u_mm = evidence.spot_calibration ? evidence.spot_calibration->map_u_mm : kNan;
+  // The camera's map, and one of the marks that tell where the sheet is.
+  const double place_u_mm = evidence.spot_calibration
+                                ? std::hypot(evidence.spot_calibration->map_u_mm, evidence.print_sigma_mm)
+                                : kNan;
   std::size_t faint = 0;
   const auto judged = [&](const LitFrame& f) {
     if (isOffLine(f)) return true;
     if (f.entity < 0 || f.ambiguous) return false;
-    return std::hypot(f.sigma_mm, map_u_mm) <= usable_sigma_mm ||
+    return std::hypot(f.sigma_mm, place_u_mm) <= usable_sigma_mm ||
            std::abs(f.deviation_mm) > 2.0 * check.limit;
   };
   for (const LitFrame& frame : lit.frames) {
@@ -108,7 +111,7 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
     if (!judged(frame)) continue;
     if (isOffLine(frame)) ++off;
     const double deviation_mm = isOffLine(frame) ? frame.distance_mm : frame.deviation_mm;
-    extreme.add(deviation_mm, std::hypot(frame.sigma_mm, map_u_mm));
+    extreme.add(deviation_mm, std::hypot(frame.sigma_mm, place_u_mm));
     if (worst == nullptr || std::abs(deviation_mm) > std::abs(worst_mm)) {
       worst = &frame;
       worst_mm = deviation_mm;

@@ -12,6 +12,7 @@
 #include "hil/inspect/checks/spot_checks.h"
 #include "hil/inspect/deviation/error_model.h"
 #include "hil/inspect/deviation/worst_deviation.h"
+#include "hil/inspect/evidence/print_error.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -50,6 +51,11 @@ double faintestSigma_mm(const LitFrames& lit, const LitRun& run) {
   return sigma_mm.empty() ? 0.0 : kFaintFrame * medianOf(std::move(sigma_mm));
 }
 
+/// Columns of CutReadings::shared.
+Eigen::Index sharedColumns(const Evidence& evidence, const ModeField& field) {
+  return field.modes() + 2 * static_cast<Eigen::Index>(evidence.print.marks.size());
+}
+
 CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& run, const ModeField& field,
                   CutReadings& readings) {
   CutResult cut;
@@ -62,23 +68,27 @@ CutResult readCut(const Evidence& evidence, const LitFrames& lit, const LitRun& 
   cut.peak_mm = cut.peak_U_mm = cut.rms_mm = cut.rms_U_mm = kNan;
   cut.offset_mm = cut.offset_sigma_mm = cut.excursion_mm = cut.excursion_U_mm = kNan;
   const double faintest_mm = faintestSigma_mm(lit, run);
-  readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), field.modes());
+  const Eigen::Index columns = sharedColumns(evidence, field);
+  readings.shared.resize(static_cast<Eigen::Index>(run.end - run.begin), columns);
   for (std::size_t i = run.begin; i < run.end; ++i) {
     const LitFrame& frame = lit.frames[i];
     if (!showsX(frame) || frame.sigma_mm > faintest_mm) continue;
     const auto& spot_W_mm = evidence.spot.frames[frame.frame].spot_W_mm;
     const double n_y = std::sqrt(std::max(1.0 - frame.n_x * frame.n_x, 0.0));
+    const Eigen::RowVector2d along_x(1.0, n_y / std::abs(frame.n_x));
     for (Eigen::Index k = 0; k < field.modes(); ++k) {
       const Eigen::Vector2d shift = spot_W_mm ? field.at(k, *spot_W_mm) : Eigen::Vector2d::Zero();
-      readings.shared(cut.frames, k) = shift.x() + n_y / std::abs(frame.n_x) * shift.y();
+      readings.shared(cut.frames, k) = along_x * shift;
     }
+    readings.shared.row(cut.frames).tail(columns - field.modes()) =
+        evidence.print_sigma_mm * along_x * printInfluence(evidence.print, frame.marks, frame.p_S_mm);
     cut.time_s.push_back(frame.time_s);
     cut.residual_mm.push_back(frame.deviation_mm / frame.n_x);
     cut.sheet_x_mm.push_back(frame.sheet_x_mm);
     readings.sigma_mm.push_back(frame.sigma_mm / std::abs(frame.n_x));
     ++cut.frames;
   }
-  readings.shared.conservativeResize(cut.frames, field.modes());
+  readings.shared.conservativeResize(cut.frames, columns);
   return cut;
 }
 
@@ -185,11 +195,13 @@ Stillness measureCuts(const Evidence& evidence, const LitFrames& lit, const Tole
   std::vector<Eigen::VectorXd> weights;
   for (std::size_t i = 0; i < result.cuts.size(); ++i)
     weights.push_back(fitDrift(result.cuts[i], readings[i].sigma_mm, q));
-  measurePeaks(readings, q, field.modes(), placeInPixelSigma_mm(evidence), result.cuts);
+  const Eigen::Index modes = sharedColumns(evidence, field);
+  measurePeaks(readings, q, modes, placeInPixelSigma_mm(evidence), result.cuts);
   measureExcursions(evidence, readings, q, limits.stillness_mm, result);
 
-  const ErrorModel drifts{.lines = driftsOf(result.cuts, weights, readings), .modes = field.modes()};
-  // The camera's part of each drift, for people; the worst below knows that it is common to all.
+  const ErrorModel drifts{.lines = driftsOf(result.cuts, weights, readings), .modes = modes};
+  // The camera's and the print's part of each drift, for people; the worst below knows that it is common to
+  // all.
   for (const ReadingLine& drift : drifts.lines) {
     CutResult& cut = result.cuts[drift.caliper.front()];
     const double shared_mm = drift.shared.norm();

@@ -45,6 +45,8 @@ struct Evidence {
   /// 1/e² radius of the beam on the board, from the laser's data sheet, by which the severed edge is told
   /// from the light; 0: not known, and the edge is where half of the light comes through.
   double beam_radius_mm{0.0};
+  /// Where a registration mark is printed, standard uncertainty per axis, on all units alike.
+  double print_sigma_mm{0.0};
   double pin_u_s{
       0.0};  ///< Standard uncertainty of the time of one pin edge; 0 for an emulator, which counts cycles.
   /// How far the frames' times can be off on the clock of the pins, one and the same for all of them: of a

@@ -222,6 +222,7 @@ std::optional<PlacedSpot> placeOnUnit(const vision::FrameMeasurement& frame, std
                                .sigma_mm = std::hypot(frame.spot_sigma_mm, sheetSigma(*pose, p_S_mm)),
                                .unit = unit,
                                .p_S_mm = p_S_mm,
+                               .marks = pose->seen,
                                .sheet_x_mm = pose->p_WS_mm.x(),
                                .entity = -1,
                                .left_entity = -1,

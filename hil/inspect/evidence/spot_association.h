@@ -18,6 +18,7 @@ struct LitFrame {
   double sigma_mm{};  ///< Standard uncertainty of the spot on its sheet per axis: spot and sheet, noise only.
   int unit{};
   Eigen::Vector2d p_S_mm{Eigen::Vector2d::Zero()};  ///< Spot in the frame S of its unit.
+  std::vector<std::size_t> marks{};                 ///< Marks of the print that told where the unit was.
   double sheet_x_mm{};                              ///< x_W of the origin of S.
   int entity{-1};         ///< -1: no entity within kReach_mm that runs the same way.
   int left_entity{-1};    ///< Line that the run of a spot off every line had followed, or came back to.

@@ -137,7 +137,8 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const 
                                                   double search_mm,
                                                   const std::optional<KeepOut>& spot) const {
   Sighting seen;
-  for (const RegistrationMark& mark : print_.marks) {
+  for (std::size_t i = 0; i < print_.marks.size(); ++i) {
+    const RegistrationMark& mark = print_.marks[i];
     const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
     if (!markInView(p_mm, mark.diameter_mm)) continue;
     const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
@@ -148,6 +149,7 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const 
     if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
+    seen.marks.push_back(i);
     seen.diameters_mm.push_back(mark.diameter_mm);
     seen.contrasts_gray.push_back(found->contrast_gray);
   }
@@ -179,7 +181,7 @@ std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time
     if (!angle_known_) continue;
     const auto moved = static_cast<int>(seen.pairs.size()) - fit.pairs;
     poses.push_back({unit, fit.motion.shift_mm, fit.motion.angle_rad, fit.rms_mm, fit.pairs, seen.in_view,
-                     moved, fit.covariance});
+                     moved, fit.covariance, seen.marks});
   }
   if (contrasts > 0) contrast_gray_ = contrast / contrasts;
   keepUnits(measured, time_s);

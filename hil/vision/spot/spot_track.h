@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +28,8 @@ struct SheetPose {
   /// With one mark the angle has the uncertainty of its last measurement, and the same error in all frames
   /// since.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
+  /// Which marks of the print were seen, in their order there; empty: not told.
+  std::vector<std::size_t> seen{};
 };
 
 /// Faults that make a frame unfit to measure in.
