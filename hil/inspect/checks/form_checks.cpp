@@ -11,6 +11,7 @@
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/evidence/extreme.h"
+#include "hil/vision/kerf/kerf_profile.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -20,15 +21,41 @@ namespace {
 /// How far from an end a gap is looked for; a hole further in is a matter of coverage.
 constexpr double kEndWindow_mm = 1.0;
 
-/// The longest run of neighbouring stations that are as bright as that, mm: from half a station before the
-/// first to half a station behind the last.
-double longestOpen_mm(const std::vector<const vision::Caliper*>& stations, double brightness) {
-  const auto open = [&](const vision::Caliper* c) { return c->found && c->brightness >= brightness; };
+using Stations = std::vector<const vision::Caliper*>;
+
+/// Which stations are found and as bright as that.
+std::vector<bool> brightStations(const Stations& stations, double brightness) {
+  std::vector<bool> bright;
+  for (const vision::Caliper* c : stations) bright.push_back(c->found && c->brightness >= brightness);
+  return bright;
+}
+
+/// Which stations are through for certain: as bright as `surely_open`, or open and so near to one that is
+/// that their calipers reach over its end.
+std::vector<bool> openForCertain(const Stations& stations, double surely_open) {
+  const std::vector<bool> open = brightStations(stations, kOpenBrightness);
+  const std::vector<bool> certain = brightStations(stations, surely_open);
+  std::vector<bool> result = certain;
+  const auto beside = [&](std::size_t i, std::size_t k) {
+    const double apart_mm = std::abs(stations[i]->station_mm - stations[k]->station_mm);
+    return certain[k] && apart_mm <= 1.01 * vision::kWindowHalfMm;
+  };
+  for (std::size_t i = 0; i < stations.size(); ++i) {
+    if (!open[i]) continue;
+    if (i > 0 && beside(i, i - 1)) result[i] = true;
+    if (i + 1 < stations.size() && beside(i, i + 1)) result[i] = true;
+  }
+  return result;
+}
+
+/// The longest run of such neighbouring stations, mm: from half a station before the first to half a station
+/// behind the last.
+double longestRun_mm(const Stations& stations, const std::vector<bool>& such) {
   double longest_mm = 0.0;
   for (std::size_t first = 0; first < stations.size(); ++first) {
-    if (!open(stations[first])) continue;
+    if (!such[first]) continue;
     std::size_t last = first;
-    while (last + 1 < stations.size() && open(stations[last + 1])) ++last;
+    while (last + 1 < stations.size() && such[last + 1]) ++last;
     const double before_mm = first > 0 ? stations[first]->station_mm - stations[first - 1]->station_mm : 0.0;
     const double behind_mm =
         last + 1 < stations.size() ? stations[last + 1]->station_mm - stations[last]->station_mm : 0.0;
@@ -95,10 +122,11 @@ Finding depthCheck(const Evidence& evidence, const Tolerances& limits) {
   Bounds longest;
   for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
     if (!isPartial(entityOf(evidence, kerf.entity).process)) continue;
-    std::vector<const vision::Caliper*> stations;
+    Stations stations;
     for (const vision::Caliper& c : kerf.calipers)
       if (!c.near_joint) stations.push_back(&c);
-    const Bounds open{longestOpen_mm(stations, surely_open), longestOpen_mm(stations, kOpenBrightness)};
+    const Bounds open{longestRun_mm(stations, openForCertain(stations, surely_open)),
+                      longestRun_mm(stations, brightStations(stations, kOpenBrightness))};
     if (worst != nullptr && !open.isWorseThan(longest, check.limit)) continue;
     longest = open;
     worst = &kerf;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A caliper's stated error compared with the truth of the model, over good and hard pictures.
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -159,6 +162,38 @@ TEST(CaliperBias, IsSmallWhateverTheLightAndTheScorch) {
     std::printf("  %-26s worst mean error of a line %.2f um\n", imperfection.name, 1e3 * worst);
     EXPECT_LT(worst, imperfection.most_mm) << imperfection.name;
   }
+}
+
+TEST(KerfUncertainty, ACreaseIsLeftOpenWhereItFadesOut) {
+  TwinCut cut;
+  const int crease = cut.add(dieline::LineCurve{{-10.0, 0.0}, {10.0, 1.0}}, dieline::Process::kCrease);
+  const int line = cut.add(dieline::LineCurve{{-10.0, 5.0}, {10.0, 6.0}});
+  cut.share_of[crease] = 0.0;
+  // The laser was off over a stretch in its middle, too.
+  const Vector2d along = Vector2d(20.0, 1.0).normalized();
+  const Vector2d start(-10.0, 0.0);
+  cut.also = [&](twin::Sheet& sheet) {
+    cut.burn(sheet, start, start + 8.0 * along, 0.7);
+    cut.burn(sheet, start + 10.0 * along, {10.0, 1.0}, 0.7);
+  };
+  const KerfScan scan = cut.scan();
+  const std::vector<Caliper>& stations = test::entityOf(scan, crease).calipers;
+  const double length_mm = stations.back().station_mm;
+  std::size_t open = 0;
+  for (const Caliper& c : stations) {
+    double from_end_mm = std::min(c.station_mm, length_mm - c.station_mm);
+    for (const double hole_mm : {8.0, 10.0})
+      from_end_mm = std::min(from_end_mm, std::abs(c.station_mm - hole_mm));
+    const bool hole = c.station_mm > 8.0 && c.station_mm < 10.0;
+    if (hole || !c.found) continue;
+    open += c.near_joint ? 1 : 0;
+    if (from_end_mm < 0.05) EXPECT_TRUE(c.near_joint) << c.station_mm;
+    if (from_end_mm > 0.4) EXPECT_FALSE(c.near_joint) << c.station_mm;
+    if (!c.near_joint) EXPECT_LT(std::abs(c.offset_mm), 0.005) << c.station_mm;
+  }
+  EXPECT_GE(open, 4U);
+  for (const Caliper& c : test::entityOf(scan, line).calipers)
+    EXPECT_FALSE(c.near_joint) << "a cut has edges";
 }
 
 }  // namespace
