@@ -24,6 +24,7 @@ using Eigen::Vector2d;
 constexpr double kBesideMm = 0.36;   // Half width of the strip along each leg that is looked at.
 constexpr double kOnLegMm = 0.05;    // Distance from a leg up to which a point belongs to it.
 constexpr double kMostOffMm = 0.35;  // Largest offset of a kerf that the pixels still hold.
+constexpr double kFarthestMm = 1.0;  // Farther from the corner no pixel shows where its legs meet.
 constexpr int kDraws = 64;
 constexpr double kLeastSigma =
     0.005;  // Least uncertainty of law, begin and radius: a prior must not be exact.
@@ -273,6 +274,8 @@ CornerKerf measureCorner(const JointScene& scene, const PlannedCorner& corner) {
   if (!fit) return out;
   const double off_mm = std::max(std::abs(fit->shape.in.offset_mm), std::abs(fit->shape.out.offset_mm));
   if (off_mm > kMostOffMm) return out;
+  // Legs that sway may lie side by side where they should meet.
+  if (deviationMm(fit->shape, scene.options->joint_clearance_mm) > kFarthestMm) return out;
   out.found = true;
   evaluate(*fit, scene.options->joint_clearance_mm, std::max(in->flicker_mm, on->flicker_mm), out);
   return out;

@@ -187,9 +187,15 @@ TEST(KerfUncertainty, ACreaseIsLeftOpenWhereItFadesOut) {
     const bool hole = c.station_mm > 8.0 && c.station_mm < 10.0;
     if (hole || !c.found) continue;
     open += c.near_joint ? 1 : 0;
-    if (from_end_mm < 0.05) EXPECT_TRUE(c.near_joint) << c.station_mm;
-    if (from_end_mm > 0.4) EXPECT_FALSE(c.near_joint) << c.station_mm;
-    if (!c.near_joint) EXPECT_LT(std::abs(c.offset_mm), 0.005) << c.station_mm;
+    if (from_end_mm < 0.05) {
+      EXPECT_TRUE(c.near_joint) << c.station_mm;
+    }
+    if (from_end_mm > 0.4) {
+      EXPECT_FALSE(c.near_joint) << c.station_mm;
+    }
+    if (!c.near_joint) {
+      EXPECT_LT(std::abs(c.offset_mm), 0.005) << c.station_mm;
+    }
   }
   EXPECT_GE(open, 4U);
   for (const Caliper& c : test::entityOf(scan, line).calipers)
