@@ -2,6 +2,8 @@
 #include "twin/description/imperfections.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -130,8 +132,8 @@ std::set<std::string> changed(const MachineDescription& before, const MachineDes
   return names;
 }
 
-constexpr ImperfectionSpread kNone{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                                   0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+constexpr auto kNone =
+    std::bit_cast<ImperfectionSpread>(std::array<double, sizeof(ImperfectionSpread) / sizeof(double)>{});
 
 /// Usual spread, with that of an uncalibrated head.
 constexpr ImperfectionSpread kUncalibrated = [] {
