@@ -56,7 +56,7 @@ class SheetTracker {
   /// The marks of one unit in one picture.
   struct Sighting {
     std::vector<MarkPair> pairs;
-    std::vector<std::size_t> marks;  ///< Of each pair, its place in the print.
+    std::vector<std::size_t> marks;  ///< Index in the print of each pair.
     std::vector<double> diameters_mm, contrasts_gray;
     int in_view{0};  ///< Marks that should be found for certain.
   };

@@ -258,7 +258,7 @@ TEST(Imperfections, MarksLieAroundTheirPlacesAsFarAsThePlateMayPrintThem) {
     EXPECT_EQ(printed.marks[i].diameter_mm, 3.0);
     squares += (printed.marks[i].p_SM_mm - layout.marks[i].p_SM_mm).squaredNorm();
   }
-  // Of 1000 values the scatter is known to 2.2 %.
+  // The scatter of 1000 values is known to 2.2 %.
   EXPECT_NEAR(std::sqrt(squares / 1000.0), 0.002, 0.0002);
   EXPECT_EQ(printedOn(lot, layout).marks[7].p_SM_mm, printed.marks[7].p_SM_mm) << "the same seed";
   lot.print_seed = 6;
