@@ -250,6 +250,21 @@ std::vector<std::string> kerfProblems(const Evidence& evidence) {
   return problems;
 }
 
+namespace {
+
+/// How long the longest uncut piece of an entity is, of which longestUncut() says the most.
+Bounds uncutOf(const Evidence& evidence, const Tolerances& limits, std::size_t index, double uncut_mm) {
+  if (!(uncut_mm > 0.0)) return {0.0, 0.0};
+  const vision::EntityKerf& kerf = evidence.kerf.entities[index];
+  const double blank_mm = std::min(uncut_mm, longestBlank(evidence, kerf, limits).length_mm);
+  // How deep what is faint was burnt is judged by ordered_depth, where it is ordered.
+  const dieline::Process process = entityOf(evidence, kerf.entity).process;
+  const bool ordered = isPartial(process) && orderOf(process, limits) != nullptr;
+  return {blank_mm, ordered ? blank_mm : uncut_mm};
+}
+
+}  // namespace
+
 Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
                     const std::vector<EntityResult>& entities) {
   Check check{.name = "coverage", .title = "Every line is cut, over its whole length", .unit = "mm"};
@@ -262,13 +277,7 @@ Check coverageCheck(const Evidence& evidence, const Tolerances& limits,
   for (std::size_t i = 0; i < entities.size(); ++i) {
     const dieline::Process process = entityOf(evidence, entities[i].entity).process;
     if (process == dieline::Process::kPerforation) continue;
-    Bounds uncut{entities[i].uncut_mm, entities[i].uncut_mm};
-    if (uncut.most_mm > 0.0) {
-      uncut.least_mm =
-          std::min(uncut.most_mm, longestBlank(evidence, evidence.kerf.entities[i], limits).length_mm);
-      // How deep what is faint was burnt is then judged by ordered_depth.
-      if (orderOf(process, limits) != nullptr) uncut.most_mm = uncut.least_mm;
-    }
+    const Bounds uncut = uncutOf(evidence, limits, i, entities[i].uncut_mm);
     if (judged++ == 0 || uncut.isWorseThan(longest, check.limit)) {
       longest = uncut;
       worst = i;
