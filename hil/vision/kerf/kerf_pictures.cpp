@@ -21,8 +21,7 @@ namespace {
 constexpr std::size_t kTilesPerBatch = 8;
 constexpr double kNoiseSigmas = 3.0;  // Least contrast in sigmas of one pixel: nine sigmas of a mean of nine
                                       // where no grain correlates them.
-constexpr double kGrainSigmas = 5.0;  // Least contrast in sigmas of the board's own grain. A flock of half a
-                                      // millimetre stands out so far in less than one of a hundred sheets.
+constexpr double kGrainSigmas = 5.0;  // Least contrast in sigmas of the board's own grain.
 constexpr int kBoxPx = 3;             // Side of the square whose mean is taken.
 constexpr int kBox = kBoxPx * kBoxPx;
 constexpr int kSampleStride = 4;  // Pixels between samples of the grain.
