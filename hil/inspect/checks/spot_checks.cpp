@@ -88,15 +88,14 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
   // A spot too faint to be placed well (the laser is weak where the beam is slow) proves nothing here, unless
   // it is far off; such frames are counted and left to the kerf.
   const double usable_sigma_mm = 0.1 * limits.path_mm;
-  // The camera's map, and one of the marks that tell where the sheet is.
-  const double place_u_mm = evidence.spot_calibration
-                                ? std::hypot(evidence.spot_calibration->map_u_mm, evidence.print_sigma_mm)
-                                : kNan;
+  const double map_u_mm = evidence.spot_calibration ? evidence.spot_calibration->map_u_mm : kNan;
+  // One of the marks that tell where the sheet is may be misprinted; that makes no frame faint.
+  const double place_u_mm = std::hypot(map_u_mm, evidence.print_sigma_mm);
   std::size_t faint = 0;
   const auto judged = [&](const LitFrame& f) {
     if (isOffLine(f)) return true;
     if (f.entity < 0 || f.ambiguous) return false;
-    return std::hypot(f.sigma_mm, place_u_mm) <= usable_sigma_mm ||
+    return std::hypot(f.sigma_mm, map_u_mm) <= usable_sigma_mm ||
            std::abs(f.deviation_mm) > 2.0 * check.limit;
   };
   for (const LitFrame& frame : lit.frames) {

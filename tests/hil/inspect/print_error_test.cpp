@@ -72,5 +72,18 @@ TEST(PrintError, IsAStepOfTheSheetWhereOtherMarksComeIntoView) {
   EXPECT_GT(driftU_mm(0.02, {0, 1}, {2, 3}), without + 0.005);
 }
 
+TEST(PrintError, WidensSpotPathAndMakesNoFrameFaint) {
+  SyntheticRun run;
+  const auto most_mm = [&] {
+    const auto result = run.inspected();
+    const Check& check = checkOf(result, "spot_path");
+    EXPECT_NE(check.verdict, Verdict::kInvalid);
+    return check.value + check.u;
+  };
+  const double without_mm = most_mm();
+  run.evidence.print_sigma_mm = 0.01;
+  EXPECT_GT(most_mm(), without_mm + 0.005);
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect
