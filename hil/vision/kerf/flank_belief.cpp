@@ -21,7 +21,7 @@ constexpr double kBlurShape_px = 0.03;  // No lens blurs quite by a Gaussian.
 constexpr double kLeastBlur_px = 0.3;
 /// What grid, grain, roughness and the shape of the lens's blur leave of a mean half width.
 constexpr double kHalfWidthModel_mm = 8e-4;
-constexpr double kShallowModel_mm = 2e-3;  ///< What is left where depth is read from light: scorch dims it.
+constexpr double kShallowModel_mm = 1e-3;  ///< What is left where depth is read from light: scorch dims it.
 constexpr Eigen::Index kFlankLevels = 3;
 constexpr int kFlankRounds = 8;
 constexpr int kFlankHalvings = 5;
