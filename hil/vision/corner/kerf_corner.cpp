@@ -35,16 +35,18 @@ constexpr std::uint64_t kDrawSeed = 0x636f726e6572ULL;
 // (./bench gauge --mismatch): lens, light and walls are not known better. It grows as the legs' kerfs run
 // into each other over more of their length.
 constexpr double kArcModelMm = 0.0021;
-constexpr double kLegsModelMm = 0.0021;
+constexpr double kLegsModelMm = 0.001;
 constexpr double kRoundingModelMm = 0.0018;
 constexpr double kOverModelMm = 0.0032;
 constexpr double kSharpest = 0.2;  // Cosine of half the turn of the sharpest corner that is told apart.
 /// Uncertainty over the flicker of the legs' half widths, as the arc has fewer places.
 constexpr double kFlickerShare = 1.7;
 // Uncertainty of the end of a leg that overruns: none where it hardly stands out, largest at about 10 um,
-// which the flank of the other leg half hides, and smaller farther out, where the lens matters less.
+// which the flank of the other leg half hides, and smaller farther out, where the lens matters less: there
+// the leg ends as free ends do.
 constexpr double kEndsNearShare = 1.0 / 3.0;  // Uncertainty over the overrun, for a short one.
 constexpr double kEndsFarMm2 = 3.8e-5;        // Uncertainty times the overrun, for a long one.
+constexpr double kEndsLightMm = 0.0035;       // What radius and light leave of it, however far out.
 /// Share of the distance by which a bent leg leaves its tangent unseen.
 constexpr double kBentDeviation = 0.25;
 constexpr double kBentMeeting = 1.3;
@@ -174,7 +176,8 @@ double bendWithin(const CornerLeg& leg, double length_mm) {
 }
 
 double endModelMm(double over_mm) {
-  return over_mm > 0.0 ? std::min(kEndsNearShare * over_mm, kEndsFarMm2 / over_mm) : 0.0;
+  if (!(over_mm > 0.0)) return 0.0;
+  return std::min(kEndsNearShare * over_mm, std::hypot(kEndsFarMm2 / over_mm, kEndsLightMm));
 }
 
 double turnOf(const CornerShape& shape) {
