@@ -2,8 +2,10 @@
 #include "hil/inspect/inspect.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -167,10 +169,9 @@ std::vector<Finding> cameraFindings(const Measured& m, const InspectionResult& r
   return all;
 }
 
-/// A fault that no reading's value can argue away: a line is not there, or something is burnt elsewhere.
-bool isProvenByAbsence(const std::vector<Check>& checks) {
-  return std::ranges::any_of(checks, [](const Check& check) {
-    return check.verdict == Verdict::kFail && (check.name == "coverage" || check.name == "stray");
+bool anyFails(const std::vector<Check>& checks, std::initializer_list<std::string_view> names) {
+  return std::ranges::any_of(checks, [&](const Check& check) {
+    return check.verdict == Verdict::kFail && std::ranges::find(names, check.name) != names.end();
   });
 }
 
@@ -178,7 +179,7 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
                       double half_light_mm, InspectionResult& result) {
   append(result.problems, checks::kerfProblems(evidence));
   const Measured m = measured(evidence, limits, edges, half_light_mm, result);
-  const bool sound = result.problems.empty();
+  const bool sound = result.problems.size() == evidence.guard_problems.size();
   const std::vector<std::string> doubts = checks::doubtsOf(evidence, m.lit, limits);
   append(result.problems, doubts);
   for (const Finding& finding : cameraFindings(m, result)) add(finding, result);
@@ -186,7 +187,12 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
   for (Check& check : result.checks) {
     if (const std::string risk = riskSentence(check); !risk.empty()) check.explanation += " " + risk;
   }
-  result.verdict = combine(result.checks, sound && (doubts.empty() || isProvenByAbsence(result.checks)));
+  // No reading's value can argue away that a line is not there, that something is burnt elsewhere, or that
+  // the laser was on behind an open guard; the last is a matter of pins alone.
+  const bool is_unguarded = anyFails(result.checks, {"interlock"});
+  const bool is_proven = is_unguarded || anyFails(result.checks, {"coverage", "stray"});
+  result.verdict = combine(result.checks, sound && (doubts.empty() || is_proven) &&
+                                              (evidence.guard_problems.empty() || is_unguarded));
 }
 
 }  // namespace
@@ -195,6 +201,7 @@ InspectionResult inspect(const Evidence& evidence, const Tolerances& limits) {
   if (evidence.dieline == nullptr) throw std::invalid_argument("inspect: the evidence has no dieline");
   InspectionResult result;
   result.problems = evidence.problems;
+  append(result.problems, evidence.guard_problems);
   append(result.problems, evidence.kerf.problems);
   if (evidence.gates.empty() && evidence.end && stoppedByItself(*evidence.end, evidence.gates)) {
     const bool sound = result.problems.empty();

@@ -58,6 +58,7 @@ inspect::Evidence pinsAndWords(const scenario::Case& test_case, const run::Recor
   result.power_edges_s = std::move(pins.power_edges_s);
   result.power_quantum_j = test_case.machine.power_monitor.quantum_j;
   append(run.problems, result);
+  result.guard_problems = run.guard_problems;
   append(missingSensors(test_case, run.recording, result), result);
   append(unprovenSteps(result.pulses, run.recording.rate.seconds(run.recording.stamp_err_ticks)), result);
   return result;

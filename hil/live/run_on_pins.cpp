@@ -57,6 +57,7 @@ void judgeSensors(const scenario::Case& test_case, const std::vector<Signal>& si
         "  {} edges of limit switches, which answer to pins: at worst {:.1f} ms off the machine's",
         found.switch_lag.edges(), 1e-6 * static_cast<double>(found.switch_lag.worst_ns())));
   run.problems.insert(run.problems.end(), found.problems.begin(), found.problems.end());
+  run.guard_problems = found.guard_problems;
 }
 
 }  // namespace

@@ -26,8 +26,9 @@ struct LockstepOptions {
 /// What a run leaves behind, whatever it ran on.
 struct RecordedRun {
   source::PinRecording recording;
-  controller::DialogFailure dialog;   ///< Left to the caller to judge.
-  std::vector<std::string> problems;  ///< Why the evidence cannot be trusted; empty when all went well.
+  controller::DialogFailure dialog;         ///< Left to the caller to judge.
+  std::vector<std::string> problems;        ///< Why the evidence cannot be trusted; empty when all went well.
+  std::vector<std::string> guard_problems;  ///< Why that of the guard cannot.
 };
 
 /// What a run needs of a machine.

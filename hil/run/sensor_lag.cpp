@@ -108,14 +108,14 @@ StraysOf straysOf(const std::vector<TimedEdge>& edges, const EdgeIndex& others, 
 
 std::string nameFor(Signal signal) { return isEncoder(signal) ? "encoder" : std::string(signalName(signal)); }
 
-void tell(const StraysOf& all, const char* what, double limit_s, std::vector<std::string>& problems) {
+void tell(const StraysOf& all, const char* what, double limit_s, SensorLag& result) {
   for (const auto& [signal, strays] : all) {
     if (strays.astray == 0) continue;
     std::string words =
         fmt::format("{}: {} of {} edges {} {:.4g} us, the first at {:.6f} s", nameFor(signal), strays.astray,
                     strays.edges, what, 1e6 * limitOf_s(signal, limit_s), strays.first_s);
     if (strays.worst_s > 0.0) words += fmt::format(", by up to {:.4g} us", 1e6 * strays.worst_s);
-    problems.push_back(std::move(words));
+    (signal == Signal::kInterlock ? result.guard_problems : result.problems).push_back(std::move(words));
   }
 }
 
@@ -128,9 +128,9 @@ SensorLag sensorLag(std::span<const SensorEdge> due, std::span<const SensorEdge>
   const double end_s = rate.seconds(end);
   SensorLag result;
   tell(straysOf(wanted, EdgeIndex(put), end_s, limit_s, &result),
-       "of the machine's sensor were not driven within", limit_s, result.problems);
+       "of the machine's sensor were not driven within", limit_s, result);
   tell(straysOf(put, EdgeIndex(wanted), end_s, limit_s, nullptr),
-       "that were driven are not the machine's within", limit_s, result.problems);
+       "that were driven are not the machine's within", limit_s, result);
   return result;
 }
 

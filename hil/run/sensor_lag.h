@@ -22,6 +22,7 @@ struct SensorLag {
   source::LagMeter switch_lag;  ///< Lag of these, which are as late as pins are known.
   std::vector<std::string>
       problems;  ///< Edges that were not driven in time, or that the machine did not make.
+  std::vector<std::string> guard_problems;  ///< The same of the interlock.
 };
 
 /// Edges of a kind belong together: of the encoder those to the same count in the same direction, of others

@@ -55,6 +55,9 @@ struct Evidence {
   double clock_bound_s{0.0};
   std::vector<std::string>
       problems;  ///< Gaps, time limit, crash, protocol errors: each makes the verdict INVALID.
+  /// The guard was opened or closed as the machine did not do it: INVALID as well, but for a laser that
+  /// stayed on behind an open guard, whoever opened it.
+  std::vector<std::string> guard_problems;
 };
 
 }  // namespace kerfbench::inspect

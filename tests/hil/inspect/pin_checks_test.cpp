@@ -208,6 +208,21 @@ TEST(Doubts, DoNotOutweighALineThatIsNotThere) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid) << "what was recorded is spoiled";
 }
 
+TEST(Doubts, DoNotOutweighALaserBehindAnOpenGuard) {
+  SyntheticRun run;
+  run.evidence.guard_problems.emplace_back("interlock: 1 of 2 edges that were driven are not the machine's");
+  auto result = run.inspected();
+  EXPECT_EQ(result.verdict, Verdict::kInvalid) << "nobody knows who opened the guard";
+  EXPECT_THAT(result.problems, ::testing::ElementsAre(HasSubstr("not the machine's")));
+  run.evidence.guard_open->push_back({run.evidence.gates.back().off_s - 0.01, 100.0});
+  result = run.inspected();
+  EXPECT_EQ(checkOf(result, "interlock").verdict, Verdict::kFail);
+  EXPECT_EQ(result.verdict, Verdict::kFail) << "whoever opened it, the laser stayed on";
+  EXPECT_THAT(result.problems, ::testing::ElementsAre(HasSubstr("not the machine's")));
+  run.evidence.problems.emplace_back("Gap in the pin stream at 1.2 s.");
+  EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid) << "what was recorded is spoiled";
+}
+
 TEST(Unjudged, ACutThatLiesElsewhereIsOneFaultAndNotMany) {
   SyntheticRun run;
   for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {

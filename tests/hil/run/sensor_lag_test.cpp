@@ -15,7 +15,8 @@ using testing::IsEmpty;
 constexpr TickRate kRate{1, 1'000'000'000};
 constexpr Tick kMs = 1'000'000;
 constexpr double kLimit_s = 100e-6;
-const std::vector<Signal> kSignals{Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark, Signal::kLimitX};
+const std::vector<Signal> kSignals{Signal::kEncoderA, Signal::kEncoderB, Signal::kPrintMark, Signal::kLimitX,
+                                   Signal::kInterlock};
 
 class SensorLagTest : public testing::Test {
  protected:
@@ -78,6 +79,13 @@ TEST_F(SensorLagTest, AnEdgeThatTheMachineDidNotMakeIsAProblem) {
   driven.push_back({120 * kMs, Signal::kPrintMark, true});
   EXPECT_THAT(found().problems,
               ElementsAre(HasSubstr("print_mark: 1 of 3 edges that were driven are not the machine's")));
+}
+
+TEST_F(SensorLagTest, AGuardThatTheMachineDidNotOpenIsAProblemOfItsOwn) {
+  driven.push_back({120 * kMs, Signal::kInterlock, true});
+  EXPECT_THAT(found().problems, IsEmpty());
+  EXPECT_THAT(found().guard_problems,
+              ElementsAre(HasSubstr("interlock: 1 of 1 edges that were driven are not the machine's")));
 }
 
 // The belt trembles about one line of the disc: the same count again and again.
