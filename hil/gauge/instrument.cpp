@@ -135,6 +135,7 @@ KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& 
   options.print_sigma_mm = setup_.print_sigma_mm;
   options.board_thickness_mm = thickness_mm;
   const vision::CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
+  options.stray_min_mm = setup_.limits.leastStray_mm(calibration.pitchMm());
   OneTile source(std::move(tile));
   KerfMeasurement m;
   inspect::Evidence evidence;

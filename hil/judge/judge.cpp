@@ -98,6 +98,7 @@ class Look {
     vision::KerfScanOptions options;
     options.threads = cameras_.threads;
     options.station_pitch_mm = kStationPitch_mm;
+    options.stray_min_mm = test_case_.scenario.limits.leastStray_mm(calibration.pitchMm());
     options.beam_radius_mm = test_case_.machine.beam.waist_radius_mm;     // As the laser's data sheet has it.
     options.board_thickness_mm = test_case_.scenario.board.thickness_mm;  // As the board's has it.
     options.beam_radius_sigma = test_case_.beam_radius_sigma;

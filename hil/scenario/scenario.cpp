@@ -79,9 +79,9 @@ inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) 
   };
   read("path_mm", 0.001, 10, tolerances.path_mm);
   read("stillness_mm", 0.001, 10, tolerances.stillness_mm);
-  read("uncut_mm", 0.05, 100, tolerances.uncut_mm);
+  read("uncut_mm", 0.1, 100, tolerances.uncut_mm);
   read("uncut_share", 1e-4, 1, tolerances.uncut_share);
-  read("cut_through_mm", 0.05, 100, tolerances.cut_through_mm);
+  read("cut_through_mm", 0.1, 100, tolerances.cut_through_mm);
   read("kerf_width_mm", 0.001, 10, tolerances.kerf_width_mm);
   read("even_depth_share", 0, 1, tolerances.even_depth_share);
   read("line_energy_j_mm", 0, 100, tolerances.line_energy_j_mm);
@@ -89,7 +89,7 @@ inspect::Tolerances readTolerances(base::YamlReader& checks, const Scenario& s) 
   double gate_lag_ms = 1e3 * tolerances.gate_lag_s;
   read("gate_lag_ms", 0.01, 100, gate_lag_ms);
   tolerances.gate_lag_s = 1e-3 * gate_lag_ms;
-  read("stray_mm", 0.05, 100, tolerances.stray_mm);
+  read("stray_mm", 0.15, 100, tolerances.stray_mm);
   readOrder(checks, s, tolerances);
   return tolerances;
 }
@@ -142,8 +142,8 @@ void readChecks(base::YamlReader& file, Scenario& s) {
   auto checks = file.section("checks");
   s.limits = readTolerances(checks, s);
   s.limits.board_transmission = s.board.transmission;  // As the board's data sheet has it.
-  s.calibration_max_age_days = static_cast<int>(
-      checks.integer("calibration_max_age_days", {.min = 0, .max = 36500, .fallback = 180.0}));
+  s.calibration_max_age_days = static_cast<int>(checks.integer(
+      "calibration_max_age_days", {.min = 0, .max = 36500, .fallback = s.calibration_max_age_days}));
   s.date = file.text("date", "");
   if (!s.date.empty() && !calibrate::dayNumber(s.date)) file.fault("date", "is no day like 2026-11-21");
 }

@@ -83,7 +83,7 @@ struct Scenario {
   CameraChoice cameras;
   inspect::Tolerances limits;
   std::string date;  ///< Day of the run, "2026-11-21"; empty: each calibration's own day.
-  int calibration_max_age_days{180};
+  int calibration_max_age_days{inspect::kCalibrationMaxAge_days};
   double time_limit_s{};
   std::uint64_t seed{1};
   twin::Preset imperfections{twin::Preset::kIdeal};  ///< Distance of the machine from its description.

@@ -160,7 +160,7 @@ Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const Lit
   // The spot came to the place and left it within a frame each: how much of their light fell there is open.
   const double open_mm = 0.5 * rest.beside_s / of_cuts_s_mm;
   check.value = rest.light_s / of_cuts_s_mm + open_mm;
-  check.u = check.guard = std::min(2.0 * kPlace_mm, 0.5 * check.limit) + open_mm;
+  check.u = check.guard = 2.0 * kPlace_mm + open_mm;
   check.subject = nameOf(rest.at->unit, rest.at->entity);
   decide(check);
   check.explanation = fmt::format(

@@ -249,7 +249,7 @@ Finding laserTimingCheck(const Evidence& evidence, const Tolerances& limits,
       check.value = gap.gap_mm;
       // The rise is a straight line between two stations: a quarter of their distance covers what it may
       // hide.
-      check.u = check.guard = gap.gap_mm > 0.0 ? std::min(0.25 * gap.pitch_mm, 0.5 * limits.end_gap_mm) : 0.0;
+      check.u = check.guard = gap.gap_mm > 0.0 ? 0.25 * gap.pitch_mm : 0.0;
       check.subject = nameOf(kerf.unit, kerf.entity);
       at_start = &gap == &gaps[0];
     }

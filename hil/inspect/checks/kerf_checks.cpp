@@ -170,7 +170,7 @@ bool Bounds::isWorseThan(const Bounds& other, double limit_mm) const {
 void Bounds::decideIn(Check& check, double pitch_mm) const {
   check.value = most_mm;
   check.u = check.guard = 0.0;
-  if (most_mm > 0.0) check.u = check.guard = std::min(0.5 * pitch_mm, 0.5 * check.limit) + most_mm - least_mm;
+  if (most_mm > 0.0) check.u = check.guard = 0.5 * pitch_mm + most_mm - least_mm;
   decide(check);
 }
 

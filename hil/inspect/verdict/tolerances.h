@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 namespace kerfbench::inspect {
 
 /// Longest time from an open guard, or from whatever else must stop a run, to a dark laser.
 inline constexpr double kLaserOff_s = 100e-6;
+
+/// Default of the age up to which a camera's calibration counts.
+inline constexpr int kCalibrationMaxAge_days = 180;
+
+/// Smaller burnt places are dust, unless the limit of strays is smaller.
+inline constexpr double kDust_mm = 0.5;
 
 /// Defaults of orders.
 inline constexpr double kPerforationLimit_mm = 0.15;
@@ -60,6 +68,12 @@ struct Tolerances {
   double board_transmission{0.12};   ///< Light through whole board, by which depth is told.
   double line_energy_j_mm{0};        ///< Laser energy per length that marks were to get; 0: not judged.
   double line_energy_share{0.0147};  ///< Largest departure from it (Wang, Li, Chen 2010).
+
+  /// Extent of the smallest stray cut that a scan must tell, in pictures of that pitch: anything from half a
+  /// millimetre on is no dust, and what is up to two pixels smaller than the limit is not proven to keep it.
+  [[nodiscard]] double leastStray_mm(double pitch_mm) const {
+    return std::max(0.0, std::min(kDust_mm, stray_mm) - 2.0 * pitch_mm);
+  }
 };
 
 }  // namespace kerfbench::inspect

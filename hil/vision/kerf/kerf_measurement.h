@@ -124,7 +124,7 @@ struct KerfScanOptions {
   double station_pitch_mm{0.25};
   double reach_mm{0.6};  ///< Half length of a caliper.
   double joint_clearance_mm{0.4};
-  double stray_min_mm{0.5};  ///< Smaller blobs are dust.
+  double stray_min_mm{0.5};  ///< Smaller blobs are not told; see inspect::Tolerances::leastStray_mm().
   int patches{6};            ///< Number of worst places to keep pictures of.
   /// 1/e² radius of the beam, from the set-up of the laser: how far a kerf's outline reaches beyond where the
   /// beam stopped or turned follows from it and from the kerf's width. 0: as far as a round tool as wide as

@@ -314,6 +314,23 @@ TEST(StrayCheck, OneOfUnknownSizeIsInvalid) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
+TEST(StrayCheck, AScanTellsAllThatMayBreakTheLimit) {
+  constexpr double kPitch_mm = 0.04;
+  Tolerances limits;
+  EXPECT_NEAR(limits.leastStray_mm(kPitch_mm), 0.42, 1e-12) << "one of 0.49 mm is not proven to keep 0.5";
+  limits.stray_mm = 0.2;
+  EXPECT_NEAR(limits.leastStray_mm(kPitch_mm), 0.12, 1e-12);
+  limits.stray_mm = 5.0;
+  EXPECT_NEAR(limits.leastStray_mm(kPitch_mm), 0.42, 1e-12) << "smaller ones are dust whatever the limit";
+
+  SyntheticRun run;
+  const double pitch_mm = run.evidence.kerf_calibration->pitchMm();
+  run.evidence.kerf.strays.push_back({0, {33, 12}, 0.5 - 0.5 * pitch_mm});
+  EXPECT_EQ(checkOf(run.inspected(), "stray").verdict, Verdict::kNotProven);
+  run.limits.stray_mm = 0.2;
+  EXPECT_EQ(checkOf(run.inspected(), "stray").verdict, Verdict::kFail);
+}
+
 TEST(StrayCheck, FailsOnWhatIsBurntBeside) {
   SyntheticRun run;
   run.evidence.kerf.strays.push_back({0, {10, 3}, 0.3});
