@@ -68,6 +68,7 @@ report::RunReport reportOf(const scenario::Case& test_case, const run::RecordedR
   const bool real_pictures = scenario.cameras.spot.is_real || !scenario.cameras.kerf.tiles.empty();
   report.model_pictures = scenario.firmware.onRealPins() && !real_pictures;
   report.unsealed = conclusion.unsealed;
+  report.calibration_max_age_days = scenario.calibration_max_age_days;
   report.calibrations_undated = real_pictures && scenario.date.empty();
   return report;
 }

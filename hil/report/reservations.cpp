@@ -28,11 +28,10 @@ constexpr std::array kLimits{
     Limit{"cut_through_mm", "mm", [](const Tolerances& t) { return t.cut_through_mm; }},
     Limit{"kerf_width_mm", "mm", [](const Tolerances& t) { return t.kerf_width_mm; }},
     Limit{"perforation.limit_mm", "mm", [](const Tolerances& t) { return t.perforation.limit_mm; }},
+    Limit{"ordered_width.limit_mm", "mm", [](const Tolerances& t) { return t.ordered_width.limit_mm; }},
     Limit{"stray_mm", "mm", [](const Tolerances& t) { return t.stray_mm; }},
     Limit{"gate_lag_ms", "ms", [](const Tolerances& t) { return t.gate_lag_s; }, 1e3},
     Limit{"line_energy_share", "", [](const Tolerances& t) { return t.line_energy_share; }}};
-
-/// A shift of kerfs by their walls of less than that is below what a caliper tells.
 
 std::string wideLimits(const Tolerances& limits) {
   const Tolerances defaults;
@@ -86,6 +85,10 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
   add("unsealed_recording", report.unsealed ? "the recording has no sum of its own, so nothing shows that it "
                                               "is whole"
                                             : "");
+  add("calibration_age", report.calibration_max_age_days > inspect::kCalibrationMaxAge_days
+                             ? fmt::format("calibrations may be {} days old (default {})",
+                                           report.calibration_max_age_days, inspect::kCalibrationMaxAge_days)
+                             : "");
   add("calibration_age",
       report.calibrations_undated ? "the scenario has no date, so no calibration can be too old" : "");
   return all;

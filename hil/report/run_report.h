@@ -113,8 +113,9 @@ struct RunReport {
   vision::SpotTrack spot;
   std::vector<PulseTiming> pulses;
   inspect::InspectionResult result;
-  bool unsealed{};              ///< A recording without a sum of its own was replayed.
-  bool model_pictures{};        ///< The pins are real, and the pictures are the model's.
+  bool unsealed{};        ///< A recording without a sum of its own was replayed.
+  bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
+  int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< Of the scenario.
   bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
   // What the wall clock and the host say.
   std::string host;

@@ -388,6 +388,11 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   EXPECT_THAT(sentence, HasSubstr("path_mm 10 (default 0.05)"));
   EXPECT_THAT(sentence, HasSubstr("not judged: account, finish"));
   EXPECT_THAT(sentence, HasSubstr("1 of 8 entities of the drawing"));
+  report.limits.ordered_width.limit_mm = 0.1;
+  report.calibration_max_age_days = 365;
+  EXPECT_THAT(verdictSentence(report), HasSubstr("ordered_width.limit_mm 0.1 (default 0.03)"));
+  EXPECT_THAT(verdictSentence(report), HasSubstr("calibrations may be 365 days old (default 180)"));
+  report.calibration_max_age_days = 30;
   EXPECT_THAT(htmlReport(report), HasSubstr("path_mm 10 (default 0.05)"));
   EXPECT_THAT(junitXml(report), HasSubstr("path_mm 10 (default 0.05)"));
   const auto json = nlohmann::json::parse(verdictJson(report));
