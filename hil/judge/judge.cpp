@@ -110,6 +110,7 @@ class Look {
       options.law_sigma = kMeasuredLaw;
     }
     options.table_sigma_mm = test_case_.kerf_camera.table_sigma_mm;
+    options.table_scale_sigma = test_case_.kerf_camera.table_scale_sigma;
     evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");
   }

@@ -42,6 +42,8 @@ void readGantry(base::YamlReader& file, const DriveCatalogue& catalogue, Machine
 constexpr double kUsualRadius_percent = 5.0;
 /// Repeatability of linear stages with an encoder, as data sheets state it for both directions: 1 to 3 um.
 constexpr double kUsualTable_um = 2.0;
+/// A steel scale that is one kelvin off its temperature: 11 ppm/K (AMO LMB-100, which is true to 3 um/m).
+constexpr double kUsualTableScale_ppm = 10.0;
 
 CameraFile readCameraFile(base::YamlReader& camera, const std::filesystem::path& machine_file,
                           const std::string& which) {
@@ -65,6 +67,8 @@ void readCameras(base::YamlReader cameras, MachineFile& file, const std::filesys
   file.kerf_camera = readCameraFile(kerf, path, "kerf");
   file.kerf_camera.table_sigma_mm =
       1e-3 * kerf.number("table_um", {.min = 0, .max = 100, .fallback = kUsualTable_um});
+  file.kerf_camera.table_scale_sigma =
+      1e-6 * kerf.number("table_scale_ppm", {.min = 0, .max = 1000, .fallback = kUsualTableScale_ppm});
   MachineDescription& machine = file.machine;
   machine.glow_gray_per_w = spot.number("glow_gray_per_w", {.min = 0.01, .max = 1000});
   machine.spot_camera = readCamera(spot, true);

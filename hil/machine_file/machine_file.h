@@ -21,6 +21,7 @@ struct CameraFile {
                       ///< it extends.
   /// Kerf camera: standard uncertainty of a tile's place as the inspection table reads it, per axis.
   double table_sigma_mm{};
+  double table_scale_sigma{};  ///< Kerf camera: relative standard uncertainty of the table's scale.
 };
 
 /// A machine file, read and checked. docs/reference/machine.md explains every key.

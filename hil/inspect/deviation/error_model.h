@@ -20,13 +20,15 @@ namespace kerfbench::inspect {
 /// of pixels and the model of the flanks leave, one for each eighth of a turn that it may run in: on a
 /// straight line all readings share one, around a circle they change), the next three to the unit (how it was
 /// found to lie by its marks), the next to the tiles (where the table stopped, two for each tile: all
-/// readings in it move alike), the others to the camera and so to all units: the modes of its calibration,
-/// and for kerfs three more by how deep in the board they are seen and how aslant.
+/// readings in it move alike), the others to camera and table and so to all units: the modes of the camera's
+/// calibration, the scale of the table, and three more by how deep in the board kerfs are seen and how
+/// aslant.
 struct ReadingLine {
   static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;
   static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the tiles.
-  static constexpr Eigen::Index kSight = 3;            ///< After the modes of the camera.
+  static constexpr Eigen::Index kScale = 1;            ///< After the modes of the camera,
+  static constexpr Eigen::Index kSight = 3;            ///< and after the scale of the table.
 
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};
@@ -38,7 +40,7 @@ struct ReadingLine {
       segment;             ///< First reading of each run of neighbouring stations; ends with size().
   double q{};              ///< Correlation of the noise of two neighbouring stations, 0 … 0.95.
   Eigen::Index tiles{};    ///< Columns of the tiles of all units.
-  Eigen::MatrixXd shared;  ///< Readings x (kOwn + tiles + modes of the camera + kSight), mm.
+  Eigen::MatrixXd shared;  ///< Readings x (kOwn + tiles + modes of the camera + kScale + kSight), mm.
 
   [[nodiscard]] std::size_t size() const { return reading_mm.size(); }
   /// Whether two readings share the table's error.
@@ -66,8 +68,9 @@ bool judgesOffset(const vision::Caliper& c);
 /// errors from the modes of the kerf camera where each caliper was looked at; there the depth at which the
 /// kerf is seen moves it by its own uncertainty times the slope of the line of sight. Part of them cancels,
 /// as the marks are seen through the same lens; that is not counted. Each tile may lie where the table did
-/// not mean to stop: that shifts all of its readings alike. The marks are seen in tiles too; what cancels by
-/// that is not counted either.
+/// not mean to stop: that shifts all of its readings alike; an error of the table's scale moves them away
+/// from the middle of their unit's marks. The marks are seen in tiles too; what cancels by that is not
+/// counted either.
 ErrorModel errorModelOf(const Evidence& evidence);
 
 /// Correlation of the noise of neighbours from third differences of readings in units of their own sigma,

@@ -101,6 +101,8 @@ struct UnitPose {
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
+  /// Mean place of the unit's marks as printed, in S: an error of the table's scale leaves it where it is.
+  Eigen::Vector2d marks_centre_S_mm{Eigen::Vector2d::Zero()};
 };
 
 /// Something burnt where the dieline has nothing.
@@ -145,6 +147,8 @@ struct KerfScanOptions {
   double board_thickness_mm{0.0};
   /// Standard uncertainty of where the inspection table says that a tile was taken, per axis.
   double table_sigma_mm{0.0};
+  /// Relative standard uncertainty of the table's scale.
+  double table_scale_sigma{0.0};
   /// Standard uncertainty of where a registration mark is printed, per axis.
   double print_sigma_mm{0.0};
   int threads{1};  ///< The result is the same at any number.
@@ -163,6 +167,7 @@ struct KerfScan {
   double tile_misfit_mm{};
   /// As KerfScanOptions::table_sigma_mm; 0 where one tile shows each unit: the table does not matter then.
   double table_sigma_mm{};
+  double table_scale_sigma{};  ///< As KerfScanOptions::table_scale_sigma, 0 likewise.
   /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
   std::vector<std::string> problems;
 };

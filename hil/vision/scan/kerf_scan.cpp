@@ -103,6 +103,12 @@ void keepWorstPatches(KerfScan& scan, int count) {
   scan.patches = std::move(kept);
 }
 
+Eigen::Vector2d centreOf(const std::vector<RegistrationMark>& marks) {
+  Eigen::Vector2d sum_mm = Eigen::Vector2d::Zero();
+  for (const RegistrationMark& mark : marks) sum_mm += mark.p_SM_mm;
+  return marks.empty() ? sum_mm : Eigen::Vector2d(sum_mm / static_cast<double>(marks.size()));
+}
+
 /// What the units of a sheet are scanned for, and with what.
 struct ScanJob {
   const KerfPlan& plan;
@@ -117,8 +123,9 @@ struct ScanJob {
     const TileIndex index(pictures.views, calibration);
     // In one tile, kerfs and marks are where they are wherever the table stopped.
     KerfScanOptions unit_options = options;
-    if (pictures.views.size() < 2) unit_options.table_sigma_mm = 0.0;
+    if (pictures.views.size() < 2) unit_options.table_sigma_mm = unit_options.table_scale_sigma = 0.0;
     scan.table_sigma_mm = std::max(scan.table_sigma_mm, unit_options.table_sigma_mm);
+    scan.table_scale_sigma = std::max(scan.table_scale_sigma, unit_options.table_scale_sigma);
     const double mark_sigma_mm = std::hypot(unit_options.table_sigma_mm, options.print_sigma_mm);
     const std::optional<UnitPlace> place =
         placeUnit(pictures.views, index, {unit, &print, mark_sigma_mm}, calibration, scan.problems);
@@ -130,7 +137,7 @@ struct ScanJob {
       scan.problems.push_back("unit " + std::to_string(unit) + ": " + *problem);
     scan.mark_residual_mm = std::max(scan.mark_residual_mm, place->residual_mm);
     scan.units.push_back({unit, place->X_TS.shift_mm, place->X_TS.angle_rad, place->covariance,
-                          place->residual_mm, place->marks});
+                          place->residual_mm, place->marks, centreOf(print.marks)});
     const OverlapScene overlaps{pictures.views, index, place->X_TS, calibration, options};
     const SightFit sight = sightDepths(sightPairs(plan, overlaps), pictures.views.size(),
                                        options.board_thickness_mm, options.table_sigma_mm);
@@ -139,7 +146,8 @@ struct ScanJob {
       scan.problems.push_back("unit " + std::to_string(unit) + ": " + problemOf(contradictions));
     if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
     const UnitScan unit_scan(calibration, plan, unit_options,
-                             {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths});
+                             {pictures.views, index, unit, place->X_TS, scan.units.back().marks_centre_S_mm,
+                              pictures.blur, sight.depths});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }
@@ -151,10 +159,11 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
                   const dieline::Dieline& dieline, const KerfScanOptions& options) {
   if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
       !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
-      !(options.table_sigma_mm >= 0.0) || !(options.print_sigma_mm >= 0.0)) {
+      !(options.table_sigma_mm >= 0.0) || !(options.table_scale_sigma >= 0.0) ||
+      !(options.print_sigma_mm >= 0.0)) {
     throw std::invalid_argument(
         "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, "
-        "board_thickness_mm, table_sigma_mm and print_sigma_mm >= 0");
+        "board_thickness_mm, table_sigma_mm, table_scale_sigma and print_sigma_mm >= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
   const ScanJob job{plan, calibration, print, options};

@@ -252,6 +252,10 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
   return (depth.sigma_mm * slope).cwiseAbs() + Eigen::Vector2d::Constant(unsquare_mm);
 }
 
+Eigen::Vector2d UnitScan::scaleSigma_mm(const Eigen::Vector2d& p_S_mm) const {
+  return options_.table_scale_sigma * (p_S_mm - marks_centre_S_mm_);
+}
+
 UnitScan::Hidden UnitScan::hiddenBy(const Eigen::Vector2d& p_V_mm, const Eigen::Vector2d& direction_S) const {
   if (calibration_.telecentric_mm > 0.0) {
     // Any share of the walls, each as likely, times the size of a normal angle: its mean is sqrt(2/pi) sigma.
@@ -307,14 +311,16 @@ void UnitScan::joints(const std::vector<EntityKerf>& kerfs, const FlankBelief& b
     const PlannedCorner& planned = plan_.corners[i];
     const EntityPlan& entity = plan_.entities[planned.in.plan];
     corners[i] = measureCorner(sceneOf(entity, kerfs, belief), planned);
-    corners[i].deviation_sigma_mm =
-        std::hypot(corners[i].deviation_sigma_mm, depthSigma_mm(entity, planned.in.p_S_mm).norm(),
-                   options_.table_sigma_mm);
+    const double by_table_mm = std::hypot(options_.table_sigma_mm, scaleSigma_mm(planned.in.p_S_mm).norm());
+    corners[i].deviation_sigma_mm = std::hypot(corners[i].deviation_sigma_mm,
+                                               depthSigma_mm(entity, planned.in.p_S_mm).norm(), by_table_mm);
   });
   const auto addEnd = [&](LineEnd measured, const EntityEnd& end) {
     const double by_depth_mm =
         depthSigma_mm(plan_.entities[end.plan], end.p_S_mm).dot(end.outward.cwiseAbs());
-    measured.sigma_mm = std::hypot(measured.sigma_mm, by_depth_mm, options_.table_sigma_mm);
+    const double by_scale_mm = scaleSigma_mm(end.p_S_mm).dot(end.outward);
+    measured.sigma_mm =
+        std::hypot(measured.sigma_mm, by_depth_mm, std::hypot(options_.table_sigma_mm, by_scale_mm));
     scan.ends.push_back(measured);
   };
   scan.corners.insert(scan.corners.end(), corners.begin(), corners.end());

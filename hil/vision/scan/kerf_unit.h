@@ -22,6 +22,7 @@ struct PlacedUnit {
   const TileIndex& index;
   int unit;
   const PlaneMotion& X_TS;
+  Eigen::Vector2d marks_centre_S_mm;  ///< What an error of the table's scale leaves in place.
   const LensBlur& blur;
   const SightDepths& depths;
 };
@@ -40,6 +41,7 @@ class UnitScan {
         index_(place.index),
         unit_(place.unit),
         X_TS_(place.X_TS),
+        marks_centre_S_mm_(place.marks_centre_S_mm),
         blur_(place.blur) {}
 
   /// Calipers with their uncertainties, corners, ends and the unit's worst patches.
@@ -66,6 +68,8 @@ class UnitScan {
   }
   /// Uncertainty of a place by that of the depth at which an entity is seen, along each axis of S.
   [[nodiscard]] Eigen::Vector2d depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const;
+  /// What one standard deviation of the table's scale moves a place by, in S: away from the unit's marks.
+  [[nodiscard]] Eigen::Vector2d scaleSigma_mm(const Eigen::Vector2d& p_S_mm) const;
   /// How much of a slit's length in a direction of S its walls hide, seen aslant.
   struct Hidden {
     double likely_mm{}, sigma_mm{};
@@ -105,6 +109,7 @@ class UnitScan {
   const TileIndex& index_;
   int unit_;
   PlaneMotion X_TS_;
+  Eigen::Vector2d marks_centre_S_mm_;
   LensBlur blur_;
 };
 

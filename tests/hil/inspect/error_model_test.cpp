@@ -111,6 +111,27 @@ TEST(ErrorModel, TheTableMovesAllReadingsInATileAlike) {
   EXPECT_NEAR(first.dot(ofTiles(bottom, 0)), 0.0, 1e-9);
 }
 
+TEST(ErrorModel, TheTablesScaleMovesReadingsAwayFromTheMarks) {
+  SyntheticRun run;
+  run.evidence.kerf.table_scale_sigma = 1e-4;
+  const Vector2d centre_mm(30.0, 20.0);
+  for (vision::UnitPose& pose : run.evidence.kerf.units) pose.marks_centre_S_mm = centre_mm;
+  const ErrorModel model = errorModelOf(run.evidence);
+  const auto shiftOf = [&](int entity, std::size_t reading) {
+    const ReadingLine& line = lineOf(model, run, 0, entity);
+    const vision::Caliper& c = run.kerf(0, entity).calipers[line.caliper[reading]];
+    const Eigen::Index column = line.shared.cols() - ReadingLine::kSight - ReadingLine::kScale;
+    const Vector2d tangent =
+        dieline::tangentAt(run.dieline.entities[static_cast<std::size_t>(entity)].curve, c.u);
+    const double wanted_mm = 1e-4 * Vector2d(-tangent.y(), tangent.x()).dot(c.p_S_mm - centre_mm);
+    EXPECT_NEAR(line.shared(static_cast<Eigen::Index>(reading), column), wanted_mm, 1e-12) << entity;
+    return std::abs(wanted_mm);
+  };
+  EXPECT_GT(shiftOf(kRight, 3), 0.002) << "a side far from the marks' middle moves by its distance";
+  EXPECT_NEAR(shiftOf(kRight, 0), shiftOf(kRight, 9), 1e-9) << "all along";
+  EXPECT_GT(shiftOf(kBottom, 3), 0.001);
+}
+
 TEST(ErrorModel, SightAndTiltMoveReadingsByGeometry) {
   SyntheticRun run;
   vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
