@@ -8,6 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/dieline/geometry.h"
+#include "tests/hil/vision/kerf_twin.h"
+
 #include "hil/vision/kerf/kerf_outline.h"
 
 namespace kerfbench::vision {
@@ -151,6 +154,19 @@ TEST(FlankBelief, IsLessSureWhereFlanksDoNotFitItsModel) {
   odd.low_half_mm += 0.02;
   odd.high_half_mm -= 0.02;
   EXPECT_GT(beliefOf({odd}, kKnown).momentsOf(lensOf).sigma, 2.0 * honest);
+}
+
+TEST(FlankBelief, IsLedByTheCutsOfASheet) {
+  // What was known before counts the less: known half as well it does not leave a width half as certain.
+  const auto widening_sigma_mm = [](double times) {
+    test::TwinCut cut;
+    const int line = cut.add(dieline::LineCurve{{-5.0, 0.0}, {5.0, 0.0}});
+    cut.options.beam_radius_sigma *= times;
+    cut.options.law_sigma *= times;
+    cut.options.begin_sigma *= times;
+    return test::entityOf(cut.scan(), line).widening_sigma_mm;
+  };
+  EXPECT_LT(widening_sigma_mm(2.0), 1.5 * widening_sigma_mm(1.0));
 }
 
 }  // namespace

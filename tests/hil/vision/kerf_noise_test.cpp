@@ -73,5 +73,28 @@ TEST(KerfNoise, TheFirstDifferenceOfALineCounts) {
   EXPECT_NEAR(cuts.sigmaAt(0), 0.002, 0.0004) << "the pixels alone would leave " << kPixels_mm;
 }
 
+TEST(KerfNoise, IsTheSameFromEitherEndOfALine) {
+  // Cuts that are rough over their last third, and others over their first.
+  constexpr std::size_t kStations = 301;
+  constexpr double kPitch_mm = 0.25;
+  const double rough_mm = kPitch_mm * 200;
+  const double length_mm = kPitch_mm * (kStations - 1);
+  const Cuts late(60, kStations, kPitch_mm, [&](double at_mm) { return at_mm > rough_mm ? 0.006 : 0.001; });
+  const Cuts early(60, kStations, kPitch_mm,
+                   [&](double at_mm) { return at_mm < length_mm - rough_mm ? 0.006 : 0.001; });
+  // As far from the rough part as the pool reaches each station nearer takes in one more difference of it.
+  for (std::size_t station = 172; station < 186; ++station) {
+    const double sigma_mm = late.sigmaAt(station);
+    EXPECT_NEAR(early.sigmaAt(kStations - 1 - station), sigma_mm, 0.06 * sigma_mm) << station;
+  }
+}
+
+TEST(KerfNoise, IsThatOfTheReadingsHoweverDenseTheyAre) {
+  for (const double pitch_mm : {0.25, 0.1, 0.05}) {
+    const Cuts cuts(20, 241, pitch_mm, [](double) { return 0.002; });
+    EXPECT_NEAR(cuts.sigmaAt(120), 0.002, 0.0002) << pitch_mm;
+  }
+}
+
 }  // namespace
 }  // namespace kerfbench::vision

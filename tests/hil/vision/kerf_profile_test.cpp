@@ -39,5 +39,24 @@ TEST(KerfProfile, CountsAsManyPixelsAtOneEndAsAtTheOther) {
   }
 }
 
+TEST(KerfProfile, EndsWithThePicture) {
+  // Half of a window lies beyond the first or the last row of the picture, where there is no light to read.
+  constexpr int kHeight_px = 300;
+  const CameraCalibration camera = test::tiltedCamera(400, kHeight_px, kPitch_mm);
+  const TileView view =
+      viewTile({GrayImage(400, kHeight_px, static_cast<std::uint8_t>(kGray)), {0.0, 0.0}, 0}, camera, {});
+  const auto pixelsAt = [&](double row) {
+    CaliperWindow window;
+    window.p_S_mm = camera.planeFromPixel({200.0, row});
+    window.tangent = Eigen::Vector2d::UnitY();
+    Profile profile;
+    readProfile(view, camera, PlaneMotion{}, window, {}, profile);
+    return static_cast<double>(profile.pixels.size());
+  };
+  const double inside = pixelsAt(0.5 * kHeight_px);
+  EXPECT_NEAR(pixelsAt(0.0), 0.55 * inside, 0.1 * inside);
+  EXPECT_NEAR(pixelsAt(kHeight_px - 1.0), 0.55 * inside, 0.1 * inside);
+}
+
 }  // namespace
 }  // namespace kerfbench::vision

@@ -86,6 +86,20 @@ TEST(KerfRefusal, BlurredPictures) {
   EXPECT_TRUE(tells(scanOf([](TwinCut& c) { c.camera.psf_sigma_px = 1.8; }), "blurred"));
 }
 
+TEST(KerfRefusal, OfManyPicturesTheFirstEightAreNamed) {
+  for (const std::size_t count : {1U, 8U, 9U, 30U}) {
+    std::vector<TileView> views(count);
+    for (TileView& view : views) view.background.emplace(GrayImage(128, 128, 2));
+    std::vector<std::string> problems;
+    tellTileFaults(views, 0, kUsualBlur, 1.5, problems);
+    ASSERT_FALSE(problems.empty());
+    const std::string& dark = problems.front();
+    const auto named = static_cast<std::size_t>(std::count(dark.begin(), dark.end(), ',')) + 1;
+    EXPECT_EQ(named, std::min<std::size_t>(count, 8)) << dark;
+    EXPECT_EQ(dark.ends_with("…"), count > 8) << dark;
+  }
+}
+
 TEST(KerfRefusal, TheBlurOfAnEdgeIsThatOfTheCamera) {
   for (const double psf_px : {0.5, 0.7, 1.0, 1.5}) {
     TwinCut cut = aCut();
