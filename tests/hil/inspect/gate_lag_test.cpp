@@ -10,6 +10,7 @@
 
 #include "hil/dieline/geometry.h"
 #include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/checks/start_place.h"
 
 namespace kerfbench::inspect {
 namespace {
@@ -64,6 +65,9 @@ class Start {
     displaced_mm_ = by_mm;
     limits_.path_mm = 0.1;
   }
+
+  /// What the camera's clock is off the pins', at most.
+  void boundClock(double bound_s) { evidence_.clock_bound_s = bound_s; }
 
   /// The start of the kerf of the beam's line was measured, so far too short.
   void measureKerfStart(double gap_mm) {
@@ -158,10 +162,13 @@ const dieline::Curve kLine = dieline::LineCurve{{0, 0}, {40, 30}};
 const dieline::Curve kCircle = dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
 
 TEST(GateLag, AStartOnALineTooShortForFramesIsNotTakenForALateOneOnTheNext) {
-  Start start(kLine);
-  start.add(dieline::LineCurve{{-0.3, 0.0}, {0.0, 0.0}});
-  // The gate opened 2 ms before the beam came to the long line.
-  EXPECT_FALSE(start.seen(-0.002));
+  // The gate opened 2 ms before the beam came to the long line, whichever way the short one was drawn.
+  for (const dieline::LineCurve& before :
+       {dieline::LineCurve{{-0.3, 0.0}, {0.0, 0.0}}, dieline::LineCurve{{0.0, 0.0}, {-0.3, 0.0}}}) {
+    Start start(kLine);
+    start.add(before);
+    EXPECT_FALSE(start.seen(-0.002));
+  }
   Start alone(kLine);
   alone.add(dieline::LineCurve{{-20.0, 0.0}, {0.0, 0.0}});
   EXPECT_EQ(alone.seen(-0.002)->verdict, Verdict::kFail) << "a neighbour that has frames of its own";
@@ -337,9 +344,52 @@ TEST(GateLag, EachGateHasItsOwnFrames) {
   EXPECT_NE(check->explanation.find("1.00 ms after"), std::string::npos) << check->explanation;
 }
 
+TEST(GateLag, AClockThatIsKnownTooLooselyProvesNoStartInTime) {
+  Start start(kLine);
+  start.boundClock(0.0002);
+  EXPECT_TRUE(start.seen(0.0)) << "known to less than half of the limit";
+  start.boundClock(0.0003);
+  EXPECT_FALSE(start.seen(0.0));
+  EXPECT_TRUE(start.seen(0.003)) << "late whatever the clock";
+}
+
+TEST(StartPlace, IsKnownNoBetterThanLinesKeepToOneDisplacement) {
+  // Three lines side by side. No displacement explains all: the one that fits best, by their mean, misses
+  // them by 30, 30 and 60 um, 42 um RMS.
+  dieline::Dieline dieline;
+  LitFrames lit;
+  for (const double off_mm : {0.07, 0.07, -0.02}) {
+    const int id = static_cast<int>(dieline.entities.size());
+    const double y_mm = 10.0 * id;
+    dieline.entities.push_back(
+        {id, dieline::LineCurve{{0, y_mm}, {40, y_mm}}, dieline::Process::kCut, "CUT", ""});
+    for (const double x_mm : {10.0, 20.0, 30.0}) {
+      LitFrame& frame = lit.frames.emplace_back();
+      frame.entity = id;
+      frame.p_S_mm = {x_mm, y_mm};
+      frame.deviation_mm = off_mm;
+    }
+  }
+  Evidence evidence;
+  evidence.dieline = &dieline;
+  Tolerances limits;
+  limits.path_mm = 1.0;
+  const checks::StartPlace place = checks::Displacements(evidence, {}, limits, lit).along(0, {0.0, 1.0});
+  EXPECT_GT(place.sigma_mm, 0.0424);
+  EXPECT_LT(place.sigma_mm, 0.06);
+}
+
 TEST(GateLag, TooFewFramesSayNothing) {
   for (int frames = 0; frames < 4; ++frames) EXPECT_FALSE(Start(kLine).seen(0.0, ramp, 0, frames)) << frames;
   EXPECT_FALSE(Start(kLine).seen(0.002, dash, 0, 3));
+}
+
+TEST(GateLag, FourFramesOfABeamAtFullSpeedSuffice) {
+  for (const double lag_s : {0.0003, 0.0006}) {
+    const Finding check = Start(kLine).seen(lag_s, dash, 0, 4);
+    ASSERT_TRUE(check) << lag_s;
+    EXPECT_NEAR(check->value, 1e3 * lag_s, check->u);
+  }
 }
 
 TEST(GateLag, AStartWithLimitedJerkIsNotJudged) { EXPECT_FALSE(Start(kLine).seen(0.0, jerk)); }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/inspect/checks/spot_checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
@@ -153,6 +154,44 @@ TEST(DwellCheck, LightWithinTheFramesBesideARestIsOpen) {
   SyntheticRun less;
   burnAtEnd(less, 0.3, 0.3e-3);
   EXPECT_EQ(checkOf(less.inspected(), "dwell").verdict, Verdict::kPass);
+}
+
+/// Ten frames of a cut at 300 mm/s and half power, then ten at rest in the dark; the beam is on for one more
+/// frame behind the last of the cut, at this share of full power.
+Finding cutThenDark(double last_share) {
+  constexpr double kPeriod_s = 1e-3;
+  dieline::Dieline dieline;
+  dieline.entities.push_back(
+      {0, dieline::LineCurve{{0, 0}, {40, 0}}, dieline::Process::kCut, "CUT", "line 4: LINE"});
+  Evidence evidence;
+  evidence.dieline = &dieline;
+  LitFrames lit;
+  lit.period_s = kPeriod_s;
+  for (int i = 0; i < 20; ++i) {
+    LitFrame& frame = lit.frames.emplace_back();
+    frame.time_s = (i < 10 ? i : i + 100) * kPeriod_s;
+    frame.p_S_mm = {i < 10 ? 0.3 * i : 20.0, 0.0};
+    frame.entity = 0;
+  }
+  lit.runs = {{0, 10}, {10, 20}};
+  for (int i = -10; i < 100; ++i) {  // A tenth of a frame each.
+    const double from_s = 0.1 * i * kPeriod_s;
+    evidence.light.push_back({from_s, from_s + (i < 90 ? 0.5 : last_share) * 0.1 * kPeriod_s});
+  }
+  return checks::dwellCheck(evidence, Tolerances{}, lit);
+}
+
+TEST(DwellCheck, BehindARunItsOwnLastStepTellsWhatItsWayGets) {
+  const Finding check = cutThenDark(0.5);
+  EXPECT_NEAR(check->value, 0.0, 1e-6) << "what the beam burns on its way on from the last frame";
+}
+
+TEST(DwellCheck, OfLightBesideARestNoneToAllMayHaveFallenThere) {
+  const Finding all = cutThenDark(0.5);
+  const Finding check = cutThenDark(1.0);
+  // Half of full power for a frame is what 0.3 mm of the cut get.
+  EXPECT_NEAR(check->value, 0.15, 1e-6);
+  EXPECT_NEAR(check->guard - all->guard, 0.15, 1e-6);
 }
 
 TEST(DwellCheck, AFlawlessRunRestsNowhere) {

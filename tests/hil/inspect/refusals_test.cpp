@@ -25,10 +25,12 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "hil/inspect/checks/spot_checks.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
@@ -396,6 +398,42 @@ TEST(Refusals, ADarkFrameAtTheStartOfACutIsExcusedWhereTheBeamIsSlow) {
   EXPECT_EQ(beginningDark(1e-3, 24e-3), Verdict::kPass);
   // 56 ms over 16.8 mm: the beam is as fast as ever.
   EXPECT_EQ(beginningDark(25e-3, 0.0), Verdict::kInvalid);
+}
+
+TEST(Refusals, TwoFramesOfEachCutTellTheUsualSpeed) {
+  // Cuts at 300 mm/s, two frames of each 20 ms apart; then one of which the beam does 1 mm while a frame is
+  // dark.
+  SyntheticRun run;
+  run.evidence.spot.frames.clear();
+  run.evidence.gates.clear();
+  LitFrames lit;
+  lit.period_s = 0.02;
+  const auto add = [&](double time_s, double x_mm, bool is_lit) {
+    vision::FrameMeasurement& frame = run.evidence.spot.frames.emplace_back();
+    frame.sequence = run.evidence.spot.frames.size() - 1;
+    frame.mid_s = time_s;
+    if (!is_lit) return;
+    frame.spot_W_mm = Eigen::Vector2d(x_mm, 0.0);
+    frame.spot_sigma_mm = 0.002;
+    LitFrame& seen = lit.frames.emplace_back();
+    seen.frame = run.evidence.spot.frames.size() - 1;
+    seen.time_s = time_s;
+    seen.p_S_mm = {x_mm, 0.0};
+    seen.entity = kBottom;
+    if (lit.frames.size() % 2 == 0) lit.runs.push_back({lit.frames.size() - 2, lit.frames.size()});
+  };
+  for (int cut = 0; cut < 6; ++cut) {
+    const double on_s = 0.1 * cut;
+    run.evidence.gates.push_back({on_s, on_s + 0.05});
+    for (int i = 0; i < 2; ++i) add(on_s + 0.02 * (i + 0.5), 6.0 * i, true);
+  }
+  run.evidence.gates.push_back({1.0, 1.1});
+  for (const auto& [time_s, x_mm, is_lit] :
+       {std::tuple{1.01, 0.0, true}, std::tuple{1.03, 0.5, true}, std::tuple{1.05, 1.0, false},
+        std::tuple{1.07, 1.5, true}, std::tuple{1.09, 2.0, true}})
+    add(time_s, x_mm, is_lit);
+  const Check slow = checks::spotSeenCheck(run.evidence, lit);
+  EXPECT_EQ(slow.verdict, Verdict::kPass) << slow.explanation;
 }
 
 TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -125,6 +126,55 @@ TEST(FollowDieline, TheFirstFrameToldWhereTheSheetIs) {
   EXPECT_EQ(lit.unplaced, 0U);
   EXPECT_EQ(lit.frames.front().frame, 0U);
   EXPECT_EQ(lit.frames.front().entity, kBottom);
+}
+
+TEST(FollowDieline, BetweenTwoLinesASpotHasLeftNeither) {
+  // From one line straight over to the other, whichever of them was drawn first.
+  for (const double first_y_mm : {0.0, 5.0}) {
+    dieline::Dieline dieline;
+    for (const double y_mm : {first_y_mm, 5.0 - first_y_mm}) {
+      const int id = static_cast<int>(dieline.entities.size());
+      dieline.entities.push_back(
+          {id, dieline::LineCurve{{0, y_mm}, {10, y_mm}}, dieline::Process::kCut, "CUT", ""});
+    }
+    vision::SpotTrack track;
+    for (double way_mm = 0.0; way_mm < 13.0; way_mm += 0.25) {
+      vision::FrameMeasurement& frame = track.frames.emplace_back();
+      frame.sequence = track.frames.size() - 1;
+      frame.mid_s = 1e-3 * static_cast<double>(frame.sequence);
+      frame.sheet.push_back({0, {0.0, 0.0}, 0.0, 0.001, 4});
+      const double y_mm = std::clamp(way_mm - 4.0, 0.0, 5.0);
+      frame.spot_W_mm = Eigen::Vector2d(1.0 + way_mm - y_mm, y_mm);
+      frame.spot_sigma_mm = 0.002;
+    }
+    int between = 0;
+    for (const LitFrame& frame : followDieline(track, dieline).frames) {
+      if (frame.entity >= 0) continue;
+      ++between;
+      EXPECT_EQ(frame.left_entity, -1) << frame.p_S_mm.transpose();
+    }
+    EXPECT_GT(between, 10);
+  }
+}
+
+TEST(FollowDieline, ATurnOfTheSheetMovesASpotByItsDistanceFromThePivot) {
+  constexpr double kTurn_rad = 1e-4;
+  const Eigen::Vector2d pivot_mm(60.0, 40.0);
+  SyntheticRun run;
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) {
+    for (vision::SheetPose& pose : frame.sheet) {
+      const Eigen::Vector3d turn(pivot_mm.y(), -pivot_mm.x(), 1.0);
+      pose.covariance = kTurn_rad * kTurn_rad * turn * turn.transpose();
+    }
+  }
+  for (const LitFrame& frame : followDieline(run.evidence.spot, run.dieline).frames) {
+    const vision::FrameMeasurement& seen = run.evidence.spot.frames[frame.frame];
+    if (seen.sheet.empty()) continue;  // Between two poses, which are known better together.
+    const double away_mm = (frame.p_S_mm - pivot_mm).norm();
+    EXPECT_NEAR(frame.sigma_mm, std::hypot(seen.spot_sigma_mm, kTurn_rad * away_mm / std::numbers::sqrt2),
+                1e-6)
+        << frame.p_S_mm.transpose();
+  }
 }
 
 TEST(FollowDieline, AtACornerNobodyKnowsWhichLineItIs) {
