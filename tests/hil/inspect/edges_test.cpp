@@ -133,6 +133,19 @@ TEST(KerfSides, CutsThatBranchAreAProblemThoughNotSelected) {
   EXPECT_NE(sides.problems[0].find("not selected"), std::string::npos);
 }
 
+TEST(KerfSides, OfCutsThatBranchEachIsToldWhetherItIsSelected) {
+  dieline::Dieline dieline =
+      drawingOf({dieline::LineCurve{{0, 0}, {60, 0}}, dieline::LineCurve{{60, 0}, {30, 40}},
+                 dieline::LineCurve{{30, 40}, {0, 0}}, dieline::LineCurve{{60, 0}, {90, 0}}});
+  keepOnly(dieline, {3});
+  const auto sides = checks::kerfSides(dieline, Edge::kNesting);
+  EXPECT_EQ(sides.problems.size(), 3U);
+  for (const std::string& problem : sides.problems) {
+    const bool of_selected = problem.find("the cut E3") != std::string::npos;
+    EXPECT_EQ(problem.find("not selected") == std::string::npos, of_selected) << problem;
+  }
+}
+
 /// A run whose kerfs lie by `shift_mm` on the side that nesting requires.
 SyntheticRun displaced(double shift_mm, double width_change_mm = 0.0) {
   SyntheticRun run;
@@ -326,6 +339,15 @@ TEST(Edges, IsJudgedWhereTheBoardIsSevered) {
   EXPECT_GT(edge.u, 0.004);
 }
 
+TEST(Edges, WithoutABeamsRadiusItSaysThatTheEdgeIsThatOfTheLight) {
+  const auto explained = [](double severed_mm) {
+    return checks::edgeCheck({}, {}, severed_mm, kHalf_mm).explanation;
+  };
+  EXPECT_NE(explained(kHalf_mm).find("by the light, as nothing is known of the beam"), std::string::npos);
+  EXPECT_NE(explained(0.9 * kHalf_mm).find("0.1050 mm where half of the light comes through"),
+            std::string::npos);
+}
+
 TEST(Edges, AKerfWithoutAWidthIsInvalid) {
   SyntheticRun run = displaced(kHalf_mm);
   run.kerf(0, kTop).calipers[40].width_mm = std::numeric_limits<double>::quiet_NaN();
@@ -363,6 +385,27 @@ TEST(Edges, CornersFollowFromLegsAndRounding) {
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0), by_kerf_mm, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.02), by_kerf_mm + 0.02, 0.003);
     EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.0, 0.1), 0.1, 0.003);
+  }
+}
+
+TEST(Edges, ACornerDeviatesByTheLegThatLiesBeside) {
+  constexpr double kBeside_mm = 0.04;
+  SyntheticRun run = displaced(kHalf_mm);
+  vision::CornerKerf corner{.unit = 0, .entity_in = kBottom, .entity_out = kRight, .p_S_mm = {60, 0}};
+  corner.turn_rad = 0.5 * std::numbers::pi;
+  corner.found = true;
+  corner.rounding_sigma_mm = corner.overshoot_sigma_mm = corner.deviation_sigma_mm = 0.0005;
+  run.evidence.kerf.corners = {corner};
+  const auto sides = checks::kerfSides(run.dieline, Edge::kNesting);
+  for (const int leg : {kBottom, kRight}) {
+    vision::KerfScan scan = run.evidence.kerf;
+    for (vision::EntityKerf& kerf : scan.entities) {
+      if (kerf.unit != 0 || kerf.entity != leg) continue;
+      for (vision::Caliper& c : kerf.calipers)
+        c.offset_mm += sides.side[static_cast<std::size_t>(leg)] * kBeside_mm;
+    }
+    const vision::KerfScan edges = checks::edgeScan(scan, run.dieline, sides);
+    EXPECT_NEAR(edges.corners.at(0).deviation_mm, kBeside_mm, 0.003) << leg;
   }
 }
 

@@ -132,6 +132,20 @@ TEST(ErrorModel, TheTablesScaleMovesReadingsAwayFromTheMarks) {
   EXPECT_GT(shiftOf(kBottom, 3), 0.001);
 }
 
+TEST(ErrorModel, TheCamerasErrorsHaveColumnsOfTheirOwnBehindTheTiles) {
+  SyntheticRun run;
+  const auto rowOf = [](const ReadingLine& line) { return Eigen::RowVectorXd(line.shared.row(5)); };
+  const Eigen::RowVectorXd without = rowOf(lineOf(errorModelOf(run.evidence), run, 0, kRight));
+  run.evidence.kerf.table_sigma_mm = 0.003;
+  const ErrorModel model = errorModelOf(run.evidence);
+  const Eigen::RowVectorXd with = rowOf(lineOf(model, run, 0, kRight));
+  ASSERT_EQ(with.size(), without.size() + model.tiles);
+  const Eigen::Index behind = without.size() - ReadingLine::kOwn;
+  EXPECT_EQ((with.tail(behind) - without.tail(behind)).norm(), 0.0);
+  EXPECT_EQ((with.head(ReadingLine::kOwn) - without.head(ReadingLine::kOwn)).norm(), 0.0);
+  EXPECT_GT(without.segment(ReadingLine::kOwn, behind - ReadingLine::kSight).norm(), 0.0);
+}
+
 TEST(ErrorModel, SightAndTiltMoveReadingsByGeometry) {
   SyntheticRun run;
   vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
@@ -193,8 +207,8 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
 }
 
 TEST(KerfWidth, IsLessCertainByTheShareOfItsBlurThatItsShapeTells) {
-  // The standard deviation of what blur added is 3.2 % of it; 6 % where the kerf lets only part of the light
-  // through.
+  // The standard deviation of what blur added is 3.2 % of it; 6 % where the kerf lets only part of the
+  // light through.
   const auto added = [](int entity) {
     SyntheticRun run;
     const auto ownU = [&] {

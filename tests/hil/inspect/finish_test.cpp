@@ -36,6 +36,11 @@ TEST(Finish, AStopOfItsOwnFailsAWholeRunAndTellsWhy) {
   EXPECT_THAT(check.explanation, HasSubstr("stopped before the job was done: the belt is too fast"));
 }
 
+TEST(Finish, TellsWhenTheLaserWasLastOn) {
+  EXPECT_THAT(checks::finishCheck(stopped(), {{0.2, 0.5}}).explanation,
+              HasSubstr("Its laser was last on at 0.500 s"));
+}
+
 TEST(Finish, DoneIsAPass) {
   SyntheticRun run;
   run.evidence.end = stopped();

@@ -96,7 +96,10 @@ TEST(JointsCheck, WithShortLegsAloneIsNotJudged) {
 TEST(JointsCheck, ACornerThatIsOnlyDisplacedDeviates) {
   JointRun run;
   run.corner(0).deviation_mm = 0.075;
-  EXPECT_EQ(checkOf(run.inspected(), "joints").verdict, Verdict::kFail);
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(result, "joints").explanation.find("against its own legs"), std::string::npos)
+      << "it is neither rounded off nor run over";
 }
 
 TEST(JointsCheck, RoundingAloneIsNoDeviation) {

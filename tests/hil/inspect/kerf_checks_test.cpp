@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -133,15 +134,48 @@ TEST(PerforationCheck, FindsACutThatIsMissingAndABridgeTooMany) {
   EXPECT_EQ(perforated(one_more).verdict, Verdict::kFail);
 }
 
-TEST(PerforationCheck, FindsAPatternThatIsShifted) {
-  auto shifted = SyntheticRun::cutsOf(3.0, 1.0);
-  for (auto& [from_mm, to_mm] : shifted) {
-    from_mm += 0.4;
-    to_mm += 0.4;
-  }
-  const Check check = perforated(shifted);
-  EXPECT_EQ(check.verdict, Verdict::kFail);
-  EXPECT_NEAR(check.value, 0.4, 0.002);
+TEST(PerforationCheck, FindsAPatternThatIsShiftedAndTellsWhichWay) {
+  const auto shifted = [](double by_mm) {
+    auto cuts = SyntheticRun::cutsOf(3.0, 1.0);
+    for (auto& [from_mm, to_mm] : cuts) {
+      from_mm += by_mm;
+      to_mm += by_mm;
+    }
+    const Check check = perforated(cuts);
+    EXPECT_EQ(check.verdict, Verdict::kFail);
+    EXPECT_NEAR(check.value, 0.4, 0.002);
+    return check.explanation;
+  };
+  const std::string one = shifted(0.4);
+  const std::string other = shifted(-0.4);
+  EXPECT_NE(one.find("0.40 mm too early") == std::string::npos,
+            other.find("0.40 mm too early") == std::string::npos)
+      << one << other;
+  EXPECT_NE(one.find("0.40 mm too late") == std::string::npos,
+            other.find("0.40 mm too late") == std::string::npos)
+      << one << other;
+}
+
+TEST(PerforationCheck, OfTwoUnitsThatAreEquallyOffTheFirstIsNamed) {
+  SyntheticRun run;
+  for (const int unit : {0, 1}) run.perforate(unit, cutsWith(3, 12.0, 15.6));
+  EXPECT_EQ(perforationOf(run).subject, "unit 0, E6");
+}
+
+TEST(PerforationCheck, WhereLinesBranchAPatternNeedNotEndWithACut) {
+  // At its end two more perforations go on from the line, so that nobody orders what lies there.
+  SyntheticRun run;
+  run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{45, 37}, {45, 50}},
+                                 dieline::Process::kPerforation, "OTHER", "line 74: LINE"};
+  run.dieline.entities.push_back({kNote + 1, dieline::ArcCurve{{55, 37}, 10, kPi, -0.5 * kPi},
+                                  dieline::Process::kPerforation, "OTHER", "line 84: ARC"});
+  const double stretch = SyntheticRun::kPerforation_mm / 36.0;
+  std::vector<std::pair<double, double>> cuts;
+  for (int k = -1; k < 9; ++k)
+    cuts.emplace_back(4.0 * stretch * k + 2.0, 4.0 * stretch * k + 2.0 + 3.0 * stretch);
+  for (const int unit : {0, 1}) run.perforate(unit, cuts);
+  const Check check = perforationOf(run);
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
 }
 
 TEST(PerforationCheck, WithoutBridgesAndWithoutCutsFails) {
@@ -276,6 +310,20 @@ TEST(OrderedDepth, IsHeldAgainstBothBounds) {
   EXPECT_FALSE(unjudgedOf(run.inspected(), "ordered_depth").applies);
 }
 
+TEST(OrderedDepth, WhatIsLeftOverAtAnEndIsNoStretchOfItsOwn) {
+  // One caliper tells depth to 1 % of itself only, and the light of one may lie. Here it is the last that
+  // counts, behind the last whole millimetre.
+  SyntheticRun run = creased(0.6);
+  const double length_mm = dieline::lengthOf(run.dieline.entities[kCreaseLine].curve);
+  vision::Caliper& last =
+      *std::ranges::find_if(run.kerf(0, kCreaseLine).calipers,
+                            [&](const vision::Caliper& c) { return c.station_mm > length_mm - 0.6; });
+  last.brightness = brightnessOfGroove(0.75, 0.105, 0.02, 0.12);
+  run.limits.crease_depth = {0.5, 0.7};
+  const Check check = *checks::orderedDepthCheck(run.evidence, run.limits);
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
+}
+
 TEST(OrderedDepth, IsWithinItsUncertaintyForAnotherBeamAndAnotherBoard) {
   for (const double depth : {0.3, 0.6, 0.8}) {
     for (const auto& [beam, transmission] :
@@ -375,6 +423,38 @@ TEST(LaserTimingCheck, SeesTheGapBehindANeighboursKerf) {
   calipers[calipers.size() - 2].brightness = 0.0;
   EXPECT_EQ(checkOf(run.inspected(), "laser_timing").verdict, Verdict::kFail);
   EXPECT_NE(checkOf(run.inspected(), "laser_timing").explanation.find("At the end of"), std::string::npos);
+}
+
+Finding laserTimingOf(const SyntheticRun& run) {
+  std::vector<EntityResult> entities;
+  for (const vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    EntityResult& entity = entities.emplace_back();
+    entity.unit = kerf.unit;
+    entity.entity = kerf.entity;
+    entity.coverage = checks::coverageOf(run.evidence, kerf, run.limits);
+  }
+  return checks::laserTimingCheck(run.evidence, run.limits, entities, nullptr);
+}
+
+TEST(LaserTimingCheck, ALineThatIsMostlyThereHasEnds) {
+  SyntheticRun run;
+  auto& calipers = run.kerf(0, kBottom).calipers;
+  for (std::size_t i = 80; i < 176; ++i) unburn(calipers[i]);  // 40 %
+  unburn(calipers[0]);
+  calipers[1].brightness = 0.2;
+  const Finding check = laserTimingOf(run);
+  EXPECT_EQ(check->verdict, Verdict::kFail);
+  EXPECT_EQ(check->subject, "unit 0, E0");
+}
+
+TEST(LaserTimingCheck, DoesNotApplyWhereNoLineEnds) {
+  SyntheticRun run;
+  for (dieline::Entity& entity : run.dieline.entities) {
+    if (entity.id <= kLeft || entity.id == kCreaseLine) entity.process = dieline::Process::kPerforation;
+  }
+  const Finding check = laserTimingOf(run);
+  ASSERT_FALSE(check);
+  EXPECT_FALSE(check.why().applies);
 }
 
 TEST(LaserTimingCheck, AHalfLitEndIsNoGap) {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth by light, and energy per length by power meter and spot.
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/inspect/checks/checks.h"
+#include "hil/inspect/evidence/spot_association.h"
 #include "tests/hil/inspect/synthetic_run.h"
 
 namespace kerfbench::inspect {
@@ -52,6 +56,8 @@ TEST(EvenDepth, FindsAPlaceThatIsTooDeepAndHowMuch) {
     EXPECT_EQ(check.verdict, Verdict::kFail);
     EXPECT_NEAR(check.value, 0.05, check.u);
     EXPECT_LT(check.u, 0.02);
+    EXPECT_THAT(check.explanation,
+                ::testing::HasSubstr(share > 0.0 ? " % deeper than" : " % shallower than"));
   }
 }
 
@@ -62,6 +68,17 @@ TEST(EvenDepth, TheRoundEndIsExceptedAndTheRestOfTheLineIsNot) {
   EXPECT_EQ(checkOf(deepUpTo(0.29), "even_depth").verdict, Verdict::kPass);
   EXPECT_EQ(checkOf(deepUpTo(0.8), "even_depth").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(deepUpTo(9.0), "even_depth").verdict, Verdict::kFail);
+}
+
+TEST(EvenDepth, IsJudgedFromThreeTenthsOfAMillimetreOn) {
+  for (const auto& [station_mm, verdict] :
+       {std::pair{0.28, Verdict::kPass}, std::pair{0.32, Verdict::kFail}}) {
+    SyntheticRun run = creasedBy([](double) { return 0.4; });
+    vision::Caliper& deep = run.kerf(0, kCreaseLine).calipers[1];
+    deep.station_mm = station_mm;
+    deep.brightness = brightnessAt(0.9);
+    EXPECT_EQ(checks::evenDepthCheck(run.evidence, run.limits)->verdict, verdict) << station_mm;
+  }
 }
 
 TEST(EvenDepth, IsNotJudgedUnlessAsked) {
@@ -125,6 +142,40 @@ TEST(LineEnergy, AStretchThatIsTooStrongIsFound) {
   const double middle_s =
       0.5 * (probe.evidence.spot.frames.front().mid_s + probe.evidence.spot.frames.back().mid_s);
   EXPECT_EQ(checkOf(metered(0.1, middle_s, 1.05).inspected(), "line_energy").verdict, Verdict::kFail);
+}
+
+TEST(LineEnergy, AStretchIsFoundThoughItIsTheFirst) {
+  // Too strong over the first 0.6 mm of the first cut only: no other stretch begins there.
+  const SyntheticRun probe;
+  const auto& frames = probe.evidence.spot.frames;
+  const auto first = std::ranges::find_if(frames, [](const auto& f) { return f.spot_W_mm.has_value(); });
+  const double strong_until_s = (first + 2)->mid_s + 1e-4;
+  const SyntheticRun run = metered(0.13, strong_until_s, 0.1 / 0.13);
+  const Finding check =
+      checks::lineEnergyCheck(run.evidence, run.limits, followDieline(run.evidence.spot, run.dieline));
+  EXPECT_EQ(check->verdict, Verdict::kFail) << check->explanation;
+}
+
+TEST(LineEnergy, RisesEvenlyFromOneQuantumToTheNext) {
+  // A quantum is what the laser burns over 0.2 mm, 7 % of a stretch; frames lie anywhere between two of them.
+  constexpr double kSpeed_mm_s = 300.0;
+  constexpr double kEnergy_j_mm = 0.1;
+  SyntheticRun run;
+  run.limits.line_energy_j_mm = kEnergy_j_mm;
+  run.evidence.power_quantum_j = 0.02;
+  LitFrames lit;
+  for (int i = 0; i < 190; ++i) {
+    LitFrame& frame = lit.frames.emplace_back();
+    frame.time_s = 0.1 + 1e-3 * i;
+    frame.entity = kBottom;
+    frame.p_S_mm = {1e-3 * kSpeed_mm_s * i, 0.0};
+    frame.sigma_mm = 0.002;
+  }
+  lit.runs = {{0, lit.frames.size()}};
+  const double apart_s = run.evidence.power_quantum_j / kEnergy_j_mm / kSpeed_mm_s;
+  for (double edge_s = 0.09; edge_s < 0.31; edge_s += apart_s) run.evidence.power_edges_s.push_back(edge_s);
+  EXPECT_THAT(checks::lineEnergyCheck(run.evidence, run.limits, lit)->explanation,
+              ::testing::ContainsRegex("departs the most from 0.1 J/mm: by [+-]0\\.0[0-9] %"));
 }
 
 TEST(LineEnergy, TheWayRoundEachCornerCountsInFull) {

@@ -108,5 +108,28 @@ TEST(Roundness, OfHalfACircleNothingIsTold) {
   EXPECT_TRUE(std::isnan(circle.circularity().value));
 }
 
+TEST(Roundness, ReadingsAtTheSeamAreLeftOutWhereverTheCircleBegins) {
+  // Of 140 readings three at each end reach over the seam with so wide a window; they show what is not there.
+  constexpr double kWide_rad = 0.2;
+  for (const double begin_rad : {0.0, 0.25 * kTurn, 0.5 * kTurn, -0.25 * kTurn}) {
+    Circle circle([](double) { return 0.0; }, 4);
+    for (const std::size_t i : {0U, 1U, 2U, 137U, 138U, 139U}) circle.line.reading_mm[i] += 0.05;
+    for (double& angle : circle.kind.angle_rad) angle = std::remainder(angle + begin_rad, kTurn);
+    EXPECT_LT(Roundness(circle.line, circle.kind.angle_rad, kWide_rad).asRead(), 0.005) << begin_rad;
+  }
+}
+
+TEST(Roundness, WhatReadingsStateOfTheirNoiseCountsWhereverTheyLie) {
+  constexpr double kWide_rad = 0.2;
+  const auto unfittedSigma = [](std::size_t first_loose) {
+    Circle circle([](double) { return 0.0; }, 4);
+    for (std::size_t i = first_loose; i < first_loose + 6; ++i) circle.line.sigma_mm[i] *= 10.0;
+    return Roundness(circle.line, circle.kind.angle_rad, kWide_rad).unfittedSigma();
+  };
+  // The first and the last three readings, at the seam, take no part.
+  EXPECT_NEAR(unfittedSigma(131), unfittedSigma(60), 1e-12);
+  EXPECT_NEAR(unfittedSigma(3), unfittedSigma(60), 1e-12);
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect

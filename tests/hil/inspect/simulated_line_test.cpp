@@ -65,5 +65,25 @@ TEST(SimulatedLine, NeighboursShareNoiseButNotAcrossAGap) {
   }
 }
 
+TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
+  ReadingLine line = lineWithAGap();
+  for (std::size_t i = 0; i < kReadings; ++i) line.reading_mm[i] = i % 3 == 0 ? 0.02 : -0.01;
+  line.tiles = 2;
+  line.shared.setZero(kReadings, ReadingLine::kOwn + line.tiles + 1);
+  line.shared.col(ReadingLine::kLine).setConstant(0.02);
+  line.shared.col(ReadingLine::kOwn).setConstant(0.01);
+  line.shared.col(ReadingLine::kOwn + line.tiles)
+      .setConstant(0.5);  // The camera's, which all lines have alike.
+  const SimulatedLine simulated(line, LineKind{});
+  ASSERT_GT(simulated.noise_share, 0.1);
+  ASSERT_LT(simulated.noise_share, 0.9);
+  constexpr double kShared = 0.02 * 0.02 + 0.01 * 0.01;
+  for (std::size_t i = 0; i < kReadings; ++i) {
+    const double noise = std::pow(simulated.smoother().sigma(i, simulated.level[i]), 2);
+    EXPECT_NEAR(simulated.errorShareAt(i) * (noise + kShared), simulated.noise_share * noise + kShared,
+                1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect

@@ -23,6 +23,8 @@ TEST(CoverageCheck, FindsAMissingEntity) {
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "coverage").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "coverage").subject, "unit 1, E4");
+  EXPECT_EQ(checkOf(result, "coverage").explanation.find("1 of 12 entities have an uncut piece"), 0U)
+      << checkOf(result, "coverage").explanation;
   EXPECT_EQ(checkOf(result, "path").verdict, Verdict::kPass) << "what is there lies well";
   EXPECT_EQ(result.verdict, Verdict::kFail);
 }
@@ -141,6 +143,20 @@ TEST(CoverageCheck, MeasuresABridgeWhateverTheLengthOfItsLine) {
   }
 }
 
+TEST(CoverageCheck, LightBesideABridgeDoesNotMakeUpForIt) {
+  SyntheticRun run;
+  vision::EntityKerf& kerf = run.kerf(0, kBottom);
+  refine(kerf);
+  bridge(kerf, 20.0, 0.3);
+  const double length_mm = checks::longestUncut(run.evidence, kerf, run.limits).length_mm;
+  // Heat that the bridge kept from the board widens the kerf on either side of it.
+  for (vision::Caliper& c : kerf.calipers) {
+    const double away_mm = std::abs(c.station_mm - 20.0);
+    if (away_mm > 0.24 && away_mm < 0.6) c.brightness *= 1.25;
+  }
+  EXPECT_NEAR(checks::longestUncut(run.evidence, kerf, run.limits).length_mm, length_mm, 1e-9);
+}
+
 /// Bridges of one length, evenly over a line, away from its ends.
 void bridges(vision::EntityKerf& kerf, int count, double length_mm) {
   refine(kerf);
@@ -209,6 +225,20 @@ TEST(BridgesCheck, ALineThatIsDimmerOnOneSideHasNone) {
   EXPECT_EQ(checkOf(run.inspected(), "bridges").value, 0.0);
 }
 
+TEST(BridgesCheck, OneWhereACircleClosesCountsAsAnyOther) {
+  SyntheticRun run;
+  vision::EntityKerf& kerf = run.kerf(0, kHole);
+  for (const std::size_t at : {0U, 70U}) bridge(kerf, kerf.calipers[at].station_mm, 0.14);
+  const Finding check = checks::bridgesCheck(run.evidence, run.limits);
+  EXPECT_NE(check->explanation.find("2 uncut pieces"), std::string::npos) << check->explanation;
+}
+
+TEST(BridgesCheck, PiecesOfACreaseHoldNothing) {
+  SyntheticRun run;
+  bridges(run.kerf(0, kCreaseLine), 20, 0.1);
+  EXPECT_EQ(checks::bridgesCheck(run.evidence, run.limits)->value, 0.0);
+}
+
 TEST(BridgesCheck, DoesNotApplyWithoutCuts) {
   SyntheticRun run;
   for (dieline::Entity& entity : run.dieline.entities)
@@ -249,6 +279,22 @@ TEST(CoverageCheck, AFaintCreaseIsNotProvenUnlessItsDepthIsOrdered) {
   EXPECT_NE(faint.explanation.find("checks.crease_depth"), std::string::npos) << faint.explanation;
   run.limits.crease_depth = {.least = 0.5, .most = 0.9};
   EXPECT_EQ(checkOf(run.inspected(), "coverage").verdict, Verdict::kPass);
+}
+
+TEST(CoverageCheck, AShortFaintCreaseIsNoHoleEither) {
+  // No more than five of its stations lie away from its ends: they bear each other out.
+  SyntheticRun run;
+  constexpr double kLength_mm = 1.4;
+  run.dieline.entities[kCreaseLine].curve = dieline::LineCurve{{30.0, 2.0}, {30.0, 2.0 + kLength_mm}};
+  vision::EntityKerf& kerf = run.kerf(1, kCreaseLine);
+  kerf.calipers.resize(7);
+  for (std::size_t i = 0; i < kerf.calipers.size(); ++i)
+    kerf.calipers[i].station_mm =
+        kLength_mm * static_cast<double>(i) / static_cast<double>(kerf.calipers.size() - 1);
+  dim(kerf, 0.0, kLength_mm, 0.06);
+  EXPECT_EQ(checks::longestBlank(run.evidence, kerf, run.limits).length_mm, 0.0);
+  unburn(kerf.calipers[3]);
+  EXPECT_GT(checks::longestBlank(run.evidence, kerf, run.limits).length_mm, 0.0);
 }
 
 TEST(CoverageCheck, AFaintCutIsNoCut) {

@@ -46,6 +46,15 @@ TEST(ExtremeBudget, OfALineThatStandsOutIsThatOfThatLine) {
   }
 }
 
+TEST(ExtremeBudget, OneReadingAloneIsNormal) {
+  // The largest of one is itself: the grid of its distribution must add nothing to its mean.
+  ExtremeLine line = oneReading(0, 0.1, 0.0, 0.0);
+  line.points[0].sigma = 0.01;
+  const ExtremeBudget budget = extremeBudget({line});
+  EXPECT_NEAR(budget.extreme_bias, 0.0, 1e-5);
+  EXPECT_NEAR(budget.u_noise, 0.01, 1e-5);
+}
+
 TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
   const auto bias = [](int other_unit) {
     return extremeBudget({oneReading(0, 0.1, 0.004, 0.0), oneReading(other_unit, 0.1, 0.004, 0.0)})
@@ -137,6 +146,24 @@ TEST(WorstDeviation, BudgetFindsTheSameWhereTheTruthHidesMuch) {
   EXPECT_GT(hidden_mm, 0.001);
   EXPECT_LT(std::abs(value_mm), 0.1 * hidden_mm);
   EXPECT_NEAR(ratio, 1.0, 0.1);
+}
+
+TEST(WorstDeviation, WhatALineShowsInTwoTilesCompetes) {
+  // One half of the line moves apart from the other, so that one of them is the larger: by 0.56 of the
+  // table's error, on average.
+  constexpr double kTable_mm = 0.004;
+  ErrorModel model = oneLine(2, 0.0, 0.0002);
+  ReadingLine& line = model.lines[0];
+  model.tiles = model.modes = line.tiles = 4;
+  line.shared = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(line.size()), ReadingLine::kOwn + 4);
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    line.reading_mm[i] += 0.1;
+    line.tile.push_back(i < line.size() / 2 ? 0 : 1);
+    line.shared(static_cast<Eigen::Index>(i), ReadingLine::kOwn + 2 * line.tile[i]) = kTable_mm;
+  }
+  const UncertaintyBudget b = measureDeviations(model, {LineKind{}}, 0.2, 1).budget;
+  EXPECT_NEAR(b.entries.at(kByNoise).correction, kTable_mm / std::sqrt(std::numbers::pi), 0.1 * kTable_mm);
+  EXPECT_NEAR(b.analytic_value, b.monte_carlo_value, 0.1 * kTable_mm);
 }
 
 TEST(WorstDeviation, NothingIsHiddenWhereNoiseExplainsAllThatIsSeen) {
