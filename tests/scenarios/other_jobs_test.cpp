@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the judge that were chosen on a job of the house, on jobs that had no part in the choice.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::Contains;
+
+/// Runs a scenario of these keys, beside what the other one gives, on the fast twin.
+ProgramRun runOf(const std::string& base, const std::string& keys, const ScratchFolder& scratch,
+                 const std::string& options = "") {
+  const auto path = scratch.path() / "other.yaml";
+  std::ofstream(path) << fmt::format("extends: '{}'\nname: other\n{}", fixture("scenarios/" + base).string(),
+                                     keys);
+  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast {} --results-dir '{}'", path.string(),
+                               options, scratch.path().string()));
+}
+
+void passes(const std::string& base, const std::string& keys, const std::string& check,
+            const std::string& options = "") {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOf(base, keys, scratch, options);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(checksThat(verdictOf(scratch.path() / "other"), "PASS"), Contains(check)) << run.output;
+  std::printf("%s", run.output.c_str());
+}
+
+void fails(const std::string& base, const std::string& keys, const std::string& check) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOf(base, keys, scratch);
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_THAT(checksThat(verdictOf(scratch.path() / "other"), "FAIL"), Contains(check)) << run.output;
+}
+
+/// The window of 3 mm and the limit of 1.47 % come from short-lines.dxf.
+std::string wave() {
+  return fmt::format("dieline: '{}'\n", fixture("dielines/short-lines-wave.dxf").string());
+}
+
+TEST(OtherJobsLong, AnotherContourOfShortLinesPassesByLineEnergy) {
+  passes("native/short-lines.yaml", wave(), "line_energy", "--seed 11");
+  passes("short-lines.yaml", wave(), "line_energy", "--seed 12");
+}
+TEST(OtherJobsLong, AnotherContourWithConstantPowerFailsByLineEnergy) {
+  fails("native/short-lines.yaml", wave() + "planner: {faults: {constant_power: true}}\n", "line_energy");
+}
+TEST(OtherJobsLong, AnotherContourOfAnOpenLoopFailsByLineEnergy) {
+  fails("native/short-lines.yaml", wave() + "planner: {power: {closed_loop: false}}\n", "line_energy");
+}
+
+}  // namespace
+}  // namespace kerfbench::test
