@@ -57,5 +57,12 @@ TEST(OtherJobsLong, AnotherContourOfAnOpenLoopFailsByLineEnergy) {
   fails("native/short-lines.yaml", wave() + "planner: {power: {closed_loop: false}}\n", "line_energy");
 }
 
+/// The scenario's own 2815 mm/s² make a piece last whole frames, so that each cut is seen alike.
+TEST(OtherJobsLong, StripStopAndGoPassesAtOtherAccelerations) {
+  for (const int mm_s2 : {2500, 2700})
+    passes("native/strip-stop-and-go.yaml",
+           fmt::format("print: {{units: 2}}\nplanner: {{acceleration_mm_s2: {}}}\n", mm_s2), "path");
+}
+
 }  // namespace
 }  // namespace kerfbench::test
