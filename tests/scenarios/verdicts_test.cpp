@@ -14,6 +14,7 @@ namespace kerfbench::test {
 namespace {
 
 using testing::Contains;
+using testing::ElementsAre;
 
 /// Length of a run: as shipped, or the same claim in a fraction of the time, a single unit on the fast twin.
 enum Length { kAsShipped, kOneUnit };
@@ -42,6 +43,17 @@ ProgramRun runOf(const std::string& scenario, Length length, const ScratchFolder
                                scratch.path().string(), options));
 }
 
+/// One label of which the width of its cuts is ordered, as what 0.105 J/mm leave open for light.
+ProgramRun runOfOrderedLabel(const std::string& more, const ScratchFolder& scratch) {
+  const auto path = scratch.path() / "ordered.yaml";
+  std::ofstream(path) << fmt::format(
+      "extends: '{}'\nname: ordered\nprint: {{units: 1}}\nchecks: {{ordered_width: {{nominal_mm: "
+      "0.132}}}}\n{}",
+      fixture("scenarios/native/label-on-belt.yaml").string(), more);
+  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'", path.string(),
+                               scratch.path().string()));
+}
+
 void passes(const std::string& scenario, Length length = kAsShipped) {
   const ScratchFolder scratch;
   const ProgramRun run = runOf(scenario, length, scratch);
@@ -66,6 +78,12 @@ TEST(GoodRelease, HoleAlonePasses) {
   const ScratchFolder scratch;
   const ProgramRun run = runOfHoleAlone("", scratch);
   EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+TEST(GoodReleaseLong, LabelOfTheOrderedWidthPasses) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOfOrderedLabel("", scratch);
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(checksThat(verdictOf(scratch.path() / "ordered"), "PASS"), Contains("ordered_width"));
 }
 TEST(GoodRelease, LabelFedPasses) { passes("label-fed.yaml", kOneUnit); }
 TEST(GoodReleaseLong, LabelFedPasses) { passes("label-fed.yaml"); }
@@ -120,6 +138,13 @@ TEST(BadRelease, PerforationOtherFailsByPerforation) {
   failsBy("perforation-other", "perforation", kOneUnit);
 }
 TEST(BadReleaseLong, PerforationOtherFailsByPerforation) { failsBy("perforation-other", "perforation"); }
+TEST(BadRelease, LabelWithTooMuchEnergyFailsByOrderedWidth) {
+  const ScratchFolder scratch;
+  const ProgramRun run = runOfOrderedLabel("planner: {cut_energy_j_per_mm: 0.3045}\n", scratch);
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_THAT(checksThat(verdictOf(scratch.path() / "ordered"), "FAIL"), ElementsAre("ordered_width"))
+      << run.output;
+}
 TEST(BadReleaseLong, EnergyTooHighFailsByOrderedWidth) { failsBy("energy-too-high", "ordered_width"); }
 TEST(BadRelease, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage", kOneUnit); }
 TEST(BadReleaseLong, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "coverage"); }
