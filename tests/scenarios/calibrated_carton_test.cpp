@@ -17,6 +17,14 @@ namespace {
 using testing::Contains;
 namespace fs = std::filesystem;
 
+/// Names of the checks that are not judged, those that do not apply left out.
+std::vector<std::string> notJudged(const nlohmann::json& verdict) {
+  std::vector<std::string> names;
+  for (const auto& check : verdict.at("not_judged"))
+    if (check.at("applies")) names.push_back(check.at("name"));
+  return names;
+}
+
 class CalibratedCarton : public testing::Test {
  protected:
   [[nodiscard]] nlohmann::json run(const fs::path& scenario, const std::string& name, int exit_code) const {
@@ -49,6 +57,9 @@ void CalibratedCarton::expectATableMends(const std::vector<fs::path>& scenarios)
   const auto before = run(on_avr, "carton-mounted", 1);
   EXPECT_THAT(checksThat(before, "FAIL"), Contains("path"));
   EXPECT_THAT(checksThat(before, "FAIL"), Contains("spot_path"));
+  // What needs to know which line the spot follows has nothing to say.
+  for (const char* dependent : {"stillness_x", "stillness_peak", "gate_lag"})
+    EXPECT_THAT(notJudged(before), Contains(dependent));
   ASSERT_FALSE(before.at("model").at("sampled").empty());
 
   // The calibration samples the same head by the same seed.
