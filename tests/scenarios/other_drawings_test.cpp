@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Good drawings that other programs wrote, or that are drawn as others draw: the native release cuts them,
+// and each is a PASS.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "tests/scenarios/scenario_runs.h"
+
+namespace kerfbench::test {
+namespace {
+
+using testing::Contains;
+namespace fs = std::filesystem;
+
+/// Marks of the label beside a drawing whose origin is the bottom left of its page, as SVG has it.
+constexpr const char* kPage =
+    "print:\n  units: 1\n  marks:\n    - {x_mm: 5, y_mm: -7, diameter_mm: 3}\n    - {x_mm: 5, y_mm: 47, "
+    "diameter_mm: 3}\n"
+    "    - {x_mm: 55, y_mm: -7, diameter_mm: 3}\n    - {x_mm: 55, y_mm: 47, diameter_mm: 3}\n"
+    "    - {x_mm: 40, y_mm: 47, diameter_mm: 3}\n";
+
+/// The label's job with another drawing of the same size. Returns the checks that pass.
+std::vector<std::string> passingChecks(const fs::path& drawing, const std::string& keys,
+                                       const ScratchFolder& scratch) {
+  const auto path = scratch.path() / "drawing.yaml";
+  std::ofstream(path) << fmt::format("extends: '{}'\nname: drawing\ndieline: '{}'\n{}",
+                                     fixture("scenarios/native/label-on-belt.yaml").string(),
+                                     drawing.string(), keys);
+  const ProgramRun run = kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'",
+                                               path.string(), scratch.path().string()));
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  std::printf("%s", run.output.c_str());
+  return checksThat(verdictOf(scratch.path() / "drawing"), "PASS");
+}
+
+void fixturePasses(const std::string& name, const std::string& keys) {
+  const ScratchFolder scratch;
+  EXPECT_THAT(passingChecks(fixture("dielines/" + name), keys, scratch), Contains("path"));
+}
+
+/// A drawing of 60 x 40 mm: cuts in red, creases in blue.
+fs::path svg(const std::string& cuts, const std::string& creases, const ScratchFolder& scratch) {
+  const fs::path path = scratch.path() / "drawing.svg";
+  std::ofstream(path) << fmt::format(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='40mm' viewBox='0 0 60 40' "
+      "fill='none'><path d='{}' stroke='#ff0000'/><path d='{}' stroke='#0000ff'/></svg>\n",
+      cuts, creases);
+  return path;
+}
+
+/// A panel with two fingers, as generators of boxes draw it: each corner has a fillet of this radius.
+std::string fingered(double r) {
+  const auto arc = [r](int sweep, double dx, double dy) {
+    return fmt::format("a{0} {0} 0 0 {1} {2} {3}", r, sweep, r * dx, r * dy);
+  };
+  std::string d = fmt::format("M{} 0H{}{}V{}{}", r, 60.0 - r, arc(1, 1, 1), 40.0 - r, arc(1, -1, 1));
+  for (const double x : {50.0, 30.0}) {
+    d += fmt::format("H{}{}V{}{}", x + r, arc(1, -1, -1), 37.0 + r, arc(0, -1, -1));
+    d += fmt::format("H{}{}V{}{}", x - 10.0 + r, arc(0, -1, 1), 40.0 - r, arc(1, -1, 1));
+  }
+  return d + fmt::format("H{}{}V{}{}Z", r, arc(1, -1, -1), r, arc(1, 1, -1));
+}
+
+TEST(OtherDrawings, LabelOfLibreCadPasses) {
+  fixturePasses("label-60x40-librecad.dxf", "print: {units: 1}\n");
+}
+TEST(OtherDrawingsLong, LabelOfInkscapePasses) { fixturePasses("label-60x40.svg", kPage); }
+TEST(OtherDrawingsLong, LabelThatInkscapeTurnedPasses) { fixturePasses("label-60x40-turned.svg", kPage); }
+TEST(OtherDrawingsLong, LabelAsPathsOfInkscapePasses) { fixturePasses("label-60x40-paths.svg", kPage); }
+
+TEST(OtherDrawingsLong, BoxWithTightFilletsPassesByCoverage) {
+  for (const double r_mm : {0.1, 0.05}) {
+    const ScratchFolder scratch;
+    EXPECT_THAT(passingChecks(svg(fingered(r_mm), "", scratch), kPage, scratch), Contains("coverage"));
+  }
+}
+
+/// A tray with cuts that are not closed and begin with 0.28 mm askew, in the order in which they are drawn.
+TEST(OtherDrawingsLong, OpenCutsWithShortFirstLinesPassByGateLag) {
+  const ScratchFolder scratch;
+  const fs::path tray =
+      svg("M0 9.8l.2 .2H10V0H50V10H59.8l.2 -.2M60 30.2l-.2 -.2H50V40H10V30H.2l-.2 .2M0 9.8V30.2M60 9.8V30.2",
+          "M10 10H50M10 30H50M10 10V30M50 10V30", scratch);
+  const std::string keys = std::string(kPage) + "belt: {speed_mm_s: 40}\nplanner: {order: drawn}\n";
+  EXPECT_THAT(passingChecks(tray, keys, scratch), Contains("gate_lag"));
+}
+
+}  // namespace
+}  // namespace kerfbench::test
