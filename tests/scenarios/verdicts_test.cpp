@@ -6,13 +6,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <string>
 
 #include "tests/scenarios/scenario_runs.h"
 
 namespace kerfbench::test {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 
@@ -52,6 +56,35 @@ ProgramRun runOfOrderedLabel(const std::string& more, const ScratchFolder& scrat
       fixture("scenarios/native/label-on-belt.yaml").string(), more);
   return kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'", path.string(),
                                scratch.path().string()));
+}
+
+/// Writes a recording again with DIR of the X mirror the other way round, and without a sum, as an analyser
+/// of another house would write it.
+void invertX(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::istringstream in(textOf(from));
+  std::ofstream out(to);
+  std::string id = "?";
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("$var wire 1 ") && line.ends_with(" galvo_x_dir $end")) id = line.substr(12, 1);
+    if (line == "0" + id || line == "1" + id) line[0] = line[0] == '0' ? '1' : '0';
+    if (!line.starts_with("$comment kerfbench sum ")) out << line << '\n';
+  }
+}
+
+/// One label, on a belt of these keys, by a release whose X axis runs the wrong way.
+void invertedXFails(const std::string& belt) {
+  const ScratchFolder scratch;
+  const auto path = scratch.path() / "label.yaml";
+  std::ofstream(path) << fmt::format("extends: '{}'\nname: label\nprint: {{units: 1}}\n{}",
+                                     fixture("scenarios/native/label-on-belt.yaml").string(), belt);
+  const auto options = fmt::format("--no-pictures --twin fast --results-dir '{}'", scratch.path().string());
+  ASSERT_EQ(kerfbench(fmt::format("run '{}' {}", path.string(), options)).exit_code, 0);
+  invertX(scratch.path() / "label/pins.vcd", scratch.path() / "inverted.vcd");
+  const ProgramRun run = kerfbench(fmt::format(
+      "replay '{}' --scenario '{}' {}", (scratch.path() / "inverted.vcd").string(), path.string(), options));
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  const auto failed = checksThat(verdictOf(scratch.path() / "label-replay"), "FAIL");
+  EXPECT_THAT(failed, AllOf(Contains("path"), Contains("coverage"), Contains("stray"))) << run.output;
 }
 
 void passes(const std::string& scenario, Length length = kAsShipped) {
@@ -151,6 +184,10 @@ TEST(BadReleaseLong, EntitySkippedFailsByCoverage) { failsBy("entity-skipped", "
 TEST(BadRelease, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat", kOneUnit); }
 TEST(BadReleaseLong, EntityTwiceFailsByRepeat) { failsBy("entity-twice", "repeat"); }
 TEST(BadReleaseLong, StripReturnSlowFailsByFinish) { failsBy("strip-return-slow", "finish"); }
+TEST(BadRelease, InvertedXOnARestingSheetFails) {
+  invertedXFails("belt: {speed_mm_s: 0, start_x_mm: 27.5}\n");
+}
+TEST(BadReleaseLong, InvertedXOnAMovingBeltFails) { invertedXFails(""); }
 TEST(BadReleaseLong, ButtonStraightFastFailsByPath) { failsBy("button-straight-fast", "path"); }
 
 }  // namespace
