@@ -146,8 +146,8 @@ struct ScanJob {
       scan.problems.push_back("unit " + std::to_string(unit) + ": " + problemOf(contradictions));
     if (!(scan.tile_misfit_mm > sight.misfit_mm)) scan.tile_misfit_mm = sight.misfit_mm;
     const UnitScan unit_scan(calibration, plan, unit_options,
-                             {pictures.views, index, unit, place->X_TS, scan.units.back().marks_centre_S_mm,
-                              pictures.blur, sight.depths});
+                             {pictures.views, index, unit, place->X_TS, pictures.blur, sight.depths,
+                              scan.units.back().marks_centre_S_mm});
     unit_scan.cuts(scan);
     unit_scan.strays(scan);
   }

@@ -22,9 +22,10 @@ struct PlacedUnit {
   const TileIndex& index;
   int unit;
   const PlaneMotion& X_TS;
-  Eigen::Vector2d marks_centre_S_mm;  ///< What an error of the table's scale leaves in place.
   const LensBlur& blur;
   const SightDepths& depths;
+  /// What an error of the table's scale leaves in place; see KerfScanOptions::table_scale_sigma.
+  Eigen::Vector2d marks_centre_S_mm{Eigen::Vector2d::Zero()};
 };
 
 /// Measures everything about one unit whose place is known.
