@@ -57,6 +57,11 @@ TEST(OtherJobsLong, AnotherContourOfAnOpenLoopFailsByLineEnergy) {
   fails("native/short-lines.yaml", wave() + "planner: {power: {closed_loop: false}}\n", "line_energy");
 }
 
+/// The scenario's own order was chosen for the AVR release; tests of GoodReleaseLong run that.
+TEST(OtherJobsLong, ThreeLayersPassInTheShortestOrderOnTheNativeRelease) {
+  passes("native/carton-three-layers.yaml", "planner: {order: shortest}\n", "spot_seen");
+}
+
 /// The scenario's own 2815 mm/s² make a piece last whole frames, so that each cut is seen alike.
 TEST(OtherJobsLong, StripStopAndGoPassesAtOtherAccelerations) {
   for (const int mm_s2 : {2500, 2700})
