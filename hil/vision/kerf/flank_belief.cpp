@@ -21,7 +21,10 @@ constexpr double kBlurShape_px = 0.03;  // No lens blurs quite by a Gaussian.
 constexpr double kLeastBlur_px = 0.3;
 /// What grid, grain, roughness and the shape of the lens's blur leave of a mean half width.
 constexpr double kHalfWidthModel_mm = 8e-4;
-constexpr double kShallowModel_mm = 1e-3;  ///< What is left where depth is read from light: scorch dims it.
+/// What is left where depth is read from light: of a crease, which scorch dims, and of a cut that its walls
+/// dim.
+constexpr double kCreaseModel_mm = 1e-3;
+constexpr double kDimCutModel_mm = 2e-3;
 constexpr Eigen::Index kFlankLevels = 3;
 constexpr int kFlankRounds = 8;
 constexpr int kFlankHalvings = 5;
@@ -36,7 +39,7 @@ class FlankProblem {
     const auto open = std::ranges::count_if(flanks, [](const SeenFlank& f) { return isOpen(f.query); });
     const auto all = static_cast<std::ptrdiff_t>(flanks.size());
     open_sigma_mm_ = kHalfWidthModel_mm * std::sqrt(static_cast<double>(open));
-    shallow_sigma_mm_ = kShallowModel_mm * std::sqrt(static_cast<double>(all - open));
+    shallow_share_ = std::sqrt(static_cast<double>(all - open));
     // An open flank is as wide as seen: two levels of it tell something.
     levels_ = (open > 0 ? kFlankLevels - 1.0 : 0.0) + (all > open ? kFlankLevels : 0.0);
   }
@@ -61,7 +64,8 @@ class FlankProblem {
       query.beam_radius_mm = view.beam_radius_mm;
       query.lens_px = view.lens_px;
       const FlankFall fall = fallOf(query);
-      const double sigma_mm = isOpen(query) ? open_sigma_mm_ : shallow_sigma_mm_;
+      const double shallow_mm = flank.is_crease ? kCreaseModel_mm : kDimCutModel_mm;
+      const double sigma_mm = isOpen(query) ? open_sigma_mm_ : shallow_share_ * shallow_mm;
       misses.segment<kFlankLevels>(kFlankLevels * i) << fall.low_mm - flank.low_half_mm,
           fall.high_mm - flank.high_half_mm, fall.half_mm - flank.query.half_width_mm;
       misses.segment<kFlankLevels>(kFlankLevels * i) /= sigma_mm;
@@ -73,7 +77,8 @@ class FlankProblem {
   const std::vector<SeenFlank>& flanks_;
   const FlankKnown& known_;
   double blur_sigma_px_;
-  double open_sigma_mm_{}, shallow_sigma_mm_{};
+  double open_sigma_mm_{};
+  double shallow_share_{};  ///< Root of how many are shallow.
   double levels_{};
 };
 

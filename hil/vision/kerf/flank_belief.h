@@ -30,6 +30,7 @@ struct SeenFlank {
   FlankQuery query;  ///< Half width, grey levels and pixel; the rest is not used.
   /// Half width at a quarter and at three quarters of the kerf's height.
   double low_half_mm{}, high_half_mm{};
+  bool is_crease{};
 };
 
 struct FlankMoments {

@@ -242,7 +242,8 @@ SeenFlank meanFlank(const EntityPlan& plan, const std::vector<KerfReading>& read
   SeenFlank mean{.query = {.open_gray = optics.options.open_gray,
                            .beam_radius_mm = optics.options.beam_radius_mm,
                            .pixel_mm = optics.pixel_mm,
-                           .lens_px = optics.blur.px}};
+                           .lens_px = optics.blur.px},
+                 .is_crease = plan.process == dieline::Process::kCrease};
   FlankQuery& query = mean.query;
   double count = 0.0;
   for (std::size_t i = 0; i < kerf.calipers.size(); ++i) {
