@@ -10,6 +10,7 @@
 
 #include "hil/inspect/checks/checks.h"
 #include "hil/inspect/checks/spot_checks.h"
+#include "hil/inspect/evidence/emitted_light.h"
 #include "twin/base/constants.h"
 #include "twin/base/statistics.h"
 
@@ -22,28 +23,6 @@ constexpr double kPlace_mm = 0.1;
 constexpr double kStep_mm = 0.05;
 /// The job's own light per length is that of its strongest cuts: creases get less.
 constexpr double kStrong = 0.9;
-
-/// Time for which the laser emitted up to a given time, from the pins.
-class Light {
- public:
-  explicit Light(const std::vector<Span>& spans) : spans_(spans) {
-    double sum_s = 0.0;
-    for (const Span& span : spans) {
-      before_s_.push_back(sum_s);
-      sum_s += span.to_s - span.from_s;
-    }
-  }
-  [[nodiscard]] double until(double time_s) const {
-    const auto after = std::ranges::upper_bound(spans_, time_s, {}, &Span::from_s);
-    if (after == spans_.begin()) return 0.0;
-    const auto last = static_cast<std::size_t>(after - spans_.begin()) - 1;
-    return before_s_[last] + std::min(time_s, spans_[last].to_s) - spans_[last].from_s;
-  }
-
- private:
-  const std::vector<Span>& spans_;
-  std::vector<double> before_s_;
-};
 
 /// A stay of the spot at one place, with times of full power that give as much light.
 struct Rest {
@@ -61,7 +40,7 @@ class RestFinder {
  public:
   /// @param of_cuts_s_mm Light of the job's own cuts.
   /// @param is_fine The frames are dense enough for what lies between two of them to mean something.
-  RestFinder(const LitFrames& lit, const Light& light, double of_cuts_s_mm, bool is_fine)
+  RestFinder(const LitFrames& lit, const EmittedLight& light, double of_cuts_s_mm, bool is_fine)
       : lit_(lit), light_(light), of_cuts_s_mm_(of_cuts_s_mm), is_fine_(is_fine) {}
 
   [[nodiscard]] Rest longest() const {
@@ -114,13 +93,13 @@ class RestFinder {
   }
 
   const LitFrames& lit_;
-  const Light& light_;
+  const EmittedLight& light_;
   double of_cuts_s_mm_;
   bool is_fine_;
 };
 
 /// Light of full power for each mm of the strongest cuts, s/mm; NaN if no step of the spot tells it.
-double lightOfCuts(const LitFrames& lit, const Light& light) {
+double lightOfCuts(const LitFrames& lit, const EmittedLight& light) {
   std::vector<double> each_s_mm;
   for (const LitRun& run : lit.runs) {
     for (std::size_t i = run.begin + 1; i < run.end; ++i) {
@@ -152,7 +131,7 @@ bool areWithin(double way_mm, const LitFrames& lit) {
 Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const LitFrames& lit) {
   Check check{.name = "dwell", .title = "The beam rests nowhere while the laser works", .unit = "mm"};
   check.limit = limits.dwell_mm;
-  const Light light(evidence.light);
+  const EmittedLight light(evidence.light);
   const double of_cuts_s_mm = lightOfCuts(lit, light);
   const Rest rest = RestFinder(lit, light, of_cuts_s_mm, areWithin(check.limit, lit)).longest();
   if (rest.at == nullptr || !(of_cuts_s_mm > 0.0))

@@ -193,6 +193,7 @@ class SpotFollower {
     out.faults = glance.faults;
     out.sequence = frame.sequence;
     out.mid_s = frame.start_s + 0.5 * frame.exposure_s;
+    out.exposure_s = frame.exposure_s;
     countLost(frame);
     std::optional<SheetTracker::KeepOut> keep_out;
     if (glance.spot) {

@@ -51,6 +51,7 @@ struct FrameMeasurement {
   double spot_sigma_mm{};
   std::vector<SheetPose> sheet;  ///< One pose for each unit with marks in view.
   FrameFaults faults{};
+  double exposure_s{};  ///< Length of the exposure; 0: not told.
 };
 
 struct SpotTrackOptions {

@@ -315,6 +315,38 @@ TEST(Refusals, DarkFramesAmongFaintOnesAreExcused) {
   EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
 }
 
+TEST(Refusals, DarkFramesBetweenPulsesOfLightAreExcused) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  const double period_s = frames[1].mid_s - frames[0].mid_s;
+  for (vision::FrameMeasurement& frame : frames) frame.exposure_s = 0.2 * period_s;
+  const std::size_t dark = frameAt(run, run.evidence.gates.front().on_s + 0.1);
+  frames[dark].spot_W_mm.reset();
+  frames[dark + 1].spot_W_mm.reset();
+  // Light all along each cut, but for some periods about the two.
+  const auto pulsesAround = [&](double dark_s) {
+    run.evidence.light.clear();
+    const double middle_s = 0.5 * (frames[dark].mid_s + frames[dark + 1].mid_s);
+    for (const GateInterval& gate : run.evidence.gates) {
+      if (middle_s < gate.on_s || middle_s > gate.off_s) {
+        run.evidence.light.push_back({gate.on_s, gate.off_s});
+        continue;
+      }
+      run.evidence.light.push_back({gate.on_s, middle_s - 0.5 * dark_s});
+      run.evidence.light.push_back({middle_s + 0.5 * dark_s, gate.off_s});
+    }
+  };
+  pulsesAround(0.0);
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid) << "the laser emitted";
+  pulsesAround(1.5 * period_s);
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kPass);
+  pulsesAround(8.0 * period_s);
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid) << "a gate without light";
+  pulsesAround(1.5 * period_s);
+  run.evidence.clock_bound_s = period_s;
+  EXPECT_EQ(checkOf(run.inspected(), "spot_seen").verdict, Verdict::kInvalid) << "nobody knows which frames";
+}
+
 TEST(Refusals, ASingleDarkFrameInAThousandIsNoneTwoInARowAre) {
   SyntheticRun run;
   auto& frames = run.evidence.spot.frames;
