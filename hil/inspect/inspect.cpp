@@ -191,8 +191,9 @@ void measureAndDecide(const Evidence& evidence, const Tolerances& limits, const 
   // the laser was on behind an open guard; the last is a matter of pins alone.
   const bool is_unguarded = anyFails(result.checks, {"interlock"});
   const bool is_proven = is_unguarded || anyFails(result.checks, {"coverage", "stray"});
-  result.verdict = combine(result.checks, sound && (doubts.empty() || is_proven) &&
-                                              (evidence.guard_problems.empty() || is_unguarded));
+  const bool is_trusted =
+      sound && (doubts.empty() || is_proven) && (evidence.guard_problems.empty() || is_unguarded);
+  result.verdict = combine(result.checks, is_trusted);
 }
 
 }  // namespace

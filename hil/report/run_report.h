@@ -115,7 +115,7 @@ struct RunReport {
   inspect::InspectionResult result;
   bool unsealed{};        ///< A recording without a sum of its own was replayed.
   bool model_pictures{};  ///< The pins are real, and the pictures are the model's.
-  int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< Of the scenario.
+  int calibration_max_age_days{inspect::kCalibrationMaxAge_days};  ///< As the scenario has it.
   bool calibrations_undated{};  ///< Real pictures, and no day to hold the age of their calibrations against.
   // What the wall clock and the host say.
   std::string host;

@@ -27,8 +27,8 @@ struct ReadingLine {
   static constexpr Eigen::Index kLine = 8;
   static constexpr Eigen::Index kPose = 3;
   static constexpr Eigen::Index kOwn = kLine + kPose;  ///< Before the tiles.
-  static constexpr Eigen::Index kScale = 1;            ///< After the modes of the camera,
-  static constexpr Eigen::Index kSight = 3;            ///< and after the scale of the table.
+  static constexpr Eigen::Index kScale = 1;            ///< After the modes of the camera.
+  static constexpr Eigen::Index kSight = 3;            ///< After the scale of the table.
 
   std::size_t kerf{};  ///< Index in KerfScan::entities.
   int unit{};

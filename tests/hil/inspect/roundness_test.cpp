@@ -109,7 +109,7 @@ TEST(Roundness, OfHalfACircleNothingIsTold) {
 }
 
 TEST(Roundness, ReadingsAtTheSeamAreLeftOutWhereverTheCircleBegins) {
-  // Of 140 readings three at each end reach over the seam with so wide a window; they show what is not there.
+  // Three readings of 140 at each end reach over the seam with so wide a window; they show what is not there.
   constexpr double kWide_rad = 0.2;
   for (const double begin_rad : {0.0, 0.25 * kTurn, 0.5 * kTurn, -0.25 * kTurn}) {
     Circle circle([](double) { return 0.0; }, 4);
