@@ -64,8 +64,10 @@ TEST(KerfCaliper, ANarrowKerfIsAsBrightAsThePixelsInItsMiddle) {
   // The spline has dimmed it to half of its light.
   Profile profile = kerfAt(0.0);
   for (float& gray : profile.gray) gray = static_cast<float>(0.5 * (gray + kBoard));
-  for (const double across_mm : {-0.01, 0.0, 0.01})
-    profile.pixels.push_back({static_cast<float>(across_mm), 0.0F, static_cast<float>(kOpen), 1.0F});
+  for (const double across_mm : {-0.3, -0.2, -0.01, 0.0, 0.01, 0.2, 0.3}) {
+    const double gray = std::abs(across_mm) < kHalf_mm ? kOpen : kBoard;
+    profile.pixels.push_back({static_cast<float>(across_mm), 0.0F, static_cast<float>(gray), 1.0F});
+  }
   EXPECT_NEAR(measureKerf(profile, kOpen).brightness, 1.0, 1e-6);
 }
 

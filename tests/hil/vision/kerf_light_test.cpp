@@ -102,5 +102,20 @@ TEST(LightField, IsNeverNothing) {
   EXPECT_DOUBLE_EQ(light.at(kMiddle + Vector2d(4000.0, 4000.0)), 0.05);
 }
 
+TEST(KerfLight, IsTheSameWithPanelsPrintedOnTheBoard) {
+  // Two panels, one of them of dark ink, over a third of the picture.
+  const auto panels = [](int x, int y, double board) {
+    if (x > 900 && y < 500) return 0.2 * board;
+    if (x < 500 && y > 600) return 0.6 * board;
+    return board;
+  };
+  const LightField printed = lightOf({picture(150.0, panels)});
+  const LightField open = lightOf({picture(150.0, plain)});
+  for (const double x : {40.0, 640.0, 1240.0}) {
+    for (const double y : {40.0, 480.0, 920.0})
+      EXPECT_NEAR(printed.at({x, y}), open.at({x, y}), 0.03) << x << " " << y;
+  }
+}
+
 }  // namespace
 }  // namespace kerfbench::vision

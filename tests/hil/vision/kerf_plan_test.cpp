@@ -40,6 +40,19 @@ TEST(KerfPlan, AFilletOfNextToNoRadiusIsACornerToItsCalipers) {
   EXPECT_EQ(nearCorner(elbow(0.5)), 0) << "a bend that calipers can measure";
 }
 
+TEST(KerfPlan, BothLegsOfACornerAreNearIt) {
+  dieline::Dieline dieline;
+  dieline.entities.emplace_back().curve = dieline::LineCurve{{-20.0, 0.0}, {0.0, 0.0}};
+  dieline.entities.emplace_back().curve = dieline::LineCurve{{0.0, 0.0}, {0.0, 20.0}};
+  dieline.entities.back().id = 1;
+  const KerfPlan plan = planKerf(dieline, KerfScanOptions{});
+  ASSERT_EQ(plan.entities.size(), 2U);
+  EXPECT_TRUE(plan.entities[0].stations.back().near_corner);
+  EXPECT_TRUE(plan.entities[1].stations.front().near_corner);
+  EXPECT_FALSE(plan.entities[0].stations.front().near_corner);
+  EXPECT_FALSE(plan.entities[1].stations.back().near_corner);
+}
+
 TEST(KerfPlan, AHoleAsSmallIsMeasuredByItsOwnCalipers) {
   dieline::Dieline dieline;
   dieline.entities.emplace_back().curve = dieline::ArcCurve{{0.0, 0.0}, 0.1, 0.0, 2.0 * std::numbers::pi};

@@ -10,6 +10,7 @@
 
 #include "hil/camera/kerf_tile.h"
 #include "hil/vision/scan/sight_depth.h"
+#include "hil/vision/scan/sight_pairs.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "tests/hil/vision/synthetic.h"
 #include "twin/base/image.h"
@@ -88,6 +89,28 @@ Errors errorsOf(const TwinCut& cut, const KerfScan& scan) {
   errors.rms_mm = std::sqrt(errors.rms_mm / static_cast<double>(count));
   errors.covered = static_cast<double>(within) / static_cast<double>(count);
   return errors;
+}
+
+TEST(SightPairs, AreTakenOfLinesShorterThanAMillimetreToo) {
+  TwinCut cut;
+  constexpr std::size_t kLines = 6;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    const double x_mm = 3.0 * static_cast<double>(i) - 7.5;
+    cut.add(lineOf({x_mm, 0.0}, {x_mm, 0.9}));
+  }
+  const CameraCalibration camera = test::calibrationOf(cut.camera);
+  const twin::Sheet sheet = cut.sheet();
+  std::vector<TileView> views;
+  for (const Vector2d& p_TV_mm : {Vector2d(-3.0, 0.0), Vector2d(3.0, 0.0)}) {
+    views.push_back(viewTile(
+        {twin::KerfCamera(cut.camera, cut.print, cut.seed).render(sheet, 0, p_TV_mm, cut.lay()), p_TV_mm, 0},
+        camera, {}));
+  }
+  const TileIndex index(views, camera);
+  const Eigen::Isometry2d X_TS = cut.lay();
+  const PlaneMotion motion{X_TS.translation(), Eigen::Rotation2Dd(X_TS.linear()).angle()};
+  const KerfPlan plan = planKerf(cut.dieline, cut.options);
+  EXPECT_EQ(sightPairs(plan, {views, index, motion, camera, cut.options}).size(), kLines);
 }
 
 class ThickBoard : public ::testing::TestWithParam<Walls> {};
