@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hil/camera/kerf_tile.h"
 #include "hil/dieline/geometry.h"
 #include "tests/hil/vision/kerf_twin.h"
 
