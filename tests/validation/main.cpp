@@ -21,12 +21,16 @@ int validate(int argc, char** argv) {
   bool quick = false;
   std::string page;
   std::string draft;
+  std::string made_with;
   std::vector<std::string> only;
   std::vector<std::string> names;
   for (const Study& study : studies()) names.emplace_back(study.name);
   context.source_dir = KERFBENCH_SOURCE_DIR;
   app.add_flag("--quick", quick, "Smaller sweeps, no study that needs a clock");
-  app.add_option("--page", page, "Write the page here, and its pictures into validation/ beside it");
+  CLI::Option* made_with_option =
+      app.add_option("--made-with", made_with, "Line of the page that says what its figures were made with");
+  app.add_option("--page", page, "Write the page here, and its pictures into validation/ beside it")
+      ->needs(made_with_option);
   app.add_option("--draft", draft, "Write a page of what was run, for looking at it");
   app.add_option("--only", only, "Only these studies")->check(CLI::IsMember(names));
   CLI11_PARSE(app, argc, argv);
@@ -44,8 +48,8 @@ int validate(int argc, char** argv) {
     fmt::print("{}", claimLines(chapters.back().section));
     std::fflush(stdout);
   }
-  if (!page.empty()) writePage(page, chapters);
-  if (!draft.empty()) writePage(draft, chapters);
+  if (!page.empty()) writePage(page, chapters, made_with);
+  if (!draft.empty()) writePage(draft, chapters, {});
   const bool pass =
       !chapters.empty() && std::ranges::all_of(chapters, [](const auto& c) { return c.section.pass(); });
   fmt::print("{}\n", pass ? "PASS" : "FAIL");

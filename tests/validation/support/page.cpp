@@ -63,11 +63,12 @@ std::string claimLines(const Section& section) {
   return text;
 }
 
-void writePage(const std::filesystem::path& page, const std::vector<Chapter>& chapters) {
+void writePage(const std::filesystem::path& page, const std::vector<Chapter>& chapters,
+               const std::string& made_with) {
   std::vector<Chapter> ordered = chapters;
   std::stable_partition(ordered.begin(), ordered.end(),
                         [](const Chapter& chapter) { return !chapter.clock; });
-  std::string text = kHead + summary(ordered);
+  std::string text = kHead + (made_with.empty() ? "" : made_with + "\n\n") + summary(ordered);
   int number = 0;
   bool clock_begun = false;
   const auto folder = page.parent_path() / "validation";
