@@ -25,6 +25,9 @@ from recording import Recording
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.append(os.path.join(ROOT, "tests", "figures"))
+import stamp
+
 PAGE = os.path.join(HERE, "RESULTS.md")
 SIZES = (0.8, 1.1, 1.5, 2.0)
 # One of each way to put a fault in, just beyond the limit.
@@ -168,14 +171,14 @@ def wrong(fault, factor, result):
     return ""
 
 
-def page_of(results, commit):
+def page_of(results, made_with):
     beyond = [(fault, r) for fault in FAULTS for factor, r in results[fault.name].items() if factor > 1.0]
     found = sum(1 for fault, r in beyond if r["verdict"] == fault.verdict)
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench limits: do not edit. -->",
              "# Faults at the limit", "",
              f"{len(beyond)} faults beyond the limit of the check that must find them, {found} of them FAIL (INVALID where "
              f"the evidence is at fault), none PASS; {len(FAULTS)} within it, none FAIL. One unit (two of the strip that is "
-             f"fed), fast twin, seed 1, commit {commit}.", "",
+             f"fed), fast twin.", "", made_with, "",
              "Sizes follow from geometry, from the beam's formula or from the clock of a recording, not from what the bench "
              "measures. A cell has the verdict of the run and what the check read, over its limit.", "",
              "| fault | check | limit | " + " | ".join(f"{s:g} ×" for s in SIZES) + " | smallest found |",
@@ -225,6 +228,7 @@ def main():
         print("limits: no fault has such a name: " + ", ".join(f.name for f in FAULTS), file=sys.stderr)
         sys.exit(64)
     tasks = [(fault, factor) for fault in chosen for factor in ((1.1,) if args.quick else SIZES)]
+    made_with = stamp.line_of("limits", "seed 1")
     try:
         with tempfile.TemporaryDirectory(prefix="kerfbench-limits-") as folder:
             results, complaints = judged(Bench(os.path.join(args.build, "bin", "kerfbench"), folder), tasks, args.jobs)
@@ -234,9 +238,7 @@ def main():
     for complaint in complaints:
         print(f"limits: {complaint}", file=sys.stderr)
     if not complaints and len(chosen) == len(FAULTS) and not args.quick:
-        commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
-        write(HERE, "RESULTS.md.new", page_of(results, commit.stdout.strip() or "unknown"))
-        os.replace(PAGE + ".new", PAGE)
+        stamp.write(PAGE, page_of(results, made_with))
     sys.exit(1 if complaints else 0)
 
 

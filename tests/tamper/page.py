@@ -56,7 +56,7 @@ def counts(rows):
     return len(outcomes), ", ".join(f"{count} {word}" for word, count in sorted(words.items(), key=lambda item: -item[1]))
 
 
-def page_of(rows, commit):
+def page_of(rows, made_with):
     rows = [row for row in rows if row.outcomes]
     evidence = [row for row in rows if row.kind != "results"]
     results = [row for row in rows if row.kind == "results"]
@@ -64,8 +64,8 @@ def page_of(rows, commit):
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench tamper: do not edit. -->",
              "# Evidence that was tampered with", "",
              f"{len(edits)} edits in {len({row.kind for row in rows})} kinds. Judged again, {counts(evidence)[0]} pieces of tampered "
-             f"evidence: {counts(evidence)[1]}. Results folders asked about, {counts(results)[0]}: {counts(results)[1]}. Fast twin, "
-             f"seed 1, commit {commit}.", "",
+             f"evidence: {counts(evidence)[1]}. Results folders asked about, {counts(results)[0]}: {counts(results)[1]}. Fast "
+             "twin.", "", made_with, "",
              "Cases: `moving` is native/label-on-belt with one unit; `rest` is native/button with five of its entities, `photographed` the "
              "same with the pictures of its kerf as files. Pins are handed in as edited (`moving` only), with their sum written anew as "
              "anybody can write it, and without any comment of ours, as a recording of another program. A results folder is asked about "

@@ -15,7 +15,6 @@ import argparse
 import concurrent.futures
 import fnmatch
 import os
-import subprocess
 import sys
 import tempfile
 
@@ -27,6 +26,9 @@ from bench import Bench, Broken
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.append(os.path.join(ROOT, "tests", "figures"))
+import stamp
+
 PAGE = os.path.join(HERE, "RESULTS.md")
 
 
@@ -66,13 +68,6 @@ def arguments():
         sys.exit(64 if end.code else 0)
 
 
-def write_page(rows):
-    commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    with open(PAGE + ".new", "w", encoding="utf-8") as file:
-        file.write(page.page_of(rows, commit.stdout.strip() or "unknown"))
-    os.replace(PAGE + ".new", PAGE)
-
-
 def main():
     args = arguments()
     if args.list:
@@ -83,6 +78,7 @@ def main():
         print("tamper: no edit has such a name: " + ", ".join(names()), file=sys.stderr)
         return 64
     rows, complaints = [], []
+    made_with = stamp.line_of("tamper", "seed 1")
     try:
         with tempfile.TemporaryDirectory(prefix="kerfbench-tamper-") as folder:
             bench = Bench(os.path.join(args.build, "bin"), folder)
@@ -95,7 +91,7 @@ def main():
                     complaints += row.complaints()
                     print(f"[{number}/{len(tasks)}] {row.said()}", flush=True)
             if not complaints and not args.only and not args.quick:
-                write_page(rows)
+                stamp.write(PAGE, page.page_of(rows, made_with))
     except (Broken, OSError, ValueError) as error:
         print(f"tamper: {error}", file=sys.stderr)
         return 2

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """RESULTS.md: tables, and sentences that are true of whatever was measured."""
-import os
-
 import beam
 import figures
 
@@ -16,9 +14,8 @@ tapered board lean: {top_um:.0f} µm wide at the top, {bottom_um:.0f} µm at the
 the stock one without distortion, rolled by 6.5 degrees: 2048 x 1536 pixels of 0.03 mm, 300 mm above the sheet, leaning by
 0.5 degrees. The top of the board lies in the calibrated plane. The bench is told the thickness and the beam's radius, of the
 rows *beam 3 % off* a radius that is 3 % too large, which is what the stock machine file says that it may be off (k = 1). Each
-row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each; of the tapered board one lay. Commit {commit},
-seeds {seed_list}, by `./bench witness`. Figures are in µm; U is the median of what the bench states (k = 2), cover the share of
-errors within their own U."""
+row is {sheets} pictures: {lays} lays of the sheet, {seeds} seeds of noise each; of the tapered board one lay. Figures
+are in µm; U is the median of what the bench states (k = 2), cover the share of errors within their own U."""
 
 GOALS = """\
 Of each quantity at least {cover:.0f} % of the errors lie within their own U, and none is larger than {lines:.0f} µm (lines)
@@ -47,24 +44,18 @@ True is where the beam stopped; a negative error says that the bench takes the l
 µm beyond that in the middle, where a hard round tool would reach {tool_um:.0f} µm. The circle is closed: its gap is truly 0."""
 
 
-def save(path, text):
-    with open(path + ".new", "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(path + ".new", path)
-
-
 def notes(calibrations):
     return [f"Calibration, {name}: residual {made['rms_px']:.4f} px, stated uncertainty of a place "
             f"{1e3 * made['map_u_mm']:.3f} µm (k = 1)." for name, made in calibrations.items()]
 
 
-def introduction(plan, commit):
+def introduction(plan):
     boards = [case.board for case in plan.boards.values()]
     leaning = next(board for board in boards if board.top_mm != board.bottom_mm)
     return INTRODUCTION.format(
         radius_um=1e3 * beam.RADIUS_MM, width_um=1e3 * boards[0].bottom_mm, top_um=1e3 * leaning.top_mm,
         bottom_um=1e3 * leaning.bottom_mm, sheets=len(plan.lays) * len(plan.seeds), lays=len(plan.lays),
-        seeds=len(plan.seeds), commit=commit, seed_list=", ".join(map(str, plan.seeds)))
+        seeds=len(plan.seeds))
 
 
 def goals():
@@ -80,9 +71,9 @@ def ends(plan):
     return ENDS.format(reach=f"{reach_um:.1f}", tool_um=1e3 * half_mm)
 
 
-def text(plan, results, calibrations, commit):
+def text(plan, results, calibrations, made_with):
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench witness: do not edit. -->",
-             "# The kerf in another program's pictures", "", introduction(plan, commit), "",
+             "# The kerf in another program's pictures", "", introduction(plan), "", made_with, "",
              "## Goals", "", goals(), "", *figures.goal_table(results), ""]
     missed = figures.failing(results)
     lines += ["All goals hold." if not missed else "Missed, with the place of the worst on the table:", ""]

@@ -13,7 +13,6 @@ import fnmatch
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import threading
@@ -27,6 +26,9 @@ import scenes
 from tracer import Broken, Tracer
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.append(os.path.join(bench.ROOT, "tests", "figures"))
+import stamp
+
 PAGE = os.path.join(HERE, "RESULTS.md")
 _lock = threading.Lock()
 
@@ -102,6 +104,7 @@ def main():
     if not chosen:
         print("witness: no case has such a name: " + ", ".join(f"{lens.name}/{b}" for lens, b in every), file=sys.stderr)
         sys.exit(64)
+    made_with = stamp.line_of("witness", "seeds " + ", ".join(map(str, plan.seeds)))
     folder = os.path.abspath(args.keep) if args.keep else tempfile.mkdtemp(prefix="kerfbench-witness-")
     os.makedirs(folder, exist_ok=True)
     try:
@@ -116,9 +119,7 @@ def main():
     for complaint in complaints:
         print(f"witness: {complaint}", file=sys.stderr)
     if len(chosen) == len(every) and not args.quick:
-        commit = subprocess.run(["git", "-C", bench.ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
-                                check=False)
-        page.save(PAGE, page.text(plan, results, calibrations, commit.stdout.strip() or "unknown"))
+        stamp.write(PAGE, page.text(plan, results, calibrations, made_with))
     sys.exit(1 if complaints else 0)
 
 
