@@ -4,7 +4,8 @@
 tests notice.
 
 A mutant counts as killed if a test fails or crashes; one that makes a test run for ever is counted apart, and one that
-the compiler refuses is no mutant. RESULTS.md is written anew; with --only, the rows of the mutants that were tried.
+the compiler refuses is no mutant. RESULTS.md is written anew; with --only, the rows of the mutants that were tried, and
+its figures stay as old as the rows that are kept.
 Ends with 0 if at least 90 % of RESULTS.md are killed by a failing test and each survivor is explained in SURVIVORS.md,
 1 if not, 2 if nothing could be measured, 64 for a wrong command line, 65 for a bad list.
 """
@@ -23,6 +24,9 @@ from workshop import Broken, Build, Refused, Workshop, first_failure
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.append(os.path.join(ROOT, "tests", "figures"))
+import stamp
+
 PAGE = os.path.join(HERE, "RESULTS.md")
 LEAST_SHARE = 0.90
 KILLED, TIMED_OUT, SURVIVED, REFUSED = "killed", "timed out", "survived", "refused by the compiler"
@@ -163,9 +167,9 @@ def summary(cells):
     return text, share
 
 
-def write_results(mutants, cells):
+def write_results(mutants, cells, made_with):
     lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench mutate: do not edit. -->",
-             "# Mutation of the judge", "", summary(list(cells.values()))[0], "",
+             "# Mutation of the judge", "", summary(list(cells.values()))[0], "", made_with, "",
              "The last column names the first test that failed.", ""]
     known = [m for m in mutants if m["name"] in cells]
     for folder in sorted({os.path.dirname(m["file"]) for m in known}):
@@ -173,9 +177,7 @@ def write_results(mutants, cells):
         lines += [f"| `{m['name']}` | {os.path.basename(m['file'])} | {m['what']} | {cells[m['name']]} |"
                   for m in known if os.path.dirname(m["file"]) == folder]
         lines.append("")
-    with open(PAGE + ".new", "w", encoding="utf-8") as file:
-        file.write("\n".join(lines))
-    os.replace(PAGE + ".new", PAGE)
+    stamp.write(PAGE, "\n".join(lines))
 
 
 def judge(outcomes):
@@ -226,6 +228,7 @@ def main():
     if not chosen:
         parser.error("no mutant has such a name")
 
+    made_with = stamp.line_of("mutate", "no seed")
     build = Build(ROOT, os.path.abspath(options.build))
     prove(build, [suites_of(m, suites) for m in chosen])
     outcomes = try_all(chosen, suites, build, options.jobs)
@@ -233,8 +236,9 @@ def main():
     cells = {o.mutant["name"]: cell_of(o) for o in outcomes}
     if main_list:
         names = {m["name"] for m in mutants}
-        cells = {name: cell for name, cell in measured().items() if name in names} | cells
-        write_results(mutants, cells)
+        kept = {name: cell for name, cell in measured().items() if name in names and name not in cells}
+        cells = kept | cells
+        write_results(mutants, cells, stamp.line_with_rows_kept(made_with, PAGE) if kept else made_with)
     text, share = summary(list(cells.values()))
     print(text)
     if main_list and share < LEAST_SHARE:

@@ -5,7 +5,8 @@ each, and sees whether the tests notice.
 
 places.py has the rule. The list of places is cut into as many equal stretches as mutants are asked for, and one place of
 each stretch is drawn: the same seed and the same sources give the same mutants. RESULTS_SAMPLED.md is written anew after
-each mutant; with --only or --missing the rows of the mutants that were tried.
+each mutant; with --only or --missing the rows of the mutants that were tried, and its figures stay as old as the rows that
+are kept.
 --asserting compiles the mutant with the assertions of the standard library and of Eigen, as the tests under sanitizers have
 them: for mutants that read beyond an end.
 A mutant that computes the same as the original can be killed by no test, and is left out of the score (Jia and Harman 2011,
@@ -264,17 +265,13 @@ class Bench:
             mutants = alive
 
 
-def git(*words):
-    return run(["git", "-C", mutate.ROOT, *words], mutate.ROOT).stdout.strip()
-
-
 def fault_of(mutant):
     def quoted(text):
         return f"`{text}`".replace("|", "\\|")
     return f"{quoted(mutant.text)} → {quoted(mutant.put)}" if mutant.put else f"{quoted(mutant.text)} left out"
 
 
-def write_page(mutants, cells, found, folders, seed):
+def write_page(mutants, cells, found, folders, seed, made_with):
     known = [m for m in mutants if m.name in cells]
     kinds = collections.Counter("comparisons" if p.text in places.COMPARISONS else "signs" if p.text in places.SIGNS else
                                 "connectives" if p.text in places.CONNECTIVES else "constants" for p in found)
@@ -285,20 +282,16 @@ def write_page(mutants, cells, found, folders, seed):
         "# Mutation of the judge by rule", "",
         f"The rule of `places.py` finds {len(found)} places in {', '.join(folders)}: "
         f"{', '.join(f'{n} {kind}' for kind, n in kinds.most_common())}. Of them, {len(mutants)} were drawn evenly with "
-        f"seed {seed}; {len(known)} have been tried. The sources are those of commit "
-        f"{git('log', '-1', '--format=%h', '--', *folders)}, the tests those of "
-        f"{git('log', '-1', '--format=%h', '--', 'tests/hil')}.",
+        f"seed {seed}; {len(known)} have been tried.",
         "", mutate.summary(list(own.values()))[0] +
-        f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "", score(own)[0], "",
+        f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "", score(own)[0], "", made_with, "",
         "The last column names the first test that failed; tests run from cheap to dear.", ""]
     for folder in sorted({os.path.dirname(m.file) for m in known}):
         lines += [f"## {folder}", "", "| mutant | place | fault | fate |", "|---|---|---|---|"]
         lines += [f"| `{m.name}` | {os.path.basename(m.file)}:{m.line} | {fault_of(m)} | {cells[m.name]} |"
                   for m in sorted(known, key=lambda m: (m.file, m.offset)) if os.path.dirname(m.file) == folder]
         lines.append("")
-    with open(PAGE + ".new", "w", encoding="utf-8") as file:
-        file.write("\n".join(lines))
-    os.replace(PAGE + ".new", PAGE)
+    mutate.stamp.write(PAGE, "\n".join(lines))
 
 
 def rows():
@@ -381,16 +374,22 @@ def main():
     chosen = [m for m in mutants if not options.only or any(fnmatch.fnmatchcase(m.name, p) for p in options.only)]
     chosen = [m for m in chosen if not options.missing or m.name not in cells]
 
+    made_with = mutate.stamp.line_of(
+        "sampled", f"seed {options.seed}", f"./bench mutate --sample {options.sample} --seed {options.seed}")
+    of_before = mutate.stamp.line_with_rows_kept(made_with, PAGE)
+    kept = set(cells)  # Rows of an earlier run.
+
     def keep(mutant, outcome):
         cells[mutant.name] = mutate.cell_of(outcome)
-        write_page(mutants, cells, found, rule["folders"], options.seed)
+        kept.discard(mutant.name)
+        write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
 
     bench = Bench(build, rule["suite"], chosen, options.first, options.asserting)
     try:
         bench.try_all(chosen, keep)
     finally:
         bench.workshop.close()
-    write_page(mutants, cells, found, rule["folders"], options.seed)
+    write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
     print(mutate.summary(list(cells.values()))[0])
     print(score(cells)[0])
     faults = judge(cells)
