@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,8 @@ constexpr double kEdgeU_mm = 0.02;
 /// A line that turns by more than this has a corner there, at which the pattern begins anew.
 constexpr double kCorner_rad = 0.05;
 
-/// Perforated entities of one unit, end to end and without a corner, as one pattern lies over them.
+/// Perforated entities of one unit, end to end and without a corner, as one pattern lies over them. The line
+/// runs as the first of them is drawn; others may be drawn the other way.
 struct Line {
   struct Piece {
     int entity{};
@@ -132,10 +134,15 @@ class LineFinder {
   void extend(Line& line, std::vector<int>& left) const {
     line.free_end = grow(line, left);
     if (line.closed) return;
+    turn(line);
+    line.free_end = grow(line, left);
+    turn(line);
+  }
+
+  static void turn(Line& line) {
     std::ranges::reverse(line.pieces);
     for (Line::Piece& piece : line.pieces) piece.backward = !piece.backward;
-    line.free_start = line.free_end;
-    line.free_end = grow(line, left);
+    std::swap(line.free_start, line.free_end);
   }
 
   const dieline::Dieline& dieline_;
@@ -145,6 +152,7 @@ class LineFinder {
 /// What the calipers of one unit read along a line.
 struct Trace {
   double length_mm{};
+  std::vector<double> starts_mm;  ///< Where along the line each piece begins.
   std::vector<Reading> readings;
 };
 
@@ -152,6 +160,7 @@ Trace traceOf(const Evidence& evidence, const Line& line, int unit) {
   Trace trace;
   std::vector<double> bright;
   for (const Line::Piece& piece : line.pieces) {
+    trace.starts_mm.push_back(trace.length_mm);
     const double length_mm = dieline::lengthOf(entityOf(evidence, piece.entity).curve);
     for (const vision::EntityKerf& kerf : evidence.kerf.entities) {
       if (kerf.unit != unit || kerf.entity != piece.entity) continue;
@@ -229,40 +238,63 @@ double phaseFrom(const std::vector<Edge>& edges, const Pattern& pattern) {
   return std::atan2(sine, cosine) / turn;
 }
 
-/// A departure from the order, in words.
+/// A place of a line, on the entity that has it.
+struct Drawn {
+  int entity{};
+  bool backward{};    ///< The entity is drawn against the line.
+  double along_mm{};  ///< From the entity's drawn start.
+};
+Drawn drawnAt(const Line& line, const Trace& trace, double at_mm) {
+  if (line.closed) at_mm = std::fmod(at_mm, trace.length_mm);
+  std::size_t i = line.pieces.size() - 1;
+  while (i > 0 && at_mm < trace.starts_mm[i]) --i;
+  const Line::Piece& piece = line.pieces[i];
+  const double end_mm = i + 1 < line.pieces.size() ? trace.starts_mm[i + 1] : trace.length_mm;
+  return {piece.entity, piece.backward, piece.backward ? end_mm - at_mm : at_mm - trace.starts_mm[i]};
+}
+
+/// A departure from the order, in words that hold for the entity as it is drawn.
 struct Departure {
   double mm{};
   std::string what;
+  int entity{};
 };
 
 class Judged {
  public:
-  explicit Judged(const Pattern& pattern) : pattern_(pattern) {}
+  Judged(const Line& line, const Trace& trace, const Pattern& pattern)
+      : line_(line), trace_(trace), pattern_(pattern) {}
 
   void lengthOfPiece(const Edge& from, const Edge& to) {
     const double length_mm = to.at_mm - from.at_mm;
     const double ordered_mm = from.begins ? pattern_.cut_mm : pattern_.bridge_mm;
     ++(from.begins ? cuts_ : bridges_);
-    add(std::abs(length_mm - ordered_mm), from.at_mm,
+    Drawn drawn = drawnAt(line_, trace_, from.at_mm);
+    // As drawn, it begins at its other end, or at the entity's start if that lies within.
+    if (drawn.backward) drawn.along_mm = std::max(0.0, drawn.along_mm - length_mm);
+    add(std::abs(length_mm - ordered_mm), drawn,
         fmt::format("a {} is {:.2f} mm long for {:.2f}", from.begins ? "cut" : "bridge", length_mm,
                     ordered_mm));
   }
   void place(const Edge& edge) {
+    const Drawn drawn = drawnAt(line_, trace_, edge.at_mm);
     const double off_mm = offsetOf(edge, pattern_);
-    add(std::abs(off_mm), edge.at_mm,
-        fmt::format("a cut {} {:.2f} mm too {}", edge.begins ? "begins" : "ends", std::abs(off_mm),
-                    off_mm < 0.0 ? "early" : "late"));
+    add(std::abs(off_mm), drawn,
+        fmt::format("a cut {} {:.2f} mm too {}", edge.begins != drawn.backward ? "begins" : "ends",
+                    std::abs(off_mm), (off_mm < 0.0) != drawn.backward ? "early" : "late"));
   }
   [[nodiscard]] const std::optional<Departure>& worst() const { return worst_; }
   [[nodiscard]] std::size_t cuts() const { return cuts_; }
   [[nodiscard]] std::size_t bridges() const { return bridges_; }
 
  private:
-  void add(double mm, double at_mm, const std::string& what) {
+  void add(double mm, const Drawn& drawn, const std::string& what) {
     if (worst_ && mm <= worst_->mm) return;
-    worst_ = Departure{mm, fmt::format("{}, {:.1f} mm from its start", what, at_mm)};
+    worst_ = Departure{mm, fmt::format("{}, {:.1f} mm from its start", what, drawn.along_mm), drawn.entity};
   }
 
+  const Line& line_;
+  const Trace& trace_;
   const Pattern& pattern_;
   std::optional<Departure> worst_;
   std::size_t cuts_{}, bridges_{};
@@ -281,13 +313,14 @@ LineVerdict judge(const Line& line, const Trace& trace, const Tolerances::Perfor
     if (!any_sure) return {};
     const bool open = trace.readings.front().light >= kHalfLight;
     const bool one_cut = line.free_start && line.free_end && pattern.cut_mm > trace.length_mm - 1e-6;
-    if (open && one_cut) return {Departure{0.0, "the line is one cut"}, 1, 0};
+    const int entity = line.pieces.front().entity;
+    if (open && one_cut) return {Departure{0.0, "the line is one cut", entity}, 1, 0};
     return {Departure{open ? pattern.bridge_mm : trace.length_mm,
-                      open ? "it has no bridge at all" : "it is not cut at all"},
+                      open ? "it has no bridge at all" : "it is not cut at all", entity},
             0, 0};
   }
   if (!(line.free_start && line.free_end)) pattern.phase_mm = phaseFrom(edges, pattern);
-  Judged judged(pattern);
+  Judged judged(line, trace, pattern);
   for (const Edge& edge : edges)
     if (edge.sure) judged.place(edge);
   for (std::size_t i = 0; i + 1 < edges.size(); ++i)
@@ -315,7 +348,7 @@ Finding perforationCheck(const Evidence& evidence, const Tolerances& limits) {
       bridges += verdict.bridges;
       if (!verdict.worst || verdict.worst->mm <= check.value) continue;
       check.value = verdict.worst->mm;
-      check.subject = nameOf(unit, line.pieces.front().entity);
+      check.subject = nameOf(unit, verdict.worst->entity);
       what = verdict.worst->what;
     }
   }

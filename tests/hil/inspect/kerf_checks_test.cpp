@@ -20,6 +20,7 @@ namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
+using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -88,7 +89,7 @@ TEST(PerforationCheck, PassesWhatWasOrdered) {
   EXPECT_EQ(check.verdict, Verdict::kPass);
   EXPECT_LT(check.value, 0.002);
   // What lies beyond the first and the last cut no caliper shows.
-  EXPECT_THAT(check.explanation, ::testing::HasSubstr("Of 14 cuts and 16 bridges"));
+  EXPECT_THAT(check.explanation, HasSubstr("Of 14 cuts and 16 bridges"));
 }
 
 TEST(PerforationCheck, FailsAnotherPatternOfTheSameShare) {
@@ -183,9 +184,24 @@ TEST(PerforationCheck, WithoutBridgesAndWithoutCutsFails) {
   EXPECT_EQ(perforated({}).verdict, Verdict::kFail);
 }
 
-TEST(PerforationCheck, LinesThatMeetEndToEndHaveOnePattern) {
-  SyntheticRun run;
-  // 35 mm in two pieces that part in the middle of a cut, the second drawn backward.
+TEST(PerforationCheck, CountsFromTheDrawnStartAndTellsEarlyFromLateThatWay) {
+  // Its neighbours give way, so that no length is as far off as the place where it begins.
+  auto late = SyntheticRun::cutsOf(3.0, 1.0);
+  late[2].second = 11.3;
+  late[3] = {12.5, 15.3};
+  EXPECT_THAT(perforated(late).explanation,
+              HasSubstr("unit 1, E6: a cut begins 0.50 mm too late, 12.5 mm from its start"));
+  auto early = SyntheticRun::cutsOf(3.0, 1.0);
+  early[3] = {11.7, 14.5};
+  early[4].first = 15.7;
+  EXPECT_THAT(perforated(early).explanation,
+              HasSubstr("unit 1, E6: a cut ends 0.50 mm too early, 14.5 mm from its start"));
+  EXPECT_THAT(perforated(cutsWith(3, 11.7, 15.3)).explanation,
+              HasSubstr("a cut is 3.60 mm long for 3.00, 11.7 mm from its start"));
+}
+
+/// Parts the perforated line at 13 mm, in the middle of a cut, the second piece drawn backward.
+void partInTwo(SyntheticRun& run) {
   run.dieline.entities[kPerforationLine].curve = dieline::LineCurve{{45, 2}, {45, 15}};
   run.dieline.entities[kNote] = {kNote, dieline::LineCurve{{45, 37}, {45, 15}},
                                  dieline::Process::kPerforation, "OTHER", "line 74: LINE"};
@@ -207,9 +223,39 @@ TEST(PerforationCheck, LinesThatMeetEndToEndHaveOnePattern) {
     for (vision::Caliper& c : all.calipers) c.u = c.station_mm / 13.0;
     run.evidence.kerf.entities.push_back(rest);
   }
+}
+
+TEST(PerforationCheck, LinesThatMeetEndToEndHaveOnePattern) {
+  SyntheticRun run;
+  partInTwo(run);
   const Check check = perforationOf(run);
   EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
   EXPECT_LT(check.value, 0.002);
+}
+
+TEST(PerforationCheck, OfLinesThatMeetTheOneWithTheFaultIsNamedAsItIsDrawn) {
+  // The eighth cut, ordered from 28 to 31 mm, ends early: as the second piece is drawn, it begins late, 4.5
+  // instead of 4 mm from its start.
+  auto cuts = cutsWith(7, 27.7, 30.5);
+  cuts[8].first = 31.7;
+  SyntheticRun run;
+  run.perforate(1, cuts);
+  partInTwo(run);
+  const Check check = perforationOf(run);
+  EXPECT_EQ(check.subject, "unit 1, E7");
+  EXPECT_THAT(check.explanation,
+              HasSubstr("unit 1, E7: a cut begins 0.50 mm too late, 4.5 mm from its start"));
+  SyntheticRun other;
+  other.perforate(1, cutsWith(7, 27.7, 31.3));
+  partInTwo(other);
+  EXPECT_THAT(perforationOf(other).explanation,
+              HasSubstr("unit 1, E7: a cut is 3.60 mm long for 3.00, 3.7 mm from its start"));
+  // The fourth cut lies across the place where they meet, at the end of the first as that is drawn.
+  SyntheticRun across;
+  across.perforate(1, cutsWith(3, 11.7, 15.3));
+  partInTwo(across);
+  EXPECT_THAT(perforationOf(across).explanation,
+              HasSubstr("unit 1, E6: a cut is 3.60 mm long for 3.00, 11.7 mm from its start"));
 }
 
 TEST(PerforationCheck, AClosedLineMayHaveABridgeAtItsSeam) {
@@ -228,7 +274,7 @@ TEST(PerforationCheck, AClosedLineMayHaveABridgeAtItsSeam) {
   const Check check = perforationOf(run);
   EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
   EXPECT_LT(check.value, 0.01) << check.explanation;
-  EXPECT_THAT(check.explanation, ::testing::HasSubstr("Of 18 cuts and 18 bridges"));
+  EXPECT_THAT(check.explanation, HasSubstr("Of 18 cuts and 18 bridges"));
 }
 
 TEST(PerforationCheck, WithoutAnOrderIsNotJudged) {
