@@ -140,7 +140,7 @@ Finding dwellCheck(const Evidence& evidence, const Tolerances& limits, const Lit
   const double open_mm = 0.5 * rest.beside_s / of_cuts_s_mm;
   check.value = rest.light_s / of_cuts_s_mm + open_mm;
   check.u = check.guard = 2.0 * kPlace_mm + open_mm;
-  check.subject = nameOf(rest.at->unit, rest.at->entity);
+  check.subject = nameOf(*rest.at);
   decide(check);
   check.explanation = fmt::format(
       "The most light on one place of {:.1f} mm fell at {:.3f} s, {}, within {:.1f} ms: as much as {:.2f} mm "

@@ -28,6 +28,11 @@ constexpr double kNearlyAll = 0.9;
 
 }  // namespace
 
+std::string nameOf(const LitFrame& frame) {
+  if (frame.entity >= 0) return nameOf(frame.unit, frame.entity);
+  return fmt::format("unit {}, along no drawn line at {}", frame.unit, placeOf(frame.p_S_mm));
+}
+
 std::vector<std::string> spotProblems(const Evidence& evidence, const LitFrames& lit) {
   std::vector<std::string> problems = evidence.spot.problems;
   for (std::string& problem : frameProblems(evidence)) problems.push_back(std::move(problem));
@@ -123,8 +128,7 @@ Check spotPathCheck(const Evidence& evidence, const Tolerances& limits, const Li
     check.explanation = "The spot camera saw no spot that could be put on the dieline.";
     return check;
   }
-  check.subject =
-      worst->entity >= 0 ? nameOf(worst->unit, worst->entity) : fmt::format("unit {}", worst->unit);
+  check.subject = nameOf(*worst);
   check.explanation = fmt::format(
       "In {} frames away from corners the spot was at most {:.4f} mm{} from the dieline on the moving sheet, "
       "at {:.3f} s, "

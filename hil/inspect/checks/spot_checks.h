@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "hil/inspect/evidence/evidence.h"
@@ -13,6 +14,9 @@
 #include "hil/inspect/verdict/tolerances.h"
 
 namespace kerfbench::inspect::checks {
+
+/// "unit 2, E14"; "unit 2, along no drawn line at x 12.30, y 45.60 mm" of a spot that is on none.
+std::string nameOf(const LitFrame& frame);
 
 /// Stillness of each run of lit frames, and of the worst.
 struct Stillness {

@@ -265,7 +265,7 @@ Check stillnessCheck(const Tolerances& limits, const LitFrames& lit, const Still
   }
   if (farthest != nullptr && 2 * off > lit.frames.size()) {
     check.value = farthest->distance_mm;
-    check.subject = fmt::format("unit {}", farthest->unit);
+    check.subject = nameOf(*farthest);
     decide(check);
     check.explanation = fmt::format(
         "The spot did not stay with any line: in {} of {} frames it was more than {:.1f} mm from the dieline "

@@ -11,6 +11,8 @@ namespace {
 
 using namespace testing;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
 
 TEST(InterlockCheck, FailsWhereTheGateStaysOpenBehindAnOpenGuard) {
   SyntheticRun run;
@@ -102,6 +104,20 @@ TEST(DwellCheck, FailsWhereTheBeamRestsWithTheLaserOn) {
   const Check& dwell = checkOf(result, "dwell");
   EXPECT_EQ(dwell.verdict, Verdict::kFail);
   EXPECT_NEAR(dwell.value, 50e-3 * 300.0, 1.0) << "50 ms at 300 mm/s";
+}
+
+TEST(DwellCheck, SaysInWordsThatTheBeamRestsOnNoDrawnLine) {
+  SyntheticRun run;
+  rest(run, 50);
+  EXPECT_EQ(checkOf(run.inspected(), "dwell").subject, "unit 0, E0");
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames)
+    if (frame.spot_W_mm) *frame.spot_W_mm += Eigen::Vector2d(0.5, 0.5);
+  const auto result = run.inspected();
+  EXPECT_THAT(checkOf(result, "dwell").subject,
+              MatchesRegex("unit 0, along no drawn line at x 15\\.[0-9]+, y 0\\.5[0-9] mm"));
+  EXPECT_THAT(checkOf(result, "spot_path").subject, HasSubstr("along no drawn line at x"));
+  for (const Check& check : result.checks)
+    EXPECT_THAT(check.subject + check.explanation, Not(HasSubstr("E-"))) << check.name;
 }
 
 TEST(DwellCheck, ARestInTheDarkDoesNoHarm) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
@@ -287,6 +288,7 @@ TEST(StillnessCheck, AFirmwareThatIgnoresTheBeltFails) {
   EXPECT_EQ(checkOf(result, "spot_path").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "stillness_x").verdict, Verdict::kFail)
       << checkOf(result, "stillness_x").explanation;
+  EXPECT_THAT(checkOf(result, "stillness_x").subject, ::testing::HasSubstr("along no drawn line at x"));
   EXPECT_EQ(result.verdict, Verdict::kFail);
 }
 
