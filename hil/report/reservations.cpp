@@ -89,7 +89,7 @@ std::vector<Reservation> reservationsOf(const RunReport& report) {
                              ? fmt::format("calibrations may be {} days old (default {})",
                                            report.calibration_max_age_days, inspect::kCalibrationMaxAge_days)
                              : "");
-  add("calibration_age",
+  add("calibration_undated",
       report.calibrations_undated ? "the scenario has no date, so no calibration can be too old" : "");
   return all;
 }

@@ -70,7 +70,7 @@ std::string stopSentence(const inspect::InspectionResult& result);
 /// What narrows a PASS, or anything else that a verdict must not be read without.
 struct Reservation {
   std::string kind;  ///< "wide_limit", "not_judged", "part_not_judged", "model_pictures",
-                     ///< "calibration_age", "unsealed_recording"
+                     ///< "calibration_age", "calibration_undated", "unsealed_recording"
   std::string text;  ///< A clause without a full stop, for people.
 };
 

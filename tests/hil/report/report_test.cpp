@@ -2,13 +2,13 @@
 #include "hil/report/run_report.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <random>
-#include <regex>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,91 +19,15 @@
 #include "hil/report/html_text.h"
 #include "tests/hil/inspect/synthetic_run.h"
 #include "tests/hil/report/page_checks.h"
-#include "twin/base/image.h"
+#include "tests/hil/report/sample_report.h"
 
 namespace kerfbench::report {
 namespace {
 
-using namespace testing;
+using test::badRun;
+using test::reportOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-/// A kerf as the camera might show it, bent by `offset_mm` to one side.
-vision::KerfPatch patchAt(int unit, int entity, const Eigen::Vector2d& p_S_mm, double offset_mm) {
-  const auto image = std::make_shared<GrayImage>(48, 48, 38);
-  vision::KerfPatch patch{unit, entity, p_S_mm, image, Eigen::Affine2d::Identity()};
-  constexpr double kPixel_mm = 0.04;
-  for (int row = 0; row < 48; ++row) {
-    for (int column = 0; column < 48; ++column) {
-      const double across_mm = (column - 23.5) * kPixel_mm + offset_mm;
-      const double edge = 1.0 / (1.0 + std::exp((std::abs(across_mm) - 0.105) / 0.012));
-      image->at(column, row) = static_cast<std::uint8_t>(38 + 190 * edge + (row * 7 + column * 13) % 9);
-    }
-  }
-  patch.pixel_from_S.linear() << 1.0 / kPixel_mm, 0, 0, -1.0 / kPixel_mm;
-  patch.pixel_from_S.translation() = Eigen::Vector2d(23.5, 23.5) - patch.pixel_from_S.linear() * p_S_mm;
-  return patch;
-}
-
-RunReport reportOf(const inspect::testing::SyntheticRun& run) {
-  RunReport report;
-  report.scenario = "carton-on-belt";
-  report.scenario_path = "fixtures/scenarios/carton-on-belt.yaml";
-  report.scenario_text = "version: 1\nname: carton-on-belt\nbelt: {speed_mm_s: 200}\n";
-  report.machine = "two-mirror-160";
-  report.firmware = "controller-avr.hex <atmega2560>";
-  report.source_id = "avr atmega2560 16 MHz";
-  report.repeat_command = "kerfbench run carton-on-belt.yaml --seed 42";
-  report.seed = 42;
-  report.model.imperfections = "static";
-  report.model.twin = "reference";
-  report.model.sampled = {{"galvo_x.zero", 4.5e-6, "rad"}, {"belt.roller_radius", -2e-5, "<relative>"}};
-  report.virtual_s = 4.25;
-  report.versions = {{"kerfbench", "0.1.0"}, {"OpenCV", "4.6.0"}};
-  report.limits = run.limits;
-  dieline::Dieline drawing = run.dieline;
-  drawing.path = "fixtures/dielines/carton.dxf";
-  report.dieline = std::make_shared<const dieline::Dieline>(std::move(drawing));
-  report.print = run.evidence.print;
-  report.kerf = run.evidence.kerf;
-  report.spot = run.evidence.spot;
-  report.pulses = run.evidence.pulses;
-  report.result = run.inspected();
-  report.host = "bench-1";
-  report.finished = "2024-05-01 12:00";
-  report.timing = {{"twin", 3.5}, {"vision", 1.25}};
-  report.pictures = {{"sheet-unit0.png", "The finished sheet"}};
-  return report;
-}
-
-/// A run with a fault in most places, to show every part of the page.
-inspect::testing::SyntheticRun badRun() {
-  inspect::testing::SyntheticRun run;
-  auto& right = run.kerf(1, inspect::testing::kRight).calipers;
-  for (std::size_t i = 0; i < right.size(); ++i) {
-    if (right[i].found) right[i].offset_mm += 0.075 * std::sin(3.14 * static_cast<double>(i) / 160.0);
-  }
-  auto& top = run.kerf(0, inspect::testing::kTop).calipers;
-  for (std::size_t i = 0; i < top.size(); ++i) {
-    if (top[i].found) top[i].offset_mm -= 0.03 * std::sin(0.1 * static_cast<double>(i));
-  }
-  for (std::size_t i = 60; i < 90; ++i) {
-    vision::Caliper& c = run.kerf(1, inspect::testing::kBottom).calipers[i];
-    c.found = false;
-    c.brightness = 0.0;
-    c.offset_mm = c.width_mm = std::nan("");
-  }
-  run.evidence.kerf.strays.push_back({1, {22, 30}, 2.1});
-  run.shiftSpot(1, inspect::testing::kCreaseLine,
-                [](double t_s) { return Eigen::Vector2d(t_s / 0.12 * 0.09, 0.0); });
-  run.evidence.pulses[1].min_setup_s = 1.1e-6;
-  run.evidence.pulses[1].setup_violations = 37;
-  run.evidence.pulses[1].first_violation_s = 1.25;
-  run.evidence.pulses[1].setup_histogram[2] = 37;
-  run.evidence.kerf.patches = {patchAt(1, inspect::testing::kRight, {60, 20}, -0.075),
-                               patchAt(0, inspect::testing::kTop, {20, 40}, 0.03)};
-  return run;
-}
 
 TEST(VerdictSentence, TellsWhyTheControllerStopped) {
   inspect::testing::SyntheticRun run;
@@ -154,130 +78,6 @@ TEST(VerdictJson, SaysNothingOfWallTimeOrHost) {
   b.finished = "later";
   b.timing = {{"twin", 99.0}};
   EXPECT_EQ(verdictJson(a), verdictJson(b));
-}
-
-TEST(Digest, IsStableAgainstOrderTimeAndPaths) {
-  const inspect::testing::SyntheticRun run;
-  const RunReport a = reportOf(run);
-  RunReport b = a;
-  std::mt19937 random(3);
-  std::shuffle(b.result.entities.begin(), b.result.entities.end(), random);
-  std::shuffle(b.result.cuts.begin(), b.result.cuts.end(), random);
-  std::shuffle(b.result.checks.begin(), b.result.checks.end(), random);
-  std::shuffle(b.kerf.entities.begin(), b.kerf.entities.end(), random);
-  std::shuffle(b.pulses.begin(), b.pulses.end(), random);
-  b.scenario_path = "elsewhere";
-  dieline::Dieline moved = *a.dieline;
-  moved.path = "elsewhere";
-  b.dieline = std::make_shared<const dieline::Dieline>(std::move(moved));
-  b.host = "bench-2";
-  b.timing.clear();
-  b.kerf.entities[3].calipers[7].offset_mm += 1e-10;
-  EXPECT_EQ(digestOf(a), digestOf(b));
-  EXPECT_EQ(digestOf(a).size(), 64U);
-}
-
-TEST(Digest, ChangesWithAnyMeasurement) {
-  const inspect::testing::SyntheticRun run;
-  const RunReport a = reportOf(run);
-  const std::string digest = digestOf(a);
-  RunReport b = a;
-  b.kerf.entities[3].calipers[7].offset_mm += 3e-6;
-  EXPECT_NE(digest, digestOf(b));
-  b = a;
-  b.result.cuts[0].residual_mm[0] += 3e-6;
-  EXPECT_NE(digest, digestOf(b));
-  b = a;
-  b.result.verdict = inspect::Verdict::kFail;
-  EXPECT_NE(digest, digestOf(b));
-  b = a;
-  ++b.pulses[0].setup_histogram[30];
-  EXPECT_NE(digest, digestOf(b));
-}
-
-TEST(Digest, ChangesWithJointsPosesUncertaintiesAndWords) {
-  const inspect::testing::SyntheticRun run;
-  RunReport a = reportOf(run);
-  a.result.joints.push_back({inspect::JointResult::Kind::kCorner, 0, 1, 2, {60, 40}, false, {0.01, 0.002}});
-  a.result.problems = {"The list /home/me/tiles.yaml is short."};
-  a.result.unjudged.push_back({"joints", "", true, "None was found."});
-  const std::string digest = digestOf(a);
-  const std::vector<std::function<void(RunReport&)>> changes{
-      [](RunReport& r) { r.result.joints.back().mm.value += 3e-6; },
-      [](RunReport& r) { r.result.joints.back().mm.U += 3e-6; },
-      [](RunReport& r) { r.result.joints.back().p_S_mm.x() += 3e-6; },
-      [](RunReport& r) { r.result.rms_mm.value += 3e-6; },
-      [](RunReport& r) { r.result.problems[0] = "The list /home/me/tiles.yaml is long."; },
-      [](RunReport& r) { r.result.unjudged.back().reason = "Many were found."; },
-      [](RunReport& r) { r.kerf.entities[3].calipers[7].sigma_mm *= 1.001; },
-      [](RunReport& r) { r.kerf.units[1].p_TS_mm.y() += 3e-6; },
-      [](RunReport& r) { r.kerf.units[1].covariance(0, 2) += 1e-10; },
-      [](RunReport& r) { r.spot.frames[9].sheet[0].angle_rad += 1e-7; },
-      [](RunReport& r) { r.spot.frames[9].sheet[0].covariance(1, 1) += 1e-10; },
-      [](RunReport& r) { r.spot.frames[9].mid_s += 1e-6; },
-      [](RunReport& r) { r.spot.frames_lost += 1; }};
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    RunReport b = a;
-    changes[i](b);
-    EXPECT_NE(digest, digestOf(b)) << "change " << i;
-  }
-  RunReport b = a;
-  b.result.problems = {"The list /srv/elsewhere/tiles.yaml is short."};
-  EXPECT_EQ(digest, digestOf(b));
-}
-
-TEST(InputsDigest, BindsTheBytesOfAllFilesAndNotTheirPlaces) {
-  const inspect::testing::SyntheticRun run;
-  RunReport a = reportOf(run);
-  a.inputs = {{"label.dxf", std::string(64, 'a')}, {"machine.yaml", std::string(64, 'b')}};
-  RunReport b = a;
-  std::swap(b.inputs[0], b.inputs[1]);
-  b.inputs[0].name = "elsewhere/machine.yaml";
-  EXPECT_EQ(inputsDigestOf(a), inputsDigestOf(b));
-  EXPECT_EQ(digestOf(a), digestOf(b));
-  b.inputs[0].sha256[5] = 'c';
-  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
-  b = a;
-  b.inputs.pop_back();
-  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
-  b = a;
-  ++b.seed;
-  EXPECT_NE(inputsDigestOf(a), inputsDigestOf(b));
-  const auto json = nlohmann::json::parse(verdictJson(a));
-  EXPECT_EQ(json["inputs_digest"], inputsDigestOf(a));
-  EXPECT_EQ(json["inputs"][0]["file"], "label.dxf");
-}
-
-// An edge that no check looks at is evidence as well.
-TEST(Digest, BindsTheEvidenceWhateverIsReadOfIt) {
-  const inspect::testing::SyntheticRun run;
-  RunReport a = reportOf(run);
-  a.evidence = {{"pins", std::string(64, 'a')}, {"kerf pictures", std::string(64, 'b')}};
-  RunReport b = a;
-  std::swap(b.evidence[0], b.evidence[1]);
-  EXPECT_EQ(digestOf(a), digestOf(b));
-  b = a;
-  b.evidence[1].sha256[5] = 'c';
-  EXPECT_NE(digestOf(a), digestOf(b));
-  b = a;
-  b.evidence.pop_back();
-  EXPECT_NE(digestOf(a), digestOf(b));
-  const auto json = nlohmann::json::parse(verdictJson(a));
-  EXPECT_EQ(json["evidence"][0]["name"], "pins");
-  EXPECT_EQ(json["evidence"][1]["sha256"], std::string(64, 'b'));
-  EXPECT_THAT(htmlReport(a), HasSubstr(std::string(64, 'b')));
-}
-
-TEST(Digest, KnowsNothingOfWhatTheModelAloneKnows) {
-  const inspect::testing::SyntheticRun run;
-  const RunReport a = reportOf(run);
-  RunReport b = a;
-  b.model.sampled[0].value = 0.1;
-  b.model.lost_steps.push_back({"galvo_x", 1.0, 0.2, "rad", 4});
-  b.model.imperfections = "dynamic";
-  b.model.twin = "fast";
-  EXPECT_EQ(digestOf(a), digestOf(b));
-  EXPECT_NE(verdictJson(a), verdictJson(b));
 }
 
 TEST(ModelFactsTest, LostStepsAreToldWithTimeAxisPlaceAndCountAndNotJudged) {
@@ -382,7 +182,7 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   report.unsealed = true;
   EXPECT_THAT(kindsOf(report),
               ::testing::ElementsAre("wide_limit", "not_judged", "part_not_judged", "model_pictures",
-                                     "unsealed_recording", "calibration_age"));
+                                     "unsealed_recording", "calibration_undated"));
   const std::string sentence = verdictSentence(report);
   EXPECT_THAT(sentence, Not(HasSubstr("The release is good")));
   EXPECT_THAT(sentence, HasSubstr("path_mm 10 (default 0.05)"));
@@ -392,6 +192,7 @@ TEST(Reservations, StandInTheSentenceOfAPassAndInEachFile) {
   report.calibration_max_age_days = 365;
   EXPECT_THAT(verdictSentence(report), HasSubstr("ordered_width.limit_mm 0.1 (default 0.03)"));
   EXPECT_THAT(verdictSentence(report), HasSubstr("calibrations may be 365 days old (default 180)"));
+  EXPECT_THAT(kindsOf(report), ::testing::IsSupersetOf({"calibration_age", "calibration_undated"}));
   report.calibration_max_age_days = 30;
   EXPECT_THAT(htmlReport(report), HasSubstr("path_mm 10 (default 0.05)"));
   EXPECT_THAT(junitXml(report), HasSubstr("path_mm 10 (default 0.05)"));
