@@ -5,8 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "tests/scenarios/scenario_runs.h"
 
@@ -26,12 +29,10 @@ constexpr const char* kPage =
 /// The label's job with another drawing of the same size. Returns the checks that pass.
 std::vector<std::string> passingChecks(const fs::path& drawing, const std::string& keys,
                                        const ScratchFolder& scratch) {
-  const auto path = scratch.path() / "drawing.yaml";
-  std::ofstream(path) << fmt::format("extends: '{}'\nname: drawing\ndieline: '{}'\n{}",
-                                     fixture("scenarios/native/label-on-belt.yaml").string(),
-                                     drawing.string(), keys);
-  const ProgramRun run = kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'",
-                                               path.string(), scratch.path().string()));
+  const fs::path scenario =
+      scenarioWith("native/label-on-belt.yaml",
+                   fmt::format("name: drawing\ndieline: '{}'\n{}", drawing.string(), keys), scratch);
+  const ProgramRun run = fastRunOf(scenario, scratch);
   EXPECT_EQ(run.exit_code, 0) << run.output;
   std::printf("%s", run.output.c_str());
   return checksThat(verdictOf(scratch.path() / "drawing"), "PASS");

@@ -4,9 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <cstdio>
 #include <string>
-#include <vector>
 
 #include "tests/scenarios/scenario_runs.h"
 
@@ -15,14 +14,10 @@ namespace {
 
 using testing::Contains;
 
-/// Runs a scenario of these keys, beside what the other one gives, on the fast twin.
+/// Runs a scenario of these keys, beside what the other one gives.
 ProgramRun runOf(const std::string& base, const std::string& keys, const ScratchFolder& scratch,
                  const std::string& options = "") {
-  const auto path = scratch.path() / "other.yaml";
-  std::ofstream(path) << fmt::format("extends: '{}'\nname: other\n{}", fixture("scenarios/" + base).string(),
-                                     keys);
-  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast {} --results-dir '{}'", path.string(),
-                               options, scratch.path().string()));
+  return fastRunOf(scenarioWith(base, "name: other\n" + keys, scratch), scratch, options);
 }
 
 void passes(const std::string& base, const std::string& keys, const std::string& check,

@@ -68,6 +68,17 @@ ScratchFolder::~ScratchFolder() {
 
 fs::path fixture(const std::string& name) { return fs::path(KERFBENCH_SOURCE_DIR) / "fixtures" / name; }
 
+fs::path scenarioWith(const std::string& base, const std::string& keys, const ScratchFolder& scratch) {
+  const fs::path path = scratch.path() / "variant.yaml";
+  std::ofstream(path) << fmt::format("extends: '{}'\n{}", fixture("scenarios/" + base).string(), keys);
+  return path;
+}
+
+ProgramRun fastRunOf(const fs::path& scenario, const ScratchFolder& scratch, const std::string& options) {
+  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast {} --results-dir '{}'", scenario.string(),
+                               options, scratch.path().string()));
+}
+
 std::string textOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};

@@ -37,6 +37,12 @@ class ScratchFolder {
 };
 
 std::filesystem::path fixture(const std::string& name);
+/// A scenario of its own in the folder: these keys beside those of the base, one of fixtures/scenarios.
+std::filesystem::path scenarioWith(const std::string& base, const std::string& keys,
+                                   const ScratchFolder& scratch);
+/// Runs a scenario on the fast twin, without pictures; its results lie in the folder.
+ProgramRun fastRunOf(const std::filesystem::path& scenario, const ScratchFolder& scratch,
+                     const std::string& options = "");
 /// Text of a file; empty if there is none.
 std::string textOf(const std::filesystem::path& path);
 nlohmann::json verdictOf(const std::filesystem::path& results);

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -25,37 +26,23 @@ enum Length { kAsShipped, kOneUnit };
 
 /// The hole (E8) of a label with its kerf compensated, cut alone and in the order of the drawing.
 ProgramRun runOfHoleAlone(const std::string& more, const ScratchFolder& scratch) {
-  const auto path = scratch.path() / "hole.yaml";
-  std::ofstream(path) << fmt::format(
-      "extends: '{}'\nname: hole\nprint: {{units: 1}}\nselect: {{entities: '8'}}\nplanner: {{order: "
-      "drawn{}}}\n",
-      fixture("scenarios/native/label-edges.yaml").string(), more);
-  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'", path.string(),
-                               scratch.path().string()));
+  const std::string keys = fmt::format(
+      "name: hole\nprint: {{units: 1}}\nselect: {{entities: '8'}}\nplanner: {{order: drawn{}}}\n", more);
+  return fastRunOf(scenarioWith("native/label-edges.yaml", keys, scratch), scratch);
 }
 
 ProgramRun runOf(const std::string& scenario, Length length, const ScratchFolder& scratch) {
-  auto path = fixture("scenarios/" + scenario);
-  std::string options;
-  if (length == kOneUnit) {
-    std::ofstream(scratch.path() / "one.yaml")
-        << fmt::format("extends: '{}'\nprint: {{units: 1}}\n", path.string());
-    path = scratch.path() / "one.yaml";
-    options = "--twin fast";
-  }
-  return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' --timing {}", path.string(),
-                               scratch.path().string(), options));
+  if (length == kOneUnit)
+    return fastRunOf(scenarioWith(scenario, "print: {units: 1}\n", scratch), scratch, "--timing");
+  return kerfbench(fmt::format("run '{}' --no-pictures --results-dir '{}' --timing",
+                               fixture("scenarios/" + scenario).string(), scratch.path().string()));
 }
 
 /// One label of which the width of its cuts is ordered, as what 0.105 J/mm leave open for light.
 ProgramRun runOfOrderedLabel(const std::string& more, const ScratchFolder& scratch) {
-  const auto path = scratch.path() / "ordered.yaml";
-  std::ofstream(path) << fmt::format(
-      "extends: '{}'\nname: ordered\nprint: {{units: 1}}\nchecks: {{ordered_width: {{nominal_mm: "
-      "0.132}}}}\n{}",
-      fixture("scenarios/native/label-on-belt.yaml").string(), more);
-  return kerfbench(fmt::format("run '{}' --no-pictures --twin fast --results-dir '{}'", path.string(),
-                               scratch.path().string()));
+  const std::string keys =
+      "name: ordered\nprint: {units: 1}\nchecks: {ordered_width: {nominal_mm: 0.132}}\n" + more;
+  return fastRunOf(scenarioWith("native/label-on-belt.yaml", keys, scratch), scratch);
 }
 
 /// Writes a recording again with DIR of the X mirror the other way round, and without a sum, as an analyser
@@ -74,14 +61,13 @@ void invertX(const std::filesystem::path& from, const std::filesystem::path& to)
 /// One label, on a belt of these keys, by a release whose X axis runs the wrong way.
 void invertedXFails(const std::string& belt) {
   const ScratchFolder scratch;
-  const auto path = scratch.path() / "label.yaml";
-  std::ofstream(path) << fmt::format("extends: '{}'\nname: label\nprint: {{units: 1}}\n{}",
-                                     fixture("scenarios/native/label-on-belt.yaml").string(), belt);
-  const auto options = fmt::format("--no-pictures --twin fast --results-dir '{}'", scratch.path().string());
-  ASSERT_EQ(kerfbench(fmt::format("run '{}' {}", path.string(), options)).exit_code, 0);
+  const std::filesystem::path scenario =
+      scenarioWith("native/label-on-belt.yaml", "name: label\nprint: {units: 1}\n" + belt, scratch);
+  ASSERT_EQ(fastRunOf(scenario, scratch).exit_code, 0);
   invertX(scratch.path() / "label/pins.vcd", scratch.path() / "inverted.vcd");
-  const ProgramRun run = kerfbench(fmt::format(
-      "replay '{}' --scenario '{}' {}", (scratch.path() / "inverted.vcd").string(), path.string(), options));
+  const ProgramRun run = kerfbench(
+      fmt::format("replay '{}' --scenario '{}' --no-pictures --twin fast --results-dir '{}'",
+                  (scratch.path() / "inverted.vcd").string(), scenario.string(), scratch.path().string()));
   EXPECT_EQ(run.exit_code, 1) << run.output;
   const auto failed = checksThat(verdictOf(scratch.path() / "label-replay"), "FAIL");
   EXPECT_THAT(failed, AllOf(Contains("path"), Contains("coverage"), Contains("stray"))) << run.output;

@@ -15,7 +15,7 @@
 namespace kerfbench::inspect {
 namespace {
 
-constexpr std::size_t kReadings = 240;
+constexpr std::size_t kLineReadings = 240;
 
 struct Case {
   const char* name;
@@ -39,20 +39,20 @@ Errors errorsOf(const Case& one) {
     ReadingLine line;
     line.q = one.q;
     double noise = random.normal(0);
-    for (std::size_t i = 0; i < kReadings; ++i) {
+    for (std::size_t i = 0; i < kLineReadings; ++i) {
       if (i > 0) noise = one.q * noise + std::sqrt(1.0 - one.q * one.q) * random.normal(i);
       line.reading_mm.push_back(one.truth(static_cast<double>(i)) + noise);
       line.sigma_mm.push_back(1.0);
     }
-    line.segment = {0, kReadings};
+    line.segment = {0, kLineReadings};
     const LineSmoother smoother(line);
     std::vector<double> estimate;
     std::vector<std::uint8_t> level;
     smoother.smooth(line.reading_mm, estimate, &level);
-    for (std::size_t i = 0; i < kReadings; ++i) {
+    for (std::size_t i = 0; i < kLineReadings; ++i) {
       const double error = estimate[i] - one.truth(static_cast<double>(i));
-      squares += error * error / (kReadings * kLines);
-      z2 += std::pow(error / smoother.sigma(i, level[i]), 2) / (kReadings * kLines);
+      squares += error * error / (kLineReadings * kLines);
+      z2 += std::pow(error / smoother.sigma(i, level[i]), 2) / (kLineReadings * kLines);
     }
   }
   return {std::sqrt(z2), std::sqrt(squares)};
@@ -128,12 +128,12 @@ TEST(LineSmoother, NoiseThatNeighboursShareIsNotTakenForAShape) {
     std::size_t widest = 0;
     std::size_t all = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-      const ReadingLine line = noiseOf(q, seed, kReadings);
+      const ReadingLine line = noiseOf(q, seed, kLineReadings);
       const LineSmoother smoother(line);
       std::vector<double> estimate;
       std::vector<std::uint8_t> level;
       smoother.smooth(line.reading_mm, estimate, &level);
-      for (std::size_t i = 20; i + 20 < kReadings; ++i, ++all) widest += level[i] == 4 ? 1 : 0;
+      for (std::size_t i = 20; i + 20 < kLineReadings; ++i, ++all) widest += level[i] == 4 ? 1 : 0;
     }
     EXPECT_GT(static_cast<double>(widest), 0.94 * static_cast<double>(all)) << q;
   }

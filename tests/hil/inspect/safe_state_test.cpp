@@ -80,7 +80,7 @@ TEST(SafeState, ADarkLaserProvesNothing) {
   evidence.gates = {{0.2, 0.5}};
   const auto result = inspectSafeState(evidence);
   EXPECT_EQ(result.verdict, Verdict::kInvalid);
-  EXPECT_THAT(result.problems, testing::ElementsAre(testing::HasSubstr("dark")));
+  EXPECT_THAT(result.problems, ::testing::ElementsAre(::testing::HasSubstr("dark")));
 }
 
 TEST(SafeState, ACauseThatNeverCameIsInvalid) {

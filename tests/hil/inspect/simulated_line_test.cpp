@@ -11,7 +11,7 @@
 namespace kerfbench::inspect {
 namespace {
 
-constexpr std::size_t kReadings = 10;
+constexpr std::size_t kFewReadings = 10;
 constexpr std::size_t kSecondSegment = 4;  ///< First reading behind a gap.
 constexpr int kDraws = 4000;
 // Standard deviation of a variance, and of a correlation, of so many draws, times four.
@@ -21,13 +21,13 @@ const double kFourSigmas_correlation = 4.0 / std::sqrt(kDraws);
 ReadingLine lineWithAGap() {
   ReadingLine line;
   line.q = 0.6;
-  for (std::size_t i = 0; i < kReadings; ++i) {
+  for (std::size_t i = 0; i < kFewReadings; ++i) {
     line.reading_mm.push_back(0.0);
     line.sigma_mm.push_back(0.001 * (1.0 + static_cast<double>(i)));
     line.caliper.push_back(i);
   }
-  line.segment = {0, kSecondSegment, kReadings};
-  line.shared.setZero(kReadings, ReadingLine::kOwn);
+  line.segment = {0, kSecondSegment, kFewReadings};
+  line.shared.setZero(kFewReadings, ReadingLine::kOwn);
   return line;
 }
 
@@ -52,13 +52,13 @@ double meanProduct(const std::vector<double>& a, const std::vector<double>& b) {
 
 TEST(SimulatedLine, EachReadingScattersAsItStates) {
   const auto errors = errorsOf(lineWithAGap());
-  for (std::size_t i = 0; i < kReadings; ++i)
+  for (std::size_t i = 0; i < kFewReadings; ++i)
     EXPECT_NEAR(meanProduct(errors[i], errors[i]), 1.0, kFourSigmas_variance) << "reading " << i;
 }
 
 TEST(SimulatedLine, NeighboursShareNoiseButNotAcrossAGap) {
   const auto errors = errorsOf(lineWithAGap());
-  for (std::size_t i = 1; i < kReadings; ++i) {
+  for (std::size_t i = 1; i < kFewReadings; ++i) {
     EXPECT_NEAR(meanProduct(errors[i - 1], errors[i]), i == kSecondSegment ? 0.0 : 0.6,
                 kFourSigmas_correlation)
         << "reading " << i;
@@ -67,9 +67,9 @@ TEST(SimulatedLine, NeighboursShareNoiseButNotAcrossAGap) {
 
 TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
   ReadingLine line = lineWithAGap();
-  for (std::size_t i = 0; i < kReadings; ++i) line.reading_mm[i] = i % 3 == 0 ? 0.02 : -0.01;
+  for (std::size_t i = 0; i < kFewReadings; ++i) line.reading_mm[i] = i % 3 == 0 ? 0.02 : -0.01;
   line.tiles = 2;
-  line.shared.setZero(kReadings, ReadingLine::kOwn + line.tiles + 1);
+  line.shared.setZero(kFewReadings, ReadingLine::kOwn + line.tiles + 1);
   line.shared.col(ReadingLine::kLine).setConstant(0.02);
   line.shared.col(ReadingLine::kOwn).setConstant(0.01);
   line.shared.col(ReadingLine::kOwn + line.tiles)
@@ -78,7 +78,7 @@ TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
   ASSERT_GT(simulated.noise_share, 0.1);
   ASSERT_LT(simulated.noise_share, 0.9);
   constexpr double kShared = 0.02 * 0.02 + 0.01 * 0.01;
-  for (std::size_t i = 0; i < kReadings; ++i) {
+  for (std::size_t i = 0; i < kFewReadings; ++i) {
     const double noise = std::pow(simulated.smoother().sigma(i, simulated.level[i]), 2);
     EXPECT_NEAR(simulated.errorShareAt(i) * (noise + kShared), simulated.noise_share * noise + kShared,
                 1e-12);

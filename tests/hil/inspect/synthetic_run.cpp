@@ -261,6 +261,13 @@ void SyntheticRun::shiftSpot(int unit, int entity, const std::function<Eigen::Ve
   }
 }
 
+std::size_t SyntheticRun::frameAt(double time_s) const {
+  const auto& frames = evidence.spot.frames;
+  return static_cast<std::size_t>(
+      std::find_if(frames.begin(), frames.end(), [&](const auto& f) { return f.mid_s >= time_s; }) -
+      frames.begin());
+}
+
 const Check& checkOf(const InspectionResult& result, std::string_view name) {
   const auto found = std::find_if(result.checks.begin(), result.checks.end(),
                                   [&](const Check& c) { return c.name == name; });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -38,6 +40,8 @@ struct SyntheticRun {
   /// Moves each spot while it follows `entity` of `unit`: the shift in mm along W from the time since its
   /// first frame.
   void shiftSpot(int unit, int entity, const std::function<Eigen::Vector2d(double)>& shift_mm);
+  /// Index of the first frame at this time or later.
+  [[nodiscard]] std::size_t frameAt(double time_s) const;
   /// Appends a second pass of the spot along an entity.
   void followAgain(int unit, int entity);
   [[nodiscard]] InspectionResult inspected() const { return inspect(evidence, limits); }
