@@ -12,6 +12,7 @@
 namespace kerfbench::test {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
@@ -88,6 +89,16 @@ TEST_F(Gauge, InWorldsThatAreNotItsOwnNoBadCutPassesAndNoGoodOneFails) {
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.output;
   EXPECT_EQ(failing(json(), kNoBadCutPasses), "") << run.output;
   EXPECT_EQ(failing(json(), {"good cuts that FAIL"}), "") << run.output;
+}
+
+// Legs that stop short of each other explain a corner of 120 degrees that was cut off almost as well as an
+// arc does: what was 60 um off was read as 33.
+TEST_F(Gauge, ACutOffCornerThatMayBeShortLegsIsNotProven) {
+  const ProgramRun run =
+      gauge("--mismatch --studies verdicts --imperfections static --seed 90 --case static-bad-170");
+  EXPECT_THAT(run.output, HasSubstr("true deviation 59.71"));
+  EXPECT_THAT(run.output, Not(HasSubstr("static-bad-170: PASS")));
+  EXPECT_THAT(run.output, Not(ContainsRegex("corner off the dieline [^\n]*missed"))) << run.output;
 }
 
 TEST_F(Gauge, GivesTheSameBytesAtAnyNumberOfJobs) {

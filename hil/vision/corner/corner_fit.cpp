@@ -22,7 +22,10 @@ constexpr int kMostEvaluations = 40;
 constexpr double kTolerance = 1e-5;
 constexpr Index kLeastPixels = 200;
 constexpr double kLeastNoise_gray = 0.3;
-constexpr double kClearlyShort = 0.8;  // Largest sum of squares of ends that stop short, over that of an arc.
+/// Largest sums of squares of ends that stop short, over that of an arc: beyond the first it is an arc;
+/// between them either may be meant.
+constexpr double kClearlyShort = 0.8;
+constexpr double kSurelyShort = 0.5;
 
 /// Sum of the squared residuals at x.
 double squaresOf(const CornerProblem& problem, const VectorXd& x) {
@@ -156,6 +159,9 @@ std::optional<CornerFit> fitCorner(const CornerPicture& picture, const CornerKno
   fit.covariance << all.topLeftCorner(kLegParameters, kLegParameters),
       all.block(0, kMeet, kLegParameters, meets), all.block(kMeet, 0, meets, kLegParameters),
       all.bottomRightCorner(meets, meets);
+  if (meets == 2 && best->x[kMeet] < 0.0 && arc && arc->x[kMeet] > 0.0 &&
+      best->squares > kSurelyShort * arc->squares)
+    fit.other = shapeOf(arc->x, known.legs.front());
   fit.scatter = std::sqrt(best->squares / static_cast<double>(problem.pixels()));
   return fit;
 }

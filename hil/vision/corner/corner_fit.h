@@ -50,6 +50,8 @@ struct CornerFit {
   /// 1/mm².
   Eigen::MatrixXd covariance;
   double scatter{};  ///< RMS of the residuals over the noise of the pixels.
+  /// Legs that stop short of each other look much like an arc: the arc, where it cannot be ruled out.
+  std::optional<CornerShape> other;
 
   /// Shape for a deviation of the parameters, in the covariance's order.
   [[nodiscard]] CornerShape shapeAt(const Eigen::VectorXd& change) const;

@@ -229,8 +229,11 @@ void evaluate(const CornerFit& fit, double reach_mm, double flicker_mm, CornerKe
   const double meeting_mm = std::hypot(unsteady_mm, kBentMeeting * bent_mm);
   // The farthest of many places that are each uncertain lies too far.
   out.deviation_mm = std::max(0.0, deviation_mm - deviation.mean());
-  out.deviation_sigma_mm = deviation.sigma(
-      std::hypot(deviationModelMm(fit.shape, reach_mm), unsteady_mm, kBentDeviation * bent_mm));
+  // U, twice this, takes in the other way that the legs may meet.
+  const double other_mm = fit.other ? 0.5 * std::abs(deviationMm(*fit.other, reach_mm) - deviation_mm) : 0.0;
+  const double model_mm =
+      std::hypot(deviationModelMm(fit.shape, reach_mm), unsteady_mm, kBentDeviation * bent_mm);
+  out.deviation_sigma_mm = deviation.sigma(std::hypot(model_mm, other_mm));
   out.rounding_mm = std::max(0.0, fit.shape.rounding_mm);
   out.rounding_sigma_mm =
       rounding.sigma(std::hypot(sharp * kArcModelMm, sharp * kRoundingModelMm, meeting_mm));
