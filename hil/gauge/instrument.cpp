@@ -118,6 +118,9 @@ camera::KerfTile KerfInstrument::picture(const twin::Sheet& sheet, const World& 
   twin::CameraDescription camera = windowOf(setup_.machine.kerf_camera, placement.window);
   if (camera.telecentric_mm > 0.0) turn(world.lean_rad, camera);
   camera.board_seed = board_seed;
+  camera.fx_px *= world.scale;
+  camera.fy_px *= world.scale;
+  camera.open_gray = world.open_gray;
   camera.foot = world.foot;
   camera.texture = world.texture;
   camera.roughness = world.roughness;
@@ -133,6 +136,9 @@ KerfMeasurement KerfInstrument::measure(camera::KerfTile tile, const Placement& 
   options.beam_radius_mm = setup_.machine.beam.waist_radius_mm;  // As the data sheet has it.
   options.beam_radius_sigma = setup_.radius_sigma;
   options.print_sigma_mm = setup_.print_sigma_mm;
+  options.scale_sigma = setup_.scale_sigma;
+  options.open_gray = setup_.machine.kerf_camera.open_gray;  // As the light was set up.
+  options.open_gray_sigma = setup_.open_gray_sigma;
   options.board_thickness_mm = thickness_mm;
   const vision::CameraCalibration calibration = windowOf(setup_.kerf_calibration, placement.window);
   options.stray_min_mm = setup_.limits.leastStray_mm(calibration.pitchMm());

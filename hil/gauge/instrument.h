@@ -26,6 +26,8 @@ struct GaugeSetup {
   inspect::Tolerances limits;
   double radius_sigma{0.05};  ///< Relative, and the next: what the bench is told of its uncertainty.
   double print_sigma_mm{};
+  double scale_sigma{};          ///< Relative.
+  double open_gray_sigma{0.02};  ///< Relative.
   bool mismatch{};  ///< Cases are cut and seen in worlds that are not the bench's own; see otherWorld().
 };
 

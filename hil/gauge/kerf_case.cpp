@@ -113,6 +113,11 @@ World KerfStudy::worldOf(const KerfCase& test_case) const {
   World world = setup_.mismatch ? otherWorld(setup_.board, camera, test_case.world_seed)
                                 : toldWorld(setup_.board, camera);
   lean(setup_.kerf_calibration, test_case.place_seed, world);
+  const twin::MachineDescription sampled =
+      twin::drawImperfections(setup_.machine, setup_.spread, test_case.preset, test_case.machine_seed)
+          .machine;
+  world.open_gray = sampled.kerf_camera.open_gray;
+  world.scale = (1.0 + sampled.board_lot.swelling) * sampled.kerf_camera.fx_px / camera.fx_px;
   return world;
 }
 

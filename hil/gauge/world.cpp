@@ -41,6 +41,7 @@ World toldWorld(const twin::BoardDescription& board, const twin::CameraDescripti
   world.told_thickness_mm = board.thickness_mm;
   world.foot = camera.foot;
   world.texture = camera.texture;
+  world.open_gray = camera.open_gray;
   world.roughness = camera.roughness;
   world.print = gaugeArtefact(world.corner).print;
   return world;
@@ -94,13 +95,13 @@ std::string textOf(const World& world) {
   const twin::BoardDescription& board = world.board;
   return fmt::format(
       "board {:.3f} mm (told {:.3f}), light {:.1f} % by {}, walls from {:.2f}, scorch {:.2f}, grain {:.1f}, "
-      "rough {:.1f} um; beam {:.3f} of its radius; foot {:.1f} % of {:.2f} px; corner {}",
+      "rough {:.1f} um; beam {:.3f} of its radius; foot {:.1f} % of {:.2f} px; open {:.1f}; corner {}",
       board.thickness_mm, world.told_thickness_mm, 100.0 * board.transmission,
       kNames.at(static_cast<std::size_t>(board.light_law)),
       board.depth_curve.empty() ? 0.0 : board.depth_curve.front().fluence_share,
       board.scorch.fluence_j_mm2 > 0.0 ? board.scorch.darkening : 0.0, world.texture.grain_gray,
       1e3 * world.roughness.rms_mm, world.radius, 100.0 * world.foot.share, world.foot.sigma_px,
-      30 * (1 + static_cast<int>(world.corner)));
+      world.open_gray, 30 * (1 + static_cast<int>(world.corner)));
 }
 
 }  // namespace kerfbench::gauge

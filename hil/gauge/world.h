@@ -26,6 +26,10 @@ struct World {
   /// of walls, and no view of a flat target shows it.
   Eigen::Vector2d lean_rad{Eigen::Vector2d::Zero()};
   CornerAngle corner{CornerAngle::k90};
+  /// The kerf camera as it is set up: its light through an open kerf, and the scale of its pictures over that
+  /// of its calibration.
+  double open_gray{twin::kOpenKerfGray};
+  double scale{1.0};
 };
 
 /// A world as the data sheets have it.

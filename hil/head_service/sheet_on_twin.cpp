@@ -97,8 +97,7 @@ camera::TwinTileSource sheetPictures(const HeadSetup& setup, const TwinBench& be
   camera.scenario.seed = bench.seed + (static_cast<std::uint64_t>(sheet) << 32U);
   camera::TwinTileOptions options = tileOptions(setup, bench);
   options.turn_rad = turn_rad;
-  options.table = cut.sampled.machine.inspection_table;
-  return run::kerfTiles(camera, cut.machine->sheet(), options);
+  return run::kerfTiles(camera, cut.sampled.machine, cut.machine->sheet(), options);
 }
 
 SheetOnTwin sheetOnTwin(const HeadSetup& setup, const TwinBench& bench, const SheetRequest& request,

@@ -49,6 +49,8 @@ gauge::GaugeSetup readSetup(const fs::path& machine, gauge::GaugeFacts& facts) {
   setup.kerf_calibration = cameras.kerf.value();
   setup.spot_calibration = cameras.spot.value();
   setup.radius_sigma = file.beam_radius_sigma;
+  setup.scale_sigma = std::hypot(file.kerf_camera.target_scale_sigma, 1e-6 * scenario::kUsualSwelling_ppm);
+  setup.open_gray_sigma = file.kerf_camera.open_gray_sigma;
   return setup;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/judge.h"
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -109,8 +110,13 @@ class Look {
       options.begin_sigma = kMeasuredBegin;
       options.law_sigma = kMeasuredLaw;
     }
-    options.table_sigma_mm = test_case_.kerf_camera.table_sigma_mm;
-    options.table_scale_sigma = test_case_.kerf_camera.table_scale_sigma;
+    const machine_file::CameraFile& camera = test_case_.kerf_camera;
+    // A bow moves tiles as a bad stop does, and neighbours alike.
+    options.table_sigma_mm = std::hypot(camera.table_sigma_mm, camera.table_straightness_mm);
+    options.table_scale_sigma = camera.table_scale_sigma;
+    options.scale_sigma = std::hypot(camera.target_scale_sigma, test_case_.scenario.swelling_sigma);
+    options.open_gray = test_case_.machine.kerf_camera.open_gray;  // As the light was set up.
+    options.open_gray_sigma = camera.open_gray_sigma;
     evidence_.kerf = scanKerf(*tiles, calibration, test_case_.scenario.print, *test_case_.dieline, options);
     observer_.stopwatch.lap("kerf camera: render and measure");
   }

@@ -73,6 +73,11 @@ twin::CameraDescription readCamera(base::YamlReader& camera, bool timed) {
     result.frame_period_s = 1.0 / camera.number("frames_per_s", {.min = 1, .max = 20000});
     result.exposure_s = 1e-6 * camera.number("exposure_us", {.min = 10, .max = 1e5});
     checkExposure(camera, result);
+  } else {
+    result.open_gray = camera.number("open_gray", {.min = 50, .max = 250, .fallback = twin::kOpenKerfGray});
+    result.back_light_half_angle_rad =
+        std::numbers::pi / 180.0 *
+        camera.number("back_light_half_angle_deg", {.min = 0, .max = 80, .fallback = 0.0});
   }
   readCameraFlaws(camera, timed, result);
   return result;

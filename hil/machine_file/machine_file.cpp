@@ -44,6 +44,12 @@ constexpr double kUsualRadius_percent = 5.0;
 constexpr double kUsualTable_um = 2.0;
 /// A steel scale that is one kelvin off its temperature: 11 ppm/K (AMO LMB-100, which is true to 3 um/m).
 constexpr double kUsualTableScale_ppm = 10.0;
+/// Straightness of linear stages over 100 to 200 mm, as their data sheets state it: 1 to 3 um.
+constexpr double kUsualStraightness_um = 2.0;
+/// A photomask of soda-lime glass (9 ppm/K) that is one kelvin off.
+constexpr double kUsualTargetScale_ppm = 10.0;
+/// What an LED's light changes from warm to cold and over months, white balanced by hand: some percent.
+constexpr double kUsualOpenGray_percent = 2.0;
 
 CameraFile readCameraFile(base::YamlReader& camera, const std::filesystem::path& machine_file,
                           const std::string& which) {
@@ -69,6 +75,12 @@ void readCameras(base::YamlReader cameras, MachineFile& file, const std::filesys
       1e-3 * kerf.number("table_um", {.min = 0, .max = 100, .fallback = kUsualTable_um});
   file.kerf_camera.table_scale_sigma =
       1e-6 * kerf.number("table_scale_ppm", {.min = 0, .max = 1000, .fallback = kUsualTableScale_ppm});
+  file.kerf_camera.table_straightness_mm =
+      1e-3 * kerf.number("table_straightness_um", {.min = 0, .max = 100, .fallback = kUsualStraightness_um});
+  file.kerf_camera.target_scale_sigma =
+      1e-6 * kerf.number("target_scale_ppm", {.min = 0, .max = 1000, .fallback = kUsualTargetScale_ppm});
+  file.kerf_camera.open_gray_sigma =
+      1e-2 * kerf.number("open_gray_percent", {.min = 0, .max = 10, .fallback = kUsualOpenGray_percent});
   MachineDescription& machine = file.machine;
   machine.glow_gray_per_w = spot.number("glow_gray_per_w", {.min = 0.01, .max = 1000});
   machine.spot_camera = readCamera(spot, true);

@@ -21,7 +21,10 @@ struct CameraFile {
                       ///< it extends.
   /// Kerf camera: standard uncertainty of a tile's place as the inspection table reads it, per axis.
   double table_sigma_mm{};
-  double table_scale_sigma{};  ///< Kerf camera: relative standard uncertainty of the table's scale.
+  double table_straightness_mm{};  ///< Kerf camera: by how much the table's axes bow, RMS.
+  double table_scale_sigma{};      ///< Kerf camera: relative standard uncertainty of the table's scale.
+  double target_scale_sigma{};     ///< Kerf camera: the same of the target that it was calibrated with.
+  double open_gray_sigma{};        ///< Kerf camera: relative standard uncertainty of its open_gray.
 };
 
 /// A machine file, read and checked. docs/reference/machine.md explains every key.

@@ -29,6 +29,10 @@ twin::ImperfectionSpread readSpread(base::YamlReader section) {
   read("print_registration_um", 1e-3, 50, spread.print_mm);
   read("table_step_um", 1e-3, 50, spread.table_step_mm);
   read("table_scale_ppm", kMicro, 1e3, spread.table_scale);
+  read("table_straightness_um", 1e-3, 50, spread.table_bow_mm);
+  read("target_scale_ppm", kMicro, 1e3, spread.target_scale);
+  read("board_swelling_ppm", kMicro, 1e3, spread.swelling);
+  read("open_gray_percent", kPercent, 20, spread.open_gray);
   read("bandwidth_percent", kPercent, 20, spread.bandwidth);
   read("backlash_urad", kMicro, 1e4, spread.backlash_rad);
   read("backlash_mm", 1.0, 1, spread.backlash_mm);

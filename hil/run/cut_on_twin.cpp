@@ -25,12 +25,19 @@ std::vector<Eigen::AlignedBox2d> boxesOf(const dieline::Dieline& dieline) {
 
 }  // namespace
 
-camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Sheet& sheet,
-                                 camera::TwinTileOptions options) {
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                                 const twin::Sheet& sheet, camera::TwinTileOptions options) {
   const scenario::Scenario& scenario = test_case.scenario;
   options.seed = scenario.seed;
-  return {twin::KerfCamera(test_case.machine.kerf_camera, scenario.print, scenario.seed), sheet,
-          boxesOf(*test_case.dieline), options};
+  options.table = machine.inspection_table;
+  // Board that has grown looks as it did before through a larger scale, on a table that goes less far.
+  const double grown = 1.0 + machine.board_lot.swelling;
+  twin::CameraDescription camera = machine.kerf_camera;
+  camera.fx_px *= grown;
+  camera.fy_px *= grown;
+  options.table.scale = (1.0 + options.table.scale) / grown - 1.0;
+  return {twin::KerfCamera(camera, scenario.print, scenario.seed), sheet, boxesOf(*test_case.dieline),
+          options};
 }
 
 CutSheet cutOnTwin(const scenario::Case& test_case, const std::filesystem::path& bin_dir,

@@ -13,10 +13,11 @@
 
 namespace kerfbench::run {
 
-/// Pictures of all that the case's dieline has on the sheet, by the machine's kerf camera. `options` but for
-/// its seed, which is the scenario's. `sheet` must outlive it.
-camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::Sheet& sheet,
-                                 camera::TwinTileOptions options);
+/// Pictures of all that the case's dieline has on the sheet, by the kerf camera on the inspection table of
+/// `machine`, the case's own as described or as sampled. `options` but for seed and table. `sheet` must
+/// outlive it.
+camera::TwinTileSource kerfTiles(const scenario::Case& test_case, const twin::MachineDescription& machine,
+                                 const twin::Sheet& sheet, camera::TwinTileOptions options);
 
 /// A sheet that a release has cut on the twin.
 struct CutSheet {

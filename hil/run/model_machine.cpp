@@ -92,8 +92,8 @@ std::unique_ptr<camera::FrameSource> ModelMachine::spotFrames(double from_s, dou
 std::unique_ptr<camera::TileSource> ModelMachine::kerfTiles(int threads) {
   camera::TwinTileOptions options;
   options.threads = threads;
-  options.table = sampled_.machine.inspection_table;
-  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(asPrinted(), sheet(), options));
+  return std::make_unique<camera::TwinTileSource>(
+      run::kerfTiles(asPrinted(), sampled_.machine, sheet(), options));
 }
 
 scenario::Case ModelMachine::asPrinted() const {

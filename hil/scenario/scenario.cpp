@@ -184,7 +184,10 @@ ScenarioFile readScenarioFile(const fs::path& path, const ImagePath& images) {
   s.machine = fileOf(file, "machine");
   s.layers = readLayers(file);
   s.selection = readSelection(file.section("select"));
-  s.board = readBoard(file.section("board"));
+  auto board = file.section("board");
+  s.board = readBoard(board);
+  s.swelling_sigma =
+      1e-6 * board.number("swelling_ppm", {.min = 0, .max = 10000, .fallback = kUsualSwelling_ppm});
   auto print = file.section("print");
   s.print = readPrint(print);
   s.print_sigma_mm =

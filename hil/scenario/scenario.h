@@ -53,6 +53,10 @@ struct FirmwareChoice {
   [[nodiscard]] bool onRealPins() const { return source == Source::kGpio || source == Source::kAnalyser; }
 };
 
+/// How much board grows or shrinks between cut and inspection, if both are done in one room within minutes:
+/// what 0.1 % of relative humidity does to cartonboard across the grain (about 100 ppm for each per cent).
+inline constexpr double kUsualSwelling_ppm = 10.0;
+
 /// A scenario file, checked; all paths absolute.
 struct Scenario {
   std::filesystem::path path;
@@ -66,6 +70,7 @@ struct Scenario {
   dieline::LayerProfile layers;
   planner::Selection selection;  ///< Part of the dieline that is cut, and judged.
   twin::BoardDescription board;
+  double swelling_sigma{};  ///< For the bench: relative growth of the board between cut and inspection.
   PrintLayout print;
   double print_sigma_mm{};   ///< For the bench: where a registration mark is printed, per axis.
   double belt_speed_mm_s{};  ///< Speed at t = 0, as the planner knows it.

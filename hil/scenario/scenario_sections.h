@@ -17,7 +17,7 @@ std::filesystem::path fileOf(base::YamlReader& reader, std::string_view key,
 
 dieline::LayerProfile readLayers(base::YamlReader& file);
 planner::Selection readSelection(base::YamlReader select);
-twin::BoardDescription readBoard(base::YamlReader board);
+twin::BoardDescription readBoard(base::YamlReader& board);
 PrintLayout readPrint(base::YamlReader& print);
 void readBelt(base::YamlReader belt, Scenario& scenario);
 FirmwareChoice readFirmware(base::YamlReader firmware, const ImagePath& images);

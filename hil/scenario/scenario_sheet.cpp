@@ -139,7 +139,7 @@ planner::Selection readSelection(base::YamlReader select) {
   return selection;
 }
 
-twin::BoardDescription readBoard(base::YamlReader board) {
+twin::BoardDescription readBoard(base::YamlReader& board) {
   twin::BoardDescription result;
   result.thickness_mm =
       board.number("thickness_mm", {.min = 0.001, .max = 5.0, .fallback = result.thickness_mm});

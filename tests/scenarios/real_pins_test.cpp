@@ -124,7 +124,8 @@ class PinsToVerdict : public testing::Test {
                            fs::path(KERFBENCH_BINARY_DIR) / "firmware");
     test_case.scenario.fidelity = twin::Fidelity::kFast;
     run::CutSheet cut = run::cutOnTwin(test_case, options().bin_dir, [](double, const std::string&) {});
-    camera::TwinTileSource tiles = run::kerfTiles(test_case, cut.machine->sheet(), {.threads = 2});
+    camera::TwinTileSource tiles =
+        run::kerfTiles(test_case, test_case.machine, cut.machine->sheet(), {.threads = 2});
     fs::remove_all(photographs());
     camera::writeTiles(tiles, photographs());
   }

@@ -22,7 +22,8 @@ std::unique_ptr<camera::FrameSource> TwinCameras::spotFrames(double from_s, doub
 std::unique_ptr<camera::TileSource> TwinCameras::kerfTiles(int threads) {
   camera::TwinTileOptions options;
   options.threads = threads;
-  return std::make_unique<camera::TwinTileSource>(run::kerfTiles(case_, twin_.sheet(), options));
+  return std::make_unique<camera::TwinTileSource>(
+      run::kerfTiles(case_, case_.machine, twin_.sheet(), options));
 }
 
 }  // namespace kerfbench::test

@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
     scenario::Case test_case = scenario::readCase(argv[1], bin_dir.parent_path() / "firmware");
     test_case.scenario.fidelity = twin::Fidelity::kFast;
     run::CutSheet cut = run::cutOnTwin(test_case, bin_dir, [](double, const std::string&) {});
-    camera::TwinTileSource tiles = run::kerfTiles(test_case, cut.machine->sheet(), {.threads = 1});
+    camera::TwinTileSource tiles =
+        run::kerfTiles(test_case, test_case.machine, cut.machine->sheet(), {.threads = 1});
     camera::writeTiles(tiles, argv[2]);
     return 0;
   } catch (const std::exception& e) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -18,9 +20,10 @@
 
 namespace kerfbench::twin {
 
-/// Grey levels of the model that no description changes.
-inline constexpr double kMarkGray = 25.0;       ///< A printed mark under the spot camera's light.
-inline constexpr double kOpenKerfGray = 235.0;  ///< The back light through an open kerf.
+/// A printed mark under the spot camera's light; no description changes it.
+inline constexpr double kMarkGray = 25.0;
+/// The back light through an open kerf, as a kerf camera is set up: 92 % of the scale.
+inline constexpr double kOpenKerfGray = 235.0;
 
 /// A camera of the model: lens with distortion (k1 k2 p1 p2 k3), blur and noise. X_CP is the pose in the
 /// camera of the plane it looks at: work plane W for the spot camera, for the kerf camera the plane of the
@@ -40,7 +43,11 @@ struct CameraDescription {
   BlurFoot foot{};
   double read_noise{0.8};             ///< Standard deviation, grey levels.
   double full_well_electrons{10000};  ///< Electrons at grey level 255; sets the shot noise. Infinity: none.
-  double board_gray{110};        ///< Board under this camera's light (spot camera only; see kOpenKerfGray).
+  double board_gray{110};             ///< Board under this camera's light; spot camera only.
+  double open_gray{kOpenKerfGray};    ///< The back light through an open kerf; kerf camera only; (0, 255].
+  /// Half angle at which the back light is half as bright as straight up; 0: it shines evenly in all
+  /// directions. Kerf camera only.
+  double back_light_half_angle_rad{0.0};
   double frame_period_s{0.001};  ///< Time between exposures; spot camera only.
   double exposure_s{50e-6};      ///< Exposure time; spot camera only; in (0, frame_period_s].
 
@@ -108,10 +115,22 @@ class SpotCamera {
   std::shared_ptr<const Model> model_;
 };
 
-/// The table on which the finished sheet lies under the kerf camera: how far its scales are from the truth.
+/// How far an axis of a table goes aside on its way.
+struct TableBow {
+  double amplitude_mm{};  ///< Half the height of a sine of kPeriod_mm.
+  double phase_rad{};
+  static constexpr double kPeriod_mm = 150.0;
+  [[nodiscard]] double at(double along_mm) const {
+    return amplitude_mm * std::sin(2.0 * std::numbers::pi * along_mm / kPeriod_mm + phase_rad);
+  }
+};
+
+/// The table on which the finished sheet lies under the kerf camera: how far it is from the truth.
 struct InspectionTableDescription {
   double step_mm{};  ///< Standard deviation of where it stops, per axis, anew for each tile.
   double scale{};    ///< Relative: the way that it goes for a millimetre of its scales, less one.
+  /// Along x as it goes along y, and along y as it goes along x.
+  TableBow bow_x{}, bow_y{};
 };
 
 /// Piece of the web that lies on the inspection table, along Sx of its unit. The rest of the web was cut off
@@ -121,7 +140,9 @@ struct PieceSpan {
   double max_x_S_mm{std::numeric_limits<double>::infinity()};
 };
 
-/// Renders back-lit tiles of one unit on the inspection table, which shines evenly in all directions. The
+/// Renders back-lit tiles of one unit on the inspection table. Its light is diffuse, or falls off with the
+/// angle between the line of sight and the sheet's normal (back_light_half_angle_rad): a common lens then
+/// sees the middle of its field alone, a telecentric one all of it. The
 /// sheet's printed face lies in the plane that the camera looks at, the other face `thickness_mm` below. The
 /// burn is deep from the printed face, square to it: where a line of sight goes through board for the share z
 /// of the thickness, lightThrough() of z comes through, under a mark that of print_transmission. A line of

@@ -84,6 +84,9 @@ std::string faultsOf(const CameraDescription& camera) {
   require(notNegative(camera.read_noise), "read_noise must be >= 0");
   require(camera.full_well_electrons > 0.0, "full_well_electrons must be > 0");
   require(within(camera.board_gray, 0.0, 255.0), "board_gray must be in [0, 255]");
+  require(camera.open_gray > 0.0 && camera.open_gray <= 255.0, "open_gray must be in (0, 255]");
+  require(within(camera.back_light_half_angle_rad, 0.0, 1.5),
+          "back_light_half_angle_rad must be in [0, 1.5]");
   findOnBoard(faults, camera);
   findInLight(faults, camera);
   findInLink(faults, camera);

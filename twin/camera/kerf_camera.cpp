@@ -81,6 +81,8 @@ struct KerfCamera::Model {
   void findPrint(TileJob& job, const Eigen::AlignedBox2d& box, double sample_nodes) const;
   [[nodiscard]] TileJob jobFor(const Sheet& sheet, int unit, const PieceSpan& piece) const;
   void addGrain(const Eigen::Isometry2d& X_NV, float board_gray, std::vector<float>& light) const;
+  /// What the back light loses where a line of sight leaves it aslant.
+  void dimByAngle(std::vector<float>& light) const;
 };
 
 KerfCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& print_, std::uint64_t seed_)
@@ -106,8 +108,9 @@ void KerfCamera::Model::setSight(const Eigen::Isometry2d& X_NV, TileJob& job) co
   // From V to N the plane is turned and moved, so the slope's direction turns and its zero moves.
   const SightSlope slope = projection.sightSlope();
   const Vector2d at_origin_V = slope.at(X_NV.inverse().translation());
-  job.oblique.emplace(ObliqueSight{WallTable(job.sheet), grayOfLeft(job.sheet, board.transmission),
-                                   grayOfLeft(job.sheet, board.print_transmission),
+  job.oblique.emplace(ObliqueSight{WallTable(job.sheet),
+                                   grayOfLeft(job.sheet, board.transmission, camera.open_gray),
+                                   grayOfLeft(job.sheet, board.print_transmission, camera.open_gray),
                                    board.thickness_mm / Sheet::kCellMm * (X_NV.linear() * at_origin_V),
                                    board.thickness_mm * slope.per_mm, 0});
 }
@@ -231,8 +234,9 @@ TileJob KerfCamera::Model::jobFor(const Sheet& sheet, int unit, const PieceSpan&
   const ScorchDescription& scorch = sheet.board().scorch;
   const bool scorches = scorch.fluence_j_mm2 > 0.0 && scorch.darkening > 0.0;
   TileJob job{sheet,
-              grayOfFluence(sheet, sheet.board().transmission),
-              grayOfFluence(sheet, sheet.board().print_transmission),
+              grayOfFluence(sheet, sheet.board().transmission, camera.open_gray),
+              grayOfFluence(sheet, sheet.board().print_transmission, camera.open_gray),
+              static_cast<float>(camera.open_gray),
               static_cast<float>(1.0 / sheet.board().cut_fluence_j_mm2),
               toNodes(piece.min_x_S_mm),
               toNodes(piece.max_x_S_mm),
@@ -266,7 +270,7 @@ TileJob KerfCamera::Model::jobFor(const Sheet& sheet, int unit, const PieceSpan&
 void KerfCamera::Model::addGrain(const Eigen::Isometry2d& X_NV, float board_gray,
                                  std::vector<float>& light) const {
   FieldPainter painter(*grain);
-  const auto open = static_cast<float>(kOpenKerfGray);
+  const auto open = static_cast<float>(camera.open_gray);
   const float board = std::max(board_gray, 1.0F);
   const float above_board = std::max(open - board_gray, 1.0F);
   std::vector<float> grains;
@@ -284,6 +288,30 @@ void KerfCamera::Model::addGrain(const Eigen::Isometry2d& X_NV, float board_gray
         for (int x = 0; x < width; ++x) {
           const float whole = std::min(line[x] / board, (open - line[x]) / above_board);
           line[x] += from[x] * std::max(whole, 0.0F);
+        }
+      }
+    }
+  }
+}
+
+void KerfCamera::Model::dimByAngle(std::vector<float>& light) const {
+  if (!(camera.back_light_half_angle_rad > 0.0)) return;
+  const SightSlope slope = projection.sightSlope();
+  const double per_half_angle = 1.0 / std::tan(camera.back_light_half_angle_rad);
+  for (std::size_t by = 0; by < grid.rows(); ++by) {
+    for (std::size_t bx = 0; bx < grid.columns(); ++bx) {
+      const PlaneGrid::Block block = grid.block(bx, by);
+      const PlanePatch patch(grid.nodes(bx, by));
+      for (int y = block.y0; y < block.y1; ++y) {
+        const double down = (y - block.y0 + 0.5) / (block.y1 - block.y0);
+        const Vector2d c0 = patch.alongRow(down, 0);
+        const Vector2d c1 = patch.alongRow(down, 1);
+        const Vector2d c2 = patch.alongRow(down, 2);
+        float* const line = light.data() + static_cast<std::ptrdiff_t>(y) * camera.width_px;
+        for (int x = block.x0; x < block.x1; ++x) {
+          const double s = (x - block.x0 + 0.5) / (block.x1 - block.x0);
+          const double aslant = per_half_angle * slope.at(c0 + s * (c1 + s * c2)).norm();
+          line[x] *= static_cast<float>(std::exp2(-aslant * aslant));
         }
       }
     }
@@ -331,6 +359,7 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
   }
   model.blurAll(drawn, light);
   if (model.grain) model.addGrain(X_NV, job.board.at(0.0F), light);
+  model.dimByAngle(light);
   model.shading.shadeByLamp(light);
   model.shading.shadeByLens(light);
   model.shading.addHotPixels(light);

@@ -54,15 +54,15 @@ class WallTable {
 };
 /// Grey level of the back light where a share of the board's thickness is left, of board that transmits
 /// `transmission`.
-inline ShareTable grayOfLeft(const Sheet& sheet, double transmission) {
+inline ShareTable grayOfLeft(const Sheet& sheet, double transmission, double open_gray) {
   return ShareTable(
-      [&](double left) { return kOpenKerfGray * lightThrough(sheet.board().light_law, transmission, left); });
+      [&](double left) { return open_gray * lightThrough(sheet.board().light_law, transmission, left); });
 }
 /// Grey level where the board absorbed a share of the fluence that cuts, seen square to the sheet.
-inline ShareTable grayOfFluence(const Sheet& sheet, double transmission) {
+inline ShareTable grayOfFluence(const Sheet& sheet, double transmission, double open_gray) {
   return ShareTable([&](double share) {
     const double depth = sheet.depthCurve().depthAt(share * sheet.board().cut_fluence_j_mm2);
-    return kOpenKerfGray * lightThrough(sheet.board().light_law, transmission, 1.0 - depth);
+    return open_gray * lightThrough(sheet.board().light_law, transmission, 1.0 - depth);
   });
 }
 
@@ -161,6 +161,7 @@ struct TileJob {
   const Sheet& sheet;
   ShareTable board;  ///< grayOfFluence()
   ShareTable print;
+  float open_gray;
   float share_per_fluence;
   double piece_min_nodes;
   double piece_max_nodes;
@@ -304,7 +305,7 @@ class BlockPainter {
                        x + to_charred_x_, y + to_charred_y_);
     const float scorch = std::clamp(job_.scorch.per_fluence * fluence(cause), 0.0F, 1.0F);
     const float dark = gray * (1.0F - job_.scorch.darkening * scorch);
-    return dark + open * (static_cast<float>(kOpenKerfGray) - dark);
+    return dark + open * (job_.open_gray - dark);
   }
 
   /// Share of a sample around the place that is cut through. Light jumps where the scorched board ends:

@@ -98,6 +98,7 @@ struct BoardLot {
   /// mm, and the seed that it is drawn with.
   double print_mm{0.0};
   std::uint64_t print_seed{0};
+  double swelling{0.0};  ///< Relative: how much it has grown since it was cut when it is inspected.
 };
 
 /// A laser die-cutter. Constant; the moving state is in Twin.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twin/description/imperfections.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <variant>
@@ -107,6 +108,15 @@ void drawRoller(Drawing& draw, BeltDescription& belt, double sigma) {
   belt.feed.step *= factor;
 }
 
+// A target that is too large makes what the camera sees seem too small.
+void drawKerfCamera(Drawing& draw, CameraDescription& camera, const ImperfectionSpread& spread) {
+  const double scale = draw.relative("kerf_camera.target_scale", spread.target_scale);
+  camera.fx_px /= scale;
+  camera.fy_px /= scale;
+  camera.open_gray =
+      std::min(255.0, camera.open_gray * draw.relative("kerf_camera.open_gray", spread.open_gray));
+}
+
 void drawStatic(Drawing& draw, MachineDescription& machine, const ImperfectionSpread& spread) {
   if (machine.kind == MachineDescription::Kind::kTwoMirror) {
     drawHead(draw, machine.head, spread);
@@ -133,6 +143,12 @@ void drawStatic(Drawing& draw, MachineDescription& machine, const ImperfectionSp
   draw.addNoise(machine.board_lot.print_mm, "print.registration", spread.print_mm, "mm");
   draw.addNoise(machine.inspection_table.step_mm, "inspection_table.step", spread.table_step_mm, "mm");
   draw.add(machine.inspection_table.scale, "inspection_table.scale", spread.table_scale, "mm/mm");
+  TableBow& bow_x = machine.inspection_table.bow_x;
+  TableBow& bow_y = machine.inspection_table.bow_y;
+  draw.addSine(bow_x.amplitude_mm, bow_x.phase_rad, "inspection_table.bow_x", spread.table_bow_mm);
+  draw.addSine(bow_y.amplitude_mm, bow_y.phase_rad, "inspection_table.bow_y", spread.table_bow_mm);
+  draw.add(machine.board_lot.swelling, "board.swelling", spread.swelling, "mm/mm");
+  drawKerfCamera(draw, machine.kerf_camera, spread);
   machine.power_monitor.scale *= draw.relative("power_monitor.scale", spread.power_monitor_scale);
 }
 

@@ -54,6 +54,10 @@ struct ImperfectionSpread {
   double print_mm{0.002};             ///< n: where the plate prints each registration mark.
   double table_step_mm{0.002};        ///< n: where the inspection table stops.
   double table_scale{10e-6};          ///< Relative scale of the inspection table.
+  double table_bow_mm{0.002};         ///< v: by which each axis of it bows to the side, RMS.
+  double target_scale{10e-6};  ///< Relative scale of the target that the kerf camera was calibrated with.
+  double swelling{10e-6};      ///< Relative growth of the board between cut and inspection.
+  double open_gray{0.02};      ///< Relative brightness of the back light.
   // kDynamic
   double bandwidth{0.01};       ///< Relative bandwidth of each servo: its tracking delay.
   double backlash_rad{0.2e-6};  ///< h: backlash of each mirror, in the seat of a clamp; a galvo has no gear.

@@ -129,7 +129,9 @@ TwinTileSource::TwinTileSource(twin::KerfCamera camera, const twin::Sheet& sheet
 
 Vector2d TwinTileSource::takenAt(std::size_t index) const {
   const CounterRandom random(seed_ ^ kTableSeed, index);
-  return (1.0 + table_.scale) * plan_[index].p_TV_mm +
+  const Vector2d& told_mm = plan_[index].p_TV_mm;
+  return (1.0 + table_.scale) * told_mm +
+         Vector2d(table_.bow_x.at(told_mm.y()), table_.bow_y.at(told_mm.x())) +
          table_.step_mm * Vector2d(random.normal(0), random.normal(1));
 }
 

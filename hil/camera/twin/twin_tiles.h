@@ -47,15 +47,14 @@ class TwinTileSource final : public TileSource {
   [[nodiscard]] const Eigen::Isometry2d& lay(int unit) const {
     return lay_.at(static_cast<std::size_t>(unit));
   }
+  /// Where the camera is when the table says p_TV of the tile with this number: the truth, for tests.
+  [[nodiscard]] Eigen::Vector2d takenAt(std::size_t index) const;
 
  private:
   struct Place {
     int unit{};
     Eigen::Vector2d p_TV_mm{Eigen::Vector2d::Zero()};
   };
-
-  /// Where the camera is when the table says plan_[index].
-  [[nodiscard]] Eigen::Vector2d takenAt(std::size_t index) const;
 
   twin::KerfCamera camera_;
   const twin::Sheet* sheet_;

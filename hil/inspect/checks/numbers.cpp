@@ -63,7 +63,7 @@ void addSpot(const vision::SpotTrack& track, Numbers& n) {
 
 void addKerf(const vision::KerfScan& scan, Numbers& n) {
   n.need(scan.table_sigma_mm, "the repeatability of the inspection table");
-  n.need(scan.table_scale_sigma, "the uncertainty of the inspection table's scale");
+  n.need(scan.scale_sigma, "the uncertainty of the inspection's scale");
   for (const vision::EntityKerf& kerf : scan.entities) {
     n.need(kerf.depth_mm, "the depth at which a kerf is seen");
     n.need(kerf.depth_sigma_mm, "the uncertainty of the depth at which a kerf is seen");

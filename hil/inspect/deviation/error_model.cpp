@@ -48,7 +48,7 @@ class SharedErrors {
       : field_(field),
         camera_(evidence.kerf_calibration.value_or(vision::CameraCalibration{})),
         table_sigma_mm_(evidence.kerf.table_sigma_mm),
-        table_scale_sigma_(evidence.kerf.table_scale_sigma),
+        scale_sigma_(evidence.kerf.scale_sigma),
         tile_columns_(tileColumns(evidence.kerf)) {
     for (const vision::UnitPose& pose : evidence.kerf.units)
       poses_.push_back({&pose, rootOf(pose.covariance)});
@@ -78,7 +78,7 @@ class SharedErrors {
     for (Eigen::Index k = 0; k < field_.modes(); ++k)
       row[ReadingLine::kOwn + tiles() + k] = normal.dot(field_.at(k, c.p_V_mm));
     row[ReadingLine::kOwn + tiles() + field_.modes()] =
-        table_scale_sigma_ * normal.dot(R_TS * (c.p_S_mm - place->pose->marks_centre_S_mm));
+        scale_sigma_ * normal.dot(R_TS * (c.p_S_mm - place->pose->marks_centre_S_mm));
     const double unsquare_mm = 0.5 * kerf.deepest_mm() * camera_.square_within_rad;
     row.tail<ReadingLine::kSight>() << kerf.depth_sigma_mm * normal.dot(camera_.sightSlope(c.p_V_mm)),
         unsquare_mm * normal.x(), unsquare_mm * normal.y();
@@ -93,7 +93,7 @@ class SharedErrors {
   const ModeField& field_;
   vision::CameraCalibration camera_;
   double table_sigma_mm_;
-  double table_scale_sigma_;
+  double scale_sigma_;
   std::map<std::pair<int, int>, Eigen::Index> tile_columns_;
   std::vector<Place> poses_;
 };

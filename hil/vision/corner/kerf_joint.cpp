@@ -88,6 +88,9 @@ FlankMoments reachOf(const JointScene& scene, const Eigen::Vector2d& p_S_mm, dou
     look.growth = seen.growth;
     look.beam_radius_mm = seen.beam_radius_mm;
     look.lens_px = seen.lens_px;
+    look.open_gray = scene.options->open_gray * seen.open;
+    look.brightness =
+        brightness * (scene.options->open_gray - look.board_gray) / (look.open_gray - look.board_gray);
     return KerfOutline(look).reachMm(strip_mm);
   });
 }

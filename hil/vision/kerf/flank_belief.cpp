@@ -125,6 +125,13 @@ FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& kno
       belief.views.back().weight = 0.5 / kFlankSize;
     }
   }
+  // Flanks do not tell how bright the back light is.
+  for (const double side : {-1.0, 1.0}) {
+    if (!(known.open_sigma > 0.0)) break;
+    belief.views.push_back(belief.likely);
+    belief.views.back().open += side * known.open_sigma;
+    belief.views.back().weight = 0.5;
+  }
   return belief;
 }
 

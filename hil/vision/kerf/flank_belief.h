@@ -13,6 +13,7 @@ struct FlankView {
   LightGrowth growth{};
   double beam_radius_mm{};  ///< 1/e²; 0: a hard edge.
   double lens_px{};         ///< Standard deviation of the picture's blur.
+  double open{1.0};         ///< Back light over what a query has it.
   double weight{1.0};       ///< How likely it is; all weights of a belief add up to 1.
 };
 
@@ -23,6 +24,7 @@ struct FlankKnown {
   double beam_radius_mm{};      ///< As the laser's data sheet has it.
   double radius_share_sigma{};  ///< Relative standard uncertainty of it.
   LensBlur blur;
+  double open_sigma{0.0};  ///< Relative standard uncertainty of the back light.
 };
 
 /// The flanks of one entity as seen, on average.
@@ -38,8 +40,8 @@ struct FlankMoments {
   double sigma{};  ///< RMS of the departures from it.
 };
 
-/// What is believed of light, beam and blur: the likeliest view, and views about it that have the covariance
-/// of what is known (sigma points, Julier and Uhlmann 1997).
+/// What is believed of light, beam and blur: the likeliest view, and views about it that have the
+/// covariance of what is known (sigma points, Julier and Uhlmann 1997).
 struct FlankBelief {
   FlankView likely;
   std::vector<FlankView> views;
@@ -57,8 +59,8 @@ struct FlankBelief {
   }
 };
 
-/// Least squares over law, radius and blur, which all kerfs of a sheet have in common: how steeply their
-/// flanks fall, against what is known before. Without flanks: what is known before.
+/// Least squares over law, radius and blur, which all kerfs of a sheet have in common: how
+/// steeply their flanks fall, against what is known before. Without flanks: what is known before.
 FlankBelief beliefOf(const std::vector<SeenFlank>& flanks, const FlankKnown& known);
 
 }  // namespace kerfbench::vision

@@ -219,6 +219,7 @@ FlankQuery viewedBy(const FlankView& view, FlankQuery query) {
   query.growth = view.growth;
   query.beam_radius_mm = view.beam_radius_mm;
   query.lens_px = view.lens_px;
+  query.open_gray *= view.open;
   return query;
 }
 

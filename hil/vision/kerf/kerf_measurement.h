@@ -101,7 +101,7 @@ struct UnitPose {
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
   double residual_mm{};  ///< RMS of the marks; NaN with fewer than two.
   int marks{};
-  /// Mean place of the unit's marks as printed, in S: an error of the table's scale leaves it where it is.
+  /// Mean place of the unit's marks as printed, in S: an error of scale leaves it where it is.
   Eigen::Vector2d marks_centre_S_mm{Eigen::Vector2d::Zero()};
 };
 
@@ -139,7 +139,9 @@ struct KerfScanOptions {
   LightGrowth growth{};
   /// LightGrowth::begin lies in 0 … 0.9 (upright walls), and twice its uncertainty takes in all of that.
   double law_sigma{0.8}, begin_sigma{0.45};
-  double open_gray{235.0};  ///< Back light through an open kerf, from the set-up of the light: brightness 1.
+  /// Back light through an open kerf, as the light was set up: brightness 1.
+  double open_gray{235.0};
+  double open_gray_sigma{0.02};  ///< Relative standard uncertainty of it.
   double widest_blur_px{
       1.5};  ///< Standard deviation beyond which the edges of marks show a picture as blurred.
   /// Thickness of the board by its data sheet; 0: too thin to matter, and kerfs are taken to lie in the plane
@@ -149,6 +151,9 @@ struct KerfScanOptions {
   double table_sigma_mm{0.0};
   /// Relative standard uncertainty of the table's scale.
   double table_scale_sigma{0.0};
+  /// Relative standard uncertainty of what else makes all of a sheet seem too large or too small: the scale
+  /// of the calibration's target, and how much the board has swelled since it was cut.
+  double scale_sigma{0.0};
   /// Standard uncertainty of where a registration mark is printed, per axis.
   double print_sigma_mm{0.0};
   int threads{1};  ///< The result is the same at any number.
@@ -167,7 +172,9 @@ struct KerfScan {
   double tile_misfit_mm{};
   /// As KerfScanOptions::table_sigma_mm; 0 where one tile shows each unit: the table does not matter then.
   double table_sigma_mm{};
-  double table_scale_sigma{};  ///< As KerfScanOptions::table_scale_sigma, 0 likewise.
+  /// Relative standard uncertainty of all scales together: KerfScanOptions::scale_sigma, and that of the
+  /// table where it matters.
+  double scale_sigma{};
   /// Reasons not to trust the scan (marks not found, tile missing): INVALID.
   std::vector<std::string> problems;
 };

@@ -123,9 +123,12 @@ struct ScanJob {
     const TileIndex index(pictures.views, calibration);
     // In one tile, kerfs and marks are where they are wherever the table stopped.
     KerfScanOptions unit_options = options;
-    if (pictures.views.size() < 2) unit_options.table_sigma_mm = unit_options.table_scale_sigma = 0.0;
+    if (pictures.views.size() < 2)
+      unit_options.table_sigma_mm = 0.0;
+    else
+      unit_options.scale_sigma = std::hypot(options.scale_sigma, options.table_scale_sigma);
     scan.table_sigma_mm = std::max(scan.table_sigma_mm, unit_options.table_sigma_mm);
-    scan.table_scale_sigma = std::max(scan.table_scale_sigma, unit_options.table_scale_sigma);
+    scan.scale_sigma = std::max(scan.scale_sigma, unit_options.scale_sigma);
     const double mark_sigma_mm = std::hypot(unit_options.table_sigma_mm, options.print_sigma_mm);
     const std::optional<UnitPlace> place =
         placeUnit(pictures.views, index, {unit, &print, mark_sigma_mm}, calibration, scan.problems);
@@ -160,10 +163,13 @@ KerfScan scanKerf(camera::TileSource& tiles, const CameraCalibration& calibratio
   if (!(options.station_pitch_mm > 0.0) || !(options.reach_mm > 0.0) || !(options.open_gray > 0.0) ||
       !(options.beam_radius_mm >= 0.0) || !(options.board_thickness_mm >= 0.0) ||
       !(options.table_sigma_mm >= 0.0) || !(options.table_scale_sigma >= 0.0) ||
+      !(options.scale_sigma >= 0.0) || !(options.open_gray_sigma >= 0.0) ||
       !(options.print_sigma_mm >= 0.0)) {
     throw std::invalid_argument(
         "kerf scan: station_pitch_mm, reach_mm and open_gray must be > 0, beam_radius_mm, "
-        "board_thickness_mm, table_sigma_mm, table_scale_sigma and print_sigma_mm >= 0");
+        "board_thickness_mm, table_sigma_mm, table_scale_sigma, scale_sigma, open_gray_sigma and "
+        "print_sigma_mm "
+        ">= 0");
   }
   const KerfPlan plan = planKerf(dieline, options);
   const ScanJob job{plan, calibration, print, options};

@@ -185,7 +185,8 @@ FlankBelief UnitScan::beliefOf(const std::vector<EntityKerf>& kerfs, const std::
                                    .begin_sigma = options_.begin_sigma,
                                    .beam_radius_mm = options_.beam_radius_mm,
                                    .radius_share_sigma = options_.beam_radius_sigma,
-                                   .blur = blur_});
+                                   .blur = blur_,
+                                   .open_sigma = options_.open_gray_sigma});
 }
 
 void UnitScan::correct(const EntityPlan& plan, const FlankBelief& belief, EntityKerf& kerf,
@@ -253,7 +254,7 @@ Eigen::Vector2d UnitScan::depthSigma_mm(const EntityPlan& plan, const Eigen::Vec
 }
 
 Eigen::Vector2d UnitScan::scaleSigma_mm(const Eigen::Vector2d& p_S_mm) const {
-  return options_.table_scale_sigma * (p_S_mm - marks_centre_S_mm_);
+  return options_.scale_sigma * (p_S_mm - marks_centre_S_mm_);
 }
 
 UnitScan::Hidden UnitScan::hiddenBy(const Eigen::Vector2d& p_V_mm, const Eigen::Vector2d& direction_S) const {

@@ -24,7 +24,7 @@ struct PlacedUnit {
   const PlaneMotion& X_TS;
   const LensBlur& blur;
   const SightDepths& depths;
-  /// What an error of the table's scale leaves in place; see KerfScanOptions::table_scale_sigma.
+  /// What an error of scale leaves in place; see KerfScanOptions::scale_sigma.
   Eigen::Vector2d marks_centre_S_mm{Eigen::Vector2d::Zero()};
 };
 
@@ -69,7 +69,7 @@ class UnitScan {
   }
   /// Uncertainty of a place by that of the depth at which an entity is seen, along each axis of S.
   [[nodiscard]] Eigen::Vector2d depthSigma_mm(const EntityPlan& plan, const Eigen::Vector2d& p_S_mm) const;
-  /// What one standard deviation of the table's scale moves a place by, in S: away from the unit's marks.
+  /// What one standard deviation of the scale moves a place by, in S: away from the unit's marks.
   [[nodiscard]] Eigen::Vector2d scaleSigma_mm(const Eigen::Vector2d& p_S_mm) const;
   /// How much of a slit's length in a direction of S its walls hide, seen aslant.
   struct Hidden {

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/camera/twin/twin_tiles.h"
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +87,39 @@ TEST(TwinTileSource, TakesTilesWhereTheTableIsAndTellsWhereItSays) {
   const GrayImage there =
       eye.render(sheet, last.unit, 1.001 * last.p_TV_mm, stretched.lay(last.unit), {.max_x_S_mm = 50.0});
   EXPECT_EQ(last.image.pixels, there.pixels);
+}
+
+TEST(TwinTileSource, ATableThatBowsMovesTilesAside) {
+  const twin::Sheet sheet{twin::BoardDescription{}};
+  const twin::KerfCamera eye = camera(twoUnits());
+  TwinTileOptions options;
+  options.table = {.bow_x = {0.01, 0.3}, .bow_y = {0.02, 1.1}};
+  TwinTileSource bowed(eye, sheet, kDieline, options);
+  TwinTileSource again(eye, sheet, kDieline, options);
+  const std::vector<KerfTile> tiles = readAll(bowed, 4);
+  std::map<double, double> aside_by_y;
+  double least = 0.0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const Vector2d off_mm = bowed.takenAt(i) - tiles[i].p_TV_mm;
+    EXPECT_EQ(bowed.takenAt(i), again.takenAt(i));
+    constexpr double kTurn_mm = 2.0 * std::numbers::pi / 150.0;
+    EXPECT_NEAR(off_mm.x(), 0.01 * std::sin(kTurn_mm * tiles[i].p_TV_mm.y() + 0.3), 1e-12);
+    EXPECT_NEAR(off_mm.y(), 0.02 * std::sin(kTurn_mm * tiles[i].p_TV_mm.x() + 1.1), 1e-12);
+    // All tiles of a row go aside alike.
+    const auto [same, is_new] = aside_by_y.emplace(tiles[i].p_TV_mm.y(), off_mm.x());
+    if (!is_new) {
+      EXPECT_NEAR(same->second, off_mm.x(), 1e-12);
+    }
+    least = std::min(least, off_mm.x());
+    most = std::max(most, off_mm.x());
+  }
+  ASSERT_GE(aside_by_y.size(), 2U);
+  EXPECT_GT(most - least, 0.002);
+  const KerfTile& last = tiles.back();
+  EXPECT_EQ(last.image.pixels, eye.render(sheet, last.unit, bowed.takenAt(tiles.size() - 1),
+                                          bowed.lay(last.unit), {.max_x_S_mm = 50.0})
+                                   .pixels);
 }
 
 TEST(TwinTileSource, CoversEveryUnitWithItsMarks) {

@@ -113,7 +113,7 @@ TEST(ErrorModel, TheTableMovesAllReadingsInATileAlike) {
 
 TEST(ErrorModel, TheTablesScaleMovesReadingsAwayFromTheMarks) {
   SyntheticRun run;
-  run.evidence.kerf.table_scale_sigma = 1e-4;
+  run.evidence.kerf.scale_sigma = 1e-4;
   const Vector2d centre_mm(30.0, 20.0);
   for (vision::UnitPose& pose : run.evidence.kerf.units) pose.marks_centre_S_mm = centre_mm;
   const ErrorModel model = errorModelOf(run.evidence);

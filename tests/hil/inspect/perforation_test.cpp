@@ -137,7 +137,7 @@ TEST(PerforationCheck, WithoutBridgesAndWithoutCutsFails) {
 }
 
 TEST(PerforationCheck, CountsFromTheDrawnStartAndTellsEarlyFromLateThatWay) {
-  // Its neighbours give way, so that no length is as far off as the place where it begins.
+  // The neighbours of the fault give way, so that no length is as far off as the place where it begins.
   auto late = SyntheticRun::cutsOf(3.0, 1.0);
   late[2].second = 11.3;
   late[3] = {12.5, 15.3};

@@ -60,6 +60,23 @@ TEST(FlankBelief, IsWhatWasKnownWhereNothingIsSeen) {
               1e-4);
 }
 
+// With a brighter back light the same grey is a shallower crease.
+TEST(FlankBelief, ABackLightThatIsNotKnownLeavesDepthOpen) {
+  FlankKnown told = kKnown;
+  const auto openOf = [](const FlankView& v) { return v.open; };
+  EXPECT_EQ(beliefOf({creaseOf(viewOf(0.0))}, told).momentsOf(openOf).sigma, 0.0);
+  told.open_sigma = 0.02;
+  const FlankBelief belief = beliefOf({}, told);
+  EXPECT_EQ(belief.likely.open, 1.0);
+  EXPECT_NEAR(belief.momentsOf(openOf).sigma, 0.02, 1e-4);
+  const auto fallBy = [](const FlankView& v) {
+    FlankQuery query = creaseOf(viewOf(0.0)).query;
+    query.open_gray *= v.open;
+    return fallOf(query).half_mm;
+  };
+  EXPECT_GT(belief.momentsOf(fallBy).sigma, 0.0);
+}
+
 TEST(FlankBelief, NoBoardGrowsItsLightByMoreThanASquare) {
   // The law is an exponent about the straight one, within two either way: beyond it flanks are as they would
   // be within.

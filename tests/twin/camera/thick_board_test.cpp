@@ -2,6 +2,7 @@
 // A camera that looks aslant at thick board, against lines of sight that are followed point by point.
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -173,6 +174,44 @@ TEST(ThickBoardSeenAslant, AnUprightSlitIsDisplacedAndNarrower) {
   // The lower face is seen nearer to the foot, which is at smaller y: rows grow against y.
   EXPECT_NEAR((thick.centre - thin.centre) * 0.03, 0.5 * way_mm, 0.0015);
   EXPECT_NEAR((thin.width - thick.width) * 0.03, way_mm, 0.003);
+}
+
+/// Board without burn or print, lit within a half angle of 5 degrees, over the same with a diffuse light, at
+/// a pixel.
+double dimmed(CameraDescription camera, int u, int v) {
+  const Sheet sheet(thickBoard(0.0));
+  const auto gray = [&] {
+    return KerfCamera(camera, noPrint(), 1)
+        .render(sheet, 0, Vector2d::Zero(), Isometry2d::Identity())
+        .gray(u, v);
+  };
+  const double diffuse = gray();
+  camera.back_light_half_angle_rad = 5.0 / 180.0 * std::numbers::pi;
+  return gray() / diffuse;
+}
+
+TEST(BackLight, ACollimatedOneIsDarkWhereALensLooksAslant) {
+  CameraDescription camera = sharpCamera();
+  camera.bits = 12;
+  const double half = std::tan(5.0 / 180.0 * std::numbers::pi);
+  const PlaneProjection projection(camera);
+  for (const auto& [u, v] : {std::pair(20, 20), {320, 240}, {620, 460}}) {
+    const Vector2d p_V_mm = *projection.planePointOf(Vector2d(u, v));
+    const Vector3d eye = camera.X_CP.inverse().translation();
+    const double aslant = (Vector3d(p_V_mm.x(), p_V_mm.y(), 0.0) - eye).head<2>().norm() / eye.z();
+    EXPECT_NEAR(dimmed(camera, u, v), std::exp2(-aslant * aslant / (half * half)), 0.01) << u << " " << v;
+  }
+}
+
+TEST(BackLight, ACollimatedOneLooksTheSameThroughATelecentricLens) {
+  CameraDescription camera = sharpCamera();
+  camera.telecentric_mm = 500.0;
+  const Vector3d axis = camera.X_CP.linear().row(2).transpose();
+  const double aslant = axis.head<2>().norm() / std::abs(axis.z()) / std::tan(5.0 / 180.0 * std::numbers::pi);
+  camera.bits = 12;
+  const double middle = dimmed(camera, 320, 240);
+  EXPECT_NEAR(middle, std::exp2(-aslant * aslant), 0.01);
+  for (const auto& [u, v] : {std::pair(20, 20), {620, 460}}) EXPECT_NEAR(dimmed(camera, u, v), middle, 0.01);
 }
 
 }  // namespace

@@ -92,6 +92,14 @@ void beltAndLaserFields(Fields& all, const MachineDescription& m) {
   all["print.registration"] = m.board_lot.print_mm;
   all["inspection_table.step"] = m.inspection_table.step_mm;
   all["inspection_table.scale"] = m.inspection_table.scale;
+  all["inspection_table.bow_x"] = m.inspection_table.bow_x.amplitude_mm;
+  all["inspection_table.bow_x_phase"] = m.inspection_table.bow_x.phase_rad;
+  all["inspection_table.bow_y"] = m.inspection_table.bow_y.amplitude_mm;
+  all["inspection_table.bow_y_phase"] = m.inspection_table.bow_y.phase_rad;
+  all["board.swelling"] = m.board_lot.swelling;
+  all["kerf_camera.fx"] = m.kerf_camera.fx_px;
+  all["kerf_camera.fy"] = m.kerf_camera.fy_px;
+  all["kerf_camera.open_gray"] = m.kerf_camera.open_gray;
 }
 
 void controllerFields(Fields& all, const ControllerDescription& c) {
@@ -195,6 +203,12 @@ std::vector<Quantity> quantities() {
       both(&S::print_mm, true, {"print.registration"}),
       both(&S::table_step_mm, true, {"inspection_table.step"}),
       both(&S::table_scale, true, {"inspection_table.scale"}),
+      both(&S::table_bow_mm, true,
+           {"inspection_table.bow_x", "inspection_table.bow_x_phase", "inspection_table.bow_y",
+            "inspection_table.bow_y_phase"}),
+      both(&S::target_scale, true, {"kerf_camera.fx", "kerf_camera.fy"}),
+      both(&S::swelling, true, {"board.swelling"}),
+      both(&S::open_gray, true, {"kerf_camera.open_gray"}),
       {&S::bandwidth,
        false,
        {"galvo_x.bandwidth", "galvo_y.bandwidth", "feed.bandwidth", "line.bandwidth"},

@@ -130,7 +130,8 @@ TEST_P(MarksOnTwin, AreMeasuredWhereTheHeadPutThemToAFewMicrometres) {
   tile_options.border_mm = 15.0;  // The head may be off by that.
   tile_options.overlap_mm = 0.6 * job.size_mm;
   tile_options.everything = false;
-  camera::TwinTileSource tiles = run::kerfTiles(test_case, cut.machine->sheet(), tile_options);
+  camera::TwinTileSource tiles =
+      run::kerfTiles(test_case, test_case.machine, cut.machine->sheet(), tile_options);
   FieldSearchOptions search;
   search.size_mm = job.size_mm;
   search.beam_radius_mm = field.beam_radius_mm;
