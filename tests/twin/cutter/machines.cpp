@@ -63,6 +63,7 @@ AxisDescription feedOf(const ServoDescription& drive, double roller_inertia_kg_m
 
 MachineDescription common() {
   MachineDescription machine;
+  machine.kerf_camera.fx_px = machine.kerf_camera.fy_px = 1e4;
   constexpr std::array kPortA{Signal::kGalvoXPul,  Signal::kGalvoXDir,  Signal::kGalvoYPul,
                               Signal::kGalvoYDir,  Signal::kGantryXPul, Signal::kGantryXDir,
                               Signal::kGantryYPul, Signal::kGantryYDir};
