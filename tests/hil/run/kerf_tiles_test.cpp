@@ -19,7 +19,7 @@ class KerfTiles : public testing::Test {
  protected:
   KerfTiles()
       : test_case(scenario::readCase(base::fixture("scenarios/native/label-on-belt.yaml"),
-                                     std::filesystem::path(KERFBENCH_BINARY_DIR) / "firmware")),
+                                     images.write("controller-native", "").parent_path())),
         sheet(test_case.scenario.board),
         machine(test_case.machine) {
     test_case.scenario.print.units = 1;
@@ -48,6 +48,7 @@ class KerfTiles : public testing::Test {
     return share * std::sqrt(squares / static_cast<double>(marks.size()));
   }
 
+  const base::TempFolder images;  // No release is run here.
   scenario::Case test_case;
   twin::Sheet sheet;
   twin::MachineDescription machine;
