@@ -35,7 +35,6 @@ TEST(InspectionSetup, WhatIsNotKnownOfItIsInTheUncertainty) {
   EXPECT_LT(usual_mm, 0.007) << usual_mm;
   const double by_board_mm = uncertaintyOfPath("board: {swelling_ppm: 1000}\n", "");
   EXPECT_GT(by_board_mm, 1.5 * usual_mm) << usual_mm;
-  EXPECT_GT(uncertaintyOfPath("board: {swelling_ppm: 5000}\n", ""), 3.0 * by_board_mm);
   // The same share, of another thing.
   EXPECT_NEAR(uncertaintyOfPath("", "target_scale_ppm: 1000"), by_board_mm, 0.1 * by_board_mm);
 }
