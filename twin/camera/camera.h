@@ -142,13 +142,14 @@ struct PieceSpan {
 
 /// Renders back-lit tiles of one unit on the inspection table. Its light is diffuse, or falls off with the
 /// angle between the line of sight and the sheet's normal (back_light_half_angle_rad): a common lens then
-/// sees the middle of its field alone, a telecentric one all of it. The
-/// sheet's printed face lies in the plane that the camera looks at, the other face `thickness_mm` below. The
-/// burn is deep from the printed face, square to it: where a line of sight goes through board for the share z
-/// of the thickness, lightThrough() of z comes through, under a mark that of print_transmission. A line of
-/// sight that is aslant by the angle theta so sees a kerf displaced, by up to half of thickness tan(theta)
-/// with upright walls, and narrower. Left out: the longer way of such a line (0.8 % at 7.3 degrees), light
-/// from lit walls, and the slant of the walls where the beam itself fell aslant.
+/// sees the middle of its field alone, a telecentric one all of it.
+///
+/// The sheet's printed face lies in the plane that the camera looks at, the other face `thickness_mm` below.
+/// The burn is deep from the printed face, square to it: where a line of sight goes through board for the
+/// share z of the thickness, lightThrough() of z comes through, under a mark that of print_transmission. A
+/// line of sight that is aslant by the angle theta so sees a kerf displaced, by up to half of thickness
+/// tan(theta) with upright walls, and narrower. Left out: the longer way of such a line (0.8 % at 7.3
+/// degrees), light from lit walls, and the slant of the walls where the beam itself fell aslant.
 ///
 /// Noise is sampled from seed, unit and place of the tile: a tile is the same however often and wherever it
 /// is rendered. Another seed with the same board_seed is another look at the same board. Immutable, so safe
