@@ -59,6 +59,7 @@ void setOptics(const twin::MachineDescription& machine, HeadSetup& setup) {
                   .lens = {}};
   if (lens) setup.design.lens = calibrate::LensDesign{.focal_length_mm = told.focal_length_mm};
   setup.beam_radius_mm = machine.beam.waist_radius_mm;
+  setup.open_gray = machine.kerf_camera.open_gray;
 }
 
 /// The size of marks, and the part of the controller's field that holds them whole.

@@ -38,6 +38,7 @@ struct HeadSetup {
   Eigen::AlignedBox2d field_W_mm;
   double mark_size_mm{};
   double beam_radius_mm{};  ///< 1/e².
+  double open_gray{};       ///< Back light of the kerf camera, as it was set up.
   double table_sigma_mm{};  ///< Repeatability of the inspection table, per axis.
   double off_mm{};          ///< Largest error of the uncorrected beam, for which room is left.
   std::optional<calibrate::AimGrid> table;  ///< The machine's own so far.

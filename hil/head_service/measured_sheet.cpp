@@ -102,6 +102,7 @@ MeasuredSheet measureSheet(camera::TileSource& tiles, const calibrate::MarkJob& 
                            int threads) {
   calibrate::FieldSearchOptions search;
   search.size_mm = job.size_mm;
+  search.open_gray = setup.open_gray;
   search.beam_radius_mm = setup.beam_radius_mm;
   search.board_thickness_mm = kMarkBoard_mm;
   search.table_sigma_mm = setup.table_sigma_mm;

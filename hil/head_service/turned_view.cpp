@@ -48,6 +48,7 @@ TurnedView lookAt(camera::TileSource& tiles, std::size_t pictures, const calibra
   std::vector<RegistrationMark> print = job.print;
   for (RegistrationMark& mark : print) mark.p_SM_mm = X_US * mark.p_SM_mm;
   const calibrate::FieldSearchOptions search{.size_mm = job.size_mm,
+                                             .open_gray = setup.open_gray,
                                              .beam_radius_mm = setup.beam_radius_mm,
                                              .board_thickness_mm = kMarkBoard_mm,
                                              .table_sigma_mm = setup.table_sigma_mm,

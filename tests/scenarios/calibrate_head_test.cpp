@@ -81,6 +81,17 @@ TEST_F(CalibrateHead, TakesAMountedHeadOffByMillimetresToMicrometresAndGoesOnFro
   EXPECT_EQ(textOf(old), textOf(sheets / "correction-1.csv"));
 }
 
+// Told of a light of 235, marks under one of 150 cannot be read.
+TEST_F(CalibrateHead, LooksForMarksByTheLightThatTheMachineFileTells) {
+  std::ofstream(scratch_.path() / "dim.yaml")
+      << fmt::format("extends: '{}'\nname: dim\ncameras: {{kerf: {{open_gray: 150}}}}\n",
+                     fixture("machines/two-mirror-mounted.yaml").string());
+  const ProgramRun run =
+      kerfbench(fmt::format("calibrate head --machine '{}' --seed 1 --grids 3 --verify 20 --results-dir '{}'",
+                            (scratch_.path() / "dim.yaml").string(), results("dim")));
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
 TEST_F(CalibrateHead, ToldWhatIsWrongWithItsInput) {
   const ProgramRun gantry =
       kerfbench(fmt::format("calibrate head --machine '{}' --results-dir '{}'",
