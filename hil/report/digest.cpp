@@ -72,6 +72,7 @@ Json kerfJson(const vision::EntityKerf& kerf) {
           {"light", std::move(light)},
           {"widening_mm", rounded(kerf.widening_mm)},
           {"widening_sigma_mm", significant(kerf.widening_sigma_mm)},
+          {"walls_sigma_mm", significant(kerf.walls_sigma_mm)},
           {"depth_mm", rounded(kerf.depth_mm)},
           {"depth_sigma_mm", significant(kerf.depth_sigma_mm)}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -92,6 +93,23 @@ KerfWidth widthOf(const vision::EntityKerf& kerf, const ReadingLine& line) {
   return {{sum / n, 2.0 * std::hypot(u_own_mm, kerf.widening_sigma_mm)}, 2.0 * u_own_mm};
 }
 
+/// Widths of a process are compared with the usual one: walls that are seen more or less aslant than those of
+/// the usual one hide more or less of a kerf, by as much as is not known of any.
+void addWalls(const Evidence& evidence, const ErrorModel& model, std::vector<double>& width_own_U) {
+  const auto kerfOf = [&](std::size_t line) -> const vision::EntityKerf& {
+    return evidence.kerf.entities[model.lines[line].kerf];
+  };
+  std::map<dieline::Process, std::vector<double>> walls;
+  for (std::size_t l = 0; l < model.lines.size(); ++l)
+    walls[entityOf(evidence, kerfOf(l).entity).process].push_back(kerfOf(l).walls_sigma_mm);
+  std::map<dieline::Process, double> usual;
+  for (const auto& [process, values] : walls) usual[process] = medianOf(values);
+  for (std::size_t l = 0; l < model.lines.size(); ++l) {
+    const double usual_mm = usual[entityOf(evidence, kerfOf(l).entity).process];
+    width_own_U[l] = std::hypot(width_own_U[l], 2.0 * (kerfOf(l).walls_sigma_mm - usual_mm));
+  }
+}
+
 /// Standard uncertainty of a place on the sheet, per axis, by the pose of its unit and the camera's map.
 double placeSigma(const Evidence& evidence, int unit, const Eigen::Vector2d& p_S_mm) {
   const auto& units = evidence.kerf.units;
@@ -123,6 +141,7 @@ DeviationResult measureLines(const Evidence& evidence, const Tolerances& limits,
     result.widths.push_back(width.width);
     result.width_own_U.push_back(width.own_U);
   }
+  addWalls(evidence, model, result.width_own_U);
   const auto placeOf = [&](DeviationEstimate& e) {
     if (e.line < model.lines.size() && e.reading < model.lines[e.line].size())
       e.caliper = model.lines[e.line].caliper[e.reading];

@@ -46,8 +46,12 @@ struct EntityKerf {
   /// Light along the entity if it is a perforation, more densely than by the calipers; in order of station.
   std::vector<LightReading> light{};
   double widening_mm{};  ///< Widening of the kerf by blur, over Caliper::width_mm.
-  /// Standard uncertainty of the widening, common to all kerfs of the picture, by that of its blur.
+  /// Standard uncertainty of the widening, common to all kerfs of the picture: by that of its blur,
+  /// and by walls.
   double widening_sigma_mm{};
+  /// The part of it by walls that are seen aslant. How much of its walls a slit hides is the same share for
+  /// all, but of more where the sight is more aslant: kerfs differ by it as they differ in this.
+  double walls_sigma_mm{};
   /// Standard deviation of the light that Caliper::brightness mixes, across the kerf: lens, pixel, and the
   /// pixels that count as its middle.
   double middle_sigma_mm{};

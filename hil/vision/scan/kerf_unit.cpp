@@ -280,8 +280,8 @@ void UnitScan::widen(const EntityPlan& plan, EntityKerf& kerf) const {
     kerf.calipers[i].width_mm += hidden.likely_mm;
     sum_mm += hidden.sigma_mm;
   }
-  const double mean_mm = sum_mm / static_cast<double>(kerf.calipers.size());
-  kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, mean_mm);
+  kerf.walls_sigma_mm = sum_mm / static_cast<double>(kerf.calipers.size());
+  kerf.widening_sigma_mm = std::hypot(kerf.widening_sigma_mm, kerf.walls_sigma_mm);
 }
 
 void UnitScan::lengthen(const Eigen::Vector2d& p_S_mm, const Eigen::Vector2d& outward, LineEnd& end) const {

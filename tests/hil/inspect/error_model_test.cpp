@@ -206,6 +206,27 @@ TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {
   EXPECT_NEAR(common_U_mm, 2.0 * 0.0015, 1e-9);
 }
 
+TEST(KerfWidth, KnowsOfWallsWhereTheyAreSeenMoreAslantThanUsual) {
+  // Walls that hide the same of each kerf hide no difference; of a kerf aside, they hide more.
+  SyntheticRun run;
+  const auto widthOf = [&](int entity) {
+    const auto result = run.inspected();
+    return *std::ranges::find_if(result.entities,
+                                 [&](const EntityResult& e) { return e.unit == 0 && e.entity == entity; });
+  };
+  const double before_mm = widthOf(kTop).width_own_U_mm;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) kerf.walls_sigma_mm = 0.001;
+  EXPECT_EQ(widthOf(kTop).width_own_U_mm, before_mm);
+  run.kerf(0, kTop).walls_sigma_mm = 0.005;
+  const double aside_mm = widthOf(kTop).width_own_U_mm;
+  EXPECT_NEAR(std::sqrt(aside_mm * aside_mm - before_mm * before_mm), 2.0 * 0.004, 1e-9);
+  // A crease is not compared with cuts.
+  run.kerf(0, kTop).walls_sigma_mm = 0.001;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities)
+    if (kerf.entity == kCreaseLine) kerf.walls_sigma_mm = 0.009;
+  EXPECT_EQ(widthOf(kTop).width_own_U_mm, before_mm);
+}
+
 TEST(KerfWidth, IsLessCertainByTheShareOfItsBlurThatItsShapeTells) {
   // The standard deviation of what blur added is 3.2 % of it; 6 % where the kerf lets only part of the
   // light through.
