@@ -12,7 +12,6 @@ from job import (ACCELERATION_MM_S2, BELT_MM_S, ENERGY, FULL_POWER_W, INTERLOCK,
                  STEP_X_MM, STEP_Y_MM, Job)
 
 PERIOD_S = 0.8e-3  # The controller prepares so much at a time.
-LONG_SIDE_MM = 50.0  # The outline's.
 OUTPUTS = ("galvo_x_pul", "galvo_x_dir", "galvo_y_pul", "galvo_y_dir", "laser_gate", "laser_pwm")
 
 
@@ -283,16 +282,3 @@ def axis_late(size_mm):
         for wire in ("galvo_y_pul", "galvo_y_dir"):
             recording.wires[wire] = [(tick + late, level) for tick, level in recording.wires[wire]]
     return edited(change)
-
-
-# The bench's own sensors.
-
-def belt_counts_wrong(size_mm):
-    """The encoder counts too often: it and the pictures part by so much while a long side is cut, from rest to rest."""
-    travel_mm = BELT_MM_S * (LONG_SIDE_MM / MARK_MM_S + MARK_MM_S / ACCELERATION_MM_S2)
-    scale = 1.0 + size_mm / travel_mm
-
-    def change(recording):
-        for wire in ("encoder_a", "encoder_b"):
-            recording.wires[wire] = [(round(tick / scale), level) for tick, level in recording.wires[wire]]
-    return edited(change, foreign=True)

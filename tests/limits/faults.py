@@ -102,7 +102,6 @@ FAULTS = [
           "another travel for a step of the feed; size on one feed"),
     Fault("one-step", "account", 1, "step", lambda s: pins.steps_unreported(int(s)),
           "whole steps are lost and not reported"),
-    Fault("belt-counts", "belt", 0.05, "mm", pins.belt_counts_wrong, "the bench's encoder counts too often", "INVALID"),
     Fault("calibration", "calibration", 180, "days", keys.calibration_old, "the cameras' calibration is old",
           "INVALID"),
 ]

@@ -37,8 +37,10 @@ LOWER = ("ordered_depth", "pulse_timing")
 # Checks of docs/reference/checks.md that no fault of this list is for, and why.
 WITHOUT = (
     "- `finish`: a controller stops or does not; the scenario `faults/strip-return-slow` has one that stops.",
+    "- `belt`: the model's camera and encoder see one and the same web, and a recording whose encoder says otherwise is INVALID "
+    "at any size, because its edges are not the machine's. `tests/hil/inspect/belt_test.cpp` has evidence about the limit.",
     "- `spot_seen`: frames without a spot are counted, two in a row are too many, and they are INVALID, never FAIL: laser "
-    "or camera may be the cause. `tests/hil/inspect/spot_checks_test.cpp` has such evidence.",
+    "or camera may be the cause. `tests/hil/inspect/spot_seen_test.cpp` has such evidence.",
     "- The order of entities has no check: an order that keeps to field and time leaves no trace on the sheet. What a wrong "
     "one leaves out or cuts again is found by `coverage` and `repeat`.",
 )
