@@ -190,8 +190,12 @@ void addStill(const std::vector<std::pair<CaseId, StillOutcome>>& cases, GaugeSe
   s.drift_budget = budgetCheck(analytic, simulated, error);
 }
 
-/// Whether a check judges by a quantity. RMS, circularity, rounding and overshoot are shown for people.
-bool isJudged(std::string_view quantity) {
+/// Whether anything is claimed of a quantity. In other worlds that is what a check judges by: RMS,
+/// circularity, rounding and overshoot are shown for people. So is a peak: where a cut strays to, an
+/// excursion tells.
+bool isClaimed(std::string_view quantity, bool mismatch) {
+  if (quantity == "peak of a cut") return false;
+  if (!mismatch) return true;
   constexpr std::array<std::string_view, 4> kShown{"RMS", "circularity", "corner rounding",
                                                    "corner overshoot"};
   return std::ranges::none_of(kShown, [&](std::string_view shown) { return quantity.starts_with(shown); });
@@ -263,7 +267,7 @@ GaugeSection sectionOf(const std::string& preset, const std::vector<std::pair<Ca
   for (std::size_t i = 0; i < order.size(); ++i) {
     s.coverage.push_back(coverageOf(order[i], by[order[i]]));
     s.coverage.back().two_sided = mismatch || i >= of_kerfs;
-    s.coverage.back().claimed = !mismatch || isJudged(order[i]);
+    s.coverage.back().claimed = isClaimed(order[i], mismatch);
   }
   for (const FaultKind kind : kFaultKinds) s.kinds.push_back(kindOf(kind, kerf));
   addKerf(kerf, s);

@@ -187,9 +187,12 @@ StillOutcome StillStudy::run(const StillCase& test_case) const {
   StillOutcome out;
   out.name = test_case.name;
   out.problems = evidence.spot.problems;
+  inspect::Check farthest;
   for (const inspect::Check& check : result.checks) {
     if (check.name == "stillness_x") out.verdict = check.verdict;
+    if (check.name == "stillness_peak") farthest = check;
   }
+  double largest_excursion = 0.0;
   const std::size_t pick = CounterRandom(test_case.machine_seed, 2).bits(0) % test_case.cuts.size();
   for (const inspect::CutResult& cut : result.cuts) {
     if (cut.entity < 0 || cut.time_s.size() < 2 || !std::isfinite(cut.drift_mm)) continue;
@@ -200,14 +203,18 @@ StillOutcome StillStudy::run(const StillCase& test_case) const {
     const double duration_s = cut.time_s.back() - cut.time_s.front();
     const double drift_mm = line.slope * duration_s;
     out.truth_mm = std::max(out.truth_mm, std::abs(drift_mm));
-    if (which != pick) continue;
     double peak = 0.0;
+    double excursion = 0.0;
     double squares = 0.0;
     for (const double v : x) {
       peak = std::max(peak, std::abs(v));
+      excursion = std::max(excursion, std::abs(v - line.mean));
       squares += (v - line.mean) * (v - line.mean);
     }
+    largest_excursion = std::max(largest_excursion, excursion);
+    if (which != pick) continue;
     out.readings.push_back({"drift of a cut", cut.drift_mm, 2.0 * cut.drift_sigma_mm, drift_mm});
+    out.readings.push_back({"excursion of a cut", cut.excursion_mm, cut.excursion_U_mm, excursion});
     out.readings.push_back({"peak of a cut", cut.peak_mm, cut.peak_U_mm, peak});
     out.readings.push_back(
         {"RMS of a cut", cut.rms_mm, cut.rms_U_mm, std::sqrt(squares / static_cast<double>(x.size()))});
@@ -217,6 +224,7 @@ StillOutcome StillStudy::run(const StillCase& test_case) const {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     out.readings.push_back({"drift of a cut", kNan, kNan, test_case.cuts[pick].drift_mm});
   }
+  out.readings.push_back({"largest excursion of all cuts", farthest.value, farthest.u, largest_excursion});
   for (const inspect::UncertaintyBudget& b : result.budgets) {
     if (b.quantity.find("drift") == std::string::npos) continue;
     out.readings.push_back({"largest drift of all cuts", b.monte_carlo_value, b.monte_carlo_U, out.truth_mm});

@@ -44,7 +44,8 @@ struct StillOutcome {
 };
 
 /// Drift is that of the least-squares line through the true x-residuals at the middles of the frames that
-/// inspection judges the cut by; peak and RMS are of the same residuals, RMS about their mean.
+/// inspection judges the cut by; peak, excursion and RMS are of the same residuals, the last two about their
+/// mean.
 class StillStudy {
  public:
   /// `setup` must outlive this.

@@ -94,6 +94,22 @@ TEST(CoverageClaim, IsTold) {
   EXPECT_EQ(coverageState(4000, 0.35, 1.0), Claim::State::kFails);  // U too large
 }
 
+TEST(CoverageClaim, IsMadeOfWhatACheckJudgesByOfEachCutAndOfAll) {
+  // stillness_peak judges by excursions; a peak is shown for people.
+  StillOutcome outcome;
+  for (const char* quantity : {"excursion of a cut", "peak of a cut", "largest excursion of all cuts"})
+    outcome.readings.push_back({quantity, 1.0, 0.5, 1.0});
+  const CaseId id{twin::Preset::kStatic, Study::kStill, 0};
+  for (const bool mismatch : {false, true}) {
+    const GaugeSection section = sectionOf("static", {}, {{id, outcome}}, mismatch);
+    EXPECT_EQ(section.coverage.size(), 3U);
+    const std::vector<Claim> claims = claimsOf(section);
+    EXPECT_NE(claimOf(claims, "95 % intervals hold the truth: excursion of a cut"), nullptr);
+    EXPECT_NE(claimOf(claims, "95 % intervals hold the truth: largest excursion of all cuts"), nullptr);
+    EXPECT_EQ(claimOf(claims, "95 % intervals hold the truth: peak of a cut"), nullptr);
+  }
+}
+
 TEST(CoverageClaim, OfFewCasesIsOpenUnlessTheyShowTheContrary) {
   EXPECT_EQ(coverageState(50, 0.5, 1.0), Claim::State::kOpen);
   EXPECT_EQ(coverageState(200, 1.0, 1.0), Claim::State::kFails);
