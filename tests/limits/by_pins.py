@@ -271,7 +271,8 @@ def acts_late(size_mm):
         late = recording.ticks(size_mm / BELT_MM_S)
         for wire in OUTPUTS:
             recording.wires[wire] = [(tick + late, level) for tick, level in recording.wires[wire]]
-        recording.end += late
+            # The encoder's edges end where the recording does.
+            assert recording.wires[wire][-1][0] < recording.end, "the last edge is not in the recording any more"
     return edited(change)
 
 
