@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -100,6 +101,18 @@ TEST(JointsCheck, ACornerThatIsOnlyDisplacedDeviates) {
   EXPECT_EQ(checkOf(result, "joints").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "joints").explanation.find("against its own legs"), std::string::npos)
       << "it is neither rounded off nor run over";
+}
+
+TEST(JointsCheck, ReachesAsFarAsTheWorstJointMayDeviateAndNoFarther) {
+  JointRun run;
+  run.corner(1).deviation_mm = 0.03;
+  const auto result = run.inspected();
+  double farthest_mm = 0.0;
+  for (const JointResult& j : result.joints)
+    if (j.kind == JointResult::Kind::kCorner) farthest_mm = std::max(farthest_mm, j.mm.value + j.mm.U);
+  const Check& check = checkOf(result, "joints");
+  EXPECT_GT(farthest_mm, 0.03);
+  EXPECT_NEAR(check.value + check.u, farthest_mm, 1e-12);
 }
 
 TEST(JointsCheck, RoundingAloneIsNoDeviation) {

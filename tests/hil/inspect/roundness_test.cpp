@@ -101,6 +101,23 @@ TEST(Roundness, WhatTheStepHidesWidensItsIntervalByTwoSigmas) {
               2.0 * std::sqrt(large_sigma * large_sigma - small_sigma * small_sigma), 0.02 * large_U);
 }
 
+TEST(Roundness, IsToldOfEightReadingsBesideTheSeamAndNotOfSeven) {
+  // The first and the last reading lie at the seam.
+  const auto isKnown = [](int inner) {
+    ReadingLine line;
+    std::vector<double> angle_rad{0.0};
+    for (int i = 0; i < inner; ++i) angle_rad.push_back(kTurn / 9.0 * (1.0 + 7.0 * i / (inner - 1.0)));
+    angle_rad.push_back(kTurn - 1e-3);
+    line.reading_mm.assign(angle_rad.size(), 0.0);
+    line.sigma_mm.assign(angle_rad.size(), kSigma_mm);
+    line.segment = {0, angle_rad.size()};
+    line.shared.setZero(static_cast<Eigen::Index>(angle_rad.size()), ReadingLine::kOwn);
+    return Roundness(line, angle_rad, kWindow_rad).isKnown();
+  };
+  EXPECT_TRUE(isKnown(8));
+  EXPECT_FALSE(isKnown(7));
+}
+
 TEST(Roundness, OfHalfACircleNothingIsTold) {
   Circle circle([](double) { return 0.0; }, 1);
   for (double& angle : circle.kind.angle_rad) angle *= 0.4;
