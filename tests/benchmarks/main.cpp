@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Speed, as a table: nothing here is asserted. `./bench benchmark` builds and runs it.
+// Speed of the twin and of reading pins, nothing of it asserted. `./bench benchmark twin` builds and runs it.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/benchmarks/bullet_benchmark.h"
+#include "tests/benchmarks/ingest_benchmark.h"
 #include "tests/benchmarks/twin_benchmark.h"
 
 int main(int argc, char** argv) {
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
     }
     for (const RecordedRun& run : runs) registerTwinBenchmarks(run);
     registerBulletBenchmarks(runs.front());
+    registerIngestBenchmarks(runs.front(), fs::path(KERFBENCH_BINARY_DIR) / "benchmarks");
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
   } catch (const std::exception& e) {

@@ -31,7 +31,7 @@ std::vector<twin::StepEdge> decoded(const RecordedRun& run, const AxisPins& pins
   const PinId pul = run.machine.signals.pin(pins.pul).value();
   const PinId dir = run.machine.signals.pin(pins.dir).value();
   if (pul.port != dir.port) throw std::invalid_argument("PUL and DIR on one port, please");
-  twin::PulseDecoder decoder(twin::nameOf(pins.axis), twin::axisOf(run.machine, pins.axis).profile);
+  twin::PulseDecoder decoder(twin::axisOf(run.machine, pins.axis).profile);
   std::vector<twin::StepEdge> steps;
   const auto level = [](const PinEvent& event, PinId pin) {
     return ((static_cast<unsigned>(event.level) >> pin.bit) & 1U) != 0;

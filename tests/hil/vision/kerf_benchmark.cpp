@@ -137,12 +137,13 @@ void pathAtPitch(benchmark::State& state, double pitch_mm) {
   options.station_pitch_mm = pitch_mm;
   // The dieline is drawn beforehand as for the distances below: it is the same for every sheet.
   const KerfPlan plan = planKerf(p.cut.dieline, options);
+  const SightDepths on_top{};
   double worst = 0.0;
   std::size_t calipers = 0;
   for (auto _ : state) {
     const TileIndex index(at.views, p.calibration);
     KerfScan scan;
-    UnitScan(p.calibration, plan, options, {at.views, index, 0, at.X_TS, kUsualBlur}).cuts(scan);
+    UnitScan(p.calibration, plan, options, {at.views, index, 0, at.X_TS, kUsualBlur, on_top}).cuts(scan);
     worst = 0.0;
     calipers = 0;
     for (const EntityKerf& kerf : scan.entities) {
