@@ -66,6 +66,22 @@ Line lineThrough(const std::vector<double>& t, const std::vector<double>& x) {
   return line;
 }
 
+/// How far the beam lay off its line, and strayed from its mean place.
+struct Strayed {
+  double peak_mm{}, excursion_mm{}, rms_mm{};
+};
+Strayed strayedBy(const std::vector<double>& x_mm, double mean_mm) {
+  Strayed strayed;
+  double squares = 0.0;
+  for (const double x : x_mm) {
+    strayed.peak_mm = std::max(strayed.peak_mm, std::abs(x));
+    strayed.excursion_mm = std::max(strayed.excursion_mm, std::abs(x - mean_mm));
+    squares += (x - mean_mm) * (x - mean_mm);
+  }
+  strayed.rms_mm = std::sqrt(squares / static_cast<double>(x_mm.size()));
+  return strayed;
+}
+
 }  // namespace
 
 /// The web and the beam in time.
@@ -203,21 +219,14 @@ StillOutcome StillStudy::run(const StillCase& test_case) const {
     const double duration_s = cut.time_s.back() - cut.time_s.front();
     const double drift_mm = line.slope * duration_s;
     out.truth_mm = std::max(out.truth_mm, std::abs(drift_mm));
-    double peak = 0.0;
-    double excursion = 0.0;
-    double squares = 0.0;
-    for (const double v : x) {
-      peak = std::max(peak, std::abs(v));
-      excursion = std::max(excursion, std::abs(v - line.mean));
-      squares += (v - line.mean) * (v - line.mean);
-    }
-    largest_excursion = std::max(largest_excursion, excursion);
+    const Strayed strayed = strayedBy(x, line.mean);
+    largest_excursion = std::max(largest_excursion, strayed.excursion_mm);
     if (which != pick) continue;
     out.readings.push_back({"drift of a cut", cut.drift_mm, 2.0 * cut.drift_sigma_mm, drift_mm});
-    out.readings.push_back({"excursion of a cut", cut.excursion_mm, cut.excursion_U_mm, excursion});
-    out.readings.push_back({"peak of a cut", cut.peak_mm, cut.peak_U_mm, peak});
     out.readings.push_back(
-        {"RMS of a cut", cut.rms_mm, cut.rms_U_mm, std::sqrt(squares / static_cast<double>(x.size()))});
+        {"excursion of a cut", cut.excursion_mm, cut.excursion_U_mm, strayed.excursion_mm});
+    out.readings.push_back({"peak of a cut", cut.peak_mm, cut.peak_U_mm, strayed.peak_mm});
+    out.readings.push_back({"RMS of a cut", cut.rms_mm, cut.rms_U_mm, strayed.rms_mm});
   }
   if (out.readings.empty()) {
     // The cut is there and shows x: that nothing was measured of it counts.

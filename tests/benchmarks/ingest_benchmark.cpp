@@ -15,10 +15,9 @@ namespace {
 
 constexpr std::size_t kEvents = 4'000'000;
 
-source::PinRecording repeated(const RecordedRun& run) {
+source::PinRecording repeated(const RecordedRun& run, std::size_t times) {
   source::PinRecording recording;
   recording.rate = run.rate;
-  const std::size_t times = kEvents / run.events.size() + 1;
   recording.outputs.reserve(times * run.events.size());
   for (std::size_t i = 0; i < times; ++i) {
     for (PinEvent event : run.events) {
@@ -51,7 +50,8 @@ void registerIngestBenchmarks(const RecordedRun& run, const std::filesystem::pat
   std::filesystem::create_directories(folder);
   const std::filesystem::path path = folder / "edges.vcd";
   const SignalMap map = run.machine.signals;
-  source::writeVcd(path, repeated(run), map);
+  source::writeVcd(folder / "run.vcd", repeated(run, 1), map);
+  source::writeVcd(path, repeated(run, kEvents / run.events.size() + 1), map);
   const std::size_t edges = changesByLines(path);
   std::printf("%zu edges in %s\n", edges, path.c_str());
   benchmark::RegisterBenchmark("recording, checked", [path, map, edges](benchmark::State& state) {

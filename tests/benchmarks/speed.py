@@ -5,9 +5,8 @@
 Whole runs are timed as processes, with all that they start; what is inside of one by Google Benchmark. A row has the median of
 the repeats and, in brackets, the least and the most of them. Nothing else should run meanwhile.
 
-With all rows docs/explanation/speed.md is written. --json keeps the figures, and --against such a file says what has become
-slower than it was then by more than both spread. Exit code: 0 done, 1 with --against: something is slower, 2 a program broke,
-64 usage.
+--table writes all rows as a Markdown table. --json keeps the figures, and --against such a file says what has become slower than
+it was then by more than both spread. Exit code: 0 done, 1 with --against: something is slower, 2 a program broke, 64 usage.
 """
 import argparse
 import collections
@@ -26,7 +25,6 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path.insert(0, os.path.join(ROOT, "tests", "figures"))
 import stamp  # noqa: E402
 
-PAGE = os.path.join(ROOT, stamp.PAGES["benchmark"].path)
 SCENARIOS = os.path.join(ROOT, "fixtures", "scenarios")
 JOBS = ("label-on-belt", "carton-on-belt", "strip-crosscut")
 
@@ -98,7 +96,7 @@ def counted(runs, what, name, counter, unit, better="more", scale=1.0):
 def twin_and_pins(bench):
     runs = google(bench, "kerfbench-benchmarks")
     bullet = counted(runs, "plain Bullet, steps of 1 µs", "bullet stepSimulation, 1 us", "x real time", "× real time")
-    rows = [Row(f"twin, {mode}: {job}", counted(runs, "twin", f"twin, {mode}: {job}", "x real time", "× real time"), None)
+    rows = [Row(f"twin, {mode}: {job}", counted(runs, "twin", f"twin, {mode}: {job}-native", "x real time", "× real time"), None)
             for mode in ("fast", "fast, dynamic imperfections", "reference") for job in JOBS]
     rows += [Row(f"model, {mode}", counted(runs, "model of the head", f"model, {mode}", "x real time", "× real time"), bullet)
              for mode in ("fast", "reference")]
@@ -106,9 +104,12 @@ def twin_and_pins(bench):
     lines = counted(runs, "std::getline alone", "recording, lines alone", "edges/s", "M edges/s", scale=1e-6)
     rows.append(Row("recording", checked, lines))
     if shutil.which("sigrok-cli"):
-        file = os.path.join(bench.build, "benchmarks", "edges.vcd")
-        edges = runs["recording, checked"][0]["edges"]
-        rates = [1e-6 * edges / process("sigrok-cli", "-I", "vcd", "-i", file, "-O", "null")[2] for _ in range(bench.repeats)]
+        # One run of the pins, sampled at each tick of 62.5 ns: at the file's own 100 ps it would take hours.
+        file = os.path.join(bench.build, "benchmarks", "run.vcd")
+        with open(file, encoding="utf-8") as opened:
+            edges = sum(line[0] in "01" for line in opened)
+        rates = [1e-6 * edges / process("sigrok-cli", "-I", "vcd:downsample=625", "-i", file, "-O", "null")[2]
+                 for _ in range(bench.repeats)]
         rows.append(Row("recording by sigrok", checked, Figure("sigrok-cli", "M edges/s", "more", rates)))
     return rows
 
@@ -171,16 +172,15 @@ def line_of(row):
     return cells
 
 
-def page_of(rows, made_with, repeats):
+def table_of(rows, repeats):
     with open("/proc/cpuinfo", encoding="utf-8") as file:
         cpu = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "an unknown processor")
-    lines = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "<!-- Written by ./bench benchmark: do not edit. -->",
-             "# How fast the bench is", "",
-             "Each row is measured beside what one would otherwise run, in turns, on the same computer. Whole runs go from the "
+    commit = (stamp.git("show", "-s", "--format=%h of %cs", "HEAD") or b"unknown").decode().strip()
+    lines = ["Each row is measured beside what one would otherwise run, in turns, on the same computer. Whole runs go from the "
              "drawing to the report, with the fast twin and without pictures of the machine, on all processors; the job on the "
              "machine takes its own time. A figure is the median of its repeats, with the least and the most of them; × is how "
              "many times better the bench is.", "",
-             f"{os.cpu_count()} processors, {cpu}; {repeats} repeats.", "", made_with, "",
+             f"Commit {commit}, {os.cpu_count()} processors, {cpu}; {repeats} repeats.", "",
              "| what | the bench | otherwise | × |", "|---|---|---|---|"]
     lines += [f"| {' | '.join(line_of(row))} |" for row in rows]
     return "\n".join(lines + [""])
@@ -205,8 +205,9 @@ def parsed():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), metavar="FOLDER")
     parser.add_argument("--only", nargs="+", metavar="PART", choices=sorted(PARTS),
-                        help="these parts: " + ", ".join(PARTS) + "; the page is not written")
+                        help="these parts: " + ", ".join(PARTS))
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="of each figure; default 5")
+    parser.add_argument("--table", metavar="FILE", help="write the rows as a Markdown table")
     parser.add_argument("--json", metavar="FILE", help="keep the figures")
     parser.add_argument("--against", metavar="FILE", help="figures kept earlier, on the same computer")
     try:
@@ -238,12 +239,11 @@ def main():
         if args.against:
             with open(args.against, encoding="utf-8") as file:
                 before = json.load(file)
-        made_with = stamp.line_of("benchmark", "no seed")
         rows = measured(args)
         if args.json:
             stamp.write(args.json, json.dumps({row.name: row.own._asdict() for row in rows}, indent=1) + "\n")
-        if not args.only:
-            stamp.write(PAGE, page_of(rows, made_with, args.repeats))
+        if args.table:
+            stamp.write(args.table, table_of(rows, args.repeats))
     except (Broken, OSError, ValueError) as error:
         print(f"benchmark: {error}", file=sys.stderr)
         return 2

@@ -40,9 +40,9 @@ class Ratio(unittest.TestCase):
         self.assertEqual(speed.ratio(row([6.0], "more", figure([2.0], "more"))), 3.0)
 
 
-class Page(unittest.TestCase):
+class Table(unittest.TestCase):
     def test_has_median_least_and_most(self):
-        page = speed.page_of([row([3.0, 1.0, 2.0], "less", figure([4.0])), row([0.125])], "*Figures.*", 3)
+        page = speed.table_of([row([3.0, 1.0, 2.0], "less", figure([4.0])), row([0.125])], 3)
         self.assertIn("| row | it: 2 (1 … 3) ms | it: 4 ms | 2 |", page)
         self.assertIn("| row | it: 0.125 ms |  |  |", page)
         self.assertIn("3 repeats", page)

@@ -45,7 +45,6 @@ PAGES = {
                    "hil/evidence hil/inspect hil/judge hil/report hil/source hil/vision tests/tamper"),
     "witness": Page("tests/witness/RESULTS.md", "./bench witness",
                     "hil/calibrate/camera hil/inspect hil/judge hil/vision tests/witness"),
-    "benchmark": Page("docs/explanation/speed.md", "./bench benchmark", "firmware_under_test hil tests/benchmarks twin"),
     "mutate": Page("tests/mutation/RESULTS.md", "./bench mutate",
                    "hil/inspect hil/vision tests/hil/inspect tests/hil/vision tests/mutation/mutants.toml"),
     "sampled": Page("tests/mutation/RESULTS_SAMPLED.md", "./bench mutate --sample",
