@@ -8,8 +8,8 @@
 namespace kerfbench::benchmarks {
 
 /// Writes the pins of a run as `run.vcd` into a folder, which is made if need be, and again and again behind
-/// each other as `edges.vcd`. Registers how fast readVcd() makes a checked recording of the latter, and how
-/// fast a plain loop of std::getline only reads its lines. Both count the changes of wires.
+/// each other as `edges.vcd`. Registers how fast readVcd() makes a checked recording of each, and how fast a
+/// plain loop of std::getline only reads the lines of the latter. All count the changes of wires.
 void registerIngestBenchmarks(const RecordedRun& run, const std::filesystem::path& folder);
 
 }  // namespace kerfbench::benchmarks

@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How fast the bench is, beside what one would otherwise run: each pair in turns, on this computer, now.
+"""How fast the bench is, beside what one would otherwise run, on this computer, now.
 
-Whole runs are timed as processes, with all that they start; what is inside of one by Google Benchmark. A row has the median of
-the repeats and, in brackets, the least and the most of them. Nothing else should run meanwhile.
+Whole runs are timed as processes, with all that they start; what is inside of one by Google Benchmark, whose repeats take turns.
+A row has the median of the repeats and, in brackets, the least and the most of them. Nothing else should run meanwhile.
 
 --table writes all rows as a Markdown table. --json keeps the figures, and --against such a file says what has become slower than
 it was then by more than both spread. Exit code: 0 done, 1 with --against: something is slower, 2 a program broke, 64 usage.
 """
 import argparse
 import collections
-import fnmatch
 import json
 import os
 import re
@@ -39,7 +38,7 @@ class Broken(Exception):
 
 
 def process(*args):
-    """Runs a program: what it prints, and its wall s, CPU s and peak MiB, its own children included."""
+    """Runs a program: what it prints, its wall s, its CPU s with its children, and the peak of the largest in MiB."""
     with tempfile.TemporaryFile("w+") as out:
         begun = time.monotonic()
         started = subprocess.Popen(args, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
@@ -104,13 +103,13 @@ def twin_and_pins(bench):
     lines = counted(runs, "std::getline alone", "recording, lines alone", "edges/s", "M edges/s", scale=1e-6)
     rows.append(Row("recording", checked, lines))
     if shutil.which("sigrok-cli"):
-        # One run of the pins, sampled at each tick of 62.5 ns: at the file's own 100 ps it would take hours.
+        # Sampled at each tick of 62.5 ns: at the file's own 100 ps it would take hours.
+        own = counted(runs, "readVcd, checked", "recording of one run, checked", "edges/s", "M edges/s", scale=1e-6)
+        edges = runs["recording of one run, checked"][0]["edges"]
         file = os.path.join(bench.build, "benchmarks", "run.vcd")
-        with open(file, encoding="utf-8") as opened:
-            edges = sum(line[0] in "01" for line in opened)
         rates = [1e-6 * edges / process("sigrok-cli", "-I", "vcd:downsample=625", "-i", file, "-O", "null")[2]
                  for _ in range(bench.repeats)]
-        rows.append(Row("recording by sigrok", checked, Figure("sigrok-cli", "M edges/s", "more", rates)))
+        rows.append(Row("recording of one run", own, Figure("sigrok-cli", "M edges/s", "more", rates)))
     return rows
 
 
@@ -131,14 +130,19 @@ def pictures(bench):
 
 
 def start(bench):
-    def timed(what, *args):
-        return Figure(what, "ms", "less", [1e3 * process(*args)[1] for _ in range(4 * bench.repeats)])
+    """Programs that start in turns."""
     kerfbench = bench.program("kerfbench")
-    rows = [Row("start", timed("kerfbench --version", kerfbench, "--version"), None)]
+    commands = {"kerfbench --version": (kerfbench, "--version"),
+                "kerfbench lint": (kerfbench, "lint", os.path.join(SCENARIOS, "label-on-belt.yaml"))}
     if shutil.which("sigrok-cli"):
-        rows[0] = rows[0]._replace(other=timed("sigrok-cli --version", "sigrok-cli", "--version"))
-    scenario = os.path.join(SCENARIOS, "label-on-belt.yaml")
-    return rows + [Row("lint", timed("kerfbench lint", kerfbench, "lint", scenario), None)]
+        commands["sigrok-cli --version"] = ("sigrok-cli", "--version")
+    times = collections.defaultdict(list)
+    for _ in range(4 * bench.repeats):
+        for what, args in commands.items():
+            times[what].append(1e3 * process(*args)[1])
+    figures = {what: Figure(what, "ms", "less", values) for what, values in times.items()}
+    return [Row("start", figures["kerfbench --version"], figures.get("sigrok-cli --version")),
+            Row("lint", figures["kerfbench lint"], None)]
 
 
 PARTS = {"runs": whole_runs, "twin": twin_and_pins, "pictures": pictures, "start": start}
@@ -176,7 +180,7 @@ def table_of(rows, repeats):
     with open("/proc/cpuinfo", encoding="utf-8") as file:
         cpu = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "an unknown processor")
     commit = (stamp.git("show", "-s", "--format=%h of %cs", "HEAD") or b"unknown").decode().strip()
-    lines = ["Each row is measured beside what one would otherwise run, in turns, on the same computer. Whole runs go from the "
+    lines = ["Each row is measured beside what one would otherwise run, on the same computer. Whole runs go from the "
              "drawing to the report, with the fast twin and without pictures of the machine, on all processors; the job on the "
              "machine takes its own time. A figure is the median of its repeats, with the least and the most of them; × is how "
              "many times better the bench is.", "",
