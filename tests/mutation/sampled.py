@@ -16,11 +16,13 @@ Ends with 0 if at least 90 % of those that are not the same by proof are killed 
 explained in SURVIVORS_SAMPLED.md, 1 if not, 2 if nothing could be measured, 64 for a wrong command line.
 """
 import collections
+import concurrent.futures
 import fnmatch
 import glob
 import itertools
 import json
 import os
+import queue
 import random
 import re
 import subprocess
@@ -184,11 +186,12 @@ def tests_named_after(path):
 
 
 class Bench:
-    """Tries mutants one after the other."""
+    """Tries mutants, as many at a time as there are workshops."""
 
-    def __init__(self, build, suites, mutants, first, asserting):
+    def __init__(self, build, suites, mutants, first, asserting, jobs):
+        self.build = build
         self.first = first
-        self.workshop = Workshop(build, apart=True, asserting=asserting)
+        workshop = Workshop(build, apart=True, asserting=asserting)
         proof, self.groups, self.ms = Kept(build, "proof"), {}, {}
         sources = {}
         for mutant in mutants:
@@ -198,11 +201,21 @@ class Bench:
             for program, test_filter in suite:
                 durations = proof.value(
                     f"{program} {test_filter}", stamp_of(build.program_path(program)),
-                    lambda p=program, t=test_filter, f=sorted(files): durations_ms(build, self.workshop, p, t, f))
+                    lambda p=program, t=test_filter, f=sorted(files): durations_ms(build, workshop, p, t, f))
                 timed += [(ms, program, test) for test, ms in durations.items()]
             self.ms |= {(program, test): ms for ms, program, test in timed}
             self.groups[suite] = groups_of(timed)
         self.suites = suites
+        self.workshops = [workshop] + [
+            Workshop(build, apart=True, asserting=asserting, beside=workshop) for _ in range(jobs - 1)]
+        self.free = queue.SimpleQueue()
+        for workshop in self.workshops:
+            self.free.put(workshop)
+        self.killers = {}
+
+    def close(self):
+        for workshop in self.workshops:
+            workshop.close()
 
     def groups_for(self, mutant, stage):
         """Groups of tests of a stage: those that most likely see the mutant, the cheap ones, the dear ones."""
@@ -214,7 +227,7 @@ class Bench:
 
     def likely_for(self, mutant, groups):
         """One group for each program: tests that have killed a mutant of the same file before, then those of its name."""
-        killers = known_killers(HAND_PICKED, PAGE)[os.path.basename(mutant.file)]
+        killers = self.killers.get(os.path.basename(mutant.file), ())
         named = tests_named_after(mutant.file)
         stem = os.path.splitext(os.path.basename(mutant.file))[0]
         wanted = [pattern.split(":")[1] for pattern in self.first if pattern.split(":")[0] == stem]
@@ -234,35 +247,47 @@ class Bench:
         return likely
 
     def try_one(self, mutant, stage):
-        build = self.workshop.build
-        self.workshop.load(mutant.file, changed_text(build.root, mutant))
+        workshop = self.free.get()
+        try:
+            return self.try_in(workshop, mutant, stage)
+        finally:
+            self.free.put(workshop)
+
+    def try_in(self, workshop, mutant, stage):
+        workshop.load(mutant.file, changed_text(self.build.root, mutant))
         for program, tests, ms in self.groups_for(mutant, stage):
             try:
-                test = first_failure(self.workshop.program(program), ":".join(tests), build.folder, 30 + ms / 200)
+                test = first_failure(workshop.program(program), ":".join(tests), self.build.folder, 30 + ms / 200)
             except Refused:
                 return Outcome(mutate.REFUSED, "")
             except subprocess.TimeoutExpired:
                 return Outcome(mutate.TIMED_OUT, program)
             if test:
-                return Outcome(mutate.KILLED, f"{program}: {test}{', with assertions' if self.workshop.asserting else ''}")
+                return Outcome(mutate.KILLED, f"{program}: {test}{', with assertions' if workshop.asserting else ''}")
         return Outcome(mutate.SURVIVED, "")
 
     def try_all(self, mutants, keep):
         """Tells `keep` the fate of each mutant. What the tests of one stage let live waits until all have passed it."""
         for stage in (LIKELY, CHEAP, DEAR):
-            alive = []
-            for number, mutant in enumerate(mutants, 1):
-                outcome = self.try_one(mutant, stage)
-                is_open = outcome.fate == mutate.SURVIVED and stage != DEAR
-                print(f"[{number}/{len(mutants)}] {mutant.file}:{mutant.line} {mutant.name}: "
-                      f"{'not yet killed' if is_open else outcome.fate} {outcome.by}", flush=True)
-                if is_open:
-                    alive.append(mutant)
-                if stage == CHEAP and is_open:
-                    keep(mutant, Outcome(mutate.SURVIVED, CUT_SHORT))  # Until the dear ones have said otherwise.
-                elif not is_open:
-                    keep(mutant, outcome)
-            mutants = alive
+            self.killers = known_killers(HAND_PICKED, PAGE)  # Once, so that the number of jobs changes nothing.
+            with concurrent.futures.ThreadPoolExecutor(len(self.workshops)) as pool:
+                mutants = self.keep_all(mutants, stage, pool.map(lambda m, s=stage: self.try_one(m, s), mutants), keep)
+
+    @staticmethod
+    def keep_all(mutants, stage, outcomes, keep):
+        """Those that are still to be killed."""
+        alive = []
+        for number, (mutant, outcome) in enumerate(zip(mutants, outcomes), 1):
+            is_open = outcome.fate == mutate.SURVIVED and stage != DEAR
+            print(f"[{number}/{len(mutants)}] {mutant.file}:{mutant.line} {mutant.name}: "
+                  f"{'not yet killed' if is_open else outcome.fate} {outcome.by}", flush=True)
+            if is_open:
+                alive.append(mutant)
+            if stage == CHEAP and is_open:
+                keep(mutant, Outcome(mutate.SURVIVED, CUT_SHORT))  # Until the dear ones have said otherwise.
+            elif not is_open:
+                keep(mutant, outcome)
+        return alive
 
 
 def fault_of(mutant):
@@ -347,12 +372,16 @@ def parsed():
     parser.add_argument("--first", nargs="+", default=[], metavar="FILE:TEST",
                         help="tests to run first on mutants of FILE, named without folder and .cpp; patterns too")
     parser.add_argument("--asserting", action="store_true", help="with the assertions of libraries, as with sanitizers")
+    parser.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="N",
+                        help="mutants at a time (as many as there are cores); the results are the same at any number")
     parser.add_argument("--dry-run", action="store_true", help="prints the mutants, and tries none")
     options = parser.parse_args()
     if any(":" not in first for first in options.first):
         parser.error("--first takes FILE:TEST")
     if options.sample < 1:
         parser.error("--sample must be at least 1")
+    if options.jobs < 1:
+        parser.error("--jobs must be at least 1")
     return parser, options
 
 
@@ -384,11 +413,11 @@ def main():
         kept.discard(mutant.name)
         write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
 
-    bench = Bench(build, rule["suite"], chosen, options.first, options.asserting)
+    bench = Bench(build, rule["suite"], chosen, options.first, options.asserting, options.jobs)
     try:
         bench.try_all(chosen, keep)
     finally:
-        bench.workshop.close()
+        bench.close()
     write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
     print(mutate.summary(list(cells.values()))[0])
     print(score(cells)[0])

@@ -25,9 +25,10 @@ class Refused(Exception):
     """The compiler does not accept the mutant."""
 
 
-def run(command, cwd, timeout_s=None):
+def run(command, cwd, timeout_s=None, temporary=None):
+    environment = os.environ | ({"TMPDIR": temporary, "TEST_TMPDIR": temporary} if temporary else {})
     return subprocess.run(command, cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          errors="replace", timeout=timeout_s, check=False)
+                          errors="replace", timeout=timeout_s, check=False, env=environment)
 
 
 class Build:
@@ -95,14 +96,15 @@ class Workshop:
 
     Where the build folder compiles several sources as one, an `apart` workshop compiles each alone, and those that are not
     changed only once: a mutant of a large room then costs the compilation of its own file. An `asserting` one compiles the
-    mutant with the assertions of the standard library and of Eigen, as builds with sanitizers have them.
+    mutant with the assertions of the standard library and of Eigen, as builds with sanitizers have them. A workshop that works
+    `beside` another uses what that has compiled apart, and must not outlive it.
     """
 
-    def __init__(self, build, apart=False, asserting=False):
+    def __init__(self, build, apart=False, asserting=False, beside=None):
         self.build = build
         self.apart = apart
         self.asserting = asserting
-        self.unchanged = {}
+        self.unchanged = dict(beside.unchanged) if beside else {}
         self.temporary = tempfile.TemporaryDirectory(prefix="kerfbench-mutation-")
         self.folder = self.temporary.name
         self.path = None
@@ -225,8 +227,11 @@ class Workshop:
 
 
 def first_failure(path, test_filter, cwd, timeout_s=TIMEOUT_S):
-    """None if all tests pass; else the first that does not, or that crashes; TimeoutExpired if they never end."""
-    result = run([path, f"--gtest_filter={test_filter}", "--gtest_fail_fast", "--gtest_color=no"], cwd, timeout_s)
+    """None if all tests pass; else the first that does not, or that crashes; TimeoutExpired if they never end. What the
+    tests write for a while they write beside the program, out of the way of others of its kind."""
+    with tempfile.TemporaryDirectory(dir=os.path.dirname(path)) as temporary:
+        command = [path, f"--gtest_filter={test_filter}", "--gtest_fail_fast", "--gtest_color=no"]
+        result = run(command, cwd, timeout_s, temporary)
     if result.returncode == 0:
         if re.search(r"^\[  PASSED  \] 0 tests", result.stdout, re.MULTILINE):
             raise Broken(f"no test of {path} matches {test_filter}")

@@ -51,7 +51,8 @@ void measureExcursions(const Evidence& evidence, const std::vector<CutReadings>&
   const double by_pixel_mm = placeInPixelSigma_mm(evidence);
   ErrorModel model{.lines = {},
                    .modes = readings.empty() ? 0 : readings.front().shared.cols(),
-                   .estimator_mm = by_pixel_mm};
+                   .estimator_mm = by_pixel_mm,
+                   .trends = true};
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < stillness.cuts.size(); ++i) {
     CutResult& cut = stillness.cuts[i];

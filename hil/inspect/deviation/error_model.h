@@ -58,6 +58,10 @@ struct ErrorModel {
   /// Standard uncertainty of an extreme by what the estimator leaves that no scatter tells and no part of
   /// this model holds, such as a bump that is narrower than a window.
   double estimator_mm{};
+  /// Whether all lines are one run of readings of one trend, as the frames of a cut are: then how many places
+  /// compete to be the worst is known as well as the trend. Else a worst is at least as uncertain as the
+  /// place where it is read, DeviationEstimate::worst_u_place.
+  bool trends{};
   double correlation_mm{};  ///< Length over which the noise along a line falls to 1/e; 0 if it is white.
 };
 

@@ -75,7 +75,11 @@ class Group {
  public:
   Group(const ErrorModel& model, const std::vector<SimulatedLine>& lines, std::vector<std::size_t> members,
         const Tally& tally)
-      : members_(std::move(members)), lines_(lines), tally_(tally), estimator_mm_(model.estimator_mm) {
+      : members_(std::move(members)),
+        lines_(lines),
+        tally_(tally),
+        estimator_mm_(model.estimator_mm),
+        trends_(model.trends) {
     for (const std::size_t l : members_) {
       readings_ += static_cast<double>(model.lines[l].size());
       error_squares_ += lines[l].error_squares;
@@ -100,7 +104,7 @@ class Group {
     const Quantity drawn = basicInterval(result.worst_as_read, worstOf(tally_.truth),
                                          drawnWorst(result.worst_hidden, seed), -kInfinity);
     const double more_mm = std::hypot(result.worst_u_smoothing, result.worst_u_competing, estimator_mm_);
-    result.worst_u_place = lines_[result.line].errorAt(result.reading);
+    if (!trends_) result.worst_u_place = lines_[result.line].errorAt(result.reading);
     result.worst =
         magnitude(drawn.value, std::hypot(std::max(drawn.U, 2.0 * result.worst_u_place), 2.0 * more_mm));
     std::vector<double> rms;
@@ -151,6 +155,7 @@ class Group {
   double readings_{};
   double error_squares_{};
   double estimator_mm_;
+  bool trends_;
 };
 
 /// Shared errors of one draw for one line: its own, those of its unit's pose, those of tiles and camera.

@@ -19,7 +19,8 @@ struct DeviationEstimate {
   double worst_hidden{};       ///< The most that the correction may fall short of; half of it is taken off.
   double worst_u_competing{};  ///< Standard uncertainty of the correction itself; part of worst.U.
   /// Standard uncertainty of the estimate at the worst place alone. The largest of places that compete
-  /// scatters less than each of them, but whether they do is not known: worst.U is at least twice this.
+  /// scatters less than each of them, but whether they do is not known: worst.U is at least twice this. 0 for
+  /// ErrorModel::trends.
   double worst_u_place{};
   std::size_t line{}, reading{};  ///< Where, in ErrorModel::lines.
   std::size_t caliper{};          ///< The reading's index in EntityKerf::calipers, for lines of a kerf.

@@ -35,11 +35,58 @@ bool isNear(const KerfReading& reading, const KerfScanOptions& options) {
   return reading.found && std::abs(reading.offset_mm) <= kNearShare * options.reach_mm;
 }
 
-bool lightContradicts(const KerfReading& one, const KerfReading& two, const KerfScanOptions& options) {
-  const KerfReading& weaker = one.brightness < two.brightness ? one : two;
-  const KerfReading& stronger = &weaker == &one ? two : one;
-  return isNear(stronger, options) && stronger.brightness - weaker.brightness > kMostLightApart &&
-         weaker.brightness < kLeastLightShare * stronger.brightness;
+bool isWeaker(double brightness, double than) {
+  return than - brightness > kMostLightApart && brightness < kLeastLightShare * than;
+}
+
+/// A station of a line in one picture.
+class StationInView {
+ public:
+  StationInView(const OverlapScene& scene, const EntityPlan& entity, std::size_t station,
+                const TileView& view)
+      : scene_(scene), entity_(entity), station_(station), view_(view), reading_(read(station)) {}
+
+  [[nodiscard]] const KerfReading& reading() const { return reading_; }
+
+  /// The least and the most light from the station before this one to the one behind it.
+  struct Light {
+    double least{}, most{};
+  };
+  [[nodiscard]] Light lightAround() const {
+    const double before = lightAfter(entity_.stations.size() - 1);
+    const double behind = lightAfter(1);
+    return {std::min({before, reading_.brightness, behind}), std::max({before, reading_.brightness, behind})};
+  }
+
+ private:
+  [[nodiscard]] KerfReading read(std::size_t station) const {
+    return loneReading(scene_, view_, windowOf(entity_.stations[station], entity_, scene_.options.reach_mm));
+  }
+  /// Light so many stations on, around the line; there is none beyond the ends of an open one.
+  [[nodiscard]] double lightAfter(std::size_t steps) const {
+    const std::size_t other = (station_ + steps) % entity_.stations.size();
+    const bool beyond = !entity_.closed && (steps == 1 ? other == 0 : station_ == 0);
+    return beyond ? 0.0 : read(other).brightness;
+  }
+
+  const OverlapScene& scene_;
+  const EntityPlan& entity_;
+  std::size_t station_;
+  const TileView& view_;
+  KerfReading reading_;
+};
+
+/// Where a cut begins or ends, the light changes from nothing to all within a few stations, and two pictures
+/// whose table stopped a little apart show each of these differently. Only light that the other picture does
+/// not show at the stations beside it either contradicts.
+bool lightContradicts(const StationInView& one, const StationInView& two, const KerfScanOptions& options) {
+  const bool one_weaker = one.reading().brightness < two.reading().brightness;
+  const StationInView& weaker = one_weaker ? one : two;
+  const StationInView& stronger = one_weaker ? two : one;
+  const double least = weaker.reading().brightness;
+  const double most = stronger.reading().brightness;
+  if (!isNear(stronger.reading(), options) || !isWeaker(least, most)) return false;
+  return isWeaker(least, stronger.lightAround().least) || isWeaker(weaker.lightAround().most, most);
 }
 
 /// `slope`: CameraCalibration::sightSlope across the kerf in the second picture less that in the first.
@@ -64,23 +111,24 @@ TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene,
   const double border_px = caliperBorderPx(scene.options.reach_mm, scene.calibration.pitchMm());
   for (const EntityPlan& entity : plan.entities) {
     const SightDepth& depth = depths.at(static_cast<std::size_t>(formOf(entity.process)));
-    for (const Station& station : entity.stations) {
+    for (std::size_t s = 0; s < entity.stations.size(); ++s) {
+      const Station& station = entity.stations[s];
       if (station.near_corner || !entity.hidden(station).empty()) continue;
       const Vector2d p_T_mm = scene.X_TS * station.p_S_mm;
       const std::vector<const TileView*> seeing = scene.index.seeing(p_T_mm, border_px);
       if (seeing.size() < 2) continue;
-      const CaliperWindow window = windowOf(station, entity, scene.options.reach_mm);
       const Vector2d normal = scene.X_TS.rotation() * Vector2d(-station.tangent.y(), station.tangent.x());
       const auto slopeIn = [&](const TileView& view) {
         return scene.calibration.sightSlope(p_T_mm - view.tile.p_TV_mm).dot(normal);
       };
-      const KerfReading used = loneReading(scene, *seeing.front(), window);
+      const StationInView used(scene, entity, s, *seeing.front());
       for (std::size_t i = 1; i < seeing.size(); ++i) {
-        const KerfReading other = loneReading(scene, *seeing[i], window);
+        const StationInView other(scene, entity, s, *seeing[i]);
         const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
         ++out.compared;
         const bool light = lightContradicts(used, other, scene.options);
-        if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
+        if (!light && !placeContradicts(used.reading(), other.reading(), slope, depth, scene.options))
+          continue;
         if (out.count() == 0) {
           out.entity = entity.entity;
           out.p_S_mm = station.p_S_mm;

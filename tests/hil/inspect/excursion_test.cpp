@@ -75,6 +75,20 @@ TEST(Excursion, CalibrationOfTheCameraIsPartOfTheMeanPlaceAndNotOfTheStraying) {
   EXPECT_NEAR(unknown.excursion_U_mm, known.excursion_U_mm, 0.02 * known.excursion_U_mm);
 }
 
+TEST(Excursion, IsAsUncertainAsAPlaceWithinAPixel) {
+  SyntheticRun run;
+  run.shiftSpot(0, kCreaseLine, [](double t_s) { return Eigen::Vector2d(1.5 * t_s / 0.119, 0.0); });
+  const auto cut = [&] { return cutOf(run.inspected(), 0, kCreaseLine); };
+  const double pixel_mm = run.evidence.spot_calibration->pitchMm();
+  const double with_pixel_mm = cut().excursion_U_mm;
+  run.evidence.spot_calibration.reset();
+  const double without_mm = cut().excursion_U_mm;
+  EXPECT_NEAR(with_pixel_mm, std::hypot(without_mm, 2.0 * 0.006 * pixel_mm), 0.02 * with_pixel_mm);
+  // Frames are noisy by 2 um each; a place that stands out by itself is known no better.
+  EXPECT_GT(without_mm, 0.8 * 2.0 * 0.002);
+  EXPECT_LT(without_mm, 1.1 * 2.0 * 0.002);
+}
+
 TEST(Excursion, ASpotThatLeavesItsLineIsStillMeasured) {
   SyntheticRun run;
   run.shiftSpot(0, kCreaseLine, [](double t_s) {

@@ -178,5 +178,44 @@ TEST(WorstDeviation, NothingIsHiddenWhereNoiseExplainsAllThatIsSeen) {
   EXPECT_GE(nothing_hidden, kCuts / 4);
 }
 
+/// Frames of a cut whose spot drifts evenly from one end to the other.
+ErrorModel aTrend(std::uint64_t seed, double reach_mm, double noise_mm) {
+  constexpr std::size_t kFrames = 40;
+  ErrorModel model;
+  model.trends = true;
+  ReadingLine& line = model.lines.emplace_back();
+  const CounterRandom noise(seed, 1);
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    const double share = 2.0 * static_cast<double>(i) / (kFrames - 1.0) - 1.0;
+    line.reading_mm.push_back(reach_mm * share + noise_mm * noise.normal(i));
+    line.sigma_mm.push_back(noise_mm);
+  }
+  line.segment = {0, kFrames};
+  line.shared = Eigen::MatrixXd::Zero(kFrames, ReadingLine::kOwn);
+  return model;
+}
+
+TEST(WorstDeviation, OfATrendIsKnownBetterThanAnyOfItsPlaces) {
+  constexpr double kReach_mm = 0.01;
+  constexpr double kNoise_mm = 0.0015;
+  constexpr std::uint64_t kTrials = 300;
+  int within = 0;
+  double sum_of_U_mm = 0.0;
+  for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+    const ErrorModel model = aTrend(trial, kReach_mm, kNoise_mm);
+    const DeviationEstimate all = measureDeviations(model, {LineKind{}}, 0.1, trial).all;
+    within += std::abs(all.worst.value - kReach_mm) <= all.worst.U ? 1 : 0;
+    sum_of_U_mm += all.worst.U;
+  }
+  const double cover = within / static_cast<double>(kTrials);
+  std::printf("  cover %.1f %%, U %.2f um\n", 1e2 * cover, 1e3 * sum_of_U_mm / kTrials);
+  EXPECT_GT(cover, 0.92);
+  EXPECT_LT(sum_of_U_mm / kTrials, 2.0 * kNoise_mm);
+  ErrorModel places = aTrend(1, kReach_mm, kNoise_mm);
+  places.trends = false;
+  EXPECT_GE(measureDeviations(places, {LineKind{}}, 0.1, 1).all.worst.U, 2.0 * kNoise_mm)
+      << "where it is not known how many places compete";
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect
