@@ -354,10 +354,14 @@ TEST(Edges, AKerfWithoutAWidthIsInvalid) {
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
 }
 
-/// Deviation of a run with one right-angled corner whose centre line is rounded by `rounding_mm`.
-double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double overshoot_mm = 0.0) {
+/// Deviation of a run with one right-angled corner whose centre line is rounded by `rounding_mm`; its legs
+/// lie `inwards_mm` farther in the piece.
+double cornerDeviation(double turn_rad, Edge edge, double rounding_mm, double overshoot_mm = 0.0,
+                       double inwards_mm = 0.0) {
   SyntheticRun run = displaced(edge == Edge::kInside ? -kHalf_mm : kHalf_mm);
   run.limits.edge = edge;
+  for (const int leg : {kBottom, kRight})
+    for (vision::Caliper& c : run.kerf(0, leg).calipers) c.offset_mm += inwards_mm;
   vision::CornerKerf corner;
   corner.entity_in = turn_rad > 0.0 ? kBottom : kRight;
   corner.entity_out = turn_rad > 0.0 ? kRight : kBottom;
@@ -388,6 +392,18 @@ TEST(Edges, CornersFollowFromLegsAndRounding) {
   }
 }
 
+TEST(Edges, ARoundedCornerDeviatesByItsLegsAsWell) {
+  const double rounded_mm = kHalf_mm * (std::numbers::sqrt2 - 1.0) + 0.02;
+  for (const double turn : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi}) {
+    // Both legs move the corner along its bisector, which is the way that rounding moves it.
+    for (const double inwards_mm : {-0.01, 0.01}) {
+      EXPECT_NEAR(cornerDeviation(turn, Edge::kInside, 0.02, 0.0, inwards_mm),
+                  rounded_mm + std::numbers::sqrt2 * inwards_mm, 0.003)
+          << inwards_mm;
+    }
+  }
+}
+
 TEST(Edges, ACornerDeviatesByTheLegThatLiesBeside) {
   constexpr double kBeside_mm = 0.04;
   SyntheticRun run = displaced(kHalf_mm);
@@ -407,6 +423,35 @@ TEST(Edges, ACornerDeviatesByTheLegThatLiesBeside) {
     const vision::KerfScan edges = checks::edgeScan(scan, run.dieline, sides);
     EXPECT_NEAR(edges.corners.at(0).deviation_mm, kBeside_mm, 0.003) << leg;
   }
+}
+
+TEST(Edges, ALegThatIsAnArcLeavesTheCornerAlongItsOwnStart) {
+  // A line to the right, a quarter of a circle up from its end, and a line back.
+  const dieline::Dieline dieline = drawingOf({dieline::LineCurve{{0.0, 0.0}, {10.0, 0.0}},
+                                              dieline::ArcCurve{{5.0, 0.0}, 5.0, 0.0, 0.5 * std::numbers::pi},
+                                              dieline::LineCurve{{5.0, 5.0}, {0.0, 0.0}}});
+  const auto sides = checks::kerfSides(dieline, Edge::kOutside);
+  constexpr double kWidth_mm = 0.2;
+  constexpr double kBeside_mm = 0.04;
+  vision::KerfScan scan;
+  for (int id = 0; id < 3; ++id) {
+    vision::EntityKerf& kerf = scan.entities.emplace_back(vision::EntityKerf{0, id, {}});
+    const double beside_mm = id == 0 ? kBeside_mm : 0.0;
+    for (int i = 0; i < 20; ++i) {
+      vision::Caliper& c = kerf.calipers.emplace_back();
+      c.station_mm = 0.25 * i;
+      c.found = true;
+      c.width_mm = kWidth_mm;
+      c.offset_mm = sides.side[static_cast<std::size_t>(id)] * (0.5 * kWidth_mm + beside_mm);
+    }
+  }
+  vision::CornerKerf corner{.unit = 0, .entity_in = 0, .entity_out = 1, .p_S_mm = {10.0, 0.0}};
+  corner.turn_rad = 0.5 * std::numbers::pi;
+  corner.found = true;
+  scan.corners = {corner};
+  const vision::CornerKerf read = checks::edgeScan(scan, dieline, sides).corners.at(0);
+  EXPECT_TRUE(read.found);
+  EXPECT_NEAR(read.deviation_mm, kBeside_mm, 1e-9);
 }
 
 TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
@@ -429,10 +474,15 @@ TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
   // The bottom alone: both of its corners are with lines that are not selected.
   run.evidence.kerf.corners.clear();
   EXPECT_EQ(shortened(inside, kBottom, false), 0.0);
-  keepOnly(run.dieline, {kBottom});
-  for (const bool at_start : {false, true}) {
-    EXPECT_NEAR(shortened(inside, kBottom, at_start), kHalf_mm, 1e-9);
-    EXPECT_EQ(shortened(outside, kBottom, at_start), 0.0);
+  // Or the right side alone.
+  const dieline::Dieline whole = run.dieline;
+  for (const int alone : {kBottom, kRight}) {
+    run.dieline = whole;
+    keepOnly(run.dieline, {alone});
+    for (const bool at_start : {false, true}) {
+      EXPECT_NEAR(shortened(inside, alone, at_start), kHalf_mm, 1e-9) << alone;
+      EXPECT_EQ(shortened(outside, alone, at_start), 0.0) << alone;
+    }
   }
 }
 

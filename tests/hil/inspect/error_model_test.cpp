@@ -268,6 +268,33 @@ TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
   EXPECT_LT(ownU(), 3.2 * independent_mm);
 }
 
+TEST(Circularity, OfAnArcThatIsNoWholeCircleIsNone) {
+  SyntheticRun run;
+  auto& arc = std::get<dieline::ArcCurve>(run.dieline.entities[kHole].curve);
+  arc.sweep_rad *= 0.75;
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities)
+    if (kerf.entity == kHole) kerf.calipers.resize(3 * kerf.calipers.size() / 4);
+  for (const EntityResult& e : run.inspected().entities)
+    EXPECT_TRUE(std::isnan(e.circularity_mm)) << e.entity;
+}
+
+TEST(KerfWidth, IsLessCertainWhereTheNoiseOfNeighboursIsAlike) {
+  SyntheticRun run;
+  const auto U_mm = [&] {
+    for (const EntityResult& e : run.inspected().entities)
+      if (e.entity == kTop) return e.width_own_U_mm;
+    return 0.0;
+  };
+  const double white_mm = U_mm();
+  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
+    for (vision::Caliper& c : kerf.calipers) {
+      if (c.found) c.offset_mm = 0.0;
+      c.steady_sigma_mm = 0.0;
+    }
+  }
+  EXPECT_GT(U_mm(), 1.5 * white_mm) << "neighbours that do not differ from each other by their noise";
+}
+
 TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   SyntheticRun run;
   constexpr double kLobe_mm = 0.03;

@@ -229,6 +229,7 @@ TEST(LaserTimingCheck, FindsAStartThatIsNotBurnt) {
   const auto result = run.inspected();
   EXPECT_EQ(checkOf(result, "laser_timing").verdict, Verdict::kFail);
   EXPECT_NEAR(checkOf(result, "laser_timing").value, 0.34, 0.02);
+  EXPECT_NEAR(checkOf(result, "laser_timing").u, 0.25 * 0.25, 0.002) << "a quarter of the stations' pitch";
   EXPECT_NE(checkOf(result, "laser_timing").explanation.find("At the start of unit 0, E0"),
             std::string::npos);
 }
@@ -288,6 +289,40 @@ TEST(LaserTimingCheck, AHalfLitEndIsNoGap) {
   // At the tip of a slit the end point gets half of the line's energy.
   run.kerf(0, kBottom).calipers[0].brightness = 0.4;
   EXPECT_EQ(checkOf(run.inspected(), "laser_timing").verdict, Verdict::kPass);
+}
+
+TEST(LongestStretch, IsAsLongAtTheStartOfALineAsAnywhere) {
+  constexpr std::size_t kStations = 20;
+  constexpr double kPitch_mm = 0.25;
+  const auto lengthFrom = [&](std::size_t first) {
+    std::vector<vision::Caliper> calipers(kStations);
+    std::vector<const vision::Caliper*> stations;
+    for (std::size_t i = 0; i < kStations; ++i) {
+      calipers[i].station_mm = kPitch_mm * static_cast<double>(i);
+      calipers[i].brightness = i >= first && i < first + 3 ? 0.0 : 1.0;
+      stations.push_back(&calipers[i]);
+    }
+    return checks::longestStretch(stations, [](const vision::Caliper& c) { return c.brightness < 0.5; })
+        .length_mm;
+  };
+  // Three dark stations, and the light of half a pitch to each side on which there is one.
+  EXPECT_NEAR(lengthFrom(8), 3.0 * kPitch_mm, 1e-12);
+  EXPECT_NEAR(lengthFrom(0), 2.5 * kPitch_mm, 1e-12);
+  EXPECT_NEAR(lengthFrom(1), 3.0 * kPitch_mm, 1e-12);
+  EXPECT_NEAR(lengthFrom(kStations - 3), 2.5 * kPitch_mm, 1e-12);
+}
+
+TEST(LongestStretch, CountsEveryStationOfALineThatLacksPartOfItsLight) {
+  std::vector<vision::Caliper> calipers(9);
+  std::vector<const vision::Caliper*> stations;
+  for (std::size_t i = 0; i < calipers.size(); ++i) {
+    calipers[i].station_mm = 0.25 * static_cast<double>(i);
+    calipers[i].brightness = 0.45;
+    stations.push_back(&calipers[i]);
+  }
+  // From the first to the last, less what the two calipers reach beyond a piece at least.
+  const auto dim = [](const vision::Caliper& c) { return c.brightness < 0.5; };
+  EXPECT_NEAR(checks::longestStretch(stations, dim).length_mm, 2.0 - 0.1, 1e-12);
 }
 
 }  // namespace

@@ -286,6 +286,17 @@ TEST(Refusals, ACameraThatWatchedOnlyAPartIsInvalid) {
   EXPECT_TRUE(tells(other.inspected(), "end before the last cut"));
 }
 
+TEST(Refusals, ACameraMayBeginWithinAFrameOfTheFirstCutAndEndWithinOneOfTheLast) {
+  SyntheticRun run;
+  auto& frames = run.evidence.spot.frames;
+  frames.resize(run.frameAt(run.evidence.gates.back().off_s));
+  frames.erase(frames.begin(),
+               frames.begin() + static_cast<std::ptrdiff_t>(run.frameAt(run.evidence.gates.front().on_s)));
+  const auto result = run.inspected();
+  EXPECT_FALSE(tells(result, "begin after the first cut"));
+  EXPECT_FALSE(tells(result, "end before the last cut"));
+}
+
 TEST(Refusals, ADeadLaserFailsByCoverageThoughTheSpotIsNotSeen) {
   SyntheticRun run;
   const double on_s = run.evidence.gates.front().on_s;

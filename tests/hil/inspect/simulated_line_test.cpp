@@ -85,5 +85,11 @@ TEST(SimulatedLine, HoldsAllThatTheUnitAndItsTilesShareAndAShareOfTheNoise) {
   }
 }
 
+TEST(SimulatedLine, WithoutAnyErrorItHoldsAllOfIt) {
+  ReadingLine line = lineWithAGap();
+  for (double& sigma_mm : line.sigma_mm) sigma_mm = 0.0;
+  EXPECT_EQ(SimulatedLine(line, LineKind{}).errorShareAt(2), 1.0);
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect

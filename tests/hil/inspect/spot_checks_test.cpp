@@ -119,6 +119,26 @@ TEST(FollowDieline, TheSheetMovesEvenlyBetweenFramesThatShowIt) {
   }
 }
 
+TEST(FollowDieline, ASheetThatGathersSpeedLiesBetweenTheFramesBesideIt) {
+  dieline::Dieline dieline;
+  dieline.entities.push_back(
+      {0, dieline::LineCurve{{0.0, 0.0}, {30.0, 0.0}}, dieline::Process::kCut, "CUT", ""});
+  vision::SpotTrack track;
+  for (std::size_t i = 0; i <= 8; ++i) {
+    vision::FrameMeasurement& frame = track.frames.emplace_back();
+    frame.sequence = i;
+    frame.mid_s = 1e-3 * static_cast<double>(i);
+    frame.spot_W_mm = Eigen::Vector2d(20.0, 0.0);
+    frame.spot_sigma_mm = 0.002;
+    const double fours = 0.25 * static_cast<double>(i);
+    if (i % 4 == 0) frame.sheet.push_back({0, {fours * fours, 0.0}, 0.0, 0.001, 4});
+  }
+  const auto frames = followDieline(track, dieline).frames;
+  ASSERT_EQ(frames.size(), 9U);
+  EXPECT_NEAR(frames[2].p_S_mm.x(), 20.0 - 0.5, 1e-9);
+  EXPECT_NEAR(frames[6].p_S_mm.x(), 20.0 - 2.5, 1e-9);
+}
+
 TEST(FollowDieline, TheFirstFrameToldWhereTheSheetIs) {
   SyntheticRun run;
   vision::FrameMeasurement& first = run.evidence.spot.frames.front();
@@ -156,6 +176,29 @@ TEST(FollowDieline, BetweenTwoLinesASpotHasLeftNeither) {
     }
     EXPECT_GT(between, 10);
   }
+}
+
+TEST(FollowDieline, ASpotThatRunsOnBeyondTheEndOfItsLineIsMeasuredAgainstNone) {
+  dieline::Dieline dieline;
+  dieline.entities.push_back(
+      {0, dieline::LineCurve{{0.0, 0.0}, {10.0, 0.0}}, dieline::Process::kCut, "CUT", ""});
+  vision::SpotTrack track;
+  for (double x_mm = 1.0; x_mm < 13.0; x_mm += 0.25) {
+    vision::FrameMeasurement& frame = track.frames.emplace_back();
+    frame.sequence = track.frames.size() - 1;
+    frame.mid_s = 1e-3 * static_cast<double>(frame.sequence);
+    frame.sheet.push_back({0, {0.0, 0.0}, 0.0, 0.001, 4});
+    frame.spot_W_mm = Eigen::Vector2d(x_mm, 0.0);
+    frame.spot_sigma_mm = 0.002;
+  }
+  int beyond = 0;
+  for (const LitFrame& frame : followDieline(track, dieline).frames) {
+    if (frame.p_S_mm.x() < 11.0) continue;
+    ++beyond;
+    EXPECT_EQ(frame.entity, -1);
+    EXPECT_EQ(frame.left_entity, -1) << frame.p_S_mm.x();
+  }
+  EXPECT_GT(beyond, 5);
 }
 
 TEST(FollowDieline, ATurnOfTheSheetMovesASpotByItsDistanceFromThePivot) {
@@ -347,11 +390,36 @@ TEST(RepeatCheck, CountsAFlawlessLineOnce) {
   for (const EntityResult& e : run.inspected().entities) EXPECT_NEAR(e.passes, 1.0, 0.12) << e.entity;
 }
 
+TEST(RepeatCheck, CountsFewFramesOfALineInFull) {
+  // Half a step before the first of them and half a step after the last belong to the line.
+  SyntheticRun run;
+  std::vector<vision::FrameMeasurement> few;
+  for (std::size_t i = 0; i < run.evidence.spot.frames.size(); i += 10) {
+    few.push_back(run.evidence.spot.frames[i]);
+    few.back().sequence = few.size() - 1;
+  }
+  run.evidence.spot.frames = few;
+  for (const EntityResult& e : run.inspected().entities) {
+    if (e.entity != kCreaseLine) continue;
+    EXPECT_NEAR(e.passes, 1.0, 0.05);
+  }
+}
+
+TEST(SpotPathCheck, NamesTheLineThatTheSpotIsFarthestFrom) {
+  SyntheticRun run;
+  run.shiftSpot(0, kTop,
+                [](double t_s) { return Eigen::Vector2d(0.0, t_s > 0.05 && t_s < 0.06 ? 0.2 : 0.0); });
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "spot_path").verdict, Verdict::kFail);
+  EXPECT_EQ(checkOf(result, "spot_path").subject, "unit 0, E2");
+}
+
 TEST(LaserGateCheck, LightWithoutGateFails) {
   SyntheticRun run;
   for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.005;
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
   EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 5.0, 0.01);
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").limit, 1e3 * run.limits.gate_tail_s, 1e-9);
   run.evidence.gates.clear();
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kInvalid);
 }
@@ -389,6 +457,15 @@ TEST(PulseTimingCheck, AnAxisThatNeverTurnedHasNoSetUpTime) {
 TEST(PulseTimingCheck, WithoutAnyPulseIsInvalid) {
   SyntheticRun run;
   for (PulseTiming& t : run.evidence.pulses) t.pulses = 0;
+  EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kInvalid);
+}
+
+TEST(PulseTimingCheck, APulseThatNeverEndedTellsNoTime) {
+  SyntheticRun run;
+  for (PulseTiming& t : run.evidence.pulses) {
+    t.pulses = 1;
+    t.min_setup_s = t.min_hold_s = t.min_width_s = t.min_space_s = std::numeric_limits<double>::infinity();
+  }
   EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kInvalid);
 }
 

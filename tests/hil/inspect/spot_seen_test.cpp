@@ -129,6 +129,32 @@ TEST(Refusals, ADarkFrameAtTheEndOfACutIsExcusedWhereTheBeamIsSlow) {
   EXPECT_EQ(endingDark(25e-3, 0.0), Verdict::kInvalid);
 }
 
+/// The same with the last but one of that crease dark, behind one that places the spot so many times worse
+/// than usual.
+Verdict lastButOneDark(double times_sigma) {
+  SyntheticRun run;
+  const auto crease =
+      std::ranges::find_if(run.evidence.gates, [](const GateInterval& gate) {  // 36 mm at 300 mm/s
+        return std::abs(gate.off_s - gate.on_s - 0.12) < 2e-3;
+      });
+  auto& all = run.evidence.spot.frames;
+  const std::size_t last = run.frameAt(crease->off_s - 1e-3);
+  std::vector<vision::FrameMeasurement> frames;
+  for (std::size_t i = last % 31; i < all.size(); i += 31) {
+    frames.push_back(all[i]);
+    frames.back().sequence = frames.size() - 1;
+    if (i + 31 == last) frames.back().spot_W_mm.reset();
+    if (i + 62 == last) frames.back().spot_sigma_mm *= times_sigma;
+  }
+  all = std::move(frames);
+  return checkOf(run.inspected(), "spot_seen").verdict;
+}
+
+TEST(Refusals, ADarkFrameIsExcusedBesideAFaintOneThoughOnlyOneIsLeftOfItsCut) {
+  EXPECT_EQ(lastButOneDark(3.0), Verdict::kPass);
+  EXPECT_EQ(lastButOneDark(1.0), Verdict::kInvalid);
+}
+
 /// The same of the first frame of that crease, so long after the beam left its start; the gate opens earlier
 /// than the beam needs at full speed.
 Verdict beginningDark(double behind_start_s, double earlier_s) {

@@ -369,5 +369,36 @@ TEST(DepthCheck, NearlyTheLightOfACutProvesNothing) {
   EXPECT_EQ(checkOf(proven, "depth").subject, "unit 1, E5");
 }
 
+TEST(DepthCheck, StationsBesideOneThatIsSurelyOpenAreAsWell) {
+  // Their calipers reach over the end of the hole, and so see less of its light.
+  SyntheticRun run;
+  vision::EntityKerf& kerf = run.kerf(0, kCreaseLine);
+  refine(kerf);
+  kerf.calipers[100].brightness = 1.0;
+  kerf.calipers[99].brightness = kerf.calipers[101].brightness = 0.8;
+  const double pitch_mm = kerf.calipers[101].station_mm - kerf.calipers[100].station_mm;
+  run.limits.cut_through_mm = 2.0 * pitch_mm;
+  const Check depth = *checks::depthCheck(run.evidence, run.limits);
+  EXPECT_NEAR(depth.value, 3.0 * pitch_mm, 1e-9);
+  EXPECT_NE(depth.explanation.find("is cut through over"), std::string::npos) << depth.explanation;
+}
+
+TEST(BridgesCheck, StationsThatShineDoNotMakeTheOthersLackLight) {
+  // One in eight, as under a lamp that is seen in the board.
+  SyntheticRun run;
+  auto& calipers = run.kerf(0, kBottom).calipers;
+  for (std::size_t i = 4; i < calipers.size(); i += 8) calipers[i].brightness *= 1.3;
+  EXPECT_EQ(checks::bridgesCheck(run.evidence, run.limits)->value, 0.0);
+}
+
+TEST(CoverageCheck, AGrooveThatKeepsItsPlaceAtTwoStationsOfThreeIsNone) {
+  SyntheticRun run;
+  vision::EntityKerf& kerf = run.kerf(1, kCreaseLine);
+  dim(kerf, 0.0, 40.0, 0.06);
+  EXPECT_EQ(checks::longestBlank(run.evidence, kerf, run.limits).length_mm, 0.0);
+  for (std::size_t i = 0; i < kerf.calipers.size(); i += 3) kerf.calipers[i].offset_mm += 0.2;
+  EXPECT_GT(checks::longestBlank(run.evidence, kerf, run.limits).length_mm, 20.0);
+}
+
 }  // namespace
 }  // namespace kerfbench::inspect

@@ -112,6 +112,12 @@ TEST(WorstDeviation, OfTwoLinesThatCompeteItSaysThatTheCorrectionMayBeWrong) {
   EXPECT_LT(single.worst_u_competing, 0.5 * competing.worst_u_competing) << "noise alone";
 }
 
+TEST(WorstDeviation, RmsIsThatOfTheTruthWithoutItsNoise) {
+  constexpr double kTruth_mm = 0.01;
+  const DeviationEstimate all = measureDeviations(oneLine(3, kTruth_mm, 0.005), {LineKind{}}, 0.1, 1).all;
+  EXPECT_NEAR(all.rms.value, kTruth_mm, 0.1 * kTruth_mm);
+}
+
 TEST(WorstDeviation, WhatTheEstimatorLeavesIsPartOfItsU) {
   ErrorModel model = oneLine(1, 0.01, 0.002);
   const double without_U = measureDeviations(model, {LineKind{}}, 0.1, 1).all.worst.U;

@@ -69,6 +69,15 @@ TEST(FlankBelief, ABackLightThatIsNotKnownLeavesDepthOpen) {
   const FlankBelief belief = beliefOf({}, told);
   EXPECT_EQ(belief.likely.open, 1.0);
   EXPECT_NEAR(belief.momentsOf(openOf).sigma, 0.02, 1e-4);
+  const auto meanOf = [&](const auto& quantity) {
+    double mean = 0.0;
+    for (const FlankView& view : belief.views) mean += view.weight * quantity(view);
+    return mean;
+  };
+  EXPECT_NEAR(meanOf(openOf), 2.0, 1e-9)
+      << "as likely brighter as darker; the views of flanks have it as told";
+  const auto lensOf = [](const FlankView& v) { return v.lens_px; };
+  EXPECT_NEAR(meanOf(lensOf), 2.0 * lensOf(belief.likely), 1e-3);
   const auto fallBy = [](const FlankView& v) {
     FlankQuery query = creaseOf(viewOf(0.0)).query;
     query.open_gray *= v.open;

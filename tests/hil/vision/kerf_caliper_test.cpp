@@ -60,6 +60,17 @@ TEST(KerfCaliper, OddGrayIsTheLeftBoardLessTheRightOne) {
   EXPECT_NEAR(measureKerf(profile, kOpen).odd_gray, 6.0, 0.1);
 }
 
+TEST(KerfCaliper, WhatTheBoardDiffersByMovesAKerfAsItWouldOnTheFlanks) {
+  Profile profile = kerfAt(0.0);
+  for (int i = -kHalfSamples; i <= kHalfSamples; ++i) {
+    if (std::abs(i) * kStep_mm > kBoardMm - 0.05)
+      profile.gray[static_cast<std::size_t>(i + kHalfSamples)] += i > 0 ? 3.0F : -3.0F;
+  }
+  // A flank of that blur rises by 0.547 of its height over three samples about its middle.
+  const double slope_per_mm = 0.547 * (kOpen - kBoard) / (3.0 * kStep_mm);
+  EXPECT_NEAR(measureKerf(profile, kOpen).board_mm, 3.0 / slope_per_mm, 0.05 * 3.0 / slope_per_mm);
+}
+
 TEST(KerfCaliper, ANarrowKerfIsAsBrightAsThePixelsInItsMiddle) {
   // The spline has dimmed it to half of its light.
   Profile profile = kerfAt(0.0);

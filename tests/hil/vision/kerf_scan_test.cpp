@@ -394,9 +394,43 @@ TEST(KerfScan, ACutThatIsNotThereIsNotFoundAndTheRestIs) {
 }
 
 TEST(KerfScan, RefusesSenselessOptions) {
+  const auto refuses = [](double KerfScanOptions::*option, double value) {
+    Workpiece work;
+    work.options.*option = value;
+    EXPECT_THROW(static_cast<void>(work.scan({})), std::invalid_argument) << value;
+  };
+  using Options = KerfScanOptions;
+  for (const auto option : {&Options::station_pitch_mm, &Options::reach_mm, &Options::open_gray})
+    refuses(option, 0.0);
+  for (const auto option : {&Options::beam_radius_mm, &Options::board_thickness_mm, &Options::table_sigma_mm,
+                            &Options::table_scale_sigma, &Options::scale_sigma, &Options::open_gray_sigma,
+                            &Options::print_sigma_mm})
+    refuses(option, -1e-9);
+}
+
+TEST_F(KerfScanTest, CreasesDoNotTellHowWideCutsAre) {
+  // Scorch dims creases.
+  Workpiece without = *work_;
+  for (dieline::Entity& entity : without.dieline.entities)
+    if (entity.process == dieline::Process::kCrease) entity.process = dieline::Process::kIgnore;
+  const KerfScan scan = without.scan(*tiles_);
+  for (const int id : {0, 1, 3, 5}) {
+    const auto& with = entityOf(*scan_, id).calipers;
+    const auto& alone = entityOf(scan, id).calipers;
+    ASSERT_EQ(with.size(), alone.size());
+    EXPECT_EQ(with[with.size() / 2].width_mm, alone[with.size() / 2].width_mm) << "E" << id;
+  }
+}
+
+TEST(KerfScan, ASheetMayLieTurnedByThirtyMilliradians) {
   Workpiece work;
-  work.options.station_pitch_mm = 0.0;
-  EXPECT_THROW(static_cast<void>(work.scan({})), std::invalid_argument);
+  work.dieline.entities.resize(1);
+  work.angle_rad = 0.029;
+  EXPECT_EQ(work.scan(work.tiles()).units.size(), 1U);
+  work.angle_rad = 0.034;
+  const KerfScan scan = work.scan(work.tiles());
+  EXPECT_TRUE(scan.units.empty());
+  EXPECT_THAT(scan.problems, ::testing::Not(::testing::IsEmpty()));
 }
 
 }  // namespace

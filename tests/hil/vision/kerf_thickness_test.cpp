@@ -207,6 +207,12 @@ TEST(SightDepth, FollowsFromPairsAndLeavesOutWhatDoesNotFit) {
   EXPECT_NEAR(dirty.depths.front().mm, fit.depths.front().mm, 0.005);
 }
 
+TEST(SightDepth, AGrooveEndsAnywhereFromTheFaceToTwiceItsMiddle) {
+  const SightDepth shallow = expectedDepths(0.4)[static_cast<std::size_t>(KerfForm::kShallow)];
+  EXPECT_NEAR(shallow.mm, 0.35 * 0.4, 1e-12);
+  EXPECT_NEAR(shallow.sigma_mm, shallow.mm / std::sqrt(3.0), 0.02 * shallow.mm) << "rectangular";
+}
+
 TEST(SightDepth, IsNothingForThinBoard) {
   const SightFit fit = sightDepths({}, 1, 0.0, 0.0);
   EXPECT_EQ(fit.depths.front().mm, 0.0);
