@@ -271,9 +271,9 @@ TEST(KerfWidth, NoiseThatNeighboursShareDoesNotAverageOut) {
 TEST(Circularity, OfAnArcThatIsNoWholeCircleIsNone) {
   SyntheticRun run;
   auto& arc = std::get<dieline::ArcCurve>(run.dieline.entities[kHole].curve);
-  arc.sweep_rad *= 0.75;
+  arc.sweep_rad *= 0.96;
   for (vision::EntityKerf& kerf : run.evidence.kerf.entities)
-    if (kerf.entity == kHole) kerf.calipers.resize(3 * kerf.calipers.size() / 4);
+    if (kerf.entity == kHole) kerf.calipers.resize(96 * kerf.calipers.size() / 100);
   for (const EntityResult& e : run.inspected().entities)
     EXPECT_TRUE(std::isnan(e.circularity_mm)) << e.entity;
 }

@@ -141,7 +141,9 @@ TEST(LineEnergy, AStretchThatIsTooStrongIsFound) {
   SyntheticRun probe;
   const double middle_s =
       0.5 * (probe.evidence.spot.frames.front().mid_s + probe.evidence.spot.frames.back().mid_s);
-  EXPECT_EQ(checkOf(metered(0.1, middle_s, 1.05).inspected(), "line_energy").verdict, Verdict::kFail);
+  const auto result = metered(0.1, middle_s, 1.05).inspected();
+  EXPECT_EQ(checkOf(result, "line_energy").verdict, Verdict::kFail);
+  EXPECT_THAT(checkOf(result, "line_energy").explanation, ::testing::ContainsRegex("by \\+5\\.[0-9]+ %; on"));
 }
 
 TEST(LineEnergy, AStretchIsFoundThoughItIsTheFirst) {

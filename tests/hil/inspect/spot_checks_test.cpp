@@ -466,7 +466,9 @@ TEST(PulseTimingCheck, APulseThatNeverEndedTellsNoTime) {
     t.pulses = 1;
     t.min_setup_s = t.min_hold_s = t.min_width_s = t.min_space_s = std::numeric_limits<double>::infinity();
   }
-  EXPECT_EQ(checkOf(run.inspected(), "pulse_timing").verdict, Verdict::kInvalid);
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "pulse_timing").verdict, Verdict::kInvalid);
+  EXPECT_EQ(checkOf(result, "pulse_timing").subject, "");
 }
 
 TEST(LaserGateCheck, LightBeforeTheGateFails) {

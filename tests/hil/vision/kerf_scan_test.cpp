@@ -415,10 +415,13 @@ TEST_F(KerfScanTest, CreasesDoNotTellHowWideCutsAre) {
     if (entity.process == dieline::Process::kCrease) entity.process = dieline::Process::kIgnore;
   const KerfScan scan = without.scan(*tiles_);
   for (const int id : {0, 1, 3, 5}) {
-    const auto& with = entityOf(*scan_, id).calipers;
-    const auto& alone = entityOf(scan, id).calipers;
-    ASSERT_EQ(with.size(), alone.size());
-    EXPECT_EQ(with[with.size() / 2].width_mm, alone[with.size() / 2].width_mm) << "E" << id;
+    const EntityKerf& with = entityOf(*scan_, id);
+    const EntityKerf& alone = entityOf(scan, id);
+    EXPECT_EQ(with.widening_mm, alone.widening_mm) << "E" << id;
+    EXPECT_EQ(with.widening_sigma_mm, alone.widening_sigma_mm) << "E" << id;
+    ASSERT_EQ(with.calipers.size(), alone.calipers.size());
+    const std::size_t middle = with.calipers.size() / 2;
+    EXPECT_EQ(with.calipers[middle].width_mm, alone.calipers[middle].width_mm) << "E" << id;
   }
 }
 
