@@ -175,6 +175,7 @@ TEST(Edges, AKerfBesideTheLinePassesByItsEdgeAndOnTheLineFails) {
   EXPECT_LT(edge.value + edge.u, 0.01);
   EXPECT_FALSE(hasCheck(good, "path"));
   EXPECT_EQ(checkOf(good, "stillness_x").verdict, Verdict::kPass);
+  EXPECT_EQ(checkOf(good, "laser_timing").value, 0.0);
   EXPECT_EQ(checkOf(good, "spot_path").verdict, Verdict::kFail) << "the hole's spots stayed on the line";
 
   for (const double shift_mm : {0.0, -kHalf_mm}) {
