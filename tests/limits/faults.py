@@ -10,8 +10,9 @@ import by_keys as keys
 import by_pins as pins
 from drawing import ACROSS
 
-# make: the Job with the fault, by its size in the unit of the limit. verdict: what the check says at twice the limit.
-Fault = collections.namedtuple("Fault", "name check limit unit make what verdict", defaults=("FAIL",))
+# make: the Job with the fault, by its size in the unit of the limit. verdict: what the check says at twice the limit. within:
+# what a run within the limit must be, where that is more than "not FAIL and not INVALID".
+Fault = collections.namedtuple("Fault", "name check limit unit make what verdict within", defaults=("FAIL", ""))
 
 FAULTS = [
     Fault("shift-x", "path", 0.05, "mm", lambda s: gcode.all_moved(lambda p: (p[0] + s, p[1])),
@@ -85,7 +86,9 @@ FAULTS = [
     Fault("meter-high", "line_energy", 0.05, "", keys.meter_wrong,
           "another quantum of the power meter: too much energy"),
     Fault("meter-low", "line_energy", 0.05, "", lambda s: keys.meter_wrong(-s), "too little energy"),
-    Fault("guard-ignored", "interlock", 0.1, "ms", pins.guard_ignored, "the gate stays open behind an open guard"),
+    # The guard of the machine that replays this stays shut: only what is proven against the release counts.
+    Fault("guard-ignored", "interlock", 0.1, "ms", pins.guard_ignored, "the gate stays open behind an open guard",
+          within="INVALID"),
     Fault("safe-lit", "safe_state", 0.1, "ms", pins.lit_after_guard, "the laser goes off late after the guard opened"),
     Fault("safe-step", "safe_stop", 1.7, "ms", pins.step_after_guard, "a step after the guard opened"),
     Fault("safe-report", "safe_report", 51.7, "ms", pins.report_after_guard, "the controller says late why it stopped"),
