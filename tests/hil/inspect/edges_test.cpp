@@ -475,7 +475,7 @@ TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
   // The bottom alone: both of its corners are with lines that are not selected.
   run.evidence.kerf.corners.clear();
   EXPECT_EQ(shortened(inside, kBottom, false), 0.0);
-  // Or the right side alone.
+  // So does the right side alone.
   const dieline::Dieline whole = run.dieline;
   for (const int alone : {kBottom, kRight}) {
     run.dieline = whole;

@@ -375,7 +375,7 @@ TEST(StartPlace, IsKnownNoBetterThanLinesKeepToOneDisplacement) {
   Tolerances limits;
   limits.path_mm = 1.0;
   const checks::StartPlace place = checks::Displacements(evidence, {}, limits, lit).along(0, {0.0, 1.0});
-  // They scatter by 44 um about what is drawn in towards none, known to 20 um.
+  // Lines scatter by 44 um about a displacement that is drawn in towards none, and is known to 20 um.
   EXPECT_NEAR(place.sigma_mm, std::hypot(0.0445, 0.020), 0.001);
 }
 

@@ -370,7 +370,7 @@ TEST(DepthCheck, NearlyTheLightOfACutProvesNothing) {
 }
 
 TEST(DepthCheck, StationsBesideOneThatIsSurelyOpenAreAsWell) {
-  // Their calipers reach over the end of the hole, and so see less of its light.
+  // Calipers beside a hole reach over its end, and so see less of its light.
   SyntheticRun run;
   vision::EntityKerf& kerf = run.kerf(0, kCreaseLine);
   refine(kerf);
