@@ -472,10 +472,9 @@ TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {
   EXPECT_EQ(shortened(inside, kTop, true), 0.0);
   EXPECT_EQ(shortened(outside, kBottom, false), 0.0);
 
-  // The bottom alone: both of its corners are with lines that are not selected.
+  // A side alone: both of its corners are with lines that are not selected.
   run.evidence.kerf.corners.clear();
   EXPECT_EQ(shortened(inside, kBottom, false), 0.0);
-  // So does the right side alone.
   const dieline::Dieline whole = run.dieline;
   for (const int alone : {kBottom, kRight}) {
     run.dieline = whole;
