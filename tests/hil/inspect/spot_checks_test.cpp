@@ -417,9 +417,10 @@ TEST(SpotPathCheck, NamesTheLineThatTheSpotIsFarthestFrom) {
 TEST(LaserGateCheck, LightWithoutGateFails) {
   SyntheticRun run;
   for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.005;
-  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kFail);
-  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 5.0, 0.01);
-  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").limit, 1e3 * run.limits.gate_tail_s, 1e-9);
+  const auto result = run.inspected();
+  EXPECT_EQ(checkOf(result, "laser_gate").verdict, Verdict::kFail);
+  EXPECT_NEAR(checkOf(result, "laser_gate").value, 5.0, 0.01);
+  EXPECT_NEAR(checkOf(result, "laser_gate").limit, 1e3 * run.limits.gate_tail_s, 1e-9);
   run.evidence.gates.clear();
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kInvalid);
 }

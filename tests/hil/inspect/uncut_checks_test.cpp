@@ -191,7 +191,7 @@ TEST(BridgesCheck, MeasuresTheSumOfThePieces) {
       vision::EntityKerf& kerf = run.kerf(0, kBottom);
       bridges(kerf, count, length_mm);
       run.limits.uncut_share = 1.0;
-      const Check check = checkOf(run.inspected(), "bridges");
+      const Check check = *checks::bridgesCheck(run.evidence, run.limits);
       const double truth = (count - 1) * length_mm / dieline::lengthOf(run.dieline.entities[kBottom].curve);
       EXPECT_NEAR(check.value, truth, check.u) << count << " of " << length_mm;
       EXPECT_LT(check.u, 0.1 * truth + 0.004) << count << " of " << length_mm;
