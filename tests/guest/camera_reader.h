@@ -7,6 +7,7 @@
 
 #include "hil/camera/v4l2/v4l2_frames.h"
 #include "hil/camera/v4l2/v4l2_stream.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::guest {
 
