@@ -278,23 +278,6 @@ TEST(Circularity, OfAnArcThatIsNoWholeCircleIsNone) {
     EXPECT_TRUE(std::isnan(e.circularity_mm)) << e.entity;
 }
 
-TEST(KerfWidth, IsLessCertainWhereTheNoiseOfNeighboursIsAlike) {
-  SyntheticRun run;
-  const auto U_mm = [&] {
-    for (const EntityResult& e : run.inspected().entities)
-      if (e.entity == kTop) return e.width_own_U_mm;
-    return 0.0;
-  };
-  const double white_mm = U_mm();
-  for (vision::EntityKerf& kerf : run.evidence.kerf.entities) {
-    for (vision::Caliper& c : kerf.calipers) {
-      if (c.found) c.offset_mm = 0.0;
-      c.steady_sigma_mm = 0.0;
-    }
-  }
-  EXPECT_GT(U_mm(), 1.5 * white_mm) << "neighbours that do not differ from each other by their noise";
-}
-
 TEST(Circularity, OfAnOvalHoleIsTheRangeOfItsRadii) {
   SyntheticRun run;
   constexpr double kLobe_mm = 0.03;
