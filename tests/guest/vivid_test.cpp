@@ -2,7 +2,6 @@
 // The bench's reader of cameras on a camera of the kernel's own that fails on demand (vivid).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <linux/v4l2-dv-timings.h>
 #include <linux/videodev2.h>
 
 #include <algorithm>
@@ -51,6 +50,22 @@ class VividTest : public testing::Test {
   /// Selects the input; 0: a webcam, 1: HDMI (init.sh).
   static void selectInput(int input) {
     camera::VideoDevice(camera::kernelVideoCalls(), kVivid).require(VIDIOC_S_INPUT, &input, "VIDIOC_S_INPUT");
+  }
+  /// Timings of 640 × 480 at 59.94 Hz, VESA DMT 04h; the kernel's V4L2_DV_BT_DMT_640X480P60 is C only.
+  static v4l2_dv_timings vga60() {
+    v4l2_dv_timings timings{};
+    timings.type = V4L2_DV_BT_656_1120;
+    timings.bt.width = 640;
+    timings.bt.height = 480;
+    timings.bt.pixelclock = 25'175'000;
+    timings.bt.hfrontporch = 16;
+    timings.bt.hsync = 96;
+    timings.bt.hbackporch = 48;
+    timings.bt.vfrontporch = 10;
+    timings.bt.vsync = 2;
+    timings.bt.vbackporch = 33;
+    timings.bt.standards = V4L2_DV_BT_STD_DMT | V4L2_DV_BT_STD_CEA861;
+    return timings;
   }
   camera::CameraSettings settings = webcam();
 };
@@ -121,7 +136,7 @@ TEST_F(VividTest, ASourceThatChangesEndsTheCapture) {
   selectInput(1);
   {
     camera::VideoDevice device(camera::kernelVideoCalls(), kVivid);
-    v4l2_dv_timings timings = V4L2_DV_BT_DMT_640X480P60;
+    v4l2_dv_timings timings = vga60();
     device.require(VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
     CameraReader reader(kVivid, grey(640, 480), noiseless(20));
     reader.take(5);

@@ -5,8 +5,16 @@
 // bit.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define KERFBENCH_SANITIZED
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define KERFBENCH_SANITIZED
+#endif
+
+// A sanitizer is not there yet when the program's loader asks which one is to run.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(KERFBENCH_SANITIZED)
 #define KERFBENCH_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define KERFBENCH_WIDE
