@@ -26,16 +26,11 @@ KerfOutline::KerfOutline(const KerfLook& look)
       step_mm_(look.pixel_mm / kStepsPerPx) {
   look_.board_gray = std::clamp(look.board_gray, 0.5, 0.9 * look.open_gray);
   const int samples = samplesOfLook();
-  const auto seenHalf = [&](double peak, double hard_half_mm) {
+  const auto seenHalf = [&](double peak) {
     std::vector<double> gray;
     for (int i = 0; i < samples; ++i) {
-      const double y = -kReachMm + i * step_mm_;
-      if (look_.beam_radius_mm > 0.0) {
-        const double a = y / look_.beam_radius_mm;
-        gray.push_back(grayAt(peak * std::exp(-2.0 * a * a)));
-      } else {
-        gray.push_back(grayAt(std::abs(y) < hard_half_mm ? peak : 0.0));
-      }
+      const double a = (-kReachMm + i * step_mm_) / look_.beam_radius_mm;
+      gray.push_back(grayAt(peak * std::exp(-2.0 * a * a)));
     }
     return fallMm(gray, -kReachMm);
   };
@@ -51,7 +46,7 @@ KerfOutline::KerfOutline(const KerfLook& look)
   double high = kMostShare;
   for (int i = 0; i < 30 && high / low > 1.001; ++i) {
     const double middle = std::sqrt(low * high);
-    const bool less = open ? seenHalf(middle, 0.0) < look_.half_width_mm : seenTop(middle) < top;
+    const bool less = open ? seenHalf(middle) < look_.half_width_mm : seenTop(middle) < top;
     (less ? low : high) = middle;
   }
   peak_share_ = std::sqrt(low * high);
