@@ -17,6 +17,8 @@ namespace {
 constexpr double kInnerRim = 0.75;  // Share of the radius within which all is ink.
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
+constexpr double kBoardWithin = 0.35;  // Share of the contrast within which a pixel is board,
+constexpr double kInkBeyond = 0.65;    // and beyond which it is ink.
 
 /// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge show beyond a
 /// shift and a growth of the disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
@@ -38,57 +40,156 @@ double centroidNoise(const std::array<double, kSectors>& sector, double radius_p
   return radius_px / area_px * std::sqrt(0.5 * kSectors * squares / (kSectors - 3));
 }
 
-/// Sums over the pixels of one look at a printed disc.
+/// Columns [first, last) of a row.
+struct Span {
+  int first{};
+  int last{};
+  [[nodiscard]] bool empty() const { return first >= last; }
+  [[nodiscard]] Span within(const Span& other) const {
+    return {std::max(first, other.first), std::min(last, other.last)};
+  }
+};
+
+/// What of `whole` lies before and behind `part`, which may be empty.
+std::array<Span, 2> around(const Span& whole, const Span& part) {
+  if (part.empty()) return {whole, {}};
+  return {Span{whole.first, part.first}, Span{part.last, whole.last}};
+}
+
+/// Sums over pixels of a row whose levels lie within bounds; k counts the row's pixels from 0.
+struct RowSums {
+  double n{0.0}, k{0.0}, kk{0.0}, p{0.0}, pk{0.0}, pp{0.0};
+};
+
+template <typename Level>
+RowSums sumRow(const Level* levels, int count, std::uint32_t least, std::uint32_t most) {
+  constexpr int kPiece = 64;  // Its sums fit into 32 bits at every depth.
+  RowSums sums;
+  for (int begin = 0; begin < count; begin += kPiece) {
+    std::uint32_t n = 0, k = 0, kk = 0, p = 0, pk = 0, pp = 0;
+    const auto size = static_cast<std::uint32_t>(std::min(kPiece, count - begin));
+    const Level* const piece = levels + begin;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint32_t level = piece[i];
+      const std::uint32_t counts =
+          static_cast<std::uint32_t>(level >= least) & static_cast<std::uint32_t>(level <= most);
+      const std::uint32_t place = counts * i;
+      const std::uint32_t value = counts * level;
+      n += counts;
+      k += place;
+      kk += place * i;
+      p += value;
+      pk += value * i;
+      pp += value * level;
+    }
+    sums.n += n;
+    sums.k += k + static_cast<double>(begin) * n;
+    sums.kk += kk + static_cast<double>(begin) * (2.0 * k + static_cast<double>(begin) * n);
+    sums.p += p;
+    sums.pk += pk + static_cast<double>(begin) * p;
+    sums.pp += pp;
+  }
+  return sums;
+}
+
+/// Moments of pixels about the disc's centre, and of their gray.
+struct Moments {
+  double n{0.0}, gray{0.0}, gray2{0.0};
+  Eigen::Vector2d place{Eigen::Vector2d::Zero()};       ///< Sum of places, px.
+  Eigen::Vector2d gray_place{Eigen::Vector2d::Zero()};  ///< Weighted by gray.
+  Eigen::Matrix2d spread{Eigen::Matrix2d::Zero()};      ///< Sum of place * placeᵀ.
+
+  /// A row's sums; its first pixel lies at x, y from the centre.
+  void add(const RowSums& row, double x, double y, double per_level) {
+    const double sum_x = row.n * x + row.k;
+    n += row.n;
+    gray += row.p * per_level;
+    gray2 += row.pp * per_level * per_level;
+    place += Eigen::Vector2d(sum_x, row.n * y);
+    gray_place += per_level * Eigen::Vector2d(row.p * x + row.pk, row.p * y);
+    spread(0, 0) += row.n * x * x + 2.0 * x * row.k + row.kk;
+    spread(0, 1) += sum_x * y;
+    spread(1, 0) += sum_x * y;
+    spread(1, 1) += row.n * y * y;
+  }
+};
+
+/// Share of ink at a distance outside of a straight blurred edge: the normal distribution's tail.
+class EdgeProfile {
+ public:
+  EdgeProfile() {
+    for (std::size_t i = 0; i < table_.size(); ++i)
+      table_[i] = 0.5 * std::erfc((static_cast<double>(i) / kPerSigma - kReachSigmas) / std::sqrt(2.0));
+  }
+  [[nodiscard]] double at(double outside_px) const {
+    constexpr double kMost = 2.0 * kReachSigmas * kPerSigma;
+    const double place =
+        std::clamp((outside_px / kEdgeSigmaPx + kReachSigmas) * kPerSigma, 0.0, kMost - 1e-9);
+    const auto i = static_cast<std::size_t>(place);
+    const double share = place - static_cast<double>(i);
+    return (1.0 - share) * table_[i] + share * table_[i + 1];
+  }
+
+ private:
+  static constexpr double kReachSigmas = 5.0;
+  static constexpr double kPerSigma = 64.0;  // Straight lines between: off by 2e-5 at most.
+  std::array<double, 641> table_{};
+};
+
+/// Sector of a direction, counted as atan2 goes, from -x.
+std::size_t sectorOf(const Eigen::Vector2d& d) {
+  static_assert(kSectors == 12);
+  constexpr double kTan30 = 1.0 / std::numbers::sqrt3;
+  const double x = std::abs(d.x());
+  const double y = std::abs(d.y());
+  const std::size_t third =
+      static_cast<std::size_t>(y >= kTan30 * x) + static_cast<std::size_t>(y >= std::numbers::sqrt3 * x);
+  if (d.y() < 0.0) return d.x() < 0.0 ? third : 5 - third;
+  return d.x() < 0.0 ? 11 - third : 6 + third;
+}
+
+/// Sums over the pixels of one look at a printed disc, row by row. Where a pixel is all ink or all board
+/// there is nothing to weigh: of these the levels are summed, and only those of the edge are taken one by
+/// one. The light's slope is small over a disc: 1 / (1 + slope) is taken for 1 - slope where it counts for
+/// levels.
 class MarkSums {
  public:
-  MarkSums(const DiscPlace& disc, const MarkLevels& levels, bool check_edge)
+  MarkSums(const DiscPlace& disc, const MarkLevels& levels, bool check_edge, double levels_per_gray)
       : disc_(disc),
         levels_(levels),
         check_edge_(check_edge),
+        levels_per_gray_(levels_per_gray),
         contrast_(levels.board - levels.ink),
         radius_px_(disc.radius_px()),
-        inner2_(squared(kInnerRim * radius_px_)),
-        outer2_(squared(kOuterRim * radius_px_)),
-        edge_begin2_(squared(std::max(0.0, radius_px_ - disc.edge_half_px))),
-        edge_end2_(squared(radius_px_ + disc.edge_half_px)),
-        circle_(disc.mm_per_pixel / disc.pitch_mm()) {}
+        circle_(disc.mm_per_pixel / disc.pitch_mm()),
+        form_(circle_.transpose() * circle_) {}
 
-  void add(const GrayImage& image, int c, int r) {
-    const Eigen::Vector2d from(c - disc_.centre.x(), r - disc_.centre.y());
-    const Eigen::Vector2d d = circle_ * from;
-    const double distance2 = d.squaredNorm();
-    if (distance2 > outer2_) return;
-    const double value = image.gray(c, r) / (1.0 + levels_.slope.dot(from));
-    const double darkness = (levels_.board - value) / contrast_;
-    if (distance2 < inner2_) {
-      ++inner_;
-      ink_sum_ += value;
-      if (darkness < 0.65) ++stained_;
-    }
-    if (distance2 > edge_end2_) {
-      addBoard(from, value, darkness);
-      return;
-    }
-    double w = 1.0;
-    if (distance2 > edge_begin2_) {
-      w = std::clamp(darkness, -0.15, 1.15);
-      if (check_edge_) addEdge(from, d, value, w);
-    }
-    weight_ += w;
-    moment_ += w * from;
+  template <typename Level>
+  void addRow(const Level* row, int r, const Span& columns) {
+    const double y = r - disc_.centre.y();
+    const Span look = within(kOuterRim * radius_px_, y, columns);
+    if (look.empty()) return;
+    const Span disc = within(radius_px_ + disc_.edge_half_px, y, look);
+    const Span full = within(std::max(0.0, radius_px_ - disc_.edge_half_px), y, disc);
+    for (const Span& board : around(look, disc)) addBoard(row, board, y);
+    for (const Span& edge : around(disc, full)) addEdge(row, edge, y);
+    const double n = std::max(0, full.last - full.first);
+    weight_ += n;
+    moment_ += n * Eigen::Vector2d(0.5 * (full.first + full.last - 1) - disc_.centre.x(), y);
+    addInk(row, within(kInnerRim * radius_px_, y, look), y);
   }
 
   [[nodiscard]] MarkLook look() const {
     MarkLook look{};
-    if (inner_ == 0 || outer_ == 0 || !(weight_ > 1.0)) {
+    if (!(ink_.n > 0.0) || !(outer_ > 0.0) || !(weight_ > 1.0)) {
       look.stained_share = 1.0;
       return look;
     }
     look.centroid = disc_.centre + moment_ / weight_;
     look.area_px = weight_;
     look.levels = measuredLevels();
-    look.stained_share = static_cast<double>(stained_) / inner_;
-    look.darkened_share = static_cast<double>(darkened_) / outer_;
+    look.stained_share = stained_ / ink_.n;
+    look.darkened_share = darkened_ / outer_;
     if (check_edge_) look.sigma_px = noise(look.levels.board);
     double mean = 0.0;
     for (const double s : sector_) mean += s / kSectors;
@@ -100,75 +201,141 @@ class MarkSums {
   }
 
  private:
-  static double squared(double x) { return x * x; }
-
-  void addBoard(const Eigen::Vector2d& from, double value, double darkness) {
-    ++outer_;
-    if (darkness > 0.35) ++darkened_;
-    if (!(std::abs(darkness) < 0.35)) return;
-    board_sum_ += value;
-    board_squares_ += (value - levels_.board) * (value - levels_.board);
-    ++board_count_;
-    board_moment_ += value * from;
-    board_place_ += from;
-    board_spread_ += from * from.transpose();
+  /// Columns of a row, y below the centre, that lie no farther than this from it on the disc's own circle.
+  [[nodiscard]] Span within(double distance_px, double y, const Span& limits) const {
+    const double half = form_(0, 1) * y / form_(0, 0);
+    const double root2 = half * half - (form_(1, 1) * y * y - distance_px * distance_px) / form_(0, 0);
+    if (!(root2 >= 0.0)) return {};
+    const double middle = disc_.centre.x() - half;
+    const double root = std::sqrt(root2);
+    const Span span{static_cast<int>(std::ceil(middle - root)),
+                    static_cast<int>(std::floor(middle + root)) + 1};
+    const Span cut = span.within(limits);
+    return cut.empty() ? Span{} : cut;
+  }
+  /// Levels of a gray that the light's slope has changed as it does in the middle of a span.
+  [[nodiscard]] double levelOf(double gray, const Span& span, double y) const {
+    const Eigen::Vector2d from(0.5 * (span.first + span.last - 1) - disc_.centre.x(), y);
+    return gray * (1.0 + levels_.slope.dot(from)) * levels_per_gray_;
+  }
+  static std::uint32_t bound(double level) {
+    return static_cast<std::uint32_t>(std::clamp(level, 0.0, 65535.0));
   }
 
-  void addEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& d, double value, double w) {
+  template <typename Level>
+  void addBoard(const Level* row, const Span& span, double y) {
+    if (span.empty()) return;
+    const double dark = levelOf(levels_.board - kBoardWithin * contrast_, span, y);
+    const double bright = levelOf(levels_.board + kBoardWithin * contrast_, span, y);
+    const int count = span.last - span.first;
+    outer_ += count;
+    for (int c = span.first; c < span.last; ++c) darkened_ += row[c] < dark ? 1.0 : 0.0;
+    board_.add(sumRow(row + span.first, count, bound(std::ceil(dark)), bound(std::floor(bright))),
+               span.first - disc_.centre.x(), y, 1.0 / levels_per_gray_);
+  }
+
+  template <typename Level>
+  void addInk(const Level* row, const Span& span, double y) {
+    if (span.empty()) return;
+    const double bright = levelOf(levels_.board - kInkBeyond * contrast_, span, y);
+    for (int c = span.first; c < span.last; ++c) stained_ += row[c] > bright ? 1.0 : 0.0;
+    ink_.add(sumRow(row + span.first, span.last - span.first, 0, 65535), span.first - disc_.centre.x(), y,
+             1.0 / levels_per_gray_);
+  }
+
+  template <typename Level>
+  void addEdge(const Level* row, const Span& span, double y) {
+    for (int c = span.first; c < span.last; ++c) {
+      const Eigen::Vector2d from(c - disc_.centre.x(), y);
+      const double value = row[c] / levels_per_gray_ / (1.0 + levels_.slope.dot(from));
+      const double w = std::clamp((levels_.board - value) / contrast_, -0.15, 1.15);
+      weight_ += w;
+      moment_ += w * from;
+      if (check_edge_) checkEdge(from, value, w);
+    }
+  }
+
+  void checkEdge(const Eigen::Vector2d& from, double value, double w) {
+    static const EdgeProfile kProfile;
+    const Eigen::Vector2d d = circle_ * from;
     edge_spread_ += 0.5 * from.squaredNorm();
     edge_spread_light_ += 0.5 * from.squaredNorm() * value;
-    const double outside_px = std::sqrt(d.squaredNorm()) - radius_px_;
-    const double expected = 0.5 * std::erfc(outside_px / (std::sqrt(2.0) * kEdgeSigmaPx));
-    const double turn = (std::atan2(d.y(), d.x()) + kPi) / (2.0 * kPi);
-    sector_[std::min<std::size_t>(kSectors - 1, static_cast<std::size_t>(turn * kSectors))] += w - expected;
+    sector_[sectorOf(d)] += w - kProfile.at(d.norm() - radius_px_);
+  }
+
+  /// A plane through the gray of the board: its height at the disc's centre, its slope, and what is left.
+  struct BoardPlane {
+    double gray{};
+    Eigen::Vector2d slope{Eigen::Vector2d::Zero()};  ///< Gray per pixel.
+    double noise_gray{};
+  };
+  [[nodiscard]] BoardPlane boardPlane() const {
+    const double mean = board_.gray / board_.n;
+    const Eigen::Vector2d place = board_.place / board_.n;
+    const Eigen::Matrix2d spread = board_.spread - board_.n * place * place.transpose();
+    const Eigen::Vector2d lean = board_.gray_place - board_.gray * place;
+    BoardPlane plane{mean, {}, 0.0};
+    plane.slope.setZero();
+    if (spread.determinant() > 0.0) plane.slope = spread.inverse() * lean;
+    plane.gray -= plane.slope.dot(place);
+    const double rest = board_.gray2 - mean * board_.gray - plane.slope.dot(lean);
+    plane.noise_gray = std::sqrt(std::max(0.0, rest) / board_.n);
+    return plane;
   }
 
   [[nodiscard]] MarkLevels measuredLevels() const {
     MarkLevels levels = levels_;
-    levels.ink = ink_sum_ / inner_;
-    if (board_count_ == 0) return levels;
-    levels.board = board_sum_ / board_count_;
-    // What the slope leaves of the board's light is more slope: a lamp at one side would pull the disc to
-    // itself.
-    const Eigen::Vector2d place = board_place_ / board_count_;
-    const Eigen::Matrix2d spread = board_spread_ - board_count_ * place * place.transpose();
-    const Eigen::Vector2d lean = board_moment_ - board_sum_ * place;
-    if (spread.determinant() > 0.0) levels.slope += spread.inverse() * lean / levels.board;
+    levels.ink = (ink_.gray - levels_.slope.dot(ink_.gray_place)) / ink_.n;
+    if (!(board_.n > 0.0)) return levels;
+    // A lamp at one side would pull the disc to itself.
+    const BoardPlane plane = boardPlane();
+    levels.board = plane.gray;
+    levels.slope = plane.slope / plane.gray;
     return levels;
   }
 
   /// Standard uncertainty of the centroid per axis, px.
   [[nodiscard]] double noise(double board_gray) const {
     const double by_edge = centroidNoise(sector_, radius_px_, weight_);
-    if (board_count_ == 0) return by_edge;
-    const double pixel = std::sqrt(board_squares_ / board_count_);
-    const double white = pixel / contrast_ * std::sqrt(edge_spread_) / weight_;
-    const double slope = pixel / board_gray / std::sqrt(0.5 * board_spread_.trace());
+    if (!(board_.n > 0.0)) return by_edge;
+    // What a gray of noise in each pixel does to the centroid, by the edge and by the light's slope.
+    const double by_pixel = std::sqrt(edge_spread_) / contrast_ / weight_;
+    const double slope = 1.0 / board_gray / std::sqrt(0.5 * board_.spread.trace());
     const double by_slope = slope * edge_spread_light_ / contrast_ / weight_;
     // Grain that makes the edge worse than white noise makes the slope worse, too.
-    return std::hypot(by_edge, by_slope * std::max(1.0, by_edge / white));
+    const double gray = std::max(boardPlane().noise_gray, by_pixel > 0.0 ? by_edge / by_pixel : 0.0);
+    return std::hypot(by_edge, by_slope * gray);
   }
 
   const DiscPlace& disc_;
   const MarkLevels& levels_;
   bool check_edge_;
+  double levels_per_gray_;
   double contrast_;
   double radius_px_;
-  double inner2_, outer2_, edge_begin2_, edge_end2_;
   Eigen::Matrix2d circle_;  // Turns the ellipse in the picture into a circle.
+  Eigen::Matrix2d form_;    // Square of the distance on that circle, as a quadratic form.
   double weight_{0.0};
   Eigen::Vector2d moment_{Eigen::Vector2d::Zero()};
   std::array<double, kSectors> sector_{};
-  int inner_{0}, stained_{0}, outer_{0}, darkened_{0};
-  double ink_sum_{0.0}, board_sum_{0.0};
-  int board_count_{0};
-  double board_squares_{0.0};
+  Moments ink_, board_;
+  double stained_{0.0}, outer_{0.0}, darkened_{0.0};
   double edge_spread_{0.0};        // Sum of squares of an axis over the edge.
   double edge_spread_light_{0.0};  // Sum of squares of an axis over the edge, weighted by grey.
-  Eigen::Vector2d board_moment_{Eigen::Vector2d::Zero()};
-  Eigen::Vector2d board_place_{Eigen::Vector2d::Zero()};
-  Eigen::Matrix2d board_spread_{Eigen::Matrix2d::Zero()};
 };
+
+/// Calls visit(row, r), with the row's levels, for the rows of a box.
+template <typename Visit>
+void forEachRow(const GrayImage& image, const PixelBox& box, const Visit& visit) {
+  for (int r = box.top; r <= box.bottom; ++r) {
+    const std::size_t first = static_cast<std::size_t>(r) * static_cast<std::size_t>(image.width);
+    if (image.bits == 8) {
+      visit(image.pixels.data() + first, r);
+    } else {
+      visit(image.levels.data() + first, r);
+    }
+  }
+}
 
 }  // namespace
 
@@ -208,10 +375,9 @@ MarkLevels roughLevels(const GrayImage& image, const PixelBox& box, double disc_
 
 MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const DiscPlace& disc,
                     const MarkLevels& levels, bool check_edge) {
-  MarkSums sums(disc, levels, check_edge);
-  for (int r = box.top; r <= box.bottom; ++r) {
-    for (int c = box.left; c <= box.right; ++c) sums.add(image, c, r);
-  }
+  MarkSums sums(disc, levels, check_edge, image.levelsPerGray());
+  const Span columns{box.left, box.right + 1};
+  forEachRow(image, box, [&](const auto* row, int r) { sums.addRow(row, r, columns); });
   return sums.look();
 }
 
@@ -220,15 +386,19 @@ std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const PixelB
                                             double threshold) {
   double n = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (int r = box.top; r <= box.bottom; ++r) {
-    for (int c = box.left; c <= box.right; ++c) {
-      if (image.gray(c, r) >= threshold) continue;
-      const Eigen::Vector2d p(c, r);
-      if ((p - centre).squaredNorm() > within_px * within_px) continue;
-      n += 1.0;
-      sum += p;
-    }
-  }
+  const auto most =
+      static_cast<std::uint32_t>(std::max(0.0, std::ceil(threshold * image.levelsPerGray()) - 1.0));
+  forEachRow(image, box, [&](const auto* row, int r) {
+    const double y = r - centre.y();
+    const double root2 = within_px * within_px - y * y;
+    if (!(root2 >= 0.0)) return;
+    const int first = std::max(box.left, static_cast<int>(std::ceil(centre.x() - std::sqrt(root2))));
+    const int last = std::min(box.right, static_cast<int>(std::floor(centre.x() + std::sqrt(root2))));
+    if (first > last) return;
+    const RowSums dark = sumRow(row + first, last - first + 1, 0, most);
+    n += dark.n;
+    sum += Eigen::Vector2d(first * dark.n + dark.k, r * dark.n);
+  });
   if (n < 4.0) return std::nullopt;
   return sum / n;
 }
