@@ -2,11 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
-#include "twin/base/image_fwd.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
+
+/// The windows that a frame is to be read out by, for the begin of its exposure on the clock of the pins, in
+/// s; none: the whole picture. Asked once for each frame, in order.
+using WindowsFor = std::function<std::vector<PixelWindow>(double start_s)>;
 
 /// Source of frames: the twin's cameras, files, V4L2.
 class FrameSource {
@@ -15,6 +20,10 @@ class FrameSource {
   /// The next frames in order of sequence, at most `max`; empty at the end. May use several threads inside;
   /// the frames are the same at any number of them.
   virtual std::vector<Frame> nextBatch(std::size_t max) = 0;
+  /// The same, by windows where the camera can. A source that cannot hands out whole pictures.
+  virtual std::vector<Frame> nextWindowed(std::size_t max, const WindowsFor& /*windows*/) {
+    return nextBatch(max);
+  }
 };
 
 }  // namespace kerfbench::camera

@@ -11,6 +11,7 @@
 #include "hil/camera/tile_folder.h"
 #include "hil/evidence/pin_evidence.h"
 #include "hil/inspect/inspect.h"
+#include "hil/judge/beam_aim.h"
 #include "hil/judge/missing_sensors.h"
 #include "hil/judge/pin_stamps.h"
 #include "hil/judge/pin_wiring.h"
@@ -88,8 +89,9 @@ class Look {
     const std::unique_ptr<camera::FrameSource> frames =
         cameras_.of_machine.spotFrames(evidence_.gates.front().on_s - kRecordMargin_s,
                                        evidence_.gates.back().off_s + kRecordMargin_s, cameras_.threads);
-    evidence_.spot = vision::trackSpot(*frames, calibration, test_case_.scenario.print,
-                                       {cameras_.threads, test_case_.scenario.belt_speed_mm_s});
+    vision::SpotTrackOptions options{cameras_.threads, test_case_.scenario.belt_speed_mm_s};
+    options.aim = beamAim(test_case_, recording);
+    evidence_.spot = vision::trackSpot(*frames, calibration, test_case_.scenario.print, options);
     observer_.stopwatch.lap("spot camera: render and measure");
   }
 

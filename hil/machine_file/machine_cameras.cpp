@@ -27,6 +27,14 @@ void checkExposure(base::YamlReader& camera, const twin::CameraDescription& desc
   }
 }
 
+// A sensor of 2048 rows at 180 frames/s (ams CMV4000, 16 outputs), on a link of 10 Gbit/s.
+ReadOut readReadOut(base::YamlReader read_out) {
+  ReadOut result;
+  result.row_s = 1e-6 * read_out.number("row_us", {.min = 0, .max = 1000, .fallback = 2.7});
+  result.link_bytes_per_s = 1e6 * read_out.number("link_mb_per_s", {.min = 0, .max = 1e6, .fallback = 1100});
+  return result;
+}
+
 }  // namespace
 
 twin::CameraDescription readCamera(base::YamlReader& camera, bool timed) {
@@ -73,6 +81,7 @@ twin::CameraDescription readCamera(base::YamlReader& camera, bool timed) {
     result.frame_period_s = 1.0 / camera.number("frames_per_s", {.min = 1, .max = 20000});
     result.exposure_s = 1e-6 * camera.number("exposure_us", {.min = 10, .max = 1e5});
     checkExposure(camera, result);
+    result.read_out = readReadOut(camera.section("read_out"));
   } else {
     result.open_gray = camera.number("open_gray", {.min = 50, .max = 250, .fallback = twin::kOpenKerfGray});
     result.back_light_half_angle_rad =

@@ -11,8 +11,27 @@
 
 namespace kerfbench {
 
+/// A box of pixels of a picture.
+struct PixelWindow {
+  int left{}, top{};
+  int width{}, height{};
+  [[nodiscard]] int right() const { return left + width - 1; }  ///< Last column.
+  [[nodiscard]] int bottom() const { return top + height - 1; }
+  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
+  [[nodiscard]] std::size_t area() const {
+    return empty() ? 0 : static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  /// What lies in both.
+  [[nodiscard]] PixelWindow within(const PixelWindow& other) const {
+    const int l = std::max(left, other.left);
+    const int t = std::max(top, other.top);
+    return {l, t, std::min(right(), other.right()) - l + 1, std::min(bottom(), other.bottom()) - t + 1};
+  }
+};
+
 /// A grey image, row-major without padding. Pixel centres are at integer coordinates, as in OpenCV: pixel
-/// (0, 0) covers [-0.5, 0.5] in both directions.
+/// (0, 0) covers [-0.5, 0.5] in both directions. It may be a window of a larger picture: columns and rows are
+/// then those of the whole picture, from left to right() and from top to bottom().
 ///
 /// Grey is in units of the 8-bit scale at every depth: level n of a picture of 10 bits is grey n / 4, of 12
 /// bits n / 16. A picture of more than 8 bits keeps its levels and holds the same picture rounded to 8 bits,
@@ -20,6 +39,8 @@ namespace kerfbench {
 struct GrayImage {
   int width{};
   int height{};
+  int left{};                         ///< First column; 0 unless the image is a window.
+  int top{};                          ///< First row.
   int bits{8};                        ///< 8, 10 or 12.
   std::vector<std::uint8_t> pixels;   ///< width * height
   std::vector<std::uint16_t> levels;  ///< width * height of 0 … 2^bits - 1; empty when bits is 8.
@@ -33,8 +54,16 @@ struct GrayImage {
   [[nodiscard]] std::uint8_t& at(int column, int row) { return pixels[index(column, row)]; }
   [[nodiscard]] std::uint8_t at(int column, int row) const { return pixels[index(column, row)]; }
   [[nodiscard]] std::span<std::uint8_t> row(int r) {
-    return std::span(pixels).subspan(index(0, r), static_cast<std::size_t>(width));
+    return std::span(pixels).subspan(index(left, r), static_cast<std::size_t>(width));
   }
+  /// Place of a pixel in `pixels` and `levels`.
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row - top) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column - left);
+  }
+  [[nodiscard]] PixelWindow window() const { return {left, top, width, height}; }
+  [[nodiscard]] int right() const { return left + width - 1; }  ///< Last column.
+  [[nodiscard]] int bottom() const { return top + height - 1; }
   /// Grey at the picture's full depth, in units of the 8-bit scale; up to 256 - 1 / levelsPerGray().
   [[nodiscard]] double gray(int column, int row) const {
     const std::size_t i = index(column, row);
@@ -46,9 +75,6 @@ struct GrayImage {
  private:
   static std::size_t areaOf(int w, int h) {
     return static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  }
-  [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
   }
 };
 
@@ -77,12 +103,13 @@ inline GrayImage GrayImage::ofLevels(int w, int h, int depth_bits,
   return image;
 }
 
-/// One exposure of a camera.
+/// One exposure of a camera: the whole picture, or windows of it.
 struct Frame {
-  GrayImage image;
-  std::uint64_t sequence{};  ///< Counts exposures, so that a dropped frame shows as a gap.
-  double start_s{};          ///< Begin of exposure on the clock of the pins.
-  double exposure_s{};       ///< > 0
+  GrayImage image;                   ///< Empty if only windows were read out.
+  std::uint64_t sequence{};          ///< Counts exposures, so that a dropped frame shows as a gap.
+  double start_s{};                  ///< Begin of exposure on the clock of the pins.
+  double exposure_s{};               ///< > 0
+  std::vector<GrayImage> windows{};  ///< In the order in which they were asked for.
 };
 
 }  // namespace kerfbench

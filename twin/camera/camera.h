@@ -7,14 +7,15 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "twin/base/image_fwd.h"
 #include "twin/base/print_layout.h"
+#include "twin/base/read_out.h"
 #include "twin/camera/camera_imperfections.h"
 #include "twin/sheet/sheet.h"
 
@@ -50,6 +51,7 @@ struct CameraDescription {
   double back_light_half_angle_rad{0.0};
   double frame_period_s{0.001};  ///< Time between exposures; spot camera only.
   double exposure_s{50e-6};      ///< Exposure time; spot camera only; in (0, frame_period_s].
+  ReadOut read_out{};            ///< Spot camera only.
 
   /// Seed of the piece of board in view: texture and roughness. Pictures with another camera seed, but of the
   /// same board, differ in noise alone.
@@ -104,8 +106,12 @@ class SpotCamera {
   /// @throws std::invalid_argument that names everything wrong.
   SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w,
              std::uint64_t seed);
-  /// @throws std::invalid_argument for an exposure without samples or with values that are not finite.
+  /// The whole picture. @throws std::invalid_argument for an exposure without samples or with values that are
+  /// not finite.
   [[nodiscard]] Frame render(const Exposure& exposure) const;
+  /// Windows alone, cut to the picture: their pixels are those of the whole picture. Takes the time of the
+  /// windows, not of the picture. @throws as above.
+  [[nodiscard]] Frame render(const Exposure& exposure, std::span<const PixelWindow> windows) const;
   /// Fate of a frame under the description's link; render() itself neither drops nor delays.
   [[nodiscard]] FrameFate fateOf(std::uint64_t sequence) const;
   [[nodiscard]] const CameraDescription& description() const;

@@ -360,8 +360,9 @@ GrayImage KerfCamera::render(const Sheet& sheet, int unit, const Vector2d& p_TV_
   model.blurAll(drawn, light);
   if (model.grain) model.addGrain(X_NV, job.board.at(0.0F), light);
   model.dimByAngle(light);
-  model.shading.shadeByLamp(light);
-  model.shading.shadeByLens(light);
+  const PixelWindow whole{0, 0, model.camera.width_px, model.camera.height_px};
+  model.shading.shadeByLamp(whole, light);
+  model.shading.shadeByLens(whole, light);
   model.shading.addHotPixels(light);
 
   const auto nanometres = [](double mm) { return static_cast<std::uint64_t>(std::llround(mm * 1e6)); };

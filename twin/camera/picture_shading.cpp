@@ -36,31 +36,29 @@ PictureShading::PictureShading(const CameraDescription& camera)
   hot_.erase(std::unique(hot_.begin(), hot_.end(), same), hot_.end());
 }
 
-void PictureShading::shadeByLamp(std::span<float> picture) const {
+void PictureShading::shadeByLamp(const PixelWindow& window, std::span<float> light) const {
   if (!lamp_) return;
-  float* pixel = picture.data();
+  float* pixel = light.data();
   const auto step = static_cast<float>(light_.gradient_x / width_);
-  for (int y = 0; y < height_; ++y) {
+  for (int y = window.top; y <= window.bottom(); ++y) {
     const double down = light_.gradient_y * ((y + 0.5) / height_ - 0.5);
     const auto first = static_cast<float>(1.0 + down - 0.5 * light_.gradient_x) + 0.5F * step;
-    for (int x = 0; x < width_; ++x) pixel[x] *= first + step * static_cast<float>(x);
-    pixel += width_;
+    for (int x = window.left; x <= window.right(); ++x) *pixel++ *= first + step * static_cast<float>(x);
   }
 }
 
-void PictureShading::shadeByLens(std::span<float> picture) const {
+void PictureShading::shadeByLens(const PixelWindow& window, std::span<float> light) const {
   if (!lens_) return;
-  float* pixel = picture.data();
+  float* pixel = light.data();
   const double middle_x = 0.5 * (width_ - 1);
   const double middle_y = 0.5 * (height_ - 1);
   const double share = light_.vignette / (middle_x * middle_x + middle_y * middle_y);
-  for (int y = 0; y < height_; ++y) {
+  for (int y = window.top; y <= window.bottom(); ++y) {
     const auto row = static_cast<float>(1.0 - share * (y - middle_y) * (y - middle_y));
-    for (int x = 0; x < width_; ++x) {
+    for (int x = window.left; x <= window.right(); ++x) {
       const float across = static_cast<float>(x) - static_cast<float>(middle_x);
-      pixel[x] *= row - static_cast<float>(share) * across * across;
+      *pixel++ *= row - static_cast<float>(share) * across * across;
     }
-    pixel += width_;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "twin/base/image.h"
 #include "twin/camera/camera.h"
 
 namespace kerfbench::twin {
@@ -20,10 +21,10 @@ class PictureShading {
 
   /// True if light is the same all over the picture.
   [[nodiscard]] bool even() const { return !lamp_ && !lens_; }
-  /// Shades a whole picture of light that the lamp throws: board and print, not the glowing spot.
-  void shadeByLamp(std::span<float> picture) const;
-  /// Shades a whole picture of all light.
-  void shadeByLens(std::span<float> picture) const;
+  /// Shades a window of a picture of light that the lamp throws: board and print, not the glowing spot.
+  void shadeByLamp(const PixelWindow& window, std::span<float> light) const;
+  /// Shades a window of a picture of all light.
+  void shadeByLens(const PixelWindow& window, std::span<float> light) const;
   /// Adds the hot pixels to a whole picture; the last step.
   void addHotPixels(std::span<float> picture) const;
   /// Hot pixels in order of row and column, each once.

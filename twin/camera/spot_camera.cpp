@@ -32,8 +32,8 @@ template <typename Level>
 class NoiseStrip {
  public:
   NoiseStrip(const SensorNoise& noise, const CameraDescription& camera, std::uint64_t seed)
-      : width_(static_cast<std::size_t>(camera.width_px)), seed_(seed ^ kRowSeed) {
-    strip_.resize(kStripPixels + width_);
+      : seed_(seed ^ kRowSeed) {
+    strip_.resize(kStripPixels + static_cast<std::size_t>(camera.width_px));
     const std::vector<float> light(4096, static_cast<float>(camera.board_gray));
     const CounterRandom random(seed, kStripStream);
     for (std::size_t begin = 0; begin < strip_.size(); begin += light.size()) {
@@ -41,22 +41,21 @@ class NoiseStrip {
       noise.expose(std::span(light).first(count), random, begin, strip_.data() + begin);
     }
   }
-  [[nodiscard]] std::vector<Level> frame(std::uint64_t sequence, int height) const {
+  [[nodiscard]] std::vector<Level> window(std::uint64_t sequence, const PixelBox& box) const {
     const CounterRandom random(seed_, sequence);
     std::vector<Level> pixels;
-    pixels.reserve(width_ * static_cast<std::size_t>(height));
-    std::uint64_t bits = 0;
-    for (int y = 0; y < height; ++y, bits >>= 32U) {
+    pixels.reserve(box.area());
+    for (int y = box.y0; y < box.y1; ++y) {
       // Two rows share 64 random bits.
-      if (y % 2 == 0) bits = random.bits(static_cast<std::uint64_t>(y));
-      const Level* const piece = strip_.data() + bits % kStripPixels;
-      pixels.insert(pixels.end(), piece, piece + width_);
+      const std::uint64_t bits =
+          random.bits(static_cast<std::uint64_t>(y - y % 2)) >> (y % 2 == 0 ? 0U : 32U);
+      const Level* const piece = strip_.data() + bits % kStripPixels + box.x0;
+      pixels.insert(pixels.end(), piece, piece + box.width());
     }
     return pixels;
   }
 
  private:
-  std::size_t width_;
   std::uint64_t seed_;
   std::vector<Level> strip_;
 };
@@ -99,14 +98,20 @@ struct SpotCamera::Model {
   [[nodiscard]] bool drawsAll() const {
     return !shading.even() || (grain && camera.texture.grain_everywhere);
   }
-  /// Adds grain to `light`. `box` is the whole picture if all of it is rendered.
+  /// Adds grain to `light`. Of a picture that is all rendered, `box` is made of whole blocks of its grid.
   void addGrain(const SpotScene& scene, const PixelBox& box, std::vector<float>& light) const;
   void addHotPixels(const PixelBox& box, std::vector<float>& light) const;
   void addGlow(const SpotScene& scene, const PixelBox& box, std::vector<float>& light) const;
   [[nodiscard]] std::vector<float> lightOf(const SpotScene& scene, const PixelBox& box) const;
+  /// Boxes to render so that a window shows what it would show in the whole picture. Grain is painted piece
+  /// by piece from a box's corner, so its boxes are never cut.
+  [[nodiscard]] std::vector<PixelBox> boxesFor(const SpotScene& scene, const PixelBox& window) const;
   template <typename Level>
-  [[nodiscard]] std::vector<Level> expose(const Exposure& exposure,
+  [[nodiscard]] std::vector<Level> expose(std::uint64_t sequence, const SpotScene& scene,
+                                          const PixelBox& window,
                                           const std::optional<NoiseStrip<Level>>& strip) const;
+  [[nodiscard]] GrayImage picture(std::uint64_t sequence, const SpotScene& scene,
+                                  const PixelBox& window) const;
 };
 
 SpotCamera::Model::Model(const CameraDescription& camera_, const PrintLayout& print, double glow,
@@ -156,7 +161,8 @@ void SpotCamera::Model::addGrain(const SpotScene& scene, const PixelBox& box,
   for (std::size_t by = 0; by < grid->rows(); ++by) {
     for (std::size_t bx = 0; bx < grid->columns(); ++bx) {
       const PlaneGrid::Block block = grid->block(bx, by);
-      add({block.x0, block.y0, block.x1, block.y1}, grid->nodes(bx, by));
+      const PixelBox piece{block.x0, block.y0, block.x1, block.y1};
+      if (piece.meets(box)) add(piece, grid->nodes(bx, by));
     }
   }
 }
@@ -179,11 +185,12 @@ void SpotCamera::Model::addGlow(const SpotScene& scene, const PixelBox& box,
         painter.add(onWeb(*nodes, pose), piece.x1 - piece.x0, piece.y1 - piece.y0, scale, share);
       const float* from = share.data();
       for (int y = piece.y0; y < piece.y1; ++y) {
-        for (int x = piece.x0; x < piece.x1; ++x) {
+        for (int x = piece.x0; x < piece.x1; ++x, ++from) {
+          if (x < box.x0 || x >= box.x1 || y < box.y0 || y >= box.y1) continue;
           const std::size_t own =
               static_cast<std::size_t>(y - spot.y0) * spot.width() + static_cast<std::size_t>(x - spot.x0);
           light[static_cast<std::size_t>(y - box.y0) * box.width() + static_cast<std::size_t>(x - box.x0)] +=
-              glow[own] * std::max(*from++, 0.0F);
+              glow[own] * std::max(*from, 0.0F);
         }
       }
     });
@@ -203,46 +210,89 @@ std::vector<float> SpotCamera::Model::lightOf(const SpotScene& scene, const Pixe
   std::vector<float> light(box.area(), static_cast<float>(camera.board_gray));
   stage.addPrint(scene, box, light);
   if (grain) addGrain(scene, box, light);
-  if (!shading.even()) shading.shadeByLamp(light);
+  if (!shading.even()) shading.shadeByLamp(box.window(), light);
   addGlow(scene, box, light);
-  if (!shading.even()) shading.shadeByLens(light);
+  if (!shading.even()) shading.shadeByLens(box.window(), light);
   addHotPixels(box, light);
   return light;
 }
 
-template <typename Level>
-std::vector<Level> SpotCamera::Model::expose(const Exposure& exposure,
-                                             const std::optional<NoiseStrip<Level>>& strip) const {
-  const SpotScene scene = stage.sceneOf(exposure);
-  std::vector<PixelBox> boxes{{0, 0, camera.width_px, camera.height_px}};
-  std::vector<Level> pixels;
-  if (strip) {
-    boxes = scene.boxes();
-    pixels = strip->frame(exposure.sequence, camera.height_px);
-  } else {
-    pixels.resize(boxes.front().area());
+std::vector<PixelBox> SpotCamera::Model::boxesFor(const SpotScene& scene, const PixelBox& window) const {
+  if (drawsAll()) {
+    if (!grid) return {window};
+    PixelBox blocks = window;
+    for (const int edge : grid->edgesX()) {
+      if (edge <= window.x0) blocks.x0 = edge;
+      if (edge >= window.x1) {
+        blocks.x1 = edge;
+        break;
+      }
+    }
+    for (const int edge : grid->edgesY()) {
+      if (edge <= window.y0) blocks.y0 = edge;
+      if (edge >= window.y1) {
+        blocks.y1 = edge;
+        break;
+      }
+    }
+    return {blocks};
   }
-  const CounterRandom random(seed, exposure.sequence);
+  std::vector<PixelBox> boxes;
+  for (const PixelBox& box : scene.boxes()) {
+    if (box.meets(window)) boxes.push_back(grain ? box : box.within(window));
+  }
+  return boxes;
+}
+
+template <typename Level>
+std::vector<Level> SpotCamera::Model::expose(std::uint64_t sequence, const SpotScene& scene,
+                                             const PixelBox& window,
+                                             const std::optional<NoiseStrip<Level>>& strip) const {
+  std::vector<Level> pixels = strip ? strip->window(sequence, window) : std::vector<Level>(window.area());
+  const CounterRandom random(seed, sequence);
+  // Noise is drawn by the pixel's place in the whole picture.
+  const auto draw = [&](std::span<const float> light, int x, int y) {
+    const std::size_t place =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width_px) + static_cast<std::size_t>(x);
+    const std::size_t own =
+        static_cast<std::size_t>(y - window.y0) * window.width() + static_cast<std::size_t>(x - window.x0);
+    noise.expose(light, random, place, pixels.data() + own);
+  };
   if (strip) {
     // Hot pixels in a box are added again when the box is rendered.
     for (const PictureShading::HotPixel& pixel : shading.hotPixels()) {
-      const std::size_t place =
-          static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(camera.width_px) +
-          static_cast<std::size_t>(pixel.x);
+      if (!PixelBox{pixel.x, pixel.y, pixel.x + 1, pixel.y + 1}.meets(window)) continue;
       const float light = static_cast<float>(camera.board_gray) + pixel.gray;
-      noise.expose(std::span(&light, 1), random, place, pixels.data() + place);
+      draw(std::span(&light, 1), pixel.x, pixel.y);
     }
   }
-  for (const PixelBox& box : boxes) {
+  for (const PixelBox& box : boxesFor(scene, window)) {
     const std::vector<float> light = lightOf(scene, box);
-    for (int y = box.y0; y < box.y1; ++y) {
-      const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width_px) +
-                                static_cast<std::size_t>(box.x0);
-      noise.expose(std::span(light).subspan(static_cast<std::size_t>(y - box.y0) * box.width(), box.width()),
-                   random, first, pixels.data() + first);
+    const PixelBox part = box.within(window);
+    for (int y = part.y0; y < part.y1; ++y) {
+      const std::size_t first =
+          static_cast<std::size_t>(y - box.y0) * box.width() + static_cast<std::size_t>(part.x0 - box.x0);
+      draw(std::span(light).subspan(first, part.width()), part.x0, y);
     }
   }
   return pixels;
+}
+
+GrayImage SpotCamera::Model::picture(std::uint64_t sequence, const SpotScene& scene,
+                                     const PixelBox& window) const {
+  const PixelWindow size = window.window();
+  GrayImage image;
+  if (camera.bits == 8) {
+    image.width = size.width;
+    image.height = size.height;
+    image.pixels = expose(sequence, scene, window, strip8);
+  } else {
+    image =
+        GrayImage::ofLevels(size.width, size.height, camera.bits, expose(sequence, scene, window, strip16));
+  }
+  image.left = size.left;
+  image.top = size.top;
+  return image;
 }
 
 SpotCamera::SpotCamera(const CameraDescription& camera, const PrintLayout& print, double glow_gray_per_w,
@@ -278,19 +328,30 @@ FrameFate SpotCamera::fateOf(std::uint64_t sequence) const {
 }
 
 Frame SpotCamera::render(const Exposure& exposure) const {
+  const CameraDescription& camera = model_->camera;
+  const PixelWindow whole{0, 0, camera.width_px, camera.height_px};
+  Frame frame = render(exposure, {&whole, 1});
+  frame.image = std::move(frame.windows.front());
+  frame.windows.clear();
+  return frame;
+}
+
+Frame SpotCamera::render(const Exposure& exposure, std::span<const PixelWindow> windows) const {
   checkExposure(exposure);
-  const Model& model = *model_;
+  const CameraDescription& camera = model_->camera;
   Frame frame;
   frame.sequence = exposure.sequence;
   frame.start_s = exposure.start_s;
-  frame.exposure_s = model.camera.exposure_s;
-  if (model.camera.bits == 8) {
-    frame.image.width = model.camera.width_px;
-    frame.image.height = model.camera.height_px;
-    frame.image.pixels = model.expose(exposure, model.strip8);
-  } else {
-    frame.image = GrayImage::ofLevels(model.camera.width_px, model.camera.height_px, model.camera.bits,
-                                      model.expose(exposure, model.strip16));
+  frame.exposure_s = camera.exposure_s;
+  const SpotScene scene = model_->stage.sceneOf(exposure);
+  for (const PixelWindow& window : windows) {
+    const PixelWindow seen = window.within({0, 0, camera.width_px, camera.height_px});
+    if (seen.empty()) {
+      frame.windows.emplace_back();
+      continue;
+    }
+    frame.windows.push_back(model_->picture(
+        exposure.sequence, scene, {seen.left, seen.top, seen.left + seen.width, seen.top + seen.height}));
   }
   return frame;
 }

@@ -300,7 +300,9 @@ void SpotStage::addPrint(const SpotScene& scene, const PixelBox& box, std::vecto
   }
   for (const AreaImage& area : scene.areas) {
     if (!area.box.meets(box)) continue;
-    forEachPiece(area.box, 32, [&](const PixelBox& piece) { addArea(area, piece, box, light); });
+    forEachPiece(area.box, 32, [&](const PixelBox& piece) {
+      if (piece.meets(box)) addArea(area, piece, box, light);
+    });
   }
 }
 
@@ -322,13 +324,14 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
   const double sigmas_per_mm = mark.px_per_mm / blur_px_;
   const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
   const RingOfEdges ring(mark.p_WM_mm, mark.radius_mm, kEdgeSigmas / sigmas_per_mm);
-  for (int y = own.y0; y < own.y1; ++y) {
+  const PixelBox drawn = own.within(box);
+  for (int y = drawn.y0; y < drawn.y1; ++y) {
     const double t = (y - own.y0) / static_cast<double>(own.y1 - own.y0);
     const Vector2d c0 = patch.alongRow(t, 0);
     const Vector2d c1 = patch.alongRow(t, 1);
     const Vector2d c2 = patch.alongRow(t, 2);
     float* const line = lineOf(light, box, y);
-    for (int x = own.x0; x < own.x1; ++x) {
+    for (int x = drawn.x0; x < drawn.x1; ++x) {
       const double s = (x - own.x0) / static_cast<double>(own.x1 - own.x0);
       const Vector2d p_WP_mm = c0 + s * (c1 + s * c2);
       const double square_from_middle = (p_WP_mm - ring.middle_mm).squaredNorm();
@@ -359,10 +362,11 @@ void SpotStage::addArea(const AreaImage& area, const PixelBox& piece, const Pixe
   const auto within = [&](double distance, double half) {
     return edge_.at((distance - half) * sigmas_per_mm) - edge_.at((distance + half) * sigmas_per_mm);
   };
-  for (int y = piece.y0; y < piece.y1; ++y) {
+  const PixelBox drawn = piece.within(box);
+  for (int y = drawn.y0; y < drawn.y1; ++y) {
     const double t = (y - piece.y0 + 0.5) / (piece.y1 - piece.y0);
     float* const line = lineOf(light, box, y);
-    for (int x = piece.x0; x < piece.x1; ++x) {
+    for (int x = drawn.x0; x < drawn.x1; ++x) {
       const Vector2d p_W_mm = patch.at((x - piece.x0 + 0.5) / (piece.x1 - piece.x0), t);
       float covered = 0.0F;
       for (const AreaImage::Place& place : area.places) {
@@ -380,11 +384,11 @@ void SpotStage::addBlobs(const std::vector<Blob>& blobs, const PixelBox& box, st
     const double xx = blob.inverse_covariance(0, 0);
     const double xy = blob.inverse_covariance(0, 1);
     const double yy = blob.inverse_covariance(1, 1);
-    if (!blob.box.meets(box)) continue;
-    for (int y = blob.box.y0; y < blob.box.y1; ++y) {
+    const PixelBox drawn = blob.box.within(box);
+    for (int y = drawn.y0; y < drawn.y1; ++y) {
       float* const line = lineOf(light, box, y);
       const double dy = y - blob.centre_px.y();
-      for (int x = blob.box.x0; x < blob.box.x1; ++x) {
+      for (int x = drawn.x0; x < drawn.x1; ++x) {
         const double dx = x - blob.centre_px.x();
         const double square = dx * dx * xx + 2.0 * dx * dy * xy + dy * dy * yy;
         if (square < 60.0) line[x] += static_cast<float>(blob.gray * std::exp(-0.5 * square));

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "twin/base/image.h"
 #include "twin/camera/camera.h"
 #include "twin/camera/projection.h"
 
@@ -28,6 +29,10 @@ struct PixelBox {
   [[nodiscard]] PixelBox with(const PixelBox& other) const {
     return {std::min(x0, other.x0), std::min(y0, other.y0), std::max(x1, other.x1), std::max(y1, other.y1)};
   }
+  [[nodiscard]] PixelBox within(const PixelBox& other) const {
+    return {std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1), std::min(y1, other.y1)};
+  }
+  [[nodiscard]] PixelWindow window() const { return {x0, y0, x1 - x0, y1 - y0}; }
 };
 
 /// Place of the web at one instant.
@@ -95,7 +100,8 @@ class SpotStage {
             std::uint64_t seed);
 
   [[nodiscard]] SpotScene sceneOf(const Exposure& exposure) const;
-  /// Darkens plain board within `box` (row-major in `light`) by the print.
+  /// Darkens plain board within `box` (row-major in `light`) by the print. What lies in a pixel does not
+  /// depend on the box.
   void addPrint(const SpotScene& scene, const PixelBox& box, std::vector<float>& light) const;
   static void addBlobs(const std::vector<Blob>& blobs, const PixelBox& box, std::vector<float>& light);
   [[nodiscard]] const PlaneProjection& projection() const { return projection_; }

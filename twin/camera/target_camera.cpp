@@ -115,8 +115,9 @@ GrayImage TargetCamera::render(const Eigen::Isometry3d& X_CB, std::uint64_t view
                    light);
     }
   }
-  shading_.shadeByLamp(light);
-  shading_.shadeByLens(light);
+  const PixelWindow whole{0, 0, camera_.width_px, camera_.height_px};
+  shading_.shadeByLamp(whole, light);
+  shading_.shadeByLens(whole, light);
   shading_.addHotPixels(light);
   return noise_.picture(light, camera_.width_px, camera_.height_px, CounterRandom(seed_ ^ kTargetSeed, view));
 }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include <fmt/format.h>
 #include <Eigen/LU>
 
 #include "firmware_under_test/controller/protocol.h"
@@ -146,16 +148,21 @@ Vector2d Axes::stepsAt(const Vector2d& p_W_mm) const {
 }
 
 Vector2d Axes::wakesAt() const {
-  Vector2d p_W_mm = Vector2d::Zero();
-  if (correction() == nullptr) return p_W_mm;
+  return correction() == nullptr ? Vector2d::Zero() : placeAt(Vector2d::Zero());
+}
+
+Vector2d Axes::placeAt(const Vector2d& steps) const {
   constexpr int kMostTries = 20;
   constexpr double kSteps = 1e-3;
+  Vector2d p_W_mm = Vector2d::Zero();
   for (int i = 0; i < kMostTries; ++i) {
-    const Vector2d steps = stepsAt(p_W_mm);
-    if (steps.cwiseAbs().maxCoeff() < kSteps) return p_W_mm;
-    p_W_mm -= stepsPerMm(p_W_mm).inverse() * steps;
+    const Vector2d off = stepsAt(p_W_mm) - steps;
+    if (off.cwiseAbs().maxCoeff() < kSteps) return p_W_mm;
+    p_W_mm -= stepsPerMm(p_W_mm).inverse() * off;
   }
-  throw PlanError(correction()->name() + ": no place of the field has its mirrors at rest");
+  const std::string table = correction() == nullptr ? "the head" : correction()->name();
+  throw PlanError(table + ": no place of the field has its mirrors at " +
+                  (steps.isZero() ? "rest" : fmt::format("({:.0f}, {:.0f}) steps", steps.x(), steps.y())));
 }
 
 Eigen::Matrix2d Axes::stepsPerMm(const Vector2d& p_W_mm) const {

@@ -20,6 +20,8 @@ class Axes {
   /// Beam position at power-on, with all axes at step zero: W's origin, or with a correction table the place
   /// that needs no steps. @throws PlanError if there is none.
   [[nodiscard]] Eigen::Vector2d wakesAt() const;
+  /// Place of the beam at these steps. @throws PlanError if the correction table has none.
+  [[nodiscard]] Eigen::Vector2d placeAt(const Eigen::Vector2d& steps) const;
   /// Derivative d(x steps)/d(x_W) at p_W, 1/mm.
   [[nodiscard]] double xStepsPerMm(const Eigen::Vector2d& p_W_mm) const;
   /// Highest path speed on the sheet along a unit vector at which no axis exceeds its step budget while the

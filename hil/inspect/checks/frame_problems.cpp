@@ -53,9 +53,11 @@ void tellStamps(const Frames& frames, double period_s, std::vector<std::string>&
     if (wrong++ == 0) first = frames[i].sequence;
   }
   if (wrong == 0) return;
-  problems.push_back(fmt::format(
-      "{} times the spot camera's time stamps do not fit the numbers of its frames, first at number {}.",
-      wrong, first));
+  problems.push_back(
+      fmt::format("{} times the spot camera's time stamps do not fit the numbers of its frames, first at "
+                  "number {}: stamps are "
+                  "wrong, or the camera was not ready in time.",
+                  wrong, first));
 }
 
 struct TimedPose {

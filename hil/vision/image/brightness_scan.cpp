@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "hil/vision/image/level_histogram.h"
 #include "hil/vision/image/multiversion.h"
 #include "twin/base/image.h"
 #include "twin/base/statistics.h"
@@ -20,18 +21,6 @@ constexpr int kCell = Background::kCellPx;
 constexpr int kSampleStride = 16;
 constexpr int kFetchRows = 4;
 constexpr std::size_t kCacheLine = 64;
-
-template <std::size_t Bins>
-int quantile(const std::array<int, Bins>& histogram, double share) {
-  long long total = 0;
-  for (const int n : histogram) total += n;
-  long long seen = 0;
-  for (std::size_t i = 0; i < Bins; ++i) {
-    seen += histogram[i];
-    if (static_cast<double>(seen) > share * static_cast<double>(total)) return static_cast<int>(i);
-  }
-  return static_cast<int>(Bins) - 1;
-}
 
 std::uint8_t meanOf(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint8_t>((a + b + 1) >> 1); }
 
@@ -264,19 +253,8 @@ Background::Background(const GrayImage& image, const std::function<void(int, int
   median_ = quantile(all, 0.5);
   const int total = std::max(1, std::accumulate(all.begin(), all.end(), 0));
   saturated_share_ = static_cast<double>(all[254] + all[255]) / total;
-  lifeless_ = std::accumulate(steps.begin() + 1, steps.end(), 0) * 1000LL < total;
-
-  // Edges of marks and kerfs make a few big steps: leave them out.
-  const int typical = std::max(1, quantile(steps, 0.5));
-  double sum = 0.0;
-  long long count = 0;
-  for (int d = 0; d <= 6 * typical && d < 256; ++d) {
-    const int n = steps[static_cast<std::size_t>(d)];
-    sum += static_cast<double>(n) * d * d;
-    count += n;
-  }
-  noise_ = std::max(0.3, std::sqrt(sum / static_cast<double>(std::max(1LL, count)) / 2.0));
-
+  lifeless_ = withoutSteps(steps, total);
+  noise_ = noiseBySteps(steps);
   level_ = filledIn(own, columns_, rows_);
 }
 

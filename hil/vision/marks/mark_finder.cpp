@@ -74,21 +74,22 @@ std::optional<FoundMark> measureMark(const GrayImage& image, const CameraCalibra
 
   const double edge_half_px = std::clamp(0.06 * radius_px, 2.5, 0.2 * radius_px + 2.0);
   MarkLook look{};
-  for (int round = 0, last = 7; round <= last; ++round) {
+  constexpr int kMostRounds = 8;
+  for (int round = 0; round < kMostRounds; ++round) {
     const double border = markBorderPx(radius_px) - 2.0;
-    if (centre.x() < border || centre.y() < border || centre.x() > image.width - 1 - border ||
-        centre.y() > image.height - 1 - border) {
+    if (centre.x() < image.left + border || centre.y() < image.top + border ||
+        centre.x() > image.right() - border || centre.y() > image.bottom() - border) {
       return std::nullopt;
     }
     const std::optional<PixelBox> box = boxAround(image, centre, kOuterRim * radius_px + 1.0);
     if (!box) return std::nullopt;
-    look = lookAtMark(image, *box, {centre, mm_per_pixel, radius_mm, edge_half_px}, levels, round == last);
+    look = lookAtMark(image, *box, {centre, mm_per_pixel, radius_mm, edge_half_px}, levels, round > 0);
     if (look.stained_share > 0.02 || look.darkened_share > 0.06) return std::nullopt;
     levels = look.levels;
     if (!enough_contrast(levels)) return std::nullopt;
     const Eigen::Vector2d step = look.centroid - centre;
     centre = look.centroid;
-    if (round >= 1 && step.norm() < 5e-3) last = std::min(last, round + 1);
+    if (round > 0 && step.norm() < 5e-3) break;
   }
   const double area_ratio = look.area_px / (kPi * radius_px * radius_px);
   if (std::abs(area_ratio - 1.0) > 0.15) return std::nullopt;
@@ -118,7 +119,7 @@ std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration
     for (int i = 0; i < columns; ++i) {
       const int c = i * step;
       const int r = j * step;
-      out[i] = image.at(c, r) * 10 < background.at(c, r) * 6 ? 255 : 0;
+      out[i] = image.at(image.left + c, image.top + r) * 10 < background.at(c, r) * 6 ? 255 : 0;
     }
   }
   cv::Mat labels;
@@ -128,7 +129,8 @@ std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration
   std::vector<FoundMark> marks;
   for (int label = 1; label < count; ++label) {
     const double area_px = static_cast<double>(stats.at<int>(label, cv::CC_STAT_AREA)) * step * step;
-    const Eigen::Vector2d pixel(centroids.at<double>(label, 0) * step, centroids.at<double>(label, 1) * step);
+    const Eigen::Vector2d pixel(image.left + centroids.at<double>(label, 0) * step,
+                                image.top + centroids.at<double>(label, 1) * step);
     const double diameter_px = std::sqrt(4.0 * area_px / kPi);
     const int longest =
         std::max(stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT)) * step;

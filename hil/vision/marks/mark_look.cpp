@@ -148,6 +148,14 @@ std::size_t sectorOf(const Eigen::Vector2d& d) {
   return d.x() < 0.0 ? 11 - third : 6 + third;
 }
 
+/// A row's levels by their columns in the picture.
+template <typename Level>
+struct Row {
+  const Level* first;
+  int left;
+  [[nodiscard]] const Level* from(int column) const { return first + (column - left); }
+};
+
 /// Sums over the pixels of one look at a printed disc, row by row. Where a pixel is all ink or all board
 /// there is nothing to weigh: of these the levels are summed, and only those of the edge are taken one by
 /// one. The light's slope is small over a disc: 1 / (1 + slope) is taken for 1 - slope where it counts for
@@ -161,22 +169,27 @@ class MarkSums {
         levels_per_gray_(levels_per_gray),
         contrast_(levels.board - levels.ink),
         radius_px_(disc.radius_px()),
+        inner2_(squared(kInnerRim * radius_px_)),
+        outer2_(squared(kOuterRim * radius_px_)),
+        edge_begin2_(squared(std::max(0.0, radius_px_ - disc.edge_half_px))),
+        edge_end2_(squared(radius_px_ + disc.edge_half_px)),
         circle_(disc.mm_per_pixel / disc.pitch_mm()),
         form_(circle_.transpose() * circle_) {}
 
   template <typename Level>
-  void addRow(const Level* row, int r, const Span& columns) {
+  void addRow(const Row<Level>& row, int r, const Span& columns) {
     const double y = r - disc_.centre.y();
-    const Span look = within(kOuterRim * radius_px_, y, columns);
+    const RowOfDisc circles(*this, y);
+    const Span look = circles.within(outer2_, columns);
     if (look.empty()) return;
-    const Span disc = within(radius_px_ + disc_.edge_half_px, y, look);
-    const Span full = within(std::max(0.0, radius_px_ - disc_.edge_half_px), y, disc);
+    const Span disc = circles.within(edge_end2_, look);
+    const Span full = circles.within(edge_begin2_, disc);
     for (const Span& board : around(look, disc)) addBoard(row, board, y);
     for (const Span& edge : around(disc, full)) addEdge(row, edge, y);
     const double n = std::max(0, full.last - full.first);
     weight_ += n;
     moment_ += n * Eigen::Vector2d(0.5 * (full.first + full.last - 1) - disc_.centre.x(), y);
-    addInk(row, within(kInnerRim * radius_px_, y, look), y);
+    addInk(row, circles.within(inner2_, look), y);
   }
 
   [[nodiscard]] MarkLook look() const {
@@ -201,18 +214,33 @@ class MarkSums {
   }
 
  private:
-  /// Columns of a row, y below the centre, that lie no farther than this from it on the disc's own circle.
-  [[nodiscard]] Span within(double distance_px, double y, const Span& limits) const {
-    const double half = form_(0, 1) * y / form_(0, 0);
-    const double root2 = half * half - (form_(1, 1) * y * y - distance_px * distance_px) / form_(0, 0);
-    if (!(root2 >= 0.0)) return {};
-    const double middle = disc_.centre.x() - half;
-    const double root = std::sqrt(root2);
-    const Span span{static_cast<int>(std::ceil(middle - root)),
-                    static_cast<int>(std::floor(middle + root)) + 1};
-    const Span cut = span.within(limits);
-    return cut.empty() ? Span{} : cut;
-  }
+  static double squared(double x) { return x * x; }
+
+  /// A row, y below the centre, against circles about it on the disc's own plane.
+  class RowOfDisc {
+   public:
+    RowOfDisc(const MarkSums& sums, double y)
+        : half_(sums.form_(0, 1) * y / sums.form_(0, 0)),
+          rest_(half_ * half_ - sums.form_(1, 1) * y * y / sums.form_(0, 0)),
+          per_square_(1.0 / sums.form_(0, 0)),
+          middle_(sums.disc_.centre.x() - half_) {}
+    /// Columns that lie within a circle of this radius, squared.
+    [[nodiscard]] Span within(double radius2, const Span& limits) const {
+      const double root2 = rest_ + radius2 * per_square_;
+      if (!(root2 >= 0.0)) return {};
+      const double root = std::sqrt(root2);
+      // Rounds towards zero, which is down for all columns that a picture has.
+      const double first = middle_ - root;
+      const int down = static_cast<int>(first);
+      const Span span{down + (first > down ? 1 : 0), static_cast<int>(middle_ + root) + 1};
+      const Span cut = span.within(limits);
+      return cut.empty() ? Span{} : cut;
+    }
+
+   private:
+    double half_, rest_, per_square_, middle_;
+  };
+
   /// Levels of a gray that the light's slope has changed as it does in the middle of a span.
   [[nodiscard]] double levelOf(double gray, const Span& span, double y) const {
     const Eigen::Vector2d from(0.5 * (span.first + span.last - 1) - disc_.centre.x(), y);
@@ -223,35 +251,62 @@ class MarkSums {
   }
 
   template <typename Level>
-  void addBoard(const Level* row, const Span& span, double y) {
+  void addBoard(const Row<Level>& row, const Span& span, double y) {
     if (span.empty()) return;
     const double dark = levelOf(levels_.board - kBoardWithin * contrast_, span, y);
     const double bright = levelOf(levels_.board + kBoardWithin * contrast_, span, y);
     const int count = span.last - span.first;
     outer_ += count;
-    for (int c = span.first; c < span.last; ++c) darkened_ += row[c] < dark ? 1.0 : 0.0;
-    board_.add(sumRow(row + span.first, count, bound(std::ceil(dark)), bound(std::floor(bright))),
+    for (int k = 0; k < count; ++k) darkened_ += row.from(span.first)[k] < dark ? 1.0 : 0.0;
+    board_.add(sumRow(row.from(span.first), count, bound(std::ceil(dark)), bound(std::floor(bright))),
                span.first - disc_.centre.x(), y, 1.0 / levels_per_gray_);
   }
 
   template <typename Level>
-  void addInk(const Level* row, const Span& span, double y) {
+  void addInk(const Row<Level>& row, const Span& span, double y) {
     if (span.empty()) return;
     const double bright = levelOf(levels_.board - kInkBeyond * contrast_, span, y);
-    for (int c = span.first; c < span.last; ++c) stained_ += row[c] > bright ? 1.0 : 0.0;
-    ink_.add(sumRow(row + span.first, span.last - span.first, 0, 65535), span.first - disc_.centre.x(), y,
+    for (int c = span.first; c < span.last; ++c) stained_ += *row.from(c) > bright ? 1.0 : 0.0;
+    ink_.add(sumRow(row.from(span.first), span.last - span.first, 0, 65535), span.first - disc_.centre.x(), y,
              1.0 / levels_per_gray_);
   }
 
+  /// Weighs the pixels of the edge by their share of ink, in whole steps of it: sums of these are exact, in
+  /// whatever order the compiler takes them.
   template <typename Level>
-  void addEdge(const Level* row, const Span& span, double y) {
-    for (int c = span.first; c < span.last; ++c) {
-      const Eigen::Vector2d from(c - disc_.centre.x(), y);
-      const double value = row[c] / levels_per_gray_ / (1.0 + levels_.slope.dot(from));
-      const double w = std::clamp((levels_.board - value) / contrast_, -0.15, 1.15);
-      weight_ += w;
-      moment_ += w * from;
-      if (check_edge_) checkEdge(from, value, w);
+  void addEdge(const Row<Level>& row, const Span& span, double y) {
+    constexpr int kPiece = 64;
+    constexpr float kSteps = 65536.0F;
+    constexpr float kLeast = -0.15F;
+    constexpr float kMost = 1.15F;
+    for (int begin = span.first; begin < span.last; begin += kPiece) {
+      const int count = std::min(kPiece, span.last - begin);
+      const Level* const levels = row.from(begin);
+      const double x = begin - disc_.centre.x();
+      const double scale = 1.0 / (levels_per_gray_ * contrast_);
+      const auto board = static_cast<float>(levels_.board / contrast_);
+      const auto at_first = static_cast<float>(scale * (1.0 - levels_.slope.x() * x - levels_.slope.y() * y));
+      const auto along = static_cast<float>(-scale * levels_.slope.x());
+      std::int32_t sum = 0;
+      std::int32_t moment = 0;
+      for (int k = 0; k < count; ++k) {
+        const float dark = board - static_cast<float>(levels[k]) * (at_first + along * static_cast<float>(k));
+        const float w = std::min(std::max(dark, kLeast), kMost);
+        const auto steps = static_cast<std::int32_t>((w - kLeast) * kSteps);
+        sum += steps;
+        moment += steps * k;
+      }
+      const double least = kLeast + 0.5 / kSteps;
+      const double weight = sum / static_cast<double>(kSteps) + count * least;
+      const double by_place = moment / static_cast<double>(kSteps) + 0.5 * count * (count - 1) * least;
+      weight_ += weight;
+      moment_ += Eigen::Vector2d(weight * x + by_place, weight * y);
+      if (!check_edge_) continue;
+      for (int k = 0; k < count; ++k) {
+        const double value =
+            levels[k] / levels_per_gray_ * (1.0 - levels_.slope.dot(Eigen::Vector2d(x + k, y)));
+        checkEdge({x + k, y}, value, std::clamp((levels_.board - value) / contrast_, -0.15, 1.15));
+      }
     }
   }
 
@@ -313,6 +368,7 @@ class MarkSums {
   double levels_per_gray_;
   double contrast_;
   double radius_px_;
+  double inner2_, outer2_, edge_begin2_, edge_end2_;
   Eigen::Matrix2d circle_;  // Turns the ellipse in the picture into a circle.
   Eigen::Matrix2d form_;    // Square of the distance on that circle, as a quadratic form.
   double weight_{0.0};
@@ -324,15 +380,15 @@ class MarkSums {
   double edge_spread_light_{0.0};  // Sum of squares of an axis over the edge, weighted by grey.
 };
 
-/// Calls visit(row, r), with the row's levels, for the rows of a box.
+/// Calls visit(row, r) for the rows of a box.
 template <typename Visit>
 void forEachRow(const GrayImage& image, const PixelBox& box, const Visit& visit) {
   for (int r = box.top; r <= box.bottom; ++r) {
-    const std::size_t first = static_cast<std::size_t>(r) * static_cast<std::size_t>(image.width);
+    const std::size_t first = image.index(image.left, r);
     if (image.bits == 8) {
-      visit(image.pixels.data() + first, r);
+      visit(Row<std::uint8_t>{image.pixels.data() + first, image.left}, r);
     } else {
-      visit(image.levels.data() + first, r);
+      visit(Row<std::uint16_t>{image.levels.data() + first, image.left}, r);
     }
   }
 }
@@ -345,8 +401,8 @@ std::optional<PixelBox> boxAround(const GrayImage& image, const Eigen::Vector2d&
   const PixelBox box{
       static_cast<int>(std::floor(centre.x() - half_px)), static_cast<int>(std::floor(centre.y() - half_px)),
       static_cast<int>(std::ceil(centre.x() + half_px)), static_cast<int>(std::ceil(centre.y() + half_px))};
-  const PixelBox cut{std::max(0, box.left), std::max(0, box.top), std::min(image.width - 1, box.right),
-                     std::min(image.height - 1, box.bottom)};
+  const PixelBox cut{std::max(image.left, box.left), std::max(image.top, box.top),
+                     std::min(image.right(), box.right), std::min(image.bottom(), box.bottom)};
   if (cut.left >= cut.right || cut.top >= cut.bottom) return std::nullopt;
   return cut;
 }
@@ -377,7 +433,7 @@ MarkLook lookAtMark(const GrayImage& image, const PixelBox& box, const DiscPlace
                     const MarkLevels& levels, bool check_edge) {
   MarkSums sums(disc, levels, check_edge, image.levelsPerGray());
   const Span columns{box.left, box.right + 1};
-  forEachRow(image, box, [&](const auto* row, int r) { sums.addRow(row, r, columns); });
+  forEachRow(image, box, [&](const auto& row, int r) { sums.addRow(row, r, columns); });
   return sums.look();
 }
 
@@ -388,14 +444,14 @@ std::optional<Eigen::Vector2d> darkCentroid(const GrayImage& image, const PixelB
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   const auto most =
       static_cast<std::uint32_t>(std::max(0.0, std::ceil(threshold * image.levelsPerGray()) - 1.0));
-  forEachRow(image, box, [&](const auto* row, int r) {
+  forEachRow(image, box, [&](const auto& row, int r) {
     const double y = r - centre.y();
     const double root2 = within_px * within_px - y * y;
     if (!(root2 >= 0.0)) return;
     const int first = std::max(box.left, static_cast<int>(std::ceil(centre.x() - std::sqrt(root2))));
     const int last = std::min(box.right, static_cast<int>(std::floor(centre.x() + std::sqrt(root2))));
     if (first > last) return;
-    const RowSums dark = sumRow(row + first, last - first + 1, 0, most);
+    const RowSums dark = sumRow(row.from(first), last - first + 1, 0, most);
     n += dark.n;
     sum += Eigen::Vector2d(first * dark.n + dark.k, r * dark.n);
   });

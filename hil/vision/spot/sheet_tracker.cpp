@@ -108,8 +108,8 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
                                                double reach_mm) const {
   std::vector<DiscInPicture> out;
   if (units_.empty()) return out;
-  for (int unit = std::max(0, units_.begin()->first - 1);
-       unit <= std::min(print_.units - 1, units_.rbegin()->first + 1); ++unit) {
+  const auto [first, last] = unitsToLookFor();
+  for (int unit = first; unit <= last; ++unit) {
     const PlaneMotion motion = predict(unit, time_s_).motion;
     for (const RegistrationMark& mark : print_.marks) {
       const Eigen::Vector2d p_mm = motion * mark.p_SM_mm;
@@ -120,6 +120,35 @@ std::vector<DiscInPicture> SheetTracker::discs(const std::optional<Eigen::Vector
     }
   }
   return out;
+}
+
+std::pair<int, int> SheetTracker::unitsToLookFor() const {
+  return {std::max(0, units_.begin()->first - 1), std::min(print_.units - 1, units_.rbegin()->first + 1)};
+}
+
+std::vector<SheetTracker::MarkPlace> SheetTracker::marksAt(double time_s) const {
+  std::vector<MarkPlace> places;
+  if (units_.empty()) return places;
+  const auto [first, last] = unitsToLookFor();
+  for (int unit = first; unit <= last; ++unit) {
+    const PlaneMotion motion = predict(unit, time_s).motion;
+    const double search_mm = looseness(unit, time_s);
+    for (const RegistrationMark& mark : print_.marks) {
+      const Eigen::Vector2d p_mm = motion * mark.p_SM_mm;
+      // One that is nearly in view may be by then.
+      if (calibration_.pixelIfSeen(p_mm, -search_mm / pitch_mm_))
+        places.push_back({p_mm, mark.diameter_mm, search_mm});
+    }
+  }
+  return places;
+}
+
+std::vector<SheetTracker::MarkPlace> SheetTracker::marksOfLastUnit() const {
+  std::vector<MarkPlace> places;
+  if (units_.empty()) return places;
+  for (const RegistrationMark& mark : print_.marks)
+    places.push_back({units_.rbegin()->second.motion * mark.p_SM_mm, mark.diameter_mm, 0.0});
+  return places;
 }
 
 /// The noise by twelve sectors of one edge scatters by a quarter; the marks before had the same noise, but
@@ -133,7 +162,7 @@ void SheetTracker::poolNoise(std::vector<MarkPair>& pairs, std::span<const doubl
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i].sigma_mm = std::sqrt(pooled_mm3_ / diameters_mm[i]);
 }
 
-SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const PlaneMotion& expected,
+SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, const PlaneMotion& expected,
                                                   double search_mm,
                                                   const std::optional<KeepOut>& spot) const {
   Sighting seen;
@@ -146,7 +175,8 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const 
     // Where it should be found for certain: not so near to the border that the prediction decides.
     const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
     seen.in_view += !covered && certain ? 1 : 0;
-    if (!covered) found = measureMark(image, calibration_, p_mm, mark.diameter_mm, search_mm);
+    const GrayImage* const part = covered ? nullptr : view.around(calibration_.pixelFromPlane(p_mm));
+    if (part != nullptr) found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm);
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
     seen.marks.push_back(i);
@@ -156,18 +186,17 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const GrayImage& image, const 
   return seen;
 }
 
-std::vector<SheetPose> SheetTracker::measure(const GrayImage& image, double time_s,
+std::vector<SheetPose> SheetTracker::measure(const FrameView& view, double time_s,
                                              const std::optional<KeepOut>& spot) {
   std::vector<SheetPose> poses;
   if (units_.empty()) return poses;
   std::map<int, UnitState> measured;
   double contrast = 0.0;
   int contrasts = 0;
-  const int first = std::max(0, units_.begin()->first - 1);
-  const int last = std::min(print_.units - 1, units_.rbegin()->first + 1);
+  const auto [first, last] = unitsToLookFor();
   for (int unit = first; unit <= last; ++unit) {
     const UnitState before = predict(unit, time_s);
-    Sighting seen = lookForMarks(image, before.motion, looseness(unit, time_s), spot);
+    Sighting seen = lookForMarks(view, before.motion, looseness(unit, time_s), spot);
     for (const double gray : seen.contrasts_gray) contrast += gray;
     contrasts += static_cast<int>(seen.contrasts_gray.size());
     if (seen.pairs.empty()) continue;
@@ -260,7 +289,7 @@ bool SheetTracker::lock(const std::vector<FoundMark>& seen, double time_s) {
   return !units_.empty();
 }
 
-std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s,
+std::vector<SheetPose> SheetTracker::step(const FrameView& view, double time_s,
                                           const std::optional<KeepOut>& spot,
                                           const std::vector<FoundMark>* all_marks) {
   if (print_.marks.empty() || print_.units < 1) return {};
@@ -269,12 +298,12 @@ std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s,
       time_s_ = time_s;
       return {};
     }
-    return measure(image, time_s, spot);
+    return measure(view, time_s, spot);
   }
   const std::map<int, UnitState> before = units_;
   const double before_time_s = time_s_;
   const double before_speed_mm_s = speed_mm_s_;
-  std::vector<SheetPose> poses = measure(image, time_s, spot);
+  std::vector<SheetPose> poses = measure(view, time_s, spot);
   if (all_marks == nullptr || all_marks->empty()) return poses;
 
   // Does what we believe explain what the full search saw? A false first sight is mended here.
@@ -297,7 +326,7 @@ std::vector<SheetPose> SheetTracker::step(const GrayImage& image, double time_s,
     if (!locked) units_ = before;
   }
   if (locked) {
-    std::vector<SheetPose> again = measure(image, time_s, spot);
+    std::vector<SheetPose> again = measure(view, time_s, spot);
     int marks_now = 0;
     int marks_before = 0;
     for (const SheetPose& pose : again) marks_now += pose.marks;

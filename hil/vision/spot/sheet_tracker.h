@@ -4,14 +4,15 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hil/vision/image/camera_calibration.h"
 #include "hil/vision/marks/constellation.h"
 #include "hil/vision/marks/mark_finder.h"
+#include "hil/vision/spot/frame_view.h"
 #include "hil/vision/spot/spot_fit.h"
 #include "hil/vision/spot/spot_track.h"
-#include "twin/base/image_fwd.h"
 #include "twin/base/print_layout.h"
 
 namespace kerfbench::vision {
@@ -30,8 +31,21 @@ class SheetTracker {
 
   /// Poses of the units in view. `all_marks` is the result of a full search of this frame, where one was
   /// made.
-  std::vector<SheetPose> step(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot,
+  std::vector<SheetPose> step(const FrameView& view, double time_s, const std::optional<KeepOut>& spot,
                               const std::vector<FoundMark>* all_marks);
+
+  /// Place where a mark should be.
+  struct MarkPlace {
+    Eigen::Vector2d p_mm{Eigen::Vector2d::Zero()};
+    double diameter_mm{};
+    double search_mm{};  ///< How far from there it is looked for.
+  };
+  /// True once the sheet's place is known.
+  [[nodiscard]] bool locked() const { return !units_.empty(); }
+  /// Marks that step() would look for at a time; of all units in view and about to be. Empty before a lock.
+  [[nodiscard]] std::vector<MarkPlace> marksAt(double time_s) const;
+  /// Places of the print's marks of the unit seen last, in view or not. Empty before a lock.
+  [[nodiscard]] std::vector<MarkPlace> marksOfLastUnit() const;
 
   /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm
   /// of `near_mm`, or all.
@@ -52,7 +66,9 @@ class SheetTracker {
   [[nodiscard]] DiscInPicture discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const;
   void poolNoise(std::vector<MarkPair>& pairs, std::span<const double> diameters_mm);
   bool lock(const std::vector<FoundMark>& seen, double time_s);
-  std::vector<SheetPose> measure(const GrayImage& image, double time_s, const std::optional<KeepOut>& spot);
+  std::vector<SheetPose> measure(const FrameView& view, double time_s, const std::optional<KeepOut>& spot);
+  /// The first and the last unit that marks are looked for of.
+  [[nodiscard]] std::pair<int, int> unitsToLookFor() const;
   /// The marks of one unit in one picture.
   struct Sighting {
     std::vector<MarkPair> pairs;
@@ -60,7 +76,7 @@ class SheetTracker {
     std::vector<double> diameters_mm, contrasts_gray;
     int in_view{0};  ///< Marks that should be found for certain.
   };
-  [[nodiscard]] Sighting lookForMarks(const GrayImage& image, const PlaneMotion& expected, double search_mm,
+  [[nodiscard]] Sighting lookForMarks(const FrameView& view, const PlaneMotion& expected, double search_mm,
                                       const std::optional<KeepOut>& spot) const;
   void keepUnits(const std::map<int, UnitState>& measured, double time_s);
   [[nodiscard]] int explained(const std::vector<FoundMark>& seen,

@@ -49,9 +49,10 @@ double withoutPrint(const GrayImage& image, int c, int r, std::span<const DiscIn
 std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, double board, double noise,
                                 std::span<const DiscInPicture> discs) {
   const double floor_gray = board + std::max(3.0 * noise, 0.2 * static_cast<double>(peak.height));
-  const Window limit{std::max(0, peak.column - kMaxHalfWindow), std::max(0, peak.row - kMaxHalfWindow),
-                     std::min(image.width - 1, peak.column + kMaxHalfWindow),
-                     std::min(image.height - 1, peak.row + kMaxHalfWindow)};
+  const Window limit{std::max(image.left, peak.column - kMaxHalfWindow),
+                     std::max(image.top, peak.row - kMaxHalfWindow),
+                     std::min(image.right(), peak.column + kMaxHalfWindow),
+                     std::min(image.bottom(), peak.row + kMaxHalfWindow)};
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(limit.width() * limit.height()), 0);
   std::vector<std::pair<int, int>> queue;
   const auto visit = [&](int c, int r) {
@@ -91,9 +92,8 @@ std::optional<Start> growRegion(const GrayImage& image, const BrightPeak& peak, 
   const Eigen::Matrix2d inverse = shape.inverse();
   Start start;
   const int margin = 5;
-  start.window = {std::max(0, box.left - margin), std::max(0, box.top - margin),
-                  std::min(image.width - 1, box.right + margin),
-                  std::min(image.height - 1, box.bottom + margin)};
+  start.window = {std::max(image.left, box.left - margin), std::max(image.top, box.top - margin),
+                  std::min(image.right(), box.right + margin), std::min(image.bottom(), box.bottom + margin)};
   const double ink = discs.empty() ? 0.0 : -discs.front().contrast_gray;
   start.parameters << peak.column + mean.x(), peak.row + mean.y(), inverse(0, 0), inverse(0, 1),
       inverse(1, 1), top_gray - board, board, ink;
@@ -346,8 +346,9 @@ std::optional<BrightPeak> peakOnDisc(const GrayImage& image, const DiscInPicture
   const double least_at_rim = std::max(least, 0.35 * disc.contrast_gray);
   std::optional<BrightPeak> best;
   double best_excess = 0.0;
-  for (int r = std::max(0, row - reach); r <= std::min(image.height - 2, row + reach); ++r) {
-    for (int c = std::max(0, column - reach); c <= std::min(image.width - 2, column + reach); ++c) {
+  for (int r = std::max(image.top, row - reach); r <= std::min(image.bottom() - 1, row + reach); ++r) {
+    for (int c = std::max(image.left, column - reach); c <= std::min(image.right() - 1, column + reach);
+         ++c) {
       const Eigen::Vector2d middle(c + 0.5, r + 0.5);
       const double outside_px =
           ((disc.mm_per_pixel * (middle - disc.pixel)).norm() - disc.radius_mm) / pitch_mm;

@@ -19,8 +19,8 @@ void BoardGrain::add(const GrayImage& image, const SpotFit& fit, double board_gr
   const int half = static_cast<int>(std::ceil(clear_px)) + kHalf;
   const int column = static_cast<int>(std::lround(fit.pixel.x()));
   const int row = static_cast<int>(std::lround(fit.pixel.y()));
-  const int left = std::max(0, column - half), right = std::min(image.width - 1, column + half);
-  const int top = std::max(0, row - half), bottom = std::min(image.height - 1, row + half);
+  const int left = std::max(image.left, column - half), right = std::min(image.right(), column + half);
+  const int top = std::max(image.top, row - half), bottom = std::min(image.bottom(), row + half);
   const int width = right - left + 1;
   const double kNone = std::numeric_limits<double>::quiet_NaN();
   // Print and other light are no board, and neither are their blurred edges.

@@ -11,10 +11,12 @@
 
 #include "hil/base/parallel.h"
 #include "hil/vision/image/brightness_scan.h"
+#include "hil/vision/image/window_scan.h"
 #include "hil/vision/marks/mark_finder.h"
 #include "hil/vision/spot/sheet_tracker.h"
 #include "hil/vision/spot/spot_fit.h"
 #include "hil/vision/spot/spot_grain.h"
+#include "hil/vision/spot/spot_windows.h"
 #include "twin/base/image.h"
 
 namespace kerfbench::vision {
@@ -22,13 +24,23 @@ namespace {
 
 constexpr std::size_t kBatch = 16;
 constexpr std::size_t kCandidates = 4;
-constexpr int kSearchEvery = 20;        // Most frames between two searches.
-constexpr double kSearchEveryMm = 5.0;  // Most travel of the belt between two searches.
+constexpr std::size_t kSearchEvery = 20;  // Most frames between two searches.
+constexpr double kSearchEveryMm = 5.0;    // Most travel of the belt between two searches.
 constexpr int kDarkGray = 8;
 constexpr double kSaturatedShare = 0.02;
+// The spot itself may fill a few per cent of small windows.
+constexpr double kSaturatedWindows = 0.25;
+// Before the exposure: mirrors and slides follow their pulses by no more.
+constexpr double kLag_s = 1e-3;
 // Shares of all marks that were expected.
 constexpr double kMissingShare = 0.2;
 constexpr double kMovedShare = 0.05;
+
+/// Windows that a frame was asked for: first that of the spot, then those of marks, then bands to search.
+struct Asked {
+  std::vector<PixelWindow> windows;
+  std::size_t first_band{};
+};
 
 /// Measurement of one frame alone.
 struct Glance {
@@ -40,6 +52,36 @@ struct Glance {
   bool searched{};
   std::vector<FoundMark> marks;
 };
+
+/// Of a frame that was read out by windows.
+Glance glanceAtWindows(const Frame& frame, const CameraCalibration& calibration,
+                       std::span<const double> diameters_mm, const ShotNoise& shot, std::size_t first_band) {
+  Glance glance;
+  const WindowLevels levels = levelsOf(frame.windows);
+  glance.board_gray = levels.median;
+  glance.noise_gray = levels.noise;
+  glance.faults.dark = levels.median < kDarkGray;
+  glance.faults.saturated = levels.saturated_share > kSaturatedWindows;
+  glance.faults.lifeless = levels.lifeless;
+  glance.noise = shot.on(glance.board_gray, glance.noise_gray);
+  const GrayImage& around_spot = frame.windows.front();
+  const int board = medianOf(around_spot);
+  std::vector<BrightPeak> tried;
+  while (!glance.spot && tried.size() < kCandidates) {
+    const std::optional<BrightPeak> peak = brightestOf(around_spot, board, glance.noise_gray, tried);
+    if (!peak) break;
+    glance.spot = fitSpot(around_spot, *peak, board, glance.noise);
+    tried.push_back(*peak);
+  }
+  glance.searched = first_band < frame.windows.size();
+  for (std::size_t i = first_band; i < frame.windows.size(); ++i) {
+    const GrayImage& band = frame.windows[i];
+    if (band.pixels.empty()) continue;
+    const std::vector<FoundMark> found = findMarks(band, calibration, Background(band), diameters_mm);
+    glance.marks.insert(glance.marks.end(), found.begin(), found.end());
+  }
+  return glance;
+}
 
 Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
                 std::span<const double> diameters_mm, const ShotNoise& shot, bool search) {
@@ -65,9 +107,8 @@ Glance glanceAt(const Frame& frame, const CameraCalibration& calibration,
 }
 
 /// Frames between full searches: often enough that a mark does not run through the view unnoticed.
-std::size_t searchStride(const std::vector<Frame>& frames, double speed_mm_s) {
-  if (frames.size() < 2) return 1;
-  const double per_frame_mm = std::abs(speed_mm_s * (frames[1].start_s - frames[0].start_s));
+std::size_t searchStride(double period_s, double speed_mm_s) {
+  const double per_frame_mm = std::abs(speed_mm_s * period_s);
   if (!(per_frame_mm > kSearchEveryMm / kSearchEvery)) return kSearchEvery;
   return static_cast<std::size_t>(std::max(1.0, kSearchEveryMm / per_frame_mm));
 }
@@ -89,7 +130,7 @@ SheetTracker::KeepOut keepOutOf(const FrameMeasurement& out, const SpotFit& fit,
 }
 
 /// The spot shines on a mark: fit both, or find it in the ink where it does not outshine the board.
-std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance, const SheetTracker& tracker,
+std::optional<SpotFit> fitWithPrint(const FrameView& view, const Glance& glance, const SheetTracker& tracker,
                                     const CameraCalibration& calibration, double pitch_mm) {
   if (glance.spot) {
     const Eigen::Vector2d p_mm = calibration.planeFromPixel(glance.spot->pixel);
@@ -98,12 +139,20 @@ std::optional<SpotFit> fitWithPrint(const GrayImage& image, const Glance& glance
     if (discs.empty()) return std::nullopt;
     const BrightPeak peak{static_cast<int>(glance.spot->pixel.x()), static_cast<int>(glance.spot->pixel.y()),
                           static_cast<int>(std::min(255.0, glance.spot->height_gray))};
-    return fitSpot(image, peak, glance.board_gray, glance.noise, discs);
+    // Of windows, the first is the spot's.
+    return fitSpot(view.parts().front(), peak, glance.board_gray, glance.noise, discs);
   }
+  const GrayImage& around_spot = view.parts().front();
   for (const DiscInPicture& disc : tracker.discs(std::nullopt, 0.0)) {
-    const std::optional<BrightPeak> peak = peakOnDisc(image, disc, glance.board_gray, glance.noise_gray);
+    const double reach_px = disc.radius_mm / pitch_mm;
+    const PixelWindow box{static_cast<int>(disc.pixel.x() - reach_px),
+                          static_cast<int>(disc.pixel.y() - reach_px), static_cast<int>(2.0 * reach_px),
+                          static_cast<int>(2.0 * reach_px)};
+    if (box.within(around_spot.window()).empty()) continue;
+    const std::optional<BrightPeak> peak =
+        peakOnDisc(around_spot, disc, glance.board_gray, glance.noise_gray);
     if (!peak) continue;
-    if (auto fit = fitSpot(image, *peak, glance.board_gray, glance.noise, {&disc, 1})) return fit;
+    if (auto fit = fitSpot(around_spot, *peak, glance.board_gray, glance.noise, {&disc, 1})) return fit;
   }
   return std::nullopt;
 }
@@ -152,19 +201,46 @@ class SpotFollower {
     }
   }
 
+  /// Frames that can be asked for at once: before the marks are found, where to look next is known by each.
+  [[nodiscard]] std::size_t batchSize() const { return ready() ? kBatch : 1; }
+
+  /// Windows of the next frame; called once for each of the next batch. None: the whole picture.
+  std::vector<PixelWindow> windowsFor(double start_s) {
+    Asked& asked = asked_.emplace_back();
+    if (!ready()) return {};
+    const auto box_W_mm = options_.aim(start_s - kLag_s, start_s + exposure_s_);
+    if (!box_W_mm) return {};
+    asked.windows = {spotWindow(calibration_, *box_W_mm)};
+    const auto add = [&](const std::vector<PixelWindow>& more) {
+      asked.windows.insert(asked.windows.end(), more.begin(), more.end());
+    };
+    add(markWindows(calibration_, tracker_->marksAt(start_s + 0.5 * exposure_s_)));
+    asked.first_band = asked.windows.size();
+    if (searches(asked_.size() - 1)) add(markBands(calibration_, tracker_->marksOfLastUnit()));
+    return asked.windows;
+  }
+
   void add(const std::vector<Frame>& batch) {
     for (const Frame& frame : batch) checkSize(frame);
-    if (stride_ == 0) stride_ = searchStride(batch, options_.nominal_speed_mm_s);
+    learnTimes(batch);
     std::vector<Glance> glances(batch.size());
     base::forEachIndex(batch.size(), options_.threads, [&](std::size_t i) {
-      glances[i] = glanceAt(batch[i], calibration_, diameters_mm_, shot_, (done_ + i) % stride_ == 0);
+      glances[i] = batch[i].windows.empty()
+                       ? glanceAt(batch[i], calibration_, diameters_mm_, shot_, searches(i))
+                       : glanceAtWindows(batch[i], calibration_, diameters_mm_, shot_, asked_[i].first_band);
     });
+    // Whole pictures take a camera of windows longer than a period: they are there to find the marks by.
+    if (!by_windows_ && !batch.empty() && !batch.front().windows.empty()) {
+      by_windows_ = true;
+      track_.frames.clear();
+    }
     // In order, and cheap: the marks are where the frame before says.
     for (std::size_t i = 0; i < batch.size(); ++i) follow(batch[i], glances[i]);
     for (const Glance& glance : glances) {
       if (glance.spot) shot_.add(glance.spot->shot);
     }
     done_ += batch.size();
+    asked_.clear();
   }
 
   SpotTrack finished() {
@@ -173,7 +249,24 @@ class SpotFollower {
   }
 
  private:
+  /// True if windows say where to look: the marks were found, or there are none.
+  [[nodiscard]] bool ready() const {
+    return exposure_s_ > 0.0 && (tracker_->locked() || diameters_mm_.empty());
+  }
+  /// Whether frame i of the batch is searched for marks all over.
+  [[nodiscard]] bool searches(std::size_t i) const {
+    const std::size_t stride = stride_ == 0 ? kSearchEvery : stride_;
+    return (options_.aim && !tracker_->locked()) || (done_ + i) % stride == 0;
+  }
+
+  void learnTimes(const std::vector<Frame>& batch) {
+    if (stride_ == 0 && batch.size() > 1)
+      stride_ = searchStride(batch[1].start_s - batch[0].start_s, options_.nominal_speed_mm_s);
+    if (!batch.empty()) exposure_s_ = batch.back().exposure_s;
+  }
+
   void checkSize(const Frame& frame) const {
+    if (!frame.windows.empty()) return;
     if (frame.image.width == calibration_.width_px && frame.image.height == calibration_.height_px) return;
     throw std::invalid_argument(
         "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
@@ -196,20 +289,21 @@ class SpotFollower {
     out.exposure_s = frame.exposure_s;
     countLost(frame);
     std::optional<SheetTracker::KeepOut> keep_out;
+    const FrameView view(frame);
     if (glance.spot) {
-      grain_.add(frame.image, *glance.spot, glance.board_gray);
+      grain_.add(view.parts().front(), *glance.spot, glance.board_gray);
       place(out, *glance.spot, glance);
       keep_out = keepOutOf(out, *glance.spot, pitch_mm_);
     }
     const std::vector<FoundMark>* const marks = glance.searched ? &glance.marks : nullptr;
     const std::optional<SheetTracker> before = glance.spot ? std::nullopt : tracker_;
-    out.sheet = tracker_->step(frame.image, out.mid_s, keep_out, marks);
-    if (const auto better = fitWithPrint(frame.image, glance, *tracker_, calibration_, pitch_mm_)) {
+    out.sheet = tracker_->step(view, out.mid_s, keep_out, marks);
+    if (const auto better = fitWithPrint(view, glance, *tracker_, calibration_, pitch_mm_)) {
       place(out, *better, glance);
       if (before) {
         // A spot that print hid at first has shone into the marks: again, without those that it reaches.
         tracker_.emplace(*before);
-        out.sheet = tracker_->step(frame.image, out.mid_s, keepOutOf(out, *better, pitch_mm_), marks);
+        out.sheet = tracker_->step(view, out.mid_s, keepOutOf(out, *better, pitch_mm_), marks);
       }
     }
     track_.frames.push_back(std::move(out));
@@ -228,6 +322,9 @@ class SpotFollower {
   std::vector<double> diameters_mm_;
   ShotNoise shot_;  // Learned from the batches before: the same at any number of threads.
   BoardGrain grain_;
+  std::vector<Asked> asked_;  ///< Of the batch that is being taken.
+  double exposure_s_{0.0};
+  bool by_windows_{false};
   std::size_t stride_{0};
   std::size_t done_{0};
 };
@@ -238,7 +335,10 @@ SpotTrack trackSpot(camera::FrameSource& source, const CameraCalibration& calibr
                     const PrintLayout& print, const SpotTrackOptions& options) {
   SpotFollower follower(calibration, print, options);
   for (;;) {
-    const std::vector<Frame> batch = source.nextBatch(kBatch);
+    const std::vector<Frame> batch =
+        options.aim ? source.nextWindowed(follower.batchSize(),
+                                          [&](double start_s) { return follower.windowsFor(start_s); })
+                    : source.nextBatch(kBatch);
     if (batch.empty()) break;
     follower.add(batch);
   }

@@ -3,9 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "hil/camera/frame_source.h"
 #include "hil/vision/image/camera_calibration.h"
@@ -41,6 +45,10 @@ struct FrameFaults {
   [[nodiscard]] bool any() const { return dark || saturated || blurred || lifeless; }
 };
 
+/// Box of the work plane W, mm, in which the beam's spot should be between two times on the clock of the
+/// pins, s; nullopt: not known. It only says where to look: a spot that is elsewhere is not seen.
+using BeamAim = std::function<std::optional<Eigen::AlignedBox2d>(double from_s, double to_s)>;
+
 /// Measurement of one frame of the spot camera.
 struct FrameMeasurement {
   std::uint64_t sequence{};
@@ -60,13 +68,18 @@ struct SpotTrackOptions {
   double nominal_speed_mm_s{};
   /// Standard deviation of the light across its path beyond which the picture is blurred, mm.
   double widest_spot_mm{0.3};
+  /// Where the beam should be. With it, frames are asked for by windows around spot and marks, once the marks
+  /// were found in a whole picture; the whole ones before are no part of the track. Without it, and from a
+  /// source that has no windows, all are whole.
+  BeamAim aim{};
 };
 
 struct SpotTrack {
   std::vector<FrameMeasurement> frames;
   std::uint64_t frames_lost{};  ///< Gaps in the sequence: INVALID when any is > 0.
-  /// Reasons not to judge by the frames, in sentences: unfit frames, marks missing or moved in many of them.
-  /// INVALID when there is any. Lost frames are in frames_lost alone.
+  /// Reasons not to judge by the frames, in sentences: unfit frames, marks missing or moved in many of them,
+  /// a camera that was not ready in time for its windows. INVALID when there is any. Lost frames are in
+  /// frames_lost alone.
   std::vector<std::string> problems{};
 };
 

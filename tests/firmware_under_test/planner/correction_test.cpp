@@ -193,6 +193,24 @@ TEST(Correction, TheMachineWakesWhereItsTableWantsNoSteps) {
   }
 }
 
+TEST(Correction, TheBeamIsWhereItsStepsPutIt) {
+  MachineParameters gantry = test::twoMirror();
+  gantry.head = MachineParameters::Head::kGantry;
+  gantry.gantry_step_mm = 0.0125;
+  for (const MachineParameters& head : {test::twoMirror(), fTheta(), gantry}) {
+    const double half = head.field_max_mm[0];
+    const auto bowed = [&](const Vector2d& p) { return Vector2d(aimFor(p, half) - p); };
+    for (const Axes& axes : {Axes(head, {}), Axes(with(head, csv(kMm, half, 33, bowed)), {})}) {
+      for (const double x : {-0.95, -0.2, 0.0, 0.6}) {
+        for (const double y : {-0.8, 0.0, 0.9}) {
+          const Vector2d p = half * Vector2d(x, y);
+          EXPECT_LT((axes.placeAt(axes.stepsAt(p)) - p).norm(), 1e-4) << p.transpose();
+        }
+      }
+    }
+  }
+}
+
 TEST(Correction, ATableWithoutARestingPlaceIsRefused) {
   const MachineParameters head = test::twoMirror();
   // The mirrors are sent at least 10 mm to the right everywhere: the slope keeps its sign and never meets

@@ -57,6 +57,43 @@ TEST(TwinFrameSource, GivesTheSameFramesAtAnyNumberOfThreadsAndAnyBatch) {
   }
 }
 
+/// 240 rows take three periods and a bit.
+TwinFrameSource slowSource(double link_bytes_per_s = 0.0) {
+  twin::CameraDescription description = smallCamera(300, 240, 0.1);
+  description.frame_period_s = 1e-3;
+  description.read_out = {.row_s = 13e-6, .link_bytes_per_s = link_bytes_per_s};
+  PrintLayout print;
+  print.pitch_mm = 100.0;
+  return {twin::SpotCamera(description, print, 4.0, 9), exposures(23), 2};
+}
+
+std::vector<Frame> readWindows(TwinFrameSource from, const std::vector<PixelWindow>& windows) {
+  std::vector<Frame> all;
+  const auto next = [&] { return from.nextWindowed(4, [&](double) { return windows; }); };
+  for (auto frames = next(); !frames.empty(); frames = next()) {
+    for (Frame& frame : frames) all.push_back(std::move(frame));
+  }
+  return all;
+}
+
+TEST(TwinFrameSource, ACameraThatStillReadsOutIsNotExposed) {
+  const std::vector<Frame> whole = readWindows(slowSource(), {});
+  ASSERT_EQ(whole.size(), 6U);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_EQ(whole[i].sequence, 10 + i) << "no frame was lost: none was taken";
+    EXPECT_DOUBLE_EQ(whole[i].start_s, 4e-3 * static_cast<double>(i));
+    EXPECT_EQ(whole[i].image.width, 300);
+  }
+  // Rows that several windows share are read once: 76 rows are within a period, 77 are not.
+  EXPECT_EQ(readWindows(slowSource(), {{0, 20, 40, 50}, {100, 46, 40, 50}}).size(), 23U);
+  EXPECT_EQ(readWindows(slowSource(), {{0, 20, 40, 50}, {100, 47, 40, 50}}).size(), 12U);
+  // 2000 pixels in a period, and 2100.
+  EXPECT_EQ(readWindows(slowSource(2e6), {{0, 20, 40, 50}}).size(), 23U);
+  EXPECT_EQ(readWindows(slowSource(2e6), {{0, 20, 42, 50}}).size(), 12U);
+  // Without windows to choose, pictures are whole and take no time.
+  EXPECT_EQ(readAll(slowSource(), 5).size(), 23U);
+}
+
 TwinFrameSource withLink(const twin::FrameLink& link, std::size_t count, int threads = 1) {
   twin::CameraDescription description = smallCamera(64, 48, 0.5);
   description.link = link;

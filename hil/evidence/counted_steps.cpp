@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/evidence/counted_steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerfbench::evidence {
+namespace {
+
+bool isHigh(std::uint16_t levels, PinId pin) { return ((levels >> pin.bit) & 1U) != 0; }
+
+struct Axis {
+  PinId pul, dir;
+  bool rising{};
+  bool pul_high{}, dir_high{};
+
+  /// The step, if any, by a write to a port.
+  std::int32_t stepBy(const PinEvent& event) {
+    if (dir.port == event.port) dir_high = isHigh(event.level, dir);
+    if (pul.port != event.port) return 0;
+    const bool high = isHigh(event.level, pul);
+    if (high == pul_high) return 0;
+    pul_high = high;
+    if (high != rising) return 0;
+    return dir_high ? 1 : -1;
+  }
+};
+
+}  // namespace
+
+std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recording, const PinWiring& wiring) {
+  std::vector<Axis> axes;
+  for (const DriveWiring& drive : wiring.drives) {
+    const std::optional<PinId> pul = wiring.signals.pin(drive.pul);
+    const std::optional<PinId> dir = wiring.signals.pin(drive.dir);
+    if (axes.size() == 2) break;
+    if (!pul || !dir) return std::nullopt;
+    axes.push_back({*pul, *dir, drive.profile.active_edge_rising});
+  }
+  if (axes.size() < 2) return std::nullopt;
+  CountedSteps counted;
+  Steps now{0, 0};
+  for (const PinEvent& event : recording.outputs) {
+    const auto period =
+        static_cast<std::size_t>(std::max(0.0, recording.rate.seconds(event.tick)) / kRaster_s);
+    if (period >= counted.steps_.size()) counted.steps_.resize(period + 1, now);
+    for (std::size_t i = 0; i < 2; ++i) now[i] += axes[i].stepBy(event);
+    counted.steps_.back() = now;
+  }
+  return counted;
+}
+
+CountedSteps::Steps CountedSteps::at(double time_s) const {
+  const double period = std::floor(time_s / kRaster_s);
+  if (!(period > 0.0)) return steps_.front();
+  return steps_[std::min(static_cast<std::size_t>(period), steps_.size() - 1)];
+}
+
+}  // namespace kerfbench::evidence

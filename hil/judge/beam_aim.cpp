@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/judge/beam_aim.h"
+
+#include <memory>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "firmware_under_test/planner/head/axes.h"
+#include "hil/evidence/counted_steps.h"
+#include "hil/judge/pin_wiring.h"
+
+namespace kerfbench::judge {
+namespace {
+
+constexpr int kInstants = 5;  // Of the time that is asked for: the path between them is nearly straight.
+
+}  // namespace
+
+vision::BeamAim beamAim(const scenario::Case& test_case, const source::PinRecording& recording) {
+  if (!(test_case.machine.spot_camera.read_out.row_s > 0.0)) return {};
+  const auto counted = evidence::CountedSteps::of(recording, pinWiring(test_case));
+  if (!counted) return {};
+  const auto steps = std::make_shared<const evidence::CountedSteps>(*counted);
+  const auto axes =
+      std::make_shared<const planner::Axes>(scenario::plannerMachine(test_case), planner::PlannerFaults{});
+  return [steps, axes](double from_s, double to_s) -> std::optional<Eigen::AlignedBox2d> {
+    Eigen::AlignedBox2d box_W_mm;
+    for (int i = 0; i < kInstants; ++i) {
+      const auto [x, y] = steps->at(from_s + (to_s - from_s) * i / (kInstants - 1));
+      try {
+        box_W_mm.extend(axes->placeAt({x, y}));
+      } catch (const planner::PlanError&) {
+        return std::nullopt;  // Beyond the table.
+      }
+    }
+    return box_W_mm;
+  };
+}
+
+}  // namespace kerfbench::judge

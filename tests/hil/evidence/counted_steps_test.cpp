@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hil/evidence/counted_steps.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hil/evidence/pin_evidence.h"
+#include "twin/base/pin_event.h"
+
+namespace kerfbench::evidence {
+namespace {
+
+constexpr std::uint16_t kPulX = 1;
+constexpr std::uint16_t kDirX = 2;
+constexpr std::uint16_t kPulY = 4;
+constexpr std::uint16_t kDirY = 8;
+
+PinWiring wiring(bool rising = true) {
+  PinWiring wiring;
+  wiring.signals.assign(Signal::kGalvoXPul, {0, 0});
+  wiring.signals.assign(Signal::kGalvoXDir, {0, 1});
+  wiring.signals.assign(Signal::kGalvoYPul, {0, 2});
+  wiring.signals.assign(Signal::kGalvoYDir, {0, 3});
+  DriverProfile drive;
+  drive.active_edge_rising = rising;
+  wiring.drives = {{"galvo_x", Signal::kGalvoXPul, Signal::kGalvoXDir, drive},
+                   {"galvo_y", Signal::kGalvoYPul, Signal::kGalvoYDir, drive}};
+  return wiring;
+}
+
+/// Levels of port 0 over time, in ticks of a microsecond.
+source::PinRecording recordingOf(const std::vector<std::pair<Tick, std::uint16_t>>& writes) {
+  source::PinRecording recording;
+  recording.rate = {1, 1'000'000};
+  std::uint16_t before = 0;
+  for (const auto& [tick, level] : writes) {
+    recording.outputs.push_back({tick, 0, static_cast<std::uint16_t>(before ^ level), level, 0});
+    before = level;
+  }
+  recording.end = 10'000;
+  return recording;
+}
+
+TEST(CountedSteps, CountUpWhileDirIsHighAndDownWhileItIsLow) {
+  const auto steps = CountedSteps::of(recordingOf({{110, kDirX},
+                                                   {120, kDirX | kPulX},
+                                                   {130, kDirX},
+                                                   {140, kDirX | kPulX | kPulY},
+                                                   {150, kDirY},
+                                                   {360, kDirY | kPulY},
+                                                   {370, 0},
+                                                   {380, kPulX},
+                                                   {390, kPulX}}),
+                                      wiring());
+  ASSERT_TRUE(steps);
+  EXPECT_EQ(steps->at(-1.0), (CountedSteps::Steps{0, 0}));
+  EXPECT_EQ(steps->at(50e-6), (CountedSteps::Steps{0, 0}));
+  EXPECT_EQ(steps->at(150e-6), (CountedSteps::Steps{2, -1}));
+  EXPECT_EQ(steps->at(250e-6), (CountedSteps::Steps{2, -1})) << "nothing happens in this period";
+  EXPECT_EQ(steps->at(350e-6), (CountedSteps::Steps{1, 0}));
+  EXPECT_EQ(steps->at(9.0), (CountedSteps::Steps{1, 0})) << "after the last edge";
+}
+
+TEST(CountedSteps, ADriveThatStepsOnTheFallingEdgeCountsThat) {
+  const auto steps = CountedSteps::of(recordingOf({{110, kDirX | kPulX}, {220, kDirX}, {330, kDirX | kPulX}}),
+                                      wiring(false));
+  ASSERT_TRUE(steps);
+  EXPECT_EQ(steps->at(150e-6)[0], 0);
+  EXPECT_EQ(steps->at(250e-6)[0], 1);
+  EXPECT_EQ(steps->at(350e-6)[0], 1);
+}
+
+TEST(CountedSteps, AnAxisWithoutItsLinesIsNotCounted) {
+  PinWiring one = wiring();
+  one.signals = SignalMap{};
+  one.signals.assign(Signal::kGalvoXPul, {0, 0});
+  one.signals.assign(Signal::kGalvoXDir, {0, 1});
+  one.signals.assign(Signal::kGalvoYPul, {0, 2});
+  EXPECT_FALSE(CountedSteps::of(recordingOf({}), one));
+  one.signals.assign(Signal::kGalvoYDir, {0, 3});
+  EXPECT_TRUE(CountedSteps::of(recordingOf({}), one));
+  one.drives.pop_back();
+  EXPECT_FALSE(CountedSteps::of(recordingOf({}), one));
+}
+
+}  // namespace
+}  // namespace kerfbench::evidence
