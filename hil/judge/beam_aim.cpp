@@ -13,7 +13,7 @@
 namespace kerfbench::judge {
 namespace {
 
-constexpr int kInstants = 5;  // Of the time that is asked for: the path between them is nearly straight.
+constexpr int kInstants = 5;  // The path between them is nearly straight.
 
 }  // namespace
 

@@ -61,6 +61,7 @@ class Reader {
   struct Wire {
     std::optional<Signal> signal;
     std::uint64_t width{};
+    PinId pin{};                  ///< Where the machine has the signal.
     std::optional<bool> level{};  ///< nullopt: none was given yet, which is low.
   };
   struct Gap {
@@ -82,11 +83,13 @@ class Reader {
 
   /// The next word, or nothing at the end of the file. Words are divided by blanks.
   std::string_view word() {
-    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) <= ' ')
-      line_ += text_[at_++] == '\n' ? 1U : 0U;
-    const std::size_t start = at_;
-    while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) > ' ') ++at_;
-    return text_.substr(start, at_ - start);
+    const char* const end = text_.data() + text_.size();
+    const char* at = text_.data() + at_;
+    for (; at != end && static_cast<unsigned char>(*at) <= ' '; ++at) line_ += *at == '\n' ? 1U : 0U;
+    const char* const start = at;
+    while (at != end && static_cast<unsigned char>(*at) > ' ') ++at;
+    at_ = static_cast<std::size_t>(at - text_.data());
+    return {start, static_cast<std::size_t>(at - start)};
   }
   /// The words up to $end.
   std::vector<std::string_view> section(std::string_view name) {
@@ -223,17 +226,26 @@ class Reader {
     if (!width || *width == 0) return fault("$var needs a type, a width, an identifier and a name");
     if (*width > kMaxWidthBits) return fault("a wire of " + std::to_string(*width) + " bits is too wide");
     if (wires_.size() >= kMaxWires) giveUp("more than " + std::to_string(kMaxWires) + " wires");
-    Wire wire{signalFromName(words[3]), *width, {}};
+    Wire wire{signalFromName(words[3]), *width, {}, {}};
     if (wire.signal && !map_.pin(*wire.signal)) wire.signal.reset();
+    if (wire.signal) wire.pin = *map_.pin(*wire.signal);
     if (wire.signal) {
       if (*width != 1) return fault(std::string(words[3]) + " must be a wire of 1 bit");
       if (std::exchange(seen_[static_cast<std::size_t>(*wire.signal)], true)) {
         return fault("the wire " + std::string(words[3]) + " is there twice");
       }
     }
-    if (!wires_.try_emplace(words[2], wire).second && wire.signal) {
-      fault("the identifier " + base::inQuotes(words[2]) + " is used twice");
-    }
+    const auto [place, is_new] = wires_.try_emplace(words[2], wire);
+    if (!is_new && wire.signal) fault("the identifier " + base::inQuotes(words[2]) + " is used twice");
+    if (is_new && words[2].size() == 1)
+      by_letter_[static_cast<unsigned char>(words[2].front())] = &place->second;
+  }
+
+  /// Null if there is none. Most identifiers are single letters.
+  Wire* wireOf(std::string_view id) {
+    if (id.size() == 1) return by_letter_[static_cast<unsigned char>(id.front())];
+    const auto found = wires_.find(id);
+    return found == wires_.end() ? nullptr : &found->second;
   }
 
   void body() {
@@ -291,9 +303,9 @@ class Reader {
   }
 
   void change(char level, std::string_view id) {
-    const auto found = wires_.find(id);
-    if (found == wires_.end()) return fault("unknown identifier " + base::inQuotes(id));
-    Wire& wire = found->second;
+    Wire* const found = wireOf(id);
+    if (found == nullptr) return fault("unknown identifier " + base::inQuotes(id));
+    Wire& wire = *found;
     if (!wire.signal) return;
     if (level != '0' && level != '1') {
       return fault(std::string(signalName(*wire.signal)) + " has the level '" + std::string(1, level) +
@@ -311,18 +323,18 @@ class Reader {
     if (isSensor(*wire.signal)) {
       recording_.sensors.push_back({tick_, *wire.signal, high});
     } else {
-      output(*map_.pin(*wire.signal), high);
+      output(wire.pin, high);
     }
   }
 
   void vector(std::string_view token) {
     const auto id = word();
     if (id.empty()) giveUp("a change without an identifier: the file is truncated");
-    const auto found = wires_.find(id);
-    if (found == wires_.end()) return fault("unknown identifier " + base::inQuotes(id));
+    const Wire* const found = wireOf(id);
+    if (found == nullptr) return fault("unknown identifier " + base::inQuotes(id));
     if (token.size() > kMaxWidthBits + 1)
       return fault("a value of " + std::to_string(token.size()) + " characters");
-    if (found->second.signal) {
+    if (found->signal) {
       if (token.size() != 2) return fault("a wire of 1 bit has the value " + base::inQuotes(token));
       change(token[1], id);
     }
@@ -397,7 +409,9 @@ class Reader {
   std::vector<Gap> gaps_;
   std::array<bool, kSignalCount> seen_{};
   std::unordered_map<std::string_view, Wire> wires_;
-  std::unordered_map<std::uint16_t, std::uint16_t> levels_;
+  std::array<Wire*, 256> by_letter_{};
+  std::vector<std::uint16_t> levels_ =
+      std::vector<std::uint16_t>(std::size_t{1} << 16U);  ///< Levels of each port.
   VcdScale scale_;
   PinRecording recording_;
   std::uint64_t stamp_{};

@@ -21,6 +21,8 @@ class VcdScale {
   VcdScale(int exponent, TickRate rate) : exponent_(exponent), rate_(rate) {
     units_per_second_ = 1;
     for (int i = 0; i < exponent; ++i) units_per_second_ *= 10;
+    const Wide per_tick = rate.den == 0 || !exact() ? 0 : Wide{rate.num} * units_per_second_ / rate.den;
+    if (per_tick >> 64U == 0) units_per_tick_ = static_cast<std::uint64_t>(per_tick);
   }
 
   /// The coarsest scale that is exact, else 1 ps.
@@ -47,6 +49,11 @@ class VcdScale {
   }
   /// The tick whose stamp this is; false if there is none.
   [[nodiscard]] bool tickOf(std::uint64_t stamp, Tick& tick) const {
+    // Division of 128 bits takes longer than all else that is done with an edge.
+    if (units_per_tick_ > 0) {
+      tick = stamp / units_per_tick_;
+      return tick * units_per_tick_ == stamp;
+    }
     const Wide tick_wide = (Wide{stamp} * rate_.den + Wide{rate_.num} * units_per_second_ / 2) /
                            (Wide{rate_.num} * units_per_second_);
     tick = static_cast<Tick>(tick_wide);
@@ -68,6 +75,7 @@ class VcdScale {
   int exponent_{};
   TickRate rate_;
   std::uint64_t units_per_second_{1};
+  std::uint64_t units_per_tick_{0};  ///< 0: no whole number, or too large.
 };
 
 }  // namespace kerfbench::source

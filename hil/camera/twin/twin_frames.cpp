@@ -12,7 +12,8 @@
 namespace kerfbench::camera {
 namespace {
 
-constexpr double kRounding = 1e-6;  // Of a period: one that is just as long as the read-out is long enough.
+constexpr double kRounding =
+    1e-6;  // Share of a period: one that is just as long as the read-out is long enough.
 
 }  // namespace
 

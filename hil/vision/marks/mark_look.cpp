@@ -17,8 +17,8 @@ namespace {
 constexpr double kInnerRim = 0.75;  // Share of the radius within which all is ink.
 constexpr double kEdgeSigmaPx = 0.7;
 constexpr int kSectors = 12;
-constexpr double kBoardWithin = 0.35;  // Share of the contrast within which a pixel is board,
-constexpr double kInkBeyond = 0.65;    // and beyond which it is ink.
+constexpr double kBoardWithin = 0.35;  // Share of the contrast within which a pixel is board.
+constexpr double kInkBeyond = 0.65;    // Share of it beyond which a pixel is ink.
 
 /// Noise of the centroid per axis but for the light's slope, from what the sectors of the edge show beyond a
 /// shift and a growth of the disc: a sector that has s more ink (in pixels) moves it by s * radius / area.
@@ -63,7 +63,7 @@ struct RowSums {
 
 template <typename Level>
 RowSums sumRow(const Level* levels, int count, std::uint32_t least, std::uint32_t most) {
-  constexpr int kPiece = 64;  // Its sums fit into 32 bits at every depth.
+  constexpr int kPiece = 64;  // Sums of so many fit into 32 bits at every depth.
   RowSums sums;
   for (int begin = 0; begin < count; begin += kPiece) {
     std::uint32_t n = 0, k = 0, kk = 0, p = 0, pk = 0, pp = 0;

@@ -53,7 +53,7 @@ struct Glance {
   std::vector<FoundMark> marks;
 };
 
-/// Of a frame that was read out by windows.
+/// Measurement of a frame that was read out by windows.
 Glance glanceAtWindows(const Frame& frame, const CameraCalibration& calibration,
                        std::span<const double> diameters_mm, const ShotNoise& shot, std::size_t first_band) {
   Glance glance;
@@ -139,7 +139,7 @@ std::optional<SpotFit> fitWithPrint(const FrameView& view, const Glance& glance,
     if (discs.empty()) return std::nullopt;
     const BrightPeak peak{static_cast<int>(glance.spot->pixel.x()), static_cast<int>(glance.spot->pixel.y()),
                           static_cast<int>(std::min(255.0, glance.spot->height_gray))};
-    // Of windows, the first is the spot's.
+    // The first window is the spot's.
     return fitSpot(view.parts().front(), peak, glance.board_gray, glance.noise, discs);
   }
   const GrayImage& around_spot = view.parts().front();
@@ -322,7 +322,7 @@ class SpotFollower {
   std::vector<double> diameters_mm_;
   ShotNoise shot_;  // Learned from the batches before: the same at any number of threads.
   BoardGrain grain_;
-  std::vector<Asked> asked_;  ///< Of the batch that is being taken.
+  std::vector<Asked> asked_;  ///< What the batch was asked for that is being taken.
   double exposure_s_{0.0};
   bool by_windows_{false};
   std::size_t stride_{0};

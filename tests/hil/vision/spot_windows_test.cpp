@@ -106,7 +106,7 @@ TEST(SpotWindows, TheTrackIsThatOfWholePictures) {
     }
   }
   EXPECT_EQ(spots, 137);
-  EXPECT_GT(poses, 170);  // Of both units.
+  EXPECT_GT(poses, 170);  // Both units are seen.
 }
 
 TEST(SpotWindows, TheTrackIsTheSameAtAnyNumberOfThreads) {
