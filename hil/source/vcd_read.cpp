@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -27,6 +28,8 @@ namespace {
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30U;
 constexpr std::size_t kMaxFaults = 20;
 constexpr std::size_t kMaxWires = 4096;
+constexpr std::size_t kLeastBytesForAnEdge = 8;
+constexpr std::size_t kMostReserved = std::size_t{1} << 24U;
 constexpr std::uint64_t kMaxWidthBits = 4096;
 
 constexpr std::string_view kSumBegin = "$comment kerfbench sum ";
@@ -250,6 +253,8 @@ class Reader {
 
   void body() {
     if (!faults_.empty()) return;  // Nothing below can be judged by a broken header.
+    // Memory that is never written costs nothing; a vector that grows is copied.
+    recording_.outputs.reserve(std::min(kMostReserved, (text_.size() - at_) / kLeastBytesForAnEdge));
     for (auto token = word(); !token.empty(); token = word()) {
       switch (token.front()) {
         case '#':
@@ -419,31 +424,41 @@ class Reader {
   bool stamped_{};
 };
 
-std::string readWhole(const std::filesystem::path& path) {
+/// A file's text; its memory is written once.
+struct FileText {
+  std::unique_ptr<char[]> bytes;
+  std::size_t size{};
+  [[nodiscard]] std::string_view view() const { return {bytes.get(), size}; }
+};
+
+FileText readWhole(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const auto size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
   if (size < 0) throw std::system_error(errno, std::generic_category(), path.string());
   if (static_cast<std::uintmax_t>(size) > kMaxFileBytes)
     throw std::runtime_error(path.string() + ": larger than 4 GiB");
-  std::string text(static_cast<std::size_t>(size), '\0');
+  FileText text{std::make_unique_for_overwrite<char[]>(static_cast<std::size_t>(size)),
+                static_cast<std::size_t>(size)};
   file.seekg(0);
-  if (!file.read(text.data(), size)) throw std::system_error(errno, std::generic_category(), path.string());
+  if (!file.read(text.bytes.get(), size))
+    throw std::system_error(errno, std::generic_category(), path.string());
   return text;
 }
 
 }  // namespace
 
 PinRecording readVcd(const std::filesystem::path& path, const SignalMap& map) {
-  const std::string text = readWhole(path);
-  return Reader(path.string(), text, map).read();
+  const FileText text = readWhole(path);
+  return Reader(path.string(), text.view(), map).read();
 }
 
 std::optional<std::string> vcdSum(const std::filesystem::path& path) {
   constexpr std::size_t kDigits = 64;
-  const std::string text = readWhole(path);
+  const FileText file = readWhole(path);
+  const std::string_view text = file.view();
   const std::size_t begin = text.rfind(kSumBegin);
-  if (begin == std::string::npos) return std::nullopt;
-  std::string sum = text.substr(begin + kSumBegin.size(), kDigits);
+  if (begin == std::string_view::npos) return std::nullopt;
+  std::string sum(text.substr(begin + kSumBegin.size(), kDigits));
   if (!sumFits(text, begin, sum)) return std::nullopt;
   return sum;
 }
