@@ -65,7 +65,8 @@ class Needs {
   }
 
   void lookAtSize(const camera::FormatListing& format, int width_px, int height_px) {
-    if (format.sizes.empty()) return;  // Driver without a list.
+    // Drivers without a list, and windows, which no list has: only the driver itself knows.
+    if (format.sizes.empty() || choice_.settings.window) return;
     const auto size = std::ranges::find_if(
         format.sizes, [&](const camera::SizeListing& s) { return has(s, width_px, height_px); });
     if (size == format.sizes.end()) {

@@ -163,10 +163,15 @@ RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::
   camera::FrameRecording recording(folder);
   spot.sha256 = recording.digest();
   const camera::FrameLayout& layout = recording.camera().setup.layout;
-  if (layout.width_px != calibration.width_px || layout.height_px != calibration.height_px) {
-    spot.problems.push_back(
-        fmt::format("the spot camera's frames are {} x {} pixels, its calibration is for {} x {}",
-                    layout.width_px, layout.height_px, calibration.width_px, calibration.height_px));
+  const PixelWindow taken{layout.left_px, layout.top_px, layout.width_px, layout.height_px};
+  const PixelWindow asked =
+      choice.settings.window.value_or(PixelWindow{0, 0, calibration.width_px, calibration.height_px});
+  if (taken != asked) {
+    spot.problems.push_back(fmt::format(
+        "the spot camera's frames are {} x {} pixels from ({}, {}) on; {} {} x {} from ({}, {}) on",
+        taken.width, taken.height, taken.left, taken.top,
+        choice.settings.window ? "the scenario's window is" : "its calibration is for", asked.width,
+        asked.height, asked.left, asked.top));
     return spot;
   }
   if (recording.frames() == 0) {
@@ -206,7 +211,9 @@ RealSpot lookAtRealSpot(const scenario::Case& test_case, const std::filesystem::
     spot.problems.push_back("the spot camera ended before the last cut: " + recording.ended());
   camera::V4l2FrameSource frames(recording, *fit.clock, frameOptions(recording, choice));
   FramesWithin working(frames, gates.front().on_s - kMargin_s, gates.back().off_s + kMargin_s);
-  spot.track = vision::trackSpot(working, calibration, scenario.print, {jobs, scenario.belt_speed_mm_s});
+  vision::SpotTrackOptions options{jobs, scenario.belt_speed_mm_s};
+  options.window = choice.settings.window;
+  spot.track = vision::trackSpot(working, calibration, scenario.print, options);
   return spot;
 }
 

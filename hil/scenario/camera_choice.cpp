@@ -11,6 +11,7 @@
 #include "hil/base/add_to_list.h"
 #include "hil/base/number_from.h"
 #include "hil/camera/v4l2/pixel_format.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::scenario {
 namespace {
@@ -34,6 +35,17 @@ void readFormat(base::YamlReader& spot, SpotCameraChoice& choice) {
     spot.fault("format", fmt::format("'{}' cannot be read; known are {}", name, known));
   }
   choice.settings.bits = static_cast<int>(spot.integer("bits", {.min = 0, .max = 16, .fallback = 0.0}));
+}
+
+void readWindow(base::YamlReader& spot, SpotCameraChoice& choice) {
+  if (!spot.has("window_px")) return;
+  constexpr double kMost = 32768;
+  const auto window = spot.numbers("window_px", 4, {.min = 0, .max = kMost});
+  const auto whole = [](double value) { return static_cast<int>(value); };
+  choice.settings.window =
+      PixelWindow{whole(window[0]), whole(window[1]), whole(window[2]), whole(window[3])};
+  if (choice.settings.window->empty())
+    spot.fault("window_px", "has no pixel: say first column, first row, columns and rows");
 }
 
 void readControls(base::YamlReader& spot, SpotCameraChoice& choice) {
@@ -68,6 +80,7 @@ SpotCameraChoice readSpot(base::YamlReader spot) {
   choice.device = spot.text("device");
   choice.place = settingPlace(spot, "cameras.spot.device");
   readFormat(spot, choice);
+  readWindow(spot, choice);
   readTimes(spot, choice);
   if (spot.has("frames_per_s"))
     choice.settings.frame_rate_hz = spot.number("frames_per_s", {.min = 0.1, .max = 1e5});
@@ -78,6 +91,7 @@ SpotCameraChoice readSpot(base::YamlReader spot) {
   choice.sensor_has_noise = spot.boolean("sensor_has_noise", true);
   for (const auto& [setting, key] : {std::pair{"format", "format"},
                                      {"bits", "bits"},
+                                     {"window", "window_px"},
                                      {"exposure_s", "exposure_us"},
                                      {"frame_rate_hz", "frames_per_s"},
                                      {"gain", "gain"}})

@@ -16,7 +16,7 @@ for module in virtio_pci 9pnet_virtio 9p overlay configfs gpio-sim; do
   modprobe $module || fail "modprobe $module"
 done
 modprobe v4l2loopback video_nr=20,21 devices=2 exclusive_caps=0 max_buffers=8 || fail 'modprobe v4l2loopback'
-modprobe vivid n_devs=1 node_types=0x1 vid_cap_nr=30 num_inputs=2 input_types=0xc ccs_cap_mode=0 || fail 'modprobe vivid'
+modprobe vivid n_devs=1 node_types=0x1 vid_cap_nr=30 num_inputs=2 input_types=0xc ccs_cap_mode=1 || fail 'modprobe vivid'
 
 mount -t 9p -o ro,trans=virtio,version=9p2000.L,msize=512000,cache=loose host /lower || fail 'mount host'
 mount -t tmpfs -o size=60% rw /rw

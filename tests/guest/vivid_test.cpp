@@ -132,6 +132,35 @@ TEST_F(VividTest, NumbersThatWrapAreNoGap) {
   EXPECT_EQ(taken.frames.back().sequence, 149U);
 }
 
+TEST_F(VividTest, AWindowShowsWhatTheWholePictureShowsThere) {
+  selectInput(1);
+  {
+    camera::VideoDevice device(camera::kernelVideoCalls(), kVivid);
+    v4l2_dv_timings timings = vga60();
+    device.require(VIDIOC_S_DV_TIMINGS, &timings, "VIDIOC_S_DV_TIMINGS");
+  }
+  const Taken whole = CameraReader(kVivid, grey(640, 480), noiseless(3)).takeAll();
+  camera::CameraSettings windowed = grey(640, 480);
+  windowed.window = PixelWindow{288, 40, 192, 400};
+  const Taken part = CameraReader(kVivid, windowed, noiseless(3)).takeAll();
+  ASSERT_FALSE(whole.frames.empty());
+  ASSERT_FALSE(part.frames.empty());
+  const GrayImage& all = whole.frames.back().image;
+  const GrayImage& window = part.frames.back().image;
+  ASSERT_EQ(window.window(), *windowed.window);
+  std::size_t different = 0;
+  constexpr int kText = 200;  // Rows at the top of each picture that the driver writes into.
+  for (int r = window.top + kText; r <= window.bottom(); ++r) {
+    for (int c = window.left; c <= window.right(); ++c) different += window.at(c, r) != all.at(c, r) ? 1 : 0;
+  }
+  EXPECT_EQ(different, 0U);
+  // The next program finds the whole sensor again.
+  const Taken after = CameraReader(kVivid, grey(640, 480), noiseless(3)).takeAll();
+  ASSERT_FALSE(after.frames.empty());
+  EXPECT_EQ(after.frames.back().image.window(), all.window());
+  selectInput(0);
+}
+
 TEST_F(VividTest, ASourceThatChangesEndsTheCapture) {
   selectInput(1);
   {

@@ -21,6 +21,7 @@ struct PixelWindow {
   [[nodiscard]] std::size_t area() const {
     return empty() ? 0 : static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
+  friend constexpr bool operator==(const PixelWindow&, const PixelWindow&) = default;
   /// What lies in both.
   [[nodiscard]] PixelWindow within(const PixelWindow& other) const {
     const int l = std::max(left, other.left);

@@ -22,7 +22,9 @@ class Setter {
   Setter(VideoDevice& device, const CameraSettings& settings) : device_(device), settings_(settings) {}
 
   CameraSetup run() {
+    setWindow();
     setFormat();
+    checkWindow();
     if (settings_.frame_rate_hz) setFrameRate(*settings_.frame_rate_hz);
     readPeriod();
     if (settings_.exposure_s) setExposure(*settings_.exposure_s);
@@ -41,6 +43,72 @@ class Setter {
     if (error == ENODEV) throwVideoError(error, device_.path(), name);
   }
 
+  static PixelWindow windowOf(const v4l2_rect& r) {
+    return {r.left, r.top, static_cast<int>(r.width), static_cast<int>(r.height)};
+  }
+  static std::string textOf(const PixelWindow& w) {
+    return fmt::format("{} x {} at ({}, {})", w.width, w.height, w.left, w.top);
+  }
+
+  /// A rectangle of the selection API; nullopt where the driver has none.
+  std::optional<PixelWindow> selection(std::uint32_t target) {
+    v4l2_selection now{};
+    now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    now.target = target;
+    const int error = device_.request(VIDIOC_G_SELECTION, &now);
+    requireLife(error, "VIDIOC_G_SELECTION");
+    if (error != 0) return std::nullopt;
+    return windowOf(now.r);
+  }
+
+  /// The sensor's rows and columns first: the format's size follows them.
+  void setWindow() {
+    const std::optional<PixelWindow> whole = selection(V4L2_SEL_TGT_CROP_DEFAULT);
+    const std::optional<PixelWindow> now = selection(V4L2_SEL_TGT_CROP);
+    if (!settings_.window && (!whole || !now || *whole == *now)) return;
+    const PixelWindow wanted = settings_.window ? *settings_.window : *whole;
+    if (settings_.window) {
+      const PixelWindow picture{0, 0, settings_.width_px, settings_.height_px};
+      if (wanted.empty() || wanted.within(picture) != wanted)
+        return fault("window",
+                     fmt::format("{} is no part of {} x {}", textOf(wanted), picture.width, picture.height));
+      if (!whole) return fault("window", "the camera reads whole pictures alone");
+      if (*whole != picture)
+        return fault("window", fmt::format("the sensor has {}, the machine file's picture {} x {}",
+                                           textOf(*whole), picture.width, picture.height));
+    }
+    v4l2_selection selection{};
+    selection.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    selection.target = V4L2_SEL_TGT_CROP;
+    selection.r = {wanted.left, wanted.top, static_cast<std::uint32_t>(wanted.width),
+                   static_cast<std::uint32_t>(wanted.height)};
+    const int error = device_.request(VIDIOC_S_SELECTION, &selection);
+    requireLife(error, "VIDIOC_S_SELECTION");
+    if (error != 0) return fault("window", std::strerror(error));
+    is_window_set_ = true;
+  }
+
+  /// What the driver has made of the window, after the format.
+  void checkWindow() {
+    if (!is_window_set_) return;
+    const PixelWindow wanted =
+        settings_.window.value_or(PixelWindow{0, 0, settings_.width_px, settings_.height_px});
+    const std::optional<PixelWindow> got = selection(V4L2_SEL_TGT_CROP);
+    if (!got) return fault("window", "the driver does not say what it is");
+    if (*got != wanted) return fault("window", fmt::format("{} became {}", textOf(wanted), textOf(*got)));
+    setup_.layout.left_px = wanted.left;
+    setup_.layout.top_px = wanted.top;
+    if (setup_.layout.format != nullptr && setup_.layout.format->bayer != BayerOrder::kNone &&
+        (wanted.left % 2 != 0 || wanted.top % 2 != 0))
+      fault("window", "this format needs an even column and row to begin with");
+  }
+
+  /// Size of the frames that are to come.
+  [[nodiscard]] int width() const { return settings_.window ? settings_.window->width : settings_.width_px; }
+  [[nodiscard]] int height() const {
+    return settings_.window ? settings_.window->height : settings_.height_px;
+  }
+
   void setFormat() {
     const PixelFormat& format = *settings_.format;
     const int bits = settings_.bits == 0 ? format.bits : settings_.bits;
@@ -48,8 +116,8 @@ class Setter {
       fault("bits", fmt::format("{} has {}", format.name, format.bits));
     v4l2_format wanted{};
     wanted.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    wanted.fmt.pix.width = static_cast<std::uint32_t>(settings_.width_px);
-    wanted.fmt.pix.height = static_cast<std::uint32_t>(settings_.height_px);
+    wanted.fmt.pix.width = static_cast<std::uint32_t>(width());
+    wanted.fmt.pix.height = static_cast<std::uint32_t>(height());
     wanted.fmt.pix.pixelformat = format.fourcc;
     wanted.fmt.pix.field = V4L2_FIELD_NONE;
     const int error = device_.request(VIDIOC_S_FMT, &wanted);
@@ -66,9 +134,9 @@ class Setter {
                    fmt::format("{} became {}", format.name, fourccText(wanted.fmt.pix.pixelformat)));
     if (wanted.fmt.pix.field != V4L2_FIELD_NONE) fault("format", "the pictures are interlaced");
     setup_.layout = currentLayout(device_, settings_);
-    if (setup_.layout.width_px != settings_.width_px || setup_.layout.height_px != settings_.height_px)
-      fault("size", fmt::format("{} x {} became {} x {}", settings_.width_px, settings_.height_px,
-                                setup_.layout.width_px, setup_.layout.height_px));
+    if (setup_.layout.width_px != width() || setup_.layout.height_px != height())
+      fault("size", fmt::format("{} x {} became {} x {}", width(), height(), setup_.layout.width_px,
+                                setup_.layout.height_px));
     checkRows();
   }
 
@@ -192,6 +260,7 @@ class Setter {
   CameraSetup setup_;
   std::vector<SettingFault> faults_;
   bool asked_rate_{};
+  bool is_window_set_{};
 };
 
 std::string textOf(const std::string& path, const std::vector<SettingFault>& faults) {

@@ -9,14 +9,18 @@
 
 #include "hil/camera/v4l2/gray_decode.h"
 #include "hil/camera/v4l2/video_device.h"
+#include "twin/base/image.h"
 
 namespace kerfbench::camera {
 
 /// Settings that a camera is asked for. What is not set stays as the driver has it.
 struct CameraSettings {
   const PixelFormat* format{};  ///< One of pixelFormats(); required.
-  int width_px{};
+  int width_px{};               ///< The whole picture's.
   int height_px{};
+  /// Part of the picture that is read out (selection API: V4L2_SEL_TGT_CROP), so that a sensor can be faster
+  /// than with all of its rows. Without it, a window that another program has left is taken away.
+  std::optional<PixelWindow> window{};
   int bits{0};  ///< Significant bits of Y16 and SxxxX16, 8 … 16; 0: all of the format's.
   /// Exposure of the shutter; the driver's own automatic is switched off. V4L2 counts it in 100 µs; what came
   /// of it is in the outcomes.
@@ -48,7 +52,7 @@ struct CameraSetup {
 
 /// Settings that a device has not or refuses.
 struct SettingFault {
-  std::string setting;  ///< "format", "size", "bits", or as in SettingOutcome.
+  std::string setting;  ///< "format", "size", "bits", "window", or as in SettingOutcome.
   std::string words;
 };
 

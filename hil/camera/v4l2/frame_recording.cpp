@@ -133,6 +133,8 @@ void FrameRecordingWriter::finish(const std::string& ended) {
       yamlText(camera_.device), yamlText(camera_.card), yamlText(camera_.driver), yamlText(camera_.bus),
       layout.format->name, layout.width_px, layout.height_px, layout.stride_bytes, layout.bits,
       layout.full_range, camera_.is_triggered, camera_.sensor_has_noise);
+  if (layout.left_px != 0 || layout.top_px != 0)
+    text += fmt::format("first_px: [{}, {}]\n", layout.left_px, layout.top_px);
   if (setup.frame_period_s) text += fmt::format("frame_period_s: {:.17g}\n", *setup.frame_period_s);
   if (setup.exposure_s) text += fmt::format("exposure_s: {:.17g}\n", *setup.exposure_s);
   if (!setup.outcomes.empty()) text += "settings:\n";
@@ -179,6 +181,9 @@ void FrameRecording::readCamera() {
   const auto size = file.numbers("size_px", 2, {.min = 1, .max = kMostPixels});
   layout.width_px = static_cast<int>(size[0]);
   layout.height_px = static_cast<int>(size[1]);
+  const auto first = file.numbers("first_px", 2, {.min = 0, .max = kMostPixels, .fallback = 0.0});
+  layout.left_px = static_cast<int>(first[0]);
+  layout.top_px = static_cast<int>(first[1]);
   layout.stride_bytes =
       static_cast<std::size_t>(file.integer("stride_bytes", {.min = 0, .max = 16 * kMostPixels}));
   layout.bits = static_cast<int>(file.integer("bits", {.min = 8, .max = 16}));

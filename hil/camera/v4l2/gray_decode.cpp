@@ -118,15 +118,7 @@ GrayImage readJpeg(const FrameLayout& layout, std::span<const std::uint8_t> byte
   return image;
 }
 
-}  // namespace
-
-std::size_t FrameLayout::leastBytes() const {
-  if (format->packing == PixelPacking::kJpeg) return 1;
-  return stride_bytes * static_cast<std::size_t>(height_px - 1) +
-         static_cast<std::size_t>(width_px * format->bytesPerPixel());
-}
-
-GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> bytes) {
+GrayImage decodePixels(const FrameLayout& layout, std::span<const std::uint8_t> bytes) {
   if (bytes.size() < layout.leastBytes())
     throw std::invalid_argument(
         fmt::format("{} bytes where a frame has {}", bytes.size(), layout.leastBytes()));
@@ -147,6 +139,21 @@ GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> b
       return image;
     }
   }
+}
+
+}  // namespace
+
+std::size_t FrameLayout::leastBytes() const {
+  if (format->packing == PixelPacking::kJpeg) return 1;
+  return stride_bytes * static_cast<std::size_t>(height_px - 1) +
+         static_cast<std::size_t>(width_px * format->bytesPerPixel());
+}
+
+GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> bytes) {
+  GrayImage image = decodePixels(layout, bytes);
+  image.left = layout.left_px;
+  image.top = layout.top_px;
+  return image;
 }
 
 }  // namespace kerfbench::camera

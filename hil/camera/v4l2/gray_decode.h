@@ -15,6 +15,8 @@ struct FrameLayout {
   const PixelFormat* format{};  ///< One of pixelFormats().
   int width_px{};               ///< > 0; even for YUYV and Bayer.
   int height_px{};              ///< > 0; even for Bayer.
+  int left_px{};                ///< First column that a window of the sensor has; 0 of a whole picture.
+  int top_px{};                 ///< First row; even for Bayer, as the column is.
   std::size_t stride_bytes{};   ///< Bytes from row to row; of no meaning for JPEG.
   /// Significant bits of a pixel: format->bits, or fewer for Y16 and SxxxX16, where many sensors of 10 or 12
   /// bits leave the upper ones dark; in [8, format->bits].
@@ -27,8 +29,9 @@ struct FrameLayout {
   [[nodiscard]] std::size_t leastBytes() const;
 };
 
-/// The frame as a grey image. Depths of 14 and 16 bits become 12, those of 9 and 11 bits the next depth of
-/// GrayImage. Colour filters and JPEG go through OpenCV; the weights of the colours are those of Rec. 601.
+/// The frame as a grey image, a window by its columns and rows in the whole picture. Depths of 14 and 16 bits
+/// become 12, those of 9 and 11 bits the next depth of GrayImage. Colour filters and JPEG go through OpenCV;
+/// the weights of the colours are those of Rec. 601.
 /// @throws std::invalid_argument that says why the bytes are no such frame: too few of them, a level beyond
 /// its depth, a JPEG that is cut off, broken or of another size.
 GrayImage decodeFrame(const FrameLayout& layout, std::span<const std::uint8_t> bytes);

@@ -225,11 +225,11 @@ class CellMaxima {
   std::vector<std::uint8_t> maxima_;
 };
 
-/// The brightest 2 x 2 pixels in a cell and two rows around it.
+/// The brightest 2 x 2 pixels in the cell at a pixel and two rows around it.
 BrightPeak brightestIn(const GrayImage& image, int left, int top) {
   BrightPeak best{left, top, -1};
-  for (int r = std::max(0, top - 2); r < std::min(image.height - 1, top + kCell + 2); ++r) {
-    for (int c = left; c < std::min(image.width - 1, left + kCell); ++c) {
+  for (int r = std::max(image.top, top - 2); r < std::min(image.bottom(), top + kCell + 2); ++r) {
+    for (int c = left; c < std::min(image.right(), left + kCell); ++c) {
       const int mean = mean2x2(image, c, r);
       if (mean > best.height) best = {c, r, mean};
     }
@@ -240,7 +240,10 @@ BrightPeak brightestIn(const GrayImage& image, int left, int top) {
 }  // namespace
 
 Background::Background(const GrayImage& image, const std::function<void(int, int)>& visit)
-    : columns_((image.width + kCell - 1) / kCell), rows_((image.height + kCell - 1) / kCell) {
+    : left_(image.left),
+      top_(image.top),
+      columns_((image.width + kCell - 1) / kCell),
+      rows_((image.height + kCell - 1) / kCell) {
   std::vector<std::uint8_t> own;
   Samples samples(image);
   for (int top = 0; top < image.height; top += kCell) {
@@ -274,12 +277,14 @@ BrightnessScan scanBrightness(const GrayImage& image, std::size_t max) {
   std::vector<Candidate> candidates;
   for (int j = 0; j < background.rows(); ++j) {
     for (int i = 0; i < background.columns(); ++i) {
-      const int board = background.at(i * kCell, j * kCell);
+      const int left = image.left + i * kCell;
+      const int top = image.top + j * kCell;
+      const int board = background.at(left, top);
       if (cells.maxima()[static_cast<std::size_t>(j) * static_cast<std::size_t>(background.columns()) +
                          static_cast<std::size_t>(i)] < board + threshold) {
         continue;
       }
-      BrightPeak peak = brightestIn(image, i * kCell, j * kCell);
+      BrightPeak peak = brightestIn(image, left, top);
       peak.height -= board;
       candidates.push_back({peak, i, j});
     }

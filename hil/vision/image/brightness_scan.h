@@ -19,11 +19,11 @@ class Background {
   /// sampled, so that work on the whole picture reads its memory only once.
   Background(const GrayImage& image, const std::function<void(int, int)>& visit);
 
-  /// Board gray around a pixel, counted from the image's own first: the median of its cell, or of the cells
+  /// Board gray around a pixel: the median of its cell, or of the cells
   /// around where something dark covers it.
   [[nodiscard]] int at(int column, int row) const {
-    return level_[static_cast<std::size_t>(row / kCellPx) * static_cast<std::size_t>(columns_) +
-                  static_cast<std::size_t>(column / kCellPx)];
+    return level_[static_cast<std::size_t>((row - top_) / kCellPx) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>((column - left_) / kCellPx)];
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
@@ -37,6 +37,7 @@ class Background {
   [[nodiscard]] bool lifeless() const { return lifeless_; }
 
  private:
+  int left_{}, top_{};
   int columns_{};
   int rows_{};
   std::vector<int> level_;
@@ -61,7 +62,8 @@ struct BrightnessScan {
 /// The background and the brightest places of the picture, at most `max`, brightest first and never two in
 /// touching cells. Each stands out of the noise of millions of pixels. One pass over the picture at about the
 /// speed of memory: means of 2 x 4 pixels on every second row, so a spot as small as the optics makes it is
-/// seen wherever it lies between the pixels. Of whole pictures: windows have levelsOf() and brightestOf().
+/// seen wherever it lies between the pixels. Small windows have
+/// levelsOf() and brightestOf().
 BrightnessScan scanBrightness(const GrayImage& image, std::size_t max);
 
 }  // namespace kerfbench::vision

@@ -117,9 +117,9 @@ std::vector<FoundMark> findMarks(const GrayImage& image, const CameraCalibration
   for (int j = 0; j < rows; ++j) {
     std::uint8_t* out = dark.ptr<std::uint8_t>(j);
     for (int i = 0; i < columns; ++i) {
-      const int c = i * step;
-      const int r = j * step;
-      out[i] = image.at(image.left + c, image.top + r) * 10 < background.at(c, r) * 6 ? 255 : 0;
+      const int c = image.left + i * step;
+      const int r = image.top + j * step;
+      out[i] = image.at(c, r) * 10 < background.at(c, r) * 6 ? 255 : 0;
     }
   }
   cv::Mat labels;

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/LU>
 
 #include "hil/base/parallel.h"
@@ -267,11 +268,13 @@ class SpotFollower {
 
   void checkSize(const Frame& frame) const {
     if (!frame.windows.empty()) return;
-    if (frame.image.width == calibration_.width_px && frame.image.height == calibration_.height_px) return;
-    throw std::invalid_argument(
-        "frame " + std::to_string(frame.sequence) + " is " + std::to_string(frame.image.width) + " x " +
-        std::to_string(frame.image.height) + " px, the calibration is for " +
-        std::to_string(calibration_.width_px) + " x " + std::to_string(calibration_.height_px));
+    const PixelWindow shown = frame.image.window();
+    const PixelWindow wanted =
+        options_.window.value_or(PixelWindow{0, 0, calibration_.width_px, calibration_.height_px});
+    if (shown == wanted) return;
+    throw std::invalid_argument(fmt::format(
+        "frame {} is {} x {} px from ({}, {}) on, not {} x {} from ({}, {}) on", frame.sequence, shown.width,
+        shown.height, shown.left, shown.top, wanted.width, wanted.height, wanted.left, wanted.top));
   }
 
   void countLost(const Frame& frame) {

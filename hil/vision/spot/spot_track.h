@@ -13,6 +13,7 @@
 
 #include "hil/camera/frame_source.h"
 #include "hil/vision/image/camera_calibration.h"
+#include "twin/base/image.h"
 #include "twin/base/print_layout.h"
 
 namespace kerfbench::vision {
@@ -68,6 +69,8 @@ struct SpotTrackOptions {
   double nominal_speed_mm_s{};
   /// Standard deviation of the light across its path beyond which the picture is blurred, mm.
   double widest_spot_mm{0.3};
+  /// The part of the picture that all frames show; absent: all of it.
+  std::optional<PixelWindow> window{};
   /// Where the beam should be. With it, frames are asked for by windows around spot and marks, once the marks
   /// were found in a whole picture; the whole ones before are no part of the track. Without it, and from a
   /// source that has no windows, all are whole.

@@ -74,6 +74,16 @@ TEST_F(CameraChoiceTest, ARealOneIsReadWithItsPlaces) {
   EXPECT_THAT(choice.spot.place, HasSubstr("c.yaml:4: cameras.spot.device"));
 }
 
+TEST_F(CameraChoiceTest, AWindowIsFirstColumnFirstRowColumnsAndRows) {
+  EXPECT_FALSE(read(kGood).spot.settings.window);
+  const std::string windowed = base::replaced(kGood, "gain: -3", "window_px: [16, 8, 640, 120]");
+  const CameraChoice choice = read(windowed);
+  EXPECT_EQ(choice.spot.settings.window, (PixelWindow{16, 8, 640, 120}));
+  EXPECT_EQ(choice.spot.places.at("window").substr(choice.spot.places.at("window").find("cameras.")),
+            "cameras.spot.window_px");
+  EXPECT_THAT(faultsOf(base::replaced(windowed, "640, 120", "640, 0")), HasSubstr("window_px: has no pixel"));
+}
+
 TEST_F(CameraChoiceTest, EverythingWrongIsListed) {
   const std::string faults = faultsOf(
       "cameras:\n"

@@ -387,5 +387,43 @@ TEST(SpotTrack, RefusesFramesOfAnotherCamera) {
   EXPECT_THROW(trackSpot(source, scene.camera, scene.print, {}), std::invalid_argument);
 }
 
+/// A camera that reads out one window for good: what is measured there does not move.
+TEST(SpotTrack, AWindowMeasuresWhatTheWholePictureDoes) {
+  Scene scene;
+  scene.print = fourMarks(1, 50.0);
+  std::vector<Frame> whole;
+  std::vector<Frame> cut;
+  const PixelWindow window{200, 120, 260, 240};
+  for (std::uint64_t i = 0; i < 6; ++i) {
+    test::Canvas canvas = scene.web({0.1 * static_cast<double>(i), 0.0}, 0.0);
+    canvas.spot({1.0, 2.0}, {1.2, 2.0}, kSpotSigmaMm, 250.0, kLensPx);
+    Frame frame = scene.frame(canvas, i);
+    Frame part = frame;
+    part.image = GrayImage(window.width, window.height);
+    part.image.left = window.left;
+    part.image.top = window.top;
+    for (int r = window.top; r <= window.bottom(); ++r) {
+      for (int c = window.left; c <= window.right(); ++c) part.image.at(c, r) = frame.image.at(c, r);
+    }
+    whole.push_back(std::move(frame));
+    cut.push_back(std::move(part));
+  }
+  SpotTrackOptions options;
+  test::ReadyFrames all(whole);
+  const SpotTrack expected = trackSpot(all, scene.camera, scene.print, options);
+  options.window = window;
+  test::ReadyFrames parts(cut);
+  const SpotTrack track = trackSpot(parts, scene.camera, scene.print, options);
+  ASSERT_EQ(track.frames.size(), expected.frames.size());
+  for (std::size_t i = 0; i < track.frames.size(); ++i) {
+    ASSERT_TRUE(track.frames[i].spot_W_mm);
+    EXPECT_LT((*track.frames[i].spot_W_mm - *expected.frames[i].spot_W_mm).norm(),
+              0.2 * expected.frames[i].spot_sigma_mm);
+  }
+  options.window->left = 199;
+  test::ReadyFrames elsewhere(cut);
+  EXPECT_THROW(trackSpot(elsewhere, scene.camera, scene.print, options), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace kerfbench::vision

@@ -68,6 +68,55 @@ TEST(CameraSettings, SetsAllAndTellsWhatCameOfIt) {
   EXPECT_EQ(video.values[V4L2_CID_AUTOGAIN], 0);
 }
 
+CameraSettings windowSettings() {
+  CameraSettings settings = greySettings();
+  settings.window = PixelWindow{8, 12, 32, 20};
+  return settings;
+}
+
+TEST(CameraSettings, AWindowIsReadOutAndFramesHaveItsSize) {
+  FakeVideo video;
+  video.sensor = v4l2_rect{0, 0, 64, 48};
+  const CameraSetup setup = setUp(video, windowSettings());
+  EXPECT_EQ(video.window->left, 8);
+  EXPECT_EQ(video.window->top, 12);
+  EXPECT_EQ(video.window->width, 32U);
+  EXPECT_EQ(video.window->height, 20U);
+  EXPECT_EQ(setup.layout.width_px, 32);
+  EXPECT_EQ(setup.layout.height_px, 20);
+  EXPECT_EQ(setup.layout.left_px, 8);
+  EXPECT_EQ(setup.layout.top_px, 12);
+}
+
+TEST(CameraSettings, AWindowThatAnotherProgramLeftIsTakenAway) {
+  FakeVideo video;
+  video.sensor = v4l2_rect{0, 0, 64, 48};
+  video.window = v4l2_rect{10, 10, 20, 20};
+  const CameraSetup setup = setUp(video, greySettings());
+  EXPECT_EQ(video.window->width, 64U);
+  EXPECT_EQ(video.window->left, 0);
+  EXPECT_EQ(setup.layout.left_px, 0);
+  EXPECT_EQ(setup.layout.width_px, 64);
+}
+
+TEST(CameraSettings, AWindowThatCannotBeIsRefused) {
+  FakeVideo video;
+  EXPECT_THAT(whyNot(video, windowSettings()), HasSubstr("window: the camera reads whole pictures alone"));
+  video.sensor = v4l2_rect{0, 0, 128, 96};
+  EXPECT_THAT(whyNot(video, windowSettings()),
+              HasSubstr("window: the sensor has 128 x 96 at (0, 0), the machine file's picture 64 x 48"));
+  video.sensor = v4l2_rect{0, 0, 64, 48};
+  video.window_step = 8;
+  EXPECT_THAT(whyNot(video, windowSettings()),
+              HasSubstr("window: 32 x 20 at (8, 12) became 32 x 20 at (8, 8)"));
+  CameraSettings beyond = windowSettings();
+  beyond.window->left = 40;
+  EXPECT_THAT(whyNot(video, beyond), HasSubstr("window: 32 x 20 at (40, 12) is no part of 64 x 48"));
+  video.window_step = 1;
+  video.failIoctl(VIDIOC_S_SELECTION, EBUSY);
+  EXPECT_THAT(whyNot(video, windowSettings()), HasSubstr("window: Device or resource busy"));
+}
+
 TEST(CameraSettings, TellsAValueThatTheDriverMadeAnother) {
   FakeVideo video;
   addControls(video);

@@ -164,6 +164,19 @@ int FakeVideo::answerQuery(unsigned long request, void* argument) {
     case VIDIOC_G_INPUT:
       as<int>(argument) = static_cast<int>(input);
       return 0;
+    case VIDIOC_G_SELECTION: {
+      if (!sensor) return ENOTTY;
+      auto& selection = as<v4l2_selection>(argument);
+      selection.r = selection.target == V4L2_SEL_TGT_CROP ? window.value_or(*sensor) : *sensor;
+      return 0;
+    }
+    case VIDIOC_S_SELECTION: {
+      if (!sensor) return ENOTTY;
+      window = as<v4l2_selection>(argument).r;
+      window->left -= window->left % window_step;
+      window->top -= window->top % window_step;
+      return 0;
+    }
     case VIDIOC_G_FMT:
       as<v4l2_format>(argument).fmt.pix = format;
       return 0;

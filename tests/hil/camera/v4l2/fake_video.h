@@ -51,7 +51,10 @@ class FakeVideo final : public VideoCalls {
   bool has_events{true};
   std::uint32_t input{};       ///< Selected input; events of changes of the source belong to it.
   std::size_t buffer_slack{};  ///< Excess of a buffer's bytes over a frame's.
-  bool is_stubborn_format{};   ///< True if S_FMT leaves everything as it is.
+  /// Rows and columns that the sensor has and reads out; absent: the driver knows no windows.
+  std::optional<v4l2_rect> sensor{}, window{};
+  int window_step{1};         ///< Step to which a window's place is rounded down.
+  bool is_stubborn_format{};  ///< True if S_FMT leaves everything as it is.
   std::deque<FakeFrame> frames;
   std::deque<v4l2_event> events;
   std::int64_t now_ns{5'000'000'000};

@@ -113,6 +113,16 @@ TEST_F(FrameRecordings, GiveEveryBufferAgainAsTheDriverGaveIt) {
   }
 }
 
+TEST_F(FrameRecordings, KnowWhichWindowTheyShow) {
+  RecordedCamera one = camera();
+  one.setup.layout.left_px = 300;
+  one.setup.layout.top_px = 7;
+  FrameRecordingWriter(folder, one).finish("");
+  const FrameLayout layout = FrameRecording(folder).setup().layout;
+  EXPECT_EQ(layout.left_px, 300);
+  EXPECT_EQ(layout.top_px, 7);
+}
+
 TEST_F(FrameRecordings, KeepWhatTheCameraMadeOfItsSettings) {
   video.addFrames(2);
   RecordedCamera of = camera();
