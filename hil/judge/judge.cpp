@@ -91,6 +91,8 @@ class Look {
                                        evidence_.gates.back().off_s + kRecordMargin_s, cameras_.threads);
     vision::SpotTrackOptions options{cameras_.threads, test_case_.scenario.belt_speed_mm_s};
     options.aim = beamAim(test_case_, recording);
+    options.read_out = test_case_.machine.spot_camera.read_out;
+    options.frame_period_s = test_case_.machine.spot_camera.frame_period_s;
     evidence_.spot = vision::trackSpot(*frames, calibration, test_case_.scenario.print, options);
     observer_.stopwatch.lap("spot camera: render and measure");
   }

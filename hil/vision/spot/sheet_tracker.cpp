@@ -170,13 +170,15 @@ SheetTracker::Sighting SheetTracker::lookForMarks(const FrameView& view, const P
     const RegistrationMark& mark = print_.marks[i];
     const Eigen::Vector2d p_mm = expected * mark.p_SM_mm;
     if (!markInView(p_mm, mark.diameter_mm)) continue;
+    const GrayImage* const part = view.around(calibration_.pixelFromPlane(p_mm));
+    if (part == nullptr && !view.whole()) continue;  // Not read out in this frame.
     const bool covered = spot && (p_mm - spot->p_mm).norm() < 0.7 * mark.diameter_mm + spot->radius_mm;
     std::optional<FoundMark> found;
     // Where it should be found for certain: not so near to the border that the prediction decides.
     const bool certain = markInView(p_mm, mark.diameter_mm + 2.0 * search_mm);
     seen.in_view += !covered && certain ? 1 : 0;
-    const GrayImage* const part = covered ? nullptr : view.around(calibration_.pixelFromPlane(p_mm));
-    if (part != nullptr) found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm);
+    if (!covered && part != nullptr)
+      found = measureMark(*part, calibration_, p_mm, mark.diameter_mm, search_mm);
     if (!found || (found->p_mm - p_mm).norm() > search_mm) continue;
     seen.pairs.push_back({mark.p_SM_mm, found->p_mm, found->sigma_mm});
     seen.marks.push_back(i);

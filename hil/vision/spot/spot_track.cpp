@@ -212,12 +212,11 @@ class SpotFollower {
     const auto box_W_mm = options_.aim(start_s - kLag_s, start_s + exposure_s_);
     if (!box_W_mm) return {};
     asked.windows = {spotWindow(calibration_, *box_W_mm)};
-    const auto add = [&](const std::vector<PixelWindow>& more) {
-      asked.windows.insert(asked.windows.end(), more.begin(), more.end());
-    };
-    add(markWindows(calibration_, tracker_->marksAt(start_s + 0.5 * exposure_s_)));
+    const std::size_t number = done_ + asked_.size() - 1;
+    addThoseThatFit(markWindows(calibration_, tracker_->marksAt(start_s + 0.5 * exposure_s_)), number, asked);
     asked.first_band = asked.windows.size();
-    if (searches(asked_.size() - 1)) add(markBands(calibration_, tracker_->marksOfLastUnit()));
+    if (searches(asked_.size() - 1))
+      addThoseThatFit(markBands(calibration_, tracker_->marksOfLastUnit()), number / searchEvery(), asked);
     return asked.windows;
   }
 
@@ -254,10 +253,22 @@ class SpotFollower {
   [[nodiscard]] bool ready() const {
     return exposure_s_ > 0.0 && (tracker_->locked() || diameters_mm_.empty());
   }
+  [[nodiscard]] std::size_t searchEvery() const { return stride_ == 0 ? kSearchEvery : stride_; }
   /// Whether frame i of the batch is searched for marks all over.
   [[nodiscard]] bool searches(std::size_t i) const {
-    const std::size_t stride = stride_ == 0 ? kSearchEvery : stride_;
-    return (options_.aim && !tracker_->locked()) || (done_ + i) % stride == 0;
+    return (options_.aim && !tracker_->locked()) || (done_ + i) % searchEvery() == 0;
+  }
+  /// Adds windows as long as the camera can read them out within its period, each time from the next one on.
+  void addThoseThatFit(const std::vector<PixelWindow>& more, std::size_t turn, Asked& asked) const {
+    constexpr double kMostOfPeriod = 0.98;
+    constexpr int kMostBits = 12;
+    for (std::size_t i = 0; i < more.size(); ++i) {
+      asked.windows.push_back(more[(turn + i) % more.size()]);
+      const bool fits =
+          !(options_.frame_period_s > 0.0) ||
+          options_.read_out.time_s(asked.windows, kMostBits) <= kMostOfPeriod * options_.frame_period_s;
+      if (!fits) asked.windows.pop_back();
+    }
   }
 
   void learnTimes(const std::vector<Frame>& batch) {

@@ -15,6 +15,7 @@
 #include "hil/vision/image/camera_calibration.h"
 #include "twin/base/image.h"
 #include "twin/base/print_layout.h"
+#include "twin/base/read_out.h"
 
 namespace kerfbench::vision {
 
@@ -75,6 +76,10 @@ struct SpotTrackOptions {
   /// were found in a whole picture; the whole ones before are no part of the track. Without it, and from a
   /// source that has no windows, all are whole.
   BeamAim aim{};
+  /// What the camera can read out within a period, by its data sheet: of more marks than that, some are read
+  /// in one frame and others in the next.
+  ReadOut read_out{};
+  double frame_period_s{};  ///< 0: no limit.
 };
 
 struct SpotTrack {

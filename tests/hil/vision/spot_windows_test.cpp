@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -119,6 +120,29 @@ TEST(SpotWindows, TheTrackIsTheSameAtAnyNumberOfThreads) {
     for (std::size_t k = 0; k < one.frames[i].sheet.size(); ++k)
       EXPECT_EQ(one.frames[i].sheet[k].p_WS_mm, three.frames[i].sheet[k].p_WS_mm);
   }
+}
+
+/// Four rows of marks are more than the camera reads in a period: they are read in turns, and none is missed.
+TEST(SpotWindows, MarksThatCannotAllBeReadAreReadInTurns) {
+  PrintLayout many = print();
+  for (const double y_mm : {-5.5, -2.0, 2.5, 6.0}) many.marks.push_back({{-2.0 + 0.3 * y_mm, y_mm}, 2.0});
+  camera::TwinFrameSource source(twin::SpotCamera(camera(), many, test::kGlowGrayPerW, 3), exposures(), 1);
+  SpotTrackOptions options{1, kBelt_mm_s};
+  options.aim = aimOff({0.0, 0.0});
+  options.read_out = camera().read_out;
+  options.frame_period_s = camera().frame_period_s;
+  const SpotTrack track = trackSpot(source, test::calibrationOf(camera()), many, options);
+  EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+  ASSERT_EQ(track.frames.size(), static_cast<std::size_t>(kFrames) - 2) << "the camera was late";
+  std::set<std::size_t> seen;
+  std::size_t all = 0;
+  for (const FrameMeasurement& frame : track.frames) {
+    ASSERT_FALSE(frame.sheet.empty());
+    seen.insert(frame.sheet.front().seen.begin(), frame.sheet.front().seen.end());
+    all += frame.sheet.front().seen.size() == many.marks.size() ? 1 : 0;
+  }
+  EXPECT_EQ(seen.size(), many.marks.size());
+  EXPECT_EQ(all, 0U);
 }
 
 TEST(SpotWindows, ASpotThatIsDrivenOutOfItsWindowIsNotSeenAndTheSheetIs) {
