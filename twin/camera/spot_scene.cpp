@@ -95,6 +95,32 @@ struct RingOfEdges {
   double outer_square;
 };
 
+/// Points of the plane that the pixels of a row see, and their squared distances from a point. Loops of whole
+/// rows without a branch: the compiler takes several pixels at once.
+struct PointsOfRow {
+  explicit PointsOfRow(std::size_t count) : x(count), y(count), square(count) {}
+
+  /// Pixel i of the row lies at ((first + i) / width, t) of the patch.
+  void place(const PlanePatch& patch, double t, int first, double width, const Vector2d& from) {
+    const Vector2d c0 = patch.alongRow(t, 0);
+    const Vector2d c1 = patch.alongRow(t, 1);
+    const Vector2d c2 = patch.alongRow(t, 2);
+    const auto count = static_cast<int>(x.size());
+    for (int i = 0; i < count; ++i) {
+      const double s = (first + i) / width;
+      x[static_cast<std::size_t>(i)] = c0.x() + s * (c1.x() + s * c2.x());
+      y[static_cast<std::size_t>(i)] = c0.y() + s * (c1.y() + s * c2.y());
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double dx = x[i] - from.x();
+      const double dy = y[i] - from.y();
+      square[i] = dx * dx + dy * dy;
+    }
+  }
+
+  std::vector<double> x, y, square;
+};
+
 float* lineOf(std::vector<float>& light, const PixelBox& box, int y) {
   return light.data() + static_cast<std::ptrdiff_t>(y - box.y0) * (box.x1 - box.x0) - box.x0;
 }
@@ -325,28 +351,29 @@ void SpotStage::addMark(const MarkImage& mark, const PixelBox& box, std::vector<
   const double outside_mm = mark.radius_mm + kEdgeSigmas / sigmas_per_mm;
   const RingOfEdges ring(mark.p_WM_mm, mark.radius_mm, kEdgeSigmas / sigmas_per_mm);
   const PixelBox drawn = own.within(box);
+  if (drawn.empty()) return;
+  const double width = own.x1 - own.x0;
+  PointsOfRow points(drawn.width());
   for (int y = drawn.y0; y < drawn.y1; ++y) {
-    const double t = (y - own.y0) / static_cast<double>(own.y1 - own.y0);
-    const Vector2d c0 = patch.alongRow(t, 0);
-    const Vector2d c1 = patch.alongRow(t, 1);
-    const Vector2d c2 = patch.alongRow(t, 2);
+    points.place(patch, (y - own.y0) / static_cast<double>(own.y1 - own.y0), drawn.x0 - own.x0, width,
+                 ring.middle_mm);
     float* const line = lineOf(light, box, y);
-    for (int x = drawn.x0; x < drawn.x1; ++x) {
-      const double s = (x - own.x0) / static_cast<double>(own.x1 - own.x0);
-      const Vector2d p_WP_mm = c0 + s * (c1 + s * c2);
-      const double square_from_middle = (p_WP_mm - ring.middle_mm).squaredNorm();
+    for (std::size_t i = 0; i < drawn.width(); ++i) {
+      const double square_from_middle = points.square[i];
       if (square_from_middle >= ring.outer_square) continue;
+      float& pixel = line[drawn.x0 + static_cast<int>(i)];
       if (square_from_middle <= ring.inner_square) {
-        line[x] += darkening * static_cast<float>(mark.p_WM_mm.size());
+        pixel += darkening * static_cast<float>(mark.p_WM_mm.size());
         continue;
       }
+      const Vector2d p_WP_mm(points.x[i], points.y[i]);
       float covered = 0.0F;
       for (const Vector2d& p_WM_mm : mark.p_WM_mm) {
         const double square = (p_WP_mm - p_WM_mm).squaredNorm();
         if (square > outside_mm * outside_mm) continue;
         covered += edge_.at((std::sqrt(square) - mark.radius_mm) * sigmas_per_mm);
       }
-      line[x] += darkening * covered;
+      pixel += darkening * covered;
     }
   }
 }
