@@ -22,7 +22,7 @@ class CountedSteps {
   /// Reads `recording.outputs` for the first two of `drives`. Nullopt if one of their lines is not wired.
   static std::optional<CountedSteps> of(const source::PinRecording& recording, const PinWiring& wiring);
 
-  /// Steps at a time, s from tick 0: as they were at most kRaster_s before.
+  /// Steps at a time, s from tick 0: as they are at the end of its raster period.
   [[nodiscard]] Steps at(double time_s) const;
 
   /// The memory is 8 bytes for each of these.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/beam_aim.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -13,6 +14,8 @@
 namespace kerfbench::judge {
 namespace {
 
+/// Mirrors and slides follow their pulses by no more than this, or twice what the controller was told.
+constexpr double kLag_s = 1e-3;
 constexpr int kInstants = 5;  // The path between them is nearly straight.
 
 }  // namespace
@@ -24,10 +27,12 @@ vision::BeamAim beamAim(const scenario::Case& test_case, const source::PinRecord
   const auto steps = std::make_shared<const evidence::CountedSteps>(*counted);
   const auto axes =
       std::make_shared<const planner::Axes>(scenario::plannerMachine(test_case), planner::PlannerFaults{});
-  return [steps, axes](double from_s, double to_s) -> std::optional<Eigen::AlignedBox2d> {
+  const double lag_s = std::max(kLag_s, 2.0 * test_case.machine.controller.tracking_delay_s);
+  return [steps, axes, lag_s](double from_s, double to_s) -> std::optional<Eigen::AlignedBox2d> {
     Eigen::AlignedBox2d box_W_mm;
+    const double first_s = from_s - lag_s;
     for (int i = 0; i < kInstants; ++i) {
-      const auto [x, y] = steps->at(from_s + (to_s - from_s) * i / (kInstants - 1));
+      const auto [x, y] = steps->at(first_s + (to_s - first_s) * i / (kInstants - 1));
       try {
         box_W_mm.extend(axes->placeAt({x, y}));
       } catch (const planner::PlanError&) {

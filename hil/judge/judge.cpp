@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/judge/judge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -22,8 +23,16 @@
 namespace kerfbench::judge {
 namespace {
 
-// The camera is recorded while the laser works, and a little before and after.
+// The camera is recorded while the laser works, and a little before and after: time for a few whole pictures,
+// by which the marks are found.
 constexpr double kRecordMargin_s = 0.05;
+constexpr double kWholePictures = 3.0;
+
+double recordMargin_s(const twin::CameraDescription& camera) {
+  const PixelWindow whole{0, 0, camera.width_px, camera.height_px};
+  const double picture_s = std::max(camera.frame_period_s, camera.read_out.time_s({&whole, 1}, camera.bits));
+  return std::max(kRecordMargin_s, kWholePictures * picture_s);
+}
 
 // Close enough to see the missing start of a line where the laser comes 2 ms late (0.2 mm at 20 m/s²).
 constexpr double kMeasuredBegin = 0.03;
@@ -86,9 +95,9 @@ class Look {
       observer_.stopwatch.lap("spot camera: measure");
       return;
     }
-    const std::unique_ptr<camera::FrameSource> frames =
-        cameras_.of_machine.spotFrames(evidence_.gates.front().on_s - kRecordMargin_s,
-                                       evidence_.gates.back().off_s + kRecordMargin_s, cameras_.threads);
+    const double margin_s = recordMargin_s(test_case_.machine.spot_camera);
+    const std::unique_ptr<camera::FrameSource> frames = cameras_.of_machine.spotFrames(
+        evidence_.gates.front().on_s - margin_s, evidence_.gates.back().off_s + margin_s, cameras_.threads);
     vision::SpotTrackOptions options{cameras_.threads, test_case_.scenario.belt_speed_mm_s};
     options.aim = beamAim(test_case_, recording);
     options.read_out = test_case_.machine.spot_camera.read_out;

@@ -85,17 +85,17 @@ class Setter {
     const int error = device_.request(VIDIOC_S_SELECTION, &selection);
     requireLife(error, "VIDIOC_S_SELECTION");
     if (error != 0) return fault("window", std::strerror(error));
-    is_window_set_ = true;
+    set_window_ = wanted;
   }
 
   /// What the driver has made of the window, after the format.
   void checkWindow() {
-    if (!is_window_set_) return;
-    const PixelWindow wanted =
-        settings_.window.value_or(PixelWindow{0, 0, settings_.width_px, settings_.height_px});
+    if (!set_window_) return;
+    const PixelWindow& wanted = *set_window_;
     const std::optional<PixelWindow> got = selection(V4L2_SEL_TGT_CROP);
     if (!got) return fault("window", "the driver does not say what it is");
     if (*got != wanted) return fault("window", fmt::format("{} became {}", textOf(wanted), textOf(*got)));
+    if (!settings_.window) return;
     setup_.layout.left_px = wanted.left;
     setup_.layout.top_px = wanted.top;
     if (setup_.layout.format != nullptr && setup_.layout.format->bayer != BayerOrder::kNone &&
@@ -260,7 +260,7 @@ class Setter {
   CameraSetup setup_;
   std::vector<SettingFault> faults_;
   bool asked_rate_{};
-  bool is_window_set_{};
+  std::optional<PixelWindow> set_window_;
 };
 
 std::string textOf(const std::string& path, const std::vector<SettingFault>& faults) {

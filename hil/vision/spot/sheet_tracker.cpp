@@ -50,9 +50,10 @@ double angleVarianceOf(const std::vector<FoundMark>& seen, double max_angle_rad)
 }  // namespace
 
 SheetTracker::SheetTracker(const CameraCalibration& calibration, const PrintLayout& print,
-                           double nominal_speed_mm_s)
+                           double nominal_speed_mm_s, const std::optional<PixelWindow>& window)
     : calibration_(calibration),
       print_(print),
+      shown_(window.value_or(PixelWindow{0, 0, calibration.width_px, calibration.height_px})),
       pitch_mm_(calibration.pitchMm()),
       speed_mm_s_(nominal_speed_mm_s) {
   for (const RegistrationMark& mark : print.marks) {
@@ -96,7 +97,10 @@ double SheetTracker::looseness(int unit, double time_s) const {
 bool SheetTracker::markInView(const Eigen::Vector2d& p_mm, double diameter_mm) const {
   const double radius_px = 0.5 * diameter_mm / pitch_mm_;
   // The scale varies a little over the picture.
-  return calibration_.pixelIfSeen(p_mm, 1.1 * markBorderPx(radius_px)).has_value();
+  const double border_px = 1.1 * markBorderPx(radius_px);
+  const std::optional<Eigen::Vector2d> pixel = calibration_.pixelIfSeen(p_mm, border_px);
+  return pixel && pixel->x() >= shown_.left + border_px && pixel->x() <= shown_.right() - border_px &&
+         pixel->y() >= shown_.top + border_px && pixel->y() <= shown_.bottom() - border_px;
 }
 
 DiscInPicture SheetTracker::discAt(const Eigen::Vector2d& p_mm, double diameter_mm) const {
@@ -146,8 +150,15 @@ std::vector<SheetTracker::MarkPlace> SheetTracker::marksAt(double time_s) const 
 std::vector<SheetTracker::MarkPlace> SheetTracker::marksOfLastUnit() const {
   std::vector<MarkPlace> places;
   if (units_.empty()) return places;
-  for (const RegistrationMark& mark : print_.marks)
-    places.push_back({units_.rbegin()->second.motion * mark.p_SM_mm, mark.diameter_mm, 0.0});
+  // As far as a lock may turn a sheet.
+  const double turn_rad = angle_known_ ? 0.0 : ConstellationQuery{}.max_angle_rad;
+  for (const RegistrationMark& mark : print_.marks) {
+    double farthest_mm = 0.0;
+    for (const RegistrationMark& other : print_.marks)
+      farthest_mm = std::max(farthest_mm, (mark.p_SM_mm - other.p_SM_mm).norm());
+    places.push_back(
+        {units_.rbegin()->second.motion * mark.p_SM_mm, mark.diameter_mm, turn_rad * farthest_mm});
+  }
   return places;
 }
 

@@ -21,7 +21,9 @@ namespace kerfbench::vision {
 /// depends on nothing else.
 class SheetTracker {
  public:
-  SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s);
+  /// `window`: the part of the picture that all frames show; absent: all of it.
+  SheetTracker(const CameraCalibration& calibration, const PrintLayout& print, double nominal_speed_mm_s,
+               const std::optional<PixelWindow>& window = std::nullopt);
 
   /// Area of the glowing spot, where no mark can be measured.
   struct KeepOut {
@@ -44,7 +46,8 @@ class SheetTracker {
   [[nodiscard]] bool locked() const { return !units_.empty(); }
   /// Marks that step() would look for at a time; of all units in view and about to be. Empty before a lock.
   [[nodiscard]] std::vector<MarkPlace> marksAt(double time_s) const;
-  /// Places of the print's marks of the unit seen last, in view or not. Empty before a lock.
+  /// Places of the print's marks of the unit seen last, in view or not, and how far off they may be while the
+  /// sheet's angle is not known. Empty before a lock.
   [[nodiscard]] std::vector<MarkPlace> marksOfLastUnit() const;
 
   /// Printed discs as they lie in the picture of the last step(), measured or not; only those within reach_mm
@@ -84,6 +87,7 @@ class SheetTracker {
 
   const CameraCalibration& calibration_;
   const PrintLayout& print_;
+  PixelWindow shown_;  ///< What frames show.
   double pitch_mm_;    ///< Pitch of the pixels.
   double speed_mm_s_;  ///< Speed of the web along x, as measured; nominal at first.
   double largest_diameter_mm_{};

@@ -19,6 +19,7 @@
 #include "hil/vision/spot/spot_grain.h"
 #include "hil/vision/spot/spot_windows.h"
 #include "twin/base/image.h"
+#include "twin/base/statistics.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -31,8 +32,11 @@ constexpr int kDarkGray = 8;
 constexpr double kSaturatedShare = 0.02;
 // The spot itself may fill a few per cent of small windows.
 constexpr double kSaturatedWindows = 0.25;
-// Before the exposure: mirrors and slides follow their pulses by no more.
-constexpr double kLag_s = 1e-3;
+// What is asked for at once is predicted from the frame before the first: no farther ahead than this.
+constexpr double kMostAhead_s = 0.02;
+constexpr double kLatePeriods = 1.5;
+// Share of the frames in which a fast jump may leave no time for marks.
+constexpr double kMostWithoutRoom = 0.1;
 // Shares of all marks that were expected.
 constexpr double kMissingShare = 0.2;
 constexpr double kMovedShare = 0.05;
@@ -193,7 +197,7 @@ class SpotFollower {
                const SpotTrackOptions& options)
       : calibration_(calibration),
         options_(options),
-        tracker_(std::in_place, calibration, print, options.nominal_speed_mm_s),
+        tracker_(std::in_place, calibration, print, options.nominal_speed_mm_s, options.window),
         pitch_mm_(calibration.pitchMm()) {
     for (const RegistrationMark& mark : print.marks) {
       if (std::find(diameters_mm_.begin(), diameters_mm_.end(), mark.diameter_mm) == diameters_mm_.end()) {
@@ -203,17 +207,24 @@ class SpotFollower {
   }
 
   /// Frames that can be asked for at once: before the marks are found, where to look next is known by each.
-  [[nodiscard]] std::size_t batchSize() const { return ready() ? kBatch : 1; }
+  [[nodiscard]] std::size_t batchSize() const {
+    if (!ready()) return 1;
+    if (!(options_.frame_period_s > 0.0)) return kBatch;
+    return static_cast<std::size_t>(std::clamp(kMostAhead_s / options_.frame_period_s, 1.0, double{kBatch}));
+  }
 
   /// Windows of the next frame; called once for each of the next batch. None: the whole picture.
   std::vector<PixelWindow> windowsFor(double start_s) {
     Asked& asked = asked_.emplace_back();
     if (!ready()) return {};
-    const auto box_W_mm = options_.aim(start_s - kLag_s, start_s + exposure_s_);
+    const auto box_W_mm = options_.aim(start_s, start_s + exposure_s_);
     if (!box_W_mm) return {};
     asked.windows = {spotWindow(calibration_, *box_W_mm)};
     const std::size_t number = done_ + asked_.size() - 1;
-    addThoseThatFit(markWindows(calibration_, tracker_->marksAt(start_s + 0.5 * exposure_s_)), number, asked);
+    const std::vector<PixelWindow> marks =
+        markWindows(calibration_, tracker_->marksAt(start_s + 0.5 * exposure_s_));
+    addThoseThatFit(marks, number, asked);
+    if (!marks.empty() && asked.windows.size() == 1) ++without_room_;
     asked.first_band = asked.windows.size();
     if (searches(asked_.size() - 1))
       addThoseThatFit(markBands(calibration_, tracker_->marksOfLastUnit()), number / searchEvery(), asked);
@@ -233,6 +244,7 @@ class SpotFollower {
     if (!by_windows_ && !batch.empty() && !batch.front().windows.empty()) {
       by_windows_ = true;
       track_.frames.clear();
+      track_.frames_lost = 0;
     }
     // In order, and cheap: the marks are where the frame before says.
     for (std::size_t i = 0; i < batch.size(); ++i) follow(batch[i], glances[i]);
@@ -245,15 +257,46 @@ class SpotFollower {
 
   SpotTrack finished() {
     tellProblems(track_);
+    tellReadOut();
     return std::move(track_);
   }
 
  private:
+  void tellReadOut() {
+    if (!options_.aim || track_.frames.empty()) return;
+    const auto share = static_cast<double>(without_room_) / static_cast<double>(track_.frames.size());
+    if (share > kMostWithoutRoom) {
+      track_.problems.push_back(fmt::format(
+          "In {} of {} frames the spot camera had no time to read a printed mark beside the spot: it needs "
+          "{:g} us for "
+          "a row, and has {:g} us (cameras.spot.read_out, frames_per_s).",
+          without_room_, track_.frames.size(), 1e6 * options_.read_out.row_s, 1e6 * options_.frame_period_s));
+    }
+    std::vector<double> gaps_s;
+    for (std::size_t i = 1; i < track_.frames.size(); ++i) {
+      const FrameMeasurement& before = track_.frames[i - 1];
+      if (track_.frames[i].sequence == before.sequence + 1)
+        gaps_s.push_back(track_.frames[i].mid_s - before.mid_s);
+    }
+    if (gaps_s.empty() || !(options_.frame_period_s > 0.0)) return;
+    const double usual_s = upperMedianIn(gaps_s);
+    if (usual_s > kLatePeriods * options_.frame_period_s) {
+      track_.problems.push_back(fmt::format(
+          "The spot camera gives a frame each {:g} ms, and not each {:g} ms: it is not ready in time{} "
+          "(cameras.spot.read_out).",
+          1e3 * usual_s, 1e3 * options_.frame_period_s,
+          by_windows_ ? "" : ", as pictures stay whole until printed marks are found"));
+    }
+  }
   /// True if windows say where to look: the marks were found, or there are none.
   [[nodiscard]] bool ready() const {
     return exposure_s_ > 0.0 && (tracker_->locked() || diameters_mm_.empty());
   }
-  [[nodiscard]] std::size_t searchEvery() const { return stride_ == 0 ? kSearchEvery : stride_; }
+  [[nodiscard]] std::size_t searchEvery() const {
+    if (options_.frame_period_s > 0.0)
+      return searchStride(options_.frame_period_s, options_.nominal_speed_mm_s);
+    return stride_ == 0 ? kSearchEvery : stride_;
+  }
   /// Whether frame i of the batch is searched for marks all over.
   [[nodiscard]] bool searches(std::size_t i) const {
     return (options_.aim && !tracker_->locked()) || (done_ + i) % searchEvery() == 0;
@@ -339,6 +382,7 @@ class SpotFollower {
   std::vector<Asked> asked_;  ///< What the batch was asked for that is being taken.
   double exposure_s_{0.0};
   bool by_windows_{false};
+  std::size_t without_room_{0};  ///< Frames in which no mark could be read for want of time.
   std::size_t stride_{0};
   std::size_t done_{0};
 };

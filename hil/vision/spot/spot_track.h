@@ -48,7 +48,8 @@ struct FrameFaults {
 };
 
 /// Box of the work plane W, mm, in which the beam's spot should be between two times on the clock of the
-/// pins, s; nullopt: not known. It only says where to look: a spot that is elsewhere is not seen.
+/// pins, s, late mirrors and slides included; nullopt: not known. It only says where to look: a spot that is
+/// elsewhere is not seen.
 using BeamAim = std::function<std::optional<Eigen::AlignedBox2d>(double from_s, double to_s)>;
 
 /// Measurement of one frame of the spot camera.
@@ -77,9 +78,10 @@ struct SpotTrackOptions {
   /// source that has no windows, all are whole.
   BeamAim aim{};
   /// What the camera can read out within a period, by its data sheet: of more marks than that, some are read
-  /// in one frame and others in the next.
+  /// in one frame and others in the next. A camera that has no time for any beside the spot, or is late by
+  /// itself, is told among the problems.
   ReadOut read_out{};
-  double frame_period_s{};  ///< 0: no limit.
+  double frame_period_s{};  ///< 0: not told.
 };
 
 struct SpotTrack {
@@ -91,8 +93,9 @@ struct SpotTrack {
   std::vector<std::string> problems{};
 };
 
-/// Measures all frames: spot by a sub-pixel estimator anywhere in the frame, sheet pose from the printed
-/// marks. Unit 0 is the first that enters the view; later ones follow one pitch upstream.
+/// Measures all frames: spot by a sub-pixel estimator, anywhere in a whole picture or in its window; sheet
+/// pose from the printed marks. Unit 0 is the first that enters the view; later ones follow one pitch
+/// upstream.
 SpotTrack trackSpot(camera::FrameSource& source, const CameraCalibration& calibration,
                     const PrintLayout& print, const SpotTrackOptions& options);
 

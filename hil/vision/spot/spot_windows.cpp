@@ -77,14 +77,18 @@ std::vector<PixelWindow> markBands(const CameraCalibration& calibration,
   const PixelWindow whole = wholeOf(calibration);
   std::vector<PixelWindow> bands;
   for (const SheetTracker::MarkPlace& place : places) {
-    const double reach_px =
-        markBorderPx(0.55 * place.diameter_mm / calibration.pitchMm()) + kWanderMm / calibration.pitchMm();
+    const double reach_px = markBorderPx(0.55 * place.diameter_mm / calibration.pitchMm()) +
+                            (kWanderMm + place.search_mm) / calibration.pitchMm();
     Eigen::AlignedBox2d box_px;
-    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-      const double column = share * whole.right();
-      const double row = rowOf(calibration, place.p_mm.y(), column);
-      box_px.extend(Eigen::Vector2d(column, row - reach_px));
-      box_px.extend(Eigen::Vector2d(column, row + reach_px));
+    try {
+      for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        const double column = share * whole.right();
+        const double row = rowOf(calibration, place.p_mm.y(), column);
+        box_px.extend(Eigen::Vector2d(column, row - reach_px));
+        box_px.extend(Eigen::Vector2d(column, row + reach_px));
+      }
+    } catch (const std::domain_error&) {
+      continue;  // Beyond what the lens shows.
     }
     const PixelWindow band = windowOf(box_px).within(whole);
     if (!band.empty()) bands.push_back(band);

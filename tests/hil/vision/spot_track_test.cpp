@@ -387,6 +387,41 @@ TEST(SpotTrack, RefusesFramesOfAnotherCamera) {
   EXPECT_THROW(trackSpot(source, scene.camera, scene.print, {}), std::invalid_argument);
 }
 
+/// Marks that the window cannot show are not missing: the sheet lies where those in it say.
+TEST(SpotTrack, AWindowThatShowsOneRowOfMarksTellsThePlaceOfTheSheet) {
+  Scene scene;
+  scene.print.units = 1;
+  scene.print.pitch_mm = 100.0;
+  scene.print.marks = {{{-20.0, -14.0}, 3.0},
+                       {{-20.0, 14.0}, 3.0},
+                       {{5.0, -14.0}, 3.0},
+                       {{5.0, 14.0}, 3.0},
+                       {{-8.0, 14.0}, 3.0}};
+  SpotTrackOptions options;
+  for (const PixelWindow& window : {PixelWindow{0, 0, 640, 240}, PixelWindow{0, 240, 640, 240}}) {
+    std::vector<Frame> frames;
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      const Frame whole = scene.frame(scene.web({3.0, 0.5}, 0.0), i);
+      Frame part = whole;
+      part.image = GrayImage(window.width, window.height);
+      part.image.left = window.left;
+      part.image.top = window.top;
+      for (int r = window.top; r <= window.bottom(); ++r) {
+        for (int c = window.left; c <= window.right(); ++c) part.image.at(c, r) = whole.image.at(c, r);
+      }
+      frames.push_back(std::move(part));
+    }
+    options.window = window;
+    test::ReadyFrames source(std::move(frames));
+    const SpotTrack track = trackSpot(source, scene.camera, scene.print, options);
+    for (const FrameMeasurement& frame : track.frames) {
+      ASSERT_EQ(frame.sheet.size(), 1U);
+      EXPECT_LT((frame.sheet[0].p_WS_mm - Eigen::Vector2d(3.0, 0.5)).norm(), 0.01) << window.top;
+    }
+    EXPECT_TRUE(track.problems.empty()) << track.problems.front();
+  }
+}
+
 /// A camera that reads out one window for good: what is measured there does not move.
 TEST(SpotTrack, AWindowMeasuresWhatTheWholePictureDoes) {
   Scene scene;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -145,6 +146,89 @@ TEST(SpotWindows, MarksThatCannotAllBeReadAreReadInTurns) {
   EXPECT_EQ(all, 0U);
 }
 
+bool tells(const SpotTrack& track, const std::string& words) {
+  return std::ranges::any_of(track.problems, [&](const std::string& p) { return p.find(words) != p.npos; });
+}
+
+TEST(SpotWindows, ACameraWithoutTimeForAnyMarkIsTold) {
+  camera::TwinFrameSource source(twin::SpotCamera(camera(), print(), test::kGlowGrayPerW, 3), exposures(), 1);
+  SpotTrackOptions options{1, kBelt_mm_s};
+  options.aim = aimOff({0.0, 0.0});
+  options.read_out = {.row_s = 12e-6,
+                      .link_bytes_per_s = 0.0};  // 81 rows; the spot alone takes more than 50.
+  options.frame_period_s = camera().frame_period_s;
+  const SpotTrack track = trackSpot(source, test::calibrationOf(camera()), print(), options);
+  EXPECT_TRUE(tells(track, "had no time to read a printed mark beside the spot: it needs 12 us for a row"));
+}
+
+TEST(SpotWindows, ACameraThatIsLateInEachFrameIsTold) {
+  twin::CameraDescription slow = camera();
+  slow.read_out.row_s = 8e-6;  // 1.3 periods for spot and marks, and as much as its data sheet does not say.
+  camera::TwinFrameSource source(twin::SpotCamera(slow, print(), test::kGlowGrayPerW, 3), exposures(), 1);
+  SpotTrackOptions options{1, kBelt_mm_s};
+  options.aim = aimOff({0.0, 0.0});
+  options.read_out = camera().read_out;
+  options.frame_period_s = slow.frame_period_s;
+  const SpotTrack track = trackSpot(source, test::calibrationOf(slow), print(), options);
+  EXPECT_TRUE(tells(track, "The spot camera gives a frame each 2 ms, and not each 1 ms"));
+  EXPECT_FALSE(tells(trackBy(aimOff({0.0, 0.0})), "not ready in time"));
+}
+
+TEST(SpotWindows, AFrameThatIsLostBeforeTheMarksAreFoundIsNoneOfTheTrack) {
+  // Marks come into view after 60 ms; the camera loses one of the whole pictures before.
+  PrintLayout late = print();
+  late.units = 1;
+  for (RegistrationMark& mark : late.marks) mark.p_SM_mm.x() -= 25.0;
+  twin::CameraDescription description = camera();
+  description.link.dropped = {4};
+  camera::TwinFrameSource source(twin::SpotCamera(description, late, test::kGlowGrayPerW, 3), exposures(), 1);
+  SpotTrackOptions options{1, kBelt_mm_s};
+  options.aim = aimOff({0.0, 0.0});
+  const SpotTrack track = trackSpot(source, test::calibrationOf(description), late, options);
+  ASSERT_GT(track.frames.size(), 10U);
+  EXPECT_GT(track.frames.front().mid_s, 0.02);
+  EXPECT_EQ(track.frames_lost, 0U);
+}
+
+/// A camera of 25 frames/s, and a belt that changes its speed between two of them: the marks are looked for
+/// where the frame before has them.
+TEST(SpotWindows, ABeltThatSpeedsUpIsFollowedByASlowCamera) {
+  twin::CameraDescription slow = camera();
+  slow.frame_period_s = 0.04;
+  std::vector<twin::Exposure> all;
+  for (int i = 0; i < 60; ++i) {
+    const double start_s = 0.04 * i;
+    twin::Exposure& exposure = all.emplace_back();
+    exposure.sequence = static_cast<std::uint64_t>(i);
+    exposure.start_s = start_s;
+    const double x_mm = 20.0 * start_s - 4.0 * std::cos(2.5 * start_s) - 12.0;  // 10 to 30 mm/s, 25 mm/s².
+    exposure.samples.push_back(
+        {.p_WQ_mm = {0.0, 2.0}, .radius_mm = 0.105, .power_w = 25.0, .p_WS_mm = {x_mm, 0.4}});
+  }
+  const auto track = [&](const BeamAim& aim) {
+    camera::TwinFrameSource source(twin::SpotCamera(slow, print(), test::kGlowGrayPerW, 3), all, 1);
+    SpotTrackOptions options{1, 20.0};
+    options.aim = aim;
+    options.read_out = slow.read_out;
+    options.frame_period_s = slow.frame_period_s;
+    return trackSpot(source, test::calibrationOf(slow), print(), options);
+  };
+  const SpotTrack whole = track({});
+  const SpotTrack windows = track([](double, double) {
+    return std::optional<Eigen::AlignedBox2d>({Vector2d(0.0, 2.0), Vector2d(0.0, 2.0)});
+  });
+  ASSERT_EQ(windows.frames.size(), whole.frames.size() - 1);
+  for (std::size_t i = 0; i < windows.frames.size(); ++i) {
+    const FrameMeasurement& a = whole.frames[i + 1];
+    const FrameMeasurement& b = windows.frames[i];
+    ASSERT_EQ(a.sheet.size(), b.sheet.size()) << i;
+    for (std::size_t k = 0; k < a.sheet.size(); ++k) {
+      EXPECT_EQ(a.sheet[k].marks, b.sheet[k].marks) << i;
+      EXPECT_LT((a.sheet[k].p_WS_mm - b.sheet[k].p_WS_mm).norm(), 2e-4) << i;
+    }
+  }
+}
+
 TEST(SpotWindows, ASpotThatIsDrivenOutOfItsWindowIsNotSeenAndTheSheetIs) {
   const SpotTrack track = trackBy(aimOff({7.0, 0.0}));
   int spots = 0;
@@ -189,6 +273,11 @@ TEST(SpotWindows, ABandHoldsAMarkWhereverItIsOnItsWay) {
       }
     }
   }
+  // A mark that no lens shows has none, and breaks nothing.
+  CameraCalibration folded = calibration;
+  folded.distortion = {-8.0, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_NO_THROW(
+      static_cast<void>(markBands(folded, std::vector<SheetTracker::MarkPlace>{{{0.0, 400.0}, 2.0, 0.0}})));
   // Two rows of marks that nearly touch are one band.
   EXPECT_EQ(
       markBands(calibration, std::vector<SheetTracker::MarkPlace>{{{0, 0}, 2.0, 0.0}, {{0, 2.5}, 2.0, 0.0}})

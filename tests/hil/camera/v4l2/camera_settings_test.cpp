@@ -99,6 +99,17 @@ TEST(CameraSettings, AWindowThatAnotherProgramLeftIsTakenAway) {
   EXPECT_EQ(setup.layout.width_px, 64);
 }
 
+TEST(CameraSettings, ASensorThatIsLargerThanThePictureMayStillBeScaled) {
+  FakeVideo video;
+  video.sensor = v4l2_rect{8, 8, 128, 96};
+  video.window = v4l2_rect{10, 10, 20, 20};
+  const CameraSetup setup = setUp(video, greySettings());
+  EXPECT_EQ(video.window->left, 8);
+  EXPECT_EQ(video.window->width, 128U);
+  EXPECT_EQ(setup.layout.left_px, 0);
+  EXPECT_EQ(setup.layout.width_px, 64);
+}
+
 TEST(CameraSettings, AWindowThatCannotBeIsRefused) {
   FakeVideo video;
   EXPECT_THAT(whyNot(video, windowSettings()), HasSubstr("window: the camera reads whole pictures alone"));
