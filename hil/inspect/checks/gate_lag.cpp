@@ -55,26 +55,22 @@ struct Start {
 double wayFromEnd(const dieline::Curve& curve, bool from_start, const Eigen::Vector2d& p_mm) {
   constexpr int kPieces = 32;
   const double end = from_start ? 0.0 : 1.0;
-  double span = dieline::nearestOn(curve, p_mm).u - end;
-  // On a closed curve what lies before its start is nearest to its end.
-  const bool before = dieline::isClosed(curve) && std::abs(span) > 0.5;
-  if (before) span += from_start ? -1.0 : 1.0;
+  const double span = dieline::nearestOn(curve, p_mm).u - end;
   const Eigen::Vector2d end_mm = dieline::pointAt(curve, end);
   if (span == 0.0) {
     const Eigen::Vector2d inward = (from_start ? 1.0 : -1.0) * dieline::tangentAt(curve, end);
     return std::min(0.0, inward.dot(p_mm - end_mm));
   }
   // Over the two millimetres that count, chords this short differ from the arc by far less than the camera
-  // sees; round a whole circle they do not.
+  // sees.
   double way_mm = 0.0;
-  const double from = before ? 1.0 - end : end;
   Eigen::Vector2d last = end_mm;
   for (int i = 1; i <= kPieces; ++i) {
-    const Eigen::Vector2d next = dieline::pointAt(curve, from + span * i / kPieces);
+    const Eigen::Vector2d next = dieline::pointAt(curve, end + span * i / kPieces);
     way_mm += (next - last).norm();
     last = next;
   }
-  return before ? -way_mm : way_mm;
+  return way_mm;
 }
 
 /// The frames of one gate interval that lie on the entity with which it begins, in order of time. Not one
@@ -91,20 +87,14 @@ std::vector<const LitFrame*> framesOf(const LitFrames& lit, const GateInterval& 
   return frames;
 }
 
-/// Whether the beam runs from u = 0 on; else from u = 1. On an open curve its way from the first frame tells,
-/// on a closed one, whose ends are one place, the side of that place on which it comes clear of it.
+/// Whether the beam runs from u = 0 on; else from u = 1: its way from the first frame tells.
 bool runsForward(const dieline::Curve& curve, const std::vector<const LitFrame*>& frames) {
   const double length_mm = dieline::lengthOf(curve);
-  const bool closed = dieline::isClosed(curve);
-  const auto uOf = [&](const LitFrame& frame) {
-    const double u = dieline::nearestOn(curve, frame.p_S_mm).u;
-    return closed && u > 0.5 ? u - 1.0 : u;
-  };
-  const double from_u = closed ? 0.0 : uOf(*frames.front());
-  const double clear_mm = closed ? kReach_mm : kNearest_mm;
+  const auto uOf = [&](const LitFrame& frame) { return dieline::nearestOn(curve, frame.p_S_mm).u; };
+  const double from_u = uOf(*frames.front());
   for (const LitFrame* frame : frames) {
     const double u = uOf(*frame) - from_u;
-    if (std::abs(u) * length_mm > clear_mm) return u > 0.0;
+    if (std::abs(u) * length_mm > kNearest_mm) return u > 0.0;
   }
   return uOf(*frames.back()) > from_u;
 }
@@ -270,6 +260,8 @@ std::optional<SeenStart> seenWithin(double stretch_mm, const Evidence& evidence,
   // The teeth of a perforation begin in full run.
   if (entity.process == dieline::Process::kPerforation) return std::nullopt;
   const dieline::Curve& curve = entity.curve;
+  // A closed curve may be cut from any place on: where the beam set off is not known.
+  if (dieline::isClosed(curve)) return std::nullopt;
   const bool forward = runsForward(curve, frames);
   const double start_u = forward ? 0.0 : 1.0;
   if (beginsElsewhere(evidence, lit, gate, first, start_u)) return std::nullopt;

@@ -126,6 +126,8 @@ Check laserGateCheck(const Evidence& evidence, const Tolerances& limits, const L
     if (next != gates.end()) outside_s = next->on_s - frame.mid_s;
     if (next != gates.begin())
       outside_s = std::min(outside_s, std::max(frame.mid_s - (next - 1)->off_s, 0.0));
+    // What a frame shows in which the gate was open may have shone then.
+    if (outside_s < 0.5 * frame.exposure_s) outside_s = 0.0;
     if (outside_s > limits.gate_tail_s) ++outside;
     if (std::isnan(check.value) || 1e3 * outside_s > check.value) {
       check.value = 1e3 * outside_s;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace kerfbench::vision {
 namespace {
@@ -58,15 +59,41 @@ class StationInView {
     return {std::min({before, reading_.brightness, behind}), std::max({before, reading_.brightness, behind})};
   }
 
+  /// The farthest places of the kerf from the station before this one to the one behind it, mm across the
+  /// line.
+  struct Places {
+    double least_mm{}, most_mm{};
+    [[nodiscard]] bool hold(double offset_mm, double within_mm) const {
+      return offset_mm > least_mm - within_mm && offset_mm < most_mm + within_mm;
+    }
+  };
+  [[nodiscard]] Places placesAround() const {
+    Places places{reading_.offset_mm, reading_.offset_mm};
+    for (const std::size_t steps : {entity_.stations.size() - 1, std::size_t{1}}) {
+      const std::optional<std::size_t> other = stationAfter(steps);
+      if (!other) continue;
+      const KerfReading beside = read(*other);
+      if (!isNear(beside, scene_.options)) continue;
+      places.least_mm = std::min(places.least_mm, beside.offset_mm);
+      places.most_mm = std::max(places.most_mm, beside.offset_mm);
+    }
+    return places;
+  }
+
  private:
   [[nodiscard]] KerfReading read(std::size_t station) const {
     return loneReading(scene_, view_, windowOf(entity_.stations[station], entity_, scene_.options.reach_mm));
   }
-  /// Light so many stations on, around the line; there is none beyond the ends of an open one.
-  [[nodiscard]] double lightAfter(std::size_t steps) const {
+  /// The station so many stations on, around the line; there is none beyond the ends of an open one.
+  [[nodiscard]] std::optional<std::size_t> stationAfter(std::size_t steps) const {
     const std::size_t other = (station_ + steps) % entity_.stations.size();
     const bool beyond = !entity_.closed && (steps == 1 ? other == 0 : station_ == 0);
-    return beyond ? 0.0 : read(other).brightness;
+    if (beyond) return std::nullopt;
+    return other;
+  }
+  [[nodiscard]] double lightAfter(std::size_t steps) const {
+    const std::optional<std::size_t> other = stationAfter(steps);
+    return other ? read(*other).brightness : 0.0;
   }
 
   const OverlapScene& scene_;
@@ -89,9 +116,14 @@ bool lightContradicts(const StationInView& one, const StationInView& two, const 
   return isWeaker(least, stronger.lightAround().least) || isWeaker(weaker.lightAround().most, most);
 }
 
-/// `slope`: CameraCalibration::sightSlope across the kerf in the second picture less that in the first.
-bool placeContradicts(const KerfReading& one, const KerfReading& two, double slope, const SightDepth& depth,
-                      const KerfScanOptions& options) {
+/// Where kerfs cross, or lie side by side, a caliper goes over from one to the other between two stations,
+/// and in two pictures not at the same. Only a place that the other picture does not show at the stations
+/// beside it either contradicts. `slope`: CameraCalibration::sightSlope across the kerf in the second picture
+/// less that in the first.
+bool placeContradicts(const StationInView& first, const StationInView& second, double slope,
+                      const SightDepth& depth, const KerfScanOptions& options) {
+  const KerfReading& one = first.reading();
+  const KerfReading& two = second.reading();
   if (!isNear(one, options) || !isNear(two, options)) return false;
   if (std::min(one.brightness, two.brightness) < kTrace) return false;
   const double noise_mm = std::hypot(one.noise_mm, two.noise_mm, kLeastApart_mm);
@@ -100,7 +132,10 @@ bool placeContradicts(const KerfReading& one, const KerfReading& two, double slo
       std::abs(slope) * std::hypot(depth.sigma_mm, kDepthShare * options.board_thickness_mm);
   const double sigma_mm = std::hypot(noise_mm, by_depth_mm, std::numbers::sqrt2 * options.table_sigma_mm);
   const double expected_mm = -slope * depth.mm;
-  return std::abs(two.offset_mm - one.offset_mm - expected_mm) > kSigmas * sigma_mm;
+  const double apart_mm = kSigmas * sigma_mm;
+  if (!(std::abs(two.offset_mm - one.offset_mm - expected_mm) > apart_mm)) return false;
+  return !first.placesAround().hold(two.offset_mm - expected_mm, apart_mm) ||
+         !second.placesAround().hold(one.offset_mm + expected_mm, apart_mm);
 }
 
 }  // namespace
@@ -127,8 +162,7 @@ TileContradictions compareTiles(const KerfPlan& plan, const OverlapScene& scene,
         const double slope = slopeIn(*seeing[i]) - slopeIn(*seeing.front());
         ++out.compared;
         const bool light = lightContradicts(used, other, scene.options);
-        if (!light && !placeContradicts(used.reading(), other.reading(), slope, depth, scene.options))
-          continue;
+        if (!light && !placeContradicts(used, other, slope, depth, scene.options)) continue;
         if (out.count() == 0) {
           out.entity = entity.entity;
           out.p_S_mm = station.p_S_mm;

@@ -159,6 +159,7 @@ class Start {
 };
 
 const dieline::Curve kLine = dieline::LineCurve{{0, 0}, {40, 30}};
+const dieline::Curve kArc = dieline::ArcCurve{{15, 20}, 6, 0, 1.5 * std::numbers::pi};
 const dieline::Curve kCircle = dieline::ArcCurve{{15, 20}, 6, 0, 2 * std::numbers::pi};
 
 TEST(GateLag, AStartOnALineTooShortForFramesIsNotTakenForALateOneOnTheNext) {
@@ -179,11 +180,16 @@ TEST(GateLag, WhatNoFrameCanHaveSeenIsNotGuessed) {
   EXPECT_FALSE(start.seen(0.3)) << start.seen(0.3)->explanation;
 }
 
-TEST(GateLag, FindsTheLagOnLinesAndCirclesEitherWay) {
-  for (const dieline::Curve& curve : {kLine, kCircle}) {
+/// A circle that is cut from a place a little farther on looks like a late gate at its drawn start.
+TEST(GateLag, AClosedCurveMayBeCutFromAnyPlaceOn) {
+  for (const double lag_s : {0.0, 0.002, 0.01}) EXPECT_FALSE(Start(kCircle).seen(lag_s, dash)) << lag_s;
+}
+
+TEST(GateLag, FindsTheLagOnLinesAndArcsEitherWay) {
+  for (const dieline::Curve& curve : {kLine, kArc}) {
     for (const bool backwards : {false, true}) {
       for (const Motion motion : {ramp, dash}) {
-        SCOPED_TRACE(dieline::isClosed(curve) ? "circle" : "line");
+        SCOPED_TRACE(curve.index());
         SCOPED_TRACE(backwards ? "backwards" : "forwards");
         SCOPED_TRACE(motion == ramp ? "ramp" : "dash");
         Start start(curve, backwards);

@@ -213,6 +213,17 @@ TEST(LaserGateCheck, LightMayLastUntilTheNextFrame) {
   EXPECT_EQ(checkOf(run.inspected(), "laser_gate").verdict, Verdict::kPass);
 }
 
+TEST(LaserGateCheck, AFrameInWhichTheGateWasOpenShowsNoLightOutside) {
+  // The last frame of a cut is exposed for 3 ms about its middle, 0.9 ms after the gate's end.
+  SyntheticRun run;
+  for (GateInterval& gate : run.evidence.gates) gate.off_s -= 0.0014;
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 0.9 + 0.5, 0.01);
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) frame.exposure_s = 0.003;
+  EXPECT_EQ(checkOf(run.inspected(), "laser_gate").value, 0.0);
+  for (vision::FrameMeasurement& frame : run.evidence.spot.frames) frame.exposure_s = 0.0017;
+  EXPECT_NEAR(checkOf(run.inspected(), "laser_gate").value, 0.9 + 0.5, 0.01);
+}
+
 TEST(PulseTimingCheck, NamesAxisKindAndTimes) {
   SyntheticRun run;
   run.evidence.pulses[1].min_setup_s = 0.125e-6;
