@@ -104,6 +104,7 @@ TEST(GoodReleaseLong, LabelOfTheOrderedWidthPasses) {
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(checksThat(verdictOf(scratch.path() / "ordered"), "PASS"), Contains("ordered_width"));
 }
+TEST(GoodRelease, LabelOnSlowPinsPasses) { passes("pins/label-slow.yaml"); }
 TEST(GoodRelease, LabelFedPasses) { passes("label-fed.yaml", kOneUnit); }
 TEST(GoodReleaseLong, LabelFedPasses) { passes("label-fed.yaml"); }
 TEST(GoodReleaseLong, LabelNativePasses) { passes("native/label-on-belt.yaml"); }
