@@ -283,14 +283,15 @@ class MarkSums {
       const int count = std::min(kPiece, span.last - begin);
       const Level* const levels = row.from(begin);
       const double x = begin - disc_.centre.x();
-      const double scale = 1.0 / (levels_per_gray_ * contrast_);
+      const auto scale = static_cast<float>(1.0 / (levels_per_gray_ * contrast_));
       const auto board = static_cast<float>(levels_.board / contrast_);
-      const auto at_first = static_cast<float>(scale * (1.0 - levels_.slope.x() * x - levels_.slope.y() * y));
-      const auto along = static_cast<float>(-scale * levels_.slope.x());
+      const auto at_first = static_cast<float>(levels_.slope.x() * x + levels_.slope.y() * y);
+      const auto along = static_cast<float>(levels_.slope.x());
       std::int32_t sum = 0;
       std::int32_t moment = 0;
       for (int k = 0; k < count; ++k) {
-        const float dark = board - static_cast<float>(levels[k]) * (at_first + along * static_cast<float>(k));
+        const float light = at_first + along * static_cast<float>(k);
+        const float dark = board - scale * static_cast<float>(levels[k]) / (1.0F + light);
         const float w = std::min(std::max(dark, kLeast), kMost);
         const auto steps = static_cast<std::int32_t>((w - kLeast) * kSteps);
         sum += steps;
@@ -304,7 +305,7 @@ class MarkSums {
       if (!check_edge_) continue;
       for (int k = 0; k < count; ++k) {
         const double value =
-            levels[k] / levels_per_gray_ * (1.0 - levels_.slope.dot(Eigen::Vector2d(x + k, y)));
+            levels[k] / levels_per_gray_ / (1.0 + levels_.slope.dot(Eigen::Vector2d(x + k, y)));
         checkEdge({x + k, y}, value, std::clamp((levels_.board - value) / contrast_, -0.15, 1.15));
       }
     }

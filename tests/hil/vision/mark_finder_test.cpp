@@ -2,9 +2,14 @@
 // Marks, and shapes that only look like marks.
 #include "hil/vision/marks/mark_finder.h"
 
+#include <cmath>
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "tests/hil/vision/synthetic.h"
+#include "twin/base/image.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -34,6 +39,39 @@ TEST_F(MarkFinder, MeasuresAWholeDiscOfTheRightSize) {
   ASSERT_TRUE(mark);
   EXPECT_LT((mark->p_mm - kPlace).norm(), 4.0 * mark->sigma_mm);
   EXPECT_LT(mark->sigma_mm, 0.005);
+}
+
+/// Mean uncertainty, mm, of large discs in light that changes by this share from pixel to pixel.
+double statedUnder(double slope) {
+  constexpr int kSide = 200;
+  constexpr double kRadiusPx = 66.0;
+  CameraCalibration camera = test::tiltedCamera(kSide, kSide, 0.1);
+  const double scale = 0.1;  // Of the picture's own pixels: its tilt is left out.
+  const Vector2d middle = camera.planeFromPixel({0.5 * kSide, 0.5 * kSide});
+  double sum = 0.0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    GrayImage image(kSide, kSide);
+    const CounterRandom random(seed, 3);
+    for (int r = 0; r < kSide; ++r) {
+      for (int c = 0; c < kSide; ++c) {
+        const Vector2d p_mm = camera.planeFromPixel(Vector2d(c, r)) - middle;
+        const double ink = 0.5 * std::erfc((p_mm.norm() / scale - kRadiusPx) / (std::sqrt(2.0) * 0.7));
+        const double noise = 0.8 * random.normal(static_cast<std::uint64_t>(r * kSide + c));
+        const double gray = (kBoard - (kBoard - kInk) * ink) * (1.0 + slope * (c - 0.5 * kSide)) + noise;
+        image.at(c, r) = static_cast<std::uint8_t>(std::lround(gray));
+      }
+    }
+    const auto mark = measureMark(image, camera, middle, 2.0 * kRadiusPx * scale, 0.3);
+    EXPECT_TRUE(mark) << seed;
+    sum += mark ? mark->sigma_mm / 8.0 : 0.0;
+  }
+  return sum;
+}
+
+TEST(MarkUncertainty, ALampAtOneSideIsNoNoise) {
+  const double even_mm = statedUnder(0.0);
+  EXPECT_GT(even_mm, 1e-5);
+  EXPECT_NEAR(statedUnder(8e-4), even_mm, 0.15 * even_mm);
 }
 
 TEST_F(MarkFinder, ASmallerDiscIsNoMark) {
