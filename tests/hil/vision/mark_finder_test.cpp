@@ -46,7 +46,7 @@ double statedUnder(double slope) {
   constexpr int kSide = 200;
   constexpr double kRadiusPx = 66.0;
   CameraCalibration camera = test::tiltedCamera(kSide, kSide, 0.1);
-  const double scale = 0.1;  // Of the picture's own pixels: its tilt is left out.
+  const double scale = 0.1;  // Scale of the disc, mm to the pixel; the camera's tilt is left out.
   const Vector2d middle = camera.planeFromPixel({0.5 * kSide, 0.5 * kSide});
   double sum = 0.0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
