@@ -4,25 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/evidence/port_levels.h"
+
 namespace kerfbench::evidence {
 namespace {
-
-bool isHigh(std::uint16_t levels, PinId pin) { return ((levels >> pin.bit) & 1U) != 0; }
 
 struct Axis {
   PinId pul, dir;
   bool rising{};
-  bool pul_high{}, dir_high{};
+  bool pul_high{};
 
-  /// The step, if any, by a write to a port.
-  std::int32_t stepBy(const PinEvent& event) {
-    if (dir.port == event.port) dir_high = isHigh(event.level, dir);
-    if (pul.port != event.port) return 0;
-    const bool high = isHigh(event.level, pul);
+  /// The step, if any, that the levels after a write bring.
+  std::int32_t stepBy(const PortLevels& ports) {
+    const bool high = ports.high(pul);
     if (high == pul_high) return 0;
     pul_high = high;
     if (high != rising) return 0;
-    return dir_high ? 1 : -1;
+    return ports.high(dir) ? 1 : -1;
   }
 };
 
@@ -39,12 +37,14 @@ std::optional<CountedSteps> CountedSteps::of(const source::PinRecording& recordi
   }
   if (axes.size() < 2) return std::nullopt;
   CountedSteps counted;
+  PortLevels ports;
   Steps now{0, 0};
   for (const PinEvent& event : recording.outputs) {
     const auto period =
         static_cast<std::size_t>(std::max(0.0, recording.rate.seconds(event.tick)) / kRaster_s);
     if (period >= counted.steps_.size()) counted.steps_.resize(period + 1, now);
-    for (std::size_t i = 0; i < 2; ++i) now[i] += axes[i].stepBy(event);
+    ports.apply(event);
+    for (std::size_t i = 0; i < 2; ++i) now[i] += axes[i].stepBy(ports);
     counted.steps_.back() = now;
   }
   return counted;

@@ -5,26 +5,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "hil/evidence/port_levels.h"
 #include "hil/evidence/pulse_timer.h"
 #include "hil/source/encoder_edges.h"
 
 namespace kerfbench::evidence {
 namespace {
-
-/// The levels of all ports as writes to them arrive; low at first.
-class PortLevels {
- public:
-  void apply(const PinEvent& event) {
-    if (event.port >= levels_.size()) levels_.resize(std::size_t{event.port} + 1, 0);
-    levels_[event.port] = event.level;
-  }
-  [[nodiscard]] bool high(PinId pin) const {
-    return pin.port < levels_.size() && ((levels_[pin.port] >> pin.bit) & 1U) != 0;
-  }
-
- private:
-  std::vector<std::uint16_t> levels_;
-};
 
 /// A drive whose lines are both wired.
 struct WatchedDrive {

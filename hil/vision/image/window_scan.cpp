@@ -53,7 +53,6 @@ WindowLevels levelsOf(std::span<const GrayImage> windows) {
   for (const GrayImage& window : windows) {
     if (window.pixels.empty()) continue;
     addLevels(window, levels, steps);
-    found.pixels += window.pixels.size();
   }
   long long total = 0;
   for (const int n : levels) total += n;

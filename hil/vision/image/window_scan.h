@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -16,7 +15,6 @@ struct WindowLevels {
   double noise{};  ///< Standard deviation of one pixel of plain board.
   double saturated_share{};  ///< Share of the pixels at the top of the scale.
   bool lifeless{};           ///< No two neighbours differ anywhere: not of a sensor.
-  std::size_t pixels{};      ///< Number of pixels of all windows.
 };
 
 /// Levels of all windows; those without pixels do not count.

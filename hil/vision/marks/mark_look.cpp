@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "hil/vision/marks/row_sums.h"
 #include "twin/base/constants.h"
 #include "twin/base/image.h"
 
@@ -55,64 +56,6 @@ std::array<Span, 2> around(const Span& whole, const Span& part) {
   if (part.empty()) return {whole, {}};
   return {Span{whole.first, part.first}, Span{part.last, whole.last}};
 }
-
-/// Sums over pixels of a row whose levels lie within bounds; k counts the row's pixels from 0.
-struct RowSums {
-  double n{0.0}, k{0.0}, kk{0.0}, p{0.0}, pk{0.0}, pp{0.0};
-};
-
-template <typename Level>
-RowSums sumRow(const Level* levels, int count, std::uint32_t least, std::uint32_t most) {
-  constexpr int kPiece = 64;  // Sums of so many fit into 32 bits at every depth.
-  RowSums sums;
-  for (int begin = 0; begin < count; begin += kPiece) {
-    std::uint32_t n = 0, k = 0, kk = 0, p = 0, pk = 0, pp = 0;
-    const auto size = static_cast<std::uint32_t>(std::min(kPiece, count - begin));
-    const Level* const piece = levels + begin;
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const std::uint32_t level = piece[i];
-      const std::uint32_t counts =
-          static_cast<std::uint32_t>(level >= least) & static_cast<std::uint32_t>(level <= most);
-      const std::uint32_t place = counts * i;
-      const std::uint32_t value = counts * level;
-      n += counts;
-      k += place;
-      kk += place * i;
-      p += value;
-      pk += value * i;
-      pp += value * level;
-    }
-    sums.n += n;
-    sums.k += k + static_cast<double>(begin) * n;
-    sums.kk += kk + static_cast<double>(begin) * (2.0 * k + static_cast<double>(begin) * n);
-    sums.p += p;
-    sums.pk += pk + static_cast<double>(begin) * p;
-    sums.pp += pp;
-  }
-  return sums;
-}
-
-/// Moments of pixels about the disc's centre, and of their gray.
-struct Moments {
-  double n{0.0}, gray{0.0}, gray2{0.0};
-  Eigen::Vector2d place{Eigen::Vector2d::Zero()};       ///< Sum of places, px.
-  Eigen::Vector2d gray_place{Eigen::Vector2d::Zero()};  ///< Weighted by gray.
-  Eigen::Matrix2d spread{Eigen::Matrix2d::Zero()};      ///< Sum of place * placeᵀ.
-
-  /// A row's sums; its first pixel lies at x, y from the centre.
-  void add(const RowSums& row, double x, double y, double per_level) {
-    const double sum_x = row.n * x + row.k;
-    n += row.n;
-    gray += row.p * per_level;
-    gray2 += row.pp * per_level * per_level;
-    place += Eigen::Vector2d(sum_x, row.n * y);
-    gray_place += per_level * Eigen::Vector2d(row.p * x + row.pk, row.p * y);
-    spread(0, 0) += row.n * x * x + 2.0 * x * row.k + row.kk;
-    spread(0, 1) += sum_x * y;
-    spread(1, 0) += sum_x * y;
-    spread(1, 1) += row.n * y * y;
-  }
-};
 
 /// Share of ink at a distance outside of a straight blurred edge: the normal distribution's tail.
 class EdgeProfile {

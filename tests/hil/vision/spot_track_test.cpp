@@ -387,6 +387,17 @@ TEST(SpotTrack, RefusesFramesOfAnotherCamera) {
   EXPECT_THROW(trackSpot(source, scene.camera, scene.print, {}), std::invalid_argument);
 }
 
+Frame cutOut(const Frame& whole, const PixelWindow& window) {
+  Frame part = whole;
+  part.image = GrayImage(window.width, window.height);
+  part.image.left = window.left;
+  part.image.top = window.top;
+  for (int r = window.top; r <= window.bottom(); ++r) {
+    for (int c = window.left; c <= window.right(); ++c) part.image.at(c, r) = whole.image.at(c, r);
+  }
+  return part;
+}
+
 /// Marks that the window cannot show are not missing: the sheet lies where those in it say.
 TEST(SpotTrack, AWindowThatShowsOneRowOfMarksTellsThePlaceOfTheSheet) {
   Scene scene;
@@ -402,14 +413,7 @@ TEST(SpotTrack, AWindowThatShowsOneRowOfMarksTellsThePlaceOfTheSheet) {
     std::vector<Frame> frames;
     for (std::uint64_t i = 0; i < 4; ++i) {
       const Frame whole = scene.frame(scene.web({3.0, 0.5}, 0.0), i);
-      Frame part = whole;
-      part.image = GrayImage(window.width, window.height);
-      part.image.left = window.left;
-      part.image.top = window.top;
-      for (int r = window.top; r <= window.bottom(); ++r) {
-        for (int c = window.left; c <= window.right(); ++c) part.image.at(c, r) = whole.image.at(c, r);
-      }
-      frames.push_back(std::move(part));
+      frames.push_back(cutOut(whole, window));
     }
     options.window = window;
     test::ReadyFrames source(std::move(frames));
@@ -433,15 +437,8 @@ TEST(SpotTrack, AWindowMeasuresWhatTheWholePictureDoes) {
     test::Canvas canvas = scene.web({0.1 * static_cast<double>(i), 0.0}, 0.0);
     canvas.spot({1.0, 2.0}, {1.2, 2.0}, kSpotSigmaMm, 250.0, kLensPx);
     Frame frame = scene.frame(canvas, i);
-    Frame part = frame;
-    part.image = GrayImage(window.width, window.height);
-    part.image.left = window.left;
-    part.image.top = window.top;
-    for (int r = window.top; r <= window.bottom(); ++r) {
-      for (int c = window.left; c <= window.right(); ++c) part.image.at(c, r) = frame.image.at(c, r);
-    }
+    cut.push_back(cutOut(frame, window));
     whole.push_back(std::move(frame));
-    cut.push_back(std::move(part));
   }
   SpotTrackOptions options;
   test::ReadyFrames all(whole);
