@@ -70,10 +70,14 @@ void addMarks(const OverlapScene& scene, std::vector<SightPair>& pairs) {
 
 }  // namespace
 
-KerfReading loneReading(const OverlapScene& scene, const TileView& view, const CaliperWindow& window) {
+Profile loneProfile(const OverlapScene& scene, const TileView& view, const CaliperWindow& window) {
   Profile profile;
   readProfile(view, scene.calibration, scene.X_TS, window, {}, profile);
-  return measureKerf(profile, scene.options.open_gray);
+  return profile;
+}
+
+KerfReading loneReading(const OverlapScene& scene, const TileView& view, const CaliperWindow& window) {
+  return measureKerf(loneProfile(scene, view, window), scene.options.open_gray);
 }
 
 std::vector<SightPair> sightPairs(const KerfPlan& plan, const OverlapScene& scene) {

@@ -20,7 +20,8 @@ struct OverlapScene {
   const KerfScanOptions& options;
 };
 
-/// Reading in one tile of a station that has no other kerf near it.
+/// Light in one tile across a station that has no other kerf near it, and the reading of that.
+Profile loneProfile(const OverlapScene& scene, const TileView& view, const CaliperWindow& window);
 KerfReading loneReading(const OverlapScene& scene, const TileView& view, const CaliperWindow& window);
 
 /// Kerfs and printed marks that two tiles see: about each millimetre of kerf in the tile that is used for it

@@ -48,6 +48,9 @@ class StationInView {
       : scene_(scene), entity_(entity), station_(station), view_(view), reading_(read(station)) {}
 
   [[nodiscard]] const KerfReading& reading() const { return reading_; }
+  [[nodiscard]] Profile profile() const {
+    return loneProfile(scene_, view_, windowOf(entity_.stations[station_], entity_, scene_.options.reach_mm));
+  }
 
   /// The least and the most light from the station before this one to the one behind it.
   struct Light {
@@ -116,6 +119,44 @@ bool lightContradicts(const StationInView& one, const StationInView& two, const 
   return isWeaker(least, stronger.lightAround().least) || isWeaker(weaker.lightAround().most, most);
 }
 
+/// Light at a place across a line, over that of the board; between two samples as on a straight line.
+double lightOver(const Profile& profile, double base_gray, double across_mm) {
+  const double at = (across_mm - profile.first_mm) / profile.step_mm;
+  const double last = static_cast<double>(profile.size() - 1);
+  const auto i = static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, last - 1.0));
+  const double t = std::clamp(at - static_cast<double>(i), 0.0, 1.0);
+  return std::lerp(profile.gray[i], profile.gray[i + 1], t) - base_gray;
+}
+
+/// Light that one picture shows and the other not, from flank to flank of both kerfs, mm of a kerf in full
+/// light. `expected_mm`: how far the same kerf lies farther on in the second picture.
+double changedLight(const StationInView& first, const StationInView& second, double expected_mm) {
+  const KerfReading& one = first.reading();
+  const KerfReading& two = second.reading();
+  const Profile a = first.profile();
+  const Profile b = second.profile();
+  const double two_mm = two.offset_mm - expected_mm;
+  const double from_mm = std::min(one.offset_mm - 0.5 * one.width_mm, two_mm - 0.5 * two.width_mm);
+  const double to_mm = std::max(one.offset_mm + 0.5 * one.width_mm, two_mm + 0.5 * two.width_mm);
+  double changed = 0.0;
+  for (double x_mm = from_mm - a.pixel_mm; x_mm <= to_mm + a.pixel_mm; x_mm += a.step_mm) {
+    changed += a.step_mm *
+               std::abs(lightOver(a, one.base_gray, x_mm) - lightOver(b, two.base_gray, x_mm + expected_mm));
+  }
+  return changed / std::max(one.top_gray - one.base_gray, two.top_gray - two.base_gray);
+}
+
+/// Kerfs that run together are read apart in one picture and as one in the other, by the little that noise
+/// and grid add to the light between them: the middles are far apart, and the light is the same. A kerf that
+/// lies elsewhere leaves as much of one picture dark as it lies aside, or all of its width, and lights up as
+/// much of it on its other side.
+bool isReadOtherwise(const StationInView& first, const StationInView& second, double expected_mm) {
+  const KerfReading& one = first.reading();
+  const KerfReading& two = second.reading();
+  const double apart_mm = std::abs(two.offset_mm - one.offset_mm - expected_mm);
+  return changedLight(first, second, expected_mm) < std::min({apart_mm, one.width_mm, two.width_mm});
+}
+
 /// Where kerfs cross, or lie side by side, a caliper goes over from one to the other between two stations,
 /// and in two pictures not at the same. Only a place that the other picture does not show at the stations
 /// beside it either contradicts. `slope`: CameraCalibration::sightSlope across the kerf in the second picture
@@ -134,8 +175,11 @@ bool placeContradicts(const StationInView& first, const StationInView& second, d
   const double expected_mm = -slope * depth.mm;
   const double apart_mm = kSigmas * sigma_mm;
   if (!(std::abs(two.offset_mm - one.offset_mm - expected_mm) > apart_mm)) return false;
-  return !first.placesAround().hold(two.offset_mm - expected_mm, apart_mm) ||
-         !second.placesAround().hold(one.offset_mm + expected_mm, apart_mm);
+  if (first.placesAround().hold(two.offset_mm - expected_mm, apart_mm) &&
+      second.placesAround().hold(one.offset_mm + expected_mm, apart_mm)) {
+    return false;
+  }
+  return !isReadOtherwise(first, second, expected_mm);
 }
 
 }  // namespace

@@ -77,5 +77,43 @@ TEST(TileContradictions, OneStationThatOnlyOnePictureShowsContradicts) {
   EXPECT_THAT(work.scan(traces).problems, ::testing::Not(kContradict));
 }
 
+/// Cuts that no one ordered cross the lines at a few degrees: for a millimetre and more two kerfs run
+/// together.
+Workpiece linesCrossedAslant(double slope) {
+  Workpiece work = linesWithGaps();
+  work.truth.clear();
+  for (const dieline::Entity& entity : work.dieline.entities) {
+    const double x = 17.9 + entity.id + 0.03 * entity.id;
+    work.extra.push_back(test::line({x - 2.5 * slope, 4.0}, {x + 2.5 * slope, 9.0}));
+  }
+  return work;
+}
+
+TEST(TileContradictions, KerfsThatRunTogetherMayBeReadApartInOnePictureAndAsOneInTheOther) {
+  for (const double slope : {0.05, 0.12, -0.2}) {
+    const Workpiece work = linesCrossedAslant(slope);
+    const std::vector<camera::KerfTile> good = work.tiles();
+    for (const double aside_mm : {0.0, 0.002}) {
+      std::vector<camera::KerfTile> tiles = good;
+      tiles[1].p_TV_mm += Eigen::Vector2d(aside_mm, 2.0 * aside_mm);
+      EXPECT_THAT(work.scan(tiles).problems, ::testing::Not(kContradict))
+          << slope << ", " << aside_mm << " mm";
+    }
+  }
+}
+
+TEST(TileContradictions, WhatOnePictureShowsAsideOfKerfsThatRunTogetherContradicts) {
+  const Workpiece work = linesCrossedAslant(0.05);
+  const std::vector<camera::KerfTile> good = work.tiles();
+  const GrayImage& whole = good.front().image;
+  std::vector<camera::KerfTile> moved = good;
+  for (int row = 0; row < whole.height; ++row) {
+    for (int column = 0; column + 1 < whole.width; ++column)
+      moved.front().image.at(column, row) = whole.at(column + 1, row);
+  }
+  EXPECT_THAT(work.scan(moved).problems, kContradict) << "a pixel aside";
+  EXPECT_THAT(work.scan(withPatch(work, good, 6.5, test::kBoard)).problems, kContradict) << "not burnt";
+}
+
 }  // namespace
 }  // namespace kerfbench::vision
