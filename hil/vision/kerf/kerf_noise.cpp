@@ -119,8 +119,9 @@ class Scatter {
   /// Variance around a station; nullopt where no cut of the process has differences.
   [[nodiscard]] std::optional<Variance> around(std::size_t entity, std::size_t station,
                                                double pitch_mm) const {
-    const Pool& all = of_process_.at(plan_.entities[entity].process);
-    if (!(all.count > 0.0)) return std::nullopt;
+    const auto of_process = of_process_.find(plan_.entities[entity].process);
+    if (of_process == of_process_.end() || !(of_process->second.count > 0.0)) return std::nullopt;
+    const Pool& all = of_process->second;
     const auto pool = static_cast<std::ptrdiff_t>(kPoolMm / pitch_mm);
     const auto last = static_cast<std::ptrdiff_t>(all_[entity].squares.size());
     const auto centre =

@@ -426,33 +426,51 @@ TEST(Edges, ACornerDeviatesByTheLegThatLiesBeside) {
   }
 }
 
-TEST(Edges, ALegThatIsAnArcLeavesTheCornerAlongItsOwnStart) {
-  // A line to the right, a quarter of a circle up from its end, and a line back.
-  const dieline::Dieline dieline = drawingOf({dieline::LineCurve{{0.0, 0.0}, {10.0, 0.0}},
-                                              dieline::ArcCurve{{5.0, 0.0}, 5.0, 0.0, 0.5 * std::numbers::pi},
-                                              dieline::LineCurve{{5.0, 5.0}, {0.0, 0.0}}});
+constexpr double kBesideCorner_mm = 0.04;
+
+/// Deviation of a corner's edge where the kerf of one leg lies so far beside, and all others where they
+/// should.
+double edgeCornerBeside(const dieline::Dieline& dieline, vision::CornerKerf corner, int leg) {
   const auto sides = checks::kerfSides(dieline, Edge::kOutside);
   constexpr double kWidth_mm = 0.2;
-  constexpr double kBeside_mm = 0.04;
   vision::KerfScan scan;
-  for (int id = 0; id < 3; ++id) {
-    vision::EntityKerf& kerf = scan.entities.emplace_back(vision::EntityKerf{0, id, {}});
-    const double beside_mm = id == 0 ? kBeside_mm : 0.0;
+  for (const dieline::Entity& entity : dieline.entities) {
+    vision::EntityKerf& kerf = scan.entities.emplace_back(vision::EntityKerf{0, entity.id, {}});
+    const double beside_mm = entity.id == leg ? kBesideCorner_mm : 0.0;
     for (int i = 0; i < 20; ++i) {
       vision::Caliper& c = kerf.calipers.emplace_back();
       c.station_mm = 0.25 * i;
       c.found = true;
       c.width_mm = kWidth_mm;
-      c.offset_mm = sides.side[static_cast<std::size_t>(id)] * (0.5 * kWidth_mm + beside_mm);
+      c.offset_mm = sides.side[static_cast<std::size_t>(entity.id)] * (0.5 * kWidth_mm + beside_mm);
     }
   }
-  vision::CornerKerf corner{.unit = 0, .entity_in = 0, .entity_out = 1, .p_S_mm = {10.0, 0.0}};
   corner.turn_rad = 0.5 * std::numbers::pi;
   corner.found = true;
   scan.corners = {corner};
   const vision::CornerKerf read = checks::edgeScan(scan, dieline, sides).corners.at(0);
   EXPECT_TRUE(read.found);
-  EXPECT_NEAR(read.deviation_mm, kBeside_mm, 1e-9);
+  return read.deviation_mm;
+}
+
+TEST(Edges, ALegThatIsAnArcLeavesTheCornerAlongItsOwnStart) {
+  // A line to the right, a quarter of a circle up from its end, and a line back.
+  const dieline::Dieline dieline = drawingOf({dieline::LineCurve{{0.0, 0.0}, {10.0, 0.0}},
+                                              dieline::ArcCurve{{5.0, 0.0}, 5.0, 0.0, 0.5 * std::numbers::pi},
+                                              dieline::LineCurve{{5.0, 5.0}, {0.0, 0.0}}});
+  EXPECT_NEAR(
+      edgeCornerBeside(dieline, {.unit = 0, .entity_in = 0, .entity_out = 1, .p_S_mm = {10.0, 0.0}}, 0),
+      kBesideCorner_mm, 1e-9);
+}
+
+TEST(Edges, ALegThatIsAnArcComesToTheCornerAlongItsOwnEnd) {
+  // A quarter of a circle up, a line down from its end, and a line back to its start.
+  const dieline::Dieline dieline =
+      drawingOf({dieline::ArcCurve{{5.0, 0.0}, 5.0, 0.0, 0.5 * std::numbers::pi},
+                 dieline::LineCurve{{5.0, 5.0}, {5.0, 0.0}}, dieline::LineCurve{{5.0, 0.0}, {10.0, 0.0}}});
+  EXPECT_NEAR(
+      edgeCornerBeside(dieline, {.unit = 0, .entity_in = 0, .entity_out = 1, .p_S_mm = {5.0, 5.0}}, 1),
+      kBesideCorner_mm, 1e-9);
 }
 
 TEST(Edges, ALineEndsBeforeACornerThatTheBeamCutsFromInside) {

@@ -40,6 +40,33 @@ TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
   }
 }
 
+TEST(ModeField, HasTheCalibrationsOwnShiftsAtTheCornersOfItsArea) {
+  const SyntheticRun run;
+  const vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
+  const ModeField field(camera);
+  using Corner = Eigen::AlignedBox2d::CornerType;
+  for (const Corner which : {Corner::BottomLeft, Corner::BottomRight, Corner::TopLeft, Corner::TopRight}) {
+    const Vector2d p_mm = camera.area_mm.corner(which);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LT((field.at(static_cast<Eigen::Index>(k), p_mm) - camera.mapError(k, p_mm)).norm(), 1e-12)
+          << "mode " << k << " at " << p_mm.transpose();
+    }
+  }
+}
+
+TEST(NeighbourCorrelation, IsOfTheNoiseAndNotOfTheBendThatItLiesOn) {
+  const CounterRandom random(7, 0);
+  std::vector<double> noise;
+  std::vector<double> bent;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const double s = 0.1 * static_cast<double>(i);
+    noise.push_back(0.5 * (random.normal(i) + random.normal(i + 1)));
+    bent.push_back(noise.back() + 40.0 - 7.0 * s + 0.3 * s * s);
+  }
+  EXPECT_GT(neighbourCorrelation({noise}), 0.2);
+  EXPECT_NEAR(neighbourCorrelation({bent}), neighbourCorrelation({noise}), 1e-6);
+}
+
 TEST(ErrorModel, ReadingsBesideAGapDoNotKnowOfEachOther) {
   const SyntheticRun run;
   const ErrorModel model = errorModelOf(run.evidence);
@@ -184,6 +211,23 @@ TEST(KerfWidth, IsNotMovedByFewWildReadings) {
   auto& calipers = run.kerf(0, kTop).calipers;
   for (std::size_t i = 20; i < 200; i += 30) calipers[i].width_mm = 1.1;
   EXPECT_NEAR(widthOf(0, kTop), before_mm, 2e-4);
+}
+
+TEST(KerfWidth, LeavesOutWhatLiesFiveScattersAndMoreFromTheMedian) {
+  constexpr double kScatter_mm = 0.01 * 1.4826;
+  const auto widthWith = [](double off_scatters) {
+    SyntheticRun run;
+    auto& calipers = run.kerf(0, kTop).calipers;
+    for (std::size_t i = 0; i < calipers.size(); ++i)
+      calipers[i].width_mm = 0.2 + 0.01 * (static_cast<double>(i % 3) - 1.0);
+    for (std::size_t i = 20; i < 200; i += 30) calipers[i].width_mm = 0.2 + off_scatters * kScatter_mm;
+    for (const EntityResult& e : run.inspected().entities) {
+      if (e.unit == 0 && e.entity == kTop) return e.width_mm;
+    }
+    return std::nan("");
+  };
+  EXPECT_NEAR(widthWith(5.5), widthWith(50.0), 1e-9);
+  EXPECT_GT(widthWith(3.0), widthWith(50.0) + 1e-4);
 }
 
 TEST(KerfWidth, KnowsOfTheLensOnlyWhereBlurWasTakenOff) {

@@ -173,6 +173,10 @@ TEST(GateLag, AStartOnALineTooShortForFramesIsNotTakenForALateOneOnTheNext) {
   Start alone(kLine);
   alone.add(dieline::LineCurve{{-20.0, 0.0}, {0.0, 0.0}});
   EXPECT_EQ(alone.seen(-0.002)->verdict, Verdict::kFail) << "a neighbour that has frames of its own";
+  Start beside(kLine);
+  beside.add(dieline::LineCurve{{-1.1, 0.0}, {0.0, 0.0}});
+  EXPECT_EQ(beside.seen(-0.002)->verdict, Verdict::kFail)
+      << "and so has one a little longer than a millimetre";
 }
 
 TEST(GateLag, WhatNoFrameCanHaveSeenIsNotGuessed) {

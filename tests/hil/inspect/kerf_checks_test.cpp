@@ -186,6 +186,7 @@ TEST(StrayCheck, OneOfUnknownSizeIsInvalid) {
   for (const double extent_mm : {0.2, kNan, 0.3})
     run.evidence.kerf.strays.push_back({0, {33, 12}, extent_mm});
   EXPECT_EQ(run.inspected().verdict, Verdict::kInvalid);
+  EXPECT_TRUE(std::isnan(checks::strayCheck(run.evidence, run.limits).value));
 }
 
 TEST(StrayCheck, AScanTellsAllThatMayBreakTheLimit) {
@@ -241,6 +242,18 @@ TEST(LaserTimingCheck, AShortGapIsNoMatterOfCoverage) {
        {&run.kerf(0, kCreaseLine).calipers.front(), &run.kerf(0, kCreaseLine).calipers.back()})
     unburn(*c);
   EXPECT_EQ(checkOf(run.inspected(), "coverage").value, 0.0);
+}
+
+TEST(LaserTimingCheck, ACreaseBeginsWhereItHasHalfOfItsUsualLight) {
+  const auto gapWith = [](double share) {
+    SyntheticRun run;
+    auto& calipers = run.kerf(0, kCreaseLine).calipers;
+    const double usual = calipers[calipers.size() / 2].brightness;
+    calipers[0].brightness = calipers[1].brightness = share * usual;
+    return checkOf(run.inspected(), "laser_timing").value;
+  };
+  EXPECT_EQ(gapWith(0.55), 0.0);
+  EXPECT_GT(gapWith(0.45), 0.1);
 }
 
 TEST(LaserTimingCheck, SeesTheGapBehindANeighboursKerf) {

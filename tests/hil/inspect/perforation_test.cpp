@@ -229,6 +229,17 @@ TEST(PerforationCheck, AClosedLineMayHaveABridgeAtItsSeam) {
   EXPECT_THAT(check.explanation, HasSubstr("Of 18 cuts and 18 bridges"));
 }
 
+TEST(PerforationCheck, ALineAsLongAsOneCutAndOneBridgeHasOneOfEach) {
+  SyntheticRun run;
+  run.limits.perforation = {.cut_mm = 20.0, .bridge_mm = 15.0};
+  run.dieline.entities[kPerforationLine].curve =
+      dieline::ArcCurve{{45, 20}, SyntheticRun::kPerforation_mm / (2.0 * kPi), 0.0, 2.0 * kPi};
+  for (const int unit : {0, 1}) run.perforate(unit, {{5.0, 25.0}});
+  const Check check = perforationOf(run);
+  EXPECT_EQ(check.verdict, Verdict::kPass) << check.explanation;
+  EXPECT_LT(check.value, 0.01) << check.explanation;
+}
+
 TEST(PerforationCheck, WithoutAnOrderIsNotJudged) {
   SyntheticRun run;
   run.limits.perforation.cut_mm = 0.0;

@@ -172,9 +172,9 @@ TEST(DwellCheck, LightWithinTheFramesBesideARestIsOpen) {
   EXPECT_EQ(checkOf(less.inspected(), "dwell").verdict, Verdict::kPass);
 }
 
-/// Ten frames of a cut at 300 mm/s and half power, then ten at rest in the dark; the beam is on for one more
-/// frame behind the last of the cut, at this share of full power.
-Finding cutThenDark(double last_share) {
+/// Ten frames of a cut at half power, a step apart, then ten at rest in the dark, and one alone; the beam is
+/// on for one more frame behind the last of the cut, at this share of full power.
+Finding cutThenDark(double last_share, double step_mm = 0.3) {
   constexpr double kPeriod_s = 1e-3;
   dieline::Dieline dieline;
   dieline.entities.push_back(
@@ -183,13 +183,13 @@ Finding cutThenDark(double last_share) {
   evidence.dieline = &dieline;
   LitFrames lit;
   lit.period_s = kPeriod_s;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 21; ++i) {
     LitFrame& frame = lit.frames.emplace_back();
-    frame.time_s = (i < 10 ? i : i + 100) * kPeriod_s;
-    frame.p_S_mm = {i < 10 ? 0.3 * i : 20.0, 0.0};
+    frame.time_s = (i < 10 ? i : i < 20 ? i + 100 : i + 200) * kPeriod_s;
+    frame.p_S_mm = {i < 10 ? step_mm * i : 20.0, 0.0};
     frame.entity = 0;
   }
-  lit.runs = {{0, 10}, {10, 20}};
+  lit.runs = {{0, 10}, {10, 20}, {20, 21}};
   for (int i = -10; i < 100; ++i) {  // A tenth of a frame each.
     const double from_s = 0.1 * i * kPeriod_s;
     evidence.light.push_back({from_s, from_s + (i < 90 ? 0.5 : last_share) * 0.1 * kPeriod_s});
@@ -208,6 +208,13 @@ TEST(DwellCheck, OfLightBesideARestNoneToAllMayHaveFallenThere) {
   // Half of full power for a frame is what 0.3 mm of the cut get.
   EXPECT_NEAR(check->value, 0.15, 1e-6);
   EXPECT_NEAR(check->guard - all->guard, 0.15, 1e-6);
+}
+
+TEST(DwellCheck, WhatLiesBetweenFramesThatAreFarApartIsNotGuessed) {
+  const Finding fine = cutThenDark(0.5);
+  const Finding check = cutThenDark(1.0, 4.0 * Tolerances{}.dwell_mm);
+  EXPECT_EQ(check->value, 0.0);
+  EXPECT_NEAR(check->guard, fine->guard - fine->value, 1e-9);
 }
 
 TEST(DwellCheck, AFlawlessRunRestsNowhere) {

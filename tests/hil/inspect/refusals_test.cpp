@@ -246,6 +246,12 @@ TEST(Refusals, ALateStampIsFoundByTheSequenceAndAnEarlyOneToo) {
   }
 }
 
+TEST(Refusals, TheFirstFramesStampIsFoundByTheNextFrame) {
+  SyntheticRun run;
+  run.evidence.spot.frames[0].mid_s -= 0.0008;
+  EXPECT_TRUE(tells(run.inspected(), "do not fit the numbers of its frames, first at number 1"));
+}
+
 TEST(Refusals, AStampThatIsLateWithAllThatFollowIsFoundByTheSheet) {
   // Half a frame, and so within what the sequence allows: the sheet is 0.09 mm off, and more with 0.24 m/s.
   SyntheticRun run;

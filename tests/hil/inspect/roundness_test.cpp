@@ -88,6 +88,15 @@ TEST(Roundness, AStepWhereTheLineClosesIsSeen) {
   EXPECT_GT(round.seamSigma(), 0.0);
 }
 
+TEST(Roundness, TheStepIsTheSameWhereverTheLineCloses) {
+  const auto readOf = [](double begin_rad) {
+    Circle circle([](double s) { return 0.01 * s + 0.01 * s * s; }, 5);
+    for (double& angle : circle.kind.angle_rad) angle = std::remainder(angle + begin_rad, kTurn);
+    return Roundness(circle.line, circle.kind.angle_rad, kWindow_rad).asRead();
+  };
+  for (const double begin_rad : {0.25, 0.5, 0.75}) EXPECT_NEAR(readOf(begin_rad * kTurn), readOf(0.0), 1e-4);
+}
+
 TEST(Roundness, WhatTheStepHidesWidensItsIntervalByTwoSigmas) {
   // The same noise, so all else of the interval is the same.
   const auto intervalOf = [](double step_mm) {

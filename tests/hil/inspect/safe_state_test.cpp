@@ -81,6 +81,9 @@ TEST(SafeState, ADarkLaserProvesNothing) {
   const auto result = inspectSafeState(evidence);
   EXPECT_EQ(result.verdict, Verdict::kInvalid);
   EXPECT_THAT(result.problems, ::testing::ElementsAre(::testing::HasSubstr("dark")));
+  // So does one that comes on at that very instant.
+  evidence.gates.push_back({evidence.demand.cause_s, evidence.demand.cause_s + 5e-5});
+  EXPECT_THAT(inspectSafeState(evidence).problems, ::testing::ElementsAre(::testing::HasSubstr("dark")));
 }
 
 TEST(SafeState, ACauseThatNeverCameIsInvalid) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,6 +17,7 @@ namespace kerfbench::inspect {
 namespace {
 
 using namespace testing;
+using ::testing::HasSubstr;
 
 TEST(SpotBesideEveryLine, IsProvenByItsPathAndTellsNoStillness) {
   const auto shifted = [](const Eigen::Vector2d& shift_mm) {
@@ -50,6 +52,19 @@ TEST(SpotProblems, ASheetWhosePlaceIsUnknownMostOfTheTimeIsTold) {
   EXPECT_FALSE(tells(run));
   for (std::size_t i = 0; i < frames.size() * 7 / 10; ++i) frames[i].sheet.clear();
   EXPECT_TRUE(tells(run));
+}
+
+TEST(TopSpeed, OfAStraightCutIsThatOfTheBeam) {
+  const SyntheticRun run;
+  const auto result = run.inspected();
+  int straight = 0;
+  for (const CutResult& cut : result.cuts) {
+    if (cut.entity != kBottom && cut.entity != kTop) continue;
+    EXPECT_NEAR(cut.top_speed_mm_s, 300.0, 2.0 * cut.top_speed_U_mm_s);
+    EXPECT_LT(cut.top_speed_U_mm_s, 30.0);
+    ++straight;
+  }
+  EXPECT_EQ(straight, 2) << "the first cut of each unit";
 }
 
 TEST(StillnessCheck, FindsADriftAlongXAndMeasuresIt) {
@@ -110,7 +125,7 @@ TEST(StillnessCheck, AFirmwareThatIgnoresTheBeltFails) {
   EXPECT_EQ(checkOf(result, "spot_path").verdict, Verdict::kFail);
   EXPECT_EQ(checkOf(result, "stillness_x").verdict, Verdict::kFail)
       << checkOf(result, "stillness_x").explanation;
-  EXPECT_THAT(checkOf(result, "stillness_x").subject, ::testing::HasSubstr("along no drawn line at x"));
+  EXPECT_THAT(checkOf(result, "stillness_x").subject, HasSubstr("along no drawn line at x"));
   EXPECT_EQ(result.verdict, Verdict::kFail);
 }
 
@@ -233,7 +248,9 @@ TEST(PulseTimingCheck, NamesAxisKindAndTimes) {
   const Check& check = checkOf(result, "pulse_timing");
   EXPECT_EQ(check.verdict, Verdict::kFail);
   EXPECT_EQ(check.subject, "galvo_y");
-  EXPECT_NE(check.explanation.find("37 break"), std::string::npos) << check.explanation;
+  EXPECT_THAT(check.explanation, HasSubstr("37 break"));
+  EXPECT_THAT(check.explanation, HasSubstr(fmt::format("Of {} pulses", run.evidence.pulses[0].pulses +
+                                                                           run.evidence.pulses[1].pulses)));
   EXPECT_NE(check.explanation.find("DIR set-up of galvo_y: 0.125 us"), std::string::npos)
       << check.explanation;
 }

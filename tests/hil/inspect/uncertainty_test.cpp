@@ -73,6 +73,16 @@ TEST(Chance, OfSimulationsAgreesWithTheNormalThatTheyWereDrawnFrom) {
   }
 }
 
+TEST(Chance, OfFewSimulationsIsThatOfTheirKernels) {
+  // Sixteen draws, each spread by Silverman's kernel of 1.06 sigma n^-1/5 and drawn in; made with another
+  // program.
+  const std::vector<double> simulated{-2.0, -1.5, -1.2, -0.7, -0.4, -0.1, 0.0, 0.2,
+                                      0.3,  0.5,  0.8,  0.9,  1.1,  1.6,  2.2, 3.0};
+  EXPECT_NEAR(chanceAbove(4.0, 5.0, 0.25, simulated), 0.774126, 1e-5);
+  EXPECT_NEAR(chanceAbove(7.0, 5.0, 0.25, simulated), 0.053608, 1e-5);
+  EXPECT_NEAR(chanceAbove(8.0, 5.0, 0.25, simulated), 0.005619, 1e-5);
+}
+
 /// A reading one standard uncertainty off its limit, on one side or the other.
 Check nearLimit(bool upper, double off) {
   Check check;

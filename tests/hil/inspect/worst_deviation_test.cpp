@@ -46,6 +46,19 @@ TEST(ExtremeBudget, OfALineThatStandsOutIsThatOfThatLine) {
   }
 }
 
+TEST(ExtremeBudget, TellsPoseTableAndCameraApart) {
+  ExtremeLine line = oneReading(0, 0.1, 0.0, 0.0);
+  Eigen::RowVectorXd& shared = line.points[0].shared;
+  shared = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + 1 + kModes);
+  shared[ReadingLine::kLine] = 0.004;
+  shared[ReadingLine::kOwn] = 0.002;
+  shared[ReadingLine::kOwn + 1] = 0.001;
+  const ExtremeBudget budget = extremeBudget({line}, 1);
+  EXPECT_NEAR(budget.u_pose, 0.004, 1e-5);
+  EXPECT_NEAR(budget.u_table, 0.002, 1e-5);
+  EXPECT_NEAR(budget.u_camera, 0.001, 1e-5);
+}
+
 TEST(ExtremeBudget, OneReadingAloneIsNormal) {
   // The largest of one is itself: the grid of its distribution must add nothing to its mean.
   ExtremeLine line = oneReading(0, 0.1, 0.0, 0.0);
@@ -110,6 +123,19 @@ TEST(WorstDeviation, OfTwoLinesThatCompeteItSaysThatTheCorrectionMayBeWrong) {
   // Half normal against normal: the largest rises by 0.8 sigma.
   EXPECT_NEAR(competing.worst_u_competing, 0.8 * 0.002 / std::sqrt(3.0), 2e-4);
   EXPECT_LT(single.worst_u_competing, 0.5 * competing.worst_u_competing) << "noise alone";
+}
+
+TEST(WorstDeviation, OfASingleReadingIsThatReading) {
+  ErrorModel model;
+  ReadingLine& line = model.lines.emplace_back();
+  line.caliper = {0};
+  line.reading_mm = {0.03};
+  line.sigma_mm = {0.001};
+  line.segment = {0, 1};
+  line.shared = Eigen::MatrixXd::Zero(1, ReadingLine::kOwn);
+  const DeviationEstimate all = measureDeviations(model, {LineKind{}}, 0.1, 1).all;
+  EXPECT_NEAR(all.worst.value, 0.03, 2e-4);
+  EXPECT_NEAR(all.worst.U, 0.002, 3e-4);
 }
 
 TEST(WorstDeviation, RmsIsThatOfTheTruthWithoutItsNoise) {

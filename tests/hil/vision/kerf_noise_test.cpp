@@ -73,6 +73,17 @@ TEST(KerfNoise, TheFirstDifferenceOfALineCounts) {
   EXPECT_NEAR(cuts.sigmaAt(0), 0.002, 0.0004) << "the pixels alone would leave " << kPixels_mm;
 }
 
+TEST(KerfNoise, AReadingFarOffIsAStepThoughOneLineIsAllThereIs) {
+  const Cuts cuts(1, 241, 0.25, [](double at_mm) { return at_mm == 30.0 ? 2.0 : 0.002; });
+  EXPECT_NEAR(cuts.sigmaAt(120), 0.002, 0.0015);
+}
+
+TEST(KerfNoise, OfLinesTooShortForADifferenceIsThatOfThePixels) {
+  const Cuts cuts(3, 3, 0.4, [](double) { return 0.002; });
+  EXPECT_GT(cuts.sigmaAt(1), 0.0);
+  EXPECT_LT(cuts.sigmaAt(1), 0.001);
+}
+
 TEST(KerfNoise, IsTheSameFromEitherEndOfALine) {
   // Cuts that are rough over their last third, and others over their first.
   constexpr std::size_t kStations = 301;

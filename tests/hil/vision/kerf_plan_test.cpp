@@ -53,6 +53,18 @@ TEST(KerfPlan, BothLegsOfACornerAreNearIt) {
   EXPECT_FALSE(plan.entities[1].stations.back().near_corner);
 }
 
+TEST(KerfPlan, EndsMeetWithinTwoHundredthsOfAMillimetre) {
+  const auto cornersAt = [](double apart_mm) {
+    dieline::Dieline dieline;
+    dieline.entities.emplace_back().curve = dieline::LineCurve{{-20.0, 0.0}, {0.0, 0.0}};
+    dieline.entities.emplace_back().curve = dieline::LineCurve{{0.0, apart_mm}, {0.0, 20.0}};
+    dieline.entities.back().id = 1;
+    return planKerf(dieline, KerfScanOptions{}).corners.size();
+  };
+  EXPECT_EQ(cornersAt(0.018), 1U);
+  EXPECT_EQ(cornersAt(0.022), 0U);
+}
+
 TEST(KerfPlan, AHoleAsSmallIsMeasuredByItsOwnCalipers) {
   dieline::Dieline dieline;
   dieline.entities.emplace_back().curve = dieline::ArcCurve{{0.0, 0.0}, 0.1, 0.0, 2.0 * std::numbers::pi};

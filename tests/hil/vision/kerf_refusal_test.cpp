@@ -7,12 +7,14 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "hil/dieline/geometry.h"
 #include "hil/vision/kerf/kerf_faults.h"
 #include "tests/hil/vision/kerf_twin.h"
 #include "twin/base/image.h"
+#include "twin/base/random.h"
 
 namespace kerfbench::vision {
 namespace {
@@ -98,6 +100,27 @@ TEST(KerfRefusal, OfManyPicturesTheFirstEightAreNamed) {
     EXPECT_EQ(named, std::min<std::size_t>(count, 8)) << dark;
     EXPECT_EQ(dark.ends_with("…"), count > 8) << dark;
   }
+}
+
+TEST(KerfRefusal, WhatIsTooDarkOrTooBrightHasItsLimit) {
+  const auto told = [](std::uint8_t board, double saturated_share) {
+    GrayImage image(1024, 1024, board);
+    const CounterRandom random(3, 0);
+    std::uint64_t next = 0;
+    for (std::uint8_t& pixel : image.pixels) pixel = random.uniform(next++) < saturated_share ? 255 : pixel;
+    std::vector<TileView> views(1);
+    views[0].background.emplace(image);
+    std::vector<std::string> problems;
+    tellTileFaults(views, 0, kUsualBlur, 1.5, problems);
+    return problems;
+  };
+  using ::testing::Contains;
+  using ::testing::HasSubstr;
+  using ::testing::Not;
+  EXPECT_THAT(told(3, 0.0), Contains(HasSubstr("dark")));
+  EXPECT_THAT(told(4, 0.0), Not(Contains(HasSubstr("dark"))));
+  EXPECT_THAT(told(30, 0.022), Contains(HasSubstr("saturated")));
+  EXPECT_THAT(told(30, 0.018), Not(Contains(HasSubstr("saturated"))));
 }
 
 TEST(KerfRefusal, TheBlurOfAnEdgeIsThatOfTheCamera) {

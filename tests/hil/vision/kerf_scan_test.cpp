@@ -318,6 +318,25 @@ TEST_F(KerfScanTest, PicturesThatContradictEachOtherAreNamed) {
   }
 }
 
+TEST(KerfScan, OneCaliperOutsideOfThePicturesIsTold) {
+  Workpiece work;
+  work.dieline.entities.resize(1);
+  work.dieline.entities[0].curve = line({38.0, 13.0}, {44.5, 13.0});
+  work.options.station_pitch_mm = 3.3;
+  EXPECT_THAT(work.scan(work.tiles()).problems,
+              ::testing::Contains(::testing::HasSubstr("1 of 3 calipers of E0 lie outside the tiles")));
+}
+
+TEST(KerfScan, ALineOfTwoStationsIsNoStrayCut) {
+  Workpiece work;
+  work.dieline.entities.resize(1);
+  work.dieline.entities[0].curve = line({18.0, 13.0}, {20.0, 13.0});
+  work.options.station_pitch_mm = 3.0;
+  const KerfScan scan = work.scan(work.tiles());
+  ASSERT_EQ(scan.entities.at(0).calipers.size(), 2U);
+  EXPECT_TRUE(scan.strays.empty());
+}
+
 TEST_F(KerfScanTest, TwoMarksTellWhereTheSheetLies) {
   Workpiece other = *work_;
   other.print.marks = {work_->print.marks.front(), work_->print.marks.back()};

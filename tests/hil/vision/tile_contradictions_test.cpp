@@ -77,6 +77,31 @@ TEST(TileContradictions, OneStationThatOnlyOnePictureShowsContradicts) {
   EXPECT_THAT(work.scan(traces).problems, ::testing::Not(kContradict));
 }
 
+TEST(TileContradictions, AtTheSecondStationOfALineAsAnywhere) {
+  const Workpiece work = linesWithGaps();
+  EXPECT_THAT(
+      work.scan(withPatch(work, work.tiles(), 4.0 + work.options.station_pitch_mm, test::kBoard)).problems,
+      kContradict);
+}
+
+TEST(TileContradictions, AKerfThatIsWiderToOneSideInOnePictureContradicts) {
+  const Workpiece work = linesWithGaps();
+  for (const double side : {-1.0, 1.0}) {
+    std::vector<camera::KerfTile> tiles = work.tiles();
+    const Eigen::Vector2d beside_S(20.9 + side * 0.5 * test::kWidthMm, 5.0);
+    const Eigen::Vector2d p_V = work.tableFromSheet(beside_S) - tiles[0].p_TV_mm;
+    const Eigen::Vector2d at = work.camera.pixelIfSeen(p_V, 0.0).value();
+    const int half = static_cast<int>(0.5 * work.options.station_pitch_mm / test::kPitchMm);
+    for (int row = -half; row <= half; ++row) {
+      for (int column = -1; column <= 1; ++column) {
+        tiles[0].image.at(static_cast<int>(at.x()) + column, static_cast<int>(at.y()) + row) =
+            static_cast<std::uint8_t>(test::kOpen);
+      }
+    }
+    EXPECT_THAT(work.scan(tiles).problems, kContradict) << side;
+  }
+}
+
 /// Cuts that no one ordered cross the lines at a few degrees: for a millimetre and more two kerfs run
 /// together.
 Workpiece linesCrossedAslant(double slope) {
