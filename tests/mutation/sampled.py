@@ -4,9 +4,11 @@
 each, and sees whether the tests notice.
 
 places.py has the rule. The list of places is cut into as many equal stretches as mutants are asked for, and one place of
-each stretch is drawn: the same seed and the same sources give the same mutants. RESULTS_SAMPLED.md is written anew after
-each mutant; with --only or --missing the rows of the mutants that were tried, and its figures stay as old as the rows that
-are kept.
+each stretch is drawn: the same seed and the same sources give the same mutants. Other sources give others, nearly all of
+them; --again tries those that RESULTS_SAMPLED.md has, as far as their places are still there, so that a sample is finished
+whose tests, or whose faults of the bench, changed what it was drawn from. RESULTS_SAMPLED.md is written anew after each
+mutant; with --only or --missing the rows of the mutants that were tried, and its figures stay as old as the rows that are
+kept.
 --asserting compiles the mutant with the assertions of the standard library and of Eigen, as the tests under sanitizers have
 them: for mutants that read beyond an end.
 A mutant that computes the same as the original can be killed by no test, and is left out of the score (Jia and Harman 2011,
@@ -115,6 +117,13 @@ def sample(found, count, seed):
     if len({m.name for m in chosen}) != len(chosen):
         raise Broken("two mutants have one name")
     return chosen
+
+
+def named(found, names):
+    """Mutants of these names, as they are found now."""
+    known = {f"{place.name_of}.{places.WORDS.get(put, put)}": (place, put) for place in found for put in place.puts}
+    return [Mutant(name, known[name][0].file, known[name][0].offset, known[name][0].text, known[name][1],
+                   known[name][0].line) for name in names if name in known]
 
 
 def changed_text(root, mutant):
@@ -296,7 +305,7 @@ def fault_of(mutant):
     return f"{quoted(mutant.text)} → {quoted(mutant.put)}" if mutant.put else f"{quoted(mutant.text)} left out"
 
 
-def write_page(mutants, cells, found, folders, seed, made_with):
+def write_page(mutants, cells, found, folders, drawn, made_with):
     known = [m for m in mutants if m.name in cells]
     kinds = collections.Counter("comparisons" if p.text in places.COMPARISONS else "signs" if p.text in places.SIGNS else
                                 "connectives" if p.text in places.CONNECTIVES else "constants" for p in found)
@@ -307,7 +316,7 @@ def write_page(mutants, cells, found, folders, seed, made_with):
         "# Mutation of the judge by rule", "",
         f"The rule of `places.py` finds {len(found)} places in {', '.join(folders)}: "
         f"{', '.join(f'{n} {kind}' for kind, n in kinds.most_common())}. Of them, {len(mutants)} were drawn evenly with "
-        f"seed {seed}; {len(known)} have been tried.",
+        f"{drawn}; {len(known)} have been tried.",
         "", mutate.summary(list(own.values()))[0] +
         f" SURVIVORS_SAMPLED.md explains {explained} of those that survived.", "", score(own)[0], "", made_with, "",
         "The last column names the first test that failed; tests run from cheap to dear.", ""]
@@ -367,6 +376,7 @@ def parsed():
                         help="build folder with the tests built")
     parser.add_argument("--sample", type=int, required=True, metavar="N", help="mutants to draw")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--again", action="store_true", help="the mutants of RESULTS_SAMPLED.md instead of a new draw")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these mutants; shell patterns are understood")
     parser.add_argument("--missing", action="store_true", help="only those that RESULTS_SAMPLED.md has no row of")
     parser.add_argument("--first", nargs="+", default=[], metavar="FILE:TEST",
@@ -393,7 +403,7 @@ def main():
     found = all_places(build, rule["folders"])
     if options.sample > len(found):
         parser.error(f"there are only {len(found)} places")
-    mutants = sample(found, options.sample, options.seed)
+    mutants = named(found, rows()) if options.again else sample(found, options.sample, options.seed)
     if options.dry_run:
         for m in mutants:
             print(f"{m.file}:{m.line}: {m.name}")
@@ -403,22 +413,24 @@ def main():
     chosen = [m for m in mutants if not options.only or any(fnmatch.fnmatchcase(m.name, p) for p in options.only)]
     chosen = [m for m in chosen if not options.missing or m.name not in cells]
 
+    drawn = f"seed {options.seed}{' from an earlier state of the sources' if options.again else ''}"
     made_with = mutate.stamp.line_of(
-        "sampled", f"seed {options.seed}", f"./bench mutate --sample {options.sample} --seed {options.seed}")
+        "sampled", f"seed {options.seed}",
+        f"./bench mutate --sample {options.sample} --seed {options.seed}{' --again' if options.again else ''}")
     of_before = mutate.stamp.line_with_rows_kept(made_with, PAGE)
     kept = set(cells)  # Rows of an earlier run.
 
     def keep(mutant, outcome):
         cells[mutant.name] = mutate.cell_of(outcome)
         kept.discard(mutant.name)
-        write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
+        write_page(mutants, cells, found, rule["folders"], drawn, of_before if kept else made_with)
 
     bench = Bench(build, rule["suite"], chosen, options.first, options.asserting, options.jobs)
     try:
         bench.try_all(chosen, keep)
     finally:
         bench.close()
-    write_page(mutants, cells, found, rule["folders"], options.seed, of_before if kept else made_with)
+    write_page(mutants, cells, found, rule["folders"], drawn, of_before if kept else made_with)
     print(mutate.summary(list(cells.values()))[0])
     print(score(cells)[0])
     faults = judge(cells)
