@@ -42,7 +42,12 @@ TEST(ModeField, ShiftsPointsAsTheCalibrationDoes) {
 
 TEST(ModeField, HasTheCalibrationsOwnShiftsAtTheCornersOfItsArea) {
   const SyntheticRun run;
-  const vision::CameraCalibration& camera = *run.evidence.kerf_calibration;
+  vision::CameraCalibration camera = *run.evidence.kerf_calibration;
+  for (const Eigen::Index parameter : {0, 1, 4}) {  // Both focal lengths, and how the lens distorts.
+    auto& mode = camera.error_modes.at(parameter == 4 ? 2U : static_cast<std::size_t>(parameter));
+    mode.setZero();
+    mode[parameter] = parameter == 4 ? 0.01 : 1.0;
+  }
   const ModeField field(camera);
   using Corner = Eigen::AlignedBox2d::CornerType;
   for (const Corner which : {Corner::BottomLeft, Corner::BottomRight, Corner::TopLeft, Corner::TopRight}) {

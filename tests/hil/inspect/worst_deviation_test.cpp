@@ -79,6 +79,21 @@ TEST(ExtremeBudget, LinesThatMoveTogetherAreHardlyLargerThanOne) {
   EXPECT_NEAR(bias(0), 0.0005 / std::sqrt(std::numbers::pi), 2e-5);
 }
 
+TEST(ExtremeBudget, ALineThatMovesWithAnotherHardlyRaisesTheLargest) {
+  // Each line has a cause of its own, but for two that have one together.
+  const auto line = [](Eigen::Index cause, double u_mm) {
+    ExtremeLine one = oneReading(0, 0.1, 0.0, 0.0);
+    one.points[0].shared = Eigen::RowVectorXd::Zero(ReadingLine::kOwn + 4);
+    one.points[0].shared[ReadingLine::kOwn + cause] = u_mm;
+    return one;
+  };
+  const std::vector<ExtremeLine> apart{line(0, 0.004), line(1, 0.004), line(2, 0.002)};
+  std::vector<ExtremeLine> more = apart;
+  more.push_back(line(2, 0.002));
+  const double raised_mm = extremeBudget(more).extreme_bias - extremeBudget(apart).extreme_bias;
+  EXPECT_LT(raised_mm, 0.0005 / std::sqrt(std::numbers::pi));
+}
+
 TEST(ExtremeBudget, WhatOppositeSidesShareMakesOneOfThemLarger) {
   // The larger of m + e and m - e is m + |e|: half normal.
   constexpr double kShared_mm = 0.004;

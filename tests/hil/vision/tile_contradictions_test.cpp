@@ -2,6 +2,7 @@
 // Pictures of one sheet may show the end of a cut a little apart, and nothing else.
 #include "hil/vision/scan/tile_contradictions.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -88,15 +89,13 @@ TEST(TileContradictions, AKerfThatIsWiderToOneSideInOnePictureContradicts) {
   const Workpiece work = linesWithGaps();
   for (const double side : {-1.0, 1.0}) {
     std::vector<camera::KerfTile> tiles = work.tiles();
-    const Eigen::Vector2d beside_S(20.9 + side * 0.5 * test::kWidthMm, 5.0);
+    const Eigen::Vector2d beside_S(20.9 + side * (0.5 * test::kWidthMm + 0.5 * test::kPitchMm), 5.0);
     const Eigen::Vector2d p_V = work.tableFromSheet(beside_S) - tiles[0].p_TV_mm;
     const Eigen::Vector2d at = work.camera.pixelIfSeen(p_V, 0.0).value();
     const int half = static_cast<int>(0.5 * work.options.station_pitch_mm / test::kPitchMm);
     for (int row = -half; row <= half; ++row) {
-      for (int column = -1; column <= 1; ++column) {
-        tiles[0].image.at(static_cast<int>(at.x()) + column, static_cast<int>(at.y()) + row) =
-            static_cast<std::uint8_t>(test::kOpen);
-      }
+      tiles[0].image.at(static_cast<int>(std::lround(at.x())), static_cast<int>(at.y()) + row) =
+          static_cast<std::uint8_t>(test::kOpen);
     }
     EXPECT_THAT(work.scan(tiles).problems, kContradict) << side;
   }
