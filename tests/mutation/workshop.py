@@ -31,6 +31,14 @@ def run(command, cwd, timeout_s=None, temporary=None):
                           errors="replace", timeout=timeout_s, check=False, env=environment)
 
 
+def without_precompiled(words):
+    """A command that reads headers as text, as one must whose macros are not those that headers were compiled with."""
+    words = [word for word in words if word != "-Winvalid-pch"]
+    clang = ["-Xclang", "-include-pch", "-Xclang"]
+    return [word for i, word in enumerate(words)
+            if not any(words[i - k:i - k + 3] == clang for k in range(4) if i >= k)]
+
+
 class Build:
     """What a build folder knows: how to compile each source, how to link each test program."""
 
@@ -175,8 +183,8 @@ class Workshop:
         words[words.index(source)] = os.path.join(self.folder, "overlay", relative) if changed else member
         words[words.index("-o") + 1] = out = os.path.join(
             self.folder, re.sub(r"[^\w.]", "_", relative) + (".changed.o" if changed else ".o"))
-        if changed and self.asserting:  # The precompiled header knows no assertions.
-            words = [w for w in words if w != "-Winvalid-pch"] + ["-UNDEBUG", "-D_GLIBCXX_ASSERTIONS"]
+        if changed and self.asserting:
+            words = without_precompiled(words) + ["-UNDEBUG", "-D_GLIBCXX_ASSERTIONS"]
         result = run(words, self.build.folder)
         if result.returncode != 0:
             raise Refused(result.stdout) if changed else Broken(f"{member} does not compile alone:\n{result.stdout}")
